@@ -1,0 +1,1 @@
+"""What the particles meet besides each other: the plane of the chute, the belt, the obstacle."""

@@ -1,0 +1,38 @@
+"""The family of frictional laws with a memory: spheres that rotate, in three dimensions."""
+
+from sim.compile import implements
+
+#: Numbers that a contact keeps: the tangential force (3) and four of the law's own.
+MEMORY = 7
+
+
+def contact_force(law, overlap, normal, slip, memory):
+    """Advance one contact by one time step.
+
+    Parameters
+    ----------
+    law : NamedTuple
+        The parameters of the law; its type selects the body.
+    overlap : float
+        Overlap of the two surfaces (m), positive in contact.
+    normal : tuple of 3 floats
+        Unit vector from sphere i to its partner j.
+    slip : tuple of 3 floats
+        Displacement (m) of the surface of j relative to that of i during the step, within the
+        tangent plane.
+    memory : tuple of 7 floats
+        What the contact remembers; all zeros for a new one.
+
+    Returns
+    -------
+    normal_force : float
+        Repulsion (N), never negative; the force on i is ``-normal_force * normal``.
+    tangential_force : tuple of 3 floats
+        Force (N) on i within the tangent plane; j feels the opposite.
+    memory : tuple of 7 floats
+        The memory for the next step.
+    """
+    raise NotImplementedError(type(law).__name__)
+
+
+__all__ = ["MEMORY", "contact_force", "implements"]

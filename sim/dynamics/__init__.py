@@ -1,0 +1,1 @@
+"""The particle engine: neighbor list, force passes, integrators, orientation."""

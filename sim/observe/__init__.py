@@ -1,0 +1,1 @@
+"""What is measured: profiles, regimes, and the file that a run leaves behind."""

@@ -1,0 +1,154 @@
+"""The netCDF file of one run: all replicates of a point, in SI units, with CF attributes."""
+
+import os
+from pathlib import Path
+
+import netCDF4
+import numpy as np
+
+from sim.observe.recorder import Record
+from sim.parameters import Parameters, canonical, field_info
+
+#: Unit and long name of the scalars per replicate.
+SCALARS = {
+    "velocity": ("m s-1", "mean velocity over the averaging window"),
+    "velocity_error": ("m s-1", "standard error of the mean velocity, from block means"),
+    "acceleration": ("m s-2", "trend of the mean velocity over the averaging window"),
+    "acceleration_error": ("m s-2", "standard error of the trend"),
+    "regime": ("", "steady, accelerating, arrested or undetermined"),
+    "max_overlap": ("1", "largest overlap of the whole run"),
+    "base_normal": ("N", "mean normal force on the plane over the averaging window"),
+    "base_shear": ("N", "mean shear force on the plane over the averaging window"),
+    "status": ("", "completed or failed"),
+    "reason": ("", "why the replicate failed"),
+    "steps": ("1", "time steps computed"),
+    "wall_time": ("s", "wall time"),
+    "replicate_seed": ("1", "number that, with the seed, starts the random generator"),
+}
+
+PROFILES = {
+    "velocity_profile": ("m s-1", "mean velocity along x"),
+    "packing_profile": ("1", "packing fraction"),
+    "number_density": ("m-2", "number of bead centres per area"),
+    "granular_temperature_profile": ("m2 s-2", "granular temperature, mean of the directions"),
+    "vertical_temperature_profile": ("m2 s-2", "granular temperature of the vertical direction"),
+}
+
+SNAPSHOTS = {
+    "position": ("m", "position of the centre", ("frame", "particle", "axis")),
+    "particle_velocity": ("m s-1", "velocity of the centre", ("frame", "particle", "axis")),
+    "particle_spin": ("s-1", "angular velocity", ("frame", "particle", "axis")),
+    "orientation": (
+        "1",
+        "orientation quaternion (w, x, y, z)",
+        ("frame", "particle", "quaternion"),
+    ),
+    "radius": ("m", "radius", ("particle",)),
+}
+
+
+def write(path: Path, parameters: Parameters, records: list[Record], layout, attributes) -> None:
+    """Write a run file under a temporary name and rename it when it is complete.
+
+    Parameters
+    ----------
+    path : Path
+        The file; one that exists is replaced.
+    parameters : Parameters
+        Stored as scalar variables with their units.
+    records : list of Record
+        One per replicate.
+    layout : Layout
+        Times, heights and the names and units of the series.
+    attributes : dict
+        Global attributes.
+    """
+    temporary = path.with_name(f".{path.name}.{os.getpid()}.part")
+    try:
+        with netCDF4.Dataset(temporary, "w") as file:
+            file.setncatts(attributes)
+            _write_parameters(file, parameters)
+            _write_axes(file, records, layout)
+            _write_records(file, records, layout)
+        temporary.replace(path)
+    finally:
+        temporary.unlink(missing_ok=True)
+
+
+def _put(file, name, dimensions, values, unit="", long_name=""):
+    """Create one variable; texts and numbers alike."""
+    values = np.asarray(values)
+    text = values.dtype.kind in "UO"
+    kind = str if text else ("i8" if values.dtype.kind in "ib" else "f8")
+    options = {} if text or not dimensions else {"zlib": True, "complevel": 1, "shuffle": True}
+    variable = file.createVariable(name, kind, dimensions, **options)
+    if unit:
+        variable.units = unit
+    if long_name:
+        variable.long_name = long_name
+    if text and not dimensions:
+        variable[0] = str(values)
+    else:
+        variable[:] = values.astype(object) if text else values
+    return variable
+
+
+def _write_parameters(file, parameters):
+    rows = field_info(parameters)
+    for name, value in canonical(parameters).items():
+        row = rows[name]
+        variable = _put(file, name, (), value, row.unit, row.description)
+        if row.scale:
+            variable.comment = f"multiple of {row.scale}"
+    _put(file, "particles", (), parameters.particles, "1", "number of particles")
+    _put(file, "time_step", (), parameters.time_step, "s", "time step")
+
+
+def _write_axes(file, records, layout):
+    first = records[0].snapshots
+    file.createDimension("replicate", len(records))
+    file.createDimension("time", len(layout.time))
+    file.createDimension("height", len(layout.height))
+    file.createDimension("frame", 2)
+    file.createDimension("particle", first["position"][0].shape[0])
+    file.createDimension("axis", first["position"][0].shape[1])
+    file.createDimension("quaternion", 4)
+    _put(file, "replicate", ("replicate",), np.arange(len(records)), "1", "number of the replicate")
+    _put(file, "time", ("time",), layout.time, "s", "time since the end of settling").axis = "T"
+    height = _put(
+        file, "height", ("height",), layout.height, "m", "height of the slice above the base"
+    )
+    height.axis, height.positive = "Z", "up"
+    _put(file, "frame", ("frame",), np.array(["first", "last"]), "", "first or last state")
+    _put(file, "axis", ("axis",), np.array(layout.axes), "", "direction")
+    _put(
+        file,
+        "average_start",
+        (),
+        layout.average_start,
+        "s",
+        "time at which the averaging window begins",
+    )
+
+
+def _write_records(file, records, layout):
+    for name, (unit, long_name) in layout.series.items():
+        values = np.stack([record.series[name] for record in records])
+        _put(file, name, ("replicate", "time"), values, unit, long_name)
+    for name in records[0].profiles:
+        unit, long_name = PROFILES[name.removesuffix("_instantaneous")]
+        when = "last sample" if name.endswith("_instantaneous") else "average of the window"
+        values = np.stack([record.profiles[name] for record in records])
+        _put(file, name, ("replicate", "height"), values, unit, f"{long_name}, {when}")
+    for name, frames in records[0].snapshots.items():
+        unit, long_name, dimensions = SNAPSHOTS[name]
+        if not frames[0].size:
+            continue
+        both = [
+            r.snapshots[name] if dimensions[0] == "frame" else r.snapshots[name][0] for r in records
+        ]
+        _put(file, name, ("replicate", *dimensions), np.array(both), unit, long_name)
+    for name in records[0].scalars:
+        unit, long_name = SCALARS[name]
+        values = np.array([record.scalars[name] for record in records])
+        _put(file, name, ("replicate",), values, unit, long_name)

@@ -1,0 +1,173 @@
+"""One point -> one netCDF file: settle, transient, averaging window, for every replicate."""
+
+import logging
+import platform
+import shlex
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+
+import numpy as np
+from tqdm import tqdm
+
+from sim import __version__
+from sim.dynamics.status import BlowUp
+from sim.observe.recorder import Record, Recorder
+from sim.observe.run_file import write
+from sim.parameters import Parameters, point_id
+from sim.provenance import library_versions, source_hash
+from sim.systems import System, build
+
+log = logging.getLogger("talus")
+
+#: Exit code of a run that was stopped by a blow-up; its file says why.
+BLOWN_UP = 3
+
+#: Seconds between two log lines about progress where there is no terminal.
+LOG_INTERVAL = 30.0
+
+
+@dataclass(frozen=True)
+class Layout:
+    """What the replicates of a run have in common.
+
+    ``time`` (T,) end of each sample interval (s), ``average_start`` (s), ``height`` (H,) centres of
+    the slices (m), ``series`` name -> (unit, long name), ``axes`` names of the directions.
+    """
+
+    time: np.ndarray
+    average_start: float
+    height: np.ndarray
+    series: dict[str, tuple[str, str]]
+    axes: tuple[str, ...]
+
+
+def run_point(
+    parameters: Parameters, output: Path, quiet: bool = False, record_failure: bool = False
+) -> int:
+    """Run all replicates of a point and write its file.
+
+    Parameters
+    ----------
+    parameters : Parameters
+        The point.
+    output : Path
+        The netCDF file; it appears, complete, at the end.
+    quiet : bool
+        No progress.
+    record_failure : bool
+        Count a blow-up as a result: the file says what happened and the exit code is 0.
+
+    Returns
+    -------
+    int
+        Exit code: 0, or 3 when a replicate blew up.
+    """
+    started = time.perf_counter()
+    records = []
+    total = parameters.replicates * parameters.steps
+    with _progress(total, point_id(parameters), quiet) as advanced:
+        for replicate in range(parameters.replicates):
+            system = build(parameters, replicate)
+            records.append(_run_replicate(system, parameters, replicate, advanced))
+    wall = time.perf_counter() - started
+    write(
+        output,
+        parameters,
+        records,
+        _layout(parameters, system),
+        _attributes(parameters, records, wall),
+    )
+    reasons = [record.scalars["reason"] for record in records if record.scalars["reason"]]
+    for reason in reasons:
+        log.warning("%s: %s", point_id(parameters), reason)
+    return BLOWN_UP if reasons and not record_failure else 0
+
+
+def _run_replicate(system: System, parameters: Parameters, replicate: int, advanced) -> Record:
+    """Run one replicate to its end or to its blow-up."""
+    started = time.perf_counter()
+    recorder = Recorder(system, parameters.transient_samples, parameters.average_samples)
+    failure = ""
+    try:
+        system.settle()
+        recorder.take_snapshot()
+        while recorder.taken < recorder.total:
+            recorder.take(system.advance())
+            advanced(parameters.sample_steps)
+    except BlowUp as error:
+        failure = str(error)
+        if not recorder.record.snapshots:
+            recorder.take_snapshot()
+    recorder.take_snapshot()
+    interval = parameters.sample_steps * parameters.time_step
+    record = recorder.finish(interval, failure)
+    record.scalars |= {
+        "steps": recorder.taken * parameters.sample_steps,
+        "wall_time": time.perf_counter() - started,
+        "replicate_seed": replicate,
+    }
+    return record
+
+
+def _layout(parameters: Parameters, system: System) -> Layout:
+    interval = parameters.sample_steps * parameters.time_step
+    samples = parameters.transient_samples + parameters.average_samples
+    return Layout(
+        time=np.arange(1, samples + 1) * interval,
+        average_start=parameters.transient_samples * interval,
+        height=system.profile_height,
+        series=system.series,
+        axes=("x", "y", "z") if parameters.system == "chute" else ("x", "z"),
+    )
+
+
+def _attributes(parameters: Parameters, records: list[Record], wall: float) -> dict:
+    """Return the global attributes: what this is and how it was made."""
+    failed = [record.scalars["reason"] for record in records if record.scalars["reason"]]
+    versions = " ".join(f"{name} {number}" for name, number in library_versions().items())
+    return {
+        "Conventions": "CF-1.11",
+        "title": f"Talus run {point_id(parameters)}",
+        "system": parameters.system,
+        "point_id": point_id(parameters),
+        "engine_version": __version__,
+        "source_hash": source_hash(),
+        "created": datetime.now(UTC).isoformat(timespec="seconds"),
+        "versions": versions,
+        "machine": platform.machine(),
+        "command": shlex.join(["python", "-m", "sim", *sys.argv[1:]]),
+        "status": "failed" if failed else "completed",
+        "reason": "; ".join(failed),
+        "steps": sum(record.scalars["steps"] for record in records),
+        "wall_time": wall,
+    }
+
+
+@contextmanager
+def _progress(total: int, name: str, quiet: bool) -> Iterator:
+    """Yield a function that is told of every advance: a bar on a terminal, log lines elsewhere."""
+    bar = tqdm(
+        total=total,
+        desc=name,
+        unit="step",
+        unit_scale=True,
+        disable=quiet or not sys.stderr.isatty(),
+    )
+    done, last = 0, time.perf_counter()
+
+    def advanced(steps: int) -> None:
+        nonlocal done, last
+        done += steps
+        bar.update(steps)
+        now = time.perf_counter()
+        if bar.disable and not quiet and now - last > LOG_INTERVAL:
+            last = now
+            log.info("%s: %.0f %% of %d steps", name, 100.0 * done / total, total)
+
+    with bar:
+        yield advanced

@@ -1,0 +1,49 @@
+"""The two systems: parameters -> particles, law, boundary, integrator and what to observe."""
+
+from typing import Protocol
+
+import numpy as np
+
+from sim.observe.profiles import Profile
+from sim.observe.regime import Scales
+from sim.parameters import BeltParameters, Parameters
+
+
+class System(Protocol):
+    """One replicate in motion: what ``sim.run`` needs of a system.
+
+    ``series`` maps the names of the time series to (unit, long name); ``profile_height`` (H,) are
+    the centres of the profiles' slices (m); ``scales`` and ``period`` (samples) serve the analysis
+    of the velocity's trend.
+    """
+
+    series: dict[str, tuple[str, str]]
+    profile_height: np.ndarray
+    scales: Scales
+    period: int
+
+    def settle(self) -> None:
+        """Bring the initial state to rest where the paper does; raise ``BlowUp`` when it fails."""
+
+    def advance(self) -> dict[str, float]:
+        """Advance to the next sample and return a value per time series; may raise ``BlowUp``."""
+
+    def sample_profiles(self) -> tuple[Profile, ...]:
+        """Return the profiles of the present state as sums that can be added up."""
+
+    def profiles(self, sums: tuple[Profile, ...]) -> dict[str, np.ndarray]:
+        """Turn sums of profiles into named arrays (H,)."""
+
+    def snapshot(self) -> dict[str, np.ndarray]:
+        """Return positions, velocities and what else a picture needs."""
+
+
+def build(parameters: Parameters, replicate: int) -> System:
+    """Return replicate number ``replicate`` (from 0) of a point in its initial state."""
+    if isinstance(parameters, BeltParameters):
+        from sim.systems.belt import Belt
+
+        return Belt(parameters, replicate)
+    from sim.systems.chute import Chute
+
+    return Chute(parameters, replicate)

@@ -1,0 +1,231 @@
+"""The vibrating belt of Gallas, Herrmann and Sokolowski: beads on a line that shakes."""
+
+from math import pi, radians, sqrt, tan
+
+import numpy as np
+
+from sim.boundary.belt import Belt as BeltMotion
+from sim.boundary.belt import belt_state
+from sim.boundary.obstacle import Obstacle
+from sim.contact.spring_damping import spring_damping
+from sim.dynamics import shaking
+from sim.dynamics.disks import make_disks
+from sim.dynamics.gear import Gear, Verlet, restarted
+from sim.dynamics.neighbors import empty_pair_list, grown, make_box
+from sim.dynamics.status import LIST_FULL, OK, REASONS, BlowUp
+from sim.observe.profiles import AREA, CENTRE, Profile, add_sample, empty_profile
+from sim.observe.regime import Scales
+from sim.parameters import BeltParameters
+from sim.systems.packing import random_packing
+
+#: Skin of the neighbor list in mean diameters.
+SKIN = 0.3
+
+#: Area fraction of the random initial state; random sequential addition saturates near 0.55.
+INITIAL_PACKING = 0.3
+
+#: Slices of the profiles, one mean diameter each.
+SLICES = 80
+
+#: Time steps per collision of the lightest pair while the bed settles.
+SETTLING_STEPS = 20
+
+#: Simulated time (s) after which a bed that still moves is given up.
+SETTLING_LIMIT = 30.0
+
+
+class Belt:
+    """One replicate of beads on the belt in motion."""
+
+    series = {
+        "mean_velocity": ("m s-1", "mean velocity of the beads along the belt"),
+        "mass_flux": ("kg s-1", "mass flux along the belt"),
+        "kinetic_energy": ("J", "kinetic energy of the beads"),
+        "height_of_mass": ("m", "height of the centre of mass above the mean belt position"),
+        "contact_number": ("1", "contacts per bead, those with belt and obstacle included"),
+        "largest_overlap": ("1", "largest overlap since the last sample, per sum of radii"),
+        "belt_phase": ("rad", "phase of the belt's vibration"),
+    }
+
+    def __init__(self, parameters: BeltParameters, replicate: int):
+        self.parameters = p = parameters
+        rng = np.random.default_rng([p.seed, replicate])
+        spread = p.diameter_spread * p.diameter
+        diameter = rng.uniform(p.diameter - spread, p.diameter + spread, p.beads)
+        mass = p.mass * (diameter / p.diameter) ** 2
+        width = p.width * p.diameter
+        self.box = make_box(width, 0.0)
+        layer = (pi / 4.0 * diameter**2).sum() / (INITIAL_PACKING * width)
+        height = max(layer, p.diameter + spread)
+        position = random_packing(self.box, height, 0.5 * diameter, rng)
+        self.fall_time = sqrt(2.0 * (height + p.diameter) / p.gravity)
+        self.settling_step = self._settling_step()
+        position[:, 1] += self._lift(position, diameter)
+        self.disks = make_disks(
+            position, np.zeros_like(position), 0.5 * diameter, mass, self.settling_step
+        )
+        self.pairs = empty_pair_list(p.beads, 2, SKIN * p.diameter)
+        self.law = spring_damping(
+            p.stiffness * p.gravity * p.mass / p.diameter,
+            p.damping * p.gravity,
+            p.shear_damping * p.gravity,
+            p.damping_mass,
+            p.attraction,
+        )
+        self.obstacle = Obstacle(
+            x=0.5 * width,
+            z=p.amplitude * p.diameter,
+            radius=0.5 * p.obstacle * p.diameter,
+        )
+        self.motion = self._motion(2.0 * pi * p.frequency)
+        self.integrator = self._integrator(p.time_step)
+        self.loop = shaking.make_shaking()
+        amplitude = self.motion.amplitude_x or self.motion.amplitude_z
+        arrested = 0.01 * max(amplitude, 0.01 * p.diameter) * 2.0 * pi * p.frequency
+        self.scales = Scales(arrested, acceleration=0.0, drift=0.1)
+        self.period = p.samples_per_cycle
+        self.profile_height = (np.arange(SLICES) + 0.5) * p.diameter
+
+    def _lift(self, position: np.ndarray, diameter: np.ndarray) -> float:
+        """Return how far to raise the beads so that none overlaps the belt or the obstacle."""
+        p = self.parameters
+        belt = self._motion(0.0)
+        lift = belt_state(belt, 0.0)[0] + belt.surface
+        if p.obstacle > 0.0:
+            lift = max(lift, (p.amplitude + 0.5 * p.obstacle) * p.diameter)
+        return lift
+
+    def _motion(self, angular_frequency: float) -> BeltMotion:
+        """Return the belt vibrating at this frequency (1/s), or at rest in its initial phase."""
+        p = self.parameters
+        amplitude = p.amplitude * p.diameter
+        # Not tan(90°), which rounds to a finite number: a vertical vibration has A_x = 0.
+        slope = tan(radians(p.vibration_angle)) if p.vibration_angle < 90.0 else np.inf
+        surface = 0.5 * p.diameter if p.belt_ghost == "centred" else 0.0
+        return BeltMotion(
+            amplitude / slope, amplitude, float(angular_frequency), radians(p.phase), surface
+        )
+
+    def _integrator(self, time_step: float):
+        kind = {"gear": Gear, "verlet": Verlet}[self.parameters.integrator]
+        return kind(float(time_step))
+
+    def _settling_step(self) -> float:
+        """Return a time step (s) that resolves a collision of the two lightest possible beads."""
+        p = self.parameters
+        lightest = p.mass * (1.0 - p.diameter_spread) ** 2
+        stiffness = p.stiffness * p.gravity * p.mass / p.diameter
+        return pi * sqrt(0.5 * lightest / stiffness) / SETTLING_STEPS
+
+    def settle(self) -> None:
+        """Let the beads fall onto the resting belt until their mean squared velocity is small."""
+        p, step = self.parameters, self.settling_step
+        belt, integrator = self._motion(0.0), self._integrator(step)
+        stretch = max(1, int(self.fall_time / step))
+        while not self._at_rest(step):
+            if self.loop.step[0] * step > SETTLING_LIMIT:
+                raise BlowUp(
+                    f"the bed is not at rest after {SETTLING_LIMIT:g} s: mean squared velocity "
+                    f"{self._speed_squared(step):.3g} m2/s2, wanted {p.settle_velocity_squared:g}"
+                )
+            self._run(integrator, belt, stretch, "while the bed settles")
+            stretch = max(1, int(0.01 / step))
+        restarted(self.disks.taylor, step, p.time_step)
+        self.loop = shaking.make_shaking()
+
+    def _speed_squared(self, step: float) -> float:
+        return float(((self.disks.taylor[1] / step) ** 2).sum(axis=1).mean())
+
+    def _at_rest(self, step: float) -> bool:
+        """Return whether the bed has fallen and its mean squared velocity is small enough."""
+        fallen = self.loop.step[0] > 0
+        return fallen and self._speed_squared(step) < self.parameters.settle_velocity_squared
+
+    def _run(self, integrator, belt, steps: int, where: str) -> None:
+        p, loop = self.parameters, self.loop
+        target = loop.step[0] + steps
+        status = LIST_FULL
+        while status == LIST_FULL:
+            status = shaking.advance(
+                self.law,
+                integrator,
+                self.disks,
+                self.pairs,
+                belt,
+                self.obstacle,
+                self.box,
+                loop,
+                p.gravity,
+                p.overlap_limit,
+                target - loop.step[0],
+            )
+            if status == LIST_FULL:
+                self.pairs = grown(self.pairs)
+        if status != OK:
+            raise BlowUp(f"{REASONS[status]} at step {loop.step[0]} {where}")
+
+    def advance(self) -> dict[str, float]:
+        """Advance by one sample interval and return a value per time series."""
+        self.loop.sums[:] = 0.0
+        steps = self.parameters.sample_steps
+        self._run(self.integrator, self.motion, steps, "of the shaking")
+        return self._sample()
+
+    def _time(self) -> float:
+        return self.loop.step[0] * self.parameters.time_step
+
+    def _velocity(self) -> np.ndarray:
+        return self.disks.taylor[1] / self.parameters.time_step
+
+    def _sample(self) -> dict[str, float]:
+        p, disks, sums = self.parameters, self.disks, self.loop.sums
+        mean = sums / sums[shaking.STEPS]
+        cycle_step = self.loop.step[0] % p.steps_per_cycle
+        angle = 2.0 * pi * cycle_step / p.steps_per_cycle + radians(p.phase)
+        return {
+            "mean_velocity": mean[shaking.VELOCITY],
+            "mass_flux": mean[shaking.VELOCITY] * disks.mass.sum() / self.box.length[0],
+            "kinetic_energy": 0.5 * (disks.mass * (self._velocity() ** 2).sum(axis=1)).sum(),
+            "height_of_mass": np.average(disks.taylor[0, :, 1], weights=disks.mass),
+            "contact_number": mean[shaking.CONTACTS] / p.beads,
+            "largest_overlap": sums[shaking.LARGEST],
+            "belt_phase": angle % (2.0 * pi),
+        }
+
+    def sample_profiles(self) -> tuple[Profile, ...]:
+        """Return the profiles above the present belt position, by centres and by area."""
+        height = self.disks.taylor[0, :, 1] - belt_state(self.motion, self._time())[0]
+        profiles = []
+        for kind in (CENTRE, AREA):
+            profile = empty_profile(SLICES, 2)
+            add_sample(
+                profile,
+                kind,
+                self.parameters.diameter,
+                height,
+                self.disks.radius,
+                self._velocity(),
+            )
+            profiles.append(profile)
+        return tuple(profiles)
+
+    def profiles(self, sums: tuple[Profile, ...]) -> dict[str, np.ndarray]:
+        """Return velocity, densities and granular temperature per slice."""
+        centres, area = sums
+        slab = self.box.length[0] * self.parameters.diameter
+        temperature = centres.temperature()
+        return {
+            "velocity_profile": centres.velocity(),
+            "packing_profile": area.weight / (slab * area.samples[0]),
+            "number_density": centres.weight / (slab * centres.samples[0]),
+            "granular_temperature_profile": temperature.mean(axis=1),
+            "vertical_temperature_profile": temperature[:, 1],
+        }
+
+    def snapshot(self) -> dict[str, np.ndarray]:
+        """Return positions, velocities and radii."""
+        return {
+            "position": self.disks.taylor[0].copy(),
+            "particle_velocity": self._velocity().copy(),
+            "radius": self.disks.radius.copy(),
+        }

@@ -1,0 +1,161 @@
+"""Walton's inclined chute: spheres, Walton-Braun contacts, a frictional plane, leap-frog."""
+
+from math import ceil, cos, pi, radians, sin
+
+import numpy as np
+
+from sim.boundary.plane import make_plane
+from sim.contact.walton_braun import walton_braun
+from sim.dynamics import leap_frog
+from sim.dynamics.neighbors import empty_pair_list, grown, make_box
+from sim.dynamics.orientation import unrotated
+from sim.dynamics.spheres import make_spheres, make_work
+from sim.dynamics.status import LIST_FULL, OK, REASONS, BlowUp
+from sim.observe.profiles import VOLUME, Profile, add_sample, empty_profile
+from sim.observe.regime import Scales
+from sim.parameters import ChuteParameters
+from sim.systems.packing import random_packing
+
+#: Skin of the neighbor list in diameters.
+SKIN = 0.3
+
+
+class Chute:
+    """One replicate of a chute flow in motion."""
+
+    series = {
+        "mean_velocity": ("m s-1", "mean velocity of the particles down the slope"),
+        "mass_flux": ("kg m-1 s-1", "mass flux per unit width of the chute"),
+        "kinetic_energy": ("J", "kinetic energy of translation"),
+        "rotational_energy": ("J", "kinetic energy of rotation"),
+        "height_of_mass": ("m", "height of the centre of mass above the plane"),
+        "contact_number": ("1", "contacts per particle, those with the plane included"),
+        "largest_overlap": ("1", "largest overlap since the last sample, in diameters"),
+        "base_normal_force": ("N", "mean force of the flow on the plane, normal to it"),
+        "base_shear_force": ("N", "mean force of the flow on the plane, down the slope"),
+    }
+
+    def __init__(self, parameters: ChuteParameters, replicate: int):
+        self.parameters = p = parameters
+        rng = np.random.default_rng([p.seed, replicate])
+        side = p.cell * p.diameter
+        self.box = make_box(side, side, 0.0)
+        layer = p.depth * pi / 6.0 * p.diameter / p.initial_packing
+        radius = np.full(p.particles, 0.5 * p.diameter)
+        position = random_packing(self.box, layer, radius, rng)
+        velocity = rng.normal(0.0, p.initial_agitation * p.velocity_unit / 3**0.5, position.shape)
+        velocity -= velocity.mean(axis=0)
+        velocity[:, 0] += p.initial_velocity * p.velocity_unit
+        self.spheres = make_spheres(position, velocity, radius, p.mass)
+        self.orientation = unrotated(p.particles if p.orientations else 0)
+        self.pairs = empty_pair_list(p.particles, 3, SKIN * p.diameter)
+        self.plane = make_plane(p.particles)
+        self.work = make_work()
+        self.flow = leap_frog.make_flow()
+        self.laws = tuple(self._law(friction) for friction in (p.friction, p.friction_plane))
+        angle = radians(p.angle)
+        self.gravity = (p.gravity * sin(angle), 0.0, -p.gravity * cos(angle))
+        self.slice_height = p.slice_height * p.diameter
+        slices = ceil((1.5 * layer + 10.0 * p.diameter) / self.slice_height)
+        negligible = 0.01 * p.gravity * max(sin(angle), 0.1)
+        self.scales = Scales(1e-3 * p.velocity_unit, acceleration=negligible, drift=0.0)
+        self.period = 1
+        self.profile_height = (np.arange(slices) + 0.5) * self.slice_height
+
+    def _law(self, friction: float):
+        p = self.parameters
+        return walton_braun(
+            p.stiffness,
+            p.restitution,
+            friction,
+            p.tangential_ratio,
+            p.tangential_exponent,
+            p.overlap_memory,
+            p.friction_cap,
+        )
+
+    def settle(self) -> None:
+        """Do nothing: the paper's flow starts from its initial state."""
+
+    def advance(self) -> dict[str, float]:
+        """Advance by one sample interval and return a value per time series."""
+        p, flow = self.parameters, self.flow
+        flow.sums[:] = 0.0
+        target = flow.step[0] + p.sample_steps
+        status = LIST_FULL
+        while status == LIST_FULL:
+            status = leap_frog.advance(
+                self.laws,
+                self.spheres,
+                self.orientation,
+                self.pairs,
+                self.plane,
+                self.box,
+                self.work,
+                flow,
+                self.gravity,
+                p.time_step,
+                p.overlap_limit,
+                target - flow.step[0],
+            )
+            if status == LIST_FULL:
+                self.pairs = grown(self.pairs)
+        if status != OK:
+            time = flow.step[0] * p.time_step / p.time_unit
+            raise BlowUp(f"{REASONS[status]} at step {flow.step[0]} (t* = {time:.4g})")
+        return self._sample()
+
+    def _sample(self) -> dict[str, float]:
+        spheres, sums = self.spheres, self.flow.sums
+        mean = sums / sums[leap_frog.STEPS]
+        velocity = mean[leap_frog.VELOCITY]
+        speed = (spheres.velocity**2).sum(axis=1)
+        spin = (spheres.spin**2).sum(axis=1)
+        return {
+            "mean_velocity": velocity,
+            "mass_flux": velocity * spheres.mass.sum() / self.box.length[0] ** 2,
+            "kinetic_energy": 0.5 * (spheres.mass * speed).sum(),
+            "rotational_energy": 0.5 * (spheres.inertia * spin).sum(),
+            "height_of_mass": np.average(spheres.position[:, 2], weights=spheres.mass),
+            "contact_number": mean[leap_frog.CONTACTS] / len(spheres.mass),
+            "largest_overlap": sums[leap_frog.LARGEST],
+            "base_normal_force": mean[leap_frog.PLANE_Z],
+            "base_shear_force": -mean[leap_frog.PLANE_X],
+        }
+
+    def sample_profiles(self) -> tuple[Profile, ...]:
+        """Return the profile of the present state, weighted by volume."""
+        profile = empty_profile(len(self.profile_height), 3)
+        spheres = self.spheres
+        add_sample(
+            profile,
+            VOLUME,
+            self.slice_height,
+            spheres.position[:, 2].copy(),
+            spheres.radius,
+            spheres.velocity,
+        )
+        return (profile,)
+
+    def profiles(self, sums: tuple[Profile, ...]) -> dict[str, np.ndarray]:
+        """Return velocity, packing fraction and granular temperature per slice."""
+        (profile,) = sums
+        slab = self.box.length[0] * self.box.length[1] * self.slice_height
+        temperature = profile.temperature()
+        return {
+            "velocity_profile": profile.velocity(),
+            "packing_profile": profile.weight / (slab * profile.samples[0]),
+            "granular_temperature_profile": temperature.mean(axis=1),
+            "vertical_temperature_profile": temperature[:, 2],
+        }
+
+    def snapshot(self) -> dict[str, np.ndarray]:
+        """Return positions, velocities, spins, radii and orientations."""
+        spheres = self.spheres
+        return {
+            "position": spheres.position.copy(),
+            "particle_velocity": spheres.velocity.copy(),
+            "particle_spin": spheres.spin.copy(),
+            "radius": spheres.radius.copy(),
+            "orientation": self.orientation.copy(),
+        }
