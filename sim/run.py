@@ -68,6 +68,8 @@ def run_point(
         Exit code: 0, or 3 when a replicate blew up.
     """
     started = time.perf_counter()
+    if parameters.caveat:
+        log.warning("%s: %s", point_id(parameters), parameters.caveat)
     records = []
     total = parameters.replicates * parameters.steps
     with _progress(total, point_id(parameters), quiet) as advanced:
@@ -143,6 +145,7 @@ def _attributes(parameters: Parameters, records: list[Record], wall: float) -> d
         "command": shlex.join(["python", "-m", "sim", *sys.argv[1:]]),
         "status": "failed" if failed else "completed",
         "reason": "; ".join(failed),
+        "caveat": parameters.caveat,
         "steps": sum(record.scalars["steps"] for record in records),
         "wall_time": wall,
     }

@@ -11,6 +11,10 @@ from sim.compile import inlined
 from sim.contact.cube_root import cube_root
 from sim.contact.friction import contact_force, implements
 
+#: A friction this close to its limit, relative, is at it. Without the margin a friction just cut to
+#: the limit would keep a stiffness made of its rounding error, which the cube root turns into 5e-6.
+ROUNDING = 1e-12
+
 
 class Linear(NamedTuple):
     """Exponent 0: the tangential spring of Cundall and Strack."""
@@ -176,15 +180,16 @@ def parallel_friction(law, magnitude, displacement, turning_point, sense, limit)
     """Return friction along its old direction, turning point and sense (Eq. 1 and section 2.2).
 
     ``sense`` is +1 while the friction grows and -1 while it falls; when it changes, the friction
-    becomes the new turning point T*. A negative result means that the friction has reversed: the
-    turning point changes sign and, seen along the new direction, the friction grows.
+    becomes the new turning point T*. The bracket of Eq. 1 is what is ``left`` of the way to sliding
+    over what was there at the turning point. A negative result means that the friction has
+    reversed: the turning point changes sign and, seen along the new direction, the friction grows.
     """
     sense_now = 1.0 if displacement > 0.0 else (-1.0 if displacement < 0.0 else sense)
     turning_point = turning_point if sense_now == sense else magnitude
-    distance = sense_now * (magnitude - turning_point)
-    span = limit - sense_now * turning_point
-    base = 1.0 - distance / span if span > 0.0 else 0.0
-    base = min(1.0, max(0.0, base))
+    left = limit - sense_now * magnitude
+    whole = limit - sense_now * turning_point
+    base = 1.0 if left >= whole else left / whole
+    base = base if left > ROUNDING * limit else 0.0
     parallel = magnitude + law.tangential * softening(law.stiffening, base) * displacement
     reversed_ = parallel < 0.0 and displacement < 0.0
     turning_point = -turning_point if reversed_ else turning_point

@@ -1,0 +1,215 @@
+"""The command line: ``python -m sim COMMAND``.
+
+Each command imports what it needs when it is called, so that a run starts without the libraries
+of the figures and a figure without those of the engine.
+"""
+
+import argparse
+import logging
+import os
+import sys
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from sim import __version__
+from sim.errors import InputError
+
+INPUT_ERROR = 2
+INTERRUPTED = 130
+BROKEN_PIPE = 141
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run one command and return its exit code.
+
+    Parameters
+    ----------
+    arguments : sequence of str, optional
+        Command line without the program's name; ``sys.argv`` when omitted.
+
+    Returns
+    -------
+    int
+        0 on success, 2 after a one-line message on standard error for unusable input, 3 from
+        ``run`` for a run that failed, 130 after an interrupt.
+    """
+    options = _parser().parse_args(arguments)
+    try:
+        code = options.command(options) or 0
+        sys.stdout.flush()
+        return code
+    except InputError as error:
+        print(f"error: {error}", file=sys.stderr)
+        return INPUT_ERROR
+    except KeyboardInterrupt:
+        print("interrupted", file=sys.stderr)
+        return INTERRUPTED
+    except BrokenPipeError:
+        # The reader of a pipe has left; the interpreter's last flush must not complain about it.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return BROKEN_PIPE
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="python -m sim", description="Granular flow on a chute and on a vibrating belt."
+    )
+    parser.add_argument("--version", action="version", version=f"talus {__version__}")
+    commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
+    for add in (_add_study_commands, _add_run_commands, _add_result_commands):
+        add(commands)
+    return parser
+
+
+_Commands = argparse._SubParsersAction
+_Command = Callable[[argparse.Namespace], int | None]
+
+
+def _add(commands: _Commands, name: str, command: _Command, text: str) -> argparse.ArgumentParser:
+    parser = commands.add_parser(name, help=text, description=f"{text[0].upper()}{text[1:]}.")
+    parser.set_defaults(command=command)
+    return parser
+
+
+def _add_study(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("study", type=Path, metavar="STUDY.yaml")
+    parser.add_argument(
+        "--results",
+        type=Path,
+        default=Path("results"),
+        metavar="FOLDER",
+        help="folder of all results (default: results)",
+    )
+
+
+def _add_study_commands(commands: _Commands) -> None:
+    points = _add(commands, "points", _points, "list the points of a study and what they cost")
+    _add_study(points)
+    points.add_argument("--format", choices=("table", "json"), default="table")
+    schema = _add(commands, "schema", _schema, "print the JSON schema of studies and points")
+    schema.add_argument(
+        "--write",
+        nargs="?",
+        type=Path,
+        const=Path("config"),
+        metavar="FOLDER",
+        help="write schema.json and the reference in README.md of FOLDER (default: config)",
+    )
+
+
+def _add_run_commands(commands: _Commands) -> None:
+    run = _add(commands, "run", _run, "run one point")
+    run.add_argument("point", metavar="POINT.yaml", help="- reads standard input")
+    run.add_argument("-o", "--output", type=Path, required=True, metavar="RUN.nc")
+    run.add_argument("-q", "--quiet", action="store_true", help="no progress, only warnings")
+    run.add_argument(
+        "--record-failure",
+        action="store_true",
+        help="exit with 0 after a run that failed, its file says why",
+    )
+    info = _add(commands, "info", _info, "describe a run file")
+    info.add_argument("run", type=Path, metavar="RUN.nc")
+    info.add_argument(
+        "--point", action="store_true", help="print its parameters as a point file instead"
+    )
+    warm = _add(commands, "warm", _warm, "compile the engine, so that runs start at once")
+    warm.add_argument(
+        "study",
+        type=Path,
+        nargs="?",
+        metavar="STUDY.yaml",
+        help="compile what this study needs (default: both systems with their default readings)",
+    )
+    _add(commands, "bench", _bench, "measure speed, start-up and memory")
+
+
+def _add_result_commands(commands: _Commands) -> None:
+    _add_study(_add(commands, "dataset", _dataset, "combine the runs of a study in one dataset"))
+    figure = _add(commands, "figure", _figure, "draw one figure from a dataset")
+    figure.add_argument("name", metavar="NAME", help="such as walton_2")
+    figure.add_argument("dataset", type=Path, metavar="DATASET.nc")
+    figure.add_argument("-o", "--output", type=Path, required=True, metavar="FOLDER")
+    _add_study(_add(commands, "report", _report, "write the report of a study"))
+
+
+def _points(options: argparse.Namespace) -> None:
+    from sim.study import load_study
+    from sim.tables import as_json, as_table
+
+    study = load_study(options.study, options.results)
+    print(as_json(study) if options.format == "json" else as_table(study))
+
+
+def _schema(options: argparse.Namespace) -> None:
+    from sim.reference import schema_text, write
+
+    if options.write is None:
+        print(schema_text(), end="")
+    else:
+        write(options.write)
+
+
+def _run(options: argparse.Namespace) -> int:
+    from sim.folders import require_writable
+    from sim.parameters import load_point
+
+    parameters = load_point(options.point)
+    require_writable(options.output.parent, "--output")
+    if options.output.is_dir():
+        raise InputError.of_value("--output", "", str(options.output), "a file, not a folder")
+    options.output.parent.mkdir(parents=True, exist_ok=True)
+    level = logging.WARNING if options.quiet else logging.INFO
+    logging.basicConfig(format="%(message)s", level=level, stream=sys.stderr)
+
+    from sim.run import run_point
+
+    return run_point(
+        parameters, options.output, quiet=options.quiet, record_failure=options.record_failure
+    )
+
+
+def _info(options: argparse.Namespace) -> None:
+    from sim.info import describe
+
+    print(describe(options.run, as_point=options.point))
+
+
+def _warm(options: argparse.Namespace) -> None:
+    from sim.parameters import SYSTEMS
+
+    if options.study is None:
+        points = [model() for model in SYSTEMS.values()]
+    else:
+        from sim.study import load_study
+
+        study = load_study(options.study)
+        points = [point.parameters for point in study.points.values()]
+
+    from sim.warm import warm
+
+    warm(points)
+
+
+def _bench(options: argparse.Namespace) -> int | None:
+    from sim.bench import main as bench
+
+    return bench(options)
+
+
+def _dataset(options: argparse.Namespace) -> None:
+    from sim.dataset import build
+
+    print(build(options.study, options.results))
+
+
+def _figure(options: argparse.Namespace) -> None:
+    from sim.figures import draw
+
+    for path in draw(options.name, options.dataset, options.output):
+        print(path)
+
+
+def _report(options: argparse.Namespace) -> None:
+    from sim.report import build
+
+    print(build(options.study, options.results))

@@ -1,0 +1,70 @@
+"""The one exception a user of Talus gets to see, and how values are shown in it."""
+
+import reprlib
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any, Self
+
+
+class InputError(Exception):
+    """Something the user gave cannot be used: a file, a key, a value, a folder.
+
+    The message is a single line fit to be printed as it is. The command line prints it to
+    standard error and exits with code 2, before anything has been computed.
+    """
+
+    def __init__(self, message: str) -> None:
+        super().__init__(" ".join(message.splitlines()))
+
+    @classmethod
+    def of_value(cls, source: str | Path, key: str, value: Any, allowed: str) -> Self:
+        """Build the message ``FILE: KEY: got VALUE; allowed ALLOWED``.
+
+        Parameters
+        ----------
+        source : str or Path
+            The file (or other origin) that holds the value.
+        key : str
+            Full path of the key (``series[0].grid.depth[1]``); ``""`` for the file as a whole.
+        value : object
+            What was found there; long values are shortened.
+        allowed : str
+            What would have been accepted, in words.
+        """
+        where = f"{source}: {key}" if key else f"{source}"
+        return cls(f"{where}: got {shown(value)}; allowed: {allowed}")
+
+
+class _Short(reprlib.Repr):
+    """Bounded ``repr``: a hostile or merely huge value must not flood the message."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.maxlevel, self.maxdict, self.maxlist = 2, 4, 6
+        self.maxstring = self.maxlong = self.maxother = 60
+
+    def repr_float(self, value: float, level: int) -> str:
+        return f"{value:.12g}"
+
+    def repr_bool(self, value: bool, level: int) -> str:
+        return "true" if value else "false"
+
+    def repr_NoneType(self, value: None, level: int) -> str:  # noqa: N802 (name set by reprlib)
+        return "nothing"
+
+
+def shown(value: Any) -> str:
+    """Return ``value`` as one short line, spelled as in YAML where the two languages differ."""
+    return " ".join(_Short().repr(value).split())
+
+
+def key_path(location: Iterable[str | int]) -> str:
+    """Join a location to a path: ``("series", 0, "grid")`` gives ``series[0].grid``."""
+    path = ""
+    for part in location:
+        if isinstance(part, int):
+            path += f"[{part}]"
+        else:
+            name = part if part.isprintable() and len(part) <= _Short().maxstring else shown(part)
+            path += f".{name}" if path else name
+    return path

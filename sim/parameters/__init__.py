@@ -1,0 +1,30 @@
+"""The parameters of both systems: symbol, unit, range, equation and default in one place."""
+
+from sim.parameters.belt import BeltParameters
+from sim.parameters.chute import ChuteParameters
+from sim.parameters.common import Parameters, canonical_number
+from sim.parameters.points import (
+    SYSTEMS,
+    FieldRow,
+    canonical,
+    canonical_json,
+    field_info,
+    load_point,
+    parse_point,
+    point_id,
+)
+
+__all__ = [
+    "SYSTEMS",
+    "BeltParameters",
+    "ChuteParameters",
+    "FieldRow",
+    "Parameters",
+    "canonical",
+    "canonical_json",
+    "canonical_number",
+    "field_info",
+    "load_point",
+    "parse_point",
+    "point_id",
+]

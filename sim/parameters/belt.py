@@ -1,0 +1,281 @@
+"""Parameters of the vibrating belt; defaults are those of Gallas, Herrmann, Sokołowski (1992)."""
+
+import math
+from typing import ClassVar, Literal, Self
+
+from pydantic import model_validator
+
+from sim.parameters.common import MAX_PARTICLES, Parameters, Real, broken_rule, declare
+
+#: Largest product of damping rate and time step for which Gear's corrector of fifth order, with
+#: forces that depend on the velocity, damps rather than excites (spectral radius of its matrix).
+GEAR_STABILITY = 0.15
+
+
+class BeltParameters(Parameters):
+    """Disks on a belt that vibrates at an angle (Gallas, Herrmann and Sokołowski 1992).
+
+    Lengths in mean diameters ⟨d⟩, damping in multiples of g (50 means 500 s⁻¹ at g = 10 m s⁻²)
+    and lengths of the run in cycles where the description says so; everything else is SI.
+    Properties return SI.
+    """
+
+    sampling_key: ClassVar[str] = "samples_per_cycle"
+
+    system: Literal["belt"] = declare("belt", description="which of the two systems")
+    frequency: Real = declare(
+        20,
+        symbol="f",
+        unit="Hz",
+        description="frequency of the vibration",
+        equation="Gallas, Eqs. 1a, 1b",
+        gt=0,
+    )
+    amplitude: Real = declare(
+        1,
+        symbol="A_z",
+        unit="1",
+        scale="⟨d⟩",
+        description="vertical amplitude of the vibration",
+        equation="Gallas, Eq. 1b",
+        ge=0,
+    )
+    vibration_angle: Real = declare(
+        45,
+        symbol="α",
+        unit="degree",
+        description="angle of the vibration with the horizontal (90: vertical)",
+        equation="Gallas, Sec. 2: α = arctan(A_z/A_x)",
+        gt=0,
+        le=90,
+    )
+    damping: Real = declare(
+        50,
+        symbol="γ",
+        unit="1",
+        scale="g",
+        description="normal damping coefficient",
+        equation="Gallas, Eq. 3",
+        ge=0,
+    )
+    shear_damping: Real = declare(
+        50,
+        symbol="γ_s",
+        unit="1",
+        scale="g",
+        description="shear friction coefficient",
+        equation="Gallas, Eq. 4",
+        ge=0,
+    )
+    stiffness: Real = declare(
+        1000,
+        symbol="Y",
+        unit="1",
+        scale="g⟨m⟩/⟨d⟩",
+        description="stiffness of the elastic restoration force",
+        equation="Gallas, Eq. 2",
+        gt=0,
+    )
+    beads: int = declare(
+        200,
+        symbol="N",
+        unit="1",
+        description="number of beads",
+        equation="Gallas, Sec. 2",
+        ge=1,
+        le=MAX_PARTICLES,
+    )
+    width: Real = declare(
+        20,
+        symbol="L",
+        unit="1",
+        scale="⟨d⟩",
+        description="length of the periodic segment of the belt",
+        equation="Gallas, Sec. 2",
+        ge=5,
+    )
+    obstacle: Real = declare(
+        0,
+        symbol="d_o",
+        unit="1",
+        scale="⟨d⟩",
+        description="diameter of the fixed obstacle, below width - 3 (0: none)",
+        equation="Gallas, Sec. 3, Fig. 6",
+        ge=0,
+    )
+    diameter: Real = declare(
+        1e-3,
+        symbol="⟨d⟩",
+        unit="m",
+        description="mean diameter of the beads",
+        equation="Gallas, Sec. 2",
+        gt=0,
+    )
+    diameter_spread: Real = declare(
+        0.5,
+        symbol="Δd/⟨d⟩",
+        unit="1",
+        scale="⟨d⟩",
+        description="half width of the uniform distribution of diameters",
+        equation="Gallas, Sec. 2",
+        ge=0,
+        lt=1,
+    )
+    mass: Real = declare(
+        1e-6,
+        symbol="⟨m⟩",
+        unit="kg",
+        description="mass of a bead of mean diameter (drops out of the motion)",
+        equation="Gallas, Sec. 3",
+        gt=0,
+    )
+    gravity: Real = declare(
+        10,
+        symbol="g",
+        unit="m s-2",
+        description="gravitational acceleration",
+        equation="Gallas, Sec. 2",
+        gt=0,
+    )
+    phase: Real = declare(
+        0,
+        symbol="φ0",
+        unit="degree",
+        description="phase of the belt when the shaking starts",
+        ge=0,
+        lt=360,
+    )
+    steps_per_cycle: int = declare(
+        2000,
+        symbol="1/(fΔt)",
+        unit="1",
+        description="time steps in one cycle of the vibration",
+        equation="Gallas, Sec. 2: Δt = 1/(2000 f)",
+        ge=100,
+        le=1_000_000,
+    )
+    samples_per_cycle: int = declare(
+        20,
+        unit="1",
+        description="samples of the observables in one cycle (divides steps_per_cycle)",
+        ge=1,
+    )
+    transient: Real = declare(
+        45,
+        symbol="t_tr",
+        unit="1",
+        scale="cycles",
+        description="length discarded before averaging",
+        equation="Gallas, Sec. 2: 9·10⁴ steps",
+        ge=0,
+    )
+    average: Real = declare(
+        45,
+        symbol="t_av",
+        unit="1",
+        scale="cycles",
+        description="length averaged over",
+        equation="Gallas, Sec. 2: 9·10⁴ steps",
+        gt=0,
+    )
+    settle_velocity_squared: Real = declare(
+        1e-8,
+        symbol="⟨v²⟩",
+        unit="m2 s-2",
+        description="mean squared velocity below which the bed is at rest and the shaking starts",
+        equation="Gallas, Sec. 2",
+        gt=0,
+    )
+    overlap_limit: Real = declare(
+        0.95,
+        symbol="δ_lim",
+        unit="1",
+        scale="r_i + r_j",
+        description="overlap at which the run stops as unphysical (the published stiffness lets "
+        "beads overlap by more than half a radius above 40 Hz)",
+        gt=0,
+        le=0.95,
+    )
+    damping_mass: Literal["own", "reduced"] = declare(
+        "own",
+        description="mass in the damping terms: the bead's own, or the reduced mass of the pair",
+        equation="Gallas, Eqs. 3, 4",
+    )
+    belt_ghost: Literal["below", "centred"] = declare(
+        "below",
+        description="the belt acts as a bead that is tangent to its line from below, or centred "
+        "on it",
+        equation="Gallas, Sec. 2",
+    )
+    attraction: Literal["kept", "clipped"] = declare(
+        "kept",
+        description="an attractive total normal force at the end of a contact is kept or set to 0",
+        equation="Gallas, Eqs. 2, 3",
+    )
+    integrator: Literal["gear", "verlet"] = declare(
+        "gear",
+        description="Gear predictor-corrector of fifth order, or velocity Verlet",
+        equation="Gallas, Sec. 2",
+    )
+
+    @property
+    def time_unit(self) -> float:
+        """Period of the vibration, s."""
+        return 1 / self.frequency
+
+    @property
+    def time_step(self) -> float:
+        """Time step, s."""
+        return self.time_unit / self.steps_per_cycle
+
+    @property
+    def settling_step(self) -> float:
+        """Time step while the bed settles, s.
+
+        A twentieth of a collision of the lightest pair, and no more than Gear's corrector bears in
+        a packed bed.
+        """
+        reduced_mass = (1 - self.diameter_spread) ** 2 / 2
+        squared = reduced_mass * self.diameter / (self.stiffness * self.gravity)
+        collision = math.pi * math.sqrt(squared)
+        return (
+            min(collision / 20, 2 / 3 * GEAR_STABILITY / self.damping_rate)
+            if self.damping_rate
+            else collision / 20
+        )
+
+    @property
+    def damping_rate(self) -> float:
+        """Damping rate of a bead between six others that move against it, 1/s."""
+        return 6 * (self.damping + self.shear_damping) * self.gravity
+
+    @property
+    def caveat(self) -> str:
+        """Say so when the time step is beyond Gear's stability in a packed bed."""
+        product = self.damping_rate * self.time_step
+        if self.integrator != "gear" or product <= GEAR_STABILITY:
+            return ""
+        return (
+            f"damping rate times time step is {product:.2g}: above {GEAR_STABILITY} Gear's corrector "
+            "is unstable in a packed bed; more steps_per_cycle, or integrator: verlet, cures it"
+        )
+
+    @property
+    def sample_steps(self) -> int:
+        """Time steps between two samples."""
+        return max(1, self.steps_per_cycle // self.samples_per_cycle)
+
+    @property
+    def particles(self) -> int:
+        """Number of beads."""
+        return self.beads
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        if self.obstacle > 0 and not self.obstacle < self.width - 3:
+            allowed = f"a number in [0, width - 3) = [0, {self.width - 3:g})"
+            raise broken_rule("obstacle", self.obstacle, allowed)
+        if self.steps_per_cycle % self.samples_per_cycle:
+            allowed = f"a divisor of steps_per_cycle = {self.steps_per_cycle}"
+            raise broken_rule("samples_per_cycle", self.samples_per_cycle, allowed)
+        return self

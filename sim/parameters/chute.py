@@ -1,0 +1,250 @@
+"""Parameters of the inclined chute; defaults are those of Walton (1993)."""
+
+import math
+from typing import ClassVar, Literal, Self
+
+from pydantic import model_validator
+
+from sim.parameters.common import MAX_PARTICLES, Parameters, Real, broken_rule, declare
+
+
+class ChuteParameters(Parameters):
+    """Spheres flowing down an inclined frictional plane (Walton 1993).
+
+    Lengths in diameters, times in √(σ/g) and velocities in √(gσ) where the description says so;
+    everything else is SI. Properties return SI.
+    """
+
+    sampling_key: ClassVar[str] = "sample_interval"
+
+    system: Literal["chute"] = declare("chute", description="which of the two systems")
+    depth: Real = declare(
+        5,
+        symbol="n",
+        unit="1",
+        description="depth of the flow: particles per squared diameter of plane",
+        equation="Walton, Sec. 3: n = N/σ²",
+        gt=0,
+    )
+    friction: Real = declare(
+        0.4,
+        symbol="μ",
+        unit="1",
+        description="friction coefficient between particles",
+        equation="Walton, Sec. 2.2: |T| ≤ μ F_N",
+        ge=0,
+    )
+    friction_plane: Real = declare(
+        symbol="μ_p",
+        unit="1",
+        description="friction coefficient between particles and plane (omitted: friction)",
+        equation="Walton, Sec. 3",
+        ge=0,
+        default_factory=lambda given: given["friction"],
+    )
+    restitution: Real = declare(
+        0.85,
+        symbol="e",
+        unit="1",
+        description="normal coefficient of restitution, the same at every impact velocity",
+        equation="Walton, Sec. 2.1: e = √(K1/K2)",
+        gt=0,
+        le=1,
+    )
+    stiffness: Real = declare(
+        100,
+        symbol="K1",
+        unit="N m-1",
+        description="normal stiffness in loading",
+        equation="Walton, Sec. 2.1: F_N = K1 α",
+        gt=0,
+    )
+    tangential_ratio: Real = declare(
+        0.8,
+        symbol="K0/K1",
+        unit="1",
+        description="initial tangential stiffness relative to the normal stiffness",
+        equation="Walton, Eq. 1",
+        gt=0,
+    )
+    tangential_exponent: Real = declare(
+        1 / 3,
+        symbol="γ",
+        unit="1",
+        description="exponent of the tangential stiffness (0: linear spring)",
+        equation="Walton, Eq. 1",
+        ge=0,
+    )
+    angle: Real = declare(
+        17,
+        symbol="θ",
+        unit="degree",
+        description="inclination of the plane",
+        equation="Walton, Sec. 3",
+        ge=0,
+        lt=90,
+    )
+    cell: Real = declare(
+        symbol="L/σ",
+        unit="1",
+        scale="σ",
+        description="side of the periodic cell (omitted: 10 up to depth 10, 5 above)",
+        equation="Walton, Sec. 3, Figs. 1.1-1.6",
+        ge=3,
+        default_factory=lambda given: 10 if given["depth"] <= 10 else 5,
+    )
+    diameter: Real = declare(
+        1e-3,
+        symbol="σ",
+        unit="m",
+        description="diameter of a particle",
+        equation="Walton, Sec. 3",
+        gt=0,
+    )
+    mass: Real = declare(
+        1.492e-6,
+        symbol="m",
+        unit="kg",
+        description="mass of a particle",
+        equation="Walton, Sec. 3",
+        gt=0,
+    )
+    gravity: Real = declare(
+        9.8,
+        symbol="g",
+        unit="m s-2",
+        description="gravitational acceleration",
+        equation="Walton, Sec. 3",
+        gt=0,
+    )
+    initial_packing: Real = declare(
+        0.32,
+        symbol="φ0",
+        unit="1",
+        description="packing fraction of the random initial state",
+        equation="Walton, Sec. 1: 0.4 or less",
+        gt=0,
+        le=0.35,
+    )
+    initial_velocity: Real = declare(
+        symbol="V0",
+        unit="1",
+        scale="√(gσ)",
+        description="uniform initial velocity down the slope (omitted: 4 + 1.2 depth, at most 30)",
+        equation="Walton, Sec. 1: slightly above the expected steady velocity",
+        ge=0,
+        default_factory=lambda given: min(4 + 1.2 * given["depth"], 30),
+    )
+    initial_agitation: Real = declare(
+        0.1,
+        symbol="u0",
+        unit="1",
+        scale="√(gσ)",
+        description="root mean square of the random initial velocities",
+        equation="Walton, Sec. 1",
+        ge=0,
+    )
+    steps_per_collision: int = declare(
+        40,
+        symbol="t_c/Δt",
+        unit="1",
+        description="time steps in one binary collision",
+        equation="t_c = (π/2) √(m/2K1) (1 + e)",
+        ge=10,
+        le=1000,
+    )
+    transient: Real = declare(
+        300,
+        symbol="t_tr",
+        unit="1",
+        scale="√(σ/g)",
+        description="time discarded before averaging",
+        equation="Walton, Sec. 1",
+        ge=0,
+    )
+    average: Real = declare(
+        200,
+        symbol="t_av",
+        unit="1",
+        scale="√(σ/g)",
+        description="time averaged over",
+        equation="Walton, Sec. 1",
+        gt=0,
+    )
+    sample_interval: Real = declare(
+        0.25,
+        symbol="Δt_s",
+        unit="1",
+        scale="√(σ/g)",
+        description="time between two samples of the observables",
+        gt=0,
+        le=100,
+    )
+    slice_height: Real = declare(
+        0.25,
+        symbol="Δz",
+        unit="1",
+        scale="σ",
+        description="height of the slices of the profiles",
+        equation="Walton, Figs. 1.1-1.6",
+        gt=0,
+    )
+    overlap_limit: Real = declare(
+        0.25,
+        symbol="α_lim",
+        unit="1",
+        scale="σ",
+        description="overlap at which the run stops as unphysical (0.25: half a radius)",
+        gt=0,
+        le=0.95,
+    )
+    orientations: bool = declare(
+        True,
+        description="follow the orientations of the particles (changes no trajectory)",
+        equation="Walton, Sec. 2",
+    )
+    overlap_memory: Literal["separation", "shrink", "reset"] = declare(
+        "separation",
+        description="the largest overlap of a contact is remembered until the particles separate, "
+        "shrinks with the overlap once the force is zero, or is reset when the force is zero",
+        equation="Walton, Sec. 2.1: α0",
+    )
+    friction_cap: Literal["before", "after"] = declare(
+        "before",
+        description="a tangential force above the friction limit is cut before or after the "
+        "tangential stiffness is evaluated",
+        equation="Walton, Sec. 2.2",
+    )
+
+    @property
+    def time_unit(self) -> float:
+        """Time √(σ/g), s."""
+        return math.sqrt(self.diameter / self.gravity)
+
+    @property
+    def collision_time(self) -> float:
+        """Duration of a binary collision, s: t_c = (π/2) √(m*/K1) (1 + e), m* = m/2."""
+        loading = math.pi / 2 * math.sqrt(self.mass / 2 / self.stiffness)
+        return loading * (1 + self.restitution)
+
+    @property
+    def time_step(self) -> float:
+        """Time step, s."""
+        return self.collision_time / self.steps_per_collision
+
+    @property
+    def sample_steps(self) -> int:
+        """Time steps between two samples, at least one."""
+        return max(1, round(self.sample_interval * self.time_unit / self.time_step))
+
+    @property
+    def particles(self) -> int:
+        """Particles in the cell: depth times the cell's area in squared diameters."""
+        return max(1, round(self.depth * self.cell * self.cell))
+
+    @model_validator(mode="after")
+    def _of_feasible_count(self) -> Self:
+        if not self.depth * self.cell * self.cell <= MAX_PARTICLES:
+            allowed = f"a value that gives at most {MAX_PARTICLES:.0e} particles in the cell"
+            raise broken_rule("depth", self.depth, allowed)
+        return self

@@ -1,0 +1,136 @@
+"""What the parameters of both systems have in common: canonical numbers, declarations, sizes."""
+
+from typing import Annotated, Any, ClassVar, Self
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
+from pydantic_core import PydanticCustomError
+
+SIGNIFICANT_DIGITS = 12
+MAX_PARTICLES = 10_000_000
+MAX_STEPS = 10**12
+MAX_SAMPLES = 10**7
+
+
+def canonical_number(value: Any) -> Any:
+    """Round a number to 12 significant digits, so that 0.1 + 0.2 and 0.3 are one value.
+
+    Integers become floats and -0.0 becomes 0.0. Anything that is not a number (booleans
+    included), or is too large for a float, is returned as it is, for validation to refuse.
+    """
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        return value
+    try:
+        return float(f"{value:.{SIGNIFICANT_DIGITS}g}") + 0.0
+    except OverflowError:
+        return value
+
+
+Real = Annotated[float, BeforeValidator(canonical_number)]
+"""A finite float in canonical form; range constraints act on the rounded value."""
+
+
+def declare(
+    default: Any = ...,
+    *,
+    symbol: str = "",
+    unit: str = "",
+    scale: str = "",
+    description: str,
+    equation: str = "",
+    **options: Any,
+) -> Any:
+    """Declare one parameter.
+
+    Parameters
+    ----------
+    default : object
+        Value when omitted; leave out when ``default_factory`` is among the options.
+    symbol : str
+        Symbol of the parameter in the paper.
+    unit : str
+        Unit of the stored number as UDUNITS (CF) reads it; ``"1"`` for pure numbers and ``""``
+        for choices and switches.
+    scale : str
+        For pure numbers, the quantity they are multiples of (``"⟨d⟩"``, ``"g"``).
+    description : str
+        Meaning, one sentence without full stop; also the long name in output files.
+    equation : str
+        Where it enters: equation or section of the source.
+    **options
+        Ranges and defaults as pydantic's ``Field`` takes them.
+    """
+    extra = {"symbol": symbol, "unit": unit, "scale": scale, "equation": equation}
+    if "default_factory" not in options:
+        options["default"] = default
+    return Field(description=description, json_schema_extra=extra, **options)
+
+
+def broken_rule(key: str, value: Any, allowed: str) -> PydanticCustomError:
+    """Return the error of a rule that joins several parameters, blamed on ``key``."""
+    return PydanticCustomError("rule", "{allowed}", {"key": key, "got": value, "allowed": allowed})
+
+
+class Parameters(BaseModel):
+    """Parameters shared by both systems, and the lengths of a run counted in steps.
+
+    Instances are immutable, complete (every omitted parameter has its value) and canonical.
+    A concrete system adds ``diameter`` (m), ``mass`` (kg), ``gravity`` (m s⁻²), ``transient`` and
+    ``average`` (multiples of ``time_unit``), and the properties ``time_unit``, ``time_step``,
+    ``sample_steps`` and ``particles``.
+    """
+
+    model_config = ConfigDict(
+        frozen=True,
+        extra="forbid",
+        strict=True,
+        allow_inf_nan=False,
+        validate_default=True,
+    )
+    sampling_key: ClassVar[str]
+
+    seed: int = declare(
+        1, unit="1", description="seed of the first replicate's initial state", ge=0, le=2**32 - 1
+    )
+    replicates: int = declare(
+        1, unit="1", description="independent runs from different initial states", ge=1, le=1000
+    )
+
+    @property
+    def caveat(self) -> str:
+        """What a reader should know before trusting a run of this point, or an empty text."""
+        return ""
+
+    @property
+    def velocity_unit(self) -> float:
+        """Velocity √(g·diameter), m s⁻¹."""
+        return (self.gravity * self.diameter) ** 0.5
+
+    @property
+    def transient_samples(self) -> int:
+        """Samples before averaging starts (the transient rounded to whole samples)."""
+        return round(self.transient * self.time_unit / (self.sample_steps * self.time_step))
+
+    @property
+    def average_samples(self) -> int:
+        """Samples averaged over (the average rounded to whole samples, at least one)."""
+        return max(1, round(self.average * self.time_unit / (self.sample_steps * self.time_step)))
+
+    @property
+    def steps(self) -> int:
+        """Time steps of one replicate, without the settling of the belt's bed."""
+        return (self.transient_samples + self.average_samples) * self.sample_steps
+
+    @model_validator(mode="after")
+    def _of_feasible_size(self) -> Self:
+        # Comparisons are written so that inf and nan, from extreme inputs, fail them too.
+        if not 0 < self.time_step < float("inf"):
+            raise broken_rule("stiffness", self.stiffness, "a value that gives a finite time step")
+        steps = (self.transient + self.average) * self.time_unit / self.time_step
+        if not steps <= MAX_STEPS or self.steps > MAX_STEPS:
+            allowed = f"transient and average of together at most {MAX_STEPS:.0e} time steps"
+            raise broken_rule("average", self.average, allowed)
+        if not steps / self.sample_steps <= MAX_SAMPLES:
+            key = self.sampling_key
+            allowed = f"a value that gives at most {MAX_SAMPLES:.0e} samples"
+            raise broken_rule(key, getattr(self, key), allowed)
+        return self

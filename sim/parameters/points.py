@@ -1,0 +1,151 @@
+"""A point: one complete set of parameters, its canonical form, its name and where it is read."""
+
+import hashlib
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+
+from sim.errors import InputError
+from sim.messages import allowed_values, input_error
+from sim.parameters.belt import BeltParameters
+from sim.parameters.chute import ChuteParameters
+from sim.parameters.common import Parameters
+from sim.yaml_input import read_yaml
+
+SYSTEMS: dict[str, type[Parameters]] = {"chute": ChuteParameters, "belt": BeltParameters}
+
+_ID_PARTS = {
+    "chute": {
+        "depth": "depth",
+        "friction": "friction",
+        "restitution": "restitution",
+        "stiffness": "stiffness",
+    },
+    "belt": {
+        "frequency": "frequency",
+        "amplitude": "amplitude",
+        "angle": "vibration_angle",
+        "damping": "damping",
+        "shear": "shear_damping",
+    },
+}
+
+
+def parse_point(
+    mapping: Any, source: str | Path, paths: Mapping[str, str] | None = None
+) -> Parameters:
+    """Validate the parameters of one point.
+
+    Parameters
+    ----------
+    mapping : dict
+        ``system`` and any of its parameters; what is omitted takes the paper's value.
+    source : str or Path
+        Named in error messages.
+    paths : mapping, optional
+        Where in ``source`` each parameter's value stands, for error messages.
+
+    Returns
+    -------
+    ChuteParameters or BeltParameters
+        Complete, canonical and immutable.
+
+    Raises
+    ------
+    InputError
+        Naming file, key, value and allowed range.
+    """
+    if not isinstance(mapping, Mapping):
+        raise InputError.of_value(source, "", mapping, "a mapping of parameter names to values")
+    system = mapping.get("system")
+    if not isinstance(system, str) or system not in SYSTEMS:
+        path = (paths or {}).get("system", "system")
+        raise InputError.of_value(source, path, system, "one of " + ", ".join(SYSTEMS))
+    model = SYSTEMS[system]
+    try:
+        return model.model_validate(dict(mapping))
+    except ValidationError as error:
+        raise input_error(error, model, str(source), paths) from None
+
+
+def load_point(path: str | Path) -> Parameters:
+    """Read a point from a YAML (or JSON) file, or from standard input when ``path`` is ``-``.
+
+    Raises
+    ------
+    InputError
+        When the file cannot be read or its contents are not a valid point.
+    """
+    return parse_point(read_yaml(path), "<stdin>" if str(path) == "-" else path)
+
+
+def canonical(parameters: Parameters) -> dict[str, Any]:
+    """Return every parameter, ``system`` included, as plain JSON values.
+
+    ``parse_point`` of the result gives an equal point.
+    """
+    return parameters.model_dump(mode="json")
+
+
+def canonical_json(parameters: Parameters) -> str:
+    """Return the canonical form as one line of JSON with sorted keys."""
+    return json.dumps(canonical(parameters), sort_keys=True, separators=(",", ":"))
+
+
+def point_id(parameters: Parameters) -> str:
+    """Name a point: what it is in readable form, then eight hexadecimal digits of its hash.
+
+    The name depends on nothing but the parameters, all of them, so equal points have equal names.
+    It is fit for a file name:
+
+    >>> point_id(ChuteParameters())[:46]
+    'chute-depth5-friction0.4-restitution0.85-stiff'
+    """
+    values = canonical(parameters)
+    parts = _ID_PARTS[parameters.system]
+    readable = [f"{label}{values[name]:g}".replace("+", "") for label, name in parts.items()]
+    digest = hashlib.sha256(canonical_json(parameters).encode()).hexdigest()[:8]
+    return "-".join([parameters.system, *readable, digest])
+
+
+@dataclass(frozen=True)
+class FieldRow:
+    """What is declared about one parameter, ready for documentation and file attributes.
+
+    ``unit`` is a UDUNITS (CF) unit of the stored number, ``""`` for choices and switches;
+    ``scale`` names what a pure number is a multiple of; ``default`` is ``None`` when it depends on
+    other parameters.
+    """
+
+    name: str
+    symbol: str
+    unit: str
+    scale: str
+    description: str
+    allowed: str
+    default: Any
+    equation: str
+
+
+def field_info(model: type[Parameters] | Parameters) -> dict[str, FieldRow]:
+    """Return the declaration of every parameter of a system by name.
+
+    ``system`` comes first, then what only this system has, then what both share.
+    """
+    model = model if isinstance(model, type) else type(model)
+    rows = {
+        name: FieldRow(
+            name=name,
+            description=field.description or "",
+            allowed=allowed_values(field),
+            default=None if field.default_factory else field.default,
+            **field.json_schema_extra,
+        )
+        for name, field in model.model_fields.items()
+    }
+    order = {"system": 0} | dict.fromkeys(Parameters.model_fields, 2)
+    return dict(sorted(rows.items(), key=lambda row: order.get(row[0], 1)))

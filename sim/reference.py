@@ -1,0 +1,152 @@
+"""JSON schema and parameter reference, both derived from the models and written to ``config/``."""
+
+import json
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import Any
+
+from pydantic import BaseModel
+from pydantic.json_schema import models_json_schema
+
+from sim.errors import InputError
+from sim.figures import FIGURES
+from sim.parameters import SYSTEMS, BeltParameters, ChuteParameters, FieldRow, field_info
+from sim.study_file import BeltSeries, ChuteOverride, Defaults, StudyFile
+
+SCHEMA_NAME = "schema.json"
+GUIDE_NAME = "README.md"
+BEGIN = "<!-- reference: begin; written by `python -m sim schema --write`, do not edit -->"
+END = "<!-- reference: end -->"
+
+
+def schema() -> dict[str, Any]:
+    """Return the JSON schema that study files and point files both satisfy.
+
+    A file with ``system`` at its top is a point, any other one a study.
+    """
+    models = (StudyFile, ChuteParameters, BeltParameters)
+    _, definitions = models_json_schema([(model, "validation") for model in models])
+    study, chute, belt = ({"$ref": f"#/$defs/{model.__name__}"} for model in models)
+    return {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "title": "Talus study or point",
+        "type": "object",
+        "if": {"required": ["system"]},
+        "then": {
+            "if": {"properties": {"system": {"const": "belt"}}},
+            "then": belt,
+            "else": chute,
+        },
+        "else": study,
+        "$defs": definitions["$defs"],
+    }
+
+
+def schema_text() -> str:
+    """Return the JSON schema as the text of ``config/schema.json``."""
+    return json.dumps(schema(), indent=2, ensure_ascii=False) + "\n"
+
+
+def reference_text() -> str:
+    """Return the reference of all keys and parameters as Markdown."""
+    parts = [
+        "### Keys of a study",
+        _keys_table(StudyFile),
+        "### Keys of a series",
+        _keys_table(BeltSeries),
+        "### Keys of an override",
+        _keys_table(ChuteOverride),
+        "### Keys of `defaults`",
+        _keys_table(Defaults),
+    ]
+    parts += ["### Figures", _figures_table()]
+    for name, model in SYSTEMS.items():
+        rows = [row for row in field_info(model).values() if row.name != "system"]
+        parts += [f"### Parameters of the {name}", _parameters_table(rows)]
+    return "\n\n".join(parts) + "\n"
+
+
+def with_reference(guide: str, source: str) -> str:
+    """Return the text of a guide with the reference between its markers brought up to date.
+
+    Raises
+    ------
+    InputError
+        When the markers are not both there, in order.
+    """
+    before, begin, rest = guide.partition(BEGIN)
+    _, end, after = rest.partition(END)
+    if not begin or not end:
+        raise InputError(f"{source}: the markers of the reference are missing: {BEGIN} ... {END}")
+    return f"{before}{BEGIN}\n\n{reference_text()}\n{END}{after}"
+
+
+def write(folder: Path) -> None:
+    """Write ``schema.json`` and the reference in ``README.md`` of ``folder``.
+
+    Raises
+    ------
+    InputError
+        When the guide is missing or has no markers, or a file cannot be written.
+    """
+    guide = folder / GUIDE_NAME
+    try:
+        text = with_reference(guide.read_text(encoding="utf-8"), str(guide))
+        guide.write_text(text, encoding="utf-8")
+        (folder / SCHEMA_NAME).write_text(schema_text(), encoding="utf-8")
+    except OSError as error:
+        raise InputError(f"{error.filename or folder}: {error.strerror}") from None
+
+
+def _keys_table(model: type[BaseModel]) -> str:
+    rows = [
+        (f"`{name}`", "yes" if field.is_required() else "no", field.description or "")
+        for name, field in model.model_fields.items()
+    ]
+    return _table(("key", "required", "meaning"), rows)
+
+
+def _figures_table() -> str:
+    return _table(
+        ("figure", "shows", "of", "system", "parameters its points must vary"),
+        [
+            (f"`{one.name}`", one.title, one.paper, one.system, ", ".join(one.axes))
+            for one in FIGURES.values()
+        ],
+    )
+
+
+def _parameters_table(rows: Iterable[FieldRow]) -> str:
+    headings = ("parameter", "symbol", "unit", "allowed", "default", "meaning", "source")
+    return _table(
+        headings,
+        [
+            (
+                f"`{row.name}`",
+                row.symbol,
+                row.scale or ("" if row.unit == "1" else row.unit),
+                row.allowed,
+                _default(row.default),
+                row.description,
+                row.equation,
+            )
+            for row in rows
+        ],
+    )
+
+
+def _default(value: Any) -> str:
+    match value:
+        case None:
+            return "derived"
+        case bool():
+            return str(value).lower()
+        case float():
+            return f"{value:.12g}"
+    return str(value)
+
+
+def _table(headings: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    lines = [headings, ["---"] * len(headings), *rows]
+    cells = ([cell.replace("|", "\\|") for cell in line] for line in lines)
+    return "\n".join(f"| {' | '.join(line)} |" for line in cells)

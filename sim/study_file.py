@@ -1,0 +1,177 @@
+"""What a study file may contain, as pydantic models: validation, schema and reference in one."""
+
+from typing import Annotated, Any, ClassVar, Generic, Literal, Self, TypeVar
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, create_model, model_validator
+
+from sim.figures import FIGURES
+from sim.messages import input_error
+from sim.parameters import SYSTEMS, BeltParameters, ChuteParameters, Parameters
+from sim.parameters.common import broken_rule
+
+_SomeT = TypeVar("_SomeT")
+_ListsT = TypeVar("_ListsT")
+
+
+class _Strict(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
+
+
+def _optional(description: str | None, **options: Any) -> Any:
+    """Declare a key that may be left out, when it reads as ``None``, but not be given as null.
+
+    A key with nothing behind it is a slip, not a wish for the default.
+    """
+    return Field(
+        None,
+        description=description,
+        json_schema_extra=lambda schema: schema.pop("default", None),
+        **options,
+    )
+
+
+class _Some(_Strict):
+    """Values of some parameters of a system; only those given are set."""
+
+    parameters: ClassVar[type[Parameters]]
+
+    def given(self) -> dict[str, Any]:
+        """Return what the file gives here, numbers in canonical form."""
+        return self.model_dump(exclude_unset=True)
+
+
+class _Lists(_Some):
+    """Lists of values of some parameters of a system, at least of one."""
+
+    model_config = ConfigDict(json_schema_extra={"minProperties": 1})
+
+    @model_validator(mode="after")
+    def _of_one_parameter_at_least(self) -> Self:
+        if not self.model_fields_set:
+            raise broken_rule("", {}, "at least one parameter with a list of values")
+        return self
+
+
+def _derived(base: type[_Some], model: type[Parameters], name: str) -> type[_Some]:
+    """Make ``base`` concrete with the parameters of a system, each of them optional."""
+    fields: dict[str, Any] = {}
+    for key, declared in model.model_fields.items():
+        value = declared.annotation
+        if declared.metadata:
+            value = Annotated[(value, *declared.metadata)]
+        if issubclass(base, _Lists):
+            value = Annotated[list[value], Field(min_length=1)]
+        fields[key] = value, _optional(declared.description)
+    del fields["system"]
+    derived = create_model(name, __base__=base, __doc__=base.__doc__, **fields)
+    derived.parameters = model
+    return derived
+
+
+ChuteSome = _derived(_Some, ChuteParameters, "ChuteSome")
+ChuteLists = _derived(_Lists, ChuteParameters, "ChuteLists")
+BeltSome = _derived(_Some, BeltParameters, "BeltSome")
+BeltLists = _derived(_Lists, BeltParameters, "BeltLists")
+
+
+class _Override(_Strict, Generic[_SomeT, _ListsT]):
+    """Parameters that change at the points where others have certain values."""
+
+    when: _ListsT = Field(description="values that a point must have, each one of its list")
+    set: _SomeT = Field(description="parameters to set at those points")
+
+
+class ChuteOverride(_Override[ChuteSome, ChuteLists]):
+    """Parameters of the chute that change at the points where others have certain values."""
+
+
+class BeltOverride(_Override[BeltSome, BeltLists]):
+    """Parameters of the belt that change at the points where others have certain values."""
+
+
+_NAME = r"^[A-Za-z0-9][A-Za-z0-9_-]*$"
+_ALLOWED_NAME = {"allowed": "up to 60 letters, digits, '-' and '_', a letter or digit first"}
+
+
+def _figures_of(*systems: str) -> Any:
+    """Return the type of the name of a figure that these systems can feed."""
+    return Literal[tuple(name for name, spec in FIGURES.items() if spec.system in systems)]
+
+
+class _Series(_Strict, Generic[_SomeT, _ListsT]):
+    name: str = Field(
+        pattern=_NAME,
+        max_length=60,
+        description="name of the series, unique in the study",
+        json_schema_extra=_ALLOWED_NAME,
+    )
+    system: str = Field(description="which of the two systems")
+    base: _SomeT = _optional("parameters shared by all points of the series")
+    grid: _ListsT = _optional("one point for every combination of the values listed here")
+    cases: list[_SomeT] = _optional("further points, each with the parameters given", min_length=1)
+
+    @model_validator(mode="after")
+    def _overrides_leave_the_grid_alone(self) -> Self:
+        varied = self.grid.model_fields_set if self.grid else set()
+        for index, override in enumerate(self.overrides):
+            for name in sorted(varied & override.set.model_fields_set):
+                key = f"overrides[{index}].set.{name}"
+                value = getattr(override.set, name)
+                raise broken_rule(key, value, f"parameters other than grid.{name} of the series")
+        return self
+
+
+class ChuteSeries(_Series[ChuteSome, ChuteLists]):
+    """A series of points of the chute. Without grid and cases, the base is its one point."""
+
+    system: Literal["chute"] = Field(description="which of the two systems")
+    overrides: list[ChuteOverride] = Field([], description="changes at certain values")
+    figures: list[_figures_of("chute")] = Field([], description="figures that the series feeds")
+
+
+class BeltSeries(_Series[BeltSome, BeltLists]):
+    """A series of points of the belt. Without grid and cases, the base is its one point."""
+
+    system: Literal["belt"] = Field(description="which of the two systems")
+    overrides: list[BeltOverride] = Field([], description="changes at certain values")
+    figures: list[_figures_of("belt")] = Field([], description="figures that the series feeds")
+
+
+class Defaults(_Strict):
+    """Parameters shared by all series of a system."""
+
+    chute: ChuteSome = _optional("shared by all series of the chute")
+    belt: BeltSome = _optional("shared by all series of the belt")
+
+
+class StudyFile(_Strict):
+    """A study: series of points and the figures they feed."""
+
+    study: str = Field(
+        pattern=_NAME,
+        max_length=60,
+        description="name of the study and of its folder of results",
+        json_schema_extra=_ALLOWED_NAME,
+    )
+    title: str = Field("", description="one line for the report")
+    figures: list[_figures_of(*SYSTEMS)] = _optional(
+        "all figures of the study, each fed by a series (omitted: those that are fed)"
+    )
+    defaults: Defaults = Field(Defaults(), description="parameters shared by series")
+    series: list[Annotated[ChuteSeries | BeltSeries, Field(discriminator="system")]] = Field(
+        description="the series of points", min_length=1
+    )
+
+
+def validated(mapping: Any, source: str) -> StudyFile:
+    """Validate the contents of a study file; the points themselves come later.
+
+    Raises
+    ------
+    InputError
+        Naming file, key, value and what is allowed.
+    """
+    try:
+        return StudyFile.model_validate(mapping)
+    except ValidationError as error:
+        raise input_error(error, StudyFile, source) from None

@@ -1,0 +1,97 @@
+"""The points of a study as a table to read and as JSON for other programs."""
+
+import json
+from collections.abc import Sequence
+
+from sim.cost import Estimate, estimate
+from sim.parameters import canonical
+from sim.study import Point, Study
+
+CORES = 2
+_HEADINGS = ("id", "system", "particles", "steps", "core time", "figures", "series")
+_RIGHT = {"particles", "steps", "core time"}
+
+
+def as_table(study: Study) -> str:
+    """Return one aligned line per point, and the totals below.
+
+    ``steps`` and ``core time`` are over all replicates of a point.
+    """
+    costs = _costs(study)
+    rows = [_row(point, costs[point.id]) for point in study.points.values()]
+    return "\n".join([*_aligned(rows), "", _totals(list(costs.values()))])
+
+
+def as_json(study: Study) -> str:
+    """Return the study, its points with all parameters, and the totals as JSON."""
+    costs = _costs(study)
+    points = [
+        {
+            "id": point.id,
+            "system": point.parameters.system,
+            "series": point.series,
+            "figures": point.figures,
+            "particles": costs[point.id].particles,
+            "steps": costs[point.id].steps,
+            "core_seconds": round(costs[point.id].core_seconds, 3),
+            "parameters": canonical(point.parameters),
+        }
+        for point in study.points.values()
+    ]
+    totals = {
+        "points": len(points),
+        "steps": sum(cost.steps for cost in costs.values()),
+        "core_seconds": round(sum(cost.core_seconds for cost in costs.values()), 3),
+    }
+    document = {"study": study.name, "title": study.title, "points": points, "totals": totals}
+    return json.dumps(document, indent=2, ensure_ascii=False)
+
+
+def _costs(study: Study) -> dict[str, Estimate]:
+    return {key: estimate(point.parameters) for key, point in study.points.items()}
+
+
+def _row(point: Point, cost: Estimate) -> tuple[str, ...]:
+    return (
+        point.id,
+        point.parameters.system,
+        f"{cost.particles:,}",
+        f"{cost.steps:,}",
+        duration(cost.core_seconds),
+        ",".join(point.figures) or "-",
+        ",".join(point.series),
+    )
+
+
+def _aligned(rows: Sequence[tuple[str, ...]]) -> list[str]:
+    columns = list(zip(_HEADINGS, *rows, strict=True))
+    widths = [max(map(len, column)) for column in columns]
+    lines = []
+    for row in (_HEADINGS, *rows):
+        cells = [
+            cell.rjust(width) if heading in _RIGHT else cell.ljust(width)
+            for cell, width, heading in zip(row, widths, _HEADINGS, strict=True)
+        ]
+        lines.append("  ".join(cells).rstrip())
+    return lines
+
+
+def _totals(costs: Sequence[Estimate]) -> str:
+    steps = sum(cost.steps for cost in costs)
+    total = sum(cost.core_seconds for cost in costs)
+    longest = max(cost.core_seconds for cost in costs)
+    return (
+        f"{len(costs):,} points, {steps:,} steps, estimated core time {duration(total)}, "
+        f"on {CORES} cores {duration(max(total / CORES, longest))}"
+    )
+
+
+def duration(seconds: float) -> str:
+    """Write a time in the unit that suits it: ``4.5 s``, ``3.1 min``, ``2.0 h``.
+
+    >>> duration(90)
+    '1.5 min'
+    """
+    if seconds < 60:
+        return f"{seconds:.1f} s"
+    return f"{seconds / 60:.1f} min" if seconds < 3600 else f"{seconds / 3600:.1f} h"

@@ -1,0 +1,330 @@
+"""Every mistake in a study, a point or a folder: one line, exit code 2, nothing computed."""
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from sim.cli import main
+
+ROOT = Path(__file__).parents[1]
+
+STUDY = """\
+study: mine
+series:
+  - name: first
+    system: chute
+    base: {angle: 17}
+    grid:
+      depth: [1, 2]
+      restitution: [0.7, 0.85, 1]
+      friction: [0.3, 0.4]
+      stiffness: [100]
+    figures: [walton_2]
+  - name: second
+    system: belt
+    cases: [{frequency: 20}]
+"""
+
+# What is replaced in STUDY, by what; the key and two pieces of the message.
+MISTAKES = {
+    "unknown key at the top": ("study: mine", "study: mine\ntitel: x", "titel", "'title'"),
+    "unknown key of a series": ("grid:", "gird:", "series[0].gird", "'grid'"),
+    "unknown parameter": (
+        "friction: [",
+        "fricton: [",
+        "series[0].grid.fricton",
+        "did you mean 'friction'",
+    ),
+    "unknown parameter in a case": (
+        "frequency",
+        "freqency",
+        "series[1].cases[0].freqency",
+        "'frequency'",
+    ),
+    "parameter of the other system": (
+        "{frequency: 20}",
+        "{depth: 5}",
+        "series[1].cases[0].depth",
+        "unknown key",
+    ),
+    "unknown system": ("system: belt", "system: blet", "series[1].system", "'blet'", "chute, belt"),
+    "no system": ("    system: belt\n", "", "series[1].system", "chute, belt"),
+    "no name": ("name: second\n    ", "", "series[1].name", "got nothing"),
+    "no study": ("study: mine\n", "", "study", "got nothing"),
+    "name that leaves the folder": (
+        "study: mine",
+        "study: ../mine",
+        "study",
+        "'../mine'",
+        "letters",
+    ),
+    "two series of one name": ("name: second", "name: first", "series[1].name", "'first'"),
+    "word for a number": ("0.7,", "high,", "series[0].grid.restitution[0]", "'high'", "(0, 1]"),
+    "number in quotes": ("0.7,", "'0.7',", "series[0].grid.restitution[0]", "'0.7'", "(0, 1]"),
+    "true for a number": ("0.7,", "true,", "series[0].grid.restitution[0]", "got true"),
+    "nothing for a number": ("0.7,", "null,", "series[0].grid.restitution[0]", "got nothing"),
+    "not a number": ("0.7,", ".nan,", "series[0].grid.restitution[0]", "nan", "finite"),
+    "infinite": ("[1, 2]", "[1, .inf]", "series[0].grid.depth[1]", "inf", "finite"),
+    "restitution 0": ("0.85", "0", "series[0].grid.restitution[1]", "got 0;", "(0, 1]"),
+    "restitution above 1": ("0.85", "1.2", "series[0].grid.restitution[1]", "got 1.2;", "(0, 1]"),
+    "negative friction": ("0.4]", "-0.4]", "series[0].grid.friction[1]", "got -0.4;", ">= 0"),
+    "zero stiffness": ("[100]", "[0]", "series[0].grid.stiffness[0]", "got 0;", "> 0"),
+    "negative stiffness": ("[100]", "[-5]", "series[0].grid.stiffness[0]", "got -5;", "> 0"),
+    "negative angle": ("angle: 17", "angle: -1", "series[0].base.angle", "got -1;", "[0, 90)"),
+    "angle of 90": ("angle: 17", "angle: 90", "series[0].base.angle", "got 90;", "[0, 90)"),
+    "negative depth": ("[1, 2]", "[1, -2]", "series[0].grid.depth[1]", "got -2;", "> 0"),
+    "one value for a list": ("[1, 2]", "1", "series[0].grid.depth", "a list of at least one"),
+    "empty list": ("[1, 2]", "[]", "series[0].grid.depth", "got []", "at least one"),
+    "empty grid": (
+        re.compile(r"grid:\n(      .*\n)+"),
+        "grid: {}\n",
+        "series[0].grid",
+        "at least one parameter",
+    ),
+    "grid of nothing": (
+        re.compile(r"grid:\n(      .*\n)+"),
+        "grid:\n",
+        "series[0].grid",
+        "got nothing",
+    ),
+    "no cases": ("[{frequency: 20}]", "[]", "series[1].cases", "at least one"),
+    "no series": (re.compile(r"series:\n(.*\n)+"), "series: []\n", "series", "at least one"),
+    "series of words": (re.compile(r"series:\n(.*\n)+"), "series: [a]\n", "series[0]", "a mapping"),
+    "unknown figure": ("walton_2", "walton_3", "series[0].figures[0]", "'walton_3'", "walton_2"),
+    "figure of the other system": (
+        "walton_2",
+        "gallas_1a",
+        "series[0].figures[0]",
+        "'gallas_1a'",
+        "walton_2",
+    ),
+    "figure without an axis": (
+        "[0.3, 0.4]",
+        "[0.3]",
+        "series[0].figures[0]",
+        "friction = 0.3 alone",
+        "vary depth, restitution, friction",
+    ),
+    "figure without a series": (
+        "study: mine",
+        "study: mine\nfigures: [walton_2, gallas_1c]",
+        "figures[1]",
+        "'gallas_1c'",
+        "a series of the study feeds",
+    ),
+    "rule between parameters": (
+        "{frequency: 20}",
+        "{width: 10, obstacle: 7.5}",
+        "series[1].cases[0].obstacle",
+        "got 7.5;",
+        "[0, 7)",
+    ),
+    "override of a gridded parameter": (
+        "figures:",
+        "overrides: [{when: {depth: [2]}, set: {depth: 3}}]\n    figures:",
+        "series[0].overrides[0].set.depth",
+        "other than grid.depth",
+    ),
+    "override that breaks a range": (
+        "figures:",
+        "overrides: [{when: {depth: [2]}, set: {cell: 1}}]\n    figures:",
+        "series[0].overrides[0].set.cell",
+        "got 1;",
+        ">= 3",
+    ),
+    "override without values": (
+        "figures:",
+        "overrides: [{when: {depth: [2]}}]\n    figures:",
+        "series[0].overrides[0].set",
+        "got nothing",
+    ),
+    "bad default": (
+        "study: mine",
+        "study: mine\ndefaults: {belt: {damping: -1}}",
+        "defaults.belt.damping",
+        "got -1;",
+        ">= 0",
+    ),
+    "too many points": (
+        "[1, 2]",
+        f"[{', '.join(str(1 + n / 1000) for n in range(20_000))}]",
+        "series[0].grid",
+        "120,000 points",
+        "100,000",
+    ),
+    "duplicate key": ("study: mine", "study: mine\nstudy: yours", "study", "line 2", "line 1"),
+    "duplicate parameter": (
+        "      depth: [1, 2]",
+        "      depth: [1, 2]\n      depth: [3]",
+        "series[0].grid.depth",
+        "line 8",
+        "line 7",
+    ),
+}
+
+# The whole text of a file, and pieces of the message.
+UNREADABLE = {
+    "open bracket": ("study: mine\nseries: [\n", "line 3", "YAML"),
+    "tab": ("study: mine\n\tseries: []\n", "line 2", "YAML"),
+    "two documents": ("study: mine\n---\nstudy: yours\n", "line 2", "another document"),
+    "unknown tag": ("study: !!python/object:os.system x\n", "line 1", "YAML"),
+    "tag that does not fit": ("study: !!bool maybe\n", "YAML"),
+    "list": ("- study: mine\n", "a mapping"),
+    "word": ("study\n", "a mapping"),
+    "empty": ("", "empty"),
+    "comments": ("# nothing\n", "empty"),
+    "endless number": (f"study: {'1' * 5000}\n", "YAML"),
+    "deep": ("[" * 100_000, "nested"),
+    "recursive": ("study: &a [*a]\n", "study: got"),
+    "key of two lines": ('"a\\nb": 1\n', r"'a\nb': unknown key"),
+    "long key": (f"{'a' * 500}: 1\n", "aaa...aaa", "unknown key"),
+    "tag of two lines": ("study: !a%0Ab x\n", "line 1", "YAML"),
+    "unhashable key": ("? [a]\n: b\n", "line 1", "YAML"),
+}
+
+
+@pytest.fixture
+def refuse(tmp_path, capsys, monkeypatch):
+    """Run a command that must be refused, and return its message."""
+    monkeypatch.chdir(tmp_path)
+
+    def refuse(*command: str) -> str:
+        before = sorted(tmp_path.rglob("*"))
+        code = main(command)
+        out, err = capsys.readouterr()
+        assert code == 2
+        assert out == ""
+        assert err.startswith("error: ") and err.endswith("\n") and err.count("\n") == 1
+        assert sorted(tmp_path.rglob("*")) == before
+        return err
+
+    return refuse
+
+
+@pytest.mark.parametrize("mistake", MISTAKES)
+def test_mistakes_in_a_study(mistake, tmp_path, refuse):
+    old, new, key, *pieces = MISTAKES[mistake]
+    pattern = old if isinstance(old, re.Pattern) else re.compile(re.escape(old))
+    text, count = pattern.subn(lambda _: new, STUDY, count=1)
+    assert count == 1
+    (tmp_path / "mine.yaml").write_text(text)
+    message = refuse("points", "mine.yaml")
+    assert message.startswith(f"error: mine.yaml: {key}: ")
+    for piece in pieces:
+        assert piece in message
+    assert len(message) < 700
+
+
+def test_the_study_without_mistakes_is_accepted(tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "mine.yaml").write_text(STUDY)
+    assert main(["points", "mine.yaml"]) == 0
+    assert "13 points" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("kind", UNREADABLE)
+def test_files_that_are_not_yaml(kind, tmp_path, refuse):
+    text, *pieces = UNREADABLE[kind]
+    (tmp_path / "mine.yaml").write_text(text)
+    message = refuse("points", "mine.yaml")
+    assert "mine.yaml: " in message
+    for piece in pieces:
+        assert piece in message
+
+
+@pytest.mark.parametrize("data", [b"\x89HDF\r\n\x1a\n\xff\xfe", b"study: a\x00b\n"])
+@pytest.mark.parametrize("command", [["points", "mine.yaml"], ["run", "mine.yaml", "-o", "run.nc"]])
+def test_binary_files(data, command, tmp_path, refuse):
+    (tmp_path / "mine.yaml").write_bytes(data)
+    assert "mine.yaml: not a text file" in refuse(*command)
+
+
+@pytest.mark.parametrize("command", [["points"], ["run", "-o", "run.nc"]])
+def test_files_that_are_not_there(command, tmp_path, refuse):
+    assert "none.yaml: no such file" in refuse(*command, "none.yaml")
+    (tmp_path / "folder").mkdir()
+    assert "folder: a folder" in refuse(*command, "folder")
+
+
+@pytest.mark.skipif(os.geteuid() == 0, reason="root may read and write everything")
+def test_permissions_are_respected(tmp_path, refuse):
+    (tmp_path / "mine.yaml").write_text(STUDY)
+    (tmp_path / "results").mkdir(mode=0o500)
+    assert "study: got 'results/mine'; allowed: a folder" in refuse("points", "mine.yaml")
+    (tmp_path / "mine.yaml").chmod(0)
+    assert "mine.yaml: cannot be read" in refuse("points", "mine.yaml")
+
+
+def test_results_that_cannot_be_written(tmp_path, refuse):
+    (tmp_path / "mine.yaml").write_text(STUDY)
+    (tmp_path / "results").write_text("in the way")
+    assert "mine.yaml: study: got 'results/mine'; allowed: a folder" in refuse(
+        "points", "mine.yaml"
+    )
+
+
+@pytest.mark.parametrize("output", ["file/run.nc", "folder"])
+def test_outputs_that_cannot_be_written(output, tmp_path, refuse):
+    (tmp_path / "point.yaml").write_text("system: belt\n")
+    (tmp_path / "file").write_text("in the way")
+    (tmp_path / "folder").mkdir()
+    assert "--output: got " in refuse("run", "point.yaml", "-o", output)
+
+
+@pytest.mark.parametrize(
+    ("text", "pieces"),
+    [
+        ("system: chute\nrestitution: 1.5\n", ["restitution: got 1.5", "(0, 1]"]),
+        ("system: chute\nrestituton: 0.5\n", ["restituton: unknown key", "'restitution'"]),
+        ("depth: 5\n", ["system: got nothing", "chute, belt"]),
+        ("system: chute\nsystem: belt\n", ["system: duplicate key on line 2"]),
+        ("[1]\n", ["a mapping"]),
+    ],
+)
+def test_mistakes_in_a_point(text, pieces, tmp_path, refuse):
+    (tmp_path / "point.yaml").write_text(text)
+    message = refuse("run", "point.yaml", "-o", "run.nc")
+    assert message.startswith("error: point.yaml: ")
+    for piece in pieces:
+        assert piece in message
+
+
+def program(*command: str, **options) -> subprocess.CompletedProcess:
+    return subprocess.run(
+        [sys.executable, "-m", "sim", *command],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        timeout=60,
+        **options,
+    )
+
+
+def test_a_process_ends_without_a_traceback(tmp_path):
+    output = tmp_path / "run.nc"
+    done = program("run", "-", "-o", str(output), input="system: chute\nfriction: -1\n")
+    assert done.returncode == 2
+    assert done.stdout == ""
+    assert done.stderr == "error: <stdin>: friction: got -1; allowed: a number >= 0\n"
+    assert not output.exists()
+
+
+def test_a_reader_that_leaves_early_is_no_error(tmp_path):
+    command = f"{sys.executable} -m sim points config/paper.yaml --results {tmp_path} | head -n 1"
+    done = subprocess.run(
+        ["bash", "-o", "pipefail", "-c", command], cwd=ROOT, capture_output=True, text=True
+    )
+    assert done.stdout.startswith("id ")
+    assert done.stderr == ""
+
+
+def test_no_command_and_wrong_options_are_refused():
+    for command in ([], ["pints"], ["points"], ["run", "x.yaml"]):
+        done = program(*command)
+        assert done.returncode == 2
+        assert "usage: python -m sim" in done.stderr
+        assert "Traceback" not in done.stderr

@@ -1,0 +1,129 @@
+"""The schema and the reference say what the models say, and the guide's examples work."""
+
+import copy
+import json
+import re
+from pathlib import Path
+
+import jsonschema
+import pytest
+import yaml
+
+from sim.cli import main
+from sim.errors import InputError
+from sim.figures import FIGURES
+from sim.parameters import SYSTEMS, canonical, parse_point
+from sim.reference import BEGIN, END, reference_text, schema, schema_text, with_reference
+from sim.study import load_study, parse_study
+
+CONFIG = Path(__file__).parents[1] / "config"
+GUIDE = (CONFIG / "README.md").read_text(encoding="utf-8")
+EXAMPLES = re.findall(r"```yaml\n(.*?)```", GUIDE, flags=re.DOTALL)
+REMEDY = "run: python -m sim schema --write"
+
+
+@pytest.fixture(scope="module")
+def validator():
+    document = schema()
+    jsonschema.Draft202012Validator.check_schema(document)
+    return jsonschema.Draft202012Validator(document)
+
+
+def test_schema_is_up_to_date():
+    assert (CONFIG / "schema.json").read_text(encoding="utf-8") == schema_text(), REMEDY
+
+
+def test_reference_is_up_to_date():
+    assert with_reference(GUIDE, "README.md") == GUIDE, REMEDY
+
+
+def test_reference_names_every_parameter_and_figure():
+    text = reference_text()
+    names = {name for model in SYSTEMS.values() for name in model.model_fields} - {"system"}
+    for name in names | set(FIGURES):
+        assert f"| `{name}` |" in text
+
+
+def test_tables_have_as_many_cells_as_headings():
+    for table in re.findall(r"(?:^\|.*\n)+", reference_text(), flags=re.MULTILINE):
+        cells = {len(re.findall(r"(?<!\\)\|", line)) for line in table.splitlines()}
+        assert len(cells) == 1
+
+
+@pytest.mark.parametrize("name", ["quick", "paper"])
+def test_shipped_studies_satisfy_the_schema(name, validator):
+    validator.validate(yaml.safe_load((CONFIG / f"{name}.yaml").read_text()))
+
+
+@pytest.mark.parametrize("system", SYSTEMS)
+def test_points_satisfy_the_schema(system, validator):
+    validator.validate({"system": system})
+    validator.validate(canonical(parse_point({"system": system}, "point")))
+
+
+STUDY = {
+    "study": "s",
+    "series": [{"name": "a", "system": "chute", "grid": {"restitution": [0.85, 0.9]}}],
+}
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        {"restitution": [0.85, 1.5]},
+        {"restitution": [0]},
+        {"restitution": []},
+        {"restitution": 0.85},
+        {"restitution": ["high"]},
+        {"restitution": [None]},
+        {"restituton": [0.85]},
+        {"frequency": [20]},
+        {"angle": [90]},
+        {},
+        None,
+    ],
+)
+def test_the_schema_refuses_what_the_models_refuse(wrong, validator, tmp_path):
+    study = copy.deepcopy(STUDY)
+    validator.validate(study)
+    parse_study(study, "study", tmp_path)
+    study["series"][0]["grid"] = wrong
+    assert not validator.is_valid(study)
+    with pytest.raises(InputError):
+        parse_study(study, "study", tmp_path)
+
+
+def test_examples_of_the_guide_work(tmp_path):
+    study, point = EXAMPLES
+    (tmp_path / "study.yaml").write_text(study)
+    loaded = load_study(tmp_path / "study.yaml", tmp_path)
+    assert len(loaded.points) == 10
+    assert list(loaded.figures) == ["walton_2"]
+    assert parse_point(yaml.safe_load(point), "point").vibration_angle == 60
+
+
+def test_the_error_that_the_guide_shows_is_the_real_one(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("my-study.yaml").write_text(EXAMPLES[0].replace("0.85]", "1.2]"))
+    (shown,) = re.findall(r"^error: (my-study.yaml.*)$", GUIDE, flags=re.MULTILINE)
+    with pytest.raises(InputError) as caught:
+        load_study("my-study.yaml")
+    assert str(caught.value) == shown
+
+
+def test_schema_is_printed_and_written(tmp_path, capsys):
+    assert main(["schema"]) == 0
+    assert json.loads(capsys.readouterr().out) == schema()
+    (tmp_path / "README.md").write_text(f"before\n{BEGIN}\nold\n{END}\nafter\n")
+    assert main(["schema", "--write", str(tmp_path)]) == 0
+    assert (tmp_path / "schema.json").read_text(encoding="utf-8") == schema_text()
+    guide = (tmp_path / "README.md").read_text(encoding="utf-8")
+    assert guide == f"before\n{BEGIN}\n\n{reference_text()}\n{END}\nafter\n"
+
+
+def test_a_guide_without_markers_is_left_alone(tmp_path, capsys):
+    (tmp_path / "README.md").write_text("by hand\n")
+    assert main(["schema", "--write", str(tmp_path)]) == 2
+    assert "markers" in capsys.readouterr().err
+    assert (tmp_path / "README.md").read_text() == "by hand\n"
+    assert main(["schema", "--write", str(tmp_path / "nowhere")]) == 2

@@ -1,0 +1,293 @@
+"""Studies: from series to points, sharing, overrides, figures, estimates, the shipped files."""
+
+import copy
+import json
+from pathlib import Path
+
+import pytest
+import yaml
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from sim.errors import InputError
+from sim.figures import FIGURES
+from sim.parameters import ChuteParameters, parse_point, point_id
+from sim.study import MAX_POINTS, Study, estimate, load_study, parse_study
+from sim.tables import as_json, as_table, duration
+
+CONFIG = Path(__file__).parents[1] / "config"
+
+EXAMPLE = {
+    "study": "example",
+    "title": "An example",
+    "defaults": {"chute": {"transient": 100, "friction": 0.4}},
+    "series": [
+        {
+            "name": "depth-restitution",
+            "system": "chute",
+            "base": {"average": 50},
+            "grid": {"depth": [2.5, 5, 20], "restitution": [0.7, 0.85]},
+            "cases": [{"depth": 5, "friction": 0.35}],
+            "overrides": [{"when": {"depth": [20, 40]}, "set": {"cell": 4, "transient": 200}}],
+            "figures": ["walton_2"],
+        },
+        {
+            "name": "shared",
+            "system": "chute",
+            "base": {"average": 50, "restitution": 0.85},
+            "cases": [{"depth": 5}],
+        },
+    ],
+}
+
+
+@pytest.fixture
+def example() -> dict:
+    return copy.deepcopy(EXAMPLE)
+
+
+@pytest.fixture
+def parse(tmp_path):
+    def parse(mapping: dict) -> Study:
+        return parse_study(mapping, "study.yaml", tmp_path / "results")
+
+    return parse
+
+
+def chute_study(**series) -> dict:
+    return {"study": "s", "series": [{"name": "a", "system": "chute"} | series]}
+
+
+def test_grid_and_cases_add_up(example, parse):
+    study = parse(example)
+    assert (study.name, study.title, study.path) == ("example", "An example", Path("study.yaml"))
+    points = [point.parameters for point in study.points.values()]
+    assert [(p.depth, p.restitution, p.friction) for p in points] == [
+        (2.5, 0.7, 0.4),
+        (2.5, 0.85, 0.4),
+        (5, 0.7, 0.4),
+        (5, 0.85, 0.4),
+        (20, 0.7, 0.4),
+        (20, 0.85, 0.4),
+        (5, 0.85, 0.35),
+    ]
+    assert {p.average for p in points} == {50}
+
+
+def test_keys_are_the_ids_of_the_parameters(example, parse):
+    for key, point in parse(example).points.items():
+        assert key == point.id == point_id(point.parameters)
+
+
+def test_a_point_of_two_series_runs_once(example, parse):
+    study = parse(example)
+    (shared,) = study.series["shared"]
+    assert shared in study.series["depth-restitution"]
+    assert study.points[shared].series == ("depth-restitution", "shared")
+    assert study.points[shared].figures == ("walton_2",)
+    assert len(study.points) == 7
+
+
+def test_overrides_act_at_their_values_only(example, parse):
+    points = [point.parameters for point in parse(example).points.values()]
+    assert {(p.depth, p.cell, p.transient) for p in points} == {
+        (2.5, 10, 100),
+        (5, 10, 100),
+        (20, 4, 200),
+    }
+
+
+def test_later_places_win(parse):
+    mapping = chute_study(
+        base={"friction": 0.2, "angle": 20},
+        cases=[{}, {"angle": 21}, {"angle": 22}],
+        overrides=[
+            {"when": {"angle": [22]}, "set": {"angle": 23, "seed": 2}},
+            {"when": {"angle": [22]}, "set": {"seed": 3}},
+            {"when": {"angle": [23]}, "set": {"seed": 4}},
+        ],
+    )
+    mapping["defaults"] = {"chute": {"friction": 0.1, "gravity": 5}}
+    points = [point.parameters for point in parse(mapping).points.values()]
+    assert [(p.gravity, p.friction, p.angle, p.seed) for p in points] == [
+        (5, 0.2, 20, 1),
+        (5, 0.2, 21, 1),
+        (5, 0.2, 23, 3),
+    ]
+
+
+def test_overrides_see_omitted_parameters(parse):
+    overrides = [{"when": {"stiffness": [100], "cell": [5]}, "set": {"replicates": 2}}]
+    study = parse(chute_study(grid={"depth": [5, 20]}, overrides=overrides))
+    assert [point.parameters.replicates for point in study.points.values()] == [1, 2]
+
+
+def test_a_series_without_grid_and_cases_is_its_base(parse):
+    (point,) = parse(chute_study(base={"depth": 3})).points.values()
+    assert point.parameters == ChuteParameters(depth=3)
+
+
+def test_equal_numbers_are_one_point(parse):
+    study = parse(chute_study(grid={"friction": [0.3, 0.1 + 0.2], "depth": [5, 5.0]}))
+    assert len(study.points) == 1
+
+
+def test_ids_depend_on_the_parameters_alone(example, parse):
+    before = set(parse(example).points)
+    example |= {"study": "other", "title": "Other"}
+    example["series"].reverse()
+    example["series"][1]["name"] = "renamed"
+    assert set(parse(example).points) == before
+
+
+def test_an_added_value_leaves_the_other_points_alone(example, parse):
+    before = set(parse(example).points)
+    example["series"][0]["grid"]["depth"].append(10)
+    after = set(parse(example).points)
+    assert before < after
+    assert len(after - before) == 2
+
+
+@settings(deadline=None, max_examples=40)
+@given(
+    depths=st.lists(st.floats(0.5, 50), min_size=1, max_size=4),
+    frictions=st.lists(st.floats(0, 1), min_size=1, max_size=4),
+)
+def test_a_grid_is_the_product_of_its_lists(tmp_path_factory, depths, frictions):
+    mapping = chute_study(grid={"depth": depths, "friction": frictions})
+    study = parse_study(mapping, "study.yaml", tmp_path_factory.getbasetemp())
+    expected = {
+        point_id(parse_point({"system": "chute", "depth": depth, "friction": friction}, "p"))
+        for depth in depths
+        for friction in frictions
+    }
+    assert set(study.points) == expected
+
+
+def test_figures_list_their_points_in_order(example, parse):
+    study = parse(example)
+    assert study.figures == {"walton_2": tuple(study.points)}
+
+
+def test_the_list_of_figures_must_match_what_is_fed(example, parse):
+    example["figures"] = ["walton_2"]
+    assert list(parse(example).figures) == ["walton_2"]
+    example["figures"] = ["walton_2", "gallas_1a"]
+    with pytest.raises(InputError, match=r"figures\[1\]: got 'gallas_1a'"):
+        parse(example)
+    example["figures"] = []
+    with pytest.raises(InputError, match=r"series\[0\].figures\[0\]: got 'walton_2'"):
+        parse(example)
+
+
+@pytest.mark.parametrize("name", FIGURES)
+def test_a_figure_needs_every_axis(name, parse):
+    spec = FIGURES[name]
+    default = parse_point({"system": spec.system}, "p")
+    for missing in spec.axes:
+        cases = [{axis: 0.9 * getattr(default, axis)} for axis in spec.axes if axis != missing] + [
+            {}
+        ]
+        series = {"name": "a", "system": spec.system, "cases": cases, "figures": [name]}
+        with pytest.raises(InputError, match=rf"{name} with {missing} = .* alone"):
+            parse({"study": "s", "series": [series]})
+        cases.append({missing: 0.9 * getattr(default, missing)})
+        assert list(parse({"study": "s", "series": [series]}).figures) == [name]
+
+
+def test_a_huge_grid_is_refused_before_it_is_made(parse):
+    seeds = list(range(1001))
+    grid = {"seed": seeds, "depth": [1 + 0.001 * i for i in range(1000)], "friction": [0.1] * 1000}
+    with pytest.raises(InputError, match=rf"series\[0\].grid: .* at most {MAX_POINTS:,} points"):
+        parse(chute_study(grid=grid))
+
+
+def test_results_may_be_new_and_are_not_made(example, tmp_path):
+    folder = tmp_path / "not" / "yet"
+    parse_study(example, "study.yaml", folder)
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("kind", ["results", "study", "link"])
+def test_results_that_cannot_be_written_are_refused(example, tmp_path, kind):
+    results = tmp_path / "results"
+    if kind == "results":
+        results.write_text("a file")
+    elif kind == "study":
+        results.mkdir()
+        (results / "example").write_text("a file")
+    else:
+        results.symlink_to(tmp_path / "nowhere")
+    with pytest.raises(InputError, match=r"study.yaml: study: got .*; allowed: a folder that can"):
+        parse_study(example, "study.yaml", results)
+
+
+def test_estimates_grow_with_the_run():
+    short = estimate(ChuteParameters(transient=10, average=10))
+    assert short.particles == 500
+    assert short.steps == ChuteParameters(transient=10, average=10).steps
+    more = estimate(ChuteParameters(transient=10, average=10, replicates=3))
+    assert more.steps == 3 * short.steps
+    assert 0 < short.core_seconds < more.core_seconds
+    deep = ChuteParameters(transient=10, average=10, depth=10, cell=10 / 2**0.5)
+    assert estimate(deep).particles == short.particles
+    assert estimate(deep).core_seconds > short.core_seconds
+
+
+def test_the_table_has_a_line_per_point_and_totals(example, parse):
+    study = parse(example)
+    lines = as_table(study).splitlines()
+    assert lines[0].split()[:3] == ["id", "system", "particles"]
+    assert [line.split()[0] for line in lines[1:8]] == list(study.points)
+    ends = {line.index("chute ") for line in lines[1:8] if "chute " in line}
+    assert len(ends) == 1
+    assert lines[8] == ""
+    assert lines[9].startswith("7 points, ")
+    assert "on 2 cores" in lines[9]
+
+
+def test_the_json_has_everything_to_run_the_points(example, parse):
+    study = parse(example)
+    document = json.loads(as_json(study))
+    assert document["totals"]["points"] == len(document["points"]) == 7
+    for entry in document["points"]:
+        assert point_id(parse_point(entry["parameters"], "json")) == entry["id"]
+    assert document["totals"]["steps"] == sum(entry["steps"] for entry in document["points"])
+
+
+@pytest.mark.parametrize(("seconds", "text"), [(4.51, "4.5 s"), (90, "1.5 min"), (7200, "2.0 h")])
+def test_durations_are_written_in_the_unit_that_suits(seconds, text):
+    assert duration(seconds) == text
+
+
+@pytest.mark.parametrize("name", ["quick", "paper"])
+def test_shipped_studies_feed_every_figure(name, tmp_path):
+    study = load_study(CONFIG / f"{name}.yaml", tmp_path)
+    assert study.name == name
+    assert list(study.figures) == list(FIGURES)
+    assert set().union(*study.figures.values()) == set(study.points)
+
+
+def test_shipped_studies_share_points_between_figures(tmp_path):
+    study = load_study(CONFIG / "quick.yaml", tmp_path)
+    a, b, c = (set(study.figures[f"gallas_1{panel}"]) for panel in "abc")
+    assert a & b and b & c
+    assert len(study.points) < sum(map(len, study.series.values()))
+
+
+def test_the_paper_study_has_the_papers_sizes(tmp_path):
+    points = [p.parameters for p in load_study(CONFIG / "paper.yaml", tmp_path).points.values()]
+    belts = [p for p in points if p.system == "belt"]
+    assert all(p.replicates >= 5 and p.transient >= 45 and p.average >= 45 for p in belts)
+    assert all(p.beads == 200 and p.width == 20 for p in belts)
+    chutes = [p for p in points if p.system == "chute"]
+    assert {(p.depth, p.cell) for p in chutes} >= {(10, 10), (20, 5), (40, 5)}
+    assert {p.stiffness for p in chutes} == {100, 1000, 10_000}
+    assert all(p.replicates >= 2 for p in chutes)
+
+
+@pytest.mark.parametrize("name", ["quick", "paper"])
+def test_shipped_studies_mean_the_same_to_any_yaml_reader(name, tmp_path):
+    path = CONFIG / f"{name}.yaml"
+    plain = parse_study(yaml.safe_load(path.read_text()), path, tmp_path)
+    assert plain.points == load_study(path, tmp_path).points
