@@ -13,8 +13,10 @@ from sim.dynamics.spheres import (
     DZ,
     FX,
     MX,
+    OVERLAP_ROW,
     REACH,
     SQUARE,
+    STRIDE,
     VX,
     WX,
     evaluate,
@@ -47,14 +49,14 @@ def _gather(spheres, plane, start, work, step):
         height = spheres.position[i, 2]
         if height < spheres.radius[i]:
             work.pair[touching] = i
-            rows[DX * BLOCK + touching] = 0.0
-            rows[DY * BLOCK + touching] = 0.0
-            rows[DZ * BLOCK + touching] = -height
-            rows[SQUARE * BLOCK + touching] = height * height
-            rows[REACH * BLOCK + touching] = spheres.radius[i]
+            rows[DX * STRIDE + touching] = 0.0
+            rows[DY * STRIDE + touching] = 0.0
+            rows[DZ * STRIDE + touching] = -height
+            rows[SQUARE * STRIDE + touching] = height * height
+            rows[REACH * STRIDE + touching] = spheres.radius[i]
             for d in range(3):
-                rows[(VX + d) * BLOCK + touching] = -spheres.velocity[i, d]
-                rows[(WX + d) * BLOCK + touching] = spheres.radius[i] * spheres.spin[i, d]
+                rows[(VX + d) * STRIDE + touching] = -spheres.velocity[i, d]
+                rows[(WX + d) * STRIDE + touching] = spheres.radius[i] * spheres.spin[i, d]
             load_memory(rows, touching, plane.memory, i, step)
             touching += 1
         i += 1
@@ -72,14 +74,15 @@ def plane_forces(law, spheres, plane, work, time_step, step):
     start = 0
     while start < spheres.radius.size:
         touching, start = _gather(spheres, plane, start, work, step)
-        largest = max(largest, 0.5 * evaluate(law, work.rows, touching, time_step))
+        evaluate(law, work.rows, touching, time_step)
         for k in range(touching):
             i = work.pair[k]
             for d in range(3):
-                spheres.force[i, d] += work.rows[(FX + d) * BLOCK + k]
-                spheres.torque[i, d] += spheres.radius[i] * work.rows[(MX + d) * BLOCK + k]
-            along += work.rows[FX * BLOCK + k]
-            upward += work.rows[(FX + 2) * BLOCK + k]
+                spheres.force[i, d] += work.rows[(FX + d) * STRIDE + k]
+                spheres.torque[i, d] += spheres.radius[i] * work.rows[(MX + d) * STRIDE + k]
+            along += work.rows[FX * STRIDE + k]
+            upward += work.rows[(FX + 2) * STRIDE + k]
+            largest = max(largest, 0.5 * work.rows[OVERLAP_ROW * STRIDE + k])
             store_memory(work.rows, k, plane.memory, i, step)
         contacts += touching
     return contacts, largest, along, upward

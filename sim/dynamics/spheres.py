@@ -18,6 +18,10 @@ from sim.dynamics.neighbors import STAMP, nearest_image
 #: Pairs examined per block; about a third of them touch in a dense flow.
 BLOCK = 256
 
+#: Distance between rows of the work array: not a power of two, or all rows would compete for the
+#: same few lines of the cache.
+STRIDE = BLOCK + 8
+
 # Rows of the work array: geometry and motion in, forces out, memory in and out.
 DX, DY, DZ, SQUARE, REACH = range(5)
 VX, VY, VZ, WX, WY, WZ = range(5, 11)
@@ -63,7 +67,7 @@ def make_spheres(position, velocity, radius, mass) -> Spheres:
 
 def make_work() -> Work:
     """Return scratch space for one thread."""
-    return Work(np.zeros(ROWS * BLOCK), np.zeros(BLOCK, np.int64))
+    return Work(np.zeros(ROWS * STRIDE), np.zeros(BLOCK, np.int64))
 
 
 @inlined
@@ -71,33 +75,32 @@ def load_memory(rows, k, memory, index, step):
     """Copy a contact's memory into column k, or zeros if it did not touch in the last step."""
     held = 1.0 if memory[index, STAMP] == step - 1 else 0.0
     for m in range(MEMORY):
-        rows[(MEMORY_ROW + m) * BLOCK + k] = memory[index, m] * held
+        rows[(MEMORY_ROW + m) * STRIDE + k] = memory[index, m] * held
 
 
 @inlined
 def store_memory(rows, k, memory, index, step):
     """Copy column k back into a contact's memory and mark it as touching at this step."""
     for m in range(MEMORY):
-        memory[index, m] = rows[(MEMORY_ROW + m) * BLOCK + k]
+        memory[index, m] = rows[(MEMORY_ROW + m) * STRIDE + k]
     memory[index, STAMP] = step
 
 
 @inlined
 def evaluate(law, rows, touching, time_step):
-    """Apply the law to all columns; return the largest overlap relative to the reach."""
-    largest = 0.0
+    """Apply the law to all columns: forces, moments, memory and overlap relative to the reach."""
     for k in range(touching):
-        distance = sqrt(rows[SQUARE * BLOCK + k])
-        reach = rows[REACH * BLOCK + k]
+        distance = sqrt(rows[SQUARE * STRIDE + k])
+        reach = rows[REACH * STRIDE + k]
         overlap = reach - distance
         scale = 1.0 / distance
-        nx = rows[DX * BLOCK + k] * scale
-        ny = rows[DY * BLOCK + k] * scale
-        nz = rows[DZ * BLOCK + k] * scale
-        wx, wy, wz = rows[WX * BLOCK + k], rows[WY * BLOCK + k], rows[WZ * BLOCK + k]
-        sx = rows[VX * BLOCK + k] - (wy * nz - wz * ny)
-        sy = rows[VY * BLOCK + k] - (wz * nx - wx * nz)
-        sz = rows[VZ * BLOCK + k] - (wx * ny - wy * nx)
+        nx = rows[DX * STRIDE + k] * scale
+        ny = rows[DY * STRIDE + k] * scale
+        nz = rows[DZ * STRIDE + k] * scale
+        wx, wy, wz = rows[WX * STRIDE + k], rows[WY * STRIDE + k], rows[WZ * STRIDE + k]
+        sx = rows[VX * STRIDE + k] - (wy * nz - wz * ny)
+        sy = rows[VY * STRIDE + k] - (wz * nx - wx * nz)
+        sz = rows[VZ * STRIDE + k] - (wx * ny - wy * nx)
         along = sx * nx + sy * ny + sz * nz
         slip = (
             (sx - along * nx) * time_step,
@@ -105,57 +108,61 @@ def evaluate(law, rows, touching, time_step):
             (sz - along * nz) * time_step,
         )
         memory = (
-            rows[(MEMORY_ROW + 0) * BLOCK + k],
-            rows[(MEMORY_ROW + 1) * BLOCK + k],
-            rows[(MEMORY_ROW + 2) * BLOCK + k],
-            rows[(MEMORY_ROW + 3) * BLOCK + k],
-            rows[(MEMORY_ROW + 4) * BLOCK + k],
-            rows[(MEMORY_ROW + 5) * BLOCK + k],
-            rows[(MEMORY_ROW + 6) * BLOCK + k],
+            rows[(MEMORY_ROW + 0) * STRIDE + k],
+            rows[(MEMORY_ROW + 1) * STRIDE + k],
+            rows[(MEMORY_ROW + 2) * STRIDE + k],
+            rows[(MEMORY_ROW + 3) * STRIDE + k],
+            rows[(MEMORY_ROW + 4) * STRIDE + k],
+            rows[(MEMORY_ROW + 5) * STRIDE + k],
+            rows[(MEMORY_ROW + 6) * STRIDE + k],
         )
         force, (tx, ty, tz), memory = contact_force(law, overlap, (nx, ny, nz), slip, memory)
-        rows[FX * BLOCK + k] = tx - force * nx
-        rows[FY * BLOCK + k] = ty - force * ny
-        rows[FZ * BLOCK + k] = tz - force * nz
-        rows[MX * BLOCK + k] = ny * tz - nz * ty
-        rows[MY * BLOCK + k] = nz * tx - nx * tz
-        rows[MZ * BLOCK + k] = nx * ty - ny * tx
-        rows[(MEMORY_ROW + 0) * BLOCK + k] = memory[0]
-        rows[(MEMORY_ROW + 1) * BLOCK + k] = memory[1]
-        rows[(MEMORY_ROW + 2) * BLOCK + k] = memory[2]
-        rows[(MEMORY_ROW + 3) * BLOCK + k] = memory[3]
-        rows[(MEMORY_ROW + 4) * BLOCK + k] = memory[4]
-        rows[(MEMORY_ROW + 5) * BLOCK + k] = memory[5]
-        rows[(MEMORY_ROW + 6) * BLOCK + k] = memory[6]
-        largest = max(largest, overlap / reach)
-    return largest
+        rows[FX * STRIDE + k] = tx - force * nx
+        rows[FY * STRIDE + k] = ty - force * ny
+        rows[FZ * STRIDE + k] = tz - force * nz
+        rows[MX * STRIDE + k] = ny * tz - nz * ty
+        rows[MY * STRIDE + k] = nz * tx - nx * tz
+        rows[MZ * STRIDE + k] = nx * ty - ny * tx
+        rows[(MEMORY_ROW + 0) * STRIDE + k] = memory[0]
+        rows[(MEMORY_ROW + 1) * STRIDE + k] = memory[1]
+        rows[(MEMORY_ROW + 2) * STRIDE + k] = memory[2]
+        rows[(MEMORY_ROW + 3) * STRIDE + k] = memory[3]
+        rows[(MEMORY_ROW + 4) * STRIDE + k] = memory[4]
+        rows[(MEMORY_ROW + 5) * STRIDE + k] = memory[5]
+        rows[(MEMORY_ROW + 6) * STRIDE + k] = memory[6]
+        rows[OVERLAP_ROW * STRIDE + k] = overlap / reach
 
 
 @inlined
 def _gather_pairs(spheres, pairs, box, start, stop, work, step):
     """Gather the touching pairs among ``start``..``stop``; return their number."""
     rows, x = work.rows, spheres.position
-    touching = 0
-    for p in range(start, stop):
-        i, j = pairs.first[p], pairs.second[p]
+    first, second = pairs.first, pairs.second
+    for k in range(stop - start):
+        i, j = np.uint64(first[start + k]), np.uint64(second[start + k])
         dx = nearest_image(x[j, 0] - x[i, 0], box, 0)
         dy = nearest_image(x[j, 1] - x[i, 1], box, 1)
         dz = nearest_image(x[j, 2] - x[i, 2], box, 2)
-        square = dx * dx + dy * dy + dz * dz
-        reach = pairs.reach[p]
-        work.pair[touching] = p
-        rows[DX * BLOCK + touching] = dx
-        rows[DY * BLOCK + touching] = dy
-        rows[DZ * BLOCK + touching] = dz
-        rows[SQUARE * BLOCK + touching] = square
-        rows[REACH * BLOCK + touching] = reach
-        touching += 1 if square < reach * reach else 0
+        rows[SQUARE * STRIDE + k] = dx * dx + dy * dy + dz * dz
+    touching = 0
+    for k in range(stop - start):
+        reach = pairs.reach[start + k]
+        work.pair[touching] = start + k
+        touching += 1 if rows[SQUARE * STRIDE + k] < reach * reach else 0
     for k in range(touching):
         p = work.pair[k]
-        i, j = pairs.first[p], pairs.second[p]
+        i, j = np.uint64(first[p]), np.uint64(second[p])
+        dx = nearest_image(x[j, 0] - x[i, 0], box, 0)
+        dy = nearest_image(x[j, 1] - x[i, 1], box, 1)
+        dz = nearest_image(x[j, 2] - x[i, 2], box, 2)
+        rows[DX * STRIDE + k] = dx
+        rows[DY * STRIDE + k] = dy
+        rows[DZ * STRIDE + k] = dz
+        rows[SQUARE * STRIDE + k] = dx * dx + dy * dy + dz * dz
+        rows[REACH * STRIDE + k] = pairs.reach[p]
         for d in range(3):
-            rows[(VX + d) * BLOCK + k] = spheres.velocity[j, d] - spheres.velocity[i, d]
-            rows[(WX + d) * BLOCK + k] = (
+            rows[(VX + d) * STRIDE + k] = spheres.velocity[j, d] - spheres.velocity[i, d]
+            rows[(WX + d) * STRIDE + k] = (
                 spheres.radius[i] * spheres.spin[i, d] + spheres.radius[j] * spheres.spin[j, d]
             )
         load_memory(rows, k, pairs.memory, p, step)
@@ -164,19 +171,21 @@ def _gather_pairs(spheres, pairs, box, start, stop, work, step):
 
 @inlined
 def _scatter_pairs(spheres, pairs, work, touching, step):
-    """Add the block's forces and torques to both particles of each pair."""
-    rows = work.rows
+    """Add the block's forces and torques to both particles; return the largest overlap."""
+    rows, largest = work.rows, 0.0
     for k in range(touching):
         p = work.pair[k]
-        i, j = pairs.first[p], pairs.second[p]
+        i, j = np.uint64(pairs.first[p]), np.uint64(pairs.second[p])
         for d in range(3):
-            force = rows[(FX + d) * BLOCK + k]
-            moment = rows[(MX + d) * BLOCK + k]
+            force = rows[(FX + d) * STRIDE + k]
+            moment = rows[(MX + d) * STRIDE + k]
             spheres.force[i, d] += force
             spheres.force[j, d] -= force
             spheres.torque[i, d] += spheres.radius[i] * moment
             spheres.torque[j, d] += spheres.radius[j] * moment
         store_memory(rows, k, pairs.memory, p, step)
+        largest = max(largest, rows[OVERLAP_ROW * STRIDE + k])
+    return largest
 
 
 @kernel
@@ -191,7 +200,7 @@ def pair_forces(law, spheres, pairs, box, work, time_step, step):
     for start in range(0, number, BLOCK):
         stop = min(start + BLOCK, number)
         touching = _gather_pairs(spheres, pairs, box, start, stop, work, step)
-        largest = max(largest, evaluate(law, work.rows, touching, time_step))
-        _scatter_pairs(spheres, pairs, work, touching, step)
+        evaluate(law, work.rows, touching, time_step)
+        largest = max(largest, _scatter_pairs(spheres, pairs, work, touching, step))
         contacts += touching
     return contacts, largest

@@ -256,8 +256,9 @@ class BeltParameters(Parameters):
         if self.integrator != "gear" or product <= GEAR_STABILITY:
             return ""
         return (
-            f"damping rate times time step is {product:.2g}: above {GEAR_STABILITY} Gear's corrector "
-            "is unstable in a packed bed; more steps_per_cycle, or integrator: verlet, cures it"
+            f"damping rate times time step is {product:.2g}: above {GEAR_STABILITY} Gear's "
+            "corrector is unstable in a packed bed; more steps_per_cycle, or integrator: verlet, "
+            "cures it"
         )
 
     @property
