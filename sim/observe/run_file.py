@@ -1,11 +1,11 @@
 """The netCDF file of one run: all replicates of a point, in SI units, with CF attributes."""
 
-import os
 from pathlib import Path
 
 import netCDF4
 import numpy as np
 
+from sim.files import replacing
 from sim.observe.recorder import Record
 from sim.parameters import Parameters, canonical, field_info
 
@@ -63,16 +63,11 @@ def write(path: Path, parameters: Parameters, records: list[Record], layout, att
     attributes : dict
         Global attributes.
     """
-    temporary = path.with_name(f".{path.name}.{os.getpid()}.part")
-    try:
-        with netCDF4.Dataset(temporary, "w") as file:
-            file.setncatts(attributes)
-            _write_parameters(file, parameters)
-            _write_axes(file, records, layout)
-            _write_records(file, records, layout)
-        temporary.replace(path)
-    finally:
-        temporary.unlink(missing_ok=True)
+    with replacing(path) as temporary, netCDF4.Dataset(temporary, "w") as file:
+        file.setncatts(attributes)
+        _write_parameters(file, parameters)
+        _write_axes(file, records, layout)
+        _write_records(file, records, layout)
 
 
 def _put(file, name, dimensions, values, unit="", long_name=""):

@@ -252,13 +252,11 @@ class BeltParameters(Parameters):
     @property
     def caveat(self) -> str:
         """Say so when the time step is beyond Gear's stability in a packed bed."""
-        product = self.damping_rate * self.time_step
-        if self.integrator != "gear" or product <= GEAR_STABILITY:
+        if self.integrator != "gear" or self.damping_rate * self.time_step <= GEAR_STABILITY:
             return ""
         return (
-            f"damping rate times time step is {product:.2g}: above {GEAR_STABILITY} Gear's "
-            "corrector is unstable in a packed bed; more steps_per_cycle, or integrator: verlet, "
-            "cures it"
+            "the time step is beyond the stability of Gear's corrector in a packed bed, which "
+            "jitters; more steps_per_cycle or velocity Verlet cures it"
         )
 
     @property

@@ -1,5 +1,7 @@
 """Exact results of the contact law itself: one contact, prescribed overlaps and displacements."""
 
+import itertools
+
 import numpy as np
 import pytest
 
@@ -258,7 +260,7 @@ def test_loop_between_two_opposite_forces_closes(exponent):
     errors = []
     for points in (500, 1000):
         corners = [0.0, rise, rise - width, rise, rise - width, rise]
-        legs = [np.linspace(a, b, points + 1) for a, b in zip(corners, corners[1:], strict=False)]
+        legs = [np.linspace(a, b, points + 1) for a, b in itertools.pairwise(corners)]
         path = np.concatenate([legs[0], *(leg[1:] for leg in legs[1:])])
         turns = along_x(path, spring)[points::points]
         errors.append(np.abs(turns / peak - np.array([1, -1, 1, -1, 1])).max())

@@ -1,0 +1,42 @@
+# Everything runs from the root of the repository in its own environment, .venv.
+
+PYTHON ?= python3
+CORES ?= 2
+VENV := .venv
+BIN := $(VENV)/bin
+STAMP := $(VENV)/.locked
+STUDY := config/paper.yaml
+
+.DEFAULT_GOAL := help
+.PHONY: help setup figures paper test lint clean
+
+help:  ## this list
+	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "  make %-9s%s\n", $$1, $$2 }' $(MAKEFILE_LIST)
+
+setup: $(STAMP)  ## install the locked packages into .venv (nothing to do while requirements.lock stands)
+
+$(STAMP): requirements.lock
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { \
+	  echo "Talus needs Python 3.11 or newer, and '$(PYTHON)' is not: make PYTHON=python3.12 ..." >&2; exit 2; }
+	@$(PYTHON) -m venv $(VENV) || { \
+	  echo "'$(PYTHON) -m venv' failed: install the venv module of this Python (python3-venv on Debian)" >&2; exit 2; }
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --requirement requirements.lock
+	@touch $(STAMP)
+
+figures: setup  ## the quick study: figures and report into results/quick
+	$(BIN)/snakemake --cores $(CORES)
+
+paper: setup  ## the papers' sizes and lengths: figures and report into results/paper (hours)
+	$(BIN)/snakemake --cores $(CORES) --configfile $(STUDY)
+
+test: setup  ## the whole test suite
+	$(BIN)/python -m pytest -n $(CORES) --dist loadfile
+
+lint: setup  ## ruff, snakefmt and snakemake --lint
+	$(BIN)/ruff check .
+	$(BIN)/snakefmt --check Snakefile workflow
+	$(BIN)/snakemake --lint
+
+clean:  ## remove .venv and caches; results stay, and .snakemake, which knows what made them
+	rm -rf $(VENV) .pytest_cache .ruff_cache .hypothesis
+	find . -name __pycache__ -type d -prune -exec rm -rf {} +

@@ -1,0 +1,94 @@
+"""The figures Talus can draw. Only this registry is imported before a figure is asked for."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from sim.errors import InputError
+
+
+@dataclass(frozen=True)
+class FigureSpec:
+    """What a study must supply for one figure of the papers.
+
+    Attributes
+    ----------
+    name : str
+        Name in study files, targets and file names; also the module that draws it.
+    paper : str
+        Figure of the paper it reproduces.
+    system : str
+        System of all the points that feed it.
+    axes : tuple of str
+        Parameters that must take at least two values among those points.
+    title : str
+        One line for tables and the report.
+    """
+
+    name: str
+    paper: str
+    system: str
+    axes: tuple[str, ...]
+    title: str
+
+
+_SPECS = (
+    FigureSpec(
+        name="walton_2",
+        paper="Walton (1993), Fig. 2",
+        system="chute",
+        axes=("depth", "restitution", "friction"),
+        title="Mean velocity against depth of the flow",
+    ),
+    FigureSpec(
+        name="gallas_1a",
+        paper="Gallas et al. (1992), Fig. 1a",
+        system="belt",
+        axes=("frequency", "vibration_angle"),
+        title="Transport velocity against frequency for three angles of vibration",
+    ),
+    FigureSpec(
+        name="gallas_1b",
+        paper="Gallas et al. (1992), Fig. 1b",
+        system="belt",
+        axes=("frequency", "amplitude", "damping", "shear_damping"),
+        title="Transport velocity against frequency for amplitudes and damping coefficients",
+    ),
+    FigureSpec(
+        name="gallas_1c",
+        paper="Gallas et al. (1992), Fig. 1c",
+        system="belt",
+        axes=("shear_damping", "frequency"),
+        title="Transport velocity against the shear friction coefficient",
+    ),
+)
+
+FIGURES: dict[str, FigureSpec] = {spec.name: spec for spec in _SPECS}
+
+
+def draw(name: str, dataset_path: str | Path, out_folder: str | Path) -> list[Path]:
+    """Draw one figure of a study.
+
+    Parameters
+    ----------
+    name : str
+        One of `FIGURES`.
+    dataset_path : str or Path
+        The study's ``dataset.nc``.
+    out_folder : str or Path
+        Folder for the files; made if absent.
+
+    Returns
+    -------
+    list of Path
+        ``<name>.png``, ``.svg``, ``.csv`` (the data behind the picture) and ``.caption.txt``.
+
+    Raises
+    ------
+    InputError
+        For an unknown figure, a missing dataset, or one without points for the figure.
+    """
+    if name not in FIGURES:
+        raise InputError.of_value("figure", "name", name, "one of " + ", ".join(FIGURES))
+    from sim.figures.render import render
+
+    return render(FIGURES[name], Path(dataset_path), Path(out_folder))

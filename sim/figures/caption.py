@@ -1,0 +1,92 @@
+"""Sentences of captions: parameters, intervals, regimes and what is missing."""
+
+from collections.abc import Sequence
+
+import pandas as pd
+
+from sim.parameters import SYSTEMS, field_info
+
+_UNITS = {"1": "", "degree": "°", "N m-1": " N/m", "m s-2": " m/s²", "Hz": " Hz"}
+
+_REGIMES = {
+    "accelerating": "still accelerating",
+    "arrested": "at rest",
+    "undetermined": "of undetermined trend",
+    "mixed": "with replicates in different regimes",
+}
+
+
+def quantity(system: str, name: str, values: Sequence[object]) -> str:
+    """Write ``symbol = value unit`` for one or several values of a parameter.
+
+    >>> quantity("belt", "frequency", [20.0, 50.0])
+    'f = 20, 50 Hz'
+    """
+    row = field_info(SYSTEMS[system])[name]
+    numbers = ", ".join(f"{value:.4g}" for value in sorted(set(values)))
+    unit = _UNITS.get(row.unit, f" {row.unit}")
+    return f"{row.symbol} = {numbers}{unit}" + (f" {row.scale}" if row.scale else "")
+
+
+def parameters_sentence(rows: pd.DataFrame, system: str, names: Sequence[str]) -> str:
+    """Write the parameters that the points of a figure share, or the values they take."""
+    parts = [quantity(system, name, rows[name]) for name in names]
+    return "Parameters: " + "; ".join(parts) + "."
+
+
+def interval_sentence(rows: pd.DataFrame) -> str:
+    """Say what the error bars are, for how many points of which number of replicates."""
+    shown = rows[rows["completed"] > 0]
+    over = shown[shown["interval"] == "replicates"]
+    within = shown[shown["interval"] == "within run"]
+    parts = []
+    if len(over):
+        counts = sorted(set(over["completed"]))
+        numbers = str(counts[0]) if len(counts) == 1 else f"{counts[0]} to {counts[-1]}"
+        parts.append(f"Student's 95 % interval of the mean over {numbers} replicates")
+    if len(within):
+        which = f" for the {_points(len(within))} with one replicate" if len(over) else ""
+        parts.append(f"1.96 standard errors within the run{which}")
+    if not parts:
+        return ""
+    return "Error bars: " + ", ".join(parts) + "."
+
+
+def regime_sentence(rows: pd.DataFrame) -> str:
+    """Explain the open markers, naming how many points are in which regime; empty if all steady."""
+    counts = rows[rows["regime"].isin(_REGIMES)]["regime"].value_counts()
+    if counts.empty:
+        return ""
+    parts = [f"{_points(count)} {_REGIMES[regime]}" for regime, count in counts.items()]
+    return (
+        "Filled markers are steady flows, open ones are not: "
+        + ", ".join(parts)
+        + "; their value is the mean over the averaging window all the same."
+    )
+
+
+def caveat_sentence(rows: pd.DataFrame) -> str:
+    """Give the caveats of the points and how many carry each; empty if there is none."""
+    counts = rows[rows["caveat"] != ""]["caveat"].value_counts()
+    return " ".join(f"Caveat for {_points(count)}: {text}." for text, count in counts.items())
+
+
+def failure_sentence(rows: pd.DataFrame) -> str:
+    """Name the points left out because their run failed, and those that lost replicates."""
+    gone = rows[rows["completed"] == 0]
+    hurt = rows[(rows["completed"] > 0) & (rows["completed"] < rows["replicates"])]
+    sentences = []
+    if len(gone):
+        named = "; ".join(f"{row.point} ({row.reason})" for row in gone.itertuples())
+        sentences.append(f"Left out because the run failed: {named}.")
+    if len(hurt):
+        named = "; ".join(
+            f"{row.point} ({row.completed:g} of {row.replicates:g} replicates left: {row.reason})"
+            for row in hurt.itertuples()
+        )
+        sentences.append(f"Replicates lost: {named}.")
+    return " ".join(sentences)
+
+
+def _points(count: int) -> str:
+    return f"{count} point" + ("" if count == 1 else "s")

@@ -1,0 +1,31 @@
+"""Gallas et al. (1992), Fig. 1a: transport velocity against frequency for three angles."""
+
+import pandas as pd
+from matplotlib.figure import Figure
+
+from sim.figures import transport
+from sim.figures.style import DASH_DOT, SHORT_DASH, CurveStyle, cycled
+
+NAMED = transport.NAMED
+LEAD = (
+    "Transport velocity V_x of the beads against the frequency f of the belt, "
+    "for several angles α of the vibration."
+)
+
+_STYLES = {
+    60.0: (CurveStyle("#d55e00", DASH_DOT, "^"), "α = π/3"),
+    45.0: (CurveStyle("#000000", "-", "o"), "α = π/4"),
+    30.0: (CurveStyle("#0072b2", SHORT_DASH, "s"), "α = π/6"),
+}
+
+
+def draw(rows: pd.DataFrame) -> Figure:
+    """Draw the figure from its points, as `sim.figures.summary.summarize` returns them."""
+    figure, axes = transport.draw_panel(rows, "frequency", ("vibration_angle",), _look)
+    axes.set_xlabel("frequency f (Hz)")
+    return figure
+
+
+def _look(names: dict[str, object], index: int) -> tuple[CurveStyle, str]:
+    angle = names["vibration_angle"]
+    return _STYLES.get(angle, (cycled(index + len(_STYLES)), f"α = {angle:g}°"))

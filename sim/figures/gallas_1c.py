@@ -1,0 +1,30 @@
+"""Gallas et al. (1992), Fig. 1c: transport velocity against the shear friction coefficient."""
+
+import pandas as pd
+from matplotlib.figure import Figure
+
+from sim.figures import transport
+from sim.figures.style import CurveStyle, cycled
+
+NAMED = transport.NAMED
+LEAD = (
+    "Transport velocity V_x of the beads against the shear friction coefficient γ_s, "
+    "for several frequencies f of the belt."
+)
+
+_STYLES = {
+    50.0: CurveStyle("#000000", "-", "o"),
+    20.0: CurveStyle("#0072b2", (0, (5, 2)), "s"),
+}
+
+
+def draw(rows: pd.DataFrame) -> Figure:
+    """Draw the figure from its points, as `sim.figures.summary.summarize` returns them."""
+    figure, axes = transport.draw_panel(rows, "shear_damping", ("frequency",), _look)
+    axes.set_xlabel("shear friction coefficient $γ_s$ (g)")
+    return figure
+
+
+def _look(names: dict[str, object], index: int) -> tuple[CurveStyle, str]:
+    frequency = names["frequency"]
+    return _STYLES.get(frequency, cycled(index + len(_STYLES))), f"f = {frequency:g} Hz"

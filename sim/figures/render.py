@@ -1,0 +1,89 @@
+"""From a dataset to the four files of a figure: PNG, SVG, the data behind it, the caption."""
+
+import importlib
+from pathlib import Path
+
+import matplotlib as mpl
+import pandas as pd
+import xarray as xr
+from matplotlib.figure import Figure
+
+from sim.errors import InputError
+from sim.figures import FigureSpec
+from sim.figures.caption import (
+    caveat_sentence,
+    failure_sentence,
+    interval_sentence,
+    parameters_sentence,
+    regime_sentence,
+)
+from sim.figures.style import SETTINGS
+from sim.figures.summary import summarize
+from sim.parameters import SYSTEMS, field_info
+
+SUFFIXES = (".png", ".svg", ".csv", ".caption.txt")
+
+
+def render(spec: FigureSpec, dataset_path: Path, folder: Path) -> list[Path]:
+    """Draw one figure and write its files into ``folder``; see `sim.figures.draw`."""
+    if not dataset_path.is_file():
+        raise InputError(f"{dataset_path}: no such dataset; build the study's dataset first")
+    with xr.open_dataset(dataset_path) as dataset:
+        rows = summarize(dataset, spec.name)
+    if rows.empty:
+        raise InputError(f"{dataset_path}: figures: no point feeds {spec.name}")
+    module = importlib.import_module(f"sim.figures.{spec.name}")
+    folder.mkdir(parents=True, exist_ok=True)
+    files = [folder / f"{spec.name}{suffix}" for suffix in SUFFIXES]
+    with mpl.rc_context(SETTINGS):
+        figure = module.draw(rows)
+        if not rows["completed"].any():
+            figure.axes[0].text(
+                0.5, 0.5, "no point completed", ha="center", transform=figure.axes[0].transAxes
+            )
+        _save(figure, spec, files[0], files[1])
+    columns = [*spec.axes, *(name for name in module.NAMED if name not in spec.axes)]
+    behind(rows, spec.system, columns).to_csv(files[2], index=False, float_format="%.10g")
+    files[3].write_text(caption(rows, spec, module.LEAD, module.NAMED) + "\n", encoding="utf-8")
+    return files
+
+
+def _save(figure: Figure, spec: FigureSpec, png: Path, svg: Path) -> None:
+    """Write both pictures; without a date in them, the same data gives the same bytes."""
+    figure.savefig(png, metadata={"Title": spec.title})
+    figure.savefig(svg, metadata={"Title": spec.title, "Date": None})
+
+
+def caption(rows: pd.DataFrame, spec: FigureSpec, lead: str, named: tuple[str, ...]) -> str:
+    """Return the caption: what is drawn, parameters, error bars, regimes, what is missing."""
+    sentences = (
+        f"{spec.paper}. {lead}",
+        parameters_sentence(rows, spec.system, named),
+        interval_sentence(rows),
+        regime_sentence(rows),
+        caveat_sentence(rows),
+        failure_sentence(rows),
+    )
+    return " ".join(sentence for sentence in sentences if sentence)
+
+
+def behind(rows: pd.DataFrame, system: str, parameters: list[str]) -> pd.DataFrame:
+    """Return the data behind a figure, one row per point, units in the headings."""
+    declared = field_info(SYSTEMS[system])
+    table = {"point": rows["point"]}
+    for name in parameters:
+        row = declared[name]
+        table[f"{name} [{row.scale or row.unit}]"] = rows[name]
+    return pd.DataFrame(
+        table
+        | {
+            "mean velocity [m s-1]": rows["velocity"],
+            "half width of 95 % interval [m s-1]": rows["half_width"],
+            "interval": rows["interval"],
+            "completed replicates": rows["completed"],
+            "replicates": rows["replicates"].astype(int),
+            "regime": rows["regime"],
+            "reason of failures": rows["reason"],
+            "caveat": rows["caveat"],
+        }
+    )

@@ -1,0 +1,126 @@
+"""How all figures look: fonts, colours, and a curve with its interval and its regimes."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+#: Okabe and Ito's colours, told apart by colour-blind readers, darkest first.
+COLOURS = ("#000000", "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00")
+DASHES = ("-", (0, (5, 2)), (0, (5, 2, 1, 2)), (0, (1, 1.5)), (0, (5, 2, 1, 2, 1, 2)))
+MARKERS = ("o", "s", "^", "D", "v", "P", "X")
+
+SHORT_DASH = (0, (3, 1.5))
+DASH_DOT = (0, (6, 2, 1, 2))
+
+#: matplotlib settings in force while a figure is drawn and saved.
+SETTINGS = {
+    "figure.dpi": 200,
+    "savefig.dpi": 200,
+    "svg.hashsalt": "talus",
+    "font.size": 9,
+    "axes.labelsize": 10,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "grid.color": "#e4e4e4",
+    "grid.linewidth": 0.6,
+    "legend.frameon": False,
+    "legend.fontsize": 8.5,
+    "legend.handlelength": 3.2,
+    "lines.linewidth": 1.4,
+    "lines.markersize": 4.2,
+    "errorbar.capsize": 2,
+}
+
+
+@dataclass(frozen=True)
+class CurveStyle:
+    """Colour, dash pattern (``"none"`` for points alone) and marker of one curve."""
+
+    colour: str
+    dashes: object
+    marker: str = "o"
+
+
+def cycled(index: int) -> CurveStyle:
+    """Return the style of the curve at ``index`` where the paper prescribes none."""
+    return CurveStyle(
+        COLOURS[index % len(COLOURS)], DASHES[index % len(DASHES)], MARKERS[index % len(MARKERS)]
+    )
+
+
+def canvas(width: float = 5.6, height: float = 3.9) -> tuple[Figure, Axes]:
+    """Return a new figure (size in inches) with one set of axes.
+
+    It belongs to no window system and needs no closing.
+    """
+    figure = Figure(figsize=(width, height), layout="constrained")
+    return figure, figure.subplots()
+
+
+def place_legend(figure: Figure, axes: Axes) -> None:
+    """Put the legend above the axes, where it hides no data: lines first, then lone markers."""
+    entries = list(zip(*axes.get_legend_handles_labels(), strict=True))
+    entries.sort(key=lambda entry: entry[0].get_linestyle() == "None")
+    handles, labels = [handle for handle, _ in entries], [label for _, label in entries]
+    figure.legend(handles, labels, loc="outside upper center", ncols=3)
+
+
+def draw_curve(
+    axes: Axes,
+    rows: pd.DataFrame,
+    along: str,
+    style: CurveStyle,
+    label: str,
+    unjoined: Sequence[str] = (),
+) -> None:
+    """Draw mean velocity against a parameter, with 95 % intervals.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+        Where to draw.
+    rows : pandas.DataFrame
+        Points of the curve, as `sim.figures.summary.summarize` returns them. Points without a
+        completed replicate are left out; markers of all but steady points are open.
+    along : str
+        Column on the horizontal axis.
+    style : CurveStyle
+        Look of the curve.
+    label : str
+        Its entry in the legend.
+    unjoined : sequence of str
+        Regimes at whose points the line is interrupted.
+    """
+    shown = rows[rows["completed"] > 0]
+    if shown.empty:
+        return
+    if style.dashes != "none":
+        line = shown["velocity"].mask(shown["regime"].isin(unjoined))
+        axes.plot(shown[along], line, color=style.colour, linestyle=style.dashes)
+    for steady, face in ((True, style.colour), (False, "white")):
+        part = shown[(shown["regime"] == "steady") == steady]
+        axes.errorbar(
+            part[along],
+            part["velocity"],
+            yerr=part["half_width"].fillna(0),
+            linestyle="none",
+            color=style.colour,
+            marker=style.marker,
+            markerfacecolor=face,
+            markeredgewidth=1.0,
+            elinewidth=0.9,
+            zorder=3,
+        )
+    axes.plot(
+        [],
+        [],
+        color=style.colour,
+        linestyle=style.dashes,
+        marker=style.marker,
+        label=label,
+    )

@@ -1,0 +1,93 @@
+"""From a study's dataset to one row per point: mean velocity, its interval, its regime."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from sim.outcome import OUTCOME, outcome
+
+#: Parameters that set how a point is computed rather than which flow it is: they never tell two
+#: curves apart.
+NUMERICAL = frozenset(
+    {
+        "seed",
+        "replicates",
+        "transient",
+        "average",
+        "cell",
+        "initial_packing",
+        "initial_velocity",
+        "initial_agitation",
+        "sample_interval",
+        "samples_per_cycle",
+        "slice_height",
+        "orientations",
+        "overlap_limit",
+        "settle_velocity_squared",
+    }
+)
+
+
+def summarize(dataset: xr.Dataset, figure: str) -> pd.DataFrame:
+    """Return one row per point of a figure.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        A study's ``dataset.nc``.
+    figure : str
+        Name of the figure; the points that feed it are taken.
+
+    Returns
+    -------
+    pandas.DataFrame
+        All coordinates of the points, and the columns of `sim.outcome.outcome`.
+    """
+    fed = [figure in names.split() for names in dataset["figures"].values]
+    points = dataset.isel(point=np.flatnonzero(fed)).load()
+    names = [name for name, values in points.coords.items() if values.dims == ("point",)]
+    rows = pd.DataFrame({name: points[name].values for name in names})
+    outcomes = [outcome(points.isel(point=index)) for index in range(points.sizes["point"])]
+    return pd.concat([rows, pd.DataFrame(outcomes, columns=list(OUTCOME))], axis=1)
+
+
+def split_curves(
+    rows: pd.DataFrame, along: str, keys: Sequence[str], parameters: Sequence[str]
+) -> list[tuple[dict[str, object], pd.DataFrame]]:
+    """Split points into curves.
+
+    Parameters
+    ----------
+    rows : pandas.DataFrame
+        Points, as `summarize` returns them.
+    along : str
+        Parameter on the horizontal axis.
+    keys : sequence of str
+        Parameters that always name a curve.
+    parameters : sequence of str
+        All parameters of the system. One that varies although it is neither ``along`` nor a key,
+        and that changes the flow, is added to the keys, so that no curve mixes two flows.
+
+    Returns
+    -------
+    list of (dict, pandas.DataFrame)
+        The values that name each curve, and its points in the order of ``along``.
+    """
+    varied = [
+        name
+        for name in parameters
+        if name not in NUMERICAL and name != along and rows[name].nunique() > 1
+    ]
+    if _follows(rows, "friction_plane", "friction", varied):
+        varied.remove("friction_plane")
+    names = list(dict.fromkeys([*keys, *varied]))
+    return [
+        (dict(zip(names, values, strict=True)), curve.sort_values(along))
+        for values, curve in rows.groupby(names, sort=True)
+    ]
+
+
+def _follows(rows: pd.DataFrame, name: str, leader: str, varied: Sequence[str]) -> bool:
+    return name in varied and rows[name].equals(rows[leader].rename(name))

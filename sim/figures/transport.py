@@ -1,0 +1,63 @@
+"""What the three panels of Gallas' Fig. 1 share: one curve per set of parameters of the belt."""
+
+from collections.abc import Callable, Sequence
+
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from sim.figures.style import CurveStyle, canvas, draw_curve, place_legend
+from sim.figures.summary import split_curves
+from sim.parameters import BeltParameters
+
+#: Parameters that the captions of all three panels give.
+NAMED = (
+    "vibration_angle",
+    "amplitude",
+    "damping",
+    "shear_damping",
+    "beads",
+    "width",
+    "transient",
+    "average",
+)
+
+
+def draw_panel(
+    rows: pd.DataFrame,
+    along: str,
+    keys: Sequence[str],
+    look: Callable[[dict[str, object], int], tuple[CurveStyle, str]],
+) -> tuple[Figure, Axes]:
+    """Draw transport velocity against one parameter.
+
+    Parameters
+    ----------
+    rows : pandas.DataFrame
+        Points, as `sim.figures.summary.summarize` returns them.
+    along : str
+        Parameter on the horizontal axis.
+    keys : sequence of str
+        Parameters that name a curve.
+    look : callable
+        Gives style and legend entry from the values of the keys and the number of the curve.
+    """
+    figure, axes = canvas()
+    curves = split_curves(rows, along, keys, tuple(BeltParameters.model_fields))
+    for index, (names, curve) in enumerate(curves):
+        style, label = look(names, index)
+        extra = {name: value for name, value in names.items() if name not in keys}
+        draw_curve(axes, curve, along, style, label + describe(extra))
+    axes.axhline(0, color="#888888", linewidth=0.7, zorder=1)
+    axes.set_xlim(left=-0.02 * rows[along].max())
+    axes.set_ylabel("transport velocity $V_x$ (m/s)")
+    place_legend(figure, axes)
+    return figure, axes
+
+
+def describe(names: dict[str, object]) -> str:
+    """Spell out further parameters of a curve for its entry in the legend."""
+    return "".join(
+        f", {name} {value:g}" if isinstance(value, float) else f", {name} {value}"
+        for name, value in names.items()
+    )

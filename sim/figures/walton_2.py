@@ -1,0 +1,92 @@
+"""Walton (1993), Fig. 2: mean velocity against depth for several materials."""
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import FixedLocator, NullLocator
+
+from sim.figures.style import canvas, cycled, draw_curve, place_legend
+from sim.figures.summary import split_curves
+from sim.parameters import ChuteParameters
+
+LEAD = (
+    "Mean velocity V of monodisperse spheres on a frictional inclined plane against the depth "
+    "n = N/σ² of the flow, for several coefficients of restitution e and of friction μ "
+    "(right: in units of √(gσ)). Flows beyond the scale are arrowheads at its top, with their "
+    "velocities in m/s."
+)
+NAMED = (
+    "angle",
+    "restitution",
+    "friction",
+    "stiffness",
+    "tangential_ratio",
+    "tangential_exponent",
+    "cell",
+    "transient",
+    "average",
+)
+_SYMBOLS = {"restitution": "e", "friction": "μ", "stiffness": "$K_1$ [N/m]", "angle": "θ [°]"}
+_HEADROOM = 1.05
+_BAND = 1.14
+
+
+def draw(rows: pd.DataFrame) -> Figure:
+    """Draw the figure from its points, as `sim.figures.summary.summarize` returns them."""
+    figure, axes = canvas()
+    curves = split_curves(
+        rows, "depth", ("restitution", "friction"), tuple(ChuteParameters.model_fields)
+    )
+    ceiling = _ceiling(rows)
+    for index, (names, curve) in enumerate(curves):
+        inside = curve[~(curve["velocity"] > ceiling)]
+        draw_curve(axes, inside, "depth", cycled(index), _label(names), ("accelerating",))
+    above = rows[rows["velocity"] > ceiling]
+    axes.set_xscale("log")
+    axes.set_ylim(0, ceiling if above.empty else _BAND * ceiling)
+    _mark_off_scale(axes, above, (0.7 + 0.3 * _BAND) * ceiling)
+    axes.xaxis.set_major_locator(FixedLocator(sorted(set(rows["depth"]))))
+    axes.xaxis.set_minor_locator(NullLocator())
+    axes.xaxis.set_major_formatter("{x:g}")
+    axes.set_xlabel("depth n (particles per σ²)")
+    axes.set_ylabel("mean velocity V (m/s)")
+    unit = float(np.sqrt(rows["gravity"] * rows["diameter"]).iloc[0])
+    right = axes.secondary_yaxis("right", functions=(lambda v: v / unit, lambda v: v * unit))
+    right.set_ylabel("V / √(gσ)")
+    axes.spines["right"].set_visible(True)
+    place_legend(figure, axes)
+    return figure
+
+
+def _label(names: dict[str, object]) -> str:
+    parts = (
+        f"{_SYMBOLS.get(name, name)} = {value:g}" if isinstance(value, float) else f"{name} {value}"
+        for name, value in names.items()
+    )
+    return ", ".join(parts)
+
+
+def _ceiling(rows: pd.DataFrame) -> float:
+    """Return the top of the vertical axis: the flows that do not accelerate fill it."""
+    bounded = rows[(rows["completed"] > 0) & (rows["regime"] != "accelerating")]
+    if bounded.empty:
+        bounded = rows[rows["completed"] > 0]
+    top = (bounded["velocity"] + bounded["half_width"].fillna(0)).max()
+    return _HEADROOM * top if top > 0 else 1.0
+
+
+def _mark_off_scale(axes: Axes, rows: pd.DataFrame, height: float) -> None:
+    """Put an open arrowhead above all other data at each depth with points off the scale."""
+    for depth, above in rows.groupby("depth"):
+        low, high = (f"{value:.2g}" for value in (above["velocity"].min(), above["velocity"].max()))
+        axes.plot(depth, height, "^", color="#444444", markerfacecolor="white")
+        axes.annotate(
+            low if low == high else f"{low} … {high}",
+            (depth, height),
+            xytext=(0, 4),
+            textcoords="offset points",
+            ha="center",
+            fontsize=7.5,
+            color="#444444",
+        )

@@ -1,0 +1,126 @@
+"""What a run file holds, in words; and the point file that would make it again."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import netCDF4
+import numpy as np
+
+from sim.errors import InputError
+from sim.parameters import SYSTEMS, Parameters, canonical, field_info, parse_point
+
+_PER_REPLICATE = (
+    "regime",
+    "status",
+    "velocity",
+    "velocity_error",
+    "acceleration",
+    "acceleration_error",
+    "max_overlap",
+    "base_normal",
+    "base_shear",
+    "steps",
+    "wall_time",
+    "reason",
+)
+_PROVENANCE = ("engine_version", "source_hash", "created", "versions", "machine", "command")
+
+
+def describe(path: str | Path, as_point: bool = False) -> str:
+    """Describe a run file.
+
+    Parameters
+    ----------
+    path : str or Path
+        The run file.
+    as_point : bool
+        Give the text of a point file that reproduces the run instead.
+
+    Raises
+    ------
+    InputError
+        When there is no such file, or it is not a run file.
+    """
+    path = Path(path)
+    if not path.is_file():
+        raise InputError(f"{path}: no such file")
+    try:
+        with netCDF4.Dataset(path) as file:
+            file.set_auto_mask(False)
+            if not {"point_id", "system", "status"} <= set(file.ncattrs()):
+                raise InputError(f"{path}: not a run file")
+            parameters = _parameters(file, path)
+            return _as_point(parameters) if as_point else _summary(file, parameters)
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read as a run file: {error.strerror}") from None
+
+
+def _parameters(file: netCDF4.Dataset, path: Path) -> Parameters:
+    """Read the point back from the scalar variables named like its parameters."""
+    model = SYSTEMS[file.getncattr("system")]
+    values = {}
+    for name, field in model.model_fields.items():
+        if name not in file.variables:
+            continue
+        value = file.variables[name][...]
+        value = value if isinstance(value, str) else np.asarray(value).item()
+        values[name] = bool(value) if field.annotation is bool else value
+    return parse_point(values, path)
+
+
+def _as_point(parameters: Parameters) -> str:
+    # Scalars as JSON writes them are YAML that reads back as the same value.
+    return "\n".join(f"{name}: {json.dumps(value)}" for name, value in _values(parameters).items())
+
+
+def _values(parameters: Parameters) -> dict[str, Any]:
+    """Return the parameters with the system first."""
+    return {"system": parameters.system} | canonical(parameters)
+
+
+def _summary(file: netCDF4.Dataset, parameters: Parameters) -> str:
+    sizes = ", ".join(f"{name} {len(dimension)}" for name, dimension in file.dimensions.items())
+    head = [file.getncattr("point_id"), f"status: {file.getncattr('status')}"]
+    if file.getncattr("reason"):
+        head.append(f"reason: {file.getncattr('reason')}")
+    sections = [
+        [*head, f"particles: {parameters.particles:,}", f"dimensions: {sizes}"],
+        ["parameters", *_indented(_parameter_lines(parameters))],
+        ["replicates", *_indented(_replicate_lines(file))],
+        ["provenance", *_indented(_attribute_lines(file))],
+    ]
+    return "\n\n".join("\n".join(lines) for lines in sections)
+
+
+def _indented(rows: list[tuple[str, str]]) -> list[str]:
+    width = max(len(name) for name, _ in rows)
+    return [f"  {name:<{width}}  {text}".rstrip() for name, text in rows]
+
+
+def _parameter_lines(parameters: Parameters) -> list[tuple[str, str]]:
+    rows = field_info(parameters)
+    lines = []
+    for name, value in _values(parameters).items():
+        unit = rows[name].scale or rows[name].unit
+        shown = f"{value:g}" if isinstance(value, float) else json.dumps(value).strip('"')
+        lines.append((name, shown if unit in ("", "1") else f"{shown} {unit}"))
+    return lines
+
+
+def _replicate_lines(file: netCDF4.Dataset) -> list[tuple[str, str]]:
+    lines = []
+    for name in _PER_REPLICATE:
+        if name not in file.variables:
+            continue
+        variable = file.variables[name]
+        values = [v if isinstance(v, str) else f"{v:.6g}" for v in variable[:].tolist()]
+        if not any(values):
+            continue
+        unit = getattr(variable, "units", "")
+        lines.append((name if unit in ("", "1") else f"{name} ({unit})", " | ".join(values)))
+    return lines
+
+
+def _attribute_lines(file: netCDF4.Dataset) -> list[tuple[str, str]]:
+    return [(name, file.getncattr(name)) for name in _PROVENANCE if name in file.ncattrs()]

@@ -1,0 +1,241 @@
+"""Synthetic run files: what the engine writes, in miniature and with the answer known."""
+
+from collections.abc import Sequence
+from math import cos, nan, radians, sin
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from sim.parameters import Parameters, canonical, field_info, point_id
+from sim.study import load_study
+
+SAMPLES = 400
+HEIGHTS = 8
+FAILURE = "overlap of 0.31 diameters at step 1200"
+
+
+def write_run(
+    folder: Path,
+    parameters: Parameters,
+    velocity: float | Sequence[float] = 0.5,
+    *,
+    regime: str = "steady",
+    failed: Sequence[int] = (),
+    shear_excess: float = 0.0,
+    normal_excess: float = 0.0,
+    gain: float = 0.0,
+    source_hash: str = "0123456789ab",
+) -> Path:
+    """Write ``<folder>/<point id>.nc`` after the contract of a run file.
+
+    Parameters
+    ----------
+    folder : Path
+        Created if absent.
+    parameters : Parameters
+        The point; it sets the number of replicates.
+    velocity : float or sequence of float
+        Mean velocity, m/s, of all or of each replicate.
+    regime : str
+        Regime of the replicates that completed.
+    failed : sequence of int
+        Replicates that blew up; all of them make the run a failed one.
+    shear_excess, normal_excess : float
+        Relative error put into the base forces of a chute.
+    gain : float
+        Velocity gained at a constant rate over the run, in √(g·diameter).
+    """
+    count = parameters.replicates
+    velocities = np.broadcast_to(np.asarray(velocity, dtype=float), count).copy()
+    velocities[list(failed)] = nan
+    data = _series(parameters, velocities, shear_excess, normal_excess, gain)
+    data |= _scalars(parameters, velocities, regime, failed)
+    data |= _parameters(parameters)
+    times = np.concatenate([[0.0], data["time"][1]])
+    share = parameters.transient / (parameters.transient + parameters.average)
+    data["average_start"] = ((), times[round(SAMPLES * share)], {"units": "s"})
+    dataset = xr.Dataset(data, attrs=_attributes(parameters, failed, source_hash))
+    folder.mkdir(parents=True, exist_ok=True)
+    path = folder / f"{point_id(parameters)}.nc"
+    dataset.to_netcdf(path)
+    return path
+
+
+def _series(
+    parameters: Parameters,
+    velocities: np.ndarray,
+    shear_excess: float,
+    normal_excess: float,
+    gain: float,
+) -> dict[str, Any]:
+    """Return a time series that swings about its mean, with base forces that obey momentum."""
+    span = (parameters.transient + parameters.average) * parameters.time_unit
+    time = np.linspace(span / SAMPLES, span, SAMPLES)
+    phase = 2 * np.pi * time / span * 23
+    swing = 0.02 * parameters.velocity_unit
+    rise = gain * parameters.velocity_unit / span
+    series = velocities[:, None] + swing * np.sin(phase) + rise * (time - span / 2)
+    data = {
+        "time": ("time", time, {"units": "s"}),
+        "height": ("height", (np.arange(HEIGHTS) + 0.5) * 1e-3, {"units": "m"}),
+        "mean_velocity": (("replicate", "time"), series, {"units": "m s-1"}),
+        "velocity_profile": (
+            ("replicate", "height"),
+            np.outer(velocities, np.linspace(0.5, 1.5, HEIGHTS)),
+            {"units": "m s-1"},
+        ),
+    }
+    if parameters.system == "chute":
+        mass, weight = _mass_and_weight(parameters)
+        angle = radians(parameters.angle)
+        change = mass * (swing * np.cos(phase) * 2 * np.pi * 23 / span + rise)
+        shear = (weight * sin(angle) - change) * (1 + shear_excess)
+        normal = np.full(SAMPLES, weight * cos(angle)) * (1 + normal_excess)
+        blank = np.where(np.isnan(velocities), nan, 1.0)[:, None]
+        units = {"units": "N"}
+        data["base_shear_force"] = (("replicate", "time"), shear * blank, units)
+        data["base_normal_force"] = (("replicate", "time"), normal * blank, units)
+        data["base_shear"] = ("replicate", (shear * blank).mean(axis=1), units)
+        data["base_normal"] = ("replicate", (normal * blank).mean(axis=1), units)
+    return data
+
+
+def _mass_and_weight(parameters: Parameters) -> tuple[float, float]:
+    mass = parameters.particles * parameters.mass
+    return mass, mass * parameters.gravity
+
+
+def _scalars(
+    parameters: Parameters, velocities: np.ndarray, regime: str, failed: Sequence[int]
+) -> dict[str, Any]:
+    count = len(velocities)
+    lost = [index in failed for index in range(count)]
+    acceleration = 2.0 if regime == "accelerating" else 1e-5
+    numbers = {
+        "velocity": (velocities, "m s-1"),
+        "velocity_error": (np.where(lost, nan, 0.004), "m s-1"),
+        "acceleration": (np.where(lost, nan, acceleration), "m s-2"),
+        "acceleration_error": (np.where(lost, nan, 1e-4), "m s-2"),
+        "max_overlap": (np.where(lost, 0.31, 0.01), "1"),
+        "steps": (np.where(lost, 1200, parameters.steps), "1"),
+        "wall_time": (np.full(count, 1.5), "s"),
+        "replicate_seed": (parameters.seed + np.arange(count), "1"),
+    }
+    words = {
+        "regime": ["undetermined" if gone else regime for gone in lost],
+        "status": ["failed" if gone else "completed" for gone in lost],
+        "reason": [FAILURE if gone else "" for gone in lost],
+    }
+    data = {name: ("replicate", array, {"units": unit}) for name, (array, unit) in numbers.items()}
+    return data | {
+        name: ("replicate", np.array(values, dtype=object)) for name, values in words.items()
+    }
+
+
+def _parameters(parameters: Parameters) -> dict[str, Any]:
+    rows = field_info(parameters)
+    data: dict[str, Any] = {"particles": ((), parameters.particles, {"units": "1"})}
+    for name, value in canonical(parameters).items():
+        attrs = {"long_name": rows[name].description}
+        if rows[name].unit:
+            attrs["units"] = rows[name].unit
+        if rows[name].scale:
+            attrs["comment"] = f"multiple of {rows[name].scale}"
+        data[name] = ((), int(value) if isinstance(value, bool) else value, attrs)
+    return data
+
+
+def _attributes(parameters: Parameters, failed: Sequence[int], source_hash: str) -> dict[str, Any]:
+    broken = len(failed) == parameters.replicates
+    return {
+        "Conventions": "CF-1.11",
+        "title": f"{parameters.system} run",
+        "system": parameters.system,
+        "point_id": point_id(parameters),
+        "engine_version": "0.1.0",
+        "source_hash": source_hash,
+        "created": "2026-01-01T00:00:00Z",
+        "versions": '{"python": "3.11.7", "numpy": "2.4.6"}',
+        "status": "failed" if broken else "completed",
+        "reason": FAILURE if broken else "",
+        "steps": parameters.steps * parameters.replicates,
+        "wall_time": 1.5 * parameters.replicates,
+        "command": "python -m sim run -",
+    }
+
+
+STUDY = """\
+study: made
+title: A made-up study
+defaults:
+  chute: {replicates: 2}
+  belt: {replicates: 3}
+series:
+  - name: depths
+    system: chute
+    grid: {depth: [0.5, 2.5, 5, 10], restitution: [0.7, 0.85]}
+    figures: [walton_2]
+  - name: rough
+    system: chute
+    grid: {depth: [2.5, 5], friction: [0.4, 0.5]}
+    figures: [walton_2]
+  - name: angles
+    system: belt
+    grid: {frequency: [10, 20, 50, 80], vibration_angle: [30, 45, 60]}
+    figures: [gallas_1a]
+  - name: amplitudes
+    system: belt
+    grid: {frequency: [10, 20, 50], amplitude: [0.5, 1, 1.5]}
+    figures: [gallas_1b]
+  - name: dampings
+    system: belt
+    base: {frequency: 50}
+    cases:
+      - {damping: 0, shear_damping: 50}
+      - {damping: 10, shear_damping: 10}
+      - {damping: 50, shear_damping: 100}
+    figures: [gallas_1b]
+  - name: shear
+    system: belt
+    base: {replicates: 1}
+    grid: {shear_damping: [0, 10, 50], frequency: [20, 50]}
+    figures: [gallas_1c]
+"""
+
+
+def made_velocity(parameters: Parameters) -> tuple[float, str]:
+    """Return the velocity (m/s) and the regime that the made-up study gives a point."""
+    if parameters.system == "chute":
+        if parameters.depth < 1:
+            return 4.0, "accelerating"
+        return 0.3 + 0.1 * parameters.depth * (1 - parameters.restitution), "steady"
+    if parameters.frequency < 16:
+        return 0.0, "arrested"
+    return 1e-3 * parameters.frequency * parameters.amplitude, "steady"
+
+
+def is_lost(parameters: Parameters) -> bool:
+    """Whether the made-up study loses all replicates of a point."""
+    return parameters.system == "chute" and (parameters.depth, parameters.restitution) == (10, 0.7)
+
+
+def is_hurt(parameters: Parameters) -> bool:
+    """Whether the made-up study loses the first replicate of a point."""
+    return parameters.system == "chute" and (parameters.depth, parameters.restitution) == (5, 0.7)
+
+
+def make_study(folder: Path) -> tuple[Path, Path]:
+    """Write the made-up study and all its run files; return the study file and results folder."""
+    study_path, results = folder / "made.yaml", folder / "results"
+    study_path.write_text(STUDY)
+    study = load_study(study_path, results)
+    for point in study.points.values():
+        mean, regime = made_velocity(point.parameters)
+        count = point.parameters.replicates
+        failed = range(count) if is_lost(point.parameters) else [0] * is_hurt(point.parameters)
+        spread = 0.01 * np.arange(count) - 0.005 * (count - 1)
+        runs = results / study.name / "runs"
+        write_run(runs, point.parameters, mean + spread, regime=regime, failed=list(failed))
+    return study_path, results

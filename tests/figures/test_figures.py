@@ -1,0 +1,196 @@
+"""Every figure as a reader gets it: files, line styles of the papers, markers, data, caption."""
+
+import csv
+import struct
+from pathlib import Path
+from xml.etree import ElementTree
+
+import matplotlib as mpl
+import pytest
+import xarray as xr
+
+from sim.dataset import build
+from sim.errors import InputError
+from sim.figures import FIGURES, draw, gallas_1a, gallas_1b, gallas_1c, walton_2
+from sim.figures.style import DASH_DOT, SETTINGS, SHORT_DASH
+from sim.figures.summary import summarize
+from sim.study import load_study
+from tests.factories import FAILURE, is_hurt, is_lost, make_study
+
+MODULES = {
+    "walton_2": walton_2,
+    "gallas_1a": gallas_1a,
+    "gallas_1b": gallas_1b,
+    "gallas_1c": gallas_1c,
+}
+LONG_DASH = (0, (5, 2))
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory) -> tuple[Path, Path]:
+    return make_study(tmp_path_factory.mktemp("made"))
+
+
+@pytest.fixture(scope="module")
+def dataset_path(made) -> Path:
+    return build(*made)
+
+
+@pytest.fixture(scope="module")
+def folder(dataset_path, tmp_path_factory) -> Path:
+    folder = tmp_path_factory.mktemp("figures")
+    for name in FIGURES:
+        draw(name, dataset_path, folder)
+    return folder
+
+
+def drawn(name: str, dataset_path: Path):
+    """Return the axes of a figure and its rows."""
+    with xr.open_dataset(dataset_path) as dataset:
+        rows = summarize(dataset, name)
+    with mpl.rc_context(SETTINGS):
+        return MODULES[name].draw(rows).axes[0], rows
+
+
+def test_every_figure_of_the_registry_has_a_module():
+    assert set(MODULES) == set(FIGURES)
+
+
+@pytest.mark.parametrize("name", FIGURES)
+def test_png_is_large_enough_for_print(folder, name):
+    header = (folder / f"{name}.png").read_bytes()
+    assert header[:8] == b"\x89PNG\r\n\x1a\n"
+    width, _ = struct.unpack(">II", header[16:24])
+    pixels_per_metre, *_ = struct.unpack(">II", header[header.index(b"pHYs") + 4 :][:8])
+    assert width >= 1000
+    assert pixels_per_metre * 0.0254 >= 150
+
+
+@pytest.mark.parametrize("name", FIGURES)
+def test_svg_is_one_picture(folder, name):
+    root = ElementTree.parse(folder / f"{name}.svg").getroot()
+    assert root.tag == "{http://www.w3.org/2000/svg}svg"
+    assert len(list(root.iter("{http://www.w3.org/2000/svg}path"))) > 20
+
+
+@pytest.mark.parametrize("name", FIGURES)
+def test_data_hold_every_point_with_units(folder, made, name):
+    with (folder / f"{name}.csv").open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert [row["point"] for row in rows] == list(load_study(*made).figures[name])
+    assert {"mean velocity [m s-1]", "completed replicates", "regime"} <= set(rows[0])
+    axis = {"walton_2": "depth [1]", "gallas_1c": "shear_damping [g]"}.get(name, "frequency [Hz]")
+    assert all(float(row[axis]) >= 0 for row in rows)
+
+
+def test_the_same_dataset_gives_the_same_bytes(folder, dataset_path, tmp_path):
+    for path in draw("gallas_1a", dataset_path, tmp_path):
+        assert path.read_bytes() == (folder / path.name).read_bytes()
+
+
+STYLES = {
+    "gallas_1a": {"α = π/3": DASH_DOT, "α = π/4": "-", "α = π/6": SHORT_DASH},
+    "gallas_1b": {
+        "$A_z$ = 1.5 ⟨d⟩": DASH_DOT,
+        "$A_z$ = 1 ⟨d⟩": "-",
+        "$A_z$ = 0.5 ⟨d⟩": SHORT_DASH,
+    },
+    "gallas_1c": {"f = 50 Hz": "-", "f = 20 Hz": LONG_DASH},
+}
+
+
+def dashes(line) -> object:
+    """Return the dash pattern as it was given to matplotlib."""
+    offset, pattern = line._unscaled_dash_pattern
+    return "-" if pattern is None else (int(offset), tuple(pattern))
+
+
+@pytest.mark.parametrize("name", STYLES)
+def test_lines_have_the_dashes_of_the_paper(dataset_path, name):
+    axes, _ = drawn(name, dataset_path)
+    legend = {line.get_label(): line for line in axes.get_lines() if "=" in line.get_label()}
+    assert {label: dashes(legend[label]) for label in STYLES[name]} == STYLES[name]
+
+
+def test_dampings_of_fig_1b_are_markers_without_lines(dataset_path):
+    axes, _ = drawn("gallas_1b", dataset_path)
+    markers = {
+        line.get_label(): line.get_marker()
+        for line in axes.get_lines()
+        if line.get_label().startswith("(") and line.get_linestyle() == "None"
+    }
+    assert markers == {
+        "(γ, γ$_s$) = (0, 50g)": "^",
+        "(γ, γ$_s$) = (10g, 10g)": "X",
+        "(γ, γ$_s$) = (50g, 100g)": "s",
+    }
+
+
+def marked(axes, face: str) -> int:
+    """Return the number of data points with filled or with open markers."""
+    return sum(
+        len(line.get_xdata())
+        for line in axes.get_lines()
+        if line.get_linestyle() == "None"
+        and (line.get_markerfacecolor() == "white") == (face == "open")
+        and line.get_marker() != "_"
+    )
+
+
+def test_points_that_are_not_steady_have_open_markers(dataset_path):
+    axes, rows = drawn("gallas_1a", dataset_path)
+    assert (marked(axes, "open"), marked(axes, "filled")) == (3, 9)
+    assert list(rows[rows["regime"] == "arrested"]["frequency"]) == [10, 10, 10]
+
+
+def test_accelerating_flows_do_not_set_the_scale(dataset_path):
+    axes, rows = drawn("walton_2", dataset_path)
+    bounded = rows[rows["regime"] == "steady"]
+    assert axes.get_ylim()[1] < 2 * (bounded["velocity"] + bounded["half_width"]).max()
+    notes = [text.get_text() for text in axes.texts]
+    assert notes == ["4"]
+
+
+def test_natural_units_stand_on_the_right(dataset_path):
+    axes, _ = drawn("walton_2", dataset_path)
+    (right,) = axes.child_axes
+    right.apply_aspect()
+    axes.figure.draw_without_rendering()
+    assert right.get_ylim()[1] == pytest.approx(axes.get_ylim()[1] / (9.8 * 1e-3) ** 0.5)
+
+
+def test_caption_says_what_is_missing_and_what_the_bars_are(folder, made):
+    caption = (folder / "walton_2.caption.txt").read_text()
+    points = load_study(*made).points.values()
+    (lost,) = (point.id for point in points if is_lost(point.parameters))
+    (hurt,) = (point.id for point in points if is_hurt(point.parameters))
+    assert f"Left out because the run failed: {lost} ({FAILURE})" in caption
+    assert f"{hurt} (1 of 2 replicates left: {FAILURE})" in caption
+    assert "over 2 replicates" in caption
+    assert "1.96 standard errors within the run for the 1 point with one replicate" in caption
+    assert "2 points still accelerating" in caption
+    assert "θ = 17°" in caption
+    single = (folder / "gallas_1c.caption.txt").read_text()
+    assert "Error bars: 1.96 standard errors within the run." in single
+    assert "open ones" not in single
+
+
+def test_a_figure_without_a_completed_point_is_still_drawn(dataset_path, tmp_path):
+    with xr.open_dataset(dataset_path) as opened:
+        dataset = opened.load()
+    dataset["status"][:] = "failed"
+    dataset.to_netcdf(tmp_path / "dataset.nc")
+    for name in FIGURES:
+        files = draw(name, tmp_path / "dataset.nc", tmp_path)
+        assert all(path.stat().st_size > 0 for path in files)
+
+
+@pytest.mark.parametrize("name", ["gallas_9", "style"])
+def test_an_unknown_figure_is_refused(dataset_path, tmp_path, name):
+    with pytest.raises(InputError, match="walton_2"):
+        draw(name, dataset_path, tmp_path)
+
+
+def test_a_missing_dataset_is_named(tmp_path):
+    with pytest.raises(InputError, match=r"nowhere\.nc"):
+        draw("walton_2", tmp_path / "nowhere.nc", tmp_path)

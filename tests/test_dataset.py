@@ -1,0 +1,128 @@
+"""The dataset of a study: every scalar of every run, labelled, padded and opened by anyone."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from sim.dataset import BLOCKS, build, read_run
+from sim.errors import InputError
+from sim.parameters import BeltParameters, ChuteParameters, point_id
+from sim.study import load_study
+from tests.factories import FAILURE, is_hurt, is_lost, made_velocity, make_study, write_run
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory) -> tuple[Path, Path]:
+    return make_study(tmp_path_factory.mktemp("made"))
+
+
+@pytest.fixture(scope="module")
+def dataset(made) -> xr.Dataset:
+    with xr.open_dataset(build(*made)) as opened:
+        return opened.load()
+
+
+def test_every_point_of_the_study_is_there_in_its_order(made, dataset):
+    study = load_study(*made)
+    assert list(dataset["point"].values) == list(study.points)
+    assert dataset.sizes["replicate"] == 3
+
+
+def test_scalars_are_those_of_the_runs(made, dataset):
+    for point in load_study(*made).points.values():
+        if is_lost(point.parameters) or is_hurt(point.parameters):
+            continue
+        mean, regime = made_velocity(point.parameters)
+        row = dataset.sel(point=point.id)
+        assert float(row["velocity"].mean()) == pytest.approx(mean, abs=1e-12)
+        assert set(row["regime"].values[: point.parameters.replicates]) == {regime}
+
+
+def test_missing_replicates_are_padded(dataset):
+    pair = dataset.isel(point=0)
+    assert int(pair["replicates"]) == 2
+    assert np.isnan(pair["velocity"].values[2])
+    assert pair["status"].values[2] == ""
+
+
+def test_failures_keep_their_whole_reason(made, dataset):
+    lost = [p.id for p in load_study(*made).points.values() if is_lost(p.parameters)]
+    assert len(lost) == 1
+    row = dataset.sel(point=lost[0])
+    assert list(row["status"].values[:2]) == ["failed", "failed"]
+    assert list(row["reason"].values[:2]) == [FAILURE, FAILURE]
+    assert np.isnan(row["velocity"].values).all()
+
+
+def test_parameters_are_coordinates_with_units(dataset):
+    chute, belt = dataset["system"] == "chute", dataset["system"] == "belt"
+    assert set(ChuteParameters.model_fields) | set(BeltParameters.model_fields) <= {
+        *dataset.coords
+    }
+    assert dataset["angle"].attrs["units"] == "degree"
+    assert dataset["frequency"].attrs["units"] == "Hz"
+    assert dataset["stiffness"].attrs["units"] == "chute: N m-1; belt: 1"
+    assert dataset["stiffness"].attrs["comment"] == "belt: multiple of g⟨m⟩/⟨d⟩"
+    assert np.isnan(dataset["frequency"].values[chute]).all()
+    assert set(dataset["frequency"].values[belt]) == {10, 20, 50, 80}
+    assert set(dataset["integrator"].values[belt]) == {"gear"}
+    assert set(dataset["integrator"].values[chute]) == {""}
+    assert dataset["velocity"].attrs["units"] == "m s-1"
+
+
+def test_a_point_of_two_series_is_one_row_with_both(dataset):
+    both = [series for series in dataset["series"].values if series == "depths rough"]
+    assert len(both) == 2
+    assert dataset.attrs["source_hash"] == "0123456789ab"
+
+
+def test_error_of_a_bounded_fluctuation_falls_with_the_blocks(tmp_path):
+    path = write_run(tmp_path, ChuteParameters(transient=100, average=100))
+    with xr.open_dataset(path) as run:
+        series = run["base_shear_force"].values[0]
+    kept = read_run(path)
+    blocks = series[series.size // 2 :].reshape(BLOCKS, -1).mean(axis=1)
+    expected = blocks.std(ddof=1) / BLOCKS
+    assert kept["base_shear_error"].values[0] == pytest.approx(expected, rel=1e-9)
+
+
+def test_a_window_of_one_sample_has_no_error(tmp_path):
+    with xr.open_dataset(write_run(tmp_path, ChuteParameters())) as run:
+        short = run.isel(time=[-1]).load()
+    short.to_netcdf(tmp_path / "short.nc")
+    assert np.isnan(read_run(tmp_path / "short.nc")["base_normal_error"].values).all()
+
+
+def test_a_study_of_belts_alone_has_no_base_forces(tmp_path):
+    study = tmp_path / "belts.yaml"
+    study.write_text("study: belts\nseries: [{name: one, system: belt}]\n")
+    write_run(tmp_path / "results" / "belts" / "runs", BeltParameters())
+    with xr.open_dataset(build(study, tmp_path / "results")) as opened:
+        assert "base_normal" not in opened
+        assert opened["stiffness"].attrs["units"] == "1"
+
+
+def test_a_missing_run_is_named_and_nothing_is_written(tmp_path):
+    study_path, results = make_study(tmp_path)
+    gone = results / "made" / "runs" / f"{point_id(BeltParameters(replicates=3))}.nc"
+    gone.unlink()
+    with pytest.raises(InputError, match=gone.name):
+        build(study_path, results)
+    assert not list((results / "made").glob("*dataset*"))
+
+
+@pytest.mark.parametrize("content", [b"", b"not netCDF"])
+def test_a_file_that_is_no_run_is_named(tmp_path, content):
+    path = tmp_path / "broken.nc"
+    path.write_bytes(content)
+    with pytest.raises(InputError, match=r"broken\.nc"):
+        read_run(path)
+
+
+def test_a_netcdf_file_that_is_no_run_is_named(tmp_path):
+    path = tmp_path / "other.nc"
+    xr.Dataset({"depth": 1.0}).to_netcdf(path)
+    with pytest.raises(InputError, match=r"other\.nc: not a run file"):
+        read_run(path)

@@ -1,0 +1,278 @@
+"""The whole way from a study file to the report, in a copy of the tree, with the real engine."""
+
+import os
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import time
+import zipfile
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+import xarray as xr
+
+from sim.figures import FIGURES
+from sim.study import estimate, load_study
+
+ROOT = Path(__file__).parents[2]
+PARTS = ("sim", "workflow", "config", "Snakefile", "profiles", "pyproject.toml")
+STUDY = "tiny.yaml"
+
+
+@pytest.fixture(scope="module")
+def tree(tmp_path_factory) -> Path:
+    """Return a copy of the project in which the tiny study has run to its end."""
+    tree = tmp_path_factory.mktemp("tree")
+    for part in PARTS:
+        if (ROOT / part).is_dir() and not (ROOT / part).is_symlink():
+            shutil.copytree(ROOT / part, tree / part, ignore=shutil.ignore_patterns("__pycache__"))
+        else:
+            shutil.copy(ROOT / part, tree / part, follow_symlinks=False)
+    shutil.copy(ROOT / "tests" / "data" / STUDY, tree / STUDY)
+    done = snakemake(tree)
+    assert done.returncode == 0, done.stderr
+    return tree
+
+
+def command(*arguments: str, study: str = STUDY) -> list[str]:
+    options = ["--cores", "2", *arguments, "--configfile", study]
+    return [sys.executable, "-m", "snakemake", *options]
+
+
+def snakemake(tree: Path, *arguments: str, study: str = STUDY) -> subprocess.CompletedProcess:
+    return subprocess.run(
+        command(*arguments, study=study), cwd=tree, capture_output=True, text=True, timeout=300
+    )
+
+
+def planned(tree: Path, *arguments: str, study: str = STUDY) -> dict[str, int]:
+    """Return how many jobs of each rule a dry run announces."""
+    dry = snakemake(tree, "-n", *arguments, study=study)
+    assert dry.returncode == 0, dry.stderr
+    table = dry.stdout.rpartition("Job stats:")[2].partition("Reasons:")[0]
+    jobs = {name: int(count) for name, count in re.findall(r"^(\w+) +(\d+)$", table, re.M)}
+    return {name: count for name, count in jobs.items() if name not in ("default", "total")}
+
+
+def planned_points(tree: Path, *arguments: str, study: str = STUDY) -> set[str]:
+    dry = snakemake(tree, "-n", *arguments, study=study)
+    return set(re.findall(r"wildcards: point=(\S+)", dry.stdout + dry.stderr))
+
+
+@pytest.fixture
+def edited(tree) -> Iterator:
+    """Return a function that appends a line to a file of the tree; undone after the test."""
+    originals: dict[Path, bytes] = {}
+
+    def edit(name: str, line: str = "# edited") -> None:
+        path = tree / name
+        originals[path] = path.read_bytes()
+        path.write_bytes(originals[path] + f"\n{line}\n".encode())
+
+    yield edit
+    for path, content in originals.items():
+        path.write_bytes(content)
+
+
+def test_everything_is_made(tree):
+    results = tree / "results" / "tiny"
+    study = load_study(tree / STUDY, tree / "results")
+    runs = {path.stem for path in (results / "runs").glob("*.nc")}
+    assert runs == set(study.points)
+    for name in FIGURES:
+        for suffix in (".png", ".svg", ".csv", ".caption.txt"):
+            assert (results / "figures" / f"{name}{suffix}").stat().st_size > 0
+    for made in (*(f"runs/{point}" for point in runs), "dataset", "figures/walton_2", "report"):
+        assert (results / "logs" / f"{made}.log").is_file()
+        assert "s\th:m:s" in (results / "benchmarks" / f"{made}.tsv").read_text()
+    assert "Tiny study of the tests" in (results / "report.html").read_text()
+
+
+def test_a_failed_point_is_recorded_and_leaves_the_rest_standing(tree):
+    with xr.open_dataset(tree / "results" / "tiny" / "dataset.nc") as dataset:
+        status = dataset["status"].values[:, 0]
+        failed = dataset.isel(point=status == "failed")
+        assert (failed["frequency"].values == [80.0]).all()
+        assert "overlap" in failed["reason"].values[0, 0]
+        assert (status == "completed").sum() == dataset.sizes["point"] - 1
+    caption = (tree / "results" / "tiny" / "figures" / "gallas_1a.caption.txt").read_text()
+    assert "Left out because the run failed: belt-frequency80" in caption
+    report = (tree / "results" / "tiny" / "report.html").read_text()
+    assert "1 of 14 points failed" in report
+
+
+def test_nothing_is_left_to_do(tree):
+    assert planned(tree) == {}
+
+
+def test_an_added_grid_value_runs_the_new_points_alone(tree):
+    text = (tree / STUDY).read_text().replace("depth: [0.5, 1]", "depth: [0.5, 1, 2]")
+    (tree / "wider.yaml").write_text(text)
+    jobs = planned(tree, study="wider.yaml")
+    assert jobs == {"run": 2, "dataset": 1, "figure": 4, "report": 1}
+    points = planned_points(tree, study="wider.yaml")
+    assert {point.split("-")[1] for point in points} == {"depth2"}
+
+
+def test_a_changed_parameter_runs_the_points_it_touches(tree):
+    text = (tree / STUDY).read_text().replace("friction: 0.5", "friction: 0.6")
+    (tree / "changed.yaml").write_text(text)
+    points = planned_points(tree, study="changed.yaml")
+    assert [point.rpartition("-")[0] for point in points] == [
+        "chute-depth1-friction0.6-restitution0.85-stiffness100"
+    ]
+
+
+def test_an_edit_of_the_engine_runs_everything(tree, edited):
+    edited("sim/contact/damping.py")
+    assert planned(tree) == {"warm": 1, "run": 14, "dataset": 1, "figure": 4, "report": 1}
+
+
+def test_an_edit_of_a_figure_redraws_that_figure(tree, edited):
+    edited("sim/figures/gallas_1a.py")
+    assert planned(tree) == {"figure": 1, "report": 1}
+
+
+def test_an_edit_of_the_dataset_runs_nothing(tree, edited):
+    edited("sim/dataset.py")
+    jobs = planned(tree)
+    assert "run" not in jobs
+    assert jobs["dataset"] == 1
+
+
+def test_an_edit_of_the_report_writes_the_report(tree, edited):
+    edited("sim/templates/report.html.j2", "<!-- edited -->")
+    assert planned(tree) == {"report": 1}
+
+
+@pytest.mark.parametrize(
+    ("target", "jobs"),
+    [
+        ("dataset", {"dataset": 1}),
+        ("report", {"report": 1}),
+        ("results/tiny/figures/gallas_1b.svg", {"figure": 1}),
+    ],
+)
+def test_targets_are_asked_for_by_name(tree, target, jobs):
+    rule = next(iter(jobs))
+    assert planned(tree, target, "--forcerun", rule) == jobs
+
+
+def test_both_entry_points_know_the_same_work(tree):
+    dry = snakemake(tree, "-n", "--snakefile", "workflow/Snakefile", "--forcerun", "report")
+    assert dry.returncode == 0, dry.stderr
+    assert re.search(r"^report +1$", dry.stdout, re.M)
+
+
+def test_the_default_study_is_the_quick_one(tree):
+    dry = subprocess.run(
+        [sys.executable, "-m", "snakemake", "-n"], cwd=tree, capture_output=True, text=True
+    )
+    assert dry.returncode == 0, dry.stderr
+    assert "results/quick/report.html" in dry.stdout + dry.stderr
+    assert "results/tiny" not in dry.stdout + dry.stderr
+
+
+@pytest.mark.parametrize(
+    ("content", "words"),
+    [
+        ("study: bad\nseries: [{name: a, system: chute, base: {restitution: 0}}]\n", "restitution"),
+        ("study: bad\nseries: []\n", "series"),
+        ("study: bad\nsurprise: 1\n", "surprise"),
+    ],
+)
+def test_a_bad_study_gives_one_line_and_no_work(tree, content, words):
+    (tree / "bad.yaml").write_text(content)
+    done = snakemake(tree, study="bad.yaml")
+    assert done.returncode == 2
+    (line,) = (line for line in done.stderr.splitlines() if "profile" not in line)
+    assert line.startswith("error: bad.yaml: ")
+    assert words in line
+    assert not (tree / "results" / "bad").exists()
+
+
+def test_single_values_cannot_be_overridden_behind_the_study(tree):
+    done = snakemake(tree, "-n", "--config", "title=other")
+    assert done.returncode == 2
+    assert "error: --config" in done.stderr
+
+
+def test_lint_finds_nothing(tree):
+    lint = subprocess.run(
+        [sys.executable, "-m", "snakemake", "--lint"], cwd=tree, capture_output=True, text=True
+    )
+    assert lint.returncode == 0, lint.stderr
+
+
+def test_snakemake_writes_its_own_report(tree):
+    done = snakemake(tree, "--report", "report.zip")
+    assert done.returncode == 0, done.stderr
+    with zipfile.ZipFile(tree / "report.zip") as archive:
+        names = archive.namelist()
+        page = archive.read("report/report.html").decode()
+    assert any(name.endswith("gallas_1a.svg") for name in names)
+    assert "drawn from" in page
+
+
+class Killed:
+    """A workflow over all points on one core, killed in the middle of its runs."""
+
+    def __init__(self, tree: Path):
+        shutil.copy(tree / STUDY, tree / "killed.yaml")
+        text = (tree / STUDY).read_text().replace("study: tiny", "study: killed")
+        (tree / "killed.yaml").write_text(text)
+        self.runs = tree / "results" / "killed" / "runs"
+        with (tree / "killed.log").open("w") as log:
+            process = subprocess.Popen(
+                command("runs", "--cores", "1", study="killed.yaml"),
+                cwd=tree,
+                stdout=log,
+                stderr=log,
+                start_new_session=True,
+            )
+            self._wait_for_runs(process, 3)
+            self.second = snakemake(tree, "runs", study="killed.yaml")
+            os.killpg(process.pid, signal.SIGKILL)
+            process.wait()
+        self.before = {path: path.stat().st_mtime_ns for path in self.runs.glob("*.nc")}
+        self.log = (tree / "killed.log").read_text()
+        self.resumed = snakemake(tree, "runs", study="killed.yaml")
+
+    def _wait_for_runs(self, process: subprocess.Popen, count: int) -> None:
+        limit = time.monotonic() + 120
+        while len(list(self.runs.glob("*.nc"))) < count:
+            assert process.poll() is None, "ended before it could be killed"
+            assert time.monotonic() < limit
+            time.sleep(0.05)
+
+
+@pytest.fixture(scope="module")
+def killed(tree) -> Killed:
+    return Killed(tree)
+
+
+def test_a_killed_workflow_resumes_by_itself(tree, killed):
+    study = load_study(tree / "killed.yaml", tree / "results")
+    assert len(killed.before) < len(study.points)
+    assert killed.resumed.returncode == 0, killed.resumed.stderr
+    assert {path.stem for path in killed.runs.glob("*.nc")} == set(study.points)
+    rerun = [path for path, changed in killed.before.items() if path.stat().st_mtime_ns != changed]
+    assert len(rerun) <= 1
+    assert not list(killed.runs.glob("*.part"))
+
+
+def test_a_living_workflow_keeps_its_lock(killed):
+    assert killed.second.returncode != 0
+    assert "cannot be locked" in killed.second.stdout + killed.second.stderr
+
+
+def test_the_longest_points_start_first(tree, killed):
+    study = load_study(tree / "killed.yaml", tree / "results")
+    started = re.findall(r"wildcards: point=(\S+)", killed.log)
+    costs = [estimate(study.points[point].parameters).core_seconds for point in started]
+    everything = [estimate(point.parameters).core_seconds for point in study.points.values()]
+    assert len(costs) >= 3
+    assert costs == sorted(everything, reverse=True)[: len(costs)]

@@ -1,0 +1,91 @@
+# What all rules share: the study, its folder, the environment of the jobs, hashes of code.
+
+import fcntl
+import hashlib
+import os
+import re
+import shlex
+import shutil
+import sys
+from contextlib import suppress
+from pathlib import Path
+
+ROOT = Path(workflow.current_basedir.get_path_or_uri(secret_free=True)).parents[1]
+sys.path.insert(0, str(ROOT))
+
+from sim.errors import InputError
+from sim.figures import FIGURES
+from sim.parameters import canonical_json
+from sim.provenance import source_hash
+from sim.study import estimate, load_study
+
+DEFAULT_STUDY = "config/quick.yaml"
+
+
+def study_path():
+    """Return the one study file that --configfile names, or the default.
+
+    Snakemake merges a configfile into the one that a workflow declares. A study must be exactly
+    the file named, so none is declared and the file is read by path.
+    """
+    if workflow.config_settings.config_args:
+        raise InputError("--config: not used by Talus; edit a study file and give --configfile")
+    files = [Path(path) for path in workflow.config_settings.configfiles]
+    if len(files) > 1:
+        raise InputError("--configfile: several files given; a study is one file")
+    path = files[0] if files else Path(DEFAULT_STUDY)
+    return path.relative_to(Path.cwd()) if path.is_relative_to(Path.cwd()) else path
+
+
+def release_stale_lock():
+    """Remove the lock of a Snakemake that was killed, and only then.
+
+    Every Snakemake of this workflow holds a shared file lock for as long as it lives; the kernel
+    drops it with the process. Whoever gets it exclusively is therefore alone, and a lock that
+    Snakemake itself has left in its folder belongs to nobody.
+    """
+    folder = Path(".snakemake")
+    folder.mkdir(exist_ok=True)
+    held = open(folder / "talus.lock", "w")
+    with suppress(OSError):
+        fcntl.flock(held, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        shutil.rmtree(folder / "locks", ignore_errors=True)
+    with suppress(OSError):
+        fcntl.flock(held, fcntl.LOCK_SH)
+    return held
+
+
+def code(*patterns):
+    """Return a hash of files of the package, so that a rule reruns when they are edited."""
+    digest = hashlib.sha256()
+    for path in sorted(file for pattern in patterns for file in (ROOT / "sim").glob(pattern)):
+        digest.update(path.name.encode() + path.read_bytes())
+    return digest.hexdigest()[:12]
+
+
+try:
+    STUDY = load_study(study_path())
+except InputError as error:
+    print(f"error: {error}", file=sys.stderr)
+    sys.exit(2)
+
+LOCK = release_stale_lock() if workflow.is_main_process else None
+RESULTS = f"results/{STUDY.name}"
+
+# Jobs find the interpreter of this Snakemake, the package and the study wherever they run. Where a
+# study file lies is no parameter of its results: moved or copied, it makes nothing old.
+ENVIRONMENT = {
+    "PATH": [str(Path(sys.executable).parent), os.environ.get("PATH")],
+    "PYTHONPATH": [str(ROOT), os.environ.get("PYTHONPATH")],
+    "TALUS_STUDY": [str(STUDY.path)],
+}
+SETTINGS = " ".join(
+    f"{name}={shlex.quote(':'.join(filter(None, parts)))}" for name, parts in ENVIRONMENT.items()
+)
+LITERAL = SETTINGS.replace("{", "{{").replace("}", "}}")
+shell.prefix(f"export {LITERAL}; ")
+
+
+wildcard_constraints:
+    point="|".join(map(re.escape, STUDY.points)),
+    figure="|".join(STUDY.figures) or "none",

@@ -1,0 +1,43 @@
+# One module draws one figure; what the modules share redraws them all.
+
+SHARED = ["outcome.py"] + [
+    f"figures/{path.name}"
+    for path in (ROOT / "sim" / "figures").glob("*.py")
+    if path.stem not in FIGURES
+]
+
+
+rule figure:
+    input:
+        rules.dataset.output,
+    output:
+        svg=report(
+            f"{RESULTS}/figures/{{figure}}.svg",
+            caption="../report/figure.rst",
+            category="Figures",
+            labels={"figure": "{figure}", "file": "picture"},
+        ),
+        csv=report(
+            f"{RESULTS}/figures/{{figure}}.csv",
+            caption="../report/data.rst",
+            category="Figures",
+            labels={"figure": "{figure}", "file": "data"},
+        ),
+        png=f"{RESULTS}/figures/{{figure}}.png",
+        caption=f"{RESULTS}/figures/{{figure}}.caption.txt",
+    log:
+        f"{RESULTS}/logs/figures/{{figure}}.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/figures/{{figure}}.tsv"
+    conda:
+        "../envs/talus.yaml"
+    params:
+        folder=subpath(output.svg, parent=True),
+        code=lambda wildcards: code(f"figures/{wildcards.figure}.py", *SHARED),
+    shell:
+        "python -m sim figure {wildcards.figure} {input} --output {params.folder} > {log} 2>&1"
+
+
+rule figures:
+    input:
+        expand(rules.figure.output, figure=STUDY.figures),

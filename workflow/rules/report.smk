@@ -1,0 +1,24 @@
+# The page that shows it all.
+
+
+rule report:
+    input:
+        dataset=rules.dataset.output,
+        figures=rules.figures.input,
+        study=STUDY.path,
+    output:
+        report(
+            f"{RESULTS}/report.html",
+            caption="../report/report.rst",
+            category="Report",
+        ),
+    log:
+        f"{RESULTS}/logs/report.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/report.tsv"
+    conda:
+        "../envs/talus.yaml"
+    params:
+        code=code("report.py", "outcome.py", "templates/*", "claims/*.py"),
+    shell:
+        'python -m sim report "$TALUS_STUDY" > {log} 2>&1'

@@ -1,0 +1,47 @@
+# The fan-out: every point of the study becomes one run file.
+
+
+rule warm:
+    output:
+        touch(f"{RESULTS}/runs/.warm"),
+    log:
+        f"{RESULTS}/logs/warm.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/warm.tsv"
+    conda:
+        "../envs/talus.yaml"
+    params:
+        engine=source_hash(),
+    shell:
+        'python -m sim warm "$TALUS_STUDY" > {log} 2>&1'
+
+
+# What makes a run file old is its point or the hash of the engine's sources. The input must not be
+# `ancient`: Snakemake does not look at the parameters of a job below one that is to run.
+rule run:
+    input:
+        rules.warm.output,
+    output:
+        f"{RESULTS}/runs/{{point}}.nc",
+    log:
+        f"{RESULTS}/logs/runs/{{point}}.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/runs/{{point}}.tsv"
+    priority: lambda wildcards: estimate(STUDY.points[wildcards.point].parameters).core_seconds
+    conda:
+        "../envs/talus.yaml"
+    resources:
+        mem_mb=500,
+        runtime=lambda wildcards: 10
+        + int(estimate(STUDY.points[wildcards.point].parameters).core_seconds / 20),
+    params:
+        point=lambda wildcards: canonical_json(STUDY.points[wildcards.point].parameters),
+        engine=source_hash(),
+    shell:
+        "python -m sim run - --output {output} --quiet --record-failure"
+        " <<< {params.point:q} > {log} 2>&1"
+
+
+rule runs:
+    input:
+        expand(rules.run.output, point=STUDY.points),
