@@ -22,14 +22,22 @@ REPEATS = 5
 STRETCH = 4e6
 
 _FIRST_STEP = """
-import sys, time
+import json, sys, time
 from sim.parameters import parse_point
 from sim.systems import build
-import json
 system = build(parse_point(json.loads(sys.argv[1]), "bench"), 0)
-system.settle()
 system.advance()
 print(time.time())
+"""
+
+# VmHWM belongs to the interpreter alone; getrusage would count what its parent had before the fork.
+_PEAK_MEMORY = """
+import json, re, sys
+from pathlib import Path
+from sim.parameters import parse_point
+from sim.run import run_point
+run_point(parse_point(json.loads(sys.argv[1]), "bench"), Path(sys.argv[2]), quiet=True)
+print(int(re.search(r"VmHWM:\\s+(\\d+)", Path("/proc/self/status").read_text())[1]) / 1024)
 """
 
 
@@ -81,28 +89,23 @@ def _report_rate(name: str, point: Parameters) -> None:
 def _first_step(point: Parameters, **environment: str) -> float:
     """Return the seconds from the start of a process to the end of its first sample interval."""
     started = time.time()
-    result = subprocess.run(
-        [sys.executable, "-c", _FIRST_STEP, canonical_json(point)],
-        env=os.environ | environment,
-        cwd=Path(__file__).parent.parent,
-        check=True,
-        capture_output=True,
-        text=True,
-    )
-    return float(result.stdout) - started
+    return float(_in_child(_FIRST_STEP, canonical_json(point), **environment)) - started
 
 
 def _peak_memory(point: Parameters) -> float:
     """Return the largest resident memory (MB) of a process that runs this point for a while."""
     short = point.model_copy(update={"transient": 1.0, "average": 4.0})
     with tempfile.TemporaryDirectory() as folder:
-        process = subprocess.Popen(
-            [sys.executable, "-m", "sim", "run", "-", "--quiet", "-o", f"{folder}/run.nc"],
-            stdin=subprocess.PIPE,
-            cwd=Path(__file__).parent.parent,
-        )
-        process.stdin.write(canonical_json(short).encode())
-        process.stdin.close()
-        # wait4 reports this one child; getrusage would report the largest of all children so far.
-        _, _, usage = os.wait4(process.pid, 0)
-    return usage.ru_maxrss / 1024
+        return float(_in_child(_PEAK_MEMORY, canonical_json(short), f"{folder}/run.nc"))
+
+
+def _in_child(code: str, *arguments: str, **environment: str) -> str:
+    """Run a few lines in a fresh interpreter and return what they print."""
+    return subprocess.run(
+        [sys.executable, "-c", code, *arguments],
+        env=os.environ | environment,
+        cwd=Path(__file__).parent.parent,
+        check=True,
+        capture_output=True,
+        text=True,
+    ).stdout

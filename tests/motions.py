@@ -1,4 +1,4 @@
-"""Spheres and disks in motion under the engine's kernels, without a system around them."""
+"""Bodies in motion: spheres and disks under the engine's kernels alone, and whole systems."""
 
 import numpy as np
 
@@ -14,6 +14,8 @@ from sim.dynamics.neighbors import empty_pair_list, grown, make_box
 from sim.dynamics.orientation import unrotated
 from sim.dynamics.spheres import make_spheres, make_work
 from sim.dynamics.status import LIST_FULL, OK
+from sim.parameters import Parameters, parse_point
+from sim.systems import build
 from tests.engine_helpers import (
     BEAD,
     BEAD_MASS,
@@ -173,3 +175,22 @@ def _run(motion, loop, steps: int):
             motion.pairs = grown(motion.pairs)
     assert status == OK
     return motion
+
+
+def chute_point(**values) -> Parameters:
+    """Parameters of the chute, changed."""
+    return parse_point({"system": "chute", **values}, "test")
+
+
+def belt_point(**values) -> Parameters:
+    """Parameters of the belt, changed."""
+    return parse_point({"system": "belt", **values}, "test")
+
+
+def series_of(parameters: Parameters, replicate: int = 0) -> dict[str, np.ndarray]:
+    """Time series (T,) of one replicate, transient and average."""
+    system = build(parameters, replicate)
+    system.settle()
+    total = parameters.transient_samples + parameters.average_samples
+    samples = [system.advance() for _ in range(total)]
+    return {name: np.array([sample[name] for sample in samples]) for name in system.series}

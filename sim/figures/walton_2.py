@@ -44,6 +44,7 @@ def draw(rows: pd.DataFrame) -> Figure:
         draw_curve(axes, inside, "depth", cycled(index), _label(names), ("accelerating",))
     above = rows[rows["velocity"] > ceiling]
     axes.set_xscale("log")
+    axes.margins(x=0.09)
     axes.set_ylim(0, ceiling if above.empty else _BAND * ceiling)
     _mark_off_scale(axes, above, (0.7 + 0.3 * _BAND) * ceiling)
     axes.xaxis.set_major_locator(FixedLocator(sorted(set(rows["depth"]))))

@@ -39,8 +39,10 @@ class Trend:
 def block_means(values: np.ndarray, blocks: int = BLOCKS, period: int = 1) -> np.ndarray:
     """Return means over equal blocks of whole periods; what does not fill a block is left out.
 
-    The remainder is dropped at the start, where the memory of the transient is strongest.
+    The remainder is dropped at the start, where the memory of the transient is strongest. Less than
+    a period is one block.
     """
+    period = min(period, len(values))
     periods = len(values) // period
     blocks = max(1, min(blocks, periods))
     length = periods // blocks * period
@@ -65,11 +67,11 @@ def analyse(velocity: np.ndarray, interval: float, scales: Scales, period: int =
     Returns
     -------
     Trend
-        Errors are standard errors from the scatter of the block means, not-a-number with fewer than
-        three blocks; the regime is then undetermined.
+        The mean is over the last whole periods. Errors are standard errors from the scatter of the
+        block means, not-a-number with fewer than three blocks; the regime is then undetermined.
     """
     means = block_means(velocity, period=period)
-    mean = float(velocity.mean())
+    mean = float(block_means(velocity, 1, period)[0])
     if len(means) < 3:
         return Trend(mean, np.nan, np.nan, np.nan, "undetermined")
     spacing = interval * (len(velocity) // period // len(means)) * period

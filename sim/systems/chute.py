@@ -58,7 +58,7 @@ class Chute:
         self.slice_height = p.slice_height * p.diameter
         slices = ceil((1.5 * layer + 10.0 * p.diameter) / self.slice_height)
         negligible = 0.01 * p.gravity * max(sin(angle), 0.1)
-        self.scales = Scales(1e-3 * p.velocity_unit, acceleration=negligible, drift=0.05)
+        self.scales = Scales(1e-3 * p.velocity_unit, acceleration=negligible, drift=0.0)
         self.period = 1
         self.profile_height = (np.arange(slices) + 0.5) * self.slice_height
 

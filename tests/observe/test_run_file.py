@@ -1,0 +1,93 @@
+"""Writing a run file: all of it or nothing."""
+
+import os
+import signal
+import subprocess
+import sys
+
+import netCDF4
+import numpy as np
+import pytest
+
+from sim.observe import run_file
+from sim.observe.recorder import Record
+from sim.run import Layout
+from tests.motions import chute_point
+
+LAYOUT = Layout(
+    np.arange(3.0), 1.0, np.arange(2.0), {"mean_velocity": ("m s-1", "v")}, ("x", "y", "z")
+)
+
+
+def record() -> Record:
+    snapshot = {"position": [np.zeros((1, 3))] * 2, "radius": [np.ones(1)] * 2}
+    series, profiles = {"mean_velocity": np.arange(3.0)}, {"velocity_profile": np.ones(2)}
+    return Record(series, profiles, snapshot, {"regime": "steady", "velocity": 1.0})
+
+
+def write(path, records=None, attributes=None):
+    run_file.write(path, chute_point(), records or [record()], LAYOUT, attributes or {"title": "t"})
+
+
+def test_a_file_holds_what_it_was_given(tmp_path):
+    write(tmp_path / "run.nc")
+    with netCDF4.Dataset(tmp_path / "run.nc") as file:
+        assert file.title == "t"
+        assert file["mean_velocity"].units == "m s-1"
+        assert np.array_equal(file["mean_velocity"][:], [[0.0, 1.0, 2.0]])
+        assert file["regime"][0] == "steady" and file["overlap_memory"][...] == "separation"
+        assert list(file["frame"][:]) == ["first", "last"]
+    assert [path.name for path in tmp_path.iterdir()] == ["run.nc"]
+
+
+def test_a_failing_write_leaves_no_file_and_an_old_one_alone(tmp_path):
+    broken = record()
+    broken.series = {}
+    with pytest.raises(KeyError):
+        write(tmp_path / "run.nc", [broken])
+    assert not list(tmp_path.iterdir())
+    write(tmp_path / "run.nc")
+    before = (tmp_path / "run.nc").read_bytes()
+    with pytest.raises(KeyError):
+        write(tmp_path / "run.nc", [broken])
+    assert (tmp_path / "run.nc").read_bytes() == before
+    assert len(list(tmp_path.iterdir())) == 1
+
+
+def test_a_file_that_exists_is_replaced(tmp_path):
+    write(tmp_path / "run.nc", attributes={"title": "old"})
+    write(tmp_path / "run.nc", attributes={"title": "new"})
+    with netCDF4.Dataset(tmp_path / "run.nc") as file:
+        assert file.title == "new"
+
+
+KILLED = """
+import sys, time
+from pathlib import Path
+from sim.observe import run_file
+from tests.observe.test_run_file import write
+
+def stuck(*arguments):
+    print("writing", flush=True)
+    time.sleep(60)
+
+run_file._write_records = stuck
+write(Path(sys.argv[1]))
+"""
+
+
+@pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGINT])
+def test_a_killed_write_leaves_no_run_file(tmp_path, how):
+    process = subprocess.Popen(
+        [sys.executable, "-c", KILLED, str(tmp_path / "run.nc")],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.DEVNULL,
+        env=os.environ | {"PYTHONPATH": "."},
+    )
+    with process.stdout:
+        assert process.stdout.readline() == b"writing\n"
+        process.send_signal(how)
+        process.wait(timeout=30)
+    assert not (tmp_path / "run.nc").exists()
+    if how == signal.SIGINT:
+        assert not list(tmp_path.iterdir())
