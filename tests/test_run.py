@@ -3,6 +3,7 @@
 import json
 import subprocess
 import sys
+from pathlib import Path
 
 import netCDF4
 import numpy as np
@@ -13,6 +14,8 @@ from sim.parameters import canonical, field_info, parse_point, point_id
 from sim.provenance import source_hash
 from sim.run import BLOWN_UP, run_point
 from tests.motions import belt_point, chute_point
+
+ROOT = Path(__file__).parents[1]
 
 CHUTE = {"depth": 1.24, "cell": 4, "transient": 3, "average": 5, "replicates": 2}
 BELT = {"beads": 12, "width": 5, "transient": 1, "average": 4, "replicates": 2}
@@ -122,7 +125,7 @@ def test_provenance_says_what_made_the_file(ran):
     assert set(file.ncattrs()) >= ATTRIBUTES
     assert file.system == point.system and file.point_id == point_id(point)
     assert file.source_hash == source_hash()
-    assert (file.status, file.reason) == ("completed", "")
+    assert (file.status, file.reason, file.caveat) == ("completed", "", point.caveat)
     assert file.Conventions.startswith("CF-") and file.steps == 2 * point.steps
 
 
@@ -168,7 +171,7 @@ def test_same_seed_gives_the_same_bits_in_another_process(point, tmp_path):
     assert run_point(point, tmp_path / "here.nc", quiet=True) == 0
     command = [sys.executable, "-m", "sim", "run", "-", "-o", str(tmp_path / "there.nc"), "--quiet"]
     text = json.dumps(canonical(point))
-    done = subprocess.run(command, input=text, capture_output=True, text=True, check=True)
+    done = subprocess.run(command, cwd=ROOT, input=text, capture_output=True, text=True, check=True)
     assert (done.stdout, done.stderr) == ("", "")
     here, there = read(tmp_path / "here.nc"), read(tmp_path / "there.nc")
     assert here.keys() == there.keys()
@@ -224,8 +227,10 @@ def test_command_line_gives_exit_code_three_or_none_if_the_failure_is_wanted(tmp
     )
     command = [sys.executable, "-m", "sim", "run", str(tmp_path / "point.yaml")]
     command += ["-o", str(tmp_path / "run.nc")]
-    failed = subprocess.run(command, capture_output=True, text=True)
+    failed = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
     assert failed.returncode == 3 and "overlap" in failed.stderr
     assert "Traceback" not in failed.stderr
-    recorded = subprocess.run([*command, "--record-failure", "--quiet"], capture_output=True)
+    recorded = subprocess.run(
+        [*command, "--record-failure", "--quiet"], cwd=ROOT, capture_output=True
+    )
     assert recorded.returncode == 0

@@ -29,7 +29,7 @@ def _float(typingctx, bits):
 
 @inlined
 def cube_root(x):
-    """Return the cube root of x >= 0 to about 1e-14 relative.
+    """Return the cube root of x >= 0 to about 1e-14 relative, and 0 below about 1e-233.
 
     A third of the exponent, taken from the bit pattern, gives three per cent; each of Halley's
     steps triples the number of correct digits.

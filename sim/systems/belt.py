@@ -56,7 +56,7 @@ class Belt:
         height = max(layer, p.diameter + spread)
         position = random_packing(self.box, height, 0.5 * diameter, rng)
         self.fall_time = sqrt(2.0 * (height + p.diameter) / p.gravity)
-        position[:, 1] += self._lift(position, diameter)
+        position[:, 1] += self._lift()
         self.disks = make_disks(
             position, np.zeros_like(position), 0.5 * diameter, mass, p.settling_step
         )
@@ -82,7 +82,7 @@ class Belt:
         self.period = p.samples_per_cycle
         self.profile_height = (np.arange(SLICES) + 0.5) * p.diameter
 
-    def _lift(self, position: np.ndarray, diameter: np.ndarray) -> float:
+    def _lift(self) -> float:
         """Return how far to raise the beads so that none overlaps the belt or the obstacle."""
         p = self.parameters
         belt = self._motion(0.0)

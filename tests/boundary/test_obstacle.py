@@ -46,6 +46,17 @@ def test_obstacle_repeats_with_the_cell(laps):
     assert there.run(1).disks.force == pytest.approx(expected, rel=1e-9)
 
 
+@pytest.mark.parametrize("side", [-1, 1])
+def test_obstacle_at_the_edge_of_the_cell_is_felt_across_it(side):
+    """As by a bead that has left the cell since the list of neighbors was built."""
+    edge = Obstacle(x=side * 0.1 * BEAD, z=OBSTACLE.z, radius=OBSTACLE.radius)
+    outward = np.array([-side * 0.6, 0.8])
+    inside = bead(outward, 5e-5, obstacle=OBSTACLE).run(1).disks.force
+    across = bead(outward, 5e-5, obstacle=edge)
+    across.disks.taylor[0, 0, 0] += edge.x - OBSTACLE.x
+    assert across.run(1).disks.force == pytest.approx(inside, rel=1e-9)
+
+
 def test_no_contact_beyond_the_reach_and_no_obstacle_without_a_radius():
     assert not bead((1.0, 0.0), -1e-8).run(1).disks.force.any()
     nothing = Obstacle(OBSTACLE.x, OBSTACLE.z, 0.0)

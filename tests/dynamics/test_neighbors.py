@@ -47,7 +47,7 @@ def gas(rng, number: int, length, height: float, spread: float):
     return position, 0.5 * UNIT * rng.uniform(1 - spread, 1 + spread, number)
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=300, deadline=None, derandomize=True)
 @given(
     dimension=st.sampled_from([2, 3]),
     number=st.integers(1, 120),

@@ -140,6 +140,22 @@ def test_skin_changes_the_trajectory_by_rounding_only(shape):
     assert np.abs(ends[0].velocity - velocity).max() > 0.1 * SPEED
 
 
+def test_a_common_motion_rebuilds_no_list():
+    """Displacements count relative to the mean motion: a plug may cross the cell many times."""
+    rng = np.random.default_rng(7)
+    position = lattice((3, 3, 3), 2.1 * RADIUS, 0.01, rng, FAR)
+    box = (6.3 * RADIUS,) * 2
+    motion = SphereMotion(position, np.tile([0.5, 0.3, 0.2], (27, 1)), box=box)
+    for _ in range(2):
+        motion.flow.valid[0] = False
+        motion.run(1)
+        built = motion.pairs.anchor.copy()
+        motion.run(5000)
+        assert np.array_equal(motion.pairs.anchor, built)
+    travelled = motion.spheres.position.mean(axis=0) - built.mean(axis=0)
+    assert travelled[0] > 2 * box[0]
+
+
 def test_a_list_that_grows_gives_the_same_bits_as_one_with_room():
     rng = np.random.default_rng(8)
     position = lattice((4, 4, 4), 1.97 * RADIUS, 0.03, rng, FAR)

@@ -4,6 +4,7 @@ import os
 import signal
 import subprocess
 import sys
+from pathlib import Path
 
 import netCDF4
 import numpy as np
@@ -14,6 +15,7 @@ from sim.observe.recorder import Record
 from sim.run import Layout
 from tests.motions import chute_point
 
+ROOT = Path(__file__).parents[2]
 LAYOUT = Layout(
     np.arange(3.0), 1.0, np.arange(2.0), {"mean_velocity": ("m s-1", "v")}, ("x", "y", "z")
 )
@@ -82,7 +84,8 @@ def test_a_killed_write_leaves_no_run_file(tmp_path, how):
         [sys.executable, "-c", KILLED, str(tmp_path / "run.nc")],
         stdout=subprocess.PIPE,
         stderr=subprocess.DEVNULL,
-        env=os.environ | {"PYTHONPATH": "."},
+        cwd=ROOT,
+        env=os.environ | {"PYTHONPATH": str(ROOT)},
     )
     with process.stdout:
         assert process.stdout.readline() == b"writing\n"

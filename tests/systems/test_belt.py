@@ -32,6 +32,14 @@ def test_settled_bed_rests_on_the_belt(ghost):
     assert carried == pytest.approx(weight, rel=0.1)
 
 
+def test_shaking_takes_over_the_velocities_of_settling_whatever_its_time_step():
+    """Stopped while the beads still move: the end of settling does not know the frequency."""
+    slow, fast = (settled(frequency=f, settle_velocity_squared=10.0) for f in (20, 200))
+    assert np.abs(slow._velocity()).max() > 1e-3
+    assert fast._velocity() == pytest.approx(slow._velocity(), rel=1e-9)
+    assert fast.parameters.time_step < 0.2 * slow.parameters.time_step
+
+
 def test_bead_sizes_and_masses_are_those_of_the_distribution():
     system = build(belt_point(beads=2000, width=200), 0)
     diameter = 2e3 * system.disks.radius
@@ -66,6 +74,12 @@ def test_horizontal_amplitude_follows_from_the_angle(angle, ratio):
     motion = build(belt_point(vibration_angle=angle, amplitude=0.5), 0).motion
     assert motion.amplitude_z == pytest.approx(0.5e-3)
     assert motion.amplitude_x == pytest.approx(0.5e-3 * ratio, abs=1e-18)
+
+
+def test_belt_starts_at_its_phase_and_turns_with_its_frequency():
+    motion = build(belt_point(frequency=30, phase=90), 0).motion
+    assert motion.phase == pytest.approx(np.pi / 2)
+    assert motion.angular_frequency == pytest.approx(60 * np.pi)
 
 
 def test_same_seed_gives_the_same_bits_and_replicates_differ():
@@ -178,3 +192,11 @@ def test_transport_sets_in_between_15_and_17_hz():
     assert above.mean() > 0.2
     assert above.mean() > 5 * above.std(ddof=1) / np.sqrt(3)
     assert above.mean() > 4 * below.mean()
+
+
+def test_transport_depends_neither_on_integrator_nor_ghost_nor_time_step():
+    """At 40 Hz, within four standard errors of the difference of two means over three beds."""
+    published = mean_transport(40, beds=3, transient=8, average=12).mean()
+    for change in ({"integrator": "verlet"}, {"belt_ghost": "centred"}, {"steps_per_cycle": 4000}):
+        found = mean_transport(40, beds=3, transient=8, average=12, **change).mean()
+        assert found == pytest.approx(published, abs=0.1)
