@@ -108,9 +108,16 @@ def _keys_table(model: type[BaseModel]) -> str:
 
 def _figures_table() -> str:
     return _table(
-        ("figure", "shows", "of", "system", "parameters its points must vary"),
+        ("figure", "shows", "of", "system", "its points must vary", "its curves vary"),
         [
-            (f"`{one.name}`", one.title, one.paper, one.system, ", ".join(one.axes))
+            (
+                f"`{one.name}`",
+                one.title,
+                one.paper,
+                one.system,
+                ", ".join(one.axes),
+                ", ".join(one.curves),
+            )
             for one in FIGURES.values()
         ],
     )

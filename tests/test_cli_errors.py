@@ -103,11 +103,11 @@ MISTAKES = {
         "walton_2",
     ),
     "figure without an axis": (
-        "[0.3, 0.4]",
-        "[0.3]",
+        "depth: [1, 2]",
+        "depth: [1]",
         "series[0].figures[0]",
-        "friction = 0.3 alone",
-        "vary depth, restitution, friction",
+        "depth = 1 alone",
+        "vary depth",
     ),
     "figure without a series": (
         "study: mine",

@@ -58,9 +58,7 @@ def test_failures_keep_their_whole_reason(made, dataset):
 
 def test_parameters_are_coordinates_with_units(dataset):
     chute, belt = dataset["system"] == "chute", dataset["system"] == "belt"
-    assert set(ChuteParameters.model_fields) | set(BeltParameters.model_fields) <= {
-        *dataset.coords
-    }
+    assert set(ChuteParameters.model_fields) | set(BeltParameters.model_fields) <= {*dataset.coords}
     assert dataset["angle"].attrs["units"] == "degree"
     assert dataset["frequency"].attrs["units"] == "Hz"
     assert dataset["stiffness"].attrs["units"] == "chute: N m-1; belt: 1"

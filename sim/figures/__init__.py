@@ -20,6 +20,8 @@ class FigureSpec:
         System of all the points that feed it.
     axes : tuple of str
         Parameters that must take at least two values among those points.
+    curves : tuple of str
+        Parameters that tell the paper's curves apart; a study may vary them or not.
     title : str
         One line for tables and the report.
     """
@@ -28,6 +30,7 @@ class FigureSpec:
     paper: str
     system: str
     axes: tuple[str, ...]
+    curves: tuple[str, ...]
     title: str
 
 
@@ -36,28 +39,32 @@ _SPECS = (
         name="walton_2",
         paper="Walton (1993), Fig. 2",
         system="chute",
-        axes=("depth", "restitution", "friction"),
+        axes=("depth",),
+        curves=("restitution", "friction"),
         title="Mean velocity against depth of the flow",
     ),
     FigureSpec(
         name="gallas_1a",
         paper="Gallas et al. (1992), Fig. 1a",
         system="belt",
-        axes=("frequency", "vibration_angle"),
+        axes=("frequency",),
+        curves=("vibration_angle",),
         title="Transport velocity against frequency for three angles of vibration",
     ),
     FigureSpec(
         name="gallas_1b",
         paper="Gallas et al. (1992), Fig. 1b",
         system="belt",
-        axes=("frequency", "amplitude", "damping", "shear_damping"),
+        axes=("frequency",),
+        curves=("amplitude", "damping", "shear_damping"),
         title="Transport velocity against frequency for amplitudes and damping coefficients",
     ),
     FigureSpec(
         name="gallas_1c",
         paper="Gallas et al. (1992), Fig. 1c",
         system="belt",
-        axes=("shear_damping", "frequency"),
+        axes=("shear_damping",),
+        curves=("frequency",),
         title="Transport velocity against the shear friction coefficient",
     ),
 )

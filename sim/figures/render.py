@@ -42,7 +42,7 @@ def render(spec: FigureSpec, dataset_path: Path, folder: Path) -> list[Path]:
                 0.5, 0.5, "no point completed", ha="center", transform=figure.axes[0].transAxes
             )
         _save(figure, spec, files[0], files[1])
-    columns = [*spec.axes, *(name for name in module.NAMED if name not in spec.axes)]
+    columns = list(dict.fromkeys([*spec.axes, *spec.curves, *module.NAMED]))
     behind(rows, spec.system, columns).to_csv(files[2], index=False, float_format="%.10g")
     files[3].write_text(caption(rows, spec, module.LEAD, module.NAMED) + "\n", encoding="utf-8")
     return files
