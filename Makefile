@@ -26,7 +26,7 @@ $(STAMP): requirements.lock
 figures: setup  ## the quick study: figures and report into results/quick
 	$(BIN)/snakemake --cores $(CORES)
 
-paper: setup  ## the papers' sizes and lengths: figures and report into results/paper (hours)
+paper: setup  ## the papers’ sizes, with replicates: figures and report into results/paper (hours)
 	$(BIN)/snakemake --cores $(CORES) --configfile $(STUDY)
 
 test: setup  ## the whole test suite

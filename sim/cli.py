@@ -14,6 +14,7 @@ from pathlib import Path
 from sim import __version__
 from sim.errors import InputError
 
+SYSTEM_ERROR = 1
 INPUT_ERROR = 2
 INTERRUPTED = 130
 BROKEN_PIPE = 141
@@ -48,6 +49,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         # The reader of a pipe has left; the interpreter's last flush must not complain about it.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return BROKEN_PIPE
+    except OSError as error:
+        print(f"error: {error}", file=sys.stderr)
+        return SYSTEM_ERROR
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -155,8 +159,10 @@ def _run(options: argparse.Namespace) -> int:
 
     parameters = load_point(options.point)
     require_writable(options.output.parent, "--output")
-    if options.output.is_dir():
-        raise InputError.of_value("--output", "", str(options.output), "a file, not a folder")
+    if options.output.exists() and not options.output.is_file():
+        raise InputError.of_value("--output", "", str(options.output), "the name of a plain file")
+    if options.point != "-" and options.output.resolve() == Path(options.point).resolve():
+        raise InputError.of_value("--output", "", str(options.output), "not the point file itself")
     options.output.parent.mkdir(parents=True, exist_ok=True)
     level = logging.WARNING if options.quiet else logging.INFO
     logging.basicConfig(format="%(message)s", level=level, stream=sys.stderr)

@@ -84,6 +84,10 @@ def read_run(path: Path) -> xr.Dataset:
         with xr.open_dataset(path, engine="netcdf4") as run:
             if "point_id" not in run.attrs or "replicate" not in run.sizes:
                 raise InputError(f"{path}: not a run file (no point_id or no replicates in it)")
+            if run.attrs["point_id"] != path.stem:
+                raise InputError(
+                    f"{path}: holds point {run.attrs['point_id']}; delete it and rerun"
+                )
             kept = [
                 name
                 for name, values in run.variables.items()
@@ -91,7 +95,9 @@ def read_run(path: Path) -> xr.Dataset:
             ]
             return run[kept].load().assign(_reduced(run))
     except (OSError, ValueError) as error:
-        raise InputError(f"{path}: cannot be read as a run file: {error}") from None
+        raise InputError(
+            f"{path}: cannot be read as a run file ({error}); delete it and rerun"
+        ) from None
 
 
 def combine(runs: Sequence[xr.Dataset], study: Study) -> xr.Dataset:
@@ -242,8 +248,10 @@ def _parameter(runs: Sequence[xr.Dataset], name: str) -> Any:
         return _words(("" if value is None else value for value in values), attrs)
     for kind in ("units", "comment"):
         given = {run.attrs["system"]: run[name].attrs.get(kind) for run in runs if name in run}
+        # Two units in one attribute could be read by nobody; as a comment they can.
+        kept = kind if len(set(given.values())) == 1 else "comment"
         if any(given.values()):
-            attrs[kind] = _by_system(given)
+            attrs[kept] = "; ".join(filter(None, (attrs.get(kept), _by_system(given))))
     return "point", np.array([np.nan if value is None else value for value in values], float), attrs
 
 

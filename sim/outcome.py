@@ -5,6 +5,10 @@ import xarray as xr
 from scipy.special import stdtrit
 
 CONFIDENCE = 0.95
+
+#: Block means behind the standard error of a run (fewer only in very short runs).
+BLOCKS = 12
+
 OUTCOME = ("velocity", "half_width", "interval", "completed", "regime", "reason")
 
 
@@ -42,8 +46,9 @@ def outcome(point: xr.Dataset) -> dict[str, object]:
 def velocity_interval(velocities: np.ndarray, errors: np.ndarray) -> tuple[float, str]:
     """Return the half width of the 95 % interval of a mean over replicates, and its kind.
 
-    Two replicates or more give Student's interval over them; a single one the normal interval
-    from the standard error within its run.
+    Two replicates or more give Student's interval over them. A single one gives Student's interval
+    from the block means within its run, which does not know how much one initial state differs
+    from another.
 
     >>> velocity_interval(np.array([1.0]), np.array([0.1]))[1]
     'within run'
@@ -51,7 +56,7 @@ def velocity_interval(velocities: np.ndarray, errors: np.ndarray) -> tuple[float
     if velocities.size >= 2:
         return student_half_width(velocities), "replicates"
     if velocities.size == 1 and np.isfinite(errors[0]):
-        return 1.96 * float(errors[0]), "within run"
+        return float(stdtrit(BLOCKS - 1, (1 + CONFIDENCE) / 2) * errors[0]), "within run"
     return np.nan, "none"
 
 

@@ -68,10 +68,11 @@ def run_point(
         Exit code: 0, or 3 when a replicate blew up.
     """
     started = time.perf_counter()
+    total = parameters.replicates * parameters.steps
+    log.info("%s: %d particles, %d steps", point_id(parameters), parameters.particles, total)
     if parameters.caveat:
         log.warning("%s: %s", point_id(parameters), parameters.caveat)
     records = []
-    total = parameters.replicates * parameters.steps
     with _progress(total, point_id(parameters), quiet) as advanced:
         for replicate in range(parameters.replicates):
             system = build(parameters, replicate)
@@ -85,8 +86,9 @@ def run_point(
         _attributes(parameters, records, wall),
     )
     reasons = [record.scalars["reason"] for record in records if record.scalars["reason"]]
-    for reason in reasons:
-        log.warning("%s: %s", point_id(parameters), reason)
+    for record in records:
+        log.log(*_closing_line(point_id(parameters), record))
+    log.info("%s: written", output)
     return BLOWN_UP if reasons and not record_failure else 0
 
 
@@ -114,6 +116,17 @@ def _run_replicate(system: System, parameters: Parameters, replicate: int, advan
         "replicate_seed": replicate,
     }
     return record
+
+
+def _closing_line(name: str, record: Record) -> tuple[int, str]:
+    """Return level and text of the line that says how a replicate ended."""
+    values = record.scalars
+    if values["reason"]:
+        return logging.WARNING, f"{name}: failed: {values['reason']}"
+    return logging.INFO, (
+        f"{name}: velocity {values['velocity']:.4g} ± {values['velocity_error']:.2g} m/s, "
+        f"{values['regime']}"
+    )
 
 
 def _layout(parameters: Parameters, system: System) -> Layout:

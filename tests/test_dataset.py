@@ -61,8 +61,9 @@ def test_parameters_are_coordinates_with_units(dataset):
     assert set(ChuteParameters.model_fields) | set(BeltParameters.model_fields) <= {*dataset.coords}
     assert dataset["angle"].attrs["units"] == "degree"
     assert dataset["frequency"].attrs["units"] == "Hz"
-    assert dataset["stiffness"].attrs["units"] == "chute: N m-1; belt: 1"
-    assert dataset["stiffness"].attrs["comment"] == "belt: multiple of g⟨m⟩/⟨d⟩"
+    assert "units" not in dataset["stiffness"].attrs
+    comment = "chute: N m-1; belt: 1; belt: multiple of g⟨m⟩/⟨d⟩"
+    assert dataset["stiffness"].attrs["comment"] == comment
     assert np.isnan(dataset["frequency"].values[chute]).all()
     assert set(dataset["frequency"].values[belt]) == {10, 20, 50, 80}
     assert set(dataset["integrator"].values[belt]) == {"gear"}
@@ -87,10 +88,18 @@ def test_error_of_a_bounded_fluctuation_falls_with_the_blocks(tmp_path):
 
 
 def test_a_window_of_one_sample_has_no_error(tmp_path):
-    with xr.open_dataset(write_run(tmp_path, ChuteParameters())) as run:
+    path = write_run(tmp_path, ChuteParameters())
+    with xr.open_dataset(path) as run:
         short = run.isel(time=[-1]).load()
-    short.to_netcdf(tmp_path / "short.nc")
-    assert np.isnan(read_run(tmp_path / "short.nc")["base_normal_error"].values).all()
+    short.to_netcdf(path)
+    assert np.isnan(read_run(path)["base_normal_error"].values).all()
+
+
+def test_a_run_under_the_name_of_another_is_refused(tmp_path):
+    path = write_run(tmp_path, ChuteParameters())
+    other = path.rename(tmp_path / f"{point_id(ChuteParameters(depth=2))}.nc")
+    with pytest.raises(InputError, match="holds point chute-depth5"):
+        read_run(other)
 
 
 def test_a_study_of_belts_alone_has_no_base_forces(tmp_path):

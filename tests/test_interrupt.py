@@ -6,10 +6,14 @@ import sys
 import time
 from pathlib import Path
 
+from sim.parameters import parse_point
+from sim.warm import warm
+
 ROOT = Path(__file__).parents[1]
 
 
 def test_interrupt_ends_a_run_cleanly(tmp_path):
+    warm([parse_point({"system": "belt"}, "test")])
     process = subprocess.Popen(
         [sys.executable, "-m", "sim", "run", "-", "-o", str(tmp_path / "run.nc")],
         cwd=ROOT,
@@ -17,12 +21,15 @@ def test_interrupt_ends_a_run_cleanly(tmp_path):
         stderr=subprocess.PIPE,
         text=True,
     )
-    # The warning about the time step is logged when the run starts, so it tells when to interrupt.
-    process.stdin.write("{system: belt, frequency: 10, average: 1.0e+5}")
+    # The first log line says that the run has started, so it tells when to interrupt.
+    process.stdin.write("{system: belt, frequency: 20, average: 1.0e+5}")
     process.stdin.close()
-    assert "time step" in process.stderr.readline()
+
+    assert "200 particles" in process.stderr.readline()
     time.sleep(1.0)
     process.send_signal(signal.SIGINT)
-    assert process.wait(timeout=60) == 130
-    assert process.stderr.read().splitlines()[-1] == "interrupted"
+    code = process.wait(timeout=60)
+    errors = process.stderr.read()
+    assert code == 130, errors
+    assert errors.splitlines()[-1] == "interrupted"
     assert list(tmp_path.iterdir()) == []

@@ -77,7 +77,7 @@ REFUSED = [
     ("chute", "angle", 90, "[0, 90)"),
     ("chute", "angle", 90 - 1e-13, "[0, 90)"),
     ("chute", "cell", 2.9, ">= 3"),
-    ("chute", "initial_packing", 0.36, "(0, 0.35]"),
+    ("chute", "initial_packing", 0.36, "[0.001, 0.35]"),
     ("chute", "steps_per_collision", 9, "[10, 1000]"),
     ("chute", "overlap_memory", "for ever", "'separation', 'shrink' or 'reset'"),
     ("chute", "orientations", "yes", "true or false"),
@@ -90,7 +90,8 @@ REFUSED = [
     ("chute", "depth", math.nan, "finite"),
     ("chute", "depth", math.inf, "finite"),
     ("chute", "depth", 10**400, "a number"),
-    ("chute", "depth", 1e300, "at most 1e+07 particles"),
+    ("chute", "depth", 1e9, "at most 1e+07 particles"),
+    ("chute", "depth", 1e300, "[1e-15, 1e+15]"),
     ("chute", "replicates", 0, "[1, 1000]"),
     ("chute", "replicates", 2.5, "an integer"),
     ("chute", "replicates", True, "an integer"),
@@ -280,8 +281,15 @@ def test_json_is_a_point_file(tmp_path_factory, point):
 @given(POINTS)
 def test_ids_are_fit_for_file_names(point):
     name = point_id(point)
-    assert re.fullmatch(rf"{point.system}(-[a-z]+[0-9.e-]+){{4,5}}-[0-9a-f]{{8}}", name)
-    assert len(name) < 120
+    assert re.fullmatch(rf"{point.system}(-[a-z]+[0-9.e-]+){{4,5}}[-a-z_0-9.]*-[0-9a-f]{{8}}", name)
+    assert len(name) < 180
+
+
+def test_ids_show_what_differs_from_the_paper_and_hide_what_is_numerical():
+    steep = point_id(ChuteParameters(angle=18, transient=10, friction_plane=0.3))
+    assert re.fullmatch(r"chute-.*-stiffness100-friction_plane0.3-angle18-[0-9a-f]{8}", steep)
+    verlet = point_id(BeltParameters(integrator="verlet", steps_per_cycle=4000))
+    assert re.fullmatch(r"belt-.*-shear50-integrator-verlet-[0-9a-f]{8}", verlet)
 
 
 @settings(deadline=None)

@@ -108,7 +108,7 @@ def test_markup_in_a_title_is_text(tmp_path):
     page = Page(build(study_path, results).read_text(encoding="utf-8"))
     assert not page.all("b")
     assert "<b>1 < 2</b>" in page.text
-    assert "no steady flow down a chute" in page.text
+    assert "Force balance" not in page.text
 
 
 def test_a_missing_figure_is_named_and_the_old_report_stays(made, tmp_path):

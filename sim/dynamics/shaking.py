@@ -13,8 +13,8 @@ from sim.dynamics.neighbors import rebuild, wrap
 from sim.dynamics.status import LIST_FULL, NOT_FINITE, OK, OVERLAP
 
 # Columns of ``Shaking.sums``: sums over the steps since they were last cleared.
-STEPS, VELOCITY, CONTACTS, LARGEST = range(4)
-SUMS = 4
+STEPS, VELOCITY, MOMENTUM, CONTACTS, LARGEST = range(5)
+SUMS = 5
 
 #: Steps between two searches for vanishing Taylor terms.
 FLUSH_INTERVAL = 32
@@ -25,7 +25,7 @@ class Shaking(NamedTuple):
 
     ``step`` (1,) number of the last completed step; ``drift`` (2,) mean displacement since the list
     was built (m); ``valid`` (1,) whether the list is; ``predicted`` (1,) whether the positions are
-    those predicted for the next step; ``sums`` (4,) see above.
+    those predicted for the next step; ``sums`` (5,) see above.
     """
 
     step: np.ndarray
@@ -101,15 +101,17 @@ def advance(
         touching, overlap = pair_forces(law, disks, pairs, box, time_step)
         resting, belt_overlap = belt_forces(law, disks, belt, step * time_step, time_step)
         blocked, obstacle_overlap = obstacle_forces(law, disks, obstacle, box, time_step)
-        velocity = 0.0
+        moved, momentum = 0.0, 0.0
         for i in range(disks.radius.size):
             rate = 1.0 / disks.mass[i]
             correct(integrator, disks.taylor, i, 0, disks.force[i, 0] * rate)
             correct(integrator, disks.taylor, i, 1, disks.force[i, 1] * rate - gravity)
-            velocity += disks.taylor[1, i, 0]
+            moved += disks.taylor[1, i, 0]
+            momentum += disks.mass[i] * disks.taylor[1, i, 0]
         overlap = max(overlap, belt_overlap, obstacle_overlap)
         sums[STEPS] += 1.0
-        sums[VELOCITY] += velocity / (time_step * disks.radius.size)
+        sums[VELOCITY] += moved / (time_step * disks.radius.size)
+        sums[MOMENTUM] += momentum / time_step
         sums[CONTACTS] += 2.0 * touching + resting + blocked
         sums[LARGEST] = max(sums[LARGEST], overlap)
         if step % FLUSH_INTERVAL == 0:

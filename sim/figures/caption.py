@@ -11,7 +11,7 @@ _UNITS = {"1": "", "degree": "°", "N m-1": " N/m", "m s-2": " m/s²", "Hz": " H
 _REGIMES = {
     "accelerating": "still accelerating",
     "arrested": "at rest",
-    "undetermined": "of undetermined trend",
+    "undetermined": "slowing, or with a trend too noisy to tell",
     "mixed": "with replicates in different regimes",
 }
 
@@ -25,7 +25,13 @@ def quantity(system: str, name: str, values: Sequence[object]) -> str:
     row = field_info(SYSTEMS[system])[name]
     numbers = ", ".join(f"{value:.4g}" for value in sorted(set(values)))
     unit = _UNITS.get(row.unit, f" {row.unit}")
-    return f"{row.symbol} = {numbers}{unit}" + (f" {row.scale}" if row.scale else "")
+    scale = "g" if row.scale == "g" else f" {row.scale}" if row.scale else ""
+    return f"{row.symbol} = {numbers}{unit}{scale}"
+
+
+def setting(system: str, name: str, value: object) -> str:
+    """Write one value of a parameter, choices by name: ``θ = 16°``, ``integrator verlet``."""
+    return f"{name} {value}" if isinstance(value, str) else quantity(system, name, [value])
 
 
 def parameters_sentence(rows: pd.DataFrame, system: str, names: Sequence[str]) -> str:
@@ -46,7 +52,10 @@ def interval_sentence(rows: pd.DataFrame) -> str:
         parts.append(f"Student's 95 % interval of the mean over {numbers} replicates")
     if len(within):
         which = f" for the {_points(len(within))} with one replicate" if len(over) else ""
-        parts.append(f"1.96 standard errors within the run{which}")
+        parts.append(
+            f"Student's 95 % interval from block means within the run{which}, which leaves out how "
+            "much one initial state differs from another"
+        )
     if not parts:
         return ""
     return "Error bars: " + ", ".join(parts) + "."

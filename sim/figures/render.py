@@ -28,8 +28,11 @@ def render(spec: FigureSpec, dataset_path: Path, folder: Path) -> list[Path]:
     """Draw one figure and write its files into ``folder``; see `sim.figures.draw`."""
     if not dataset_path.is_file():
         raise InputError(f"{dataset_path}: no such dataset; build the study's dataset first")
-    with xr.open_dataset(dataset_path) as dataset:
-        rows = summarize(dataset, spec.name)
+    try:
+        with xr.open_dataset(dataset_path, engine="netcdf4") as dataset:
+            rows = summarize(dataset, spec.name)
+    except (OSError, ValueError, KeyError) as error:
+        raise InputError(f"{dataset_path}: not the dataset of a study: {error}") from None
     if rows.empty:
         raise InputError(f"{dataset_path}: figures: no point feeds {spec.name}")
     module = importlib.import_module(f"sim.figures.{spec.name}")

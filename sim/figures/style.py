@@ -53,6 +53,10 @@ def cycled(index: int) -> CurveStyle:
     )
 
 
+#: Characters of legend that fit side by side above a figure, six of them the sample of each entry.
+CHARACTERS_ABOVE = 66
+
+
 def canvas(width: float = 5.6, height: float = 3.9) -> tuple[Figure, Axes]:
     """Return a new figure (size in inches) with one set of axes.
 
@@ -67,7 +71,8 @@ def place_legend(figure: Figure, axes: Axes) -> None:
     entries = list(zip(*axes.get_legend_handles_labels(), strict=True))
     entries.sort(key=lambda entry: entry[0].get_linestyle() == "None")
     handles, labels = [handle for handle, _ in entries], [label for _, label in entries]
-    figure.legend(handles, labels, loc="outside upper center", ncols=3)
+    columns = max(1, min(3, CHARACTERS_ABOVE // (max(map(len, labels), default=0) + 6)))
+    figure.legend(handles, labels, loc="outside upper center", ncols=columns)
 
 
 def draw_curve(

@@ -7,27 +7,7 @@ import pandas as pd
 import xarray as xr
 
 from sim.outcome import OUTCOME, outcome
-
-#: Parameters that set how a point is computed rather than which flow it is: they never tell two
-#: curves apart.
-NUMERICAL = frozenset(
-    {
-        "seed",
-        "replicates",
-        "transient",
-        "average",
-        "cell",
-        "initial_packing",
-        "initial_velocity",
-        "initial_agitation",
-        "sample_interval",
-        "samples_per_cycle",
-        "slice_height",
-        "orientations",
-        "overlap_limit",
-        "settle_velocity_squared",
-    }
-)
+from sim.parameters import NUMERICAL
 
 
 def summarize(dataset: xr.Dataset, figure: str) -> pd.DataFrame:

@@ -6,6 +6,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from sim.figures.caption import setting
 from sim.figures.style import CurveStyle, canvas, draw_curve, place_legend
 from sim.figures.summary import split_curves
 from sim.parameters import BeltParameters
@@ -57,7 +58,4 @@ def draw_panel(
 
 def describe(names: dict[str, object]) -> str:
     """Spell out further parameters of a curve for its entry in the legend."""
-    return "".join(
-        f", {name} {value:g}" if isinstance(value, float) else f", {name} {value}"
-        for name, value in names.items()
-    )
+    return "".join(f", {setting('belt', name, value)}" for name, value in names.items())

@@ -6,6 +6,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, NullLocator
 
+from sim.figures.caption import setting
 from sim.figures.style import canvas, cycled, draw_curve, place_legend
 from sim.figures.summary import split_curves
 from sim.parameters import ChuteParameters
@@ -13,8 +14,8 @@ from sim.parameters import ChuteParameters
 LEAD = (
     "Mean velocity V of monodisperse spheres on a frictional inclined plane against the depth "
     "n = N/σ² of the flow, for several coefficients of restitution e and of friction μ "
-    "(right: in units of √(gσ)). Flows beyond the scale are arrowheads at its top, with their "
-    "velocities in m/s."
+    "(right: in units of √(gσ)). Lines join flows that do not accelerate. Flows beyond the scale "
+    "are arrowheads at its top, with their velocities in m/s."
 )
 NAMED = (
     "angle",
@@ -24,10 +25,10 @@ NAMED = (
     "tangential_ratio",
     "tangential_exponent",
     "cell",
+    "initial_velocity",
     "transient",
     "average",
 )
-_SYMBOLS = {"restitution": "e", "friction": "μ", "stiffness": "$K_1$ [N/m]", "angle": "θ [°]"}
 _HEADROOM = 1.05
 _BAND = 1.14
 
@@ -61,11 +62,7 @@ def draw(rows: pd.DataFrame) -> Figure:
 
 
 def _label(names: dict[str, object]) -> str:
-    parts = (
-        f"{_SYMBOLS.get(name, name)} = {value:g}" if isinstance(value, float) else f"{name} {value}"
-        for name, value in names.items()
-    )
-    return ", ".join(parts)
+    return ", ".join(setting("chute", name, value) for name, value in names.items())
 
 
 def _ceiling(rows: pd.DataFrame) -> float:

@@ -10,6 +10,9 @@ BLOCKS = 12
 #: A trend counts as real when it exceeds this many standard errors.
 SIGNIFICANT = 5.0
 
+#: A significant trend is no trend only below this fraction of the negligible one.
+TINY = 0.4
+
 
 @dataclass(frozen=True)
 class Scales:
@@ -89,9 +92,12 @@ def analyse(velocity: np.ndarray, interval: float, scales: Scales, period: int =
 
 
 def _moving_regime(slope: float, error: float, negligible: float) -> str:
-    """Name the regime of a flow; a trend between negligible and significant leaves it open."""
-    if slope > SIGNIFICANT * error and slope > negligible:
+    """Name the regime of a flow; one that slows, or is too noisy to tell, is undetermined."""
+    significant = abs(slope) > SIGNIFICANT * error
+    if slope > negligible and significant:
         return "accelerating"
-    if abs(slope) + 2.0 * error < negligible:
+    if abs(slope) + 2.0 * error < negligible and not (
+        significant and abs(slope) > TINY * negligible
+    ):
         return "steady"
     return "undetermined"

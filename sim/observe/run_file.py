@@ -16,14 +16,14 @@ SCALARS = {
     "acceleration": ("m s-2", "trend of the mean velocity over the averaging window"),
     "acceleration_error": ("m s-2", "standard error of the trend"),
     "regime": ("", "steady, accelerating, arrested or undetermined"),
-    "max_overlap": ("1", "largest overlap of the whole run"),
+    "max_overlap": ("1", "largest overlap of the whole run, as in largest_overlap"),
     "base_normal": ("N", "mean normal force on the plane over the averaging window"),
     "base_shear": ("N", "mean shear force on the plane over the averaging window"),
     "status": ("", "completed or failed"),
     "reason": ("", "why the replicate failed"),
     "steps": ("1", "time steps computed"),
     "wall_time": ("s", "wall time"),
-    "replicate_seed": ("1", "number that, with the seed, starts the random generator"),
+    "replicate_seed": ("1", "index that, with the seed, starts the random generator"),
 }
 
 PROFILES = {
@@ -47,6 +47,17 @@ SNAPSHOTS = {
 }
 
 
+#: How a value of a series stands for its sample interval (CF); the others are instantaneous.
+CELL_METHODS = {
+    "mean_velocity": "time: mean",
+    "mass_flux": "time: mean",
+    "contact_number": "time: mean",
+    "base_normal_force": "time: mean",
+    "base_shear_force": "time: mean",
+    "largest_overlap": "time: maximum",
+}
+
+
 def write(path: Path, parameters: Parameters, records: list[Record], layout, attributes) -> None:
     """Write a run file under a temporary name and rename it when it is complete.
 
@@ -63,11 +74,16 @@ def write(path: Path, parameters: Parameters, records: list[Record], layout, att
     attributes : dict
         Global attributes.
     """
-    with replacing(path) as temporary, netCDF4.Dataset(temporary, "w") as file:
-        file.setncatts(attributes)
-        _write_parameters(file, parameters)
-        _write_axes(file, records, layout)
-        _write_records(file, records, layout)
+    with replacing(path) as temporary:
+        try:
+            with netCDF4.Dataset(temporary, "w") as file:
+                file.setncatts(attributes)
+                _write_parameters(file, parameters)
+                _write_axes(file, records, layout)
+                _write_records(file, records, layout)
+        except RuntimeError as error:
+            # What the library says of a full disk.
+            raise OSError(f"{path}: cannot be written: {error}") from None
 
 
 def _put(file, name, dimensions, values, unit="", long_name=""):
@@ -109,7 +125,9 @@ def _write_axes(file, records, layout):
     file.createDimension("axis", first["position"][0].shape[1])
     file.createDimension("quaternion", 4)
     _put(file, "replicate", ("replicate",), np.arange(len(records)), "1", "number of the replicate")
-    _put(file, "time", ("time",), layout.time, "s", "time since the end of settling").axis = "T"
+    _put(
+        file, "time", ("time",), layout.time, "s", "end of the sample interval, since the start"
+    ).axis = "T"
     height = _put(
         file, "height", ("height",), layout.height, "m", "height of the slice above the base"
     )
@@ -129,7 +147,8 @@ def _write_axes(file, records, layout):
 def _write_records(file, records, layout):
     for name, (unit, long_name) in layout.series.items():
         values = np.stack([record.series[name] for record in records])
-        _put(file, name, ("replicate", "time"), values, unit, long_name)
+        variable = _put(file, name, ("replicate", "time"), values, unit, long_name)
+        variable.cell_methods = CELL_METHODS.get(name, "time: point")
     for name in records[0].profiles:
         unit, long_name = PROFILES[name.removesuffix("_instantaneous")]
         when = "last sample" if name.endswith("_instantaneous") else "average of the window"

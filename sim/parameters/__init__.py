@@ -4,6 +4,7 @@ from sim.parameters.belt import BeltParameters
 from sim.parameters.chute import ChuteParameters
 from sim.parameters.common import Parameters, canonical_number
 from sim.parameters.points import (
+    NUMERICAL,
     SYSTEMS,
     FieldRow,
     canonical,
@@ -15,6 +16,7 @@ from sim.parameters.points import (
 )
 
 __all__ = [
+    "NUMERICAL",
     "SYSTEMS",
     "BeltParameters",
     "ChuteParameters",

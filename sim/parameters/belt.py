@@ -192,7 +192,7 @@ class BeltParameters(Parameters):
         unit="1",
         scale="r_i + r_j",
         description="overlap at which the run stops as unphysical (the published stiffness lets "
-        "beads overlap by more than half a radius above 40 Hz)",
+        "beads overlap by more than half a radius from 20 Hz on)",
         gt=0,
         le=0.95,
     )
@@ -246,8 +246,8 @@ class BeltParameters(Parameters):
 
     @property
     def damping_rate(self) -> float:
-        """Damping rate of a bead between six others that move against it, 1/s."""
-        return 6 * (self.damping + self.shear_damping) * self.gravity
+        """Largest damping rate of a packed bed, 1/s: the largest eigenvalue of a settled one."""
+        return 4.5 * (self.damping + self.shear_damping) * self.gravity
 
     @property
     def caveat(self) -> str:
@@ -255,8 +255,8 @@ class BeltParameters(Parameters):
         if self.integrator != "gear" or self.damping_rate * self.time_step <= GEAR_STABILITY:
             return ""
         return (
-            "the time step is beyond the stability of Gear's corrector in a packed bed, which "
-            "jitters; more steps_per_cycle or velocity Verlet cures it"
+            "the time step is beyond the stability of Gear's corrector in a packed bed, which may "
+            "jitter; more steps_per_cycle or velocity Verlet cures it"
         )
 
     @property

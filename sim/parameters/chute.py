@@ -85,7 +85,7 @@ class ChuteParameters(Parameters):
         lt=90,
     )
     cell: Real = declare(
-        symbol="L/σ",
+        symbol="L",
         unit="1",
         scale="σ",
         description="side of the periodic cell (omitted: 10 up to depth 10, 5 above)",
@@ -123,7 +123,7 @@ class ChuteParameters(Parameters):
         unit="1",
         description="packing fraction of the random initial state",
         equation="Walton, Sec. 1: 0.4 or less",
-        gt=0,
+        ge=0.001,
         le=0.35,
     )
     initial_velocity: Real = declare(
@@ -187,7 +187,7 @@ class ChuteParameters(Parameters):
         scale="σ",
         description="height of the slices of the profiles",
         equation="Walton, Figs. 1.1-1.6",
-        gt=0,
+        ge=0.01,
     )
     overlap_limit: Real = declare(
         0.25,

@@ -2,6 +2,7 @@
 
 from typing import Annotated, Any, ClassVar, Self
 
+from annotated_types import Gt
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 from pydantic_core import PydanticCustomError
 
@@ -9,6 +10,10 @@ SIGNIFICANT_DIGITS = 12
 MAX_PARTICLES = 10_000_000
 MAX_STEPS = 10**12
 MAX_SAMPLES = 10**7
+
+#: Magnitudes that double precision carries through every formula without overflow.
+SMALLEST = 1e-15
+LARGEST = 1e15
 
 
 def canonical_number(value: Any) -> Any:
@@ -119,6 +124,16 @@ class Parameters(BaseModel):
     def steps(self) -> int:
         """Time steps of one replicate, without the settling of the belt's bed."""
         return (self.transient_samples + self.average_samples) * self.sample_steps
+
+    @model_validator(mode="after")
+    def _of_feasible_magnitude(self) -> Self:
+        for name, field in type(self).model_fields.items():
+            value = getattr(self, name)
+            positive = any(isinstance(bound, Gt) for bound in field.metadata)
+            if isinstance(value, float) and not (SMALLEST if positive else 0) <= value <= LARGEST:
+                allowed = f"a number in [{SMALLEST if positive else 0:g}, {LARGEST:g}]"
+                raise broken_rule(name, value, allowed)
+        return self
 
     @model_validator(mode="after")
     def _of_feasible_size(self) -> Self:

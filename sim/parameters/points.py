@@ -13,10 +13,13 @@ from sim.errors import InputError
 from sim.messages import allowed_values, input_error
 from sim.parameters.belt import BeltParameters
 from sim.parameters.chute import ChuteParameters
-from sim.parameters.common import Parameters
+from sim.parameters.common import Parameters, canonical_number
 from sim.yaml_input import read_yaml
 
 SYSTEMS: dict[str, type[Parameters]] = {"chute": ChuteParameters, "belt": BeltParameters}
+
+#: Longest readable part of a name; file systems take 255 bytes for the whole file name.
+_ID_LENGTH = 160
 
 _ID_PARTS = {
     "chute": {
@@ -33,6 +36,29 @@ _ID_PARTS = {
         "shear": "shear_damping",
     },
 }
+
+#: Parameters that set how a point is computed rather than which flow it is: names of points and
+#: curves of figures leave them out.
+NUMERICAL = frozenset(
+    {
+        "seed",
+        "replicates",
+        "transient",
+        "average",
+        "steps_per_cycle",
+        "steps_per_collision",
+        "cell",
+        "initial_packing",
+        "initial_velocity",
+        "initial_agitation",
+        "sample_interval",
+        "samples_per_cycle",
+        "slice_height",
+        "orientations",
+        "overlap_limit",
+        "settle_velocity_squared",
+    }
+)
 
 
 def parse_point(
@@ -99,17 +125,26 @@ def canonical_json(parameters: Parameters) -> str:
 def point_id(parameters: Parameters) -> str:
     """Name a point: what it is in readable form, then eight hexadecimal digits of its hash.
 
-    The name depends on nothing but the parameters, all of them, so equal points have equal names.
-    It is fit for a file name:
+    The readable form has the parameters that the figures vary most, and any other that differs from
+    the paper's value and is not merely numerical. The name depends on nothing but the parameters,
+    all of them, so equal points have equal names. It is fit for a file name:
 
     >>> point_id(ChuteParameters())[:46]
     'chute-depth5-friction0.4-restitution0.85-stiff'
     """
     values = canonical(parameters)
     parts = _ID_PARTS[parameters.system]
-    readable = [f"{label}{values[name]:g}".replace("+", "") for label, name in parts.items()]
+    readable = [f"{label}{values[name]:g}" for label, name in parts.items()]
+    for name, field in type(parameters).model_fields.items():
+        usual = canonical_number(
+            field.get_default(call_default_factory=True, validated_data=values)
+        )
+        value = values[name]
+        if name not in NUMERICAL and name not in parts.values() and value != usual:
+            readable.append(f"{name}-{value}" if isinstance(value, str) else f"{name}{value:g}")
+    name = "-".join([parameters.system, *readable]).replace("+", "")[:_ID_LENGTH]
     digest = hashlib.sha256(canonical_json(parameters).encode()).hexdigest()[:8]
-    return "-".join([parameters.system, *readable, digest])
+    return f"{name}-{digest}"
 
 
 @dataclass(frozen=True)

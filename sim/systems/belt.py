@@ -40,7 +40,10 @@ class Belt:
         "kinetic_energy": ("J", "kinetic energy of the beads"),
         "height_of_mass": ("m", "height of the centre of mass above the mean belt position"),
         "contact_number": ("1", "contacts per bead, those with belt and obstacle included"),
-        "largest_overlap": ("1", "largest overlap since the last sample, per sum of radii"),
+        "largest_overlap": (
+            "1",
+            "largest overlap since the last sample, per sum of radii (belt: per diameter)",
+        ),
         "belt_phase": ("rad", "phase of the belt's vibration"),
     }
 
@@ -177,7 +180,7 @@ class Belt:
         angle = 2.0 * pi * cycle_step / p.steps_per_cycle + radians(p.phase)
         return {
             "mean_velocity": mean[shaking.VELOCITY],
-            "mass_flux": mean[shaking.VELOCITY] * disks.mass.sum() / self.box.length[0],
+            "mass_flux": mean[shaking.MOMENTUM] / self.box.length[0],
             "kinetic_energy": 0.5 * (disks.mass * (self._velocity() ** 2).sum(axis=1)).sum(),
             "height_of_mass": np.average(disks.taylor[0, :, 1], weights=disks.mass),
             "contact_number": mean[shaking.CONTACTS] / p.beads,

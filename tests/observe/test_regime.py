@@ -59,7 +59,8 @@ def test_velocity_error_is_the_standard_error_of_the_mean():
         ({"slope": 0.05, "noise": 3.0}, CHUTE, "undetermined"),
         ({"mean": 0.0, "noise": 1e-5}, CHUTE, "arrested"),
         ({"mean": 0.0, "noise": 1e-3}, BELT, "arrested"),
-        ({"slope": 0.002}, BELT, "steady"),
+        ({"slope": 0.001}, BELT, "steady"),
+        ({"slope": 0.003}, BELT, "undetermined"),
         ({"slope": 0.02}, BELT, "accelerating"),
     ],
 )
