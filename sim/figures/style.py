@@ -54,7 +54,7 @@ def cycled(index: int) -> CurveStyle:
 
 
 #: Characters of legend that fit side by side above a figure, six of them the sample of each entry.
-CHARACTERS_ABOVE = 66
+CHARACTERS_ABOVE = 75
 
 
 def canvas(width: float = 5.6, height: float = 3.9) -> tuple[Figure, Axes]:
