@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from sim.dynamics.status import BlowUp
+from sim.parameters import parse_point
 from sim.systems import build
 from tests.motions import belt_point, series_of
 
@@ -171,6 +172,20 @@ def mean_transport(frequency, beds, **values) -> np.ndarray:
     speed = p.amplitude * p.diameter * 2 * np.pi * frequency
     runs = (series_of(p, bed)["mean_velocity"] for bed in range(beds))
     return np.array([run[p.transient_samples :].mean() for run in runs]) / speed
+
+
+def test_mass_flux_is_the_momentum_per_length():
+    """With a sample per step the mean over the interval is the state itself."""
+    point = {"system": "belt", "beads": 20, "width": 8, "frequency": 500}
+    p = parse_point({**point, "steps_per_cycle": 100, "samples_per_cycle": 100}, "test")
+    belt = build(p, 0)
+    belt.settle()
+    sample = belt.advance()
+    momentum = (belt.disks.mass * belt.disks.taylor[1, :, 0]).sum() / p.time_step
+    assert sample["mass_flux"] == pytest.approx(momentum / (8 * p.diameter), rel=1e-12)
+    assert sample["mass_flux"] != pytest.approx(
+        sample["mean_velocity"] * belt.disks.mass.sum() / (8 * p.diameter), rel=1e-3
+    )
 
 
 def test_no_transport_below_take_off():
