@@ -41,7 +41,7 @@ print(int(re.search(r"VmHWM:\\s+(\\d+)", Path("/proc/self/status").read_text())[
 """
 
 
-def main(options) -> None:
+def main() -> None:
     """Print the table of rates, then start-up times and peak memory."""
     print("flow                          particles  contacts/particle  million particle-steps/s")
     for depth, stiffness in CHUTES:

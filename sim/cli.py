@@ -196,10 +196,10 @@ def _warm(options: argparse.Namespace) -> None:
     warm(points)
 
 
-def _bench(options: argparse.Namespace) -> int | None:
+def _bench(_: argparse.Namespace) -> None:
     from sim.bench import main as bench
 
-    return bench(options)
+    bench()
 
 
 def _dataset(options: argparse.Namespace) -> None:

@@ -78,14 +78,14 @@ def run_point(
             system = build(parameters, replicate)
             records.append(_run_replicate(system, parameters, replicate, advanced))
     wall = time.perf_counter() - started
+    reasons = [record.scalars["reason"] for record in records if record.scalars["reason"]]
     write(
         output,
         parameters,
         records,
         _layout(parameters, system),
-        _attributes(parameters, records, wall),
+        _attributes(parameters, records, reasons, wall),
     )
-    reasons = [record.scalars["reason"] for record in records if record.scalars["reason"]]
     for record in records:
         log.log(*_closing_line(point_id(parameters), record))
     log.info("%s: written", output)
@@ -141,9 +141,10 @@ def _layout(parameters: Parameters, system: System) -> Layout:
     )
 
 
-def _attributes(parameters: Parameters, records: list[Record], wall: float) -> dict:
+def _attributes(
+    parameters: Parameters, records: list[Record], reasons: list[str], wall: float
+) -> dict:
     """Return the global attributes: what this is and how it was made."""
-    failed = [record.scalars["reason"] for record in records if record.scalars["reason"]]
     versions = " ".join(f"{name} {number}" for name, number in library_versions().items())
     return {
         "Conventions": "CF-1.11",
@@ -156,8 +157,8 @@ def _attributes(parameters: Parameters, records: list[Record], wall: float) -> d
         "versions": versions,
         "machine": platform.machine(),
         "command": shlex.join(["python", "-m", "sim", *sys.argv[1:]]),
-        "status": "failed" if failed else "completed",
-        "reason": "; ".join(failed),
+        "status": "failed" if reasons else "completed",
+        "reason": "; ".join(reasons),
         "caveat": parameters.caveat,
         "steps": sum(record.scalars["steps"] for record in records),
         "wall_time": wall,

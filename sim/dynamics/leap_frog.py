@@ -6,10 +6,10 @@ import numpy as np
 
 from sim.boundary.plane import plane_forces
 from sim.compile import inlined, kernel
-from sim.dynamics.neighbors import rebuild, wrap
+from sim.dynamics.neighbors import refresh
 from sim.dynamics.orientation import rotate
 from sim.dynamics.spheres import pair_forces
-from sim.dynamics.status import LIST_FULL, NOT_FINITE, OK, OVERLAP
+from sim.dynamics.status import OK, OVERLAP
 
 # Columns of ``Flow.sums``: sums over the steps since they were last cleared.
 STEPS, VELOCITY, PLANE_X, PLANE_Z, CONTACTS, LARGEST = range(6)
@@ -67,19 +67,6 @@ def _move(spheres, pairs, flow, gravity, time_step):
 
 
 @kernel
-def _refresh(spheres, pairs, box, flow):
-    """Wrap the particles and rebuild the neighbor list; return a status."""
-    if not np.isfinite(spheres.position).all():
-        return NOT_FINITE
-    wrap(spheres.position, box)
-    if not rebuild(pairs, spheres.position, spheres.radius, box, flow.step[0]):
-        return LIST_FULL
-    flow.drift[:] = 0.0
-    flow.valid[0] = True
-    return OK
-
-
-@kernel
 def advance(
     laws,
     spheres,
@@ -105,7 +92,7 @@ def advance(
     last = flow.step[0] + steps
     while flow.step[0] < last:
         if not flow.valid[0]:
-            status = _refresh(spheres, pairs, box, flow)
+            status = refresh(pairs, spheres.position, spheres.radius, box, flow)
             if status != OK:
                 return status
         step = flow.step[0] + 1

@@ -11,6 +11,7 @@ import numpy as np
 
 from sim.compile import inlined, kernel
 from sim.contact.friction import MEMORY
+from sim.dynamics.status import LIST_FULL, NOT_FINITE, OK
 
 #: Column of ``PairList.memory`` that holds the step at which the pair last touched.
 STAMP = MEMORY
@@ -90,7 +91,7 @@ def wrap(position, box):
 
 @kernel
 def _grid(position, box, size):
-    """Return origin, number of cells and cell size per direction, and each particle's cell.
+    """Return the number of cells per direction and each particle's cell.
 
     Open directions span the particles; a few that fly far above the others share the last cells,
     so that the number of cells stays of the order of the number of particles.
@@ -238,3 +239,20 @@ def rebuild(pairs, position, radius, box, step):
     for i in range(start.size - 1):
         pairs.first[start[i] : start[i + 1]] = i
     return True
+
+
+@kernel
+def refresh(pairs, position, radius, box, loop):
+    """Wrap the particles and rebuild the list; return a status.
+
+    ``loop`` is the state of a loop over time steps: its ``step`` is that of the last forces, and
+    its ``drift`` and ``valid`` start anew with the list.
+    """
+    if not np.isfinite(position).all():
+        return NOT_FINITE
+    wrap(position, box)
+    if not rebuild(pairs, position, radius, box, loop.step[0]):
+        return LIST_FULL
+    loop.drift[:] = 0.0
+    loop.valid[0] = True
+    return OK

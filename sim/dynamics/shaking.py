@@ -9,8 +9,8 @@ from sim.boundary.obstacle import obstacle_forces
 from sim.compile import inlined, kernel
 from sim.dynamics.disks import pair_forces
 from sim.dynamics.gear import correct, flush, predict
-from sim.dynamics.neighbors import rebuild, wrap
-from sim.dynamics.status import LIST_FULL, NOT_FINITE, OK, OVERLAP
+from sim.dynamics.neighbors import refresh
+from sim.dynamics.status import OK, OVERLAP
 
 # Columns of ``Shaking.sums``: sums over the steps since they were last cleared.
 STEPS, VELOCITY, MOMENTUM, CONTACTS, LARGEST = range(5)
@@ -61,20 +61,6 @@ def _list_holds(disks, pairs, shaking):
 
 
 @kernel
-def _refresh(disks, pairs, box, shaking):
-    """Wrap the beads and rebuild the neighbor list; return a status."""
-    position = disks.taylor[0]
-    if not np.isfinite(position).all():
-        return NOT_FINITE
-    wrap(position, box)
-    if not rebuild(pairs, position, disks.radius, box, shaking.step[0]):
-        return LIST_FULL
-    shaking.drift[:] = 0.0
-    shaking.valid[0] = True
-    return OK
-
-
-@kernel
 def advance(
     law, integrator, disks, pairs, belt, obstacle, box, shaking, gravity, overlap_limit, steps
 ):
@@ -94,7 +80,7 @@ def advance(
             shaking.predicted[0] = True
             shaking.valid[0] = shaking.valid[0] and _list_holds(disks, pairs, shaking)
         if not shaking.valid[0]:
-            status = _refresh(disks, pairs, box, shaking)
+            status = refresh(pairs, disks.taylor[0], disks.radius, box, shaking)
             if status != OK:
                 return status
         disks.force[:] = 0.0
