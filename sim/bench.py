@@ -9,13 +9,18 @@ import time
 from pathlib import Path
 
 from sim.parameters import Parameters, canonical_json, parse_point
+from sim.systems import System, build
 
-#: Depth, stiffness (N/m) and start velocity (√(gσ)) of the chute flows, all in a 10×10 cell.
-CHUTES = [(5, 117), (10, 117), (40, 117), (5, 1170), (10, 1170), (40, 1170)]
-START_VELOCITY = {5: 8.0, 10: 16.0, 40: 25.0}
+#: Depth and side of the cell (both in diameters) of the chute flows, and their stiffnesses (N/m).
+SIZES = [(5, 10), (10, 10), (40, 10), (20, 40)]
+STIFFNESSES = [117, 1170]
+
+#: Start velocity (√(gσ)) by depth, near that of the developed flow.
+START_VELOCITY = {5: 8.0, 10: 16.0, 20: 25.0, 40: 25.0}
 
 #: Time (√(σ/g)) that the spheres are given to fall and begin to shear before the clock starts.
 RELAXATION = 16.0
+SHORT_RELAXATION = 6.0
 
 #: Timed stretches per flow, of which the median counts, and particle-steps in each.
 REPEATS = 5
@@ -42,15 +47,22 @@ print(int(re.search(r"VmHWM:\\s+(\\d+)", Path("/proc/self/status").read_text())[
 
 
 def main() -> None:
-    """Print the table of rates, then start-up times and peak memory."""
+    """Print the tables of rates, then start-up times and peak memory."""
     print("flow                          particles  contacts/particle  million particle-steps/s")
-    for depth, stiffness in CHUTES:
-        values = {"depth": depth, "stiffness": stiffness, "cell": 10}
-        values["initial_velocity"] = START_VELOCITY[depth]
-        _report_rate(f"chute depth {depth}, K1 = {stiffness} N/m", _point("chute", values))
+    for stiffness in STIFFNESSES:
+        for depth, cell in SIZES:
+            _report_rate(
+                f"chute depth {depth}, K1 = {stiffness} N/m", _chute(depth, cell, stiffness)
+            )
     _report_rate("belt, 50 Hz", _point("belt", {"frequency": 50, "transient": 10}))
+    print("flow, depth 10, K1 = 117 N/m, by size")
+    for cell in (10, 32, 100):
+        _report_rate(f"chute, cell {cell}", _chute(10, cell, 117), SHORT_RELAXATION)
+    _report_threads(_chute(40, 10, 117))
+    _report_threads(_chute(20, 40, 117))
     for system in ("chute", "belt"):
         point = _point(system, {})
+        print(f"{system}: {_further_run(point) * 1e3:.1f} ms to set up a further run")
         print(f"{system}: {_first_step(point):.2f} s from process start to first samples, warm")
         with tempfile.TemporaryDirectory() as cache:
             seconds = _first_step(point, TALUS_CACHE_DIR=cache)
@@ -58,32 +70,65 @@ def main() -> None:
         print(f"{system}: {_peak_memory(point):.0f} MB peak memory of a run process")
 
 
+def _chute(depth: int, cell: int, stiffness: float, **more) -> Parameters:
+    values = {"depth": depth, "cell": cell, "stiffness": stiffness}
+    return _point("chute", values | {"initial_velocity": START_VELOCITY[depth]} | more)
+
+
 def _point(system: str, values: dict) -> Parameters:
     return parse_point({"system": system, **values}, "bench")
 
 
-def _report_rate(name: str, point: Parameters) -> None:
-    """Measure and print the speed of one flow, after it has relaxed."""
-    from sim.systems import build
-
+def _relaxed(point: Parameters, relaxation: float) -> System:
+    """Return the point's flow after the start; ``relaxation`` (√(σ/g)) is that of a chute."""
     system = build(point, 0)
     system.settle()
+    samples = point.transient_samples
     if point.system == "chute":
-        interval = point.sample_steps * point.time_step / point.time_unit
-        relaxation = int(RELAXATION / interval)
-    else:
-        relaxation = point.transient_samples
-    for _ in range(relaxation):
+        samples = int(relaxation / (point.sample_steps * point.time_step / point.time_unit))
+    for _ in range(samples):
         system.advance()
+    return system
+
+
+def _timed(system: System) -> tuple[float, float]:
+    """Return million particle-steps/s and contacts per particle over one stretch."""
+    point = system.parameters
     samples = max(1, int(STRETCH / (point.sample_steps * point.particles)))
-    rates, contacts = [], []
-    for _ in range(REPEATS):
-        started = time.perf_counter()
-        contacts += [system.advance()["contact_number"] for _ in range(samples)]
-        elapsed = time.perf_counter() - started
-        rates.append(samples * point.sample_steps * point.particles / elapsed / 1e6)
+    started = time.perf_counter()
+    contacts = [system.advance()["contact_number"] for _ in range(samples)]
+    elapsed = time.perf_counter() - started
+    rate = samples * point.sample_steps * point.particles / elapsed / 1e6
+    return rate, statistics.mean(contacts)
+
+
+def _report_rate(name: str, point: Parameters, relaxation: float = RELAXATION) -> None:
+    """Measure and print the speed of one flow, after it has relaxed."""
+    system = _relaxed(point, relaxation)
+    rates, contacts = zip(*(_timed(system) for _ in range(REPEATS)), strict=True)
     rate, contact = statistics.median(rates), statistics.mean(contacts)
     print(f"{name:30}{point.particles:9}{contact:19.2f}{rate:26.1f}", flush=True)
+
+
+def _report_threads(point: Parameters) -> None:
+    """Measure and print how much faster two threads are, in turns with one."""
+    systems = [
+        _relaxed(point.model_copy(update={"threads": threads}), SHORT_RELAXATION)
+        for threads in (1, 2)
+    ]
+    rates = [[_timed(system)[0] for system in systems] for _ in range(REPEATS)]
+    ratio = statistics.median(two / one for one, two in rates)
+    print(f"depth {point.depth:g}, {point.particles} particles: two threads {ratio:.2f} x one")
+
+
+def _further_run(point: Parameters) -> float:
+    """Return the seconds to set up a run in a process that has one behind it."""
+    seconds = []
+    for seed in range(1, 2 * REPEATS):
+        started = time.perf_counter()
+        build(point.model_copy(update={"seed": seed}), 0)
+        seconds.append(time.perf_counter() - started)
+    return statistics.median(seconds)
 
 
 def _first_step(point: Parameters, **environment: str) -> float:

@@ -5,13 +5,16 @@ from math import pi, sqrt
 import numpy as np
 
 from sim.boundary.belt import belt_state
-from sim.compile import kernel
-from sim.contact.cube_root import cube_root
+from sim.compile import append_negative, kernel, vectorised
 from sim.contact.damping import disk_force
 from sim.contact.friction import MEMORY, contact_force
+from sim.contact.roots import cube_root, inverse_square_root
 from sim.contact.spring_damping import SpringDamping, spring_damping
 from sim.contact.walton_braun import WaltonBraun, walton_braun
+from sim.dynamics.cells import nearest_image
 from sim.dynamics.gear import correct, flush, predict
+from sim.dynamics.status import LIST_FULL, OK
+from sim.dynamics.team import barrier
 
 #: The chute's spheres and the belt's mean bead, SI.
 RADIUS, MASS, GRAVITY = 0.5e-3, 1.492e-6, 9.8
@@ -56,6 +59,56 @@ def cube_roots(x):
     for k in range(x.size):
         roots[k] = cube_root(x[k])
     return roots
+
+
+@kernel
+def nearest_images(difference, box):
+    """Nearest periodic images of differences (D, N)."""
+    image = np.empty_like(difference)
+    for d in range(len(box.length)):
+        for i in range(difference.shape[1]):
+            image[d, i] = nearest_image(difference[d, i], box, d)
+    return image
+
+
+@kernel
+def inverse_square_roots(x):
+    """One over the square roots (n,) of x (n,) as the laws take them."""
+    roots = np.empty_like(x)
+    for k in range(x.size):
+        roots[k] = inverse_square_root(x[k])
+    return roots
+
+
+@kernel
+def appended(gap, size, first, out, free):
+    """Append ``first + k`` of the negative among the first ``size`` gaps to ``out``; how many."""
+    return append_negative(gap, size, first, out, np.uint64(free))
+
+
+@kernel
+def gathered_sums(source, index, out):
+    """Add ``source`` at ``index`` to ``out``, under the promise that no two arrays overlap."""
+    vectorised()
+    for k in range(index.size):
+        out[k] += source[index[k]]
+
+
+@kernel
+def meet(gate, rounds, rank, count):
+    """Pass a gate for each round; return how often another thread was not there with this one.
+
+    ``count`` (T,) is the round of each thread. Behind the gate of a round the others are in that
+    round or already in the next.
+    """
+    missed = 0
+    for number in range(1, rounds + 1):
+        count[rank] = number
+        barrier(gate)
+        for other in range(count.size):
+            if count[other] != number and count[other] != number + 1:
+                missed += 1
+    return missed
 
 
 @kernel
@@ -118,14 +171,14 @@ def belt_states(belt, time):
 
 @kernel
 def damped_oscillation(integrator, taylor, stiffness, damping, steps, drive=0.0):
-    """Advance Taylor terms (6, N, 2) of x'' = drive - stiffness x - damping x' by some steps."""
+    """Advance Taylor terms (6, 2, N) of x'' = drive - stiffness x - damping x' by some steps."""
     for _ in range(steps):
         predict(integrator, taylor)
-        for i in range(taylor.shape[1]):
-            for d in range(2):
-                speed = taylor[1, i, d] / integrator.time_step
-                acceleration = drive - stiffness * taylor[0, i, d] - damping * speed
-                correct(integrator, taylor, i, d, acceleration)
+        for d in range(2):
+            for i in range(taylor.shape[2]):
+                speed = taylor[1, d, i] / integrator.time_step
+                acceleration = drive - stiffness * taylor[0, d, i] - damping * speed
+                correct(integrator, taylor, d, i, acceleration)
 
 
 @kernel
@@ -152,8 +205,58 @@ def rotation(rng) -> np.ndarray:
     return frame * np.linalg.det(frame)
 
 
+def initial_order(columns: np.ndarray, label: np.ndarray) -> np.ndarray:
+    """Columns (..., N) of sorted particles as rows (N, ...) in the order of the initial state.
+
+    A copy that cannot be written to, lest a test believe that it changes the motion.
+    """
+    rows = columns.T[np.argsort(label[0])]
+    rows.flags.writeable = False
+    return rows
+
+
 def wrapped(difference: np.ndarray, *length: float) -> np.ndarray:
     """Differences (N, D) of positions as nearest periodic images; a length of 0 is an open edge."""
     length = np.array(length)
     period = np.where(length > 0, length, np.inf)
     return difference - length * np.round(difference / period)
+
+
+def pair_names(pairs, label) -> list[tuple[int, int]]:
+    """The listed pairs by the labels of their partners, in the order of the list.
+
+    The list comes sorted by the first particle, which is the lower one.
+    """
+    start = pairs.start
+    first, second = pairs.first[: start[-1]], pairs.second[: start[-1]]
+    assert (first < second).all()
+    assert np.array_equal(first, np.repeat(np.arange(len(start) - 1), np.diff(start)))
+    return list(zip(label[0, first].tolist(), label[0, second].tolist(), strict=True))
+
+
+def listed_pairs(pairs, label) -> set[tuple[int, int]]:
+    """The listed pairs by the labels of their partners, the lower one first; each comes once."""
+    names = pair_names(pairs, label)
+    found = {(min(name), max(name)) for name in names}
+    assert len(found) == len(names)
+    return found
+
+
+def all_pairs(position, reach, length) -> set[tuple[int, int]]:
+    """Every pair of positions (N, D) closer than its ``reach`` (N, N), from all distances."""
+    first, second = np.triu_indices(len(position), 1)
+    apart = wrapped(position[second] - position[first], *length)
+    near = (apart**2).sum(axis=1) < reach[first, second] ** 2
+    return set(zip(first[near].tolist(), second[near].tolist(), strict=True))
+
+
+def run_on(motion, loop, steps: int):
+    """Advance a motion, whose ``loop`` counts the steps, giving its list more room as needed."""
+    target = loop.step[0] + steps
+    status = LIST_FULL
+    while status == LIST_FULL:
+        status = motion.advance(target - loop.step[0])
+        if status == LIST_FULL:
+            motion.make_room()
+    assert status == OK
+    return motion

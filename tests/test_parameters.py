@@ -306,6 +306,7 @@ def test_every_parameter_is_in_the_id(system):
         "replicates": 2,
         "orientations": False,
         "beads": 201,
+        "threads": 2,
         "steps_per_collision": 41,
         "steps_per_cycle": 2020,
         "samples_per_cycle": 10,

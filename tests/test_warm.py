@@ -10,7 +10,8 @@ def point(**values):
 
 def test_points_that_differ_in_numbers_alone_share_one_variant():
     points = [
-        point(system="chute", depth=depth, stiffness=k) for depth in (1, 5) for k in (100, 1000)
+        point(system="chute", depth=depth, stiffness=k, threads=threads)
+        for depth, k, threads in ((1, 100, 1), (5, 100, 2), (1, 1000, 4), (5, 1000, 1))
     ]
     assert len(variants(points)) == 1
 

@@ -3,7 +3,9 @@
 from math import cos, sin
 from typing import NamedTuple
 
-from sim.compile import inlined, kernel
+import numpy as np
+
+from sim.compile import append_negative, inlined, vectorised
 from sim.contact.damping import disk_force
 
 
@@ -33,23 +35,25 @@ def belt_state(belt, time):
     )
 
 
-@kernel
-def belt_forces(law, disks, belt, time, time_step):
+@inlined
+def belt_forces(law, disks, belt, work, time, time_step):
     """Add the forces of the belt; return the number of contacts and the largest overlap / diameter.
 
     The ghost lies right below the bead and moves with the belt, so the normal is vertical.
     """
+    vectorised()
     height, (belt_x, belt_z) = belt_state(belt, time)
-    contacts, largest = 0, 0.0
-    per_step = 1.0 / time_step
-    for i in range(disks.radius.size):
-        overlap = disks.radius[i] + belt.surface + height - disks.taylor[0, i, 1]
-        if overlap > 0.0:
-            vx = disks.taylor[1, i, 0] * per_step - belt_x
-            vz = disks.taylor[1, i, 1] * per_step - belt_z
-            fx, fz = disk_force(law, overlap, (0.0, -1.0), (vx, vz), disks.mass[i], 0.0)
-            disks.force[i, 0] += fx
-            disks.force[i, 1] += fz
-            contacts += 1
-            largest = max(largest, 0.5 * overlap / disks.radius[i])
+    largest, per_step, beads = 0.0, 1.0 / time_step, disks.radius.size
+    for i in range(beads):
+        work.gap[i] = disks.taylor[0, 1, i] - disks.radius[i] - (belt.surface + height)
+    contacts = np.int64(append_negative(work.gap, beads, 0, work.touching, np.uint64(0)))
+    for k in range(contacts):
+        i = np.uint64(work.touching[k])
+        overlap = -work.gap[i]
+        vx = disks.taylor[1, 0, i] * per_step - belt_x
+        vz = disks.taylor[1, 1, i] * per_step - belt_z
+        fx, fz = disk_force(law, overlap, (0.0, -1.0), (vx, vz), disks.mass[i], 0.0)
+        disks.force[0, i] += fx
+        disks.force[1, i] += fz
+        largest = max(largest, 0.5 * overlap / disks.radius[i])
     return contacts, largest

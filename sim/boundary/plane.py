@@ -4,85 +4,93 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sim.compile import inlined, kernel
+from sim.compile import append_negative, inlined, vectorised
 from sim.contact.friction import MEMORY
 from sim.dynamics.spheres import (
     BLOCK,
-    DX,
-    DY,
-    DZ,
     FX,
+    LANES,
     MX,
-    OVERLAP_ROW,
-    REACH,
-    SQUARE,
+    OVERLAP,
     STRIDE,
-    VX,
-    WX,
-    evaluate,
-    load_memory,
-    store_memory,
+    approach,
+    filled_up,
+    make_memory,
+    react,
+    recall,
 )
 
 
 class Plane(NamedTuple):
-    """The plane's side of each contact: ``memory`` (N, 8), contact memory and last step."""
+    """``slot`` (1, N): where each particle's contact is in ``memory`` (2, 7, C), -1 for none."""
 
+    slot: np.ndarray
     memory: np.ndarray
 
 
-def make_plane(particles: int) -> Plane:
+def make_plane(particles: int, threads: int = 1) -> Plane:
     """Return a plane that nothing has touched yet."""
-    memory = np.zeros((particles, MEMORY + 1))
-    memory[:, MEMORY] = -1.0
-    return Plane(memory)
+    return Plane(np.full((1, particles), -1, np.int32), make_memory(particles + LANES * threads))
 
 
 @inlined
-def _gather(spheres, plane, start, work, step):
-    """Gather touching spheres from ``start`` on until the block is full; return count and next."""
-    rows = work.rows
-    touching = 0
-    i = start
-    number = spheres.radius.size
-    while i < number and touching < BLOCK:
-        height = spheres.position[i, 2]
-        if height < spheres.radius[i]:
-            work.pair[touching] = i
-            rows[DX * STRIDE + touching] = 0.0
-            rows[DY * STRIDE + touching] = 0.0
-            rows[DZ * STRIDE + touching] = -height
-            rows[SQUARE * STRIDE + touching] = height * height
-            rows[REACH * STRIDE + touching] = spheres.radius[i]
-            for d in range(3):
-                rows[(VX + d) * STRIDE + touching] = -spheres.velocity[i, d]
-                rows[(WX + d) * STRIDE + touching] = spheres.radius[i] * spheres.spin[i, d]
-            load_memory(rows, touching, plane.memory, i, step)
-            touching += 1
-        i += 1
-    return touching, i
+def _find_touching(spheres, start, size, work):
+    """Put those of ``size`` particles from ``start`` on that touch into ``work``.
 
-
-@kernel
-def plane_forces(law, spheres, plane, work, time_step, step):
-    """Add the forces of the plane.
-
-    Returns the number of touching spheres, the largest overlap relative to a diameter, and the sum
-    of the forces on the spheres along x and z (N).
+    Returns how many.
     """
+    for k in range(size):
+        i = np.uint64(start + k)
+        work.gap[k] = spheres.position[2, i] - spheres.radius[i]
+    return np.int64(append_negative(work.gap, size, start, work.touching, np.uint64(0)))
+
+
+@inlined
+def _evaluate(law, spheres, slot, before, after, work, number, base, time_step):
+    """Apply the law to ``number`` touching particles of a block; the memory goes to base + k."""
+    x, v, w = spheres.position, spheres.velocity, spheres.rim
+    for k in range(number):
+        i = np.uint64(work.touching[k])
+        velocity, rim = (-v[0, i], -v[1, i], -v[2, i]), (w[0, i], w[1, i], w[2, i])
+        separation = (0.0, 0.0, -x[2, i])
+        approach(work.rows, k, separation, spheres.radius[i], velocity, rim, time_step)
+    for k in range(number):
+        i = np.uint64(work.touching[k])
+        memory = react(law, work.rows, k, recall(before, slot[0, i]))
+        for m in range(MEMORY):
+            after[m, np.uint64(base + k)] = memory[m]
+
+
+@inlined
+def plane_forces(law, spheres, slot, before, after, work, time_step, share):
+    """Add the forces of the plane on one thread's share of the particles.
+
+    Arguments as for ``pair_forces``. Returns the number of touching spheres, the largest overlap
+    relative to a diameter, and the sum of the forces on the spheres along x and z (N).
+    """
+    vectorised()
+    rank, begin, end = share
+    rows = work.rows
     contacts, largest, along, upward = 0, 0.0, 0.0, 0.0
-    start = 0
-    while start < spheres.radius.size:
-        touching, start = _gather(spheres, plane, start, work, step)
-        evaluate(law, work.rows, touching, time_step)
+    for start in range(begin, end, BLOCK):
+        size = min(BLOCK, end - start)
+        touching = _find_touching(spheres, start, size, work)
+        base = begin + rank * LANES + contacts
+        if touching > 0:
+            whole = filled_up(work.touching, 0, touching)
+            _evaluate(law, spheres, slot, before, after, work, whole, base, time_step)
+        for i in range(start, start + size):
+            slot[0, np.uint64(i)] = -1
         for k in range(touching):
-            i = work.pair[k]
+            i = np.uint64(work.touching[k])
+            slot[0, i] = base + k
             for d in range(3):
-                spheres.force[i, d] += work.rows[(FX + d) * STRIDE + k]
-                spheres.torque[i, d] += spheres.radius[i] * work.rows[(MX + d) * STRIDE + k]
-            along += work.rows[FX * STRIDE + k]
-            upward += work.rows[(FX + 2) * STRIDE + k]
-            largest = max(largest, 0.5 * work.rows[OVERLAP_ROW * STRIDE + k])
-            store_memory(work.rows, k, plane.memory, i, step)
+                spheres.force[rank, d, i] += rows[(FX + d) * STRIDE + k]
+                spheres.moment[rank, d, i] += rows[(MX + d) * STRIDE + k]
+            along += rows[FX * STRIDE + k]
+            upward += rows[(FX + 2) * STRIDE + k]
+            overlap, diameter = rows[OVERLAP * STRIDE + k], 2.0 * spheres.radius[i]
+            if overlap > largest * diameter:
+                largest = overlap / diameter
         contacts += touching
     return contacts, largest, along, upward

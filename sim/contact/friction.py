@@ -2,8 +2,10 @@
 
 from sim.compile import implements
 
-#: Numbers that a contact keeps: the tangential force (3) and four of the law's own.
+#: Numbers that a contact keeps: the tangential force on i (3), which changes sign when the partners
+#: change places, and four of the law's own, which do not.
 MEMORY = 7
+VECTOR = 3
 
 
 def contact_force(law, overlap, normal, slip, memory):
@@ -35,4 +37,4 @@ def contact_force(law, overlap, normal, slip, memory):
     raise NotImplementedError(type(law).__name__)
 
 
-__all__ = ["MEMORY", "contact_force", "implements"]
+__all__ = ["MEMORY", "VECTOR", "contact_force", "implements"]

@@ -4,12 +4,11 @@ Equations: Walton, Mech. Mater. 16 (1993) 239, section 2; docs/physics.md lists 
 surface displacement and the points that the paper leaves open.
 """
 
-from math import sqrt
 from typing import NamedTuple
 
 from sim.compile import inlined
-from sim.contact.cube_root import cube_root
 from sim.contact.friction import contact_force, implements
+from sim.contact.roots import SMALLEST, cube_root, inverse_square_root
 
 #: A friction this close to its limit, relative, is at it. Without the margin a friction just cut to
 #: the limit would keep a stiffness made of its rounding error, which the cube root turns into 5e-6.
@@ -161,39 +160,42 @@ def normal_force(law, overlap, overlap_before):
 
 @inlined
 def friction_direction(normal, tangential):
-    """Return magnitude and direction of the old friction, turned into the present tangent plane.
+    """Return the direction of the old friction within the present tangent plane.
 
-    The direction is the zero vector for a friction of zero: all displacement then counts as new.
+    It is the zero vector for a friction of zero: all displacement then counts as new.
     """
     nx, ny, nz = normal
     tx, ty, tz = tangential
     along = nx * tx + ny * ty + nz * tz
     px, py, pz = tx - along * nx, ty - along * ny, tz - along * nz
     projected = px * px + py * py + pz * pz
-    scale = 1.0 / sqrt(projected) if projected > 0.0 else 0.0
-    magnitude = sqrt(tx * tx + ty * ty + tz * tz) if projected > 0.0 else 0.0
-    return magnitude, (px * scale, py * scale, pz * scale)
+    scale = inverse_square_root(projected) if projected > SMALLEST else 0.0
+    return px * scale, py * scale, pz * scale
 
 
 @inlined
-def parallel_friction(law, magnitude, displacement, turning_point, sense, limit):
+def parallel_friction(law, force, magnitude, displacement, turning_point, falling):
     """Return friction along its old direction, turning point and sense (Eq. 1 and section 2.2).
 
-    ``sense`` is +1 while the friction grows and -1 while it falls; when it changes, the friction
-    becomes the new turning point T*. The bracket of Eq. 1 is what is ``left`` of the way to sliding
-    over what was there at the turning point. A negative result means that the friction has
-    reversed: the turning point changes sign and, seen along the new direction, the friction grows.
+    ``falling`` is 0 while the friction grows and 1 while it falls; when it changes, the friction
+    becomes the new turning point. The turning point is kept as a share of the normal force, T*/F_N,
+    with which T* scales. The bracket of Eq. 1 is what is ``left`` of the way to sliding over what
+    was there at the turning point. A negative result means that the friction has reversed: the
+    turning point changes sign and, seen along the new direction, the friction grows.
     """
-    sense_now = 1.0 if displacement > 0.0 else (-1.0 if displacement < 0.0 else sense)
-    turning_point = turning_point if sense_now == sense else magnitude
-    left = limit - sense_now * magnitude
-    whole = limit - sense_now * turning_point
+    friction = law.limit.friction
+    share = magnitude / force if force > 0.0 else 0.0
+    falling_now = 0.0 if displacement > 0.0 else (1.0 if displacement < 0.0 else falling)
+    turning_point = turning_point if falling_now == falling else share
+    sense = 1.0 - 2.0 * falling_now
+    left = friction - sense * share
+    whole = friction - sense * turning_point
     base = 1.0 if left >= whole else left / whole
-    base = base if left > ROUNDING * limit else 0.0
+    base = base if left > ROUNDING * friction else 0.0
     parallel = magnitude + law.tangential * softening(law.stiffening, base) * displacement
     reversed_ = parallel < 0.0 and displacement < 0.0
     turning_point = -turning_point if reversed_ else turning_point
-    return parallel, turning_point, 1.0 if reversed_ else sense_now
+    return parallel, turning_point, 0.0 if reversed_ else falling_now
 
 
 @implements(contact_force)
@@ -202,35 +204,34 @@ def _walton_braun(law, overlap, normal, slip, memory):
         return None
 
     def body(law, overlap, normal, slip, memory):
-        tx, ty, tz, turning_point, sense, overlap_max, force_before = memory
+        tx, ty, tz, magnitude, turning_point, falling, overlap_max = memory
         force, overlap_max = normal_force(law, overlap, overlap_max)
         limit = law.limit.friction * force
-        pressed = force > 0.0
 
-        magnitude, (ux, uy, uz) = friction_direction(normal, (tx, ty, tz))
+        ux, uy, uz = friction_direction(normal, (tx, ty, tz))
         magnitude = cap(law.limit, magnitude, limit)
-        turning_point *= force / force_before if force_before > 0.0 else 0.0
-        sense = 1.0 if force_before <= 0.0 else sense
-
         sx, sy, sz = slip
         along = sx * ux + sy * uy + sz * uz
-        parallel, turning_point, sense = parallel_friction(
-            law, magnitude, along, turning_point, sense, limit
+        parallel, turning_point, falling = parallel_friction(
+            law, force, magnitude, along, turning_point, falling
         )
         change = parallel - law.tangential * along
         tx = change * ux + law.tangential * sx
         ty = change * uy + law.tangential * sy
         tz = change * uz + law.tangential * sz
 
-        size = sqrt(tx * tx + ty * ty + tz * tz)
-        scale = limit / size if size > limit else 1.0
-        scale = scale if pressed else 0.0
-        turning_point = turning_point if pressed else 0.0
+        square = tx * tx + ty * ty + tz * tz
+        inverse = inverse_square_root(square) if square > SMALLEST else 0.0
+        magnitude = min(square * inverse, limit)
+        scale = magnitude * inverse
         tangential = (tx * scale, ty * scale, tz * scale)
+        pressed = force > 0.0
+        turning_point = turning_point if pressed else 0.0
+        falling = falling if pressed else 0.0
         return (
             force,
             tangential,
-            (*tangential, turning_point, sense, overlap_max, force),
+            (*tangential, magnitude, turning_point, falling, overlap_max),
         )
 
     return body

@@ -16,6 +16,10 @@ from sim.dynamics.disks import TERMS
 CORRECTOR = (3.0 / 16.0, 251.0 / 360.0, 1.0, 11.0 / 18.0, 1.0 / 6.0, 1.0 / 60.0)
 
 
+#: Taylor terms (m) below this are set to zero now and then.
+VANISHING = 1e-200
+
+
 class Gear(NamedTuple):
     """Gear's predictor-corrector with six values."""
 
@@ -33,30 +37,31 @@ def predict(integrator, taylor):
     raise NotImplementedError
 
 
-def correct(integrator, taylor, i, d, acceleration):
+def correct(integrator, taylor, d, i, acceleration):
     """Correct coordinate d of disk i for its new acceleration (m/s²)."""
     raise NotImplementedError
 
 
 @inlined
 def _predict_gear(taylor):
-    q0, q1, q2, q3, q4, q5 = taylor[0], taylor[1], taylor[2], taylor[3], taylor[4], taylor[5]
-    for i in range(taylor.shape[1]):
-        for d in range(2):
-            c, e, f, g = q2[i, d], q3[i, d], q4[i, d], q5[i, d]
-            q0[i, d] += q1[i, d] + c + e + f + g
-            q1[i, d] += 2.0 * c + 3.0 * e + 4.0 * f + 5.0 * g
-            q2[i, d] = c + 3.0 * e + 6.0 * f + 10.0 * g
-            q3[i, d] = e + 4.0 * f + 10.0 * g
-            q4[i, d] = f + 5.0 * g
+    terms = taylor.reshape(TERMS, taylor[0].size)
+    q0, q1, q2, q3, q4, q5 = terms[0], terms[1], terms[2], terms[3], terms[4], terms[5]
+    for i in range(q0.size):
+        b, c, e, f, g = q1[i], q2[i], q3[i], q4[i], q5[i]
+        q0[i] += b + c + e + f + g
+        q1[i] = b + 2.0 * c + 3.0 * e + 4.0 * f + 5.0 * g
+        q2[i] = c + 3.0 * e + 6.0 * f + 10.0 * g
+        q3[i] = e + 4.0 * f + 10.0 * g
+        q4[i] = f + 5.0 * g
 
 
 @inlined
 def _predict_verlet(taylor):
-    for i in range(taylor.shape[1]):
-        for d in range(2):
-            taylor[0, i, d] += taylor[1, i, d] + taylor[2, i, d]
-            taylor[1, i, d] += 2.0 * taylor[2, i, d]
+    terms = taylor.reshape(TERMS, taylor[0].size)
+    q0, q1, q2 = terms[0], terms[1], terms[2]
+    for i in range(q0.size):
+        q0[i] += q1[i] + q2[i]
+        q1[i] += 2.0 * q2[i]
 
 
 @implements(predict)
@@ -67,31 +72,31 @@ def _predict(integrator, taylor):
 
 
 @inlined
-def _correct_gear(integrator, taylor, i, d, acceleration):
-    error = 0.5 * acceleration * integrator.time_step**2 - taylor[2, i, d]
-    taylor[0, i, d] += CORRECTOR[0] * error
-    taylor[1, i, d] += CORRECTOR[1] * error
-    taylor[2, i, d] += error
-    taylor[3, i, d] += CORRECTOR[3] * error
-    taylor[4, i, d] += CORRECTOR[4] * error
-    taylor[5, i, d] += CORRECTOR[5] * error
+def _correct_gear(integrator, taylor, d, i, acceleration):
+    error = 0.5 * acceleration * integrator.time_step**2 - taylor[2, d, i]
+    taylor[0, d, i] += CORRECTOR[0] * error
+    taylor[1, d, i] += CORRECTOR[1] * error
+    taylor[2, d, i] += error
+    taylor[3, d, i] += CORRECTOR[3] * error
+    taylor[4, d, i] += CORRECTOR[4] * error
+    taylor[5, d, i] += CORRECTOR[5] * error
 
 
 @inlined
-def _correct_verlet(integrator, taylor, i, d, acceleration):
+def _correct_verlet(integrator, taylor, d, i, acceleration):
     half = 0.5 * acceleration * integrator.time_step**2
-    taylor[1, i, d] += half - taylor[2, i, d]
-    taylor[2, i, d] = half
+    taylor[1, d, i] += half - taylor[2, d, i]
+    taylor[2, d, i] = half
 
 
 @implements(correct)
-def _correct(integrator, taylor, i, d, acceleration):
+def _correct(integrator, taylor, d, i, acceleration):
     if integrator.instance_class is Gear:
-        return lambda integrator, taylor, i, d, acceleration: _correct_gear(
-            integrator, taylor, i, d, acceleration
+        return lambda integrator, taylor, d, i, acceleration: _correct_gear(
+            integrator, taylor, d, i, acceleration
         )
-    return lambda integrator, taylor, i, d, acceleration: _correct_verlet(
-        integrator, taylor, i, d, acceleration
+    return lambda integrator, taylor, d, i, acceleration: _correct_verlet(
+        integrator, taylor, d, i, acceleration
     )
 
 
@@ -102,11 +107,10 @@ def flush(taylor):
     In free flight Gear's higher terms decay geometrically into the subnormal numbers, which
     processors handle many times slower.
     """
+    terms = taylor.reshape(TERMS, taylor[0].size)
     for k in range(2, TERMS):
-        for i in range(taylor.shape[1]):
-            for d in range(2):
-                if abs(taylor[k, i, d]) < 1e-200:
-                    taylor[k, i, d] = 0.0
+        for i in range(terms.shape[1]):
+            terms[k, i] = terms[k, i] if abs(terms[k, i]) >= VANISHING else 0.0
 
 
 def restarted(taylor: np.ndarray, old_step: float, new_step: float) -> None:

@@ -1,67 +1,85 @@
-"""Neighbor list with a skin, from a grid of cells: cost grows linearly with the particles.
+"""Neighbor list with a skin, and the slots that tie its pairs to the memory of their contacts.
 
-The list is valid until some particle has moved by half the skin relative to the mean motion of all;
-contact memory is carried over when it is rebuilt. Written once for two and three dimensions: the
-length of the tuples in ``Box`` fixes the dimension when a kernel is compiled.
+The list holds as long as no pair that is not in it can have come into contact; ``mean_flow`` says
+how long that is.
 """
 
+from math import isfinite
 from typing import NamedTuple
 
 import numpy as np
 
-from sim.compile import inlined, kernel
-from sim.contact.friction import MEMORY
+from sim.compile import append_negative, inlined, vectorised
+from sim.contact.friction import VECTOR
+from sim.dynamics.cells import (
+    Candidates,
+    assign_cells,
+    find_pairs,
+    make_candidates,
+    nearest_image,
+    reorder,
+    sort_by_cell,
+    wrap,
+)
+from sim.dynamics.mean_flow import AGE
 from sim.dynamics.status import LIST_FULL, NOT_FINITE, OK
 
-#: Column of ``PairList.memory`` that holds the step at which the pair last touched.
-STAMP = MEMORY
-
-
-class Box(NamedTuple):
-    """The periodic cell: ``length`` (m) per direction and its ``inverse``, both 0 where open."""
-
-    length: tuple[float, ...]
-    inverse: tuple[float, ...]
-
-
-def make_box(*length: float) -> Box:
-    """Return the box with these lengths (m); 0 leaves a direction open."""
-    return Box(
-        tuple(float(value) for value in length),
-        tuple(1.0 / value if value else 0.0 for value in length),
-    )
+#: Room that the threads of a run may need between their shares of the touching pairs.
+MARGIN = 4096
 
 
 class PairList(NamedTuple):
     """Pairs within reach of each other, sorted by their first particle; always first < second.
 
-    ``first``, ``second`` (capacity,) particles; ``reach`` (capacity,) sum of the radii (m);
-    ``memory`` (capacity, 8) contact memory and the step of the last contact; ``start`` (N + 1,)
-    first pair of each particle; ``anchor`` (N, D) positions at the last build; ``skin`` (m).
+    ``first``, ``second`` (P,) particles; ``reach`` (P,) sum of the radii (m); ``slot`` (P,) where
+    the contact is remembered, -1 if it did not touch in the last step; ``touching`` (P,) those that
+    touch; ``start`` (N + 1,) first
+    pair of each particle. Since the last build: ``anchor`` (D, N) positions at that time, ``drift``
+    (D,) mean displacement (m), ``stream`` (N,) velocity of the mean flow at each particle relative
+    to all (m/s), ``clock`` (2,) see ``mean_flow``, ``valid`` (1,). ``skin`` and the ``largest`` sum
+    of two radii in m; ``candidates`` is scratch.
     """
 
     first: np.ndarray
     second: np.ndarray
     reach: np.ndarray
-    memory: np.ndarray
+    slot: np.ndarray
+    touching: np.ndarray
     start: np.ndarray
     anchor: np.ndarray
+    drift: np.ndarray
+    stream: np.ndarray
+    clock: np.ndarray
+    valid: np.ndarray
+    candidates: Candidates
     skin: float
+    largest: float
 
 
 def empty_pair_list(
-    particles: int, dimension: int, skin: float, per_particle: int = 12
+    radius: np.ndarray, dimension: int, skin: float, per_particle: int = 8
 ) -> PairList:
-    """Return a list without pairs and with room for ``per_particle`` pairs per particle."""
-    capacity = per_particle * particles + 8
+    """Return a list without pairs, with room for ``per_particle`` pairs per particle.
+
+    ``radius`` (N,) and ``skin`` in m.
+    """
+    particles = len(radius)
+    capacity = per_particle * particles + 64
     return PairList(
-        first=np.zeros(capacity, np.int32),
-        second=np.zeros(capacity, np.int32),
+        first=np.zeros(capacity, np.uint32),
+        second=np.zeros(capacity, np.uint32),
         reach=np.zeros(capacity),
-        memory=np.zeros((capacity, MEMORY + 1)),
+        slot=np.full(capacity, -1, np.int32),
+        touching=np.zeros(capacity + MARGIN, np.uint32),
         start=np.zeros(particles + 1, np.int64),
-        anchor=np.full((particles, dimension), np.nan),
+        anchor=np.full((dimension, particles), np.nan),
+        drift=np.zeros(dimension),
+        stream=np.zeros(particles),
+        clock=np.zeros(2),
+        valid=np.zeros(1, np.bool_),
+        candidates=make_candidates(particles),
         skin=skin,
+        largest=2.0 * float(np.max(radius)),
     )
 
 
@@ -71,188 +89,127 @@ def grown(pairs: PairList) -> PairList:
         first=np.concatenate([pairs.first, np.zeros_like(pairs.first)]),
         second=np.concatenate([pairs.second, np.zeros_like(pairs.second)]),
         reach=np.concatenate([pairs.reach, np.zeros_like(pairs.reach)]),
-        memory=np.concatenate([pairs.memory, np.zeros_like(pairs.memory)]),
+        slot=np.concatenate([pairs.slot, np.full_like(pairs.slot, -1)]),
+        touching=np.concatenate([pairs.touching, np.zeros_like(pairs.touching)]),
     )
 
 
 @inlined
-def nearest_image(difference, box, d):
-    """Return the shortest periodic image of a difference along direction d (open: itself)."""
-    return difference - box.length[d] * np.rint(difference * box.inverse[d])
+def find_touching(position, pairs, box, begin, end, base, gap):
+    """Put the touching pairs among ``begin``..``end`` into ``pairs.touching`` from ``base`` on.
 
-
-@kernel
-def wrap(position, box):
-    """Move every particle into the periodic cell."""
-    for d in range(len(box.length)):
-        for i in range(position.shape[0]):
-            position[i, d] -= box.length[d] * np.floor(position[i, d] * box.inverse[d])
-
-
-@kernel
-def _grid(position, box, size):
-    """Return the number of cells per direction and each particle's cell.
-
-    Open directions span the particles; a few that fly far above the others share the last cells,
-    so that the number of cells stays of the order of the number of particles.
+    Returns how many. The list is examined in blocks of the size of ``gap``, which is scratch.
     """
-    particles, dimension = position.shape
-    origin = np.zeros(dimension)
+    touching = np.uint64(base)
+    for start in range(begin, end, gap.size):
+        size = min(gap.size, end - start)
+        for k in range(size):
+            p = np.uint64(start + k)
+            i, j = np.uint64(pairs.first[p]), np.uint64(pairs.second[p])
+            square = 0.0
+            for d in range(len(box.length)):
+                square += nearest_image(position[d, j] - position[d, i], box, d) ** 2
+            gap[k] = square - pairs.reach[p] * pairs.reach[p]
+        touching += append_negative(gap, size, start, pairs.touching, touching)
+    return np.int64(touching) - base
+
+
+@inlined
+def _carry_slots(pairs, rank, start, second, slot, memory):
+    """Fill ``slot`` (P,) of the new pairs: of those that touch, that of the old pair.
+
+    ``rank`` is the new number of each particle. Where partners change places, the remembered force
+    changes sign.
+    """
+    gap, touching = pairs.candidates.gap, pairs.candidates.near
+    for p in range(slot.size):
+        slot[p] = -1
+    for begin in range(0, pairs.start[-1], gap.size):
+        size = min(gap.size, pairs.start[-1] - begin)
+        for k in range(size):
+            gap[k] = -0.5 - pairs.slot[np.uint64(begin + k)]
+        for k in range(append_negative(gap, size, begin, touching, np.uint64(0))):
+            p = np.uint64(touching[k])
+            s = np.uint64(pairs.slot[p])
+            i, j = rank[pairs.first[p]], rank[pairs.second[p]]
+            if i > j:
+                i, j = j, i
+                for m in range(VECTOR):
+                    memory[m, s] = -memory[m, s]
+            new = np.uint64(start[i])
+            while new < start[i + 1] and second[new] != j:
+                new += np.uint64(1)
+            if new < start[i + 1]:
+                slot[new] = s
+
+
+@inlined
+def rebuild(pairs, position, radius, box, memory):
+    """Find all pairs anew; return whether there was room, and the order of the particles to adopt.
+
+    ``memory`` is that of the last step. ``position`` (D, N) must lie in the periodic cell. The list
+    refers to the particles in their new order: column i of every array of theirs must become
+    ``order[i]``. Without room nothing has changed.
+    """
+    dimension, particles = position.shape
     cells = np.ones(dimension, np.int64)
-    width = np.full(dimension, size)
-    total = 1
-    for d in range(dimension):
-        if box.length[d] > 0.0:
-            cells[d] = max(1, int(box.length[d] / size))
-            width[d] = box.length[d] / cells[d]
-            total *= cells[d]
-    for d in range(dimension):
-        if box.length[d] == 0.0:
-            origin[d] = position[:, d].min()
-            extent = min((position[:, d].max() - origin[d]) / size, 8.0 * particles / total + 64.0)
-            cells[d] = int(extent) + 1
-    cell = np.empty(particles, np.int64)
+    cell = assign_cells(position, box, pairs.largest + pairs.skin, cells)
+    order, begin = sort_by_cell(cell, cells)
+    reorder(position, order)
+    rank, sizes = np.empty(particles, np.int64), np.empty(particles)
     for i in range(particles):
-        index = 0
-        for d in range(dimension):
-            k = int(min((position[i, d] - origin[d]) / width[d], cells[d] - 1.0))
-            index = index * cells[d] + max(k, 0)
-        cell[i] = index
-    return cells, cell
+        rank[order[i]] = i
+        sizes[i] = radius[order[i]]
+    second = np.empty(pairs.second.size, np.uint32)
+    start = np.empty(pairs.start.size, np.int64)
+    found = find_pairs(
+        position, sizes, box, pairs.skin, cells, begin, pairs.candidates, second, start
+    )
+    if not found:
+        reorder(position, rank)
+        return False, order
+    slot = np.empty(start[-1], np.int32)
+    _carry_slots(pairs, rank, start, second, slot, memory)
+    _adopt(pairs, position, start, second, slot, sizes)
+    return True, order
 
 
-@kernel
-def _sorted_by_cell(cell, number):
-    """Return the particles ordered by cell and where each cell begins (a counting sort)."""
-    begin = np.zeros(number + 1, np.int64)
-    for i in range(cell.size):
-        begin[cell[i] + 1] += 1
-    for c in range(number):
-        begin[c + 1] += begin[c]
-    order = np.empty(cell.size, np.int64)
-    fill = begin[:-1].copy()
-    for i in range(cell.size):
-        order[fill[cell[i]]] = i
-        fill[cell[i]] += 1
-    return order, begin
-
-
-@kernel
-def _stencil(box, cells, index, out):
-    """Fill ``out`` with the distinct cells around (and including) a cell; return how many."""
-    dimension = cells.size
-    count = 1
-    out[0] = 0
-    remainder = index
-    coordinate = np.empty(dimension, np.int64)
-    for d in range(dimension - 1, -1, -1):
-        coordinate[d] = remainder % cells[d]
-        remainder //= cells[d]
-    for d in range(dimension):
-        low = -1 if cells[d] > 2 else 0
-        high = 1 if cells[d] > 1 else 0
-        periodic = box.length[d] > 0.0
-        if not periodic:
-            low, high = -1, 1
-        written = 0
-        previous = out[:count].copy()
-        for base in previous:
-            for offset in range(low, high + 1):
-                k = coordinate[d] + offset
-                if periodic:
-                    k %= cells[d]
-                elif k < 0 or k >= cells[d]:
-                    continue
-                out[written] = base * cells[d] + k
-                written += 1
-        count = written
-    return count
-
-
-@kernel
-def _find_pairs(pairs, position, radius, box, second, reach, start):
-    """Fill ``second``, ``reach`` and ``start`` with all pairs within reach plus skin.
-
-    Returns False as soon as there is no room for another pair.
-    """
-    dimension = len(box.length)
-    cells, cell = _grid(position, box, 2.0 * radius.max() + pairs.skin)
-    order, begin = _sorted_by_cell(cell, cells.prod())
-    around = np.empty(3**dimension, np.int64)
-    known, size = -1, 0
-    slot = 0
-    for i in range(cell.size):
-        start[i] = slot
-        if cell[i] != known:
-            known = cell[i]
-            size = _stencil(box, cells, known, around)
-        for s in range(size):
-            for k in range(begin[around[s]], begin[around[s] + 1]):
-                j = order[k]
-                if j <= i:
-                    continue
-                square = 0.0
-                for d in range(dimension):
-                    square += nearest_image(position[j, d] - position[i, d], box, d) ** 2
-                contact = radius[i] + radius[j]
-                if square < (contact + pairs.skin) ** 2:
-                    if slot == second.size:
-                        return False
-                    second[slot] = j
-                    reach[slot] = contact
-                    slot += 1
-    start[cell.size] = slot
-    return True
-
-
-@kernel
-def _carried_over(pairs, start, second, step):
-    """Return the memory of the new pairs: of those that touched at ``step`` the old one."""
-    memory = np.zeros((start[-1], MEMORY + 1))
-    memory[:, STAMP] = -1.0
+@inlined
+def _adopt(pairs, position, start, second, slot, radius):
+    """Make these pairs the list, and these positions those that displacements count from."""
+    vectorised()
+    for d in range(position.shape[0]):
+        for i in range(position.shape[1]):
+            pairs.anchor[d, i] = position[d, i]
+    pairs.start[start.size - 1] = start[start.size - 1]
     for i in range(start.size - 1):
-        for old in range(pairs.start[i], pairs.start[i + 1]):
-            if pairs.memory[old, STAMP] == step:
-                for new in range(start[i], start[i + 1]):
-                    if second[new] == pairs.second[old]:
-                        memory[new] = pairs.memory[old]
-    return memory
+        pairs.start[i] = start[i]
+        for p in range(start[i], start[i + 1]):
+            pairs.first[p] = i
+    for p in range(start[-1]):
+        i, j = np.uint64(pairs.first[p]), np.uint64(second[p])
+        pairs.second[p] = second[p]
+        pairs.slot[p] = slot[p]
+        pairs.reach[p] = radius[i] + radius[j]
 
 
-@kernel
-def rebuild(pairs, position, radius, box, step):
-    """Rebuild the list for the present positions; ``step`` is that of the last forces.
+@inlined
+def refresh(pairs, position, radius, box, memory):
+    """Wrap and sort the positions and rebuild the list; return a status and the particles' order.
 
-    Returns False, and leaves the list as it was, when it has no room for all pairs.
+    Arguments as for ``rebuild``.
     """
-    second = np.empty_like(pairs.second)
-    reach = np.empty_like(pairs.reach)
-    start = np.empty_like(pairs.start)
-    if not _find_pairs(pairs, position, radius, box, second, reach, start):
-        return False
-    number = start[-1]
-    pairs.memory[:number] = _carried_over(pairs, start, second, step)
-    pairs.second[:number] = second[:number]
-    pairs.reach[:number] = reach[:number]
-    pairs.start[:] = start
-    pairs.anchor[:] = position
-    for i in range(start.size - 1):
-        pairs.first[start[i] : start[i + 1]] = i
-    return True
-
-
-@kernel
-def refresh(pairs, position, radius, box, loop):
-    """Wrap the particles and rebuild the list; return a status.
-
-    ``loop`` is the state of a loop over time steps: its ``step`` is that of the last forces, and
-    its ``drift`` and ``valid`` start anew with the list.
-    """
-    if not np.isfinite(position).all():
-        return NOT_FINITE
+    order = np.empty(0, np.int64)
+    for d in range(position.shape[0]):
+        for i in range(position.shape[1]):
+            if not isfinite(position[d, i]):
+                return NOT_FINITE, order
     wrap(position, box)
-    if not rebuild(pairs, position, radius, box, loop.step[0]):
-        return LIST_FULL
-    loop.drift[:] = 0.0
-    loop.valid[0] = True
-    return OK
+    room, order = rebuild(pairs, position, radius, box, memory)
+    if not room:
+        return LIST_FULL, order
+    for d in range(pairs.drift.size):
+        pairs.drift[d] = 0.0
+    pairs.clock[AGE] = 0.0
+    pairs.valid[0] = True
+    return OK, order

@@ -6,9 +6,11 @@ import numpy as np
 
 from sim.boundary.belt import belt_forces
 from sim.boundary.obstacle import obstacle_forces
-from sim.compile import inlined, kernel
-from sim.dynamics.disks import pair_forces
+from sim.compile import inlined, kernel, vectorised, wide_vectors
+from sim.dynamics.cells import reorder
+from sim.dynamics.disks import TERMS, pair_forces
 from sim.dynamics.gear import correct, flush, predict
+from sim.dynamics.mean_flow import allowed_stray
 from sim.dynamics.neighbors import refresh
 from sim.dynamics.status import OK, OVERLAP
 
@@ -23,46 +25,81 @@ FLUSH_INTERVAL = 32
 class Shaking(NamedTuple):
     """What the loop over steps carries besides beads and neighbor list.
 
-    ``step`` (1,) number of the last completed step; ``drift`` (2,) mean displacement since the list
-    was built (m); ``valid`` (1,) whether the list is; ``predicted`` (1,) whether the positions are
+    ``step`` (1,) number of the last completed step; ``predicted`` (1,) whether the positions are
     those predicted for the next step; ``sums`` (5,) see above.
     """
 
     step: np.ndarray
-    drift: np.ndarray
-    valid: np.ndarray
     predicted: np.ndarray
     sums: np.ndarray
 
 
 def make_shaking() -> Shaking:
     """Return the state before the first step."""
-    flags = [np.zeros(1, np.bool_) for _ in range(2)]
-    return Shaking(np.zeros(1, np.int64), np.zeros(2), *flags, np.zeros(SUMS))
+    return Shaking(np.zeros(1, np.int64), np.zeros(1, np.bool_), np.zeros(SUMS))
 
 
 @inlined
-def _list_holds(disks, pairs, shaking):
-    """Return whether no bead has moved by half the skin relative to the drift of all."""
-    limit = (0.5 * pairs.skin) ** 2
-    inside = True
-    x, z = 0.0, 0.0
+def list_holds(disks, pairs, time_step):
+    """Return whether no bead has strayed too far from the mean displacement of all."""
+    vectorised()
+    allowed = allowed_stray(pairs, time_step)
+    limit = allowed * allowed
+    outside, x, z = 0.0, 0.0, 0.0
     number = disks.radius.size
     for i in range(number):
-        dx = disks.taylor[0, i, 0] - pairs.anchor[i, 0]
-        dz = disks.taylor[0, i, 1] - pairs.anchor[i, 1]
-        inside &= (dx - shaking.drift[0]) ** 2 + (dz - shaking.drift[1]) ** 2 < limit
+        dx = disks.taylor[0, 0, i] - pairs.anchor[0, i]
+        dz = disks.taylor[0, 1, i] - pairs.anchor[1, i]
+        strayed = (dx - pairs.drift[0]) ** 2 + (dz - pairs.drift[1]) ** 2
+        outside += 0.0 if strayed < limit else 1.0
         x += dx
         z += dz
     # Any common vector serves as the drift: the next step uses this step's mean displacement.
-    shaking.drift[0] = x / number
-    shaking.drift[1] = z / number
-    return inside
+    pairs.drift[0] = x / number
+    pairs.drift[1] = z / number
+    return outside == 0.0
+
+
+@inlined
+def refresh_beads(disks, pairs, box):
+    """Rebuild the neighbor list and sort the beads by place; return a status."""
+    forgotten = np.empty((0, 0))
+    status, order = refresh(pairs, disks.taylor[0], disks.radius, box, forgotten)
+    if status == OK:
+        for k in range(1, TERMS):
+            reorder(disks.taylor[k], order)
+        reorder(disks.radius.reshape(1, order.size), order)
+        reorder(disks.mass.reshape(1, order.size), order)
+        reorder(disks.label, order)
+    return status
+
+
+@inlined
+def clear(disks):
+    """Set all forces to zero."""
+    for d in range(2):
+        for i in range(disks.radius.size):
+            disks.force[d, i] = 0.0
+
+
+@inlined
+def move(integrator, disks, gravity):
+    """Correct all coordinates; return the sums of velocity times Δt and of momentum times Δt."""
+    vectorised()
+    moved, momentum = 0.0, 0.0
+    for i in range(disks.radius.size):
+        rate = 1.0 / disks.mass[i]
+        correct(integrator, disks.taylor, 0, i, disks.force[0, i] * rate)
+        correct(integrator, disks.taylor, 1, i, disks.force[1, i] * rate - gravity)
+    for i in range(disks.radius.size):
+        moved += disks.taylor[1, 0, i]
+        momentum += disks.mass[i] * disks.taylor[1, 0, i]
+    return moved, momentum
 
 
 @kernel
 def advance(
-    law, integrator, disks, pairs, belt, obstacle, box, shaking, gravity, overlap_limit, steps
+    law, integrator, disks, pairs, belt, obstacle, box, work, shaking, gravity, overlap_limit, steps
 ):
     """Advance the beads by a number of steps; return a status.
 
@@ -70,6 +107,7 @@ def advance(
     predicted for the next step, so give the pair list more room and call again for the steps that
     ``shaking.step`` says are missing.
     """
+    wide_vectors()
     sums = shaking.sums
     last = shaking.step[0] + steps
     time_step = integrator.time_step
@@ -78,22 +116,16 @@ def advance(
         if not shaking.predicted[0]:
             predict(integrator, disks.taylor)
             shaking.predicted[0] = True
-            shaking.valid[0] = shaking.valid[0] and _list_holds(disks, pairs, shaking)
-        if not shaking.valid[0]:
-            status = refresh(pairs, disks.taylor[0], disks.radius, box, shaking)
+            pairs.valid[0] = pairs.valid[0] and list_holds(disks, pairs, time_step)
+        if not pairs.valid[0]:
+            status = refresh_beads(disks, pairs, box)
             if status != OK:
                 return status
-        disks.force[:] = 0.0
-        touching, overlap = pair_forces(law, disks, pairs, box, time_step)
-        resting, belt_overlap = belt_forces(law, disks, belt, step * time_step, time_step)
-        blocked, obstacle_overlap = obstacle_forces(law, disks, obstacle, box, time_step)
-        moved, momentum = 0.0, 0.0
-        for i in range(disks.radius.size):
-            rate = 1.0 / disks.mass[i]
-            correct(integrator, disks.taylor, i, 0, disks.force[i, 0] * rate)
-            correct(integrator, disks.taylor, i, 1, disks.force[i, 1] * rate - gravity)
-            moved += disks.taylor[1, i, 0]
-            momentum += disks.mass[i] * disks.taylor[1, i, 0]
+        clear(disks)
+        touching, overlap = pair_forces(law, disks, pairs, box, work, time_step)
+        resting, belt_overlap = belt_forces(law, disks, belt, work, step * time_step, time_step)
+        blocked, obstacle_overlap = obstacle_forces(law, disks, obstacle, box, work, time_step)
+        moved, momentum = move(integrator, disks, gravity)
         overlap = max(overlap, belt_overlap, obstacle_overlap)
         sums[STEPS] += 1.0
         sums[VELOCITY] += moved / (time_step * disks.radius.size)

@@ -1,206 +1,241 @@
-"""Forces between spheres, and between spheres and the plane, in three dimensions.
+"""Spheres, and the forces between them, in three dimensions.
 
-Touching pairs are gathered into blocks of work rows, the law is evaluated over a whole block in one
-loop without branches, which the compiler turns into vector instructions, and the results are added
-to the particles. One flat work array with a constant stride between its rows lets the compiler see
-that the rows do not overlap.
+The touching pairs of the neighbor list are put together and taken in blocks that stay in the
+nearest cache. One loop computes how the partners of each pair approach each other, one applies the
+law, and one adds the results to the particles. The first two have no branches, so that the compiler
+turns them into vector instructions; they are two because a processor overlaps the iterations of
+short loops better.
 """
 
-from math import sqrt
 from typing import NamedTuple
 
 import numpy as np
 
-from sim.compile import inlined, kernel
+from sim.compile import inlined, vectorised
 from sim.contact.friction import MEMORY, contact_force
-from sim.dynamics.neighbors import STAMP, nearest_image
+from sim.contact.roots import inverse_square_root
+from sim.dynamics.cells import nearest_image
+from sim.dynamics.neighbors import find_touching
 
-#: Pairs examined per block; about a third of them touch in a dense flow.
+#: Contacts that are evaluated together, and list entries that are examined together.
 BLOCK = 256
 
 #: Distance between rows of the work array: not a power of two, or all rows would compete for the
 #: same few lines of the cache.
 STRIDE = BLOCK + 8
 
-# Rows of the work array: geometry and motion in, forces out, memory in and out.
-DX, DY, DZ, SQUARE, REACH = range(5)
-VX, VY, VZ, WX, WY, WZ = range(5, 11)
-FX, FY, FZ, MX, MY, MZ, OVERLAP_ROW = range(11, 18)
-MEMORY_ROW = 18
-ROWS = MEMORY_ROW + MEMORY
+#: Numbers in the widest vectors.
+LANES = 8
+
+# Rows of the work array: first how the partners approach, then the same rows with the results.
+NX, NY, NZ, SX, SY, SZ, OVERLAP, REACH = range(8)
+FX, FY, FZ, MX, MY, MZ = range(6)
+
+#: Moment of inertia of a solid sphere over m r².
+SOLID = 0.4
 
 
 class Spheres(NamedTuple):
-    """The particles: (N, 3) arrays in SI units, and (N,) radius (m), mass (kg), inertia (kg m²).
+    """The particles, one column each, in SI units.
 
-    ``velocity`` and ``spin`` (angular velocity, 1/s) belong to the half step before ``position``;
-    ``force`` and ``torque`` those of the last evaluation.
+    ``position``, ``velocity`` and ``rim`` (3, N); ``rim`` is the angular velocity times the radius
+    (m/s). Velocities belong to the half step before the position. ``force`` and ``moment``
+    (T, 3, N) hold what each of T threads has added in the last evaluation; ``moment`` is the torque
+    over the radius (N). ``radius``, ``mass`` and ``inverse_mass`` (N,). ``label`` (1, N) is the
+    particle's number in the initial state: the neighbor list keeps the particles sorted by place.
     """
 
     position: np.ndarray
     velocity: np.ndarray
-    spin: np.ndarray
+    rim: np.ndarray
     force: np.ndarray
-    torque: np.ndarray
+    moment: np.ndarray
     radius: np.ndarray
     mass: np.ndarray
-    inertia: np.ndarray
+    inverse_mass: np.ndarray
+    label: np.ndarray
 
 
 class Work(NamedTuple):
-    """Scratch of the force pass: ``rows`` (flat) and the ``pair`` that each column belongs to."""
+    """Scratch of one thread: ``gap`` (m²) and ``touching`` of a block, flat ``rows`` of results."""
 
+    gap: np.ndarray
+    touching: np.ndarray
     rows: np.ndarray
-    pair: np.ndarray
 
 
-def make_spheres(position, velocity, radius, mass) -> Spheres:
-    """Return solid spheres (I = 2/5 m r²) at rest in rotation; radius and mass may be scalars."""
-    position = np.ascontiguousarray(position, float)
+def make_spheres(position, velocity, radius, mass, threads: int = 1) -> Spheres:
+    """Return solid spheres at positions and velocities (N, 3) that do not rotate.
+
+    ``radius`` and ``mass`` may be numbers or arrays (N,).
+    """
     number = len(position)
     radius = np.broadcast_to(np.asarray(radius, float), number).copy()
     mass = np.broadcast_to(np.asarray(mass, float), number).copy()
-    zeros = [np.zeros((number, 3)) for _ in range(3)]
-    velocity = np.ascontiguousarray(velocity, float)
-    return Spheres(position, velocity, *zeros, radius, mass, 0.4 * mass * radius**2)
+    return Spheres(
+        np.array(np.transpose(position), float, order="C"),
+        np.array(np.transpose(velocity), float, order="C"),
+        np.zeros((3, number)),
+        np.zeros((threads, 3, number)),
+        np.zeros((threads, 3, number)),
+        radius,
+        mass,
+        1.0 / mass,
+        np.arange(number).reshape(1, number),
+    )
 
 
 def make_work() -> Work:
     """Return scratch space for one thread."""
-    return Work(np.zeros(ROWS * STRIDE), np.zeros(BLOCK, np.int64))
+    return Work(np.zeros(BLOCK), np.zeros(BLOCK + LANES, np.uint32), np.zeros(8 * STRIDE))
 
 
 @inlined
-def load_memory(rows, k, memory, index, step):
-    """Copy a contact's memory into column k, or zeros if it did not touch in the last step."""
-    held = 1.0 if memory[index, STAMP] == step - 1 else 0.0
-    for m in range(MEMORY):
-        rows[(MEMORY_ROW + m) * STRIDE + k] = memory[index, m] * held
+def approach(rows, k, separation, reach, velocity, rim, time_step):
+    """Write normal, slip (m) during the step, overlap and reach (m) of a contact to column k.
+
+    ``separation`` and ``velocity`` are of j relative to i, ``rim`` is the sum of both rims.
+    """
+    dx, dy, dz = separation
+    square = dx * dx + dy * dy + dz * dz
+    scale = inverse_square_root(square)
+    nx, ny, nz = dx * scale, dy * scale, dz * scale
+    wx, wy, wz = rim
+    sx = velocity[0] - (wy * nz - wz * ny)
+    sy = velocity[1] - (wz * nx - wx * nz)
+    sz = velocity[2] - (wx * ny - wy * nx)
+    along = sx * nx + sy * ny + sz * nz
+    rows[NX * STRIDE + k] = nx
+    rows[NY * STRIDE + k] = ny
+    rows[NZ * STRIDE + k] = nz
+    rows[SX * STRIDE + k] = (sx - along * nx) * time_step
+    rows[SY * STRIDE + k] = (sy - along * ny) * time_step
+    rows[SZ * STRIDE + k] = (sz - along * nz) * time_step
+    rows[OVERLAP * STRIDE + k] = reach - square * scale
+    rows[REACH * STRIDE + k] = reach
 
 
 @inlined
-def store_memory(rows, k, memory, index, step):
-    """Copy column k back into a contact's memory and mark it as touching at this step."""
-    for m in range(MEMORY):
-        memory[index, m] = rows[(MEMORY_ROW + m) * STRIDE + k]
-    memory[index, STAMP] = step
+def react(law, rows, k, memory):
+    """Replace normal and slip in column k by force on i and moment (N); return the new memory."""
+    nx, ny, nz = rows[NX * STRIDE + k], rows[NY * STRIDE + k], rows[NZ * STRIDE + k]
+    slip = (rows[SX * STRIDE + k], rows[SY * STRIDE + k], rows[SZ * STRIDE + k])
+    overlap = rows[OVERLAP * STRIDE + k]
+    force, (tx, ty, tz), memory = contact_force(law, overlap, (nx, ny, nz), slip, memory)
+    rows[FX * STRIDE + k] = tx - force * nx
+    rows[FY * STRIDE + k] = ty - force * ny
+    rows[FZ * STRIDE + k] = tz - force * nz
+    rows[MX * STRIDE + k] = ny * tz - nz * ty
+    rows[MY * STRIDE + k] = nz * tx - nx * tz
+    rows[MZ * STRIDE + k] = nx * ty - ny * tx
+    return memory
 
 
 @inlined
-def evaluate(law, rows, touching, time_step):
-    """Apply the law to all columns: forces, moments, memory and overlap relative to the reach."""
-    for k in range(touching):
-        distance = sqrt(rows[SQUARE * STRIDE + k])
-        reach = rows[REACH * STRIDE + k]
-        overlap = reach - distance
-        scale = 1.0 / distance
-        nx = rows[DX * STRIDE + k] * scale
-        ny = rows[DY * STRIDE + k] * scale
-        nz = rows[DZ * STRIDE + k] * scale
-        wx, wy, wz = rows[WX * STRIDE + k], rows[WY * STRIDE + k], rows[WZ * STRIDE + k]
-        sx = rows[VX * STRIDE + k] - (wy * nz - wz * ny)
-        sy = rows[VY * STRIDE + k] - (wz * nx - wx * nz)
-        sz = rows[VZ * STRIDE + k] - (wx * ny - wy * nx)
-        along = sx * nx + sy * ny + sz * nz
-        slip = (
-            (sx - along * nx) * time_step,
-            (sy - along * ny) * time_step,
-            (sz - along * nz) * time_step,
-        )
-        memory = (
-            rows[(MEMORY_ROW + 0) * STRIDE + k],
-            rows[(MEMORY_ROW + 1) * STRIDE + k],
-            rows[(MEMORY_ROW + 2) * STRIDE + k],
-            rows[(MEMORY_ROW + 3) * STRIDE + k],
-            rows[(MEMORY_ROW + 4) * STRIDE + k],
-            rows[(MEMORY_ROW + 5) * STRIDE + k],
-            rows[(MEMORY_ROW + 6) * STRIDE + k],
-        )
-        force, (tx, ty, tz), memory = contact_force(law, overlap, (nx, ny, nz), slip, memory)
-        rows[FX * STRIDE + k] = tx - force * nx
-        rows[FY * STRIDE + k] = ty - force * ny
-        rows[FZ * STRIDE + k] = tz - force * nz
-        rows[MX * STRIDE + k] = ny * tz - nz * ty
-        rows[MY * STRIDE + k] = nz * tx - nx * tz
-        rows[MZ * STRIDE + k] = nx * ty - ny * tx
-        rows[(MEMORY_ROW + 0) * STRIDE + k] = memory[0]
-        rows[(MEMORY_ROW + 1) * STRIDE + k] = memory[1]
-        rows[(MEMORY_ROW + 2) * STRIDE + k] = memory[2]
-        rows[(MEMORY_ROW + 3) * STRIDE + k] = memory[3]
-        rows[(MEMORY_ROW + 4) * STRIDE + k] = memory[4]
-        rows[(MEMORY_ROW + 5) * STRIDE + k] = memory[5]
-        rows[(MEMORY_ROW + 6) * STRIDE + k] = memory[6]
-        rows[OVERLAP_ROW * STRIDE + k] = overlap / reach
+def recall(memory, slot):
+    """Return what a contact remembers; a negative slot means that it did not touch."""
+    held = slot >= 0
+    s = np.uint64(max(slot, 0))
+    return (
+        memory[0, s] if held else 0.0,
+        memory[1, s] if held else 0.0,
+        memory[2, s] if held else 0.0,
+        memory[3, s] if held else 0.0,
+        memory[4, s] if held else 0.0,
+        memory[5, s] if held else 0.0,
+        memory[6, s] if held else 0.0,
+    )
 
 
 @inlined
-def _gather_pairs(spheres, pairs, box, start, stop, work, step):
-    """Gather the touching pairs among ``start``..``stop``; return their number."""
-    rows, x = work.rows, spheres.position
-    first, second = pairs.first, pairs.second
-    for k in range(stop - start):
-        i, j = np.uint64(first[start + k]), np.uint64(second[start + k])
-        dx = nearest_image(x[j, 0] - x[i, 0], box, 0)
-        dy = nearest_image(x[j, 1] - x[i, 1], box, 1)
-        dz = nearest_image(x[j, 2] - x[i, 2], box, 2)
-        rows[SQUARE * STRIDE + k] = dx * dx + dy * dy + dz * dz
-    touching = 0
-    for k in range(stop - start):
-        reach = pairs.reach[start + k]
-        work.pair[touching] = start + k
-        touching += 1 if rows[SQUARE * STRIDE + k] < reach * reach else 0
-    for k in range(touching):
-        p = work.pair[k]
-        i, j = np.uint64(first[p]), np.uint64(second[p])
-        dx = nearest_image(x[j, 0] - x[i, 0], box, 0)
-        dy = nearest_image(x[j, 1] - x[i, 1], box, 1)
-        dz = nearest_image(x[j, 2] - x[i, 2], box, 2)
-        rows[DX * STRIDE + k] = dx
-        rows[DY * STRIDE + k] = dy
-        rows[DZ * STRIDE + k] = dz
-        rows[SQUARE * STRIDE + k] = dx * dx + dy * dy + dz * dz
-        rows[REACH * STRIDE + k] = pairs.reach[p]
-        for d in range(3):
-            rows[(VX + d) * STRIDE + k] = spheres.velocity[j, d] - spheres.velocity[i, d]
-            rows[(WX + d) * STRIDE + k] = (
-                spheres.radius[i] * spheres.spin[i, d] + spheres.radius[j] * spheres.spin[j, d]
-            )
-        load_memory(rows, k, pairs.memory, p, step)
-    return touching
+def _evaluate(law, spheres, pairs, before, after, box, rows, number, base, time_step):
+    """Apply the law to ``number`` touching pairs from ``base`` on; their memory goes there too."""
+    x, v, w = spheres.position, spheres.velocity, spheres.rim
+    for k in range(number):
+        p = np.uint64(pairs.touching[np.uint64(base + k)])
+        i, j = np.uint64(pairs.first[p]), np.uint64(pairs.second[p])
+        velocity = (v[0, j] - v[0, i], v[1, j] - v[1, i], v[2, j] - v[2, i])
+        rim = (w[0, j] + w[0, i], w[1, j] + w[1, i], w[2, j] + w[2, i])
+        approach(rows, k, nearest(x, box, i, j), pairs.reach[p], velocity, rim, time_step)
+    for k in range(number):
+        c = np.uint64(base + k)
+        memory = react(law, rows, k, recall(before, pairs.slot[pairs.touching[c]]))
+        for m in range(MEMORY):
+            after[m, c] = memory[m]
 
 
 @inlined
-def _scatter_pairs(spheres, pairs, work, touching, step):
-    """Add the block's forces and torques to both particles; return the largest overlap."""
-    rows, largest = work.rows, 0.0
-    for k in range(touching):
-        p = work.pair[k]
+def nearest(x, box, i, j):
+    """Return the vector from i to the nearest periodic image of j."""
+    return (
+        nearest_image(x[0, j] - x[0, i], box, 0),
+        nearest_image(x[1, j] - x[1, i], box, 1),
+        x[2, j] - x[2, i],
+    )
+
+
+@inlined
+def _scatter(spheres, pairs, rows, number, base, rank):
+    """Add forces and moments to both partners; return the largest relative overlap."""
+    largest = 0.0
+    force, moment = spheres.force, spheres.moment
+    for k in range(number):
+        p = np.uint64(pairs.touching[np.uint64(base + k)])
         i, j = np.uint64(pairs.first[p]), np.uint64(pairs.second[p])
         for d in range(3):
-            force = rows[(FX + d) * STRIDE + k]
-            moment = rows[(MX + d) * STRIDE + k]
-            spheres.force[i, d] += force
-            spheres.force[j, d] -= force
-            spheres.torque[i, d] += spheres.radius[i] * moment
-            spheres.torque[j, d] += spheres.radius[j] * moment
-        store_memory(rows, k, pairs.memory, p, step)
-        largest = max(largest, rows[OVERLAP_ROW * STRIDE + k])
+            force[rank, d, i] += rows[(FX + d) * STRIDE + k]
+            force[rank, d, j] -= rows[(FX + d) * STRIDE + k]
+            moment[rank, d, i] += rows[(MX + d) * STRIDE + k]
+            moment[rank, d, j] += rows[(MX + d) * STRIDE + k]
+        if rows[OVERLAP * STRIDE + k] > largest * rows[REACH * STRIDE + k]:
+            largest = rows[OVERLAP * STRIDE + k] / rows[REACH * STRIDE + k]
     return largest
 
 
-@kernel
-def pair_forces(law, spheres, pairs, box, work, time_step, step):
-    """Add the forces of all touching pairs.
+@inlined
+def filled_up(list_, begin, number):
+    """Repeat the last of ``number`` entries up to a multiple of ``LANES``; return that multiple.
 
-    Returns the number of touching pairs and the largest overlap relative to the sum of the radii.
+    A loop over whole vectors has no remainder, whose contacts would cost as much as a vector each.
     """
-    contacts = 0
+    whole = (number + LANES - 1) // LANES * LANES
+    for k in range(number, whole):
+        list_[begin + k] = list_[begin + number - 1]
+    return whole
+
+
+@inlined
+def pair_forces(law, spheres, pairs, before, after, box, work, time_step, share):
+    """Add the forces of the touching pairs of one thread's share.
+
+    ``share`` is (rank, begin, end): the thread and the range of first particles that it looks
+    after. ``before`` and ``after`` (7, C) are the memory of the last step and of this one. Returns
+    the number of touching pairs and the largest overlap relative to the sum of the radii.
+    """
+    vectorised()
+    rank, begin, end = share
+    first, last = pairs.start[begin], pairs.start[end]
+    base = first + rank * LANES
+    contacts = find_touching(spheres.position, pairs, box, first, last, base, work.gap)
+    filled_up(pairs.touching, base, contacts)
     largest = 0.0
-    number = pairs.start[-1]
-    for start in range(0, number, BLOCK):
-        stop = min(start + BLOCK, number)
-        touching = _gather_pairs(spheres, pairs, box, start, stop, work, step)
-        evaluate(law, work.rows, touching, time_step)
-        largest = max(largest, _scatter_pairs(spheres, pairs, work, touching, step))
-        contacts += touching
+    for start in range(base, base + contacts, BLOCK):
+        number = min(BLOCK, base + contacts - start)
+        whole = (number + LANES - 1) // LANES * LANES
+        _evaluate(law, spheres, pairs, before, after, box, work.rows, whole, start, time_step)
+        largest = max(largest, _scatter(spheres, pairs, work.rows, number, start, rank))
+    for p in range(first, last):
+        pairs.slot[np.uint64(p)] = -1
+    for c in range(base, base + contacts):
+        pairs.slot[pairs.touching[np.uint64(c)]] = c
     return contacts, largest
+
+
+def make_memory(contacts: int) -> np.ndarray:
+    """Return room (2, 7, C) for what contacts remember, written in even and odd steps in turn."""
+    return np.zeros((2, MEMORY, contacts))
+
+
+def enlarged(memory: np.ndarray, contacts: int) -> np.ndarray:
+    """Return a copy of the memory with room for more contacts."""
+    return np.pad(memory, ((0, 0), (0, 0), (0, contacts - memory.shape[2])))

@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sim.compile import kernel
+from sim.compile import inlined, kernel
 
 # What of a particle counts towards a slice.
 VOLUME, AREA, CENTRE = range(3)
@@ -58,7 +58,7 @@ def empty_profile(slices: int, dimension: int) -> Profile:
     return Profile(np.zeros(1), np.zeros(slices), np.zeros(slices), *moments)
 
 
-@kernel
+@inlined
 def _share_below(kind, radius, depth):
     """Return how much of a particle lies below a level ``depth`` above its lowest point."""
     if kind == CENTRE:
@@ -74,11 +74,11 @@ def _share_below(kind, radius, depth):
 
 @kernel
 def add_sample(profile, kind, slice_height, height, radius, velocity):
-    """Add one state: heights (N,), radii (N,) and velocities (N, D) of the particles."""
+    """Add one state: heights (N,), radii (N,) and velocities (D, N) of the particles."""
     slices, dimension = profile.relative.shape
     mean = np.zeros(dimension)
     for d in range(dimension):
-        mean[d] = velocity[:, d].mean()
+        mean[d] = velocity[d].mean()
     profile.samples[0] += 1.0
     for i in range(height.size):
         lowest = height[i] - radius[i]
@@ -89,8 +89,8 @@ def add_sample(profile, kind, slice_height, height, radius, velocity):
                 kind, radius[i], s * slice_height - lowest
             )
             profile.weight[s] += weight
-            profile.moved[s] += weight * velocity[i, 0]
+            profile.moved[s] += weight * velocity[0, i]
             for d in range(dimension):
-                relative = velocity[i, d] - mean[d]
+                relative = velocity[d, i] - mean[d]
                 profile.relative[s, d] += weight * relative
                 profile.squared[s, d] += weight * relative * relative

@@ -203,6 +203,14 @@ class ChuteParameters(Parameters):
         description="follow the orientations of the particles (changes no trajectory)",
         equation="Walton, Sec. 2",
     )
+    threads: int = declare(
+        1,
+        unit="1",
+        description="threads of one run (pays from some thousand particles on); the bits of the "
+        "result depend on their number",
+        ge=1,
+        le=256,
+    )
     overlap_memory: Literal["separation", "shrink", "reset"] = declare(
         "separation",
         description="the largest overlap of a contact is remembered until the particles separate, "

@@ -55,6 +55,7 @@ NUMERICAL = frozenset(
         "samples_per_cycle",
         "slice_height",
         "orientations",
+        "threads",
         "overlap_limit",
         "settle_velocity_squared",
     }

@@ -12,11 +12,12 @@ from sim.parameters import BeltParameters, Parameters
 class System(Protocol):
     """One replicate in motion: what ``sim.run`` needs of a system.
 
-    ``series`` maps the names of the time series to (unit, long name); ``profile_height`` (H,) are
-    the centres of the profiles' slices (m); ``scales`` and ``period`` (samples) serve the analysis
-    of the velocity's trend.
+    ``parameters`` are those of the point; ``series`` maps the names of the time series to (unit,
+    long name); ``profile_height`` (H,) are the centres of the profiles' slices (m); ``scales`` and
+    ``period`` (samples) serve the analysis of the velocity's trend.
     """
 
+    parameters: Parameters
     series: dict[str, tuple[str, str]]
     profile_height: np.ndarray
     scales: Scales

@@ -9,9 +9,10 @@ from sim.boundary.belt import belt_state
 from sim.boundary.obstacle import Obstacle
 from sim.contact.spring_damping import spring_damping
 from sim.dynamics import shaking
-from sim.dynamics.disks import make_disks
+from sim.dynamics.cells import make_box
+from sim.dynamics.disks import make_disks, make_work
 from sim.dynamics.gear import Gear, Verlet, restarted
-from sim.dynamics.neighbors import empty_pair_list, grown, make_box
+from sim.dynamics.neighbors import empty_pair_list, grown
 from sim.dynamics.status import LIST_FULL, OK, REASONS, BlowUp
 from sim.observe.profiles import AREA, CENTRE, Profile, add_sample, empty_profile
 from sim.observe.regime import Scales
@@ -54,7 +55,7 @@ class Belt:
         diameter = rng.uniform(p.diameter - spread, p.diameter + spread, p.beads)
         mass = p.mass * (diameter / p.diameter) ** 2
         width = p.width * p.diameter
-        self.box = make_box(width, 0.0)
+        self.box = make_box(width)
         layer = (pi / 4.0 * diameter**2).sum() / (INITIAL_PACKING * width)
         height = max(layer, p.diameter + spread)
         position = random_packing(self.box, height, 0.5 * diameter, rng)
@@ -63,7 +64,8 @@ class Belt:
         self.disks = make_disks(
             position, np.zeros_like(position), 0.5 * diameter, mass, p.settling_step
         )
-        self.pairs = empty_pair_list(p.beads, 2, SKIN * p.diameter)
+        self.pairs = empty_pair_list(0.5 * diameter, 2, SKIN * p.diameter)
+        self.work = make_work(p.beads)
         self.law = spring_damping(
             p.stiffness * p.gravity * p.mass / p.diameter,
             p.damping * p.gravity,
@@ -123,7 +125,7 @@ class Belt:
                 )
             self._run(integrator, belt, stretch, "while the bed settles")
             self._stop_free_drift()
-            squared = float(((self.disks.taylor[1] / step) ** 2).sum(axis=1).mean())
+            squared = float(((self.disks.taylor[1] / step) ** 2).sum(axis=0).mean())
             stretch = max(1, int(0.01 / step))
         restarted(self.disks.taylor, step, p.time_step)
         self.loop = shaking.make_shaking()
@@ -135,7 +137,7 @@ class Belt:
         drift along the belt, which only the shear damping of the belt would stop.
         """
         if self.parameters.shear_damping == 0.0:
-            self.disks.taylor[1, :, 0] -= self.disks.taylor[1, :, 0].mean()
+            self.disks.taylor[1, 0] -= self.disks.taylor[1, 0].mean()
 
     def _run(self, integrator, belt, steps: int, where: str) -> None:
         p, loop = self.parameters, self.loop
@@ -150,6 +152,7 @@ class Belt:
                 belt,
                 self.obstacle,
                 self.box,
+                self.work,
                 loop,
                 p.gravity,
                 p.overlap_limit,
@@ -181,8 +184,8 @@ class Belt:
         return {
             "mean_velocity": mean[shaking.VELOCITY],
             "mass_flux": mean[shaking.MOMENTUM] / self.box.length[0],
-            "kinetic_energy": 0.5 * (disks.mass * (self._velocity() ** 2).sum(axis=1)).sum(),
-            "height_of_mass": np.average(disks.taylor[0, :, 1], weights=disks.mass),
+            "kinetic_energy": 0.5 * (disks.mass * (self._velocity() ** 2).sum(axis=0)).sum(),
+            "height_of_mass": np.average(disks.taylor[0, 1], weights=disks.mass),
             "contact_number": mean[shaking.CONTACTS] / p.beads,
             "largest_overlap": sums[shaking.LARGEST],
             "belt_phase": angle % (2.0 * pi),
@@ -190,7 +193,7 @@ class Belt:
 
     def sample_profiles(self) -> tuple[Profile, ...]:
         """Return the profiles above the present belt position, by centres and by area."""
-        height = self.disks.taylor[0, :, 1] - belt_state(self.motion, self._time())[0]
+        height = self.disks.taylor[0, 1] - belt_state(self.motion, self._time())[0]
         profiles = []
         for kind in (CENTRE, AREA):
             profile = empty_profile(SLICES, 2)
@@ -219,9 +222,10 @@ class Belt:
         }
 
     def snapshot(self) -> dict[str, np.ndarray]:
-        """Return positions, velocities and radii."""
+        """Return positions, velocities and radii, in the initial order."""
+        place = np.argsort(self.disks.label[0])
         return {
-            "position": self.disks.taylor[0].copy(),
-            "particle_velocity": self._velocity().copy(),
-            "radius": self.disks.radius.copy(),
+            "position": self.disks.taylor[0].T[place],
+            "particle_velocity": self._velocity().T[place],
+            "radius": self.disks.radius[place],
         }

@@ -1,5 +1,6 @@
 """Walton's inclined chute: spheres, Walton-Braun contacts, a frictional plane, leap-frog."""
 
+from functools import partial
 from math import ceil, cos, pi, radians, sin
 
 import numpy as np
@@ -7,17 +8,19 @@ import numpy as np
 from sim.boundary.plane import make_plane
 from sim.contact.walton_braun import walton_braun
 from sim.dynamics import leap_frog
-from sim.dynamics.neighbors import empty_pair_list, grown, make_box
+from sim.dynamics.cells import make_box
+from sim.dynamics.neighbors import empty_pair_list, grown
 from sim.dynamics.orientation import unrotated
-from sim.dynamics.spheres import make_spheres, make_work
+from sim.dynamics.spheres import SOLID, enlarged, make_memory, make_spheres, make_work
 from sim.dynamics.status import LIST_FULL, OK, REASONS, BlowUp
+from sim.dynamics.team import Team
 from sim.observe.profiles import VOLUME, Profile, add_sample, empty_profile
 from sim.observe.regime import Scales
 from sim.parameters import ChuteParameters
 from sim.systems.packing import random_packing
 
 #: Skin of the neighbor list in diameters.
-SKIN = 0.3
+SKIN = 0.2
 
 
 class Chute:
@@ -39,19 +42,21 @@ class Chute:
         self.parameters = p = parameters
         rng = np.random.default_rng([p.seed, replicate])
         side = p.cell * p.diameter
-        self.box = make_box(side, side, 0.0)
+        self.box = make_box(side, side)
         layer = p.depth * pi / 6.0 * p.diameter / p.initial_packing
         radius = np.full(p.particles, 0.5 * p.diameter)
         position = random_packing(self.box, layer, radius, rng)
         velocity = rng.normal(0.0, p.initial_agitation * p.velocity_unit / 3**0.5, position.shape)
         velocity -= velocity.mean(axis=0)
         velocity[:, 0] += p.initial_velocity * p.velocity_unit
-        self.spheres = make_spheres(position, velocity, radius, p.mass)
+        self.spheres = make_spheres(position, velocity, radius, p.mass, p.threads)
         self.orientation = unrotated(p.particles if p.orientations else 0)
-        self.pairs = empty_pair_list(p.particles, 3, SKIN * p.diameter)
-        self.plane = make_plane(p.particles)
-        self.work = make_work()
-        self.flow = leap_frog.make_flow()
+        self.pairs = empty_pair_list(radius, 3, SKIN * p.diameter)
+        self.plane = make_plane(p.particles, p.threads)
+        self.memory = make_memory(len(self.pairs.touching))
+        self.team = Team(p.threads)
+        self.work = [make_work() for _ in range(p.threads)]
+        self.flow = leap_frog.make_flow(p.particles, p.threads)
         self.laws = tuple(self._law(friction) for friction in (p.friction, p.friction_plane))
         angle = radians(p.angle)
         self.gravity = (p.gravity * sin(angle), 0.0, -p.gravity * cos(angle))
@@ -84,39 +89,47 @@ class Chute:
         target = flow.step[0] + p.sample_steps
         status = LIST_FULL
         while status == LIST_FULL:
-            status = leap_frog.advance(
-                self.laws,
-                self.spheres,
-                self.orientation,
-                self.pairs,
-                self.plane,
-                self.box,
-                self.work,
-                flow,
-                self.gravity,
-                p.time_step,
-                p.overlap_limit,
-                target - flow.step[0],
-            )
+            status = self.team.run(partial(self._advance, target - flow.step[0]))
             if status == LIST_FULL:
                 self.pairs = grown(self.pairs)
+                self.memory = enlarged(self.memory, len(self.pairs.touching))
         if status != OK:
             time = flow.step[0] * p.time_step / p.time_unit
             raise BlowUp(f"{REASONS[status]} at step {flow.step[0]} (t* = {time:.4g})")
         return self._sample()
 
+    def _advance(self, steps: int, rank: int) -> int:
+        p = self.parameters
+        return leap_frog.advance(
+            self.laws,
+            self.spheres,
+            self.orientation,
+            self.pairs,
+            self.plane,
+            self.memory,
+            self.box,
+            self.work[rank],
+            self.flow,
+            self.gravity,
+            p.time_step,
+            p.overlap_limit,
+            steps,
+            rank,
+            self.team.gate,
+        )
+
     def _sample(self) -> dict[str, float]:
         spheres, sums = self.spheres, self.flow.sums
         mean = sums / sums[leap_frog.STEPS]
         velocity = mean[leap_frog.VELOCITY]
-        speed = (spheres.velocity**2).sum(axis=1)
-        spin = (spheres.spin**2).sum(axis=1)
+        speed = (spheres.velocity**2).sum(axis=0)
+        rim = (spheres.rim**2).sum(axis=0)
         return {
             "mean_velocity": velocity,
             "mass_flux": velocity * spheres.mass.sum() / self.box.length[0] ** 2,
             "kinetic_energy": 0.5 * (spheres.mass * speed).sum(),
-            "rotational_energy": 0.5 * (spheres.inertia * spin).sum(),
-            "height_of_mass": np.average(spheres.position[:, 2], weights=spheres.mass),
+            "rotational_energy": 0.5 * SOLID * (spheres.mass * rim).sum(),
+            "height_of_mass": np.average(spheres.position[2], weights=spheres.mass),
             "contact_number": mean[leap_frog.CONTACTS] / len(spheres.mass),
             "largest_overlap": sums[leap_frog.LARGEST],
             "base_normal_force": mean[leap_frog.PLANE_Z],
@@ -131,7 +144,7 @@ class Chute:
             profile,
             VOLUME,
             self.slice_height,
-            spheres.position[:, 2].copy(),
+            spheres.position[2],
             spheres.radius,
             spheres.velocity,
         )
@@ -150,12 +163,13 @@ class Chute:
         }
 
     def snapshot(self) -> dict[str, np.ndarray]:
-        """Return positions, velocities, spins, radii and orientations."""
+        """Return positions, velocities, spins, radii and orientations, in the initial order."""
         spheres = self.spheres
+        place = np.argsort(spheres.label[0])
         return {
-            "position": spheres.position.copy(),
-            "particle_velocity": spheres.velocity.copy(),
-            "particle_spin": spheres.spin.copy(),
-            "radius": spheres.radius.copy(),
-            "orientation": self.orientation.copy(),
+            "position": spheres.position.T[place],
+            "particle_velocity": spheres.velocity.T[place],
+            "particle_spin": (spheres.rim / spheres.radius).T[place],
+            "radius": spheres.radius[place],
+            "orientation": self.orientation.T[place[: self.orientation.shape[1]]],
         }

@@ -6,8 +6,8 @@ import pytest
 from sim.boundary.belt import Belt
 from sim.boundary.obstacle import Obstacle
 from sim.dynamics import shaking
+from tests.disk_motion import DiskMotion
 from tests.engine_helpers import BEAD, BEAD_MASS, DAMPING, YOUNG, bead_law
-from tests.motions import DiskMotion
 
 WIDTH = 10 * BEAD
 OBSTACLE = Obstacle(x=0.5 * WIDTH, z=4 * BEAD, radius=0.75 * BEAD)
@@ -33,7 +33,7 @@ def test_force_is_that_of_a_heavy_disk(angle):
     motion = bead(outward, 5e-5, velocity).run(1)
     push = YOUNG * 5e-5 + DAMPING * BEAD_MASS * 0.03
     expected = push * outward - DAMPING * BEAD_MASS * 0.02 * across
-    assert motion.disks.force[0] == pytest.approx(expected, abs=1e-5 * push)
+    assert motion.force[0] == pytest.approx(expected, abs=1e-5 * push)
     assert motion.loop.sums[shaking.CONTACTS] == 1
     assert motion.loop.sums[shaking.LARGEST] == pytest.approx(5e-5 / REACH, rel=1e-5)
 
@@ -42,8 +42,8 @@ def test_force_is_that_of_a_heavy_disk(angle):
 def test_obstacle_repeats_with_the_cell(laps):
     here, there = bead((0.6, 0.8), 5e-5), bead((0.6, 0.8), 5e-5)
     there.disks.taylor[0, 0, 0] += laps * WIDTH
-    expected = here.run(1).disks.force
-    assert there.run(1).disks.force == pytest.approx(expected, rel=1e-9)
+    expected = here.run(1).force
+    assert there.run(1).force == pytest.approx(expected, rel=1e-9)
 
 
 @pytest.mark.parametrize("side", [-1, 1])
@@ -51,16 +51,16 @@ def test_obstacle_at_the_edge_of_the_cell_is_felt_across_it(side):
     """As by a bead that has left the cell since the list of neighbors was built."""
     edge = Obstacle(x=side * 0.1 * BEAD, z=OBSTACLE.z, radius=OBSTACLE.radius)
     outward = np.array([-side * 0.6, 0.8])
-    inside = bead(outward, 5e-5, obstacle=OBSTACLE).run(1).disks.force
+    inside = bead(outward, 5e-5, obstacle=OBSTACLE).run(1).force
     across = bead(outward, 5e-5, obstacle=edge)
     across.disks.taylor[0, 0, 0] += edge.x - OBSTACLE.x
-    assert across.run(1).disks.force == pytest.approx(inside, rel=1e-9)
+    assert across.run(1).force == pytest.approx(inside, rel=1e-9)
 
 
 def test_no_contact_beyond_the_reach_and_no_obstacle_without_a_radius():
-    assert not bead((1.0, 0.0), -1e-8).run(1).disks.force.any()
+    assert not bead((1.0, 0.0), -1e-8).run(1).force.any()
     nothing = Obstacle(OBSTACLE.x, OBSTACLE.z, 0.0)
-    assert not bead((1.0, 0.0), 5e-5, obstacle=nothing).run(1).disks.force.any()
+    assert not bead((1.0, 0.0), 5e-5, obstacle=nothing).run(1).force.any()
 
 
 def test_obstacle_neither_moves_with_the_belt_nor_with_the_beads():

@@ -49,7 +49,10 @@ def test_law_equals_the_reference(cap, exponent, memory, slip_size):
                 expected, shear, contact = update(contact, gap, k_hat, ds, slow)
                 assert abs(force - expected) < 1e-12 * scale
                 assert np.abs(friction - shear).max() < 1e-10 * scale
-                assert abs(held[5] - contact.largest_overlap) < 1e-12 * 1e-5
+                assert abs(held[3] - np.linalg.norm(shear)) < 1e-10 * scale
+                assert abs(held[4] * force - contact.turning_point) < 1e-10 * scale
+                assert held[5] == (contact.sense < 0)
+                assert abs(held[6] - contact.largest_overlap) < 1e-12 * 1e-5
 
 
 def test_histories_visit_sticking_sliding_reversal_and_forceless_contact():
@@ -63,6 +66,6 @@ def test_histories_visit_sticking_sliding_reversal_and_forceless_contact():
             size = np.linalg.norm(friction, axis=1)
             slid += ((size > 0.4 * force * (1 - 1e-9)) & (force > 0)).sum()
             stuck += (size < 0.39 * force).sum()
-            fell += (held[:, 4] < 0).sum()
+            fell += (held[:, 5] == 1).sum()
             empty += (force == 0).sum()
     assert min(slid, stuck, fell, empty, opened) > 20

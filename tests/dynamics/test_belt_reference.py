@@ -9,6 +9,7 @@ from sim.boundary.belt import Belt
 from sim.boundary.obstacle import Obstacle
 from sim.dynamics import shaking
 from sim.dynamics.gear import Gear, Verlet
+from tests.disk_motion import DiskMotion
 from tests.engine_helpers import (
     BEAD,
     BEAD_GRAVITY,
@@ -19,7 +20,6 @@ from tests.engine_helpers import (
     lattice,
     wrapped,
 )
-from tests.motions import DiskMotion
 from tests.reference import belt as slow
 
 STEPS = 80
@@ -91,7 +91,7 @@ def test_short_shaking_equals_the_reference(damping_mass, attraction, integrator
     readings = {"damping_mass": damping_mass, "attraction": attraction}
     motion, belt = both(1, integrator, ghost, obstacle, shear=0.6 * DAMPING, **readings)
     start = motion.position.copy(), motion.velocity.copy()
-    sizes = 2 * motion.disks.radius, motion.disks.mass
+    sizes = 2 * motion.radius, motion.mass
     motion.run(STEPS)
     step = motion.integrator.time_step
     places, velocities = slow.run(belt, *sizes, *start, step, STEPS, integrator)
@@ -106,13 +106,13 @@ def test_short_shaking_equals_the_reference(damping_mass, attraction, integrator
 def test_forces_of_one_step_equal_the_reference(shape):
     """Forces act where the predictor puts the beads, at the velocities that it predicts."""
     motion, belt = both(3, "verlet", "below", 1.5 * BEAD, shape=shape)
-    disks, step = motion.disks, motion.integrator.time_step
-    place = motion.position + motion.velocity * step + disks.taylor[2]
-    velocity = motion.velocity + 2 * disks.taylor[2] / step
+    step, curve = motion.integrator.time_step, motion.taylor[2]
+    place = motion.position + motion.velocity * step + curve
+    velocity = motion.velocity + 2 * curve / step
     motion.run(1)
-    diameter, mass = 2 * disks.radius, disks.mass
+    diameter, mass = 2 * motion.radius, motion.mass
     expected = slow.forces(belt, diameter, mass, place, velocity, step)
-    assert disks.force == pytest.approx(expected, abs=1e-10 * np.abs(expected).max())
+    assert motion.force == pytest.approx(expected, abs=1e-10 * np.abs(expected).max())
     touching = 2 * len(slow.touching(belt, diameter, place))
     for bead in zip(diameter, mass, place, velocity, strict=True):
         touching += slow.belt_force(belt, *bead, step).any()

@@ -1,32 +1,34 @@
 """The loop over steps of the spheres against the slow reference, from dense random states."""
 
+import itertools
+
 import numpy as np
 import pytest
 
 from sim.dynamics import leap_frog
 from tests.engine_helpers import (
+    CAPS,
+    EXPONENTS,
     GRAVITY,
     MASS,
+    MEMORIES,
     RADIUS,
     lattice,
     sphere_law,
     weight_components,
     wrapped,
 )
-from tests.motions import SphereMotion
 from tests.reference import chute as slow
 from tests.reference.walton_braun import ContactLaw
+from tests.sphere_motion import SphereMotion
 
 STEPS = 80
 SPEED, SPIN = 0.05, 100.0
 
-#: Every exponent, overlap memory and cap occurs; the contact's own tests take all combinations.
+#: Every combination of exponent, overlap memory and cap: all laws that can be compiled.
 READINGS = [
-    {},
-    {"tangential_exponent": 0.0, "overlap_memory": "shrink", "friction_cap": "after"},
-    {"tangential_exponent": 1.0, "overlap_memory": "reset"},
-    {"tangential_exponent": 2.0, "overlap_memory": "shrink"},
-    {"overlap_memory": "reset", "friction_cap": "after"},
+    {"tangential_exponent": exponent, "overlap_memory": memory, "friction_cap": cap}
+    for exponent, memory, cap in itertools.product(EXPONENTS, MEMORIES, CAPS)
 ]
 
 
@@ -46,12 +48,15 @@ def laws(**readings):
     return fast, [ContactLaw(100.0, 0.85, friction, **readings) for friction in (0.4, 0.25)]
 
 
-@pytest.mark.parametrize("readings", READINGS)
-def test_short_flow_equals_the_reference(readings):
-    """In a cell of barely three diameters, over rebuilds of the list and openings of contacts."""
+def compared(readings, base: float, threads: int = 1, orientations: bool = False):
+    """A dense layer after STEPS steps, its start, and what the reference makes of the same start.
+
+    The cell is barely three diameters wide; the layer's lowest spheres are at ``base`` (m).
+    """
     position, velocity, spin, radius = dense_state(seed=1)
+    position[:, 2] += base
     mass, box = MASS * (radius / RADIUS) ** 3, (3.9 * 2 * RADIUS, 3.0 * 2 * RADIUS)
-    (law, plane_law), (slow_law, slow_plane_law) = laws(**readings)
+    (law, plane_law), slow_laws = laws(**readings)
     motion = SphereMotion(
         position,
         velocity,
@@ -63,17 +68,50 @@ def test_short_flow_equals_the_reference(readings):
         box=box,
         gravity=weight_components(17.0),
         skin=0.1 * RADIUS,
+        threads=threads,
+        orientations=orientations,
     ).run(STEPS)
-    chute = slow.Chute(slow_law, slow_plane_law, box, slow.tilted(GRAVITY, 17.0))
+    chute = slow.Chute(*slow_laws, box, slow.tilted(GRAVITY, 17.0))
     start = slow.Spheres(position, velocity, spin, radius, mass)
-    expected = slow.run(start, chute, motion.time_step, STEPS)
-    found = motion.spheres
-    apart = wrapped(found.position - expected.position, *box, 0.0)
+    return motion, start, slow.run(start, chute, motion.time_step, STEPS)
+
+
+def check(motion, start, expected) -> None:
+    """Demand that the engine agrees with the reference, memory of all contacts included."""
+    apart = wrapped(motion.position - expected.position, *motion.length)
     assert np.abs(apart).max() < 1e-10 * RADIUS
-    assert found.velocity == pytest.approx(expected.velocity, abs=1e-10 * SPEED)
-    assert found.spin == pytest.approx(expected.spin, abs=1e-10 * SPIN)
-    assert motion.flow.sums[leap_frog.CONTACTS] > 1.5 * STEPS * len(radius)
-    assert np.abs(found.velocity - velocity).max() > SPEED
+    assert motion.velocity == pytest.approx(expected.velocity, abs=1e-10 * SPEED)
+    assert motion.spin == pytest.approx(expected.spin, abs=1e-10 * SPIN)
+    i, j, _, memory = motion.contacts()
+    found = {
+        (min(a, b), max(a, b)): column if a < b else np.concatenate([-column[:3], column[3:]])
+        for a, b, column in zip(i.tolist(), j.tolist(), memory.T, strict=True)
+    }
+    resting, memory = motion.plane_contacts()
+    found |= {(a, slow.PLANE): column for a, column in zip(resting.tolist(), memory.T, strict=True)}
+    assert found.keys() == expected.contacts.keys()
+    load = max(contact.normal_force for contact in expected.contacts.values())
+    for key, contact in expected.contacts.items():
+        assert found[key][:3] == pytest.approx(contact.tangential_force, abs=1e-10 * load)
+        assert found[key][6] == pytest.approx(contact.largest_overlap, abs=1e-10 * RADIUS)
+    assert motion.flow.sums[leap_frog.CONTACTS] > 1.5 * STEPS * len(start.radius)
+    assert np.abs(motion.velocity - start.velocity).max() > SPEED
+
+
+@pytest.mark.parametrize("base", [0.0, 10 * RADIUS], ids=["on the plane", "free"])
+@pytest.mark.parametrize(
+    "readings", READINGS, ids=lambda readings: "-".join(map(str, readings.values()))
+)
+def test_short_flow_equals_the_reference(readings, base):
+    """Over rebuilds of the list and openings of contacts, from random spins."""
+    motion, start, expected = compared(readings, base)
+    check(motion, start, expected)
+    assert bool(motion.plane_contacts()[0].size) == (base == 0.0)
+
+
+@pytest.mark.parametrize("threads", [2, 3, 7])
+def test_short_flow_of_any_number_of_threads_equals_the_reference(threads):
+    check(*compared({}, 0.0, threads, orientations=True))
 
 
 def test_forces_of_one_step_equal_the_reference():
@@ -87,8 +125,8 @@ def test_forces_of_one_step_equal_the_reference():
         motion = SphereMotion(position, velocity, spin, **options).run(1)
         start = slow.Spheres(position, velocity, spin, radius, mass)
         force, torque, contacts = slow.forces(start, slow.Chute(*slow_laws, box), motion.time_step)
-        assert motion.spheres.force == pytest.approx(force, abs=1e-10 * np.abs(force).max())
-        assert motion.spheres.torque == pytest.approx(torque, abs=1e-10 * np.abs(torque).max())
+        assert motion.force == pytest.approx(force, abs=1e-10 * np.abs(force).max())
+        assert motion.torque == pytest.approx(torque, abs=1e-10 * np.abs(torque).max())
         on_plane = [key for key in contacts if key[1] == slow.PLANE]
         sums = motion.flow.sums
         assert sums[leap_frog.CONTACTS] == 2 * len(contacts) - len(on_plane)

@@ -6,7 +6,7 @@ import pytest
 from sim.dynamics import leap_frog
 from sim.dynamics.status import NOT_FINITE, OK, OVERLAP
 from tests.engine_helpers import GRAVITY, MASS, RADIUS, lattice, sphere_law, weight_components
-from tests.motions import SphereMotion
+from tests.sphere_motion import SphereMotion
 
 
 def bouncing(steps_per_collision: float) -> float:
@@ -25,11 +25,11 @@ def bouncing(steps_per_collision: float) -> float:
         **options,
     )
     half_step_ago = -0.5 * motion.time_step
-    motion.spheres.velocity[0, 2] = -amplitude * frequency * np.sin(frequency * half_step_ago)
+    motion.spheres.velocity[2, 0] = -amplitude * frequency * np.sin(frequency * half_step_ago)
     worst = 0.0
     for step in range(1, int(5 * steps_per_collision)):
         motion.run(1)
-        swing = motion.spheres.position[0, 2] - RADIUS + sunk
+        swing = motion.position[0, 2] - RADIUS + sunk
         exact = amplitude * np.cos(frequency * step * motion.time_step)
         worst = max(worst, abs(swing - exact) / amplitude)
     return worst
@@ -47,10 +47,10 @@ def test_free_flight_is_exact_with_the_velocity_half_a_step_behind():
     motion = SphereMotion([[0, 0, 50 * RADIUS]], [[0.1, 0.05, 0.2]], gravity=gravity).run(1000)
     time = 1000 * motion.time_step
     speed = np.array([0.1, 0.05, 0.2])
-    assert motion.spheres.velocity[0] == pytest.approx(speed + time * np.array(gravity), rel=1e-12)
+    assert motion.velocity[0] == pytest.approx(speed + time * np.array(gravity), rel=1e-12)
     moved = speed * time + 0.5 * np.array(gravity) * time * (time + motion.time_step)
     start = np.array([0, 0, 50 * RADIUS])
-    assert motion.spheres.position[0] - start == pytest.approx(moved, rel=1e-10)
+    assert motion.position[0] - start == pytest.approx(moved, rel=1e-10)
 
 
 def dense(**options) -> SphereMotion:
@@ -66,7 +66,7 @@ def test_impulses_of_the_plane_and_gravity_are_the_change_of_momentum():
     motion = dense()
     before = motion.momentum()
     motion.run(777)
-    sums, mass = motion.flow.sums, motion.spheres.mass.sum()
+    sums, mass = motion.flow.sums, motion.mass.sum()
     time = 777 * motion.time_step
     plane = motion.time_step * np.array([sums[leap_frog.PLANE_X], sums[leap_frog.PLANE_Z]])
     weight = mass * time * np.array(motion.gravity)[[0, 2]]
@@ -82,9 +82,9 @@ def test_sums_are_those_of_single_steps():
     for _ in range(200):
         single.flow.sums[:] = 0.0
         single.run(1)
-        velocity += single.spheres.velocity[:, 0].mean()
+        velocity += single.velocity[:, 0].mean()
         largest = max(largest, single.flow.sums[leap_frog.LARGEST])
-    assert np.array_equal(whole.spheres.position, single.spheres.position)
+    assert np.array_equal(whole.position, single.position)
     assert whole.flow.sums[leap_frog.VELOCITY] == pytest.approx(velocity, rel=1e-12)
     assert whole.flow.sums[leap_frog.LARGEST] == largest
 
@@ -102,11 +102,11 @@ def test_an_overlap_beyond_the_limit_stops_at_its_step():
 
 
 @pytest.mark.parametrize("bad", [np.nan, np.inf])
-@pytest.mark.parametrize("array", ["position", "velocity", "spin"])
+@pytest.mark.parametrize("array", ["position", "velocity", "rim"])
 def test_a_value_that_is_not_finite_stops_the_run(array, bad):
     motion = dense()
     motion.run(5)
-    getattr(motion.spheres, array)[7, 1] = bad
+    getattr(motion.spheres, array)[1, 7] = bad
     assert motion.advance(200) in (NOT_FINITE, OVERLAP)
     assert motion.flow.step[0] < 200
 
@@ -117,7 +117,7 @@ def test_short_flow_converges_with_the_time_step():
     ends = {}
     for steps in (20, 40, 80, 640):
         motion = dense(law=law, steps_per_collision=steps)
-        ends[steps] = motion.run(2 * steps).spheres.velocity.copy()
+        ends[steps] = motion.run(2 * steps).velocity.copy()
     errors = [np.abs(ends[steps] - ends[640]).mean() / 0.05 for steps in (20, 40, 80)]
     assert errors[0] > errors[1] > errors[2]
     assert errors[0] < 0.1

@@ -5,46 +5,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from sim.dynamics.neighbors import STAMP, empty_pair_list, grown, make_box, rebuild, wrap
-from tests.engine_helpers import wrapped
-
-UNIT = 1e-3
-
-
-def built(position, radius, box, skin, room: int = 80, step: int = 0):
-    pairs = empty_pair_list(len(position), position.shape[1], skin, room)
-    assert rebuild(pairs, position, radius, box, step)
-    return pairs
-
-
-def listed(pairs) -> set[tuple[int, int]]:
-    """The pairs of a list; they come sorted by their first particle, which is the lower one."""
-    number = pairs.start[-1]
-    first, second = pairs.first[:number], pairs.second[:number]
-    assert (first < second).all() and (np.diff(first) >= 0).all()
-    for i in range(len(pairs.start) - 1):
-        assert (first[pairs.start[i] : pairs.start[i + 1]] == i).all()
-    found = set(zip(first.tolist(), second.tolist(), strict=True))
-    assert len(found) == number
-    return found
-
-
-def all_pairs(position, radius, length, skin) -> set[tuple[int, int]]:
-    """Every pair within reach plus skin, from all distances."""
-    found = set()
-    for i in range(len(position) - 1):
-        apart = wrapped(position[i + 1 :] - position[i], *length)
-        near = (apart**2).sum(axis=1) < (radius[i] + radius[i + 1 :] + skin) ** 2
-        found |= {(i, i + 1 + int(k)) for k in np.flatnonzero(near)}
-    return found
-
-
-def gas(rng, number: int, length, height: float, spread: float):
-    """Random positions, unwrapped by up to three periods, and radii of a polydisperse gas."""
-    extent = np.array([*length[:-1], height])
-    position = rng.random((number, len(length))) * extent
-    position[:, :-1] += rng.integers(-3, 4, (number, len(length) - 1)) * extent[:-1]
-    return position, 0.5 * UNIT * rng.uniform(1 - spread, 1 + spread, number)
+from sim.contact.friction import MEMORY, VECTOR
+from sim.dynamics.neighbors import grown
+from sim.dynamics.status import LIST_FULL, NOT_FINITE, OK
+from tests.dynamics.lists import UNIT, Gas, random_gas
 
 
 @settings(max_examples=300, deadline=None, derandomize=True)
@@ -64,92 +28,112 @@ def test_list_holds_exactly_the_pairs_within_reach(
     """Gases in boxes down to three diameters, thin layers and columns, across every boundary."""
     width = max(width, 2 * (1 + spread + skin))
     length = (width * UNIT, 0.0) if dimension == 2 else (width * UNIT, aspect * width * UNIT, 0.0)
-    position, radius = gas(np.random.default_rng(seed), number, length, height * UNIT, spread)
-    box = make_box(*length)
-    wrap(position, box)
-    pairs = built(position, radius, box, skin * UNIT, room=130)
-    assert listed(pairs) == all_pairs(position, radius, length, skin * UNIT)
-    first, second = pairs.first[: pairs.start[-1]], pairs.second[: pairs.start[-1]]
-    assert np.array_equal(pairs.reach[: pairs.start[-1]], radius[first] + radius[second])
+    start = random_gas(np.random.default_rng(seed), number, length, height * UNIT, spread)
+    gas = Gas(*start, length, skin * UNIT, room=130)
+    assert gas.rebuild()
+    assert gas.listed() == gas.expected()
+    number = gas.pairs.start[-1]
+    first, second = gas.pairs.first[:number], gas.pairs.second[:number]
+    assert np.array_equal(gas.pairs.reach[:number], gas.radius[first] + gas.radius[second])
+    assert np.array_equal(gas.radius, start[1][gas.label[0]])
 
 
 @pytest.mark.parametrize("length", [(5e-3, 0.0), (5e-3, 4e-3, 0.0)])
 def test_particles_far_above_and_below_the_others_are_found_too(length):
     """A few that fly a thousand diameters off must neither be lost nor cost a cell each."""
     rng = np.random.default_rng(1)
-    position, radius = gas(rng, 200, length, 6 * UNIT, 0.3)
+    position, radius = random_gas(rng, 200, length, 6 * UNIT, 0.3)
     position[:20, -1] += 1.0
     position[20:25, -1] -= 0.3
     position[25:27] = [[1e-3] * len(length), [1.2e-3] * len(length)]
     position[25:27, -1] += 40.0
-    box = make_box(*length)
-    wrap(position, box)
-    found = listed(built(position, radius, box, 0.2 * UNIT))
-    assert found == all_pairs(position, radius, length, 0.2 * UNIT)
-    assert (25, 26) in found
+    gas = Gas(position, radius, length, 0.2 * UNIT)
+    assert gas.rebuild()
+    assert gas.listed() == gas.expected()
+    assert (25, 26) in gas.listed()
 
 
 @pytest.mark.parametrize("length", [(4e-3, 0.0), (4e-3, 4e-3, 0.0)])
 def test_one_and_two_particles(length):
-    box = make_box(*length)
     one = np.full((1, len(length)), 0.1 * UNIT)
-    assert listed(built(one, np.array([0.5 * UNIT]), box, 0.3 * UNIT)) == set()
+    alone = Gas(one, np.array([0.5 * UNIT]), length, 0.3 * UNIT)
+    assert alone.rebuild() and alone.listed() == set()
     two = np.concatenate([one, one])
     two[1, 0] += 4e-3 - 1.2 * UNIT
-    radius = np.full(2, 0.5 * UNIT)
-    assert listed(built(two, radius, box, 0.3 * UNIT)) == {(0, 1)}
-    assert listed(built(two, radius, box, 0.1 * UNIT)) == set()
-
-
-def test_wrapping_moves_by_whole_periods_into_the_cell():
-    rng = np.random.default_rng(0)
-    start = rng.uniform(-20, 20, (500, 3)) * UNIT
-    moved = start.copy()
-    wrap(moved, make_box(3e-3, 4e-3, 0.0))
-    assert np.array_equal(moved[:, 2], start[:, 2])
-    assert (moved[:, :2] >= 0).all() and (moved[:, :2] <= [3e-3, 4e-3]).all()
-    laps = (start - moved)[:, :2] / [3e-3, 4e-3]
-    assert laps == pytest.approx(np.round(laps), abs=1e-12)
+    for skin, expected in ((0.3, {(0, 1)}), (0.1, set())):
+        pair = Gas(two, np.full(2, 0.5 * UNIT), length, skin * UNIT)
+        assert pair.rebuild() and pair.listed() == expected
 
 
 def test_memory_goes_with_the_pairs_that_touched_last_and_with_no_others():
+    """Its first three numbers are a force on the first partner: they follow the partners' order."""
     rng = np.random.default_rng(5)
-    length, box = (6e-3, 6e-3, 0.0), make_box(6e-3, 6e-3, 0.0)
-    position, radius = gas(rng, 150, length, 5 * UNIT, 0.2)
-    pairs = built(position, radius, box, 0.3 * UNIT)
-    number = pairs.start[-1]
-    pairs.memory[:number, :STAMP] = rng.random((number, STAMP))
-    touched = rng.random(number) < 0.4
-    pairs.memory[:number, STAMP] = np.where(touched, 17, 16)
-    names = zip(pairs.first[:number].tolist(), pairs.second[:number].tolist(), strict=True)
-    before = {name: pairs.memory[k].copy() for k, name in enumerate(names) if touched[k]}
-    position += rng.normal(0, 0.05 * UNIT, position.shape)
-    assert rebuild(pairs, position, radius, box, 17)
-    kept = 0
-    for k in range(pairs.start[-1]):
-        name = int(pairs.first[k]), int(pairs.second[k])
+    length = (6e-3, 6e-3, 0.0)
+    gas = Gas(*random_gas(rng, 150, length, 5 * UNIT, 0.2), length, 0.3 * UNIT)
+    assert gas.rebuild()
+    names, slot = gas.names(), gas.pairs.slot
+    touched = rng.random(len(names)) < 0.4
+    slot[: len(names)] = np.where(touched, rng.permutation(len(names)), -1)
+    gas.memory[:] = rng.random(gas.memory.shape)
+    before = {name: gas.memory[:, slot[k]].copy() for k, name in enumerate(names) if touched[k]}
+    turned = {(j, i): np.where(np.arange(MEMORY) < VECTOR, -m, m) for (i, j), m in before.items()}
+    gas.position += rng.normal(0, 0.05 * UNIT, gas.position.shape)
+    assert gas.rebuild()
+    kept = swapped = 0
+    for name, place in zip(gas.names(), gas.pairs.slot, strict=False):
         if name in before:
-            assert np.array_equal(pairs.memory[k], before[name])
+            assert np.array_equal(gas.memory[:, place], before[name])
             kept += 1
+        elif name in turned:
+            assert np.array_equal(gas.memory[:, place], turned[name])
+            swapped += 1
         else:
-            assert pairs.memory[k, STAMP] == -1.0
-    assert kept > 50
-    assert len(before) > kept
+            assert place == -1
+    assert kept > 50 and swapped > 5
+    assert len(before) > kept + swapped
 
 
 def test_a_full_list_is_left_as_it_was_and_doubled_room_helps():
     rng = np.random.default_rng(6)
-    length, box = (4e-3, 4e-3, 0.0), make_box(4e-3, 4e-3, 0.0)
-    position, radius = gas(rng, 100, length, 4 * UNIT, 0.0)
-    pairs = empty_pair_list(100, 3, 0.3 * UNIT, 1)
-    spread_out = position * [1, 1, 50]
-    assert rebuild(pairs, spread_out, radius, box, 0)
-    before = listed(pairs), pairs.memory.copy(), pairs.anchor.copy()
-    assert not rebuild(pairs, position, radius, box, 0)
-    assert listed(pairs) == before[0]
-    assert np.array_equal(pairs.memory, before[1]) and np.array_equal(pairs.anchor, before[2])
+    length = (4e-3, 4e-3, 0.0)
+    position, radius = random_gas(rng, 100, length, 4 * UNIT, 0.0)
+    gas = Gas(position * [1, 1, 50], radius, length, 0.3 * UNIT, room=1)
+    assert gas.rebuild()
+    gas.pairs.slot[: gas.pairs.start[-1]] = np.arange(gas.pairs.start[-1])
+    gas.position[2] /= 50
+    before = gas.listed(), *(array.copy() for array in gas.pairs if isinstance(array, np.ndarray))
+    place, memory = gas.position.copy(), gas.memory.copy()
+    assert not gas.rebuild()
+    assert gas.listed() == before[0]
+    arrays = (array for array in gas.pairs if isinstance(array, np.ndarray))
+    for old, new in zip(before[1:], arrays, strict=True):
+        assert np.array_equal(old, new, equal_nan=True)
+    assert np.array_equal(gas.position, place) and np.array_equal(gas.memory, memory)
     for _ in range(5):
-        pairs = grown(pairs)
-    assert rebuild(pairs, position, radius, box, 0)
-    assert listed(pairs) == all_pairs(position, radius, length, 0.3 * UNIT)
-    assert np.array_equal(pairs.anchor, position)
+        gas.pairs = grown(gas.pairs)
+    gas.pairs.slot[:] = -1
+    assert gas.rebuild()
+    assert gas.listed() == gas.expected()
+    assert np.array_equal(gas.pairs.anchor, gas.position)
+
+
+def test_refreshing_starts_the_count_of_steps_and_the_drift_anew():
+    length = (4e-3, 4e-3, 0.0)
+    gas = Gas(*random_gas(np.random.default_rng(2), 60, length, 4e-3, 0.1), length, 0.3 * UNIT)
+    gas.pairs.drift[:], gas.pairs.clock[:] = 1.0, 7.0
+    assert not gas.pairs.valid[0]
+    assert gas.refresh() == OK and gas.pairs.valid[0]
+    assert not gas.pairs.drift.any() and gas.pairs.clock[0] == 0.0
+    assert (gas.position[:2] >= 0).all() and (gas.position[:2] <= 4e-3).all()
+    assert gas.listed() == gas.expected()
+
+
+@pytest.mark.parametrize("bad", [np.nan, np.inf])
+def test_refreshing_reports_what_is_not_finite_and_what_has_no_room(bad):
+    length = (4e-3, 4e-3, 0.0)
+    start = random_gas(np.random.default_rng(2), 100, length, 2e-3, 0.0)
+    tight = Gas(*start, length, 0.3 * UNIT, room=0)
+    assert tight.refresh() == LIST_FULL
+    tight.position[1, 7] = bad
+    assert tight.refresh() == NOT_FINITE
+    assert not tight.pairs.valid[0]

@@ -7,6 +7,7 @@ from sim.boundary.belt import Belt
 from sim.dynamics import shaking
 from sim.dynamics.gear import Gear, Verlet
 from sim.dynamics.status import NOT_FINITE, OK, OVERLAP
+from tests.disk_motion import DiskMotion
 from tests.engine_helpers import (
     BEAD,
     BEAD_GRAVITY,
@@ -17,7 +18,6 @@ from tests.engine_helpers import (
     lattice,
     wrapped,
 )
-from tests.motions import DiskMotion
 
 INTEGRATORS = [Gear, Verlet]
 SPEED = 0.1
@@ -104,10 +104,10 @@ def crowd(seed=8, base=FAR, shape=(5, 4), **options) -> DiskMotion:
 def test_reduced_mass_conserves_the_momentum_of_free_beads(attraction, shear, integrator):
     law = bead_law(damping_mass="reduced", shear_damping=shear, attraction=attraction)
     motion = crowd(law=law, integrator=integrator)
-    before, scale = motion.disks.mass @ motion.velocity, motion.disks.mass.sum() * SPEED
-    assert np.abs(motion.run(400).disks.mass @ motion.velocity - before).max() < 1e-12 * scale
+    before, scale = motion.mass @ motion.velocity, motion.mass.sum() * SPEED
+    assert np.abs(motion.run(400).mass @ motion.velocity - before).max() < 1e-12 * scale
     own = crowd(law=bead_law(shear_damping=shear), integrator=integrator).run(400)
-    assert np.abs(own.disks.mass @ own.velocity - before).max() > 1e-3 * scale
+    assert np.abs(own.mass @ own.velocity - before).max() > 1e-3 * scale
 
 
 @pytest.mark.parametrize("integrator", INTEGRATORS)
@@ -116,9 +116,9 @@ def test_a_belt_without_shear_damping_leaves_the_sideways_momentum_alone(integra
     law = bead_law(damping_mass="reduced", shear_damping=0.0)
     options = {"base": -0.4 * BEAD, "belt": belt, "gravity": BEAD_GRAVITY}
     motion = crowd(law=law, integrator=integrator, **options)
-    before, scale = motion.disks.mass @ motion.velocity, motion.disks.mass.sum() * SPEED
+    before, scale = motion.mass @ motion.velocity, motion.mass.sum() * SPEED
     motion.run(2000)
-    change = motion.disks.mass @ motion.velocity - before
+    change = motion.mass @ motion.velocity - before
     assert abs(change[0]) < 1e-11 * scale
     assert abs(change[1]) > 1e-3 * scale
 
@@ -129,10 +129,10 @@ def test_a_free_cluster_of_beads_loses_energy_with_the_reduced_mass(attraction):
     motion = crowd(law=bead_law(damping_mass="reduced", attraction=attraction))
 
     def energy():
-        moving = 0.5 * (motion.disks.mass[:, None] * motion.velocity**2).sum()
+        moving = 0.5 * (motion.mass[:, None] * motion.velocity**2).sum()
         apart = motion.position[None] - motion.position[:, None]
         distance = np.linalg.norm(wrapped(apart.reshape(-1, 2), 5 * BEAD, 0.0), axis=1)
-        reach = np.add.outer(motion.disks.radius, motion.disks.radius).ravel()
+        reach = np.add.outer(motion.radius, motion.radius).ravel()
         overlap = np.where(distance > 0, np.clip(reach - distance, 0, None), 0)
         return moving + 0.25 * YOUNG * (overlap**2).sum()
 
@@ -161,7 +161,7 @@ def test_a_list_that_grows_gives_the_same_bits_as_one_with_room(integrator):
     tight.run(1500)
     roomy.run(1500)
     assert tight.pairs.second.size > capacity
-    assert np.array_equal(tight.disks.taylor, roomy.disks.taylor)
+    assert np.array_equal(tight.taylor, roomy.taylor)
     assert np.array_equal(tight.loop.sums, roomy.loop.sums)
 
 
@@ -192,6 +192,6 @@ def test_an_overlap_beyond_the_limit_stops_at_its_step():
 def test_a_value_that_is_not_finite_stops_the_run(term, bad):
     motion = crowd()
     motion.run(5)
-    motion.disks.taylor[term, 7, 1] = bad
+    motion.disks.taylor[term, 1, 7] = bad
     assert motion.advance(200) == NOT_FINITE
     assert motion.loop.step[0] < 200

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from tests.engine_helpers import CAPS, EXPONENTS, MASS, RADIUS, collision_time, rotation, sphere_law
-from tests.motions import SphereMotion
+from tests.sphere_motion import SphereMotion
 
 SPEEDS = np.geomspace(1e-3, 1.0, 7)
 PLACE = np.array([0.0, 0.0, 20 * RADIUS])
@@ -26,7 +26,7 @@ def struck(
 
 def separation_speed(motion, frame=None) -> float:
     """Speed at which the two spheres part along the line of the impact."""
-    relative = motion.spheres.velocity[1] - motion.spheres.velocity[0]
+    relative = motion.velocity[1] - motion.velocity[0]
     return float(relative @ (np.eye(3) if frame is None else frame)[:, 0])
 
 
@@ -83,7 +83,7 @@ def test_gross_slip_impact_changes_the_surface_velocity_by_the_friction_impulse(
     law = sphere_law(tangential_exponent=exponent, friction_cap=cap, stiffness=1e6)
     motion = struck(law, 0.02, slide=0.12).run(120)
     restitution = separation_speed(motion) / 0.02
-    s = motion.spheres
+    s = motion
     sliding = s.velocity[1, 1] - s.velocity[0, 1] - RADIUS * s.spin[:, 2].sum()
     assert 0.12 - sliding == pytest.approx(3.5 * (1 + restitution) * 0.4 * 0.02, rel=1e-3)
 
@@ -93,8 +93,8 @@ def test_rolling_contact_feels_no_friction(exponent):
     """Spheres that roll on each other like gears, and those that move as one body."""
     law = sphere_law(tangential_exponent=exponent, restitution=0.5)
     gears = struck(law, 0.02, spin=[[0, 0, 40.0], [0, 0, -40.0]]).run(120)
-    assert gears.spheres.spin[:, 2] == pytest.approx([40.0, -40.0], rel=1e-12)
-    assert np.abs(gears.spheres.velocity[:, 1:]).max() < 1e-15
+    assert gears.spin[:, 2] == pytest.approx([40.0, -40.0], rel=1e-12)
+    assert np.abs(gears.velocity[:, 1:]).max() < 1e-15
 
 
 @pytest.mark.parametrize("exponent", EXPONENTS)
@@ -102,8 +102,8 @@ def test_impact_in_a_turned_frame_is_the_turned_impact(exponent):
     rng = np.random.default_rng(5)
     frame, spin = rotation(rng), 30 * rng.normal(size=(2, 3))
     law = sphere_law(tangential_exponent=exponent)
-    here = struck(law, 0.02, slide=0.02, spin=spin, size=(1.1, 0.8)).run(150).spheres
-    there = struck(law, 0.02, slide=0.02, spin=spin, size=(1.1, 0.8), frame=frame).run(150).spheres
+    here = struck(law, 0.02, slide=0.02, spin=spin, size=(1.1, 0.8)).run(150)
+    there = struck(law, 0.02, slide=0.02, spin=spin, size=(1.1, 0.8), frame=frame).run(150)
     assert there.velocity == pytest.approx(here.velocity @ frame.T, abs=1e-9 * 0.02)
     assert there.spin == pytest.approx(here.spin @ frame.T, abs=1e-9 * 30)
 
@@ -112,10 +112,10 @@ def test_impact_across_the_edges_is_the_impact_inside():
     box = (8 * RADIUS, 7 * RADIUS)
     inside = struck(sphere_law(), 0.02, slide=0.015, box=box)
     across = struck(sphere_law(), 0.02, slide=0.015, box=box)
-    across.spheres.position[1, :2] += [5 * box[0], -3 * box[1]]
+    across.spheres.position[:2, 1] += [5 * box[0], -3 * box[1]]
     inside.run(150)
     across.run(150)
-    assert across.spheres.velocity == pytest.approx(inside.spheres.velocity, abs=1e-9 * 0.02)
+    assert across.velocity == pytest.approx(inside.velocity, abs=1e-9 * 0.02)
 
 
 def test_free_pairs_conserve_momentum_and_angular_momentum_up_to_their_overlap():
@@ -159,7 +159,7 @@ def oblique(law, steps: int) -> np.ndarray:
     ends = []
     for gap in np.linspace(0.05, 0.95, 8) * 40 / steps:
         motion = struck(law, 0.02, gap, slide=0.04, steps_per_collision=steps)
-        s = motion.run(2 * steps).spheres
+        s = motion.run(2 * steps)
         ends.append([*s.velocity[1, :2], RADIUS * s.spin[1, 2]])
     return np.array(ends) / 0.02
 

@@ -15,7 +15,7 @@ TOTAL = {
 
 def profile_of(kind, height, radius, velocity, slices=60, slice_height=SLICE):
     profile = empty_profile(slices, np.shape(velocity)[1])
-    arrays = [np.array(values, float) for values in (height, radius, velocity)]
+    arrays = [np.array(values, float) for values in (height, radius, np.transpose(velocity))]
     add_sample(profile, kind, slice_height, *arrays)
     return profile
 

@@ -37,6 +37,11 @@ def study_path():
     return path.relative_to(Path.cwd()) if path.is_relative_to(Path.cwd()) else path
 
 
+def cost(wildcards):
+    """Return the estimated size and cost of a run of the study."""
+    return estimate(STUDY.points[wildcards.point].parameters)
+
+
 def release_stale_lock():
     """Remove the lock of a Snakemake that was killed, and only then.
 

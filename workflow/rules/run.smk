@@ -27,13 +27,13 @@ rule run:
         f"{RESULTS}/logs/runs/{{point}}.log",
     benchmark:
         f"{RESULTS}/benchmarks/runs/{{point}}.tsv"
-    priority: lambda wildcards: estimate(STUDY.points[wildcards.point].parameters).core_seconds
+    priority: lambda wildcards: cost(wildcards).core_seconds
+    threads: lambda wildcards: cost(wildcards).threads
     conda:
         "../envs/talus.yaml"
     resources:
-        mem_mb=500,
-        runtime=lambda wildcards: 10
-        + int(estimate(STUDY.points[wildcards.point].parameters).core_seconds / 20),
+        mem_mb=lambda wildcards: cost(wildcards).memory,
+        runtime=lambda wildcards: 10 + int(cost(wildcards).core_seconds / 20),
     params:
         point=lambda wildcards: canonical_json(STUDY.points[wildcards.point].parameters),
         engine=source_hash(),
