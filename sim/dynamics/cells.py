@@ -136,12 +136,6 @@ class Candidates(NamedTuple):
     near: np.ndarray
 
 
-def make_candidates(particles: int) -> Candidates:
-    """Return room for all particles to be candidates."""
-    room = particles + UNROLLED
-    return Candidates(np.zeros(room, np.uint32), np.zeros(room), np.zeros(room, np.uint32))
-
-
 @inlined
 def _collect(number, first, last, count):
     """Append the particles ``first``..``last`` to the candidates; return the new count."""
@@ -171,19 +165,22 @@ def _near(candidates, position, radius, box, own, count, skin, second, slot):
 
 
 @inlined
-def find_pairs(position, radius, box, skin, cells, begin, candidates, second, start):
-    """Fill ``second`` and ``start`` with all pairs of sorted particles within reach plus skin.
+def find_pairs(position, radius, box, skin, cells, begin, part, second, start, stop):
+    """Find the pairs of sorted particles within reach plus skin whose first is in some cells.
 
-    ``begin`` is where each cell begins. Returns False as soon as room may be short.
+    ``begin`` is where each cell begins; ``part`` holds the first and the last cell (exclusive), and
+    the room in ``second`` likewise. Pairs ``start``..``stop`` (N,) of ``second`` are those of a
+    particle. Returns how many there are, or -1 as soon as room may be short.
     """
     vectorised()
-    layers = cells[-1]
-    around = np.empty(9, np.int64)
-    slot = 0
-    for cell in range(begin.size - 1):
+    first_cell, last_cell, slot, room = part
+    count, layers = position.shape[1] + UNROLLED, cells[-1]
+    candidates = Candidates(np.zeros(count, np.uint32), np.zeros(count), np.zeros(count, np.uint32))
+    around, ahead, base = np.empty(9, np.int64), 0, slot
+    for cell in range(first_cell, last_cell):
         column, layer = cell // layers, cell % layers
         first, last = begin[cell], begin[cell + 1]
-        if layer == 0:
+        if layer == 0 or cell == first_cell:
             ahead = columns_ahead(cells, column, around)
         if first == last:
             continue
@@ -191,12 +188,12 @@ def find_pairs(position, radius, box, skin, cells, begin, candidates, second, st
         count = _collect(candidates.number, first, behind, 0)
         low, high = max(layer - 1, 0), min(layer + 2, layers)
         for c in range(ahead):
-            base = around[c] * layers
-            count = _collect(candidates.number, begin[base + low], begin[base + high], count)
+            floor = around[c] * layers
+            count = _collect(candidates.number, begin[floor + low], begin[floor + high], count)
         for i in range(first, last):
-            if slot + count > second.size:
-                return False
+            if slot + count > room:
+                return -1
             start[i] = slot
             slot = _near(candidates, position, radius, box, i - first, count, skin, second, slot)
-    start[position.shape[1]] = slot
-    return True
+            stop[i] = slot
+    return slot - base

@@ -8,10 +8,10 @@ from sim.boundary.plane import plane_forces
 from sim.compile import inlined, kernel, vectorised, wide_vectors
 from sim.dynamics.cells import reorder
 from sim.dynamics.mean_flow import AGE, allowed_stray, set_stream
-from sim.dynamics.neighbors import refresh
+from sim.dynamics.neighbors import adopt, carry_slots, draft, has_room, tidy
 from sim.dynamics.orientation import rotate
 from sim.dynamics.spheres import SOLID, pair_forces
-from sim.dynamics.status import OK, OVERLAP
+from sim.dynamics.status import LIST_FULL, OK, OVERLAP
 from sim.dynamics.team import barrier
 
 # Columns of ``Flow.sums``: sums over the steps since they were last cleared.
@@ -22,18 +22,26 @@ SUMS = 6
 MOVED_X, MOVED_Y, MOVED_Z, OUTSIDE, TOUCHING, DEEPEST, PUSHED_X, PUSHED_Z = range(8)
 PARTS = 8
 
+#: Particles that are taken together, so that they stay in the cache from one loop to the next.
+STRIP = 2048
+
+#: Particles whose forces are cleared and collected together when several threads add to them.
+GROUP = 64
+
 
 class Flow(NamedTuple):
     """What the loop over steps carries besides particles and contacts.
 
     ``step`` (1,) number of the last completed step; ``sums`` (6,) and ``parts`` (T, 8) see above;
-    ``border`` (T + 1,) first particle of each thread; ``status`` (1,) of the last refresh.
+    ``border`` (T + 1,) first particle of each thread; ``reached`` (T, N / 64) which groups of 64
+    particles of other threads it adds forces to; ``status`` (1,) of the last refresh.
     """
 
     step: np.ndarray
     sums: np.ndarray
     parts: np.ndarray
     border: np.ndarray
+    reached: np.ndarray
     status: np.ndarray
 
 
@@ -44,34 +52,70 @@ def make_flow(particles: int, threads: int = 1) -> Flow:
         np.zeros(SUMS),
         np.zeros((threads, PARTS)),
         np.linspace(0, particles, threads + 1).astype(np.int64),
+        np.zeros((threads, particles // GROUP + 1), np.bool_),
         np.zeros(1, np.int64),
     )
 
 
 @inlined
-def clear(spheres, rank):
-    """Set the forces and moments of one thread to zero."""
+def clear(spheres, flow, share):
+    """Set to zero what one thread may have added to: its own particles and those marked for it."""
     vectorised()
+    rank, begin, end = share
     for d in range(3):
-        for i in range(spheres.radius.size):
+        for k in range(begin, end):
+            i = np.uint64(k)
             spheres.force[rank, d, i] = 0.0
             spheres.moment[rank, d, i] = 0.0
-
-
-@inlined
-def _collect_forces(spheres, begin, end):
-    """Add the forces and moments of all threads to those of the first."""
-    vectorised()
-    for rank in range(1, spheres.force.shape[0]):
-        for d in range(3):
-            for k in range(begin, end):
+    for block in range(end // GROUP, flow.reached.shape[1]):
+        if flow.reached[rank, block]:
+            for k in range(max(end, block * GROUP), min((block + 1) * GROUP, spheres.radius.size)):
                 i = np.uint64(k)
-                spheres.force[0, d, i] += spheres.force[rank, d, i]
-                spheres.moment[0, d, i] += spheres.moment[rank, d, i]
+                for d in range(3):
+                    spheres.force[rank, d, i] = 0.0
+                    spheres.moment[rank, d, i] = 0.0
 
 
 @inlined
-def move(spheres, pairs, allowed, gravity, time_step, begin, end):
+def _collect_forces(spheres, flow, share):
+    """Add to a thread's forces on its own particles what the threads before it have added there."""
+    vectorised()
+    rank, begin, end = share
+    for other in range(rank):
+        for block in range(begin // GROUP, (end + GROUP - 1) // GROUP):
+            if flow.reached[other, block]:
+                for k in range(max(begin, block * GROUP), min((block + 1) * GROUP, end)):
+                    i = np.uint64(k)
+                    for d in range(3):
+                        spheres.force[rank, d, i] += spheres.force[other, d, i]
+                        spheres.moment[rank, d, i] += spheres.moment[other, d, i]
+
+
+@inlined
+def share_out(pairs, flow):
+    """Give each thread a range of first particles with the same number of pairs."""
+    threads, particles = flow.border.size - 1, pairs.start.size - 1
+    for rank in range(1, threads):
+        border = flow.border[rank - 1]
+        while pairs.start[border] * threads < pairs.start[particles] * rank:
+            border += 1
+        flow.border[rank] = border
+
+
+@inlined
+def mark_reached(pairs, flow, rank):
+    """Mark the groups of other threads' particles that the pairs of one thread reach."""
+    begin, end = flow.border[rank], flow.border[rank + 1]
+    for block in range(flow.reached.shape[1]):
+        flow.reached[rank, block] = False
+    for p in range(pairs.start[begin], pairs.start[end]):
+        j = pairs.second[np.uint64(p)]
+        if j >= end:
+            flow.reached[rank, j // GROUP] = True
+
+
+@inlined
+def move(spheres, pairs, allowed, gravity, time_step, share):
     """Advance velocities and positions of some particles by one step.
 
     Returns the sums of the velocities along x, y and z, and how many particles are farther than
@@ -79,6 +123,7 @@ def move(spheres, pairs, allowed, gravity, time_step, begin, end):
     as the drift, so the mean velocity of the last step may be used to advance it.
     """
     vectorised()
+    rank, begin, end = share
     x, v, w = spheres.position, spheres.velocity, spheres.rim
     force, moment, anchor = spheres.force, spheres.moment, pairs.anchor
     age = pairs.clock[AGE] * time_step
@@ -88,12 +133,12 @@ def move(spheres, pairs, allowed, gravity, time_step, begin, end):
         i = np.uint64(k)
         rate = time_step * spheres.inverse_mass[i]
         spin_rate = rate / SOLID
-        vx = v[0, i] + (force[0, 0, i] * rate + gravity[0] * time_step)
-        vy = v[1, i] + (force[0, 1, i] * rate + gravity[1] * time_step)
-        vz = v[2, i] + (force[0, 2, i] * rate + gravity[2] * time_step)
-        w[0, i] += moment[0, 0, i] * spin_rate
-        w[1, i] += moment[0, 1, i] * spin_rate
-        w[2, i] += moment[0, 2, i] * spin_rate
+        vx = v[0, i] + (force[rank, 0, i] * rate + gravity[0] * time_step)
+        vy = v[1, i] + (force[rank, 1, i] * rate + gravity[1] * time_step)
+        vz = v[2, i] + (force[rank, 2, i] * rate + gravity[2] * time_step)
+        w[0, i] += moment[rank, 0, i] * spin_rate
+        w[1, i] += moment[rank, 1, i] * spin_rate
+        w[2, i] += moment[rank, 2, i] * spin_rate
         v[0, i], v[1, i], v[2, i] = vx, vy, vz
         px, py, pz = x[0, i] + vx * time_step, x[1, i] + vy * time_step, x[2, i] + vz * time_step
         x[0, i], x[1, i], x[2, i] = px, py, pz
@@ -108,29 +153,53 @@ def move(spheres, pairs, allowed, gravity, time_step, begin, end):
 
 
 @inlined
-def refresh_flow(spheres, orientation, pairs, plane, memory, box, flow):
-    """Rebuild the neighbor list, sort the particles by place and share them out anew."""
-    status, order = refresh(pairs, spheres.position, spheres.radius, box, memory)
-    flow.status[0] = status
-    if status != OK:
+def refresh_flow(spheres, orientation, pairs, plane, memory, box, flow, rank, gate):
+    """Rebuild the neighbor list, sort the particles by place and share them out anew.
+
+    Done by all threads together; ``flow.status`` tells how it ended, and unless that is OK nothing
+    has changed.
+    """
+    last_rank = flow.border.size - 2
+    if rank == 0:
+        flow.status[0] = tidy(pairs, spheres.position, box)
+    barrier(gate)
+    if flow.status[0] != OK:
         return
+    order, place, size, (first, last) = draft(pairs, spheres.position, spheres.radius, box, rank)
+    barrier(gate)
+    if not has_room(pairs):
+        if rank == 0:
+            flow.status[0] = LIST_FULL
+        barrier(gate)
+        return
+    begin, end = flow.border[rank], flow.border[rank + 1]
+    carry_slots(pairs, order, memory, pairs.start[begin], pairs.start[end])
+    barrier(gate)
+    adopt(pairs, spheres.position, place, size, rank, first, last)
+    if rank == 0:
+        reorder(spheres.velocity, order)
+        reorder(spheres.rim, order)
+    if rank == last_rank:
+        _reorder_rest(spheres, orientation, plane, order)
+    barrier(gate)
+    if rank == 0:
+        share_out(pairs, flow)
+        set_stream(pairs, spheres.position[2], spheres.velocity[0])
+        pairs.valid[0] = True
+    barrier(gate)
+    mark_reached(pairs, flow, rank)
+
+
+@inlined
+def _reorder_rest(spheres, orientation, plane, order):
+    """Sort by place what the search for pairs and the velocities do not include."""
     number = order.size
-    reorder(spheres.velocity, order)
-    reorder(spheres.rim, order)
     reorder(orientation, order)
     reorder(spheres.radius.reshape(1, number), order)
     reorder(spheres.mass.reshape(1, number), order)
     reorder(spheres.inverse_mass.reshape(1, number), order)
     reorder(spheres.label, order)
     reorder(plane.slot, order)
-    set_stream(pairs, spheres.position[2], spheres.velocity[0])
-    threads = flow.border.size - 1
-    for rank in range(1, threads):
-        share = pairs.start[number] * rank // threads
-        border = flow.border[rank - 1]
-        while pairs.start[border] < share:
-            border += 1
-        flow.border[rank] = border
 
 
 @inlined
@@ -154,26 +223,29 @@ def _combine(spheres, pairs, flow, time_step, step):
 
 
 @inlined
-def _forces(laws, spheres, pairs, plane, memory, box, work, time_step, share, part, step):
-    """Evaluate the forces of one thread's share of contacts."""
-    law, plane_law = laws
-    now, last = step % 2, (step + 1) % 2
-    touching, overlap = pair_forces(
-        law, spheres, pairs, memory[last], memory[now], box, work, time_step, share
+def _advance_strip(law, spheres, orientation, pairs, plane, flow, work, motion, step, strip, part):
+    """Finish the forces on a strip of one thread's particles and move them; add to its ``part``.
+
+    ``motion`` is (gravity, time step, allowed stray). Strips are short enough for their particles
+    to stay in the cache from one loop over them to the next.
+    """
+    gravity, time_step, allowed = motion
+    _, begin, end = strip
+    before, after = plane.memory[(step + 1) % 2], plane.memory[step % 2]
+    resting, overlap, along, upward = plane_forces(
+        law, spheres, plane.slot, before, after, work, time_step, strip
     )
-    resting, plane_overlap, along, upward = plane_forces(
-        plane_law,
-        spheres,
-        plane.slot,
-        plane.memory[last],
-        plane.memory[now],
-        work,
-        time_step,
-        share,
-    )
-    part[TOUCHING] = 2.0 * touching + resting
-    part[DEEPEST] = max(overlap, plane_overlap)
-    part[PUSHED_X], part[PUSHED_Z] = along, upward
+    _collect_forces(spheres, flow, strip)
+    moved_x, moved_y, moved_z, outside = move(spheres, pairs, allowed, gravity, time_step, strip)
+    rotate(orientation, spheres.rim, spheres.radius, time_step, begin, end)
+    part[TOUCHING] += resting
+    part[DEEPEST] = max(part[DEEPEST], overlap)
+    part[PUSHED_X] += along
+    part[PUSHED_Z] += upward
+    part[MOVED_X] += moved_x
+    part[MOVED_Y] += moved_y
+    part[MOVED_Z] += moved_z
+    part[OUTSIDE] += outside
 
 
 @kernel
@@ -208,22 +280,31 @@ def advance(
     barrier(gate)
     while step < last:
         if not valid:
-            if rank == 0:
-                refresh_flow(spheres, orientation, pairs, plane, memory[step % 2], box, flow)
-            barrier(gate)
+            last_memory = memory[step % 2]
+            refresh_flow(spheres, orientation, pairs, plane, last_memory, box, flow, rank, gate)
             if flow.status[0] != OK:
                 return flow.status[0]
         step += 1
         begin, end = flow.border[rank], flow.border[rank + 1]
         share = (rank, begin, end)
-        clear(spheres, rank)
-        _forces(laws, spheres, pairs, plane, memory, box, work, time_step, share, part, step)
+        clear(spheres, flow, share)
+        for column in range(PARTS):
+            part[column] = 0.0
+        before, after = memory[(step + 1) % 2], memory[step % 2]
+        for start in range(begin, end, STRIP):
+            strip = (rank, start, min(start + STRIP, end))
+            touching, overlap = pair_forces(
+                laws[0], spheres, pairs, before, after, box, work, time_step, strip
+            )
+            part[TOUCHING] += 2.0 * touching
+            part[DEEPEST] = max(part[DEEPEST], overlap)
         barrier(gate)
-        _collect_forces(spheres, begin, end)
-        allowed = allowed_stray(pairs, time_step)
-        moved = move(spheres, pairs, allowed, gravity, time_step, begin, end)
-        part[MOVED_X], part[MOVED_Y], part[MOVED_Z], part[OUTSIDE] = moved
-        rotate(orientation, spheres.rim, spheres.radius, time_step, begin, end)
+        motion = (gravity, time_step, allowed_stray(pairs, time_step))
+        for start in range(begin, end, STRIP):
+            strip = (rank, start, min(start + STRIP, end))
+            _advance_strip(
+                laws[1], spheres, orientation, pairs, plane, flow, work, motion, step, strip, part
+            )
         for column in range(PARTS):
             flow.parts[rank, column] = part[column]
         barrier(gate)

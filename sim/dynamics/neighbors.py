@@ -11,21 +11,29 @@ import numpy as np
 
 from sim.compile import append_negative, inlined, vectorised
 from sim.contact.friction import VECTOR
-from sim.dynamics.cells import (
-    Candidates,
-    assign_cells,
-    find_pairs,
-    make_candidates,
-    nearest_image,
-    reorder,
-    sort_by_cell,
-    wrap,
-)
+from sim.dynamics.cells import assign_cells, find_pairs, nearest_image, sort_by_cell, wrap
 from sim.dynamics.mean_flow import AGE
 from sim.dynamics.status import LIST_FULL, NOT_FINITE, OK
 
+#: List entries that are examined together.
+BLOCK = 256
+
 #: Room that the threads of a run may need between their shares of the touching pairs.
 MARGIN = 4096
+
+
+class Draft(NamedTuple):
+    """The next list while threads make it, each in a part of its own of ``second`` and ``slot``.
+
+    ``start`` and ``stop`` (N,) tell the pairs of each particle, ``count`` (T,) how many pairs each
+    thread has found.
+    """
+
+    second: np.ndarray
+    slot: np.ndarray
+    start: np.ndarray
+    stop: np.ndarray
+    count: np.ndarray
 
 
 class PairList(NamedTuple):
@@ -33,11 +41,11 @@ class PairList(NamedTuple):
 
     ``first``, ``second`` (P,) particles; ``reach`` (P,) sum of the radii (m); ``slot`` (P,) where
     the contact is remembered, -1 if it did not touch in the last step; ``touching`` (P,) those that
-    touch; ``start`` (N + 1,) first
-    pair of each particle. Since the last build: ``anchor`` (D, N) positions at that time, ``drift``
-    (D,) mean displacement (m), ``stream`` (N,) velocity of the mean flow at each particle relative
-    to all (m/s), ``clock`` (2,) see ``mean_flow``, ``valid`` (1,). ``skin`` and the ``largest`` sum
-    of two radii in m; ``candidates`` is scratch.
+    touch; ``start`` (N + 1,) first pair of each particle. Since the last build: ``anchor`` (D, N)
+    positions at that time, ``drift`` (D,) mean displacement (m), ``stream`` (N,) velocity of the
+    mean flow at each particle relative to all (m/s), ``clock`` (2,) see ``mean_flow``, ``valid``
+    (1,). ``skin`` and the ``largest`` sum of two radii in m; ``draft`` is the next list while it is
+    made.
     """
 
     first: np.ndarray
@@ -51,13 +59,13 @@ class PairList(NamedTuple):
     stream: np.ndarray
     clock: np.ndarray
     valid: np.ndarray
-    candidates: Candidates
+    draft: Draft
     skin: float
     largest: float
 
 
 def empty_pair_list(
-    radius: np.ndarray, dimension: int, skin: float, per_particle: int = 8
+    radius: np.ndarray, dimension: int, skin: float, per_particle: int = 8, threads: int = 1
 ) -> PairList:
     """Return a list without pairs, with room for ``per_particle`` pairs per particle.
 
@@ -77,7 +85,13 @@ def empty_pair_list(
         stream=np.zeros(particles),
         clock=np.zeros(2),
         valid=np.zeros(1, np.bool_),
-        candidates=make_candidates(particles),
+        draft=Draft(
+            np.zeros(capacity, np.uint32),
+            np.full(capacity, -1, np.int32),
+            np.zeros(particles, np.int64),
+            np.zeros(particles, np.int64),
+            np.zeros(threads, np.int64),
+        ),
         skin=skin,
         largest=2.0 * float(np.max(radius)),
     )
@@ -85,13 +99,12 @@ def empty_pair_list(
 
 def grown(pairs: PairList) -> PairList:
     """Return a copy of the list with twice the room."""
-    return pairs._replace(
-        first=np.concatenate([pairs.first, np.zeros_like(pairs.first)]),
-        second=np.concatenate([pairs.second, np.zeros_like(pairs.second)]),
-        reach=np.concatenate([pairs.reach, np.zeros_like(pairs.reach)]),
-        slot=np.concatenate([pairs.slot, np.full_like(pairs.slot, -1)]),
-        touching=np.concatenate([pairs.touching, np.zeros_like(pairs.touching)]),
-    )
+    double = {
+        name: np.pad(getattr(pairs, name), (0, len(pairs.first)))
+        for name in ("first", "second", "reach", "slot", "touching")
+    }
+    second, slot = (np.pad(array, (0, len(array))) for array in pairs.draft[:2])
+    return pairs._replace(**double, draft=pairs.draft._replace(second=second, slot=slot))
 
 
 @inlined
@@ -115,17 +128,52 @@ def find_touching(position, pairs, box, begin, end, base, gap):
 
 
 @inlined
-def _carry_slots(pairs, rank, start, second, slot, memory):
-    """Fill ``slot`` (P,) of the new pairs: of those that touch, that of the old pair.
+def draft(pairs, position, radius, box, rank):
+    """Find one thread's part of the next list; return the order of the particles and its part.
 
-    ``rank`` is the new number of each particle. Where partners change places, the remembered force
+    ``order`` (N,): particle i of the next list is the present ``order[i]``; ``place`` (D, N) and
+    ``size`` (N,) are positions and radii in that order; the part is the range of first particles.
+    All threads sort, which is cheap, and search in their own cells. ``pairs.draft.count`` is -1
+    where there was no room.
+    """
+    dimension, particles = position.shape
+    next_, threads = pairs.draft, pairs.draft.count.size
+    cells = np.ones(dimension, np.int64)
+    cell = assign_cells(position, box, pairs.largest + pairs.skin, cells)
+    order, begin = sort_by_cell(cell, cells)
+    place, size = np.empty((dimension, particles)), np.empty(particles)
+    for i in range(particles):
+        size[i] = radius[order[i]]
+        for d in range(dimension):
+            place[d, i] = position[d, order[i]]
+    first, last = 0, 0
+    while begin[first] * threads < particles * rank:
+        first += 1
+    while begin[last] * threads < particles * (rank + 1):
+        last += 1
+    room = next_.second.size // threads
+    part = (first, last, rank * room, (rank + 1) * room)
+    next_.count[rank] = find_pairs(
+        place, size, box, pairs.skin, cells, begin, part, next_.second, next_.start, next_.stop
+    )
+    for p in range(rank * room, (rank + 1) * room):
+        next_.slot[np.uint64(p)] = -1
+    return order, place, size, (begin[first], begin[last])
+
+
+@inlined
+def carry_slots(pairs, order, memory, first, last):
+    """Tell the next list where the contacts among pairs ``first``..``last`` are remembered.
+
+    ``memory`` (7, C) is that of the last step: where partners change places, the remembered force
     changes sign.
     """
-    gap, touching = pairs.candidates.gap, pairs.candidates.near
-    for p in range(slot.size):
-        slot[p] = -1
-    for begin in range(0, pairs.start[-1], gap.size):
-        size = min(gap.size, pairs.start[-1] - begin)
+    next_, rank = pairs.draft, np.empty(order.size, np.int64)
+    for i in range(order.size):
+        rank[order[i]] = i
+    gap, touching = np.empty(BLOCK), np.empty(BLOCK + 8, np.uint32)
+    for begin in range(first, last, BLOCK):
+        size = min(BLOCK, last - begin)
         for k in range(size):
             gap[k] = -0.5 - pairs.slot[np.uint64(begin + k)]
         for k in range(append_negative(gap, size, begin, touching, np.uint64(0))):
@@ -136,80 +184,84 @@ def _carry_slots(pairs, rank, start, second, slot, memory):
                 i, j = j, i
                 for m in range(VECTOR):
                     memory[m, s] = -memory[m, s]
-            new = np.uint64(start[i])
-            while new < start[i + 1] and second[new] != j:
+            new = np.uint64(next_.start[i])
+            while new < next_.stop[i] and next_.second[new] != j:
                 new += np.uint64(1)
-            if new < start[i + 1]:
-                slot[new] = s
+            if new < next_.stop[i]:
+                next_.slot[new] = s
 
 
 @inlined
-def rebuild(pairs, position, radius, box, memory):
-    """Find all pairs anew; return whether there was room, and the order of the particles to adopt.
+def adopt(pairs, position, place, size, rank, first, last):
+    """Make one thread's part of the draft, that of particles ``first``..``last``, part of the list.
 
-    ``memory`` is that of the last step. ``position`` (D, N) must lie in the periodic cell. The list
-    refers to the particles in their new order: column i of every array of theirs must become
-    ``order[i]``. Without room nothing has changed.
+    ``position`` becomes ``place``, and that is what displacements count from.
     """
-    dimension, particles = position.shape
-    cells = np.ones(dimension, np.int64)
-    cell = assign_cells(position, box, pairs.largest + pairs.skin, cells)
-    order, begin = sort_by_cell(cell, cells)
-    reorder(position, order)
-    rank, sizes = np.empty(particles, np.int64), np.empty(particles)
-    for i in range(particles):
-        rank[order[i]] = i
-        sizes[i] = radius[order[i]]
-    second = np.empty(pairs.second.size, np.uint32)
-    start = np.empty(pairs.start.size, np.int64)
-    found = find_pairs(
-        position, sizes, box, pairs.skin, cells, begin, pairs.candidates, second, start
-    )
-    if not found:
-        reorder(position, rank)
-        return False, order
-    slot = np.empty(start[-1], np.int32)
-    _carry_slots(pairs, rank, start, second, slot, memory)
-    _adopt(pairs, position, start, second, slot, sizes)
-    return True, order
+    vectorised()
+    next_, before, number = pairs.draft, 0, 0
+    for other in range(next_.count.size):
+        before += next_.count[other] if other < rank else 0
+        number += next_.count[other]
+    shift = rank * (next_.second.size // next_.count.size) - before
+    for d in range(place.shape[0]):
+        for k in range(first, last):
+            i = np.uint64(k)
+            position[d, i] = place[d, i]
+            pairs.anchor[d, i] = place[d, i]
+    for i in range(first, last):
+        pairs.start[i] = next_.start[i] - shift
+        for p in range(next_.start[i] - shift, next_.stop[i] - shift):
+            pairs.first[p] = i
+    if last == place.shape[1]:
+        pairs.start[last] = number
+    for k in range(before, before + next_.count[rank]):
+        p, q = np.uint64(k), np.uint64(k + shift)
+        pairs.second[p] = next_.second[q]
+        pairs.slot[p] = next_.slot[q]
+        i, j = np.uint64(pairs.first[p]), np.uint64(next_.second[q])
+        pairs.reach[p] = size[i] + size[j]
 
 
 @inlined
-def _adopt(pairs, position, start, second, slot, radius):
-    """Make these pairs the list, and these positions those that displacements count from."""
-    vectorised()
+def tidy(pairs, position, box):
+    """Move all particles into the periodic cell and start the clock of the next list anew.
+
+    Returns a status: whether all positions are finite.
+    """
     for d in range(position.shape[0]):
         for i in range(position.shape[1]):
-            pairs.anchor[d, i] = position[d, i]
-    pairs.start[start.size - 1] = start[start.size - 1]
-    for i in range(start.size - 1):
-        pairs.start[i] = start[i]
-        for p in range(start[i], start[i + 1]):
-            pairs.first[p] = i
-    for p in range(start[-1]):
-        i, j = np.uint64(pairs.first[p]), np.uint64(second[p])
-        pairs.second[p] = second[p]
-        pairs.slot[p] = slot[p]
-        pairs.reach[p] = radius[i] + radius[j]
+            if not isfinite(position[d, i]):
+                return NOT_FINITE
+    wrap(position, box)
+    for d in range(pairs.drift.size):
+        pairs.drift[d] = 0.0
+    pairs.clock[AGE] = 0.0
+    return OK
+
+
+@inlined
+def has_room(pairs):
+    """Return whether there was room for the whole draft."""
+    least = 0
+    for rank in range(pairs.draft.count.size):
+        least = min(least, pairs.draft.count[rank])
+    return least == 0
 
 
 @inlined
 def refresh(pairs, position, radius, box, memory):
-    """Wrap and sort the positions and rebuild the list; return a status and the particles' order.
+    """Rebuild the list with a single thread; return a status and the order of the particles.
 
-    Arguments as for ``rebuild``.
+    ``memory`` is that of the last step. ``position`` (D, N) is sorted; column i of every other
+    array of the particles must become ``order[i]``. On LIST_FULL all is as it was, but wrapped.
     """
-    order = np.empty(0, np.int64)
-    for d in range(position.shape[0]):
-        for i in range(position.shape[1]):
-            if not isfinite(position[d, i]):
-                return NOT_FINITE, order
-    wrap(position, box)
-    room, order = rebuild(pairs, position, radius, box, memory)
-    if not room:
+    status = tidy(pairs, position, box)
+    if status != OK:
+        return status, np.empty(0, np.int64)
+    order, place, size, (first, last) = draft(pairs, position, radius, box, 0)
+    if not has_room(pairs):
         return LIST_FULL, order
-    for d in range(pairs.drift.size):
-        pairs.drift[d] = 0.0
-    pairs.clock[AGE] = 0.0
+    carry_slots(pairs, order, memory, 0, pairs.start[order.size])
+    adopt(pairs, position, place, size, 0, first, last)
     pairs.valid[0] = True
     return OK, order

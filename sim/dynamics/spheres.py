@@ -40,9 +40,10 @@ class Spheres(NamedTuple):
 
     ``position``, ``velocity`` and ``rim`` (3, N); ``rim`` is the angular velocity times the radius
     (m/s). Velocities belong to the half step before the position. ``force`` and ``moment``
-    (T, 3, N) hold what each of T threads has added in the last evaluation; ``moment`` is the torque
-    over the radius (N). ``radius``, ``mass`` and ``inverse_mass`` (N,). ``label`` (1, N) is the
-    particle's number in the initial state: the neighbor list keeps the particles sorted by place.
+    (T, 3, N) hold what each of T threads has added in the last evaluation: a thread adds to its own
+    particles and to those of the threads behind it; ``moment`` is the torque over the radius (N).
+    ``radius``, ``mass`` and ``inverse_mass`` (N,). ``label`` (1, N) is the particle's number in the
+    initial state: the neighbor list keeps the particles sorted by place.
     """
 
     position: np.ndarray

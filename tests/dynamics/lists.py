@@ -3,8 +3,8 @@
 import numpy as np
 
 from sim.contact.friction import MEMORY
-from sim.dynamics.cells import make_box, wrap
-from sim.dynamics.neighbors import empty_pair_list, rebuild, refresh
+from sim.dynamics.cells import make_box
+from sim.dynamics.neighbors import empty_pair_list, refresh
 from sim.dynamics.status import OK
 from tests.engine_helpers import all_pairs, listed_pairs, pair_names
 
@@ -26,11 +26,7 @@ class Gas:
 
     def rebuild(self) -> bool:
         """Wrap the particles and build the list anew; return whether there was room."""
-        wrap(self.position, self.box)
-        room, order = rebuild(self.pairs, self.position, self.radius, self.box, self.memory)
-        if room:
-            self.adopt(order)
-        return room
+        return self.refresh() == OK
 
     def refresh(self) -> int:
         """Do what the loop over steps does when the list no longer holds; return its status."""
