@@ -159,15 +159,17 @@ def refresh_flow(spheres, orientation, pairs, plane, memory, box, flow, rank, ga
     Done by all threads together; ``flow.status`` tells how it ended, and unless that is OK nothing
     has changed.
     """
-    last_rank = flow.border.size - 2
+    threads = flow.border.size - 1
     if rank == 0:
         flow.status[0] = tidy(pairs, spheres.position, box)
     barrier(gate)
     if flow.status[0] != OK:
         return
-    order, place, size, (first, last) = draft(pairs, spheres.position, spheres.radius, box, rank)
+    order, place, size, (first, last) = draft(
+        pairs, spheres.position, spheres.radius, box, rank, threads
+    )
     barrier(gate)
-    if not has_room(pairs):
+    if not has_room(pairs, threads):
         if rank == 0:
             flow.status[0] = LIST_FULL
         barrier(gate)
@@ -175,11 +177,11 @@ def refresh_flow(spheres, orientation, pairs, plane, memory, box, flow, rank, ga
     begin, end = flow.border[rank], flow.border[rank + 1]
     carry_slots(pairs, order, memory, pairs.start[begin], pairs.start[end])
     barrier(gate)
-    adopt(pairs, spheres.position, place, size, rank, first, last)
+    adopt(pairs, spheres.position, place, size, rank, threads, first, last)
     if rank == 0:
         reorder(spheres.velocity, order)
         reorder(spheres.rim, order)
-    if rank == last_rank:
+    if rank == threads - 1:
         _reorder_rest(spheres, orientation, plane, order)
     barrier(gate)
     if rank == 0:

@@ -18,14 +18,15 @@ from sim.dynamics.status import LIST_FULL, NOT_FINITE, OK
 #: List entries that are examined together.
 BLOCK = 256
 
-#: Room that the threads of a run may need between their shares of the touching pairs.
-MARGIN = 4096
+#: Threads that may share a list, and the room that they may need between their touching pairs.
+MOST_THREADS = 256
+MARGIN = 16 * MOST_THREADS
 
 
 class Draft(NamedTuple):
     """The next list while threads make it, each in a part of its own of ``second`` and ``slot``.
 
-    ``start`` and ``stop`` (N,) tell the pairs of each particle, ``count`` (T,) how many pairs each
+    ``start`` and ``stop`` (N,) tell the pairs of each particle, ``count`` how many pairs each
     thread has found.
     """
 
@@ -65,7 +66,7 @@ class PairList(NamedTuple):
 
 
 def empty_pair_list(
-    radius: np.ndarray, dimension: int, skin: float, per_particle: int = 8, threads: int = 1
+    radius: np.ndarray, dimension: int, skin: float, per_particle: int = 8
 ) -> PairList:
     """Return a list without pairs, with room for ``per_particle`` pairs per particle.
 
@@ -90,7 +91,7 @@ def empty_pair_list(
             np.full(capacity, -1, np.int32),
             np.zeros(particles, np.int64),
             np.zeros(particles, np.int64),
-            np.zeros(threads, np.int64),
+            np.zeros(MOST_THREADS, np.int64),
         ),
         skin=skin,
         largest=2.0 * float(np.max(radius)),
@@ -128,7 +129,7 @@ def find_touching(position, pairs, box, begin, end, base, gap):
 
 
 @inlined
-def draft(pairs, position, radius, box, rank):
+def draft(pairs, position, radius, box, rank, threads):
     """Find one thread's part of the next list; return the order of the particles and its part.
 
     ``order`` (N,): particle i of the next list is the present ``order[i]``; ``place`` (D, N) and
@@ -137,7 +138,7 @@ def draft(pairs, position, radius, box, rank):
     where there was no room.
     """
     dimension, particles = position.shape
-    next_, threads = pairs.draft, pairs.draft.count.size
+    next_ = pairs.draft
     cells = np.ones(dimension, np.int64)
     cell = assign_cells(position, box, pairs.largest + pairs.skin, cells)
     order, begin = sort_by_cell(cell, cells)
@@ -192,17 +193,17 @@ def carry_slots(pairs, order, memory, first, last):
 
 
 @inlined
-def adopt(pairs, position, place, size, rank, first, last):
+def adopt(pairs, position, place, size, rank, threads, first, last):
     """Make one thread's part of the draft, that of particles ``first``..``last``, part of the list.
 
     ``position`` becomes ``place``, and that is what displacements count from.
     """
     vectorised()
     next_, before, number = pairs.draft, 0, 0
-    for other in range(next_.count.size):
+    for other in range(threads):
         before += next_.count[other] if other < rank else 0
         number += next_.count[other]
-    shift = rank * (next_.second.size // next_.count.size) - before
+    shift = rank * (next_.second.size // threads) - before
     for d in range(place.shape[0]):
         for k in range(first, last):
             i = np.uint64(k)
@@ -240,10 +241,10 @@ def tidy(pairs, position, box):
 
 
 @inlined
-def has_room(pairs):
+def has_room(pairs, threads):
     """Return whether there was room for the whole draft."""
     least = 0
-    for rank in range(pairs.draft.count.size):
+    for rank in range(threads):
         least = min(least, pairs.draft.count[rank])
     return least == 0
 
@@ -258,10 +259,10 @@ def refresh(pairs, position, radius, box, memory):
     status = tidy(pairs, position, box)
     if status != OK:
         return status, np.empty(0, np.int64)
-    order, place, size, (first, last) = draft(pairs, position, radius, box, 0)
-    if not has_room(pairs):
+    order, place, size, (first, last) = draft(pairs, position, radius, box, 0, 1)
+    if not has_room(pairs, 1):
         return LIST_FULL, order
     carry_slots(pairs, order, memory, 0, pairs.start[order.size])
-    adopt(pairs, position, place, size, 0, first, last)
+    adopt(pairs, position, place, size, 0, 1, first, last)
     pairs.valid[0] = True
     return OK, order

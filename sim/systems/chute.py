@@ -51,7 +51,7 @@ class Chute:
         velocity[:, 0] += p.initial_velocity * p.velocity_unit
         self.spheres = make_spheres(position, velocity, radius, p.mass, p.threads)
         self.orientation = unrotated(p.particles if p.orientations else 0)
-        self.pairs = empty_pair_list(radius, 3, SKIN * p.diameter, threads=p.threads)
+        self.pairs = empty_pair_list(radius, 3, SKIN * p.diameter)
         self.plane = make_plane(p.particles, p.threads)
         self.memory = make_memory(len(self.pairs.touching))
         self.team = Team(p.threads)
