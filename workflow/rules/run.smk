@@ -28,9 +28,9 @@ rule run:
     benchmark:
         f"{RESULTS}/benchmarks/runs/{{point}}.tsv"
     priority: lambda wildcards: cost(wildcards).core_seconds
-    threads: lambda wildcards: cost(wildcards).threads
     conda:
         "../envs/talus.yaml"
+    threads: lambda wildcards: cost(wildcards).threads
     resources:
         mem_mb=lambda wildcards: cost(wildcards).memory,
         runtime=lambda wildcards: 10 + int(cost(wildcards).core_seconds / 20),
