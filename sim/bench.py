@@ -1,4 +1,4 @@
-"""``python -m sim bench``: speed on one core, start-up and memory of the engine on this machine."""
+"""``python -m sim bench``: speed, threads, start-up and memory of the engine on this machine."""
 
 import os
 import statistics
@@ -72,9 +72,9 @@ def main() -> None:
         print(f"{system}: {_peak_memory(point):.0f} MB peak memory of a run process")
 
 
-def _chute(depth: int, cell: int, stiffness: float, **more) -> Parameters:
+def _chute(depth: int, cell: int, stiffness: float) -> Parameters:
     values = {"depth": depth, "cell": cell, "stiffness": stiffness}
-    return _point("chute", values | {"initial_velocity": START_VELOCITY[depth]} | more)
+    return _point("chute", values | {"initial_velocity": START_VELOCITY[depth]})
 
 
 def _point(system: str, values: dict) -> Parameters:

@@ -40,6 +40,9 @@ from llvmlite import ir  # noqa: E402
 from numba import types  # noqa: E402
 from numba.extending import intrinsic, overload  # noqa: E402
 
+# Whoever has imported numba before has made it read its settings before.
+numba.config.CACHE_DIR = os.environ["NUMBA_CACHE_DIR"]
+
 # numba would import scipy's linear algebra, a fifth of the start of a run, to see whether matrix
 # products can be compiled. No kernel has any.
 if "scipy.linalg" not in sys.modules:
@@ -70,11 +73,10 @@ implements = partial(
 
 @intrinsic
 def vectorised(typingctx):
-    """Promise, as a kernel's first line, that no two of its arrays overlap; ask for wide vectors.
+    """Promise, as a piece's first line, that no two of its arrays of numbers overlap.
 
     Without the promise LLVM must assume that every store changes what the next iteration loads
-    through an index, and computes the iterations one by one. The width is an upper bound for
-    processors that prefer shorter vectors than they have.
+    through an index, and computes the iterations one by one.
     """
 
     def codegen(context, builder, signature, args):
@@ -91,7 +93,10 @@ def vectorised(typingctx):
 
 @intrinsic
 def wide_vectors(typingctx):
-    """Ask, as the first line of a kernel that Python calls, for the widest vectors there are."""
+    """Ask, as the first line of a kernel that Python calls, for the widest vectors there are.
+
+    Some processors prefer shorter vectors than they have; here the long ones pay.
+    """
 
     def codegen(context, builder, signature, args):
         # llvmlite's own method knows only attributes without a value.

@@ -11,7 +11,6 @@ from sim.dynamics.spheres import (
     FX,
     LANES,
     MX,
-    OVERLAP,
     STRIDE,
     approach,
     filled_up,
@@ -89,7 +88,9 @@ def plane_forces(law, spheres, slot, before, after, work, time_step, share):
                 spheres.moment[rank, d, i] += rows[(MX + d) * STRIDE + k]
             along += rows[FX * STRIDE + k]
             upward += rows[(FX + 2) * STRIDE + k]
-            overlap, diameter = rows[OVERLAP * STRIDE + k], 2.0 * spheres.radius[i]
+            # Not the overlap of the row, which is symmetric about the plane: a centre may be below.
+            overlap = spheres.radius[i] - spheres.position[2, i]
+            diameter = 2.0 * spheres.radius[i]
             if overlap > largest * diameter:
                 largest = overlap / diameter
         contacts += touching

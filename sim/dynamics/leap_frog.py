@@ -33,8 +33,8 @@ class Flow(NamedTuple):
     """What the loop over steps carries besides particles and contacts.
 
     ``step`` (1,) number of the last completed step; ``sums`` (6,) and ``parts`` (T, 8) see above;
-    ``border`` (T + 1,) first particle of each thread; ``reached`` (T, N / 64) which groups of 64
-    particles of other threads it adds forces to; ``status`` (1,) of the last refresh.
+    ``border`` (T + 1,) first particle of each thread; ``reached`` (T, N // 64 + 1) which groups of
+    64 particles of other threads it adds forces to; ``status`` (1,) of the last refresh.
     """
 
     step: np.ndarray
@@ -156,8 +156,8 @@ def move(spheres, pairs, allowed, gravity, time_step, share):
 def refresh_flow(spheres, orientation, pairs, plane, memory, box, flow, rank, gate):
     """Rebuild the neighbor list, sort the particles by place and share them out anew.
 
-    Done by all threads together; ``flow.status`` tells how it ended, and unless that is OK nothing
-    has changed.
+    Done by all threads together; ``flow.status`` tells how it ended. Unless that is OK, the list
+    and the particles are as they were, but for positions wrapped into the cell.
     """
     threads = flow.border.size - 1
     if rank == 0:

@@ -41,12 +41,12 @@ class PairList(NamedTuple):
     """Pairs within reach of each other, sorted by their first particle; always first < second.
 
     ``first``, ``second`` (P,) particles; ``reach`` (P,) sum of the radii (m); ``slot`` (P,) where
-    the contact is remembered, -1 if it did not touch in the last step; ``touching`` (P,) those that
-    touch; ``start`` (N + 1,) first pair of each particle. Since the last build: ``anchor`` (D, N)
-    positions at that time, ``drift`` (D,) mean displacement (m), ``stream`` (N,) velocity of the
-    mean flow at each particle relative to all (m/s), ``clock`` (2,) see ``mean_flow``, ``valid``
-    (1,). ``skin`` and the ``largest`` sum of two radii in m; ``draft`` is the next list while it is
-    made.
+    the contact is remembered, -1 if it did not touch in the last step; ``touching``
+    (P + MARGIN,) those that touch; ``start`` (N + 1,) first pair of each particle. Since the last
+    build: ``anchor`` (D, N) positions at that time, ``drift`` (D,) mean displacement (m),
+    ``stream`` (N,) velocity of the mean flow at each particle relative to all (m/s), ``clock`` (2,)
+    see ``mean_flow``, ``valid`` (1,). ``skin`` and the ``largest`` sum of two radii in m; ``draft``
+    is the next list while it is made.
     """
 
     first: np.ndarray

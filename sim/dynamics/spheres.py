@@ -58,7 +58,10 @@ class Spheres(NamedTuple):
 
 
 class Work(NamedTuple):
-    """Scratch of one thread: ``gap`` (m²) and ``touching`` of a block, flat ``rows`` of results."""
+    """Scratch of one thread: ``gap`` (m², to the plane m) of a block, flat ``rows`` of results.
+
+    ``touching`` are the particles of a block that touch the plane.
+    """
 
     gap: np.ndarray
     touching: np.ndarray
