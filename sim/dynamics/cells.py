@@ -73,6 +73,12 @@ def assign_cells(position, box, size, cells):
     return cell
 
 
+@inlined
+def rounded_up(number, size):
+    """Return the smallest multiple of ``size`` that is not below ``number``."""
+    return (number + size - 1) // size * size
+
+
 @kernel
 def sort_by_cell(cell, cells):
     """Return the particles ordered by cell and where each cell begins (a counting sort).
@@ -152,7 +158,7 @@ def _near(candidates, position, radius, box, own, count, skin, second, slot):
     """
     i = np.uint64(candidates.number[own])
     behind = count - own - 1
-    for n in range((behind + UNROLLED - 1) // UNROLLED * UNROLLED):
+    for n in range(rounded_up(behind, UNROLLED)):
         j = np.uint64(candidates.number[np.uint64(own + 1 + n)])
         square = 0.0
         for d in range(len(box.length)):

@@ -14,7 +14,7 @@ import numpy as np
 from sim.compile import inlined, vectorised
 from sim.contact.friction import MEMORY, contact_force
 from sim.contact.roots import inverse_square_root
-from sim.dynamics.cells import nearest_image
+from sim.dynamics.cells import nearest_image, rounded_up
 from sim.dynamics.neighbors import find_touching
 
 #: Contacts that are evaluated together, and list entries that are examined together.
@@ -202,7 +202,7 @@ def filled_up(list_, begin, number):
 
     A loop over whole vectors has no remainder, whose contacts would cost as much as a vector each.
     """
-    whole = (number + LANES - 1) // LANES * LANES
+    whole = rounded_up(number, LANES)
     for k in range(number, whole):
         list_[begin + k] = list_[begin + number - 1]
     return whole
@@ -225,7 +225,7 @@ def pair_forces(law, spheres, pairs, before, after, box, work, time_step, share)
     largest = 0.0
     for start in range(base, base + contacts, BLOCK):
         number = min(BLOCK, base + contacts - start)
-        whole = (number + LANES - 1) // LANES * LANES
+        whole = rounded_up(number, LANES)
         _evaluate(law, spheres, pairs, before, after, box, work.rows, whole, start, time_step)
         largest = max(largest, _scatter(spheres, pairs, work.rows, number, start, rank))
     for p in range(first, last):
