@@ -1,5 +1,9 @@
 """Files appear complete or not at all."""
 
+import os
+import subprocess
+import sys
+
 import pytest
 
 from sim.files import replacing
@@ -22,3 +26,17 @@ def test_an_error_leaves_the_old_file_alone(tmp_path):
         raise ZeroDivisionError
     assert path.read_text() == "old"
     assert list(tmp_path.iterdir()) == [path]
+
+
+def test_what_a_killed_process_left_is_removed_and_what_a_living_one_writes_is_not(tmp_path):
+    path = tmp_path / "made.txt"
+    dead = subprocess.Popen([sys.executable, "-c", ""])
+    dead.wait()
+    left = tmp_path / f".made.txt.{dead.pid}.part"
+    written = tmp_path / f".made.txt.{os.getppid()}.part"
+    other = tmp_path / f".other.txt.{dead.pid}.part"
+    for file in (left, written, other):
+        file.write_text("half")
+    with replacing(path) as temporary:
+        temporary.write_text("new")
+    assert sorted(tmp_path.iterdir()) == sorted([path, written, other])

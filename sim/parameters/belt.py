@@ -178,6 +178,14 @@ class BeltParameters(Parameters):
         equation="Gallas, Sec. 2: 9·10⁴ steps",
         gt=0,
     )
+    limit: Real = declare(
+        1500,
+        symbol="t_max",
+        unit="1",
+        scale="cycles",
+        description="longest run of the converged protocol",
+        gt=0,
+    )
     settle_velocity_squared: Real = declare(
         1e-8,
         symbol="⟨v²⟩",

@@ -171,6 +171,14 @@ class ChuteParameters(Parameters):
         equation="Walton, Sec. 1",
         gt=0,
     )
+    limit: Real = declare(
+        3000,
+        symbol="t_max",
+        unit="1",
+        scale="√(σ/g)",
+        description="longest run of the converged protocol",
+        gt=0,
+    )
     sample_interval: Real = declare(
         0.25,
         symbol="Δt_s",

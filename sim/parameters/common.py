@@ -1,6 +1,6 @@
 """What the parameters of both systems have in common: canonical numbers, declarations, sizes."""
 
-from typing import Annotated, Any, ClassVar, Self
+from typing import Annotated, Any, ClassVar, Literal, Self
 
 from annotated_types import Gt
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
@@ -79,8 +79,8 @@ class Parameters(BaseModel):
     """Parameters shared by both systems, and the lengths of a run counted in steps.
 
     Instances are immutable, complete (every omitted parameter has its value) and canonical.
-    A concrete system adds ``diameter`` (m), ``mass`` (kg), ``gravity`` (m s⁻²), ``transient`` and
-    ``average`` (multiples of ``time_unit``), and the properties ``time_unit``, ``time_step``,
+    A concrete system adds ``diameter`` (m), ``mass`` (kg), ``gravity`` (m s⁻²), ``transient``,
+    ``average`` and ``limit`` (multiples of ``time_unit``), and the properties ``time_unit``, ``time_step``,
     ``sample_steps`` and ``particles``.
     """
 
@@ -98,6 +98,20 @@ class Parameters(BaseModel):
     )
     replicates: int = declare(
         1, unit="1", description="independent runs from different initial states", ge=1, le=1000
+    )
+
+    protocol: Literal["published", "converged"] = declare(
+        "published",
+        description="lengths exactly as given, or from there on until the mean velocity is known "
+        "to within target and no drift is left",
+    )
+    target: Real = declare(
+        0.02,
+        unit="1",
+        description="half width of the 95 % interval of the mean velocity, relative to the mean, "
+        "at which a run of the converged protocol ends",
+        ge=0.001,
+        le=0.5,
     )
 
     @property
@@ -121,9 +135,22 @@ class Parameters(BaseModel):
         return max(1, round(self.average * self.time_unit / (self.sample_steps * self.time_step)))
 
     @property
+    def shortest_samples(self) -> int:
+        """Samples of the shortest run: transient and average."""
+        return self.transient_samples + self.average_samples
+
+    @property
+    def longest_samples(self) -> int:
+        """Samples of the longest run: the limit of the converged protocol, else the shortest."""
+        if self.protocol == "published":
+            return self.shortest_samples
+        limit = round(self.limit * self.time_unit / (self.sample_steps * self.time_step))
+        return max(self.shortest_samples, limit)
+
+    @property
     def steps(self) -> int:
-        """Time steps of one replicate, without the settling of the belt's bed."""
-        return (self.transient_samples + self.average_samples) * self.sample_steps
+        """Time steps of the longest replicate, without the settling of the belt's bed."""
+        return self.longest_samples * self.sample_steps
 
     @model_validator(mode="after")
     def _of_feasible_magnitude(self) -> Self:
@@ -140,12 +167,18 @@ class Parameters(BaseModel):
         # Comparisons are written so that inf and nan, from extreme inputs, fail them too.
         if not 0 < self.time_step < float("inf"):
             raise broken_rule("stiffness", self.stiffness, "a value that gives a finite time step")
-        steps = (self.transient + self.average) * self.time_unit / self.time_step
+        shortest = self.transient + self.average
+        longest = shortest if self.protocol == "published" else max(shortest, self.limit)
+        steps = longest * self.time_unit / self.time_step
         if not steps <= MAX_STEPS or self.steps > MAX_STEPS:
-            allowed = f"transient and average of together at most {MAX_STEPS:.0e} time steps"
-            raise broken_rule("average", self.average, allowed)
+            key = "average" if longest == shortest else "limit"
+            allowed = f"a run of at most {MAX_STEPS:.0e} time steps"
+            raise broken_rule(key, getattr(self, key), allowed)
         if not steps / self.sample_steps <= MAX_SAMPLES:
             key = self.sampling_key
             allowed = f"a value that gives at most {MAX_SAMPLES:.0e} samples"
             raise broken_rule(key, getattr(self, key), allowed)
+        if self.protocol == "converged" and self.limit < shortest:
+            allowed = f"at least transient + average = {shortest:g}"
+            raise broken_rule("limit", self.limit, allowed)
         return self

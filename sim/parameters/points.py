@@ -45,6 +45,8 @@ NUMERICAL = frozenset(
         "replicates",
         "transient",
         "average",
+        "target",
+        "limit",
         "steps_per_cycle",
         "steps_per_collision",
         "cell",
