@@ -7,7 +7,7 @@ from sim.systems import build
 
 #: Parameters whose values choose what is compiled; all others only change numbers.
 COMPILED = {
-    "chute": ("tangential_exponent", "overlap_memory", "friction_cap", "orientations"),
+    "chute": ("law", "tangential_exponent", "overlap_memory", "friction_cap", "orientations"),
     "belt": ("damping_mass", "attraction", "integrator"),
 }
 

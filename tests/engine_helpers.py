@@ -124,7 +124,8 @@ def contact_path(law, overlap, normal, slip):
     for k in range(steps):
         n = (normal[k, 0], normal[k, 1], normal[k, 2])
         s = (slip[k, 0], slip[k, 1], slip[k, 2])
-        force[k], t, memory = contact_force(law, overlap[k], n, s, memory)
+        approach = overlap[k] - (overlap[k - 1] if k else 0.0)
+        force[k], t, memory, _ = contact_force(law, overlap[k], approach, n, s, memory)
         for d in range(3):
             tangential[k, d] = t[d]
         for m in range(MEMORY):

@@ -4,14 +4,16 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sim.compile import append_negative, inlined, vectorised
-from sim.contact.friction import MEMORY
+from sim.compile import append_negative, inlined, kernel, vectorised
+from sim.contact.friction import MEMORY, stored_energy
 from sim.dynamics.spheres import (
     BLOCK,
     FX,
     LANES,
+    LOST,
     MX,
     STRIDE,
+    WORK,
     approach,
     filled_up,
     make_memory,
@@ -65,12 +67,13 @@ def plane_forces(law, spheres, slot, before, after, work, time_step, share):
     """Add the forces of the plane on one thread's share of the particles.
 
     Arguments as for ``pair_forces``. Returns the number of touching spheres, the largest overlap
-    relative to a diameter, and the sum of the forces on the spheres along x and z (N).
+    relative to a diameter, the sum of the forces on the spheres along x and z (N), the energy
+    dissipated by normal forces and the work done against friction (J).
     """
     vectorised()
     rank, begin, end = share
     rows = work.rows
-    contacts, largest, along, upward = 0, 0.0, 0.0, 0.0
+    contacts, largest, along, upward, lost, work_done = 0, 0.0, 0.0, 0.0, 0.0, 0.0
     for start in range(begin, end, BLOCK):
         size = min(BLOCK, end - start)
         touching = _find_touching(spheres, start, size, work)
@@ -88,10 +91,30 @@ def plane_forces(law, spheres, slot, before, after, work, time_step, share):
                 spheres.moment[rank, d, i] += rows[(MX + d) * STRIDE + k]
             along += rows[FX * STRIDE + k]
             upward += rows[(FX + 2) * STRIDE + k]
+            lost += rows[LOST * STRIDE + k]
+            work_done += rows[WORK * STRIDE + k]
             # Not the overlap of the row, which is symmetric about the plane: a centre may be below.
             overlap = spheres.radius[i] - spheres.position[2, i]
             diameter = 2.0 * spheres.radius[i]
             if overlap > largest * diameter:
                 largest = overlap / diameter
         contacts += touching
-    return contacts, largest, along, upward
+    return contacts, largest, along, upward, lost, work_done
+
+
+@kernel
+def stored_in_plane(law, spheres, plane, memory, time_step):
+    """Return the energy (J) in the normal and tangential springs of all contacts with the plane.
+
+    Arguments as for ``stored_in_pairs``.
+    """
+    normal, tangential = 0.0, 0.0
+    for i in range(spheres.radius.size):
+        if plane.slot[0, i] < 0:
+            continue
+        height = spheres.position[2, i] - spheres.velocity[2, i] * time_step
+        overlap = spheres.radius[i] - abs(height)
+        pressed, sheared = stored_energy(law, overlap, recall(memory, plane.slot[0, i]))
+        normal += pressed
+        tangential += sheared
+    return normal, tangential

@@ -7,8 +7,9 @@ surface displacement and the points that the paper leaves open.
 from typing import NamedTuple
 
 from sim.compile import inlined
-from sim.contact.friction import contact_force, implements
+from sim.contact.friction import contact_force, implements, stored_energy
 from sim.contact.roots import SMALLEST, cube_root, inverse_square_root
+from sim.contact.tangential import friction_direction, work_against
 
 #: A friction this close to its limit, relative, is at it. Without the margin a friction just cut to
 #: the limit would keep a stiffness made of its rounding error, which the cube root turns into 5e-6.
@@ -159,18 +160,13 @@ def normal_force(law, overlap, overlap_before):
 
 
 @inlined
-def friction_direction(normal, tangential):
-    """Return the direction of the old friction within the present tangent plane.
+def hysteretic_loss(law, overlap, overlap_before):
+    """Return the energy (J) lost while the largest overlap grows.
 
-    It is the zero vector for a friction of zero: all displacement then counts as new.
+    Loading to α_max takes ½ K1 α_max², and unloading along K2 gives back e² = K1/K2 of it.
     """
-    nx, ny, nz = normal
-    tx, ty, tz = tangential
-    along = nx * tx + ny * ty + nz * tz
-    px, py, pz = tx - along * nx, ty - along * ny, tz - along * nz
-    projected = px * px + py * py + pz * pz
-    scale = inverse_square_root(projected) if projected > SMALLEST else 0.0
-    return px * scale, py * scale, pz * scale
+    deepest = max(overlap, overlap_before)
+    return 0.5 * law.loading * law.dent.slope * (deepest * deepest - overlap_before**2)
 
 
 @inlined
@@ -199,16 +195,17 @@ def parallel_friction(law, force, magnitude, displacement, turning_point, fallin
 
 
 @implements(contact_force)
-def _walton_braun(law, overlap, normal, slip, memory):
+def _walton_braun(law, overlap, approach, normal, slip, memory):
     if law.instance_class is not WaltonBraun:
         return None
 
-    def body(law, overlap, normal, slip, memory):
-        tx, ty, tz, magnitude, turning_point, falling, overlap_max = memory
+    def body(law, overlap, approach, normal, slip, memory):
+        before, magnitude, turning_point, falling, overlap_max = memory[:3], *memory[3:]
+        lost = hysteretic_loss(law, overlap, overlap_max)
         force, overlap_max = normal_force(law, overlap, overlap_max)
         limit = law.limit.friction * force
 
-        ux, uy, uz = friction_direction(normal, (tx, ty, tz))
+        ux, uy, uz = friction_direction(normal, before)
         magnitude = cap(law.limit, magnitude, limit)
         sx, sy, sz = slip
         along = sx * ux + sy * uy + sz * uz
@@ -232,6 +229,19 @@ def _walton_braun(law, overlap, normal, slip, memory):
             force,
             tangential,
             (*tangential, magnitude, turning_point, falling, overlap_max),
+            (lost, work_against(before, tangential, slip)),
         )
+
+    return body
+
+
+@implements(stored_energy)
+def _stored_energy(law, overlap, memory):
+    if law.instance_class is not WaltonBraun:
+        return None
+
+    def body(law, overlap, memory):
+        force, _ = normal_force(law, overlap, memory[6])
+        return 0.5 * force * force / law.unloading, 0.5 * memory[3] * memory[3] / law.tangential
 
     return body

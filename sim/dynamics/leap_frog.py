@@ -15,12 +15,14 @@ from sim.dynamics.status import LIST_FULL, OK, OVERLAP
 from sim.dynamics.team import barrier
 
 # Columns of ``Flow.sums``: sums over the steps since they were last cleared.
-STEPS, VELOCITY, PLANE_X, PLANE_Z, CONTACTS, LARGEST = range(6)
-SUMS = 6
+STEPS, VELOCITY, PLANE_X, PLANE_Z, CONTACTS, LARGEST, LOST, WORK = range(8)
+SUMS = 8
 
 # Columns of ``Flow.parts``: what each thread contributes to a step.
-MOVED_X, MOVED_Y, MOVED_Z, OUTSIDE, TOUCHING, DEEPEST, PUSHED_X, PUSHED_Z = range(8)
-PARTS = 8
+MOVED_X, MOVED_Y, MOVED_Z, OUTSIDE, TOUCHING, DEEPEST, PUSHED_X, PUSHED_Z, HEATED, RUBBED = range(
+    10
+)
+PARTS = 10
 
 #: Particles that are taken together, so that they stay in the cache from one loop to the next.
 STRIP = 2048
@@ -32,7 +34,7 @@ GROUP = 64
 class Flow(NamedTuple):
     """What the loop over steps carries besides particles and contacts.
 
-    ``step`` (1,) number of the last completed step; ``sums`` (6,) and ``parts`` (T, 8) see above;
+    ``step`` (1,) number of the last completed step; ``sums`` (8,) and ``parts`` (T, 10) see above;
     ``border`` (T + 1,) first particle of each thread; ``reached`` (T, N // 64 + 1) which groups of
     64 particles of other threads it adds forces to; ``status`` (1,) of the last refresh.
     """
@@ -215,6 +217,8 @@ def _combine(spheres, pairs, flow, time_step, step):
         sums[PLANE_Z] += parts[rank, PUSHED_Z]
         sums[CONTACTS] += parts[rank, TOUCHING]
         sums[LARGEST] = max(sums[LARGEST], parts[rank, DEEPEST])
+        sums[LOST] += parts[rank, HEATED]
+        sums[WORK] += parts[rank, RUBBED]
         outside += parts[rank, OUTSIDE]
         for d in range(3):
             pairs.drift[d] += parts[rank, MOVED_X + d] * time_step / number
@@ -234,7 +238,7 @@ def _advance_strip(law, spheres, orientation, pairs, plane, flow, work, motion, 
     gravity, time_step, allowed = motion
     _, begin, end = strip
     before, after = plane.memory[(step + 1) % 2], plane.memory[step % 2]
-    resting, overlap, along, upward = plane_forces(
+    resting, overlap, along, upward, lost, work_done = plane_forces(
         law, spheres, plane.slot, before, after, work, time_step, strip
     )
     _collect_forces(spheres, flow, strip)
@@ -244,6 +248,8 @@ def _advance_strip(law, spheres, orientation, pairs, plane, flow, work, motion, 
     part[DEEPEST] = max(part[DEEPEST], overlap)
     part[PUSHED_X] += along
     part[PUSHED_Z] += upward
+    part[HEATED] += lost
+    part[RUBBED] += work_done
     part[MOVED_X] += moved_x
     part[MOVED_Y] += moved_y
     part[MOVED_Z] += moved_z
@@ -295,11 +301,13 @@ def advance(
         before, after = memory[(step + 1) % 2], memory[step % 2]
         for start in range(begin, end, STRIP):
             strip = (rank, start, min(start + STRIP, end))
-            touching, overlap = pair_forces(
+            touching, overlap, lost, work_done = pair_forces(
                 laws[0], spheres, pairs, before, after, box, work, time_step, strip
             )
             part[TOUCHING] += 2.0 * touching
             part[DEEPEST] = max(part[DEEPEST], overlap)
+            part[HEATED] += lost
+            part[RUBBED] += work_done
         barrier(gate)
         motion = (gravity, time_step, allowed_stray(pairs, time_step))
         for start in range(begin, end, STRIP):

@@ -11,8 +11,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sim.compile import inlined, vectorised
-from sim.contact.friction import MEMORY, contact_force
+from sim.compile import inlined, kernel, vectorised
+from sim.contact.friction import MEMORY, contact_force, stored_energy
 from sim.contact.roots import inverse_square_root
 from sim.dynamics.cells import nearest_image, rounded_up
 from sim.dynamics.neighbors import find_touching
@@ -28,8 +28,10 @@ STRIDE = BLOCK + 8
 LANES = 8
 
 # Rows of the work array: first how the partners approach, then the same rows with the results.
-NX, NY, NZ, SX, SY, SZ, OVERLAP, REACH = range(8)
+NX, NY, NZ, SX, SY, SZ, OVERLAP, REACH, CLOSER = range(9)
 FX, FY, FZ, MX, MY, MZ = range(6)
+LOST, WORK = 8, 9
+ROWS = 10
 
 #: Moment of inertia of a solid sphere over m r².
 SOLID = 0.4
@@ -91,12 +93,14 @@ def make_spheres(position, velocity, radius, mass, threads: int = 1) -> Spheres:
 
 def make_work() -> Work:
     """Return scratch space for one thread."""
-    return Work(np.zeros(BLOCK), np.zeros(BLOCK + LANES, np.uint32), np.zeros(8 * STRIDE))
+    return Work(np.zeros(BLOCK), np.zeros(BLOCK + LANES, np.uint32), np.zeros(ROWS * STRIDE))
 
 
 @inlined
 def approach(rows, k, separation, reach, velocity, rim, time_step):
-    """Write normal, slip (m) during the step, overlap and reach (m) of a contact to column k.
+    """Write normal, slip and approach during the step, overlap and reach (m) of a contact.
+
+    They go to column k of ``rows``.
 
     ``separation`` and ``velocity`` are of j relative to i, ``rim`` is the sum of both rims.
     """
@@ -117,21 +121,31 @@ def approach(rows, k, separation, reach, velocity, rim, time_step):
     rows[SZ * STRIDE + k] = (sz - along * nz) * time_step
     rows[OVERLAP * STRIDE + k] = reach - square * scale
     rows[REACH * STRIDE + k] = reach
+    rows[CLOSER * STRIDE + k] = -along * time_step
 
 
 @inlined
 def react(law, rows, k, memory):
-    """Replace normal and slip in column k by force on i and moment (N); return the new memory."""
+    """Replace normal and slip in column k by force on i and moment (N); return the new memory.
+
+    The approach is replaced by the energy (J) dissipated by the normal force, and the work done
+    against friction comes behind it.
+    """
     nx, ny, nz = rows[NX * STRIDE + k], rows[NY * STRIDE + k], rows[NZ * STRIDE + k]
     slip = (rows[SX * STRIDE + k], rows[SY * STRIDE + k], rows[SZ * STRIDE + k])
     overlap = rows[OVERLAP * STRIDE + k]
-    force, (tx, ty, tz), memory = contact_force(law, overlap, (nx, ny, nz), slip, memory)
+    closer = rows[CLOSER * STRIDE + k]
+    force, (tx, ty, tz), memory, (lost, work) = contact_force(
+        law, overlap, closer, (nx, ny, nz), slip, memory
+    )
     rows[FX * STRIDE + k] = tx - force * nx
     rows[FY * STRIDE + k] = ty - force * ny
     rows[FZ * STRIDE + k] = tz - force * nz
     rows[MX * STRIDE + k] = ny * tz - nz * ty
     rows[MY * STRIDE + k] = nz * tx - nx * tz
     rows[MZ * STRIDE + k] = nx * ty - ny * tx
+    rows[LOST * STRIDE + k] = lost
+    rows[WORK * STRIDE + k] = work
     return memory
 
 
@@ -180,8 +194,12 @@ def nearest(x, box, i, j):
 
 @inlined
 def _scatter(spheres, pairs, rows, number, base, rank):
-    """Add forces and moments to both partners; return the largest relative overlap."""
-    largest = 0.0
+    """Add forces and moments to both partners.
+
+    Returns the largest relative overlap, the energy dissipated by normal forces and the work done
+    against friction (J).
+    """
+    largest, lost, work = 0.0, 0.0, 0.0
     force, moment = spheres.force, spheres.moment
     for k in range(number):
         p = np.uint64(pairs.touching[np.uint64(base + k)])
@@ -193,7 +211,9 @@ def _scatter(spheres, pairs, rows, number, base, rank):
             moment[rank, d, j] += rows[(MX + d) * STRIDE + k]
         if rows[OVERLAP * STRIDE + k] > largest * rows[REACH * STRIDE + k]:
             largest = rows[OVERLAP * STRIDE + k] / rows[REACH * STRIDE + k]
-    return largest
+        lost += rows[LOST * STRIDE + k]
+        work += rows[WORK * STRIDE + k]
+    return largest, lost, work
 
 
 @inlined
@@ -214,7 +234,8 @@ def pair_forces(law, spheres, pairs, before, after, box, work, time_step, share)
 
     ``share`` is (rank, begin, end): the thread and the range of first particles that it looks
     after. ``before`` and ``after`` (7, C) are the memory of the last step and of this one. Returns
-    the number of touching pairs and the largest overlap relative to the sum of the radii.
+    the number of touching pairs, the largest overlap relative to the sum of the radii, the energy
+    dissipated by normal forces and the work done against friction (J).
     """
     vectorised()
     rank, begin, end = share
@@ -222,17 +243,44 @@ def pair_forces(law, spheres, pairs, before, after, box, work, time_step, share)
     base = first + rank * LANES
     contacts = find_touching(spheres.position, pairs, box, first, last, base, work.gap)
     filled_up(pairs.touching, base, contacts)
-    largest = 0.0
+    largest, lost, work_done = 0.0, 0.0, 0.0
     for start in range(base, base + contacts, BLOCK):
         number = min(BLOCK, base + contacts - start)
         whole = rounded_up(number, LANES)
         _evaluate(law, spheres, pairs, before, after, box, work.rows, whole, start, time_step)
-        largest = max(largest, _scatter(spheres, pairs, work.rows, number, start, rank))
+        deepest, dissipated, rubbed = _scatter(spheres, pairs, work.rows, number, start, rank)
+        largest = max(largest, deepest)
+        lost += dissipated
+        work_done += rubbed
     for p in range(first, last):
         pairs.slot[np.uint64(p)] = -1
     for c in range(base, base + contacts):
         pairs.slot[pairs.touching[np.uint64(c)]] = c
-    return contacts, largest
+    return contacts, largest, lost, work_done
+
+
+@kernel
+def stored_in_pairs(law, spheres, pairs, memory, box, time_step):
+    """Return the energy (J) in the normal and tangential springs of all pairs in contact.
+
+    ``memory`` (7, C) is that of the last step, and the overlaps are those of its force evaluation,
+    one displacement ago.
+    """
+    x, v = spheres.position, spheres.velocity
+    normal, tangential = 0.0, 0.0
+    for p in range(pairs.start[-1]):
+        if pairs.slot[p] < 0:
+            continue
+        i, j = pairs.first[p], pairs.second[p]
+        dx, dy, dz = nearest(x, box, i, j)
+        dx -= (v[0, j] - v[0, i]) * time_step
+        dy -= (v[1, j] - v[1, i]) * time_step
+        dz -= (v[2, j] - v[2, i]) * time_step
+        overlap = pairs.reach[p] - (dx * dx + dy * dy + dz * dz) ** 0.5
+        pressed, sheared = stored_energy(law, overlap, recall(memory, pairs.slot[p]))
+        normal += pressed
+        tangential += sheared
+    return normal, tangential
 
 
 def make_memory(contacts: int) -> np.ndarray:

@@ -59,6 +59,12 @@ class ChuteParameters(Parameters):
         equation="Walton, Sec. 2.1: F_N = K1 α",
         gt=0,
     )
+    law: Literal["walton_braun", "spring_dashpot"] = declare(
+        "walton_braun",
+        description="contact law: Walton and Braun's, or the linear spring and dashpot with a "
+        "linear tangential spring that most DEM codes use",
+        equation="Walton, Sec. 2; Cundall and Strack (1979)",
+    )
     tangential_ratio: Real = declare(
         0.8,
         symbol="K0/K1",
@@ -239,8 +245,13 @@ class ChuteParameters(Parameters):
 
     @property
     def collision_time(self) -> float:
-        """Duration of a binary collision, s: t_c = (π/2) √(m*/K1) (1 + e), m* = m/2."""
+        """Duration of a binary collision, s, with m* = m/2.
+
+        t_c = (π/2) √(m*/K1) (1 + e); of spring and dashpot π √(m*/K) √(1 + (ln e/π)²).
+        """
         loading = math.pi / 2 * math.sqrt(self.mass / 2 / self.stiffness)
+        if self.law == "spring_dashpot":
+            return 2 * loading * math.hypot(1, math.log(self.restitution) / math.pi)
         return loading * (1 + self.restitution)
 
     @property

@@ -5,13 +5,21 @@ from math import ceil, cos, pi, radians, sin
 
 import numpy as np
 
-from sim.boundary.plane import make_plane
+from sim.boundary.plane import make_plane, stored_in_plane
+from sim.contact.spring_dashpot import spring_dashpot
 from sim.contact.walton_braun import walton_braun
 from sim.dynamics import leap_frog
 from sim.dynamics.cells import make_box
 from sim.dynamics.neighbors import empty_pair_list, grown
 from sim.dynamics.orientation import unrotated
-from sim.dynamics.spheres import SOLID, enlarged, make_memory, make_spheres, make_work
+from sim.dynamics.spheres import (
+    SOLID,
+    enlarged,
+    make_memory,
+    make_spheres,
+    make_work,
+    stored_in_pairs,
+)
 from sim.dynamics.status import LIST_FULL, OK, REASONS, BlowUp
 from sim.dynamics.team import Team
 from sim.observe.profiles import VOLUME, Profile, add_sample, empty_profile
@@ -31,6 +39,10 @@ class Chute:
         "mass_flux": ("kg m-1 s-1", "mass flux per unit width of the chute"),
         "kinetic_energy": ("J", "kinetic energy of translation"),
         "rotational_energy": ("J", "kinetic energy of rotation"),
+        "potential_energy": ("J", "potential energy, of the way down the slope too"),
+        "stored_energy": ("J", "energy in the springs of the contacts"),
+        "normal_loss": ("J", "energy dissipated by normal forces since the start"),
+        "frictional_loss": ("J", "energy dissipated by friction since the start"),
         "height_of_mass": ("m", "height of the centre of mass above the plane"),
         "contact_number": ("1", "contacts per particle, those with the plane included"),
         "largest_overlap": ("1", "largest overlap since the last sample, in diameters"),
@@ -57,7 +69,7 @@ class Chute:
         self.team = Team(p.threads)
         self.work = [make_work() for _ in range(p.threads)]
         self.flow = leap_frog.make_flow(p.particles, p.threads)
-        self.laws = tuple(self._law(friction) for friction in (p.friction, p.friction_plane))
+        self.laws = (self._law(p.friction, 0.5 * p.mass), self._law(p.friction_plane, p.mass))
         angle = radians(p.angle)
         self.gravity = (p.gravity * sin(angle), 0.0, -p.gravity * cos(angle))
         self.slice_height = p.slice_height * p.diameter
@@ -66,9 +78,14 @@ class Chute:
         self.scales = Scales(1e-3 * p.velocity_unit, acceleration=negligible, drift=0.0)
         self.period = 1
         self.profile_height = (np.arange(slices) + 0.5) * self.slice_height
+        self.travelled, self.lost, self.work_done = 0.0, 0.0, 0.0
 
-    def _law(self, friction: float):
+    def _law(self, friction: float, reduced_mass: float):
         p = self.parameters
+        if p.law == "spring_dashpot":
+            return spring_dashpot(
+                p.stiffness, p.restitution, friction, reduced_mass, p.time_step, p.tangential_ratio
+            )
         return walton_braun(
             p.stiffness,
             p.restitution,
@@ -124,16 +141,44 @@ class Chute:
         velocity = mean[leap_frog.VELOCITY]
         speed = (spheres.velocity**2).sum(axis=0)
         rim = (spheres.rim**2).sum(axis=0)
+        height = np.average(spheres.position[2], weights=spheres.mass)
         return {
             "mean_velocity": velocity,
             "mass_flux": velocity * spheres.mass.sum() / self.box.length[0] ** 2,
             "kinetic_energy": 0.5 * (spheres.mass * speed).sum(),
             "rotational_energy": 0.5 * SOLID * (spheres.mass * rim).sum(),
-            "height_of_mass": np.average(spheres.position[2], weights=spheres.mass),
+            **self._ledger(height),
+            "height_of_mass": height,
             "contact_number": mean[leap_frog.CONTACTS] / len(spheres.mass),
             "largest_overlap": sums[leap_frog.LARGEST],
             "base_normal_force": mean[leap_frog.PLANE_Z],
             "base_shear_force": -mean[leap_frog.PLANE_X],
+        }
+
+    def _ledger(self, height: float) -> dict[str, float]:
+        """Return where the energy is and has gone; a friction's work is stored or lost."""
+        p, spheres, sums, step = (
+            self.parameters,
+            self.spheres,
+            self.flow.sums,
+            self.flow.step[0] % 2,
+        )
+        self.travelled += sums[leap_frog.VELOCITY] * p.time_step
+        self.lost += sums[leap_frog.LOST]
+        self.work_done += sums[leap_frog.WORK]
+        pairs = stored_in_pairs(
+            self.laws[0], spheres, self.pairs, self.memory[step], self.box, p.time_step
+        )
+        plane = stored_in_plane(
+            self.laws[1], spheres, self.plane, self.plane.memory[step], p.time_step
+        )
+        normal, tangential = pairs[0] + plane[0], pairs[1] + plane[1]
+        along, across = self.gravity[0] * self.travelled, -self.gravity[2] * height
+        return {
+            "potential_energy": spheres.mass.sum() * (across - along),
+            "stored_energy": normal + tangential,
+            "normal_loss": self.lost,
+            "frictional_loss": self.work_done - tangential,
         }
 
     def sample_profiles(self) -> tuple[Profile, ...]:
