@@ -10,29 +10,13 @@ import xarray as xr
 
 from sim.errors import InputError
 from sim.files import replacing
+from sim.observe.scalars import SCALARS
 from sim.parameters import SYSTEMS, field_info
 from sim.study import Study, load_study
 
-#: Blocks that the averaging window is cut into for the errors of the base forces.
-BLOCKS = 10
-
 #: Scalars per replicate that a run file may hold. A system without one of them gets NaN.
-NUMBERS = (
-    "velocity",
-    "velocity_error",
-    "acceleration",
-    "acceleration_error",
-    "max_overlap",
-    "steps",
-    "wall_time",
-    "replicate_seed",
-    "base_normal",
-    "base_shear",
-)
-
-#: Reduced here from the time series of a chute run.
-REDUCED = ("base_normal_error", "base_shear_error", "momentum_budget", "momentum_budget_error")
-WORDS = ("regime", "status", "reason")
+NUMBERS = tuple(name for name, (unit, _) in SCALARS.items() if unit)
+WORDS = tuple(name for name, (unit, _) in SCALARS.items() if not unit)
 
 _CAVEAT = {"long_name": "what to know before trusting the point"}
 
@@ -71,8 +55,6 @@ def build(study_path: str | Path, results: str | Path = "results") -> Path:
 def read_run(path: Path) -> xr.Dataset:
     """Read what a dataset keeps of a run file: scalars per replicate, parameters, provenance.
 
-    Time series of forces are reduced on the way, so that only small arrays stay in memory.
-
     Raises
     ------
     InputError
@@ -93,7 +75,7 @@ def read_run(path: Path) -> xr.Dataset:
                 for name, values in run.variables.items()
                 if values.dims == () or name in {*NUMBERS, *WORDS}
             ]
-            return run[kept].load().assign(_reduced(run))
+            return run[kept].load()
     except (OSError, ValueError) as error:
         raise InputError(
             f"{path}: cannot be read as a run file ({error}); delete it and rerun"
@@ -118,7 +100,7 @@ def combine(runs: Sequence[xr.Dataset], study: Study) -> xr.Dataset:
         NaN or ``""`` where it is not one of the point's system.
     """
     replicates = max(run.sizes["replicate"] for run in runs)
-    names = [name for name in (*NUMBERS, *REDUCED, *WORDS) if any(name in run for run in runs)]
+    names = [name for name in (*NUMBERS, *WORDS) if any(name in run for run in runs)]
     return xr.Dataset(
         {name: _padded(runs, name, replicates) for name in names},
         coords=_labels(runs, study)
@@ -144,82 +126,6 @@ def _padded(runs: Sequence[xr.Dataset], name: str, replicates: int) -> Any:
             row[: run.sizes["replicate"]] = run[name].values
     attrs = next(run[name].attrs for run in runs if name in run)
     return ("point", "replicate"), table, attrs
-
-
-def _reduced(run: xr.Dataset) -> dict[str, Any]:
-    """Return what the force balance needs of a chute run's time series, N per replicate."""
-    if "base_shear_force" not in run:
-        return {}
-    inside = run["time"].values > run["average_start"].values
-    time = run["time"].values[inside]
-    normal = run["base_normal_force"].values[:, inside]
-    shear = run["base_shear_force"].values[:, inside]
-    momentum = float(run["particles"] * run["mass"]) * run["mean_velocity"].values[:, inside]
-    budget, budget_error = momentum_budget(time, shear, momentum)
-    reduced = {
-        "base_normal_error": (bounded_error(normal), "standard error of base_normal"),
-        "base_shear_error": (bounded_error(shear), "standard error of base_shear"),
-        "momentum_budget": (budget, "mean base shear plus rate of change of momentum along x"),
-        "momentum_budget_error": (budget_error, "standard error of momentum_budget"),
-    }
-    return {
-        name: ("replicate", values, {"units": "N", "long_name": long_name})
-        for name, (values, long_name) in reduced.items()
-    }
-
-
-def bounded_error(series: np.ndarray) -> np.ndarray:
-    """Return the standard error of the mean of a series whose sum stays bounded.
-
-    What the base force of a steady flow lacks of the weight goes into momentum, so its time
-    integral is bounded and block means are anticorrelated: the mean over B blocks is off by the
-    spread of one block divided by B, not by its square root.
-
-    Parameters
-    ----------
-    series : (..., T) array
-        Means over successive intervals.
-
-    Returns
-    -------
-    (...) array
-        Not-a-number where there are fewer than two samples.
-    """
-    if series.shape[-1] < 2:
-        return np.full(series.shape[:-1], np.nan)
-    parts = np.array_split(series, min(BLOCKS, series.shape[-1]), axis=-1)
-    return np.stack([part.mean(axis=-1) for part in parts]).std(axis=0, ddof=1) / len(parts)
-
-
-def momentum_budget(
-    time: np.ndarray, shear: np.ndarray, momentum: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Return mean base shear plus rate of change of momentum, and its standard error, N.
-
-    Newton's second law makes it the weight along the slope, steady or not. The difference of the
-    mean momenta of two intervals is the force weighted by a ramp over the one, by 1 between and by
-    a ramp over the other; a weight of one half stands for each ramp, and what fluctuates within
-    these two intervals (as much as from one to the next) is the error.
-
-    Parameters
-    ----------
-    time : (T,) array
-        Ends of the intervals, s.
-    shear, momentum : (R, T) arrays
-        Means over the intervals: force on the plane (N) and momentum along the slope (kg m/s).
-
-    Returns
-    -------
-    tuple of (R,) arrays
-        Not-a-number where there are fewer than two samples.
-    """
-    if time.size < 2:
-        return np.full(len(shear), np.nan), np.full(len(shear), np.nan)
-    weights = np.ones(time.size)
-    weights[[0, -1]] = 0.5
-    change = (momentum[:, -1] - momentum[:, 0]) / (time[-1] - time[0])
-    error = shear.std(axis=1, ddof=1) / (np.sqrt(6) * (time.size - 1))
-    return np.average(shear, axis=1, weights=weights) + change, error
 
 
 def _labels(runs: Sequence[xr.Dataset], study: Study) -> dict[str, Any]:

@@ -6,9 +6,6 @@ from scipy.special import stdtrit
 
 CONFIDENCE = 0.95
 
-#: Block means behind the standard error of a run (fewer only in very short runs).
-BLOCKS = 12
-
 OUTCOME = ("velocity", "half_width", "interval", "completed", "regime", "reason")
 
 
@@ -30,7 +27,7 @@ def outcome(point: xr.Dataset) -> dict[str, object]:
     """
     completed = point.isel(replicate=np.flatnonzero(point["status"].values == "completed"))
     velocities = completed["velocity"].values
-    half_width, interval = velocity_interval(velocities, completed["velocity_error"].values)
+    half_width, interval = velocity_interval(velocities, completed["velocity_half_width"].values)
     regimes = list(dict.fromkeys(completed["regime"].values))
     reasons = dict.fromkeys(reason for reason in point["reason"].values if reason)
     return {
@@ -43,20 +40,21 @@ def outcome(point: xr.Dataset) -> dict[str, object]:
     }
 
 
-def velocity_interval(velocities: np.ndarray, errors: np.ndarray) -> tuple[float, str]:
+def velocity_interval(velocities: np.ndarray, half_widths: np.ndarray) -> tuple[float, str]:
     """Return the half width of the 95 % interval of a mean over replicates, and its kind.
 
-    Two replicates or more give Student's interval over them. A single one gives Student's interval
-    from the block means within its run, which does not know how much one initial state differs
-    from another.
+    Two replicates or more give Student's interval over them, which knows how much one initial state
+    differs from another; where few agree by accident, what each knows of itself still counts:
+    the interval is not smaller than that of the mean of their own. A single one has only its own.
 
     >>> velocity_interval(np.array([1.0]), np.array([0.1]))[1]
     'within run'
     """
+    own = float(np.sqrt((half_widths**2).sum())) / max(1, velocities.size)
     if velocities.size >= 2:
-        return student_half_width(velocities), "replicates"
-    if velocities.size == 1 and np.isfinite(errors[0]):
-        return float(stdtrit(BLOCKS - 1, (1 + CONFIDENCE) / 2) * errors[0]), "within run"
+        return float(np.nanmax([student_half_width(velocities), own])), "replicates"
+    if velocities.size == 1 and np.isfinite(own):
+        return own, "within run"
     return np.nan, "none"
 
 

@@ -35,12 +35,11 @@ LOG_INTERVAL = 30.0
 class Layout:
     """What the replicates of a run have in common.
 
-    ``time`` (T,) end of each sample interval (s), ``average_start`` (s), ``height`` (H,) centres of
-    the slices (m), ``series`` name -> (unit, long name), ``axes`` names of the directions.
+    ``time`` (T,) end of each sample interval (s), ``height`` (H,) centres of the slices (m),
+    ``series`` name -> (unit, long name), ``axes`` names of the directions.
     """
 
     time: np.ndarray
-    average_start: float
     height: np.ndarray
     series: dict[str, tuple[str, str]]
     axes: tuple[str, ...]
@@ -83,7 +82,7 @@ def run_point(
         output,
         parameters,
         records,
-        _layout(parameters, system),
+        _layout(parameters, system, max(len(r.series["mean_velocity"]) for r in records)),
         _attributes(parameters, records, reasons, wall),
     )
     for record in records:
@@ -95,12 +94,12 @@ def run_point(
 def _run_replicate(system: System, parameters: Parameters, replicate: int, advanced) -> Record:
     """Run one replicate to its end or to its blow-up."""
     started = time.perf_counter()
-    recorder = Recorder(system, parameters.transient_samples, parameters.average_samples)
+    recorder = Recorder(system)
     failure = ""
     try:
         system.settle()
         recorder.take_snapshot()
-        while recorder.taken < recorder.total:
+        while not recorder.stopped:
             recorder.take(system.advance())
             advanced(parameters.sample_steps)
     except BlowUp as error:
@@ -108,8 +107,7 @@ def _run_replicate(system: System, parameters: Parameters, replicate: int, advan
         if not recorder.record.snapshots:
             recorder.take_snapshot()
     recorder.take_snapshot()
-    interval = parameters.sample_steps * parameters.time_step
-    record = recorder.finish(interval, failure)
+    record = recorder.finish(failure)
     record.scalars |= {
         "steps": recorder.taken * parameters.sample_steps,
         "wall_time": time.perf_counter() - started,
@@ -124,17 +122,15 @@ def _closing_line(name: str, record: Record) -> tuple[int, str]:
     if values["reason"]:
         return logging.WARNING, f"{name}: failed: {values['reason']}"
     return logging.INFO, (
-        f"{name}: velocity {values['velocity']:.4g} ± {values['velocity_error']:.2g} m/s, "
-        f"{values['regime']}"
+        f"{name}: velocity {values['velocity']:.4g} ± {values['velocity_half_width']:.2g} m/s, "
+        f"{values['regime']}, {values['quality']}, stopped by {values['stopped']}"
     )
 
 
-def _layout(parameters: Parameters, system: System) -> Layout:
+def _layout(parameters: Parameters, system: System, samples: int) -> Layout:
     interval = parameters.sample_steps * parameters.time_step
-    samples = parameters.transient_samples + parameters.average_samples
     return Layout(
         time=np.arange(1, samples + 1) * interval,
-        average_start=parameters.transient_samples * interval,
         height=system.profile_height,
         series=system.series,
         axes=("x", "y", "z") if parameters.system == "chute" else ("x", "z"),

@@ -5,8 +5,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sim.compile import append_negative, inlined, vectorised
-from sim.contact.damping import disk_force
+from sim.compile import append_negative, inlined, kernel, vectorised
+from sim.contact.damping import disk_force, dissipated, elastic_energy
 
 
 class Belt(NamedTuple):
@@ -37,13 +37,16 @@ def belt_state(belt, time):
 
 @inlined
 def belt_forces(law, disks, belt, work, time, time_step):
-    """Add the forces of the belt; return the number of contacts and the largest overlap / diameter.
+    """Add the forces of the belt.
 
-    The ghost lies right below the bead and moves with the belt, so the normal is vertical.
+    The ghost lies right below the bead and moves with the belt, so the normal is vertical. Returns
+    the number of contacts, the largest overlap per diameter, the powers (W) that normal and shear
+    damping take, and the power of the belt.
     """
     vectorised()
     height, (belt_x, belt_z) = belt_state(belt, time)
     largest, per_step, beads = 0.0, 1.0 / time_step, disks.radius.size
+    normal_loss, shear_loss, power = 0.0, 0.0, 0.0
     for i in range(beads):
         work.gap[i] = disks.taylor[0, 1, i] - disks.radius[i] - (belt.surface + height)
     contacts = np.int64(append_negative(work.gap, beads, 0, work.touching, np.uint64(0)))
@@ -55,5 +58,19 @@ def belt_forces(law, disks, belt, work, time, time_step):
         fx, fz = disk_force(law, overlap, (0.0, -1.0), (vx, vz), disks.mass[i], 0.0)
         disks.force[0, i] += fx
         disks.force[1, i] += fz
+        pressed, sheared = dissipated(law, overlap, (0.0, -1.0), (vx, vz), (fx, fz))
+        normal_loss += pressed
+        shear_loss += sheared
+        power += fx * belt_x + fz * belt_z
         largest = max(largest, 0.5 * overlap / disks.radius[i])
-    return contacts, largest
+    return contacts, largest, normal_loss, shear_loss, power
+
+
+@kernel
+def stored_in_belt(law, disks, belt, time):
+    """Return the energy (J) in the springs of all beads on the belt."""
+    height, energy = belt_state(belt, time)[0] + belt.surface, 0.0
+    for i in range(disks.radius.size):
+        overlap = disks.radius[i] + height - disks.taylor[0, 1, i]
+        energy += elastic_energy(law, overlap) if overlap > 0.0 else 0.0
+    return energy

@@ -5,8 +5,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sim.compile import append_negative, inlined, vectorised
-from sim.contact.damping import disk_force
+from sim.compile import append_negative, inlined, kernel, vectorised
+from sim.contact.damping import disk_force, dissipated, elastic_energy
 from sim.dynamics.cells import nearest_image
 
 
@@ -20,14 +20,16 @@ class Obstacle(NamedTuple):
 
 @inlined
 def obstacle_forces(law, disks, obstacle, box, work, time_step):
-    """Add the forces of the obstacle; return the number of contacts and the largest overlap.
+    """Add the forces of the obstacle.
 
-    The overlap is relative to the sum of the radii.
+    Returns the number of contacts, the largest overlap relative to the sum of the radii, and the
+    powers (W) that normal and shear damping take.
     """
     vectorised()
     largest, per_step, beads = 0.0, 1.0 / time_step, disks.radius.size
+    normal_loss, shear_loss = 0.0, 0.0
     if obstacle.radius <= 0.0:
-        return 0, largest
+        return 0, largest, normal_loss, shear_loss
     for i in range(beads):
         dx = nearest_image(obstacle.x - disks.taylor[0, 0, i], box, 0)
         dz = obstacle.z - disks.taylor[0, 1, i]
@@ -44,5 +46,22 @@ def obstacle_forces(law, disks, obstacle, box, work, time_step):
         fx, fz = disk_force(law, reach - distance, normal, velocity, disks.mass[i], 0.0)
         disks.force[0, i] += fx
         disks.force[1, i] += fz
+        pressed, sheared = dissipated(law, reach - distance, normal, velocity, (fx, fz))
+        normal_loss += pressed
+        shear_loss += sheared
         largest = max(largest, (reach - distance) / reach)
-    return contacts, largest
+    return contacts, largest, normal_loss, shear_loss
+
+
+@kernel
+def stored_in_obstacle(law, disks, obstacle, box):
+    """Return the energy (J) in the springs of all beads at the obstacle."""
+    energy = 0.0
+    if obstacle.radius <= 0.0:
+        return energy
+    for i in range(disks.radius.size):
+        dx = nearest_image(obstacle.x - disks.taylor[0, 0, i], box, 0)
+        dz = obstacle.z - disks.taylor[0, 1, i]
+        overlap = disks.radius[i] + obstacle.radius - sqrt(dx * dx + dz * dz)
+        energy += elastic_energy(law, overlap) if overlap > 0.0 else 0.0
+    return energy

@@ -1,6 +1,6 @@
 """The family of laws without memory or rotation: disks in two dimensions."""
 
-from sim.compile import implements
+from sim.compile import implements, inlined
 
 
 def disk_force(law, overlap, normal, velocity, mass, inverse_partner_mass):
@@ -24,4 +24,28 @@ def disk_force(law, overlap, normal, velocity, mass, inverse_partner_mass):
     raise NotImplementedError(type(law).__name__)
 
 
-__all__ = ["disk_force", "implements"]
+def elastic_force(law, overlap):
+    """Return the repulsion (N) of the spring alone, which gives back what it has stored."""
+    raise NotImplementedError(type(law).__name__)
+
+
+def elastic_energy(law, overlap):
+    """Return the energy (J) stored in the spring at an overlap (m)."""
+    raise NotImplementedError(type(law).__name__)
+
+
+@inlined
+def dissipated(law, overlap, normal, velocity, force):
+    """Return the power (W) that normal and shear damping take from a disk.
+
+    Arguments as for ``disk_force``, which has given ``force``. ``velocity`` is the disk's own, or
+    relative to a driven partner, whose work is then counted apart.
+    """
+    nx, nz = normal
+    speed = velocity[0] * nx + velocity[1] * nz
+    pull = force[0] * nx + force[1] * nz
+    total = force[0] * velocity[0] + force[1] * velocity[1]
+    return -(pull + elastic_force(law, overlap)) * speed, pull * speed - total
+
+
+__all__ = ["disk_force", "dissipated", "elastic_energy", "elastic_force", "implements"]

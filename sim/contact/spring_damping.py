@@ -6,7 +6,7 @@ Equations: Gallas, Herrmann and Sokolowski, J. Phys. II France 2 (1992) 1389, Eq
 from typing import NamedTuple
 
 from sim.compile import implements, inlined
-from sim.contact.damping import disk_force
+from sim.contact.damping import disk_force, elastic_energy, elastic_force
 
 
 class OwnMass(NamedTuple):
@@ -105,4 +105,18 @@ def _spring_damping(law, overlap, normal, velocity, mass, inverse_partner_mass):
         return lambda law, overlap, normal, velocity, mass, inverse_partner_mass: _damped_spring(
             law, overlap, normal, velocity, mass, inverse_partner_mass
         )
+    return None
+
+
+@implements(elastic_force)
+def _elastic_force(law, overlap):
+    if law.instance_class is SpringDamping:
+        return lambda law, overlap: law.spring.stiffness * overlap
+    return None
+
+
+@implements(elastic_energy)
+def _elastic_energy(law, overlap):
+    if law.instance_class is SpringDamping:
+        return lambda law, overlap: 0.5 * law.spring.stiffness * overlap * overlap
     return None

@@ -5,8 +5,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sim.compile import inlined, vectorised
-from sim.contact.damping import disk_force
+from sim.compile import inlined, kernel, vectorised
+from sim.contact.damping import disk_force, dissipated, elastic_energy
 from sim.dynamics.cells import nearest_image
 from sim.dynamics.neighbors import find_touching
 
@@ -64,11 +64,12 @@ def make_work(beads: int) -> Work:
 def pair_forces(law, disks, pairs, box, work, time_step):
     """Add the forces of all touching pairs, each disk's as it sees the contact itself.
 
-    Returns the number of touching pairs and the largest overlap relative to the sum of the radii.
+    Returns the number of touching pairs, the largest overlap relative to the sum of the radii, and
+    the powers (W) that normal and shear damping take.
     """
     vectorised()
     x, force, mass = disks.taylor, disks.force, disks.mass
-    largest = 0.0
+    largest, normal_loss, shear_loss = 0.0, 0.0, 0.0
     per_step = 1.0 / time_step
     touching = find_touching(x[0], pairs, box, 0, pairs.start[-1], 0, work.gap)
     for k in range(touching):
@@ -80,13 +81,30 @@ def pair_forces(law, disks, pairs, box, work, time_step):
         reach = pairs.reach[p]
         overlap = reach - distance
         nx, nz = dx / distance, dz / distance
-        vx = (x[1, 0, i] - x[1, 0, j]) * per_step
-        vz = (x[1, 1, i] - x[1, 1, j]) * per_step
+        own = (x[1, 0, i] * per_step, x[1, 1, i] * per_step)
+        other = (x[1, 0, j] * per_step, x[1, 1, j] * per_step)
+        vx, vz = own[0] - other[0], own[1] - other[1]
         fx, fz = disk_force(law, overlap, (nx, nz), (vx, vz), mass[i], 1.0 / mass[j])
         force[0, i] += fx
         force[1, i] += fz
+        pressed, sheared = dissipated(law, overlap, (nx, nz), own, (fx, fz))
         fx, fz = disk_force(law, overlap, (-nx, -nz), (-vx, -vz), mass[j], 1.0 / mass[i])
         force[0, j] += fx
         force[1, j] += fz
+        pressed_other, sheared_other = dissipated(law, overlap, (-nx, -nz), other, (fx, fz))
+        normal_loss += pressed + pressed_other
+        shear_loss += sheared + sheared_other
         largest = max(largest, overlap / reach)
-    return touching, largest
+    return touching, largest, normal_loss, shear_loss
+
+
+@kernel
+def stored_in_pairs(law, disks, pairs, box):
+    """Return the energy (J) in the springs of all touching pairs."""
+    x, energy = disks.taylor[0], 0.0
+    for p in range(pairs.start[-1]):
+        i, j = pairs.first[p], pairs.second[p]
+        dx, dz = nearest_image(x[0, j] - x[0, i], box, 0), x[1, j] - x[1, i]
+        overlap = pairs.reach[p] - sqrt(dx * dx + dz * dz)
+        energy += elastic_energy(law, overlap) if overlap > 0.0 else 0.0
+    return energy

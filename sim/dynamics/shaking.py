@@ -15,8 +15,8 @@ from sim.dynamics.neighbors import refresh
 from sim.dynamics.status import OK, OVERLAP
 
 # Columns of ``Shaking.sums``: sums over the steps since they were last cleared.
-STEPS, VELOCITY, MOMENTUM, CONTACTS, LARGEST = range(5)
-SUMS = 5
+STEPS, VELOCITY, MOMENTUM, CONTACTS, LARGEST, NORMAL_LOSS, SHEAR_LOSS, BELT_WORK = range(8)
+SUMS = 8
 
 #: Steps between two searches for vanishing Taylor terms.
 FLUSH_INTERVAL = 32
@@ -26,7 +26,7 @@ class Shaking(NamedTuple):
     """What the loop over steps carries besides beads and neighbor list.
 
     ``step`` (1,) number of the last completed step; ``predicted`` (1,) whether the positions are
-    those predicted for the next step; ``sums`` (5,) see above.
+    those predicted for the next step; ``sums`` (8,) see above.
     """
 
     step: np.ndarray
@@ -122,9 +122,13 @@ def advance(
             if status != OK:
                 return status
         clear(disks)
-        touching, overlap = pair_forces(law, disks, pairs, box, work, time_step)
-        resting, belt_overlap = belt_forces(law, disks, belt, work, step * time_step, time_step)
-        blocked, obstacle_overlap = obstacle_forces(law, disks, obstacle, box, work, time_step)
+        touching, overlap, pressed, sheared = pair_forces(law, disks, pairs, box, work, time_step)
+        resting, belt_overlap, belt_pressed, belt_sheared, power = belt_forces(
+            law, disks, belt, work, step * time_step, time_step
+        )
+        blocked, obstacle_overlap, fixed_pressed, fixed_sheared = obstacle_forces(
+            law, disks, obstacle, box, work, time_step
+        )
         moved, momentum = move(integrator, disks, gravity)
         overlap = max(overlap, belt_overlap, obstacle_overlap)
         sums[STEPS] += 1.0
@@ -132,6 +136,9 @@ def advance(
         sums[MOMENTUM] += momentum / time_step
         sums[CONTACTS] += 2.0 * touching + resting + blocked
         sums[LARGEST] = max(sums[LARGEST], overlap)
+        sums[NORMAL_LOSS] += (pressed + belt_pressed + fixed_pressed) * time_step
+        sums[SHEAR_LOSS] += (sheared + belt_sheared + fixed_sheared) * time_step
+        sums[BELT_WORK] += power * time_step
         if step % FLUSH_INTERVAL == 0:
             flush(disks.taylor)
         shaking.step[0] = step

@@ -1,11 +1,13 @@
-"""What one replicate leaves behind, collected while it runs."""
+"""What one replicate leaves behind, collected while it runs, and when it has run long enough."""
 
 from dataclasses import dataclass, field
 
 import numpy as np
 
-from sim.observe.profiles import Profile
-from sim.observe.regime import Trend, analyse
+from sim.observe import stopping
+from sim.observe.blocks import ProfileBlocks
+from sim.observe.force_balance import base_forces
+from sim.observe.regime import FAILED, Trend, analyse
 from sim.systems import System
 
 
@@ -25,73 +27,124 @@ class Record:
 
 
 class Recorder:
-    """Collects the samples of one replicate: ``transient`` ones first, then ``average`` ones."""
+    """Collects the samples of one replicate until its protocol is content.
 
-    def __init__(self, system: System, transient: int, average: int):
+    ``taken`` samples so far; ``stopped`` is the reason to take no more, empty until then.
+    """
+
+    def __init__(self, system: System):
+        p = system.parameters
         self.system = system
-        self.transient = transient
-        self.total = transient + average
         self.taken = 0
-        self.record = Record({name: np.full(self.total, np.nan) for name in system.series})
-        self._cumulative: tuple[Profile, ...] | None = None
-        self._latest: tuple[Profile, ...] | None = None
+        self.stopped = ""
+        self._published = p.protocol == "published"
+        self._interval = p.sample_steps * p.time_step
+        self._start = p.transient_samples if self._published else 0
+        self._looks = stopping.looks(p.shortest_samples, p.longest_samples)
+        self._trend: Trend | None = None
+        self._table = np.full((len(system.series), p.shortest_samples), np.nan)
+        self._profiles = ProfileBlocks()
+        self._snapshots: dict[str, list[np.ndarray]] = {}
 
     def take(self, values: dict[str, float]) -> None:
-        """Store one sample and, past the transient, add its profiles."""
-        for name, value in values.items():
-            self.record.series[name][self.taken] = value
-        if self.taken >= self.transient:
-            self._latest = self.system.sample_profiles()
-            if self._cumulative is None:
-                self._cumulative = self._latest
-            else:
-                self._cumulative = tuple(
-                    total.plus(latest)
-                    for total, latest in zip(self._cumulative, self._latest, strict=True)
-                )
+        """Store one sample and decide whether it was the last."""
+        if self.taken == self._table.shape[1]:
+            self._table = np.pad(self._table, ((0, 0), (0, self.taken)), constant_values=np.nan)
+        self._table[:, self.taken] = [values[name] for name in self.system.series]
+        if not self._published or self.taken >= self._start:
+            self._profiles.add(self.system.sample_profiles())
         self.taken += 1
+        if self.taken in self._looks:
+            self._look()
+
+    def _look(self) -> None:
+        """Analyse the velocity so far; stop where that is enough, and at the longest length."""
+        p, velocity = self.system.parameters, self._velocity()
+        scales, period = self.system.scales, self.system.period
+        reason = stopping.LENGTH
+        if self._published:
+            self._trend = analyse(velocity[self._start :], self._interval, scales, period)
+        else:
+            self._start, self._trend, reason = stopping.verdict(
+                velocity, self._interval, scales, period, p.target
+            )
+        last = self.taken == self._looks[-1]
+        self.stopped = reason or (stopping.LIMIT if last else "")
+
+    def _velocity(self) -> np.ndarray:
+        row = list(self.system.series).index("mean_velocity")
+        return self._table[row, : self.taken]
 
     def take_snapshot(self) -> None:
         """Store the present state as the next snapshot."""
         for name, array in self.system.snapshot().items():
-            self.record.snapshots.setdefault(name, []).append(array)
+            self._snapshots.setdefault(name, []).append(array)
 
-    def finish(self, interval: float, failure: str) -> Record:
+    def finish(self, failure: str) -> Record:
         """Return the record with its averages; ``failure`` is the reason of a blow-up, or empty."""
-        record = self.record
-        window = slice(self.transient, self.total)
-        trend = self._trend(interval, failure)
+        length = self.taken if self.stopped else max(self.taken, self._looks[0])
+        table = self._table[:, :length]
+        record = Record(dict(zip(self.system.series, table, strict=True)))
+        record.snapshots = self._snapshots
         record.scalars = {
-            "velocity": trend.velocity,
-            "velocity_error": trend.velocity_error,
-            "acceleration": trend.acceleration,
-            "acceleration_error": trend.acceleration_error,
-            "regime": trend.regime,
+            **self._averages(FAILED if failure else self._trend),
+            **self._energies(record.series),
             "max_overlap": float(np.max(record.series["largest_overlap"][: self.taken], initial=0)),
+            "stopped": "failure" if failure else self.stopped,
             "status": "failed" if failure else "completed",
             "reason": failure,
         }
-        for scalar, name in (
-            ("base_normal", "base_normal_force"),
-            ("base_shear", "base_shear_force"),
-        ):
-            if name in record.series:
-                record.scalars[scalar] = float(record.series[name][window].mean())
-        self._add_profiles()
+        if "base_shear_force" in record.series:
+            record.scalars |= self._base_forces(record.series)
+        self._add_profiles(record)
         return record
 
-    def _trend(self, interval: float, failure: str) -> Trend:
-        """Analyse the averaging window; a failed run has no mean and no regime."""
-        if failure:
-            return Trend(np.nan, np.nan, np.nan, np.nan, "undetermined")
-        velocity = self.record.series["mean_velocity"][self.transient :]
-        return analyse(velocity, interval, self.system.scales, self.system.period)
+    def _averages(self, trend: Trend) -> dict[str, float | str]:
+        transient = stopping.window_start(self._velocity(), self.system.period)
+        return {
+            "velocity": trend.velocity.value,
+            "velocity_error": trend.velocity.error,
+            "velocity_half_width": trend.velocity.half_width,
+            "acceleration": trend.acceleration.value,
+            "acceleration_error": trend.acceleration.error,
+            "acceleration_half_width": trend.acceleration.half_width,
+            "regime": trend.regime,
+            "quality": trend.quality,
+            "independent_samples": trend.independent,
+            "average_start": self._start * self._interval,
+            "transient_end": transient * self._interval,
+        }
 
-    def _add_profiles(self) -> None:
+    def _energies(self, series: dict[str, np.ndarray]) -> dict[str, float]:
+        """Return mean powers over the window and how well the ledger closes over the whole run."""
+        ledger, taken = self.system.ledger, self.taken
+        if taken < 2:
+            return dict.fromkeys(("energy_residual", *ledger.powers.values()), np.nan)
+        change = {name: float(values[taken - 1] - values[0]) for name, values in series.items()}
+        residual = sum(sign * change[name] for name, sign in ledger.terms.items())
+        turnover = sum(change[name] for name in ledger.turnover)
+        start = min(max(self._start - 1, 0), taken - 2)
+        time = (taken - 1 - start) * self._interval
+        powers = {
+            power: float(series[name][taken - 1] - series[name][start]) / time
+            for name, power in ledger.powers.items()
+        }
+        return {"energy_residual": residual / turnover if turnover else np.nan, **powers}
+
+    def _base_forces(self, series: dict[str, np.ndarray]) -> dict[str, float]:
+        names = ("base_shear_force", "base_normal_force", "mean_velocity")
+        window = (series[name][self._start :] for name in names)
+        return base_forces(*window, self.system.mass, self._interval)
+
+    def _add_profiles(self, record: Record) -> None:
         """Turn the sums into profiles; without a sample past the transient they are undefined."""
         empty = tuple(profile.zeros() for profile in self.system.sample_profiles())
-        for suffix, sums in (("", self._cumulative), ("_instantaneous", self._latest)):
+        offset = 0 if self._published else self._start
+        for suffix, sums in (
+            ("", self._profiles.since(offset)),
+            ("_instantaneous", self._profiles.latest),
+        ):
             with np.errstate(invalid="ignore", divide="ignore"):
                 profiles = self.system.profiles(sums or empty)
             for name, values in profiles.items():
-                self.record.profiles[name + suffix] = values
+                record.profiles[name + suffix] = values

@@ -1,17 +1,21 @@
-"""Mean, trend and regime of a velocity series within the averaging window."""
+"""The regime of a flow, by tests with stated error rates on the trend of its mean velocity.
+
+Each decision rests on a 95 % interval of the slope: a flow is called accelerating or steady though
+it is not in at most 2.5 % of cases, for the interval must lie beyond, or within, what is negligible
+as a whole. What the interval leaves open is undetermined.
+"""
 
 from dataclasses import dataclass
 
 import numpy as np
 
-#: Blocks that the averaging window is cut into; their means are treated as independent.
-BLOCKS = 12
+from sim.observe.estimate import FEWEST, Interval, cycle_means, mean, slope
 
-#: A trend counts as real when it exceeds this many standard errors.
-SIGNIFICANT = 5.0
+#: Independent samples that a mean needs for its interval to hold; with fewer it is `short`.
+INDEPENDENT = 20.0
 
-#: A significant trend is no trend only below this fraction of the negligible one.
-TINY = 0.4
+#: A change of the velocity over the window by this fraction of its mean is a drift.
+DRIFT = 0.1
 
 
 @dataclass(frozen=True)
@@ -19,7 +23,7 @@ class Scales:
     """What counts as small, from the parameters of a point.
 
     ``arrested`` (m/s): a velocity below it is no flow. A trend is none when it is below
-    ``acceleration`` (m/s²), or changes the velocity by less than the fraction ``drift`` of its mean
+    ``acceleration`` (m/s²) and changes the velocity by less than the fraction ``drift`` of its mean
     over the whole window.
     """
 
@@ -30,74 +34,72 @@ class Scales:
 
 @dataclass(frozen=True)
 class Trend:
-    """``velocity`` ± ``velocity_error`` (m/s), ``acceleration`` ± its error (m/s²), ``regime``."""
+    """Mean and slope of the velocity (m/s, m/s²), the regime, and what the mean is worth.
 
-    velocity: float
-    velocity_error: float
-    acceleration: float
-    acceleration_error: float
-    regime: str
-
-
-def block_means(values: np.ndarray, blocks: int = BLOCKS, period: int = 1) -> np.ndarray:
-    """Return means over equal blocks of whole periods; what does not fill a block is left out.
-
-    The remainder is dropped at the start, where the memory of the transient is strongest. Less than
-    a period is one block.
+    ``quality``: `reliable`; `short`: too few independent samples for an interval that holds, or to
+    rule out a drift; `drifting`: the velocity changes, so its mean is that of the window alone;
+    `jammed`: the velocity is constant, so there is no scatter to tell an error from; `failed`.
+    ``independent`` is the number of independent samples.
     """
-    period = min(period, len(values))
-    periods = len(values) // period
-    blocks = max(1, min(blocks, periods))
-    length = periods // blocks * period
-    used = values[len(values) - blocks * length :]
-    return used.reshape(blocks, length).mean(axis=1)
+
+    velocity: Interval
+    acceleration: Interval
+    regime: str
+    quality: str
+    independent: float
+
+
+UNKNOWN = Interval(np.nan, np.nan, np.nan)
+
+#: Of a run that blew up: no mean and no regime.
+FAILED = Trend(UNKNOWN, UNKNOWN, "undetermined", "failed", np.nan)
 
 
 def analyse(velocity: np.ndarray, interval: float, scales: Scales, period: int = 1) -> Trend:
-    """Fit a line to block means of the velocity and name the regime.
+    """Find mean, slope and regime of a velocity series.
 
     Parameters
     ----------
     velocity : (T,) array
-        Mean velocity per sample interval (m/s).
+        Mean velocity per sample interval (m/s), the transient left out.
     interval : float
         Time between samples (s).
     scales : Scales
         What counts as small.
     period : int
-        Samples after which the driving repeats; blocks hold whole periods.
+        Samples after which the driving repeats; the series is averaged over whole periods first.
 
     Returns
     -------
     Trend
-        The mean is over the last whole periods. Errors are standard errors from the scatter of the
-        block means, not-a-number with fewer than three blocks; the regime is then undetermined.
+        Errors are not-a-number, and the regime undetermined, with fewer than 10 means over periods.
     """
-    means = block_means(velocity, period=period)
-    mean = float(block_means(velocity, 1, period)[0])
-    if len(means) < 3:
-        return Trend(mean, np.nan, np.nan, np.nan, "undetermined")
-    spacing = interval * (len(velocity) // period // len(means)) * period
-    time = (np.arange(len(means)) - (len(means) - 1) / 2) * spacing
-    (slope, _), covariance = np.polyfit(time, means, 1, cov=True)
-    error = float(np.sqrt(covariance[0, 0]))
-    mean_error = float(means.std(ddof=1) / np.sqrt(len(means)))
-    window = spacing * len(means)
-    negligible = max(scales.acceleration, scales.drift * abs(mean) / window)
-    if np.abs(means[len(means) // 2 :]).max() < scales.arrested:
-        regime = "arrested"
-    else:
-        regime = _moving_regime(float(slope), error, negligible)
-    return Trend(mean, mean_error, float(slope), error, regime)
+    cycles = cycle_means(velocity, period)
+    average, trend = mean(cycles), slope(cycles, interval * period)
+    if len(cycles) < FEWEST:
+        return Trend(average, trend, "undetermined", "short", float(len(cycles)))
+    independent = (cycles.std(ddof=1) / average.error) ** 2 if np.ptp(cycles) else 0.0
+    regime = _regime(cycles, average, trend, scales, interval * period * len(cycles))
+    return Trend(average, trend, regime, _quality(trend, regime, independent), float(independent))
 
 
-def _moving_regime(slope: float, error: float, negligible: float) -> str:
-    """Name the regime of a flow; one that slows, or is too noisy to tell, is undetermined."""
-    significant = abs(slope) > SIGNIFICANT * error
-    if slope > negligible and significant:
+def _regime(
+    cycles: np.ndarray, average: Interval, trend: Interval, scales: Scales, window: float
+) -> str:
+    """Name the regime of a series of means over periods that spans a ``window`` (s)."""
+    if np.abs(cycles[len(cycles) // 2 :]).max() < scales.arrested:
+        return "arrested"
+    negligible = min(scales.acceleration, scales.drift * abs(average.value) / window)
+    if trend.value - trend.half_width > negligible:
         return "accelerating"
-    if abs(slope) + 2.0 * error < negligible and not (
-        significant and abs(slope) > TINY * negligible
-    ):
+    if abs(trend.value) + trend.half_width < negligible:
         return "steady"
     return "undetermined"
+
+
+def _quality(trend: Interval, regime: str, independent: float) -> str:
+    if independent == 0.0:
+        return "jammed"
+    if regime not in ("steady", "arrested") and abs(trend.value) > trend.half_width:
+        return "drifting"
+    return "short" if regime == "undetermined" or independent < INDEPENDENT else "reliable"

@@ -7,24 +7,8 @@ import numpy as np
 
 from sim.files import replacing
 from sim.observe.recorder import Record
+from sim.observe.scalars import SCALARS
 from sim.parameters import Parameters, canonical, field_info
-
-#: Unit and long name of the scalars per replicate.
-SCALARS = {
-    "velocity": ("m s-1", "mean velocity over the averaging window"),
-    "velocity_error": ("m s-1", "standard error of the mean velocity, from block means"),
-    "acceleration": ("m s-2", "trend of the mean velocity over the averaging window"),
-    "acceleration_error": ("m s-2", "standard error of the trend"),
-    "regime": ("", "steady, accelerating, arrested or undetermined"),
-    "max_overlap": ("1", "largest overlap of the whole run, as in largest_overlap"),
-    "base_normal": ("N", "mean normal force on the plane over the averaging window"),
-    "base_shear": ("N", "mean shear force on the plane over the averaging window"),
-    "status": ("", "completed or failed"),
-    "reason": ("", "why the replicate failed"),
-    "steps": ("1", "time steps computed"),
-    "wall_time": ("s", "wall time"),
-    "replicate_seed": ("1", "index that, with the seed, starts the random generator"),
-}
 
 PROFILES = {
     "velocity_profile": ("m s-1", "mean velocity along x"),
@@ -134,19 +118,13 @@ def _write_axes(file, records, layout):
     height.axis, height.positive = "Z", "up"
     _put(file, "frame", ("frame",), np.array(["first", "last"]), "", "first or last state")
     _put(file, "axis", ("axis",), np.array(layout.axes), "", "direction")
-    _put(
-        file,
-        "average_start",
-        (),
-        layout.average_start,
-        "s",
-        "time at which the averaging window begins",
-    )
 
 
 def _write_records(file, records, layout):
     for name, (unit, long_name) in layout.series.items():
-        values = np.stack([record.series[name] for record in records])
+        values = np.full((len(records), len(layout.time)), np.nan)
+        for row, record in zip(values, records, strict=True):
+            row[: len(record.series[name])] = record.series[name]
         variable = _put(file, name, ("replicate", "time"), values, unit, long_name)
         variable.cell_methods = CELL_METHODS.get(name, "time: point")
     for name in records[0].profiles:

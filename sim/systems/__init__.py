@@ -4,6 +4,7 @@ from typing import Protocol
 
 import numpy as np
 
+from sim.observe.ledger import Ledger
 from sim.observe.profiles import Profile
 from sim.observe.regime import Scales
 from sim.parameters import BeltParameters, Parameters
@@ -13,12 +14,15 @@ class System(Protocol):
     """One replicate in motion: what ``sim.run`` needs of a system.
 
     ``parameters`` are those of the point; ``series`` maps the names of the time series to (unit,
-    long name); ``profile_height`` (H,) are the centres of the profiles' slices (m); ``scales`` and
-    ``period`` (samples) serve the analysis of the velocity's trend.
+    long name), and ``ledger`` tells which of them add up to the energy; ``profile_height`` (H,) are
+    the centres of the profiles' slices (m); ``scales`` and ``period`` (samples) serve the analysis
+    of the velocity's trend; ``mass`` is that of all particles (kg).
     """
 
     parameters: Parameters
     series: dict[str, tuple[str, str]]
+    ledger: Ledger
+    mass: float
     profile_height: np.ndarray
     scales: Scales
     period: int

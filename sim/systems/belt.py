@@ -5,17 +5,18 @@ from math import pi, radians, sqrt, tan
 import numpy as np
 
 from sim.boundary.belt import Belt as BeltMotion
-from sim.boundary.belt import belt_state
-from sim.boundary.obstacle import Obstacle
+from sim.boundary.belt import belt_state, stored_in_belt
+from sim.boundary.obstacle import Obstacle, stored_in_obstacle
 from sim.contact.spring_damping import spring_damping
 from sim.dynamics import shaking
 from sim.dynamics.cells import make_box
-from sim.dynamics.disks import make_disks, make_work
+from sim.dynamics.disks import make_disks, make_work, stored_in_pairs
 from sim.dynamics.gear import Gear, Verlet, restarted
 from sim.dynamics.neighbors import empty_pair_list, grown
 from sim.dynamics.status import LIST_FULL, OK, REASONS, BlowUp
+from sim.observe.ledger import Ledger
 from sim.observe.profiles import AREA, CENTRE, Profile, add_sample, empty_profile
-from sim.observe.regime import Scales
+from sim.observe.regime import DRIFT, Scales
 from sim.parameters import BeltParameters
 from sim.systems.packing import random_packing
 
@@ -39,6 +40,11 @@ class Belt:
         "mean_velocity": ("m s-1", "mean velocity of the beads along the belt"),
         "mass_flux": ("kg s-1", "mass flux along the belt"),
         "kinetic_energy": ("J", "kinetic energy of the beads"),
+        "potential_energy": ("J", "potential energy above the mean belt position"),
+        "stored_energy": ("J", "energy in the springs of the contacts"),
+        "normal_loss": ("J", "energy dissipated by the normal damping since the start"),
+        "shear_loss": ("J", "energy dissipated by the shear friction since the start"),
+        "belt_work": ("J", "work of the belt on the beads since the start"),
         "height_of_mass": ("m", "height of the centre of mass above the mean belt position"),
         "contact_number": ("1", "contacts per bead, those with belt and obstacle included"),
         "largest_overlap": (
@@ -47,6 +53,23 @@ class Belt:
         ),
         "belt_phase": ("rad", "phase of the belt's vibration"),
     }
+
+    ledger = Ledger(
+        terms={
+            "kinetic_energy": 1,
+            "potential_energy": 1,
+            "stored_energy": 1,
+            "normal_loss": 1,
+            "shear_loss": 1,
+            "belt_work": -1,
+        },
+        turnover=("belt_work",),
+        powers={
+            "normal_loss": "normal_power",
+            "shear_loss": "shear_power",
+            "belt_work": "belt_power",
+        },
+    )
 
     def __init__(self, parameters: BeltParameters, replicate: int):
         self.parameters = p = parameters
@@ -83,9 +106,11 @@ class Belt:
         self.loop = shaking.make_shaking()
         amplitude = self.motion.amplitude_x or self.motion.amplitude_z
         arrested = 0.01 * max(amplitude, 0.01 * p.diameter) * 2.0 * pi * p.frequency
-        self.scales = Scales(arrested, acceleration=0.0, drift=0.25)
+        self.scales = Scales(arrested, acceleration=np.inf, drift=DRIFT)
+        self.mass = float(mass.sum())
         self.period = p.samples_per_cycle
         self.profile_height = (np.arange(SLICES) + 0.5) * p.diameter
+        self.normal_loss, self.shear_loss, self.belt_work = 0.0, 0.0, 0.0
 
     def _lift(self) -> float:
         """Return how far to raise the beads so that none overlaps the belt or the obstacle."""
@@ -185,10 +210,30 @@ class Belt:
             "mean_velocity": mean[shaking.VELOCITY],
             "mass_flux": mean[shaking.MOMENTUM] / self.box.length[0],
             "kinetic_energy": 0.5 * (disks.mass * (self._velocity() ** 2).sum(axis=0)).sum(),
+            **self._ledger(),
             "height_of_mass": np.average(disks.taylor[0, 1], weights=disks.mass),
             "contact_number": mean[shaking.CONTACTS] / p.beads,
             "largest_overlap": sums[shaking.LARGEST],
             "belt_phase": angle % (2.0 * pi),
+        }
+
+    def _ledger(self) -> dict[str, float]:
+        """Return where the energy is, where it has gone and where it came from."""
+        disks, sums = self.disks, self.loop.sums
+        self.normal_loss += sums[shaking.NORMAL_LOSS]
+        self.shear_loss += sums[shaking.SHEAR_LOSS]
+        self.belt_work += sums[shaking.BELT_WORK]
+        stored = (
+            stored_in_pairs(self.law, disks, self.pairs, self.box)
+            + stored_in_belt(self.law, disks, self.motion, self._time())
+            + stored_in_obstacle(self.law, disks, self.obstacle, self.box)
+        )
+        return {
+            "potential_energy": self.parameters.gravity * float(disks.mass @ disks.taylor[0, 1]),
+            "stored_energy": stored,
+            "normal_loss": self.normal_loss,
+            "shear_loss": self.shear_loss,
+            "belt_work": self.belt_work,
         }
 
     def sample_profiles(self) -> tuple[Profile, ...]:

@@ -22,8 +22,9 @@ from sim.dynamics.spheres import (
 )
 from sim.dynamics.status import LIST_FULL, OK, REASONS, BlowUp
 from sim.dynamics.team import Team
+from sim.observe.ledger import Ledger
 from sim.observe.profiles import VOLUME, Profile, add_sample, empty_profile
-from sim.observe.regime import Scales
+from sim.observe.regime import DRIFT, Scales
 from sim.parameters import ChuteParameters
 from sim.systems.packing import random_packing
 
@@ -50,6 +51,22 @@ class Chute:
         "base_shear_force": ("N", "mean force of the flow on the plane, down the slope"),
     }
 
+    ledger = Ledger(
+        terms=dict.fromkeys(
+            (
+                "kinetic_energy",
+                "rotational_energy",
+                "potential_energy",
+                "stored_energy",
+                "normal_loss",
+                "frictional_loss",
+            ),
+            1,
+        ),
+        turnover=("normal_loss", "frictional_loss"),
+        powers={"normal_loss": "normal_power", "frictional_loss": "frictional_power"},
+    )
+
     def __init__(self, parameters: ChuteParameters, replicate: int):
         self.parameters = p = parameters
         rng = np.random.default_rng([p.seed, replicate])
@@ -75,7 +92,8 @@ class Chute:
         self.slice_height = p.slice_height * p.diameter
         slices = ceil((1.5 * layer + 10.0 * p.diameter) / self.slice_height)
         negligible = 0.01 * p.gravity * max(sin(angle), 0.1)
-        self.scales = Scales(1e-3 * p.velocity_unit, acceleration=negligible, drift=0.0)
+        self.scales = Scales(1e-3 * p.velocity_unit, acceleration=negligible, drift=DRIFT)
+        self.mass = float(self.spheres.mass.sum())
         self.period = 1
         self.profile_height = (np.arange(slices) + 0.5) * self.slice_height
         self.travelled, self.lost, self.work_done = 0.0, 0.0, 0.0
@@ -144,7 +162,7 @@ class Chute:
         height = np.average(spheres.position[2], weights=spheres.mass)
         return {
             "mean_velocity": velocity,
-            "mass_flux": velocity * spheres.mass.sum() / self.box.length[0] ** 2,
+            "mass_flux": velocity * self.mass / self.box.length[0] ** 2,
             "kinetic_energy": 0.5 * (spheres.mass * speed).sum(),
             "rotational_energy": 0.5 * SOLID * (spheres.mass * rim).sum(),
             **self._ledger(height),
@@ -175,7 +193,7 @@ class Chute:
         normal, tangential = pairs[0] + plane[0], pairs[1] + plane[1]
         along, across = self.gravity[0] * self.travelled, -self.gravity[2] * height
         return {
-            "potential_energy": spheres.mass.sum() * (across - along),
+            "potential_energy": self.mass * (across - along),
             "stored_energy": normal + tangential,
             "normal_loss": self.lost,
             "frictional_loss": self.work_done - tangential,
