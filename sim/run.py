@@ -104,7 +104,7 @@ def _run_replicate(system: System, parameters: Parameters, replicate: int, advan
             advanced(parameters.sample_steps)
     except BlowUp as error:
         failure = str(error)
-        if not recorder.record.snapshots:
+        if not recorder.snapshots:
             recorder.take_snapshot()
     recorder.take_snapshot()
     record = recorder.finish(failure)

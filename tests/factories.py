@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from sim.observe.force_balance import base_forces
 from sim.parameters import Parameters, canonical, field_info, point_id
 from sim.study import load_study
 
@@ -53,9 +54,6 @@ def write_run(
     data = _series(parameters, velocities, shear_excess, normal_excess, gain)
     data |= _scalars(parameters, velocities, regime, failed)
     data |= _parameters(parameters)
-    times = np.concatenate([[0.0], data["time"][1]])
-    share = parameters.transient / (parameters.transient + parameters.average)
-    data["average_start"] = ((), times[round(SAMPLES * share)], {"units": "s"})
     dataset = xr.Dataset(data, attrs=_attributes(parameters, failed, source_hash))
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / f"{point_id(parameters)}.nc"
@@ -97,8 +95,13 @@ def _series(
         units = {"units": "N"}
         data["base_shear_force"] = (("replicate", "time"), shear * blank, units)
         data["base_normal_force"] = (("replicate", "time"), normal * blank, units)
-        data["base_shear"] = ("replicate", (shear * blank).mean(axis=1), units)
-        data["base_normal"] = ("replicate", (normal * blank).mean(axis=1), units)
+        start = round(SAMPLES * parameters.transient / (parameters.transient + parameters.average))
+        rows = [
+            base_forces(*(row[start:] for row in (tau, sigma, v)), mass, span / SAMPLES)
+            for tau, sigma, v in zip(shear * blank, normal * blank, series, strict=True)
+        ]
+        for name in rows[0]:
+            data[name] = ("replicate", np.array([row[name] for row in rows]), units)
     return data
 
 
@@ -116,8 +119,11 @@ def _scalars(
     numbers = {
         "velocity": (velocities, "m s-1"),
         "velocity_error": (np.where(lost, nan, 0.004), "m s-1"),
+        "velocity_half_width": (np.where(lost, nan, 0.009), "m s-1"),
         "acceleration": (np.where(lost, nan, acceleration), "m s-2"),
         "acceleration_error": (np.where(lost, nan, 1e-4), "m s-2"),
+        "acceleration_half_width": (np.where(lost, nan, 2e-4), "m s-2"),
+        "energy_residual": (np.where(lost, nan, 1e-4), "1"),
         "max_overlap": (np.where(lost, 0.31, 0.01), "1"),
         "steps": (np.where(lost, 1200, parameters.steps), "1"),
         "wall_time": (np.full(count, 1.5), "s"),
@@ -125,6 +131,7 @@ def _scalars(
     }
     words = {
         "regime": ["undetermined" if gone else regime for gone in lost],
+        "quality": ["failed" if gone else "reliable" for gone in lost],
         "status": ["failed" if gone else "completed" for gone in lost],
         "reason": [FAILURE if gone else "" for gone in lost],
     }

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from sim.dataset import BLOCKS, build, read_run
+from sim.dataset import build, read_run
 from sim.errors import InputError
 from sim.parameters import BeltParameters, ChuteParameters, point_id
 from sim.study import load_study
@@ -75,24 +75,6 @@ def test_a_point_of_two_series_is_one_row_with_both(dataset):
     both = [series for series in dataset["series"].values if series == "depths rough"]
     assert len(both) == 2
     assert dataset.attrs["source_hash"] == "0123456789ab"
-
-
-def test_error_of_a_bounded_fluctuation_falls_with_the_blocks(tmp_path):
-    path = write_run(tmp_path, ChuteParameters(transient=100, average=100))
-    with xr.open_dataset(path) as run:
-        series = run["base_shear_force"].values[0]
-    kept = read_run(path)
-    blocks = series[series.size // 2 :].reshape(BLOCKS, -1).mean(axis=1)
-    expected = blocks.std(ddof=1) / BLOCKS
-    assert kept["base_shear_error"].values[0] == pytest.approx(expected, rel=1e-9)
-
-
-def test_a_window_of_one_sample_has_no_error(tmp_path):
-    path = write_run(tmp_path, ChuteParameters())
-    with xr.open_dataset(path) as run:
-        short = run.isel(time=[-1]).load()
-    short.to_netcdf(path)
-    assert np.isnan(read_run(path)["base_normal_error"].values).all()
 
 
 def test_a_run_under_the_name_of_another_is_refused(tmp_path):

@@ -29,7 +29,8 @@ class Record:
 class Recorder:
     """Collects the samples of one replicate until its protocol is content.
 
-    ``taken`` samples so far; ``stopped`` is the reason to take no more, empty until then.
+    ``taken`` samples so far; ``stopped`` is the reason to take no more, empty until then;
+    ``snapshots`` name -> states so far.
     """
 
     def __init__(self, system: System):
@@ -44,7 +45,7 @@ class Recorder:
         self._trend: Trend | None = None
         self._table = np.full((len(system.series), p.shortest_samples), np.nan)
         self._profiles = ProfileBlocks()
-        self._snapshots: dict[str, list[np.ndarray]] = {}
+        self.snapshots: dict[str, list[np.ndarray]] = {}
 
     def take(self, values: dict[str, float]) -> None:
         """Store one sample and decide whether it was the last."""
@@ -78,14 +79,14 @@ class Recorder:
     def take_snapshot(self) -> None:
         """Store the present state as the next snapshot."""
         for name, array in self.system.snapshot().items():
-            self._snapshots.setdefault(name, []).append(array)
+            self.snapshots.setdefault(name, []).append(array)
 
     def finish(self, failure: str) -> Record:
         """Return the record with its averages; ``failure`` is the reason of a blow-up, or empty."""
         length = self.taken if self.stopped else max(self.taken, self._looks[0])
         table = self._table[:, :length]
         record = Record(dict(zip(self.system.series, table, strict=True)))
-        record.snapshots = self._snapshots
+        record.snapshots = self.snapshots
         record.scalars = {
             **self._averages(FAILED if failure else self._trend),
             **self._energies(record.series),
@@ -95,7 +96,7 @@ class Recorder:
             "reason": failure,
         }
         if "base_shear_force" in record.series:
-            record.scalars |= self._base_forces(record.series)
+            record.scalars |= self._base_forces(record.series, length if failure else self._start)
         self._add_profiles(record)
         return record
 
@@ -131,9 +132,9 @@ class Recorder:
         }
         return {"energy_residual": residual / turnover if turnover else np.nan, **powers}
 
-    def _base_forces(self, series: dict[str, np.ndarray]) -> dict[str, float]:
+    def _base_forces(self, series: dict[str, np.ndarray], start: int) -> dict[str, float]:
         names = ("base_shear_force", "base_normal_force", "mean_velocity")
-        window = (series[name][self._start :] for name in names)
+        window = (series[name][start:] for name in names)
         return base_forces(*window, self.system.mass, self._interval)
 
     def _add_profiles(self, record: Record) -> None:

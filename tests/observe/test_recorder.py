@@ -1,11 +1,25 @@
 """What a replicate leaves behind, recorded from a made-up system."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
+from sim.observe.ledger import Ledger
 from sim.observe.profiles import empty_profile
 from sim.observe.recorder import Recorder
 from sim.observe.regime import Scales
+
+#: Samples of 0.1 s: 4 of transient and 12 to average, or up to 64 of the converged protocol.
+LENGTHS = {
+    "sample_steps": 1,
+    "time_step": 0.1,
+    "transient_samples": 4,
+    "shortest_samples": 16,
+    "target": 0.02,
+}
+PUBLISHED = SimpleNamespace(protocol="published", longest_samples=16, **LENGTHS)
+CONVERGED = SimpleNamespace(protocol="converged", longest_samples=64, **LENGTHS)
 
 
 class Ramp:
@@ -15,20 +29,28 @@ class Ramp:
         "mean_velocity": ("m s-1", ""),
         "largest_overlap": ("1", ""),
         "base_normal_force": ("N", ""),
+        "base_shear_force": ("N", ""),
+        "kinetic_energy": ("J", ""),
+        "lost": ("J", ""),
     }
+    ledger = Ledger({"kinetic_energy": 1, "lost": 1}, ("lost",), {"lost": "normal_power"})
+    mass = 2.0
     profile_height = np.array([0.5])
-    scales = Scales(arrested=1e-3, acceleration=0.1, drift=0.0)
+    scales = Scales(arrested=1e-3, acceleration=0.1, drift=0.1)
     period = 1
 
-    def __init__(self):
-        self.number = 0
+    def __init__(self, parameters, velocity=float):
+        self.parameters, self.velocity, self.number = parameters, velocity, 0
 
     def advance(self):
         self.number += 1
         return {
-            "mean_velocity": float(self.number),
+            "mean_velocity": self.velocity(self.number),
             "largest_overlap": 0.3 if self.number == 2 else 0.1,
             "base_normal_force": 10.0 * self.number,
+            "base_shear_force": 4.0,
+            "kinetic_energy": 100.0 - self.number,
+            "lost": 1.02 * self.number,
         }
 
     def sample_profiles(self):
@@ -46,38 +68,75 @@ class Ramp:
         return {"position": np.full((1, 3), float(self.number))}
 
 
-def recorded(samples: int, failure: str = ""):
-    """The record of a ramp with 4 transient and 6 averaged samples, of which some were taken."""
-    system = Ramp()
-    recorder = Recorder(system, 4, 6)
+def recorded(samples: int = 1000, failure: str = "", parameters=PUBLISHED, velocity=float):
+    """The record of a ramp (or another velocity) of as many samples, or until its protocol ends."""
+    system = Ramp(parameters, velocity)
+    recorder = Recorder(system)
     recorder.take_snapshot()
-    for _ in range(samples):
+    while recorder.taken < samples and not recorder.stopped:
         recorder.take(system.advance())
     recorder.take_snapshot()
-    return recorder.finish(0.1, failure)
+    return recorder.finish(failure)
 
 
 def test_averages_are_over_the_window_and_extremes_over_the_whole_run():
-    record = recorded(10)
-    assert np.array_equal(record.series["mean_velocity"], np.arange(1.0, 11.0))
-    assert record.scalars["velocity"] == 7.5
-    assert record.scalars["acceleration"] == pytest.approx(10.0)
-    assert record.scalars["regime"] == "accelerating"
-    assert record.scalars["base_normal"] == 75.0
-    assert record.scalars["max_overlap"] == 0.3
-    assert (record.scalars["status"], record.scalars["reason"]) == ("completed", "")
+    record = recorded()
+    scalars = record.scalars
+    assert np.array_equal(record.series["mean_velocity"], np.arange(1.0, 17.0))
+    assert scalars["velocity"] == 10.5
+    assert scalars["acceleration"] == pytest.approx(10.0)
+    assert (scalars["regime"], scalars["quality"]) == ("accelerating", "drifting")
+    assert scalars["stopped"] == "length"
+    assert scalars["average_start"] == pytest.approx(0.4)
+    assert scalars["base_normal"] == 105.0
+    assert scalars["base_shear"] == 4.0
+    assert scalars["max_overlap"] == 0.3
+    assert (scalars["status"], scalars["reason"]) == ("completed", "")
+
+
+def test_the_ledger_says_what_it_lacks_and_where_the_power_goes():
+    """Of 1.02 J lost per sample the kinetic energy knows 1."""
+    scalars = recorded().scalars
+    assert scalars["energy_residual"] == pytest.approx(0.02 / 1.02)
+    assert scalars["normal_power"] == pytest.approx(10.2)
+
+
+def test_the_momentum_budget_is_that_of_the_window():
+    """A mass of 2 kg that gains 10 m/s each second under a drag of 4 N: 24 N."""
+    assert recorded().scalars["momentum_budget"] == pytest.approx(24.0)
 
 
 def test_profiles_are_cumulative_over_the_window_and_of_the_last_sample():
-    record = recorded(10)
-    assert record.profiles["velocity_profile"] == pytest.approx([7.5])
-    assert record.profiles["velocity_profile_instantaneous"] == pytest.approx([10.0])
+    record = recorded()
+    assert record.profiles["velocity_profile"] == pytest.approx([10.5])
+    assert record.profiles["velocity_profile_instantaneous"] == pytest.approx([16.0])
     assert record.profiles["packing_profile"] == pytest.approx([2.0])
 
 
+def test_a_converged_run_goes_on_until_its_mean_is_known():
+    def settled(number):
+        return 100.0 * 0.5**number + 1.0 + 1e-3 * (-1) ** number
+
+    record = recorded(parameters=CONVERGED, velocity=settled)
+    length = record.series["mean_velocity"].size
+    assert 16 < length < 64
+    assert record.scalars["stopped"] == "target"
+    assert record.scalars["velocity"] == pytest.approx(1.0, rel=0.02)
+    assert record.scalars["average_start"] > 0.3
+    first = round(record.scalars["average_start"] / 0.1) + 1
+    assert record.profiles["velocity_profile"] == pytest.approx([(first + length) / 2], abs=1.0)
+
+
+def test_a_converged_run_ends_at_its_limit():
+    noise = np.random.default_rng(1).normal(size=65)
+    record = recorded(parameters=CONVERGED, velocity=lambda number: 1.0 + noise[number])
+    assert record.series["mean_velocity"].size == 64
+    assert record.scalars["stopped"] == "limit"
+
+
 def test_snapshots_are_the_first_and_the_last_state():
-    first, last = recorded(10).snapshots["position"]
-    assert (first[0, 0], last[0, 0]) == (0.0, 10.0)
+    first, last = recorded().snapshots["position"]
+    assert (first[0, 0], last[0, 0]) == (0.0, 16.0)
 
 
 @pytest.mark.filterwarnings("error")

@@ -16,9 +16,7 @@ from sim.run import Layout
 from tests.motions import chute_point
 
 ROOT = Path(__file__).parents[2]
-LAYOUT = Layout(
-    np.arange(3.0), 1.0, np.arange(2.0), {"mean_velocity": ("m s-1", "v")}, ("x", "y", "z")
-)
+LAYOUT = Layout(np.arange(3.0), np.arange(2.0), {"mean_velocity": ("m s-1", "v")}, ("x", "y", "z"))
 
 
 def record() -> Record:
@@ -40,6 +38,16 @@ def test_a_file_holds_what_it_was_given(tmp_path):
         assert file["regime"][0] == "steady" and file["overlap_memory"][...] == "separation"
         assert list(file["frame"][:]) == ["first", "last"]
     assert [path.name for path in tmp_path.iterdir()] == ["run.nc"]
+
+
+def test_replicates_of_unequal_lengths_are_padded(tmp_path):
+    short = record()
+    short.series = {"mean_velocity": np.arange(2.0)}
+    write(tmp_path / "run.nc", [record(), short])
+    with netCDF4.Dataset(tmp_path / "run.nc") as file:
+        file.set_auto_mask(False)
+        expected = [[0.0, 1.0, 2.0], [0.0, 1.0, np.nan]]
+        assert np.array_equal(file["mean_velocity"][:], expected, equal_nan=True)
 
 
 def test_a_failing_write_leaves_no_file_and_an_old_one_alone(tmp_path):
