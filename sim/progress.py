@@ -46,7 +46,8 @@ class Progress(BaseModel):
     particles : int
         Particles of the run.
     rate : float
-        Particle-steps per second since this process started on the point.
+        Particle-steps per second, mean since the first sample of this process: what comes before
+        it, loading and the settling of a bed, says nothing about the rest.
     elapsed : float
         Seconds since then, by a clock that nobody sets.
     started, updated : datetime
@@ -166,22 +167,27 @@ class _Meter:
         self.at_most = parameters.longest_samples > parameters.shortest_samples
         self.particles = parameters.particles
         self.total = parameters.replicates * parameters.steps
-        self.before = self.done = done
+        self.done = done
         self.started = datetime.now(UTC)
         self.start = self.latest = monotonic()
         self.longest = 0.0
+        self.samples = 0
+        self.reference = (done, self.start)
 
     def advance(self, steps: int) -> float:
         """Count steps; return the present time (s)."""
         now = monotonic()
+        if self.samples == 1:
+            self.reference = (self.done, self.latest)
+        self.samples += 1
         self.done += steps
         self.longest = max(self.longest, now - self.latest)
         self.latest = now
         return now
 
     def read(self) -> Progress:
-        elapsed = self.latest - self.start
-        steps = self.done - self.before
+        """Return what the progress file is to say."""
+        steps, seconds = self.done - self.reference[0], self.latest - self.reference[1]
         now = datetime.now(UTC)
         credit = max(CREDIT, CREDIT_SAMPLES * self.longest)
         return Progress(
@@ -190,8 +196,8 @@ class _Meter:
             total=self.total,
             at_most=self.at_most,
             particles=self.particles,
-            rate=steps * self.particles / elapsed if elapsed > 0 else 0.0,
-            elapsed=elapsed,
+            rate=steps * self.particles / seconds if seconds > 0 else 0.0,
+            elapsed=self.latest - self.start,
             started=self.started,
             updated=now,
             expires=now + timedelta(seconds=credit),

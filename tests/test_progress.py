@@ -46,8 +46,8 @@ def log(caplog):
 def test_log_lines_become_rarer(clock, output, log):
     said = []
     with progress(POINT, output) as advanced:
-        for second in range(1, 1000):
-            clock.time += 1.0
+        for second in range(5, 1000, 5):
+            clock.time += 5.0
             advanced(1)
             said += [second] * (len(log.messages) - len(said))
     assert said == [10, 30, 70, 150, 310, 610, 910]
@@ -106,6 +106,17 @@ def test_the_file_tells_the_run_until_it_ends(clock, output):
     assert now.rate == pytest.approx(point.steps * point.particles / 50.0)
     assert (now.elapsed, now.left) == pytest.approx((50.0, 100.0))
     assert list(output.parent.iterdir()) == []
+
+
+def test_what_comes_before_the_first_sample_does_not_slow_the_rate(clock, output):
+    with progress(POINT, output) as advanced:
+        clock.time += 100.0
+        advanced(10)
+        clock.time += 5.0
+        advanced(50)
+        now = read_progress(output)
+    assert now.rate == pytest.approx(10 * POINT.particles)
+    assert now.elapsed == 105.0
 
 
 def test_the_file_is_not_written_all_the_time(clock, output):
