@@ -93,6 +93,17 @@ class Progress(BaseModel):
         return f"{'at most' if self.at_most else 'about'} {duration(self.left)}"
 
 
+def may_end_early(parameters: Parameters) -> bool:
+    """Return whether a run may end before its total, once its mean velocity is known."""
+    return parameters.longest_samples > parameters.shortest_samples
+
+
+def length(parameters: Parameters) -> str:
+    """Say how many steps all replicates of a point take, or take at most."""
+    bound = "at most " if may_end_early(parameters) else ""
+    return f"{bound}{parameters.replicates * parameters.steps:,} steps"
+
+
 def progress_file(output: Path) -> Path:
     """Return where the run that will write ``output`` says how far it is."""
     return output.with_name(f".{output.name}.progress")
@@ -148,7 +159,7 @@ def progress(
         if now >= line_due and bar.disable and not quiet:
             pause = min(2 * pause, LONGEST_PAUSE)
             line_due = now + pause
-            log.info(_line(meter.read()))
+            log.info(meter.line())
 
     try:
         with bar:
@@ -164,7 +175,8 @@ class _Meter:
 
     def __init__(self, parameters: Parameters, done: int):
         self.point = point_id(parameters)
-        self.at_most = parameters.longest_samples > parameters.shortest_samples
+        self.length = length(parameters)
+        self.at_most = may_end_early(parameters)
         self.particles = parameters.particles
         self.total = parameters.replicates * parameters.steps
         self.done = done
@@ -205,13 +217,13 @@ class _Meter:
             host=socket.gethostname(),
         )
 
-
-def _line(now: Progress) -> str:
-    bound = "at most " if now.at_most else ""
-    return (
-        f"{now.point}: {now.percent} % of {bound}{now.total:,} steps, "
-        f"{now.rate / 1e6:.1f} million particle-steps/s, {now.time_left} left"
-    )
+    def line(self) -> str:
+        """Return the line for the log."""
+        now = self.read()
+        return (
+            f"{now.point}: {now.percent} % of {self.length}, "
+            f"{now.rate / 1e6:.1f} million particle-steps/s, {now.time_left} left"
+        )
 
 
 def _draft(file: Path) -> Path:

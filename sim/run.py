@@ -16,7 +16,7 @@ from sim.dynamics.status import BlowUp
 from sim.observe.recorder import Record, Recorder
 from sim.observe.run_file import write
 from sim.parameters import Parameters, point_id
-from sim.progress import progress
+from sim.progress import length, progress
 from sim.provenance import library_versions, source_hash
 from sim.systems import System, build
 
@@ -63,8 +63,7 @@ def run_point(
         Exit code: 0, or 3 when a replicate blew up.
     """
     started = time.perf_counter()
-    total = parameters.replicates * parameters.steps
-    log.info("%s: %d particles, %d steps", point_id(parameters), parameters.particles, total)
+    log.info("%s: %d particles, %s", point_id(parameters), parameters.particles, length(parameters))
     if parameters.caveat:
         log.warning("%s: %s", point_id(parameters), parameters.caveat)
     records = []

@@ -13,7 +13,7 @@ import psutil
 from sim.cost import PROCESS_TIME, estimate
 from sim.errors import InputError
 from sim.parameters import Parameters, parse_point
-from sim.progress import CREDIT, Progress, progress_file, read_progress
+from sim.progress import CREDIT, Progress, may_end_early, progress_file, read_progress
 from sim.provenance import source_hash
 from sim.study import Study
 from sim.yaml_input import read_yaml
@@ -216,28 +216,34 @@ def _left(
         values = parameters[key]
         known = point.progress.left if point.state == "running" else None
         if known is None:
-            core_seconds = PROCESS_TIME + _computing(values) * factors.get(values.system, 1.0)
-            is_bound = values.system not in factors
+            factor = factors.get(_kind(values))
+            core_seconds = PROCESS_TIME + _computing(values) * (factor or 1.0)
+            is_bound = factor is None
         else:
             core_seconds, is_bound = known * point.threads, True
         total += core_seconds
         longest = max(longest, core_seconds / point.threads)
-        at_most |= is_bound and values.longest_samples > values.shortest_samples
+        at_most |= is_bound and may_end_early(values)
     return total, longest, at_most
 
 
 def _factors(
     points: Mapping[str, PointStatus], parameters: Mapping[str, Parameters]
-) -> dict[str, float]:
-    """Return by system how many times as long as estimated the points took that are done."""
-    took: dict[str, float] = {}
-    estimated: dict[str, float] = {}
+) -> dict[tuple[str, bool], float]:
+    """Return by kind how many times as long as estimated the points took that are done."""
+    took: dict[tuple[str, bool], float] = {}
+    estimated: dict[tuple[str, bool], float] = {}
     for key, point in points.items():
         if point.state == "done" and point.core_seconds > 0:
-            system = parameters[key].system
-            took[system] = took.get(system, 0.0) + point.core_seconds
-            estimated[system] = estimated.get(system, 0.0) + _computing(parameters[key])
-    return {system: took[system] / estimated[system] for system in took}
+            kind, computing = _kind(parameters[key]), _computing(parameters[key])
+            took[kind] = took.get(kind, 0.0) + point.core_seconds
+            estimated[kind] = estimated.get(kind, 0.0) + computing
+    return {kind: took[kind] / estimated[kind] for kind in took}
+
+
+def _kind(parameters: Parameters) -> tuple[str, bool]:
+    """Return which points tell how long this one takes: those that end early do so alone."""
+    return parameters.system, may_end_early(parameters)
 
 
 def _computing(parameters: Parameters) -> float:

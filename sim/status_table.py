@@ -94,7 +94,7 @@ def _failed(status: StudyStatus, width: int | None) -> list[str]:
         reason = " ".join(point.reason.split())
         line = f"{key}: {reason}"
         if width is not None and len(line) > width:
-            line = f"{shortened(key, width // 2)}: {reason}"[:width]
+            line = f"{shortened(key, width - len(reason) - 2)}: {reason}"[:width]
         lines.append(line)
     return [*lines, *_more(failed, MOST_FAILED)]
 

@@ -202,6 +202,16 @@ def test_time_left_follows_what_done_points_took(folder):
     assert folder.survey().core_seconds_left == pytest.approx(chutes + belts)
 
 
+def test_a_run_that_ended_early_says_nothing_of_full_lengths(tmp_path):
+    text = STUDY + "  - {name: known, system: chute, base: {protocol: converged}}\n"
+    folder = Folder(tmp_path, text)
+    before = folder.survey().core_seconds_left
+    converged = folder.ids[-1]
+    folder.finish(converged)
+    cost = estimate(folder.study.points[converged].parameters).core_seconds
+    assert folder.survey().core_seconds_left == pytest.approx(before - cost)
+
+
 def test_time_left_is_on_the_cores_in_use(folder):
     for key in folder.ids[:2]:
         folder.say(key)
