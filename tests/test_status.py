@@ -144,8 +144,11 @@ def test_a_run_goes_on_or_was_interrupted(folder, changes, state):
 
 def test_a_process_that_has_gone_was_interrupted(folder):
     gone = subprocess.Popen([sys.executable, "-c", ""])
-    gone.wait()
     folder.say(folder.ids[0], pid=gone.pid, updated=LATER)
+    # First a process that has ended and that its parent has not asked for, then none at all.
+    os.waitid(os.P_PID, gone.pid, os.WEXITED | os.WNOWAIT)
+    assert folder.state(folder.ids[0]) == "interrupted"
+    gone.wait()
     assert folder.state(folder.ids[0]) == "interrupted"
 
 
