@@ -7,9 +7,12 @@ of the figures and a figure without those of the engine.
 import argparse
 import logging
 import os
+import shutil
 import sys
+import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import Any
 
 from sim import __version__
 from sim.errors import InputError
@@ -18,6 +21,10 @@ SYSTEM_ERROR = 1
 INPUT_ERROR = 2
 INTERRUPTED = 130
 BROKEN_PIPE = 141
+
+#: What makes a terminal start a new screen, and the seconds of a day.
+CLEAR = "\x1b[H\x1b[2J"
+DAY = 86_400
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -75,8 +82,8 @@ def _add(commands: _Commands, name: str, command: _Command, text: str) -> argpar
     return parser
 
 
-def _add_study(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("study", type=Path, metavar="STUDY.yaml")
+def _add_study(parser: argparse.ArgumentParser, **options: Any) -> None:
+    parser.add_argument("study", type=Path, metavar="STUDY.yaml", **options)
     parser.add_argument(
         "--results",
         type=Path,
@@ -90,6 +97,12 @@ def _add_study_commands(commands: _Commands) -> None:
     points = _add(commands, "points", _points, "list the points of a study and what they cost")
     _add_study(points)
     points.add_argument("--format", choices=("table", "json"), default="table")
+    status = _add(commands, "status", _status, "show how far a study is")
+    _add_study(status, nargs="?", help="(default: config/quick.yaml)")
+    status.add_argument("--format", choices=("text", "json"), default="text")
+    status.add_argument(
+        "--watch", type=float, metavar="SECONDS", help="show it again and again until it is over"
+    )
     schema = _add(commands, "schema", _schema, "print the JSON schema of studies and points")
     schema.add_argument(
         "--write",
@@ -142,6 +155,26 @@ def _points(options: argparse.Namespace) -> None:
 
     study = load_study(options.study, options.results)
     print(as_json(study) if options.format == "json" else as_table(study))
+
+
+def _status(options: argparse.Namespace) -> None:
+    if options.watch is not None and not 1 <= options.watch <= DAY:
+        raise InputError.of_value("--watch", "", options.watch, f"a number in [1, {DAY}]")
+
+    from sim.status import survey
+    from sim.status_table import as_json, as_text
+    from sim.study import DEFAULT_STUDY, load_study
+
+    study = load_study(options.study or DEFAULT_STUDY, options.results)
+    is_terminal = sys.stdout.isatty()
+    width = shutil.get_terminal_size().columns if is_terminal else None
+    while True:
+        status = survey(study, options.results)
+        shown = as_json(status) if options.format == "json" else as_text(status, width)
+        print(f"{CLEAR}{shown}" if is_terminal and options.watch else shown, flush=True)
+        if options.watch is None or status.is_over:
+            return
+        time.sleep(options.watch)
 
 
 def _schema(options: argparse.Namespace) -> None:

@@ -54,3 +54,14 @@ def estimate(parameters: Parameters) -> Estimate:
         threads=threads,
         memory=round(PROCESS_MEMORY + PARTICLE_MEMORY * parameters.particles),
     )
+
+
+def duration(seconds: float) -> str:
+    """Write a time in the unit that suits it: ``4.5 s``, ``3.1 min``, ``2.0 h``.
+
+    >>> duration(90)
+    '1.5 min'
+    """
+    if seconds < 60:
+        return f"{seconds:.1f} s"
+    return f"{seconds / 60:.1f} min" if seconds < 3600 else f"{seconds / 3600:.1f} h"

@@ -11,13 +11,13 @@ import xarray as xr
 
 from sim import __version__
 from sim.claims import force_balance
+from sim.cost import duration
 from sim.errors import InputError
 from sim.figures import FIGURES
 from sim.files import replacing
 from sim.outcome import outcome
 from sim.parameters import SYSTEMS, field_info
 from sim.study import Study, load_study
-from sim.tables import duration
 
 TEMPLATES = Path(__file__).parent / "templates"
 

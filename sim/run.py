@@ -5,20 +5,18 @@ import platform
 import shlex
 import sys
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 
 import numpy as np
-from tqdm import tqdm
 
 from sim import __version__
 from sim.dynamics.status import BlowUp
 from sim.observe.recorder import Record, Recorder
 from sim.observe.run_file import write
 from sim.parameters import Parameters, point_id
+from sim.progress import length, progress
 from sim.provenance import library_versions, source_hash
 from sim.systems import System, build
 
@@ -26,9 +24,6 @@ log = logging.getLogger("talus")
 
 #: Exit code of a run that was stopped by a blow-up; its file says why.
 BLOWN_UP = 3
-
-#: Seconds between two log lines about progress where there is no terminal.
-LOG_INTERVAL = 30.0
 
 
 @dataclass(frozen=True)
@@ -57,7 +52,7 @@ def run_point(
     output : Path
         The netCDF file; it appears, complete, at the end.
     quiet : bool
-        No progress.
+        Neither bar nor log lines about progress.
     record_failure : bool
         Count a blow-up as a result: the file says what happened and the exit code is 0.
 
@@ -67,12 +62,11 @@ def run_point(
         Exit code: 0, or 3 when a replicate blew up.
     """
     started = time.perf_counter()
-    total = parameters.replicates * parameters.steps
-    log.info("%s: %d particles, %d steps", point_id(parameters), parameters.particles, total)
+    log.info("%s: %d particles, %s", point_id(parameters), parameters.particles, length(parameters))
     if parameters.caveat:
         log.warning("%s: %s", point_id(parameters), parameters.caveat)
     records = []
-    with _progress(total, point_id(parameters), quiet) as advanced:
+    with progress(parameters, output, quiet) as advanced:
         for replicate in range(parameters.replicates):
             system = build(parameters, replicate)
             records.append(_run_replicate(system, parameters, replicate, advanced))
@@ -159,28 +153,3 @@ def _attributes(
         "steps": sum(record.scalars["steps"] for record in records),
         "wall_time": wall,
     }
-
-
-@contextmanager
-def _progress(total: int, name: str, quiet: bool) -> Iterator:
-    """Yield a function that is told of every advance: a bar on a terminal, log lines elsewhere."""
-    bar = tqdm(
-        total=total,
-        desc=name,
-        unit="step",
-        unit_scale=True,
-        disable=quiet or not sys.stderr.isatty(),
-    )
-    done, last = 0, time.perf_counter()
-
-    def advanced(steps: int) -> None:
-        nonlocal done, last
-        done += steps
-        bar.update(steps)
-        now = time.perf_counter()
-        if bar.disable and not quiet and now - last > LOG_INTERVAL:
-            last = now
-            log.info("%s: %.0f %% of %d steps", name, 100.0 * done / total, total)
-
-    with bar:
-        yield advanced

@@ -19,6 +19,9 @@ __all__ = ["Estimate", "Point", "Study", "estimate", "load_study", "parse_study"
 
 MAX_POINTS = 100_000
 
+#: The study that is meant when none is named.
+DEFAULT_STUDY = Path("config/quick.yaml")
+
 SeriesFile = ChuteSeries | BeltSeries
 
 

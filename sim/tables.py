@@ -1,9 +1,9 @@
 """The points of a study as a table to read and as JSON for other programs."""
 
 import json
-from collections.abc import Sequence
+from collections.abc import Container, Sequence
 
-from sim.cost import Estimate, estimate
+from sim.cost import Estimate, duration, estimate
 from sim.parameters import canonical
 from sim.study import Point, Study
 
@@ -19,7 +19,7 @@ def as_table(study: Study) -> str:
     """
     costs = _costs(study)
     rows = [_row(point, costs[point.id]) for point in study.points.values()]
-    return "\n".join([*_aligned(rows), "", _totals(list(costs.values()))])
+    return "\n".join([*aligned(_HEADINGS, rows, _RIGHT), "", _totals(list(costs.values()))])
 
 
 def as_json(study: Study) -> str:
@@ -63,14 +63,17 @@ def _row(point: Point, cost: Estimate) -> tuple[str, ...]:
     )
 
 
-def _aligned(rows: Sequence[tuple[str, ...]]) -> list[str]:
-    columns = list(zip(_HEADINGS, *rows, strict=True))
+def aligned(
+    headings: Sequence[str], rows: Sequence[tuple[str, ...]], right: Container[str]
+) -> list[str]:
+    """Return a table as lines; the columns whose headings are in ``right`` end together."""
+    columns = list(zip(headings, *rows, strict=True))
     widths = [max(map(len, column)) for column in columns]
     lines = []
-    for row in (_HEADINGS, *rows):
+    for row in (headings, *rows):
         cells = [
-            cell.rjust(width) if heading in _RIGHT else cell.ljust(width)
-            for cell, width, heading in zip(row, widths, _HEADINGS, strict=True)
+            cell.rjust(width) if heading in right else cell.ljust(width)
+            for cell, width, heading in zip(row, widths, headings, strict=True)
         ]
         lines.append("  ".join(cells).rstrip())
     return lines
@@ -84,14 +87,3 @@ def _totals(costs: Sequence[Estimate]) -> str:
         f"{len(costs):,} points, {steps:,} steps, estimated core time {duration(total)}, "
         f"on {CORES} cores {duration(max(total / CORES, longest))}"
     )
-
-
-def duration(seconds: float) -> str:
-    """Write a time in the unit that suits it: ``4.5 s``, ``3.1 min``, ``2.0 h``.
-
-    >>> duration(90)
-    '1.5 min'
-    """
-    if seconds < 60:
-        return f"{seconds:.1f} s"
-    return f"{seconds / 60:.1f} min" if seconds < 3600 else f"{seconds / 3600:.1f} h"

@@ -9,11 +9,12 @@ import yaml
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from sim.cost import duration
 from sim.errors import InputError
 from sim.figures import FIGURES
 from sim.parameters import ChuteParameters, parse_point, point_id
 from sim.study import MAX_POINTS, Study, estimate, load_study, parse_study
-from sim.tables import as_json, as_table, duration
+from sim.tables import as_json, as_table
 
 CONFIG = Path(__file__).parents[1] / "config"
 

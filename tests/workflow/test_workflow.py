@@ -104,6 +104,36 @@ def test_a_failed_point_is_recorded_and_leaves_the_rest_standing(tree):
     assert "1 of 14 points failed" in report
 
 
+def test_logs_of_runs_say_how_they_went(tree):
+    logs = list((tree / "results" / "tiny" / "logs" / "runs").glob("*.log"))
+    assert len(logs) == 14
+    for log in logs:
+        first, *_, closing, written = log.read_text().splitlines()
+        assert first.startswith(f"{log.stem}: ") and first.endswith("steps")
+        assert "velocity" in closing or "failed" in closing
+        assert written.endswith("written")
+
+
+def test_a_workflow_ends_with_a_summary_and_a_dry_run_does_not(tree):
+    made = snakemake(tree, "report", "--forcerun", "report")
+    assert made.returncode == 0, made.stderr
+    assert "14 points: 13 done, 1 failed" in made.stderr
+    dry = snakemake(tree, "-n", "report", "--forcerun", "report")
+    assert dry.returncode == 0
+    assert "14 points" not in dry.stdout + dry.stderr
+
+
+def test_a_workflow_that_fails_ends_with_a_summary(tree):
+    broken = tree / "sim" / "report.py"
+    content = broken.read_bytes()
+    broken.write_text("raise SystemExit(1)")
+    failed = snakemake(tree, "report")
+    broken.write_bytes(content)
+    made = snakemake(tree, "report")
+    assert failed.returncode != 0 and made.returncode == 0
+    assert "14 points: 13 done, 1 failed" in failed.stderr
+
+
 def test_nothing_is_left_to_do(tree):
     assert planned(tree) == {}
 

@@ -17,9 +17,7 @@ from sim.errors import InputError
 from sim.figures import FIGURES
 from sim.parameters import canonical_json
 from sim.provenance import source_hash
-from sim.study import estimate, load_study
-
-DEFAULT_STUDY = "config/quick.yaml"
+from sim.study import DEFAULT_STUDY, estimate, load_study
 
 
 def study_path():
@@ -33,7 +31,7 @@ def study_path():
     files = [Path(path) for path in workflow.config_settings.configfiles]
     if len(files) > 1:
         raise InputError("--configfile: several files given; a study is one file")
-    path = files[0] if files else Path(DEFAULT_STUDY)
+    path = files[0] if files else DEFAULT_STUDY
     return path.relative_to(Path.cwd()) if path.is_relative_to(Path.cwd()) else path
 
 
@@ -66,6 +64,18 @@ def code(*patterns):
     for path in sorted(file for pattern in patterns for file in (ROOT / "sim").glob(pattern)):
         digest.update(path.name.encode() + path.read_bytes())
     return digest.hexdigest()[:12]
+
+
+def summarize():
+    """Say how the points of the study ended. What keeps it from that must not fail the workflow."""
+    # Not needed for a dry run, which these libraries would slow.
+    from sim.status import survey
+    from sim.status_table import as_text
+
+    try:
+        print(f"\n{as_text(survey(STUDY))}\n", file=sys.stderr)
+    except (InputError, OSError) as error:
+        print(f"no summary: {error}", file=sys.stderr)
 
 
 try:

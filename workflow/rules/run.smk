@@ -38,7 +38,7 @@ rule run:
         point=lambda wildcards: canonical_json(STUDY.points[wildcards.point].parameters),
         engine=source_hash(),
     shell:
-        "python -m sim run - --output {output} --quiet --record-failure"
+        "python -m sim run - --output {output} --record-failure"
         " <<< {params.point:q} > {log} 2>&1"
 
 

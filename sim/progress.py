@@ -1,0 +1,240 @@
+"""How far a run is: a bar on a terminal, log lines elsewhere, a small file beside the output."""
+
+import logging
+import os
+import socket
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from datetime import UTC, datetime, timedelta
+from pathlib import Path
+from time import monotonic
+
+from pydantic import AwareDatetime, BaseModel, ConfigDict, Field, ValidationError
+from tqdm import tqdm
+
+from sim.cost import duration
+from sim.parameters import Parameters, point_id
+
+log = logging.getLogger("talus")
+
+#: Seconds to the first log line about progress. Each pause is twice the one before, up to the
+#: longest.
+FIRST_PAUSE = 10.0
+LONGEST_PAUSE = 300.0
+
+#: Least number of seconds between two writes of the progress file.
+WRITE_INTERVAL = 2.0
+
+#: Seconds for which a progress file stands for a run on a machine that cannot be asked. Samples
+#: that take long stretch it.
+CREDIT = 120.0
+CREDIT_SAMPLES = 3
+
+
+class Progress(BaseModel):
+    """What a progress file says: how far a run was when it was written.
+
+    Attributes
+    ----------
+    point : str
+        Id of the point.
+    done, total : int
+        Steps over all replicates, without settling.
+    at_most : bool
+        The run may end before its total: when its mean velocity is known well enough.
+    particles : int
+        Particles of the run.
+    rate : float
+        Particle-steps per second, mean since the first sample of this process: what comes before
+        it, loading and the settling of a bed, says nothing about the rest.
+    elapsed : float
+        Seconds since then, by a clock that nobody sets.
+    started, updated : datetime
+        When this process started on the point, and when this was written.
+    expires : datetime
+        Until when another machine should believe that the run goes on.
+    pid, host : int, str
+        The process and its machine.
+    """
+
+    model_config = ConfigDict(frozen=True, allow_inf_nan=False)
+
+    point: str
+    done: int = Field(ge=0)
+    total: int = Field(gt=0)
+    at_most: bool
+    particles: int = Field(gt=0)
+    rate: float = Field(ge=0)
+    elapsed: float = Field(ge=0)
+    started: AwareDatetime
+    updated: AwareDatetime
+    expires: AwareDatetime
+    pid: int = Field(gt=0, lt=2**31)
+    host: str
+
+    @property
+    def percent(self) -> int:
+        """Percentage of the total that is done, 100 only at the end."""
+        return min(100, 100 * self.done // self.total)
+
+    @property
+    def left(self) -> float | None:
+        """Expected seconds to the total; none as long as nothing has been done."""
+        if self.rate == 0:
+            return None
+        return max(0, self.total - self.done) * self.particles / self.rate
+
+    @property
+    def time_left(self) -> str:
+        """`left` in words."""
+        if self.left is None:
+            return "unknown"
+        return f"{'at most' if self.at_most else 'about'} {duration(self.left)}"
+
+
+def may_end_early(parameters: Parameters) -> bool:
+    """Return whether a run may end before its total, once its mean velocity is known."""
+    return parameters.longest_samples > parameters.shortest_samples
+
+
+def length(parameters: Parameters) -> str:
+    """Say how many steps all replicates of a point take, or take at most."""
+    bound = "at most " if may_end_early(parameters) else ""
+    return f"{bound}{parameters.replicates * parameters.steps:,} steps"
+
+
+def progress_file(output: Path) -> Path:
+    """Return where the run that will write ``output`` says how far it is."""
+    return output.with_name(f".{output.name}.progress")
+
+
+def read_progress(output: Path) -> Progress | None:
+    """Return what the run that will write ``output`` says; none without a readable file."""
+    try:
+        return Progress.model_validate_json(progress_file(output).read_bytes())
+    except (OSError, ValidationError):
+        return None
+
+
+@contextmanager
+def progress(
+    parameters: Parameters, output: Path, quiet: bool = False, done: int = 0
+) -> Iterator[Callable[[int], None]]:
+    """Yield a function that is told the number of steps of every advance.
+
+    Parameters
+    ----------
+    parameters : Parameters
+        The point.
+    output : Path
+        The run file to be; the progress file lies beside it until the block ends.
+    quiet : bool
+        Neither bar nor log lines.
+    done : int
+        Steps that lie behind a run that resumes.
+    """
+    meter = _Meter(parameters, done)
+    total = parameters.replicates * parameters.steps
+    bar = tqdm(
+        total=total,
+        initial=done,
+        desc=f"{meter.point} (at most)" if meter.at_most else meter.point,
+        unit="step",
+        unit_scale=True,
+        disable=quiet or not sys.stderr.isatty(),
+    )
+    file = progress_file(output)
+    written, pause = meter.start, FIRST_PAUSE
+    line_due = meter.start + pause
+    _write(file, meter.read())
+
+    def advanced(steps: int) -> None:
+        nonlocal written, pause, line_due
+        now = meter.advance(steps)
+        bar.update(steps)
+        if now - written >= WRITE_INTERVAL:
+            written = now
+            _write(file, meter.read())
+        if now >= line_due and bar.disable and not quiet:
+            pause = min(2 * pause, LONGEST_PAUSE)
+            line_due = now + pause
+            log.info(meter.line())
+
+    try:
+        with bar:
+            yield advanced
+    finally:
+        for path in (file, _draft(file)):
+            with suppress(OSError):
+                path.unlink(missing_ok=True)
+
+
+class _Meter:
+    """Steps done and the time they took, by a clock that nobody sets."""
+
+    def __init__(self, parameters: Parameters, done: int):
+        self.point = point_id(parameters)
+        self.length = length(parameters)
+        self.at_most = may_end_early(parameters)
+        self.particles = parameters.particles
+        self.total = parameters.replicates * parameters.steps
+        self.done = done
+        self.started = datetime.now(UTC)
+        self.start = self.latest = monotonic()
+        self.longest = 0.0
+        self.samples = 0
+        self.reference = (done, self.start)
+
+    def advance(self, steps: int) -> float:
+        """Count steps; return the present time (s)."""
+        now = monotonic()
+        if self.samples == 1:
+            self.reference = (self.done, self.latest)
+        self.samples += 1
+        self.done += steps
+        self.longest = max(self.longest, now - self.latest)
+        self.latest = now
+        return now
+
+    def read(self) -> Progress:
+        """Return what the progress file is to say."""
+        steps, seconds = self.done - self.reference[0], self.latest - self.reference[1]
+        now = datetime.now(UTC)
+        credit = max(CREDIT, CREDIT_SAMPLES * self.longest)
+        return Progress(
+            point=self.point,
+            done=self.done,
+            total=self.total,
+            at_most=self.at_most,
+            particles=self.particles,
+            rate=steps * self.particles / seconds if seconds > 0 else 0.0,
+            elapsed=self.latest - self.start,
+            started=self.started,
+            updated=now,
+            expires=now + timedelta(seconds=credit),
+            pid=os.getpid(),
+            host=socket.gethostname(),
+        )
+
+    def line(self) -> str:
+        """Return the line for the log."""
+        now = self.read()
+        return (
+            f"{now.point}: {now.percent} % of {self.length}, "
+            f"{now.rate / 1e6:.1f} million particle-steps/s, {now.time_left} left"
+        )
+
+
+def _draft(file: Path) -> Path:
+    return file.with_name(f"{file.name}.part")
+
+
+def _write(file: Path, now: Progress) -> None:
+    """Replace the progress file. That it cannot be written must not end a run.
+
+    It need not survive a power cut, so nothing waits for the disk.
+    """
+    with suppress(OSError):
+        _draft(file).write_text(now.model_dump_json(indent=2) + "\n")
+        _draft(file).replace(file)
