@@ -278,14 +278,16 @@ def advance(
 
     ``laws`` holds the law between spheres and that between a sphere and the plane; ``gravity`` is a
     tuple of three accelerations (m/s²); ``orientation`` may be empty. Every thread of the team that
-    shares ``gate`` calls this with its ``rank`` and its ``work``. On LIST_FULL nothing is lost:
+    shares ``gate`` calls this with its ``rank`` and its ``work``; where one of them never comes,
+    nothing happens. On LIST_FULL nothing is lost:
     give the pair list more room and call again for the steps that ``flow.step`` says are missing.
     """
     wide_vectors()
     step, valid = flow.step[0], pairs.valid[0]
     last = step + steps
     part = np.zeros(PARTS)
-    barrier(gate)
+    if barrier(gate):
+        return OK
     while step < last:
         if not valid:
             last_memory = memory[step % 2]

@@ -18,7 +18,7 @@ from sim.compile import kernel
 PATIENCE = 2000
 
 # Entries of a gate.
-ARRIVED, OPENINGS, THREADS = range(3)
+ARRIVED, OPENINGS, THREADS, BROKEN = range(4)
 
 _yield = types.ExternalFunction("sched_yield", types.int32())
 
@@ -53,25 +53,28 @@ def _read(typingctx, array, index):
 
 def make_gate(threads: int) -> np.ndarray:
     """Return a gate that opens whenever this many threads have arrived."""
-    return np.array([0, 0, threads], np.int64)
+    return np.array([0, 0, threads, 0], np.int64)
 
 
 @kernel
 def barrier(gate):
-    """Wait until all threads of the gate have arrived."""
+    """Wait until all threads of the gate have arrived; return whether one of them never will."""
     threads = gate[THREADS]
     if threads == 1:
-        return
+        return False
     openings = _read(gate, OPENINGS)
     if _add(gate, ARRIVED) == threads - 1:
         gate[ARRIVED] = 0
         _add(gate, OPENINGS)
-        return
+        return False
     looks = 0
     while _read(gate, OPENINGS) == openings:
+        if _read(gate, BROKEN):
+            return True
         looks += 1
         if looks > PATIENCE:
             _yield()
+    return False
 
 
 class Team:
@@ -83,9 +86,21 @@ class Team:
         self._pool = ThreadPoolExecutor(threads - 1) if threads > 1 else None
 
     def run(self, task: Callable[[int], int]) -> int:
-        """Return what ``task(0)`` returns, after the same task has ended for all other ranks."""
-        others = [self._pool.submit(task, rank) for rank in self._ranks]
-        result = task(0)
-        for other in others:
-            other.result()
-        return result
+        """Return what ``task(0)`` returns, after the same task has ended for all other ranks.
+
+        When one of them raises an exception before it has reached the gate, the gate is broken for
+        good, so that nobody waits for it, and the exception is passed on.
+        """
+        others = [self._pool.submit(self._guarded, task, rank) for rank in self._ranks]
+        try:
+            return self._guarded(task, 0)
+        finally:
+            for other in others:
+                other.result()
+
+    def _guarded(self, task: Callable[[int], int], rank: int) -> int:
+        try:
+            return task(rank)
+        except BaseException:
+            self.gate[BROKEN] = 1
+            raise

@@ -13,7 +13,7 @@ from sim.dynamics.cells import make_box
 from sim.dynamics.disks import make_disks, make_work, stored_in_pairs
 from sim.dynamics.gear import Gear, Verlet, restarted
 from sim.dynamics.neighbors import empty_pair_list, grown
-from sim.dynamics.status import LIST_FULL, OK, REASONS, BlowUp
+from sim.dynamics.status import LIST_FULL, BlowUp, require_motion
 from sim.observe.ledger import Ledger
 from sim.observe.profiles import AREA, CENTRE, Profile, add_sample, empty_profile
 from sim.observe.regime import DRIFT, Scales
@@ -185,8 +185,7 @@ class Belt:
             )
             if status == LIST_FULL:
                 self.pairs = grown(self.pairs)
-        if status != OK:
-            raise BlowUp(f"{REASONS[status]} at step {loop.step[0]} {where}")
+        require_motion(status, self.disks.taylor, f"{loop.step[0]} {where}")
 
     def advance(self) -> dict[str, float]:
         """Advance by one sample interval and return a value per time series."""

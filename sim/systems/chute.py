@@ -20,7 +20,7 @@ from sim.dynamics.spheres import (
     make_work,
     stored_in_pairs,
 )
-from sim.dynamics.status import LIST_FULL, OK, REASONS, BlowUp
+from sim.dynamics.status import LIST_FULL, require_motion
 from sim.dynamics.team import Team
 from sim.observe.ledger import Ledger
 from sim.observe.profiles import VOLUME, Profile, add_sample, empty_profile
@@ -128,9 +128,8 @@ class Chute:
             if status == LIST_FULL:
                 self.pairs = grown(self.pairs)
                 self.memory = enlarged(self.memory, len(self.pairs.touching))
-        if status != OK:
-            time = flow.step[0] * p.time_step / p.time_unit
-            raise BlowUp(f"{REASONS[status]} at step {flow.step[0]} (t* = {time:.4g})")
+        time = flow.step[0] * p.time_step / p.time_unit
+        require_motion(status, self.spheres.position, f"{flow.step[0]} (t* = {time:.4g})")
         return self._sample()
 
     def _advance(self, steps: int, rank: int) -> int:

@@ -48,3 +48,16 @@ def test_a_team_returns_what_its_first_thread_returns_after_the_others_have_ende
 
 def test_the_gate_of_a_single_thread_is_open():
     assert meet(make_gate(1), 1000, 0, np.zeros(1, np.int64)) == 0
+
+
+@pytest.mark.parametrize("broken", [0, 1, 2])
+def test_nobody_waits_for_a_thread_that_has_failed(broken):
+    team, count = Team(3), np.zeros(3, np.int64)
+
+    def task(rank: int) -> int:
+        if rank == broken:
+            raise KeyboardInterrupt
+        return meet(team.gate, 1, rank, count)
+
+    with pytest.raises(KeyboardInterrupt):
+        team.run(task)
