@@ -5,6 +5,7 @@ from functools import partial
 import numpy as np
 
 from sim.boundary.plane import make_plane
+from sim.contact.spring_dashpot import SpringDashpot
 from sim.contact.walton_braun import WaltonBraun
 from sim.dynamics import leap_frog
 from sim.dynamics.cells import make_box
@@ -39,13 +40,14 @@ class SphereMotion:
         velocity,
         spin=0.0,
         *,
-        law: WaltonBraun | None = None,
-        plane_law: WaltonBraun | None = None,
+        law: WaltonBraun | SpringDashpot | None = None,
+        plane_law: WaltonBraun | SpringDashpot | None = None,
         radius=RADIUS,
         mass=MASS,
         box=None,
         gravity=(0.0, 0.0, 0.0),
         steps_per_collision: float = 40,
+        time_step: float | None = None,
         skin: float = 0.3 * 2 * RADIUS,
         room: int = 12,
         orientations: bool = False,
@@ -54,7 +56,7 @@ class SphereMotion:
     ):
         law = law or sphere_law()
         self.laws = (law, plane_law or law)
-        self.time_step = collision_time(law) / steps_per_collision
+        self.time_step = time_step or collision_time(law) / steps_per_collision
         self.spheres = make_spheres(position, velocity, radius, mass, threads)
         self.spheres.rim[:] = np.transpose(spin) * self.spheres.radius
         number = len(self.spheres.mass)

@@ -8,7 +8,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from .walton_braun import Contact, ContactLaw, update
+from .spring_dashpot import SpringDashpotLaw
+from .walton_braun import Contact, ContactLaw
 
 PLANE = -1
 """Stands for particle j in the key of a contact with the plane."""
@@ -39,8 +40,8 @@ class Chute:
     and y; gravity is a vector (m/s2).
     """
 
-    law: ContactLaw
-    plane_law: ContactLaw | None = None
+    law: ContactLaw | SpringDashpotLaw
+    plane_law: ContactLaw | SpringDashpotLaw | None = None
     box: tuple[float, float] | None = None
     gravity: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
@@ -115,7 +116,7 @@ def forces(spheres: Spheres, chute: Chute, time_step: float) -> tuple[np.ndarray
         law = chute.plane_law if j == PLANE else chute.law
         slip = time_step * surface_velocity(spheres, i, j, k_hat)
         old = spheres.contacts.get((i, j), Contact())
-        normal_force, shear, contacts[i, j] = update(old, overlap, k_hat, slip, law)
+        normal_force, shear, contacts[i, j] = law.update(old, overlap, k_hat, slip)
         on_i = shear - normal_force * k_hat
         force[i] += on_i
         torque[i] += spheres.radius[i] * cross(k_hat, shear)

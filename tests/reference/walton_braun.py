@@ -48,6 +48,12 @@ class ContactLaw:
         """K0 in N/m."""
         return self.tangential_ratio * self.stiffness
 
+    def update(
+        self, contact: "Contact", overlap: float, k_hat: np.ndarray, slip: np.ndarray
+    ) -> tuple[float, np.ndarray, "Contact"]:
+        """Advance a contact by one step, as `update`."""
+        return update(contact, overlap, k_hat, slip, self)
+
 
 @dataclass(frozen=True)
 class Contact:
