@@ -8,22 +8,10 @@ import netCDF4
 import numpy as np
 
 from sim.errors import InputError
+from sim.observe.scalars import SCALARS
 from sim.parameters import SYSTEMS, Parameters, canonical, field_info, parse_point
 
-_PER_REPLICATE = (
-    "regime",
-    "status",
-    "velocity",
-    "velocity_error",
-    "acceleration",
-    "acceleration_error",
-    "max_overlap",
-    "base_normal",
-    "base_shear",
-    "steps",
-    "wall_time",
-    "reason",
-)
+_PER_REPLICATE = tuple(name for name in SCALARS if name != "replicate_seed")
 _PROVENANCE = ("engine_version", "source_hash", "created", "versions", "machine", "command")
 
 
@@ -105,7 +93,8 @@ def _parameter_lines(parameters: Parameters) -> list[tuple[str, str]]:
         unit = rows[name].scale or rows[name].unit
         shown = f"{value:g}" if isinstance(value, float) else json.dumps(value).strip('"')
         lines.append((name, shown if unit in ("", "1") else f"{shown} {unit}"))
-    return lines
+    limits = parameters.limits.items()
+    return lines + [(name, f"{value:.6g} m s-2") for name, (value, _) in limits]
 
 
 def _replicate_lines(file: netCDF4.Dataset) -> list[tuple[str, str]]:

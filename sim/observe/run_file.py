@@ -97,6 +97,8 @@ def _write_parameters(file, parameters):
             variable.comment = f"multiple of {row.scale}"
     _put(file, "particles", (), parameters.particles, "1", "number of particles")
     _put(file, "time_step", (), parameters.time_step, "s", "time step")
+    for name, (value, meaning) in parameters.limits.items():
+        _put(file, name, (), value, "m s-2", meaning)
 
 
 def _write_axes(file, records, layout):

@@ -260,6 +260,22 @@ class ChuteParameters(Parameters):
         return self.collision_time / self.steps_per_collision
 
     @property
+    def limits(self) -> dict[str, tuple[float, str]]:
+        """Accelerations (m s⁻²) of a flow that slides as a block, and of spheres that roll alone."""
+        slope = math.radians(self.angle)
+        along, across = self.gravity * math.sin(slope), self.gravity * math.cos(slope)
+        return {
+            "sliding_acceleration": (
+                along - self.friction_plane * across,
+                "acceleration of a block that slides on the plane, g (sin θ - μ cos θ)",
+            ),
+            "rolling_acceleration": (
+                5 / 7 * along,
+                "acceleration of a sphere that rolls alone, (5/7) g sin θ",
+            ),
+        }
+
+    @property
     def sample_steps(self) -> int:
         """Time steps between two samples, at least one."""
         return max(1, round(self.sample_interval * self.time_unit / self.time_step))

@@ -120,6 +120,11 @@ class Parameters(BaseModel):
         return ""
 
     @property
+    def limits(self) -> dict[str, tuple[float, str]]:
+        """Accelerations (m s⁻²) to compare a flow with: name -> (value, meaning)."""
+        return {}
+
+    @property
     def velocity_unit(self) -> float:
         """Velocity √(g·diameter), m s⁻¹."""
         return (self.gravity * self.diameter) ** 0.5

@@ -105,7 +105,7 @@ class Belt:
         self.integrator = self._integrator(p.time_step)
         self.loop = shaking.make_shaking()
         amplitude = self.motion.amplitude_x or self.motion.amplitude_z
-        arrested = 0.01 * max(amplitude, 0.01 * p.diameter) * 2.0 * pi * p.frequency
+        arrested = 0.02 * max(amplitude, 0.01 * p.diameter) * 2.0 * pi * p.frequency
         self.scales = Scales(arrested, acceleration=np.inf, drift=DRIFT)
         self.mass = float(mass.sum())
         self.period = p.samples_per_cycle
