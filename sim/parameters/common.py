@@ -80,8 +80,8 @@ class Parameters(BaseModel):
 
     Instances are immutable, complete (every omitted parameter has its value) and canonical.
     A concrete system adds ``diameter`` (m), ``mass`` (kg), ``gravity`` (m s⁻²), ``transient``,
-    ``average`` and ``limit`` (multiples of ``time_unit``), and the properties ``time_unit``, ``time_step``,
-    ``sample_steps`` and ``particles``.
+    ``average`` and ``limit`` (multiples of ``time_unit``), and the properties ``time_unit``,
+    ``time_step``, ``sample_steps`` and ``particles``.
     """
 
     model_config = ConfigDict(
