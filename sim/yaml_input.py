@@ -113,6 +113,8 @@ def _text(path: str | Path, source: str) -> str:
     """Return the file's text, or say in one line why there is none."""
     try:
         data = _bytes(path, source)
+        if len(data) > MAX_BYTES:
+            raise InputError(f"{source}: larger than {MAX_BYTES / 1e6:g} MB")
         text = data.decode("utf-8-sig")
     except FileNotFoundError:
         raise InputError(f"{source}: no such file") from None
@@ -123,8 +125,6 @@ def _text(path: str | Path, source: str) -> str:
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or error
         raise InputError(f"{source}: cannot be read: {reason}") from None
-    if len(data) > MAX_BYTES:
-        raise InputError(f"{source}: larger than {MAX_BYTES / 1e6:g} MB")
     if "\0" in text:
         raise InputError(f"{source}: not a text file (UTF-8 expected)")
     return text

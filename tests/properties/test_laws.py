@@ -210,7 +210,7 @@ def test_exponent_0_is_the_linear_spring(cap, stiffness, friction, ratio, seed, 
     st.lists(st.tuples(signs, magnitudes(-2, 0.5)), min_size=1, max_size=10),
 )
 def test_friction_gives_back_no_more_than_was_put_in(exponent, turns):
-    """Work on a fresh contact along a line at constant F_N, in units of the limit squared over K0."""
+    """Work on a fresh contact along a line, at constant F_N, in units of the limit squared / K0."""
     law = walton_braun(100.0, 1.0, 0.4, tangential_exponent=exponent)
     limit = 0.4 * 100.0 * 1e-5
     corners = [0.0, *(sign * size for sign, size in turns)]
