@@ -13,6 +13,7 @@ from sim.parameters import (
     Parameters,
     canonical,
     canonical_json,
+    canonical_number,
     parse_point,
     point_id,
 )
@@ -66,6 +67,13 @@ def test_a_point_with_anything_in_it_is_read_or_refused_in_one_line(values, chan
 def test_integers_too_long_to_be_written_are_refused_in_one_line(key):
     message = refusal({"system": "chute", key: 10**5000})
     assert message.startswith(f"point.yaml: {key}: got an integer of 16610 bits; allowed: ")
+
+
+@given(st.floats(allow_nan=False, allow_infinity=False))
+def test_canonical_numbers_are_fixed_points(value):
+    rounded = canonical_number(value)
+    assert canonical_number(rounded) == rounded
+    assert rounded == pytest.approx(value, rel=1e-11)
 
 
 @given(POINTS)
