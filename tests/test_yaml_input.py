@@ -3,9 +3,7 @@
 import pytest
 
 from sim.errors import InputError
-from sim.parameters import (
-    load_point,
-)
+from sim.parameters import load_point
 
 
 @pytest.mark.parametrize(

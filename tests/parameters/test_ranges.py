@@ -5,10 +5,7 @@ import math
 import pytest
 
 from sim.errors import InputError
-from sim.parameters import (
-    canonical,
-    parse_point,
-)
+from sim.parameters import canonical, parse_point
 
 WALTON = {
     "depth": 5,

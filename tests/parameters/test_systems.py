@@ -5,10 +5,7 @@ import math
 import pytest
 from pydantic import ValidationError
 
-from sim.parameters import (
-    BeltParameters,
-    ChuteParameters,
-)
+from sim.parameters import BeltParameters, ChuteParameters
 
 
 def test_defaults_that_follow_other_parameters():

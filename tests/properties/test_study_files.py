@@ -178,7 +178,7 @@ def test_huge_files_are_refused_unread(tmp_path):
     path = tmp_path / "study.yaml"
     with path.open("wb") as file:
         file.write(b"study: mine\n#")
-        file.truncate(10**11)
+        file.truncate(10**9)
     message = refused_by_a_process(str(path), tmp_path)
     assert message.endswith("study.yaml: larger than 4 MB\n")
 
@@ -188,6 +188,15 @@ def test_a_file_of_the_largest_size_is_read(tmp_path):
     head = b"study: mine\nseries: [{name: a, system: chute}]\n#"
     path.write_bytes(head + b"x" * (MAX_BYTES - len(head)))
     assert list(load_study(path, tmp_path).series) == ["a"]
+
+
+@pytest.mark.parametrize(
+    "name", ["a\0b", "x" * 5000, "no/such/file", "\udcff", "a\nb", "{x}", "\x1b"]
+)
+@pytest.mark.parametrize("command", [["points"], ["run", "--output", "run.nc"]])
+def test_names_that_no_file_has(name, command, capsys):
+    assert main([*command, name]) == 2
+    assert re.fullmatch(r"error: .+\n", capsys.readouterr().err)
 
 
 def bomb(first: str, opening: str, closing: str) -> str:
