@@ -47,7 +47,7 @@ def sphere_laws(draw, decades=3, readings=READINGS):
     return walton_braun(
         stiffness=draw(magnitudes(-decades, decades)),
         restitution=draw(st.one_of(st.just(1.0), st.floats(1e-3, 1))),
-        friction=draw(st.one_of(st.just(0.0), st.floats(0, 2), magnitudes(-decades, decades))),
+        friction=draw(st.one_of(st.just(0.0), st.floats(0.1, 2), magnitudes(-decades, 1))),
         tangential_ratio=draw(magnitudes(-decades / 3, decades / 3)),
         **draw(readings),
     )
