@@ -1,14 +1,17 @@
-"""Strategies: points over the whole ranges of their parameters, and values of every kind."""
+"""Strategies: points over the whole ranges of their parameters, values of every kind and size."""
 
 import datetime
 import typing
 
+import numpy as np
 from annotated_types import Ge, Gt, Le, Lt
 from hypothesis import strategies as st
 from pydantic.fields import FieldInfo
 
 from sim.parameters import SYSTEMS
 from sim.parameters.common import LARGEST, SMALLEST
+
+SEEDS = st.integers(0, 2**32 - 1)
 
 #: Most integers that a point may count have no upper bound of their own.
 _LARGEST_COUNT = 10**7
@@ -94,3 +97,13 @@ def _changed(system: str) -> st.SearchStrategy[dict]:
 
 #: Parameters given for a point, each within its own range; rules that join several may refuse them.
 GIVEN = st.one_of([_changed(system) for system in SYSTEMS])
+
+
+def magnitudes(low: float, high: float) -> st.SearchStrategy[float]:
+    """Positive numbers of all magnitudes from 10**low to 10**high."""
+    return st.floats(low, high).map(lambda power: 10.0**power)
+
+
+def norms(vectors) -> np.ndarray:
+    """Lengths (n,) of vectors (n, D)."""
+    return np.linalg.norm(vectors, axis=1)
