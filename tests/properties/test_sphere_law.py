@@ -36,7 +36,10 @@ READINGS = st.fixed_dictionaries(
 
 @st.composite
 def sphere_laws(draw, decades=3, readings=READINGS):
-    """Laws of the spheres with a stiffness around 1 N/m, and any friction and restitution."""
+    """Laws of the spheres with a stiffness around 1 N/m, and any friction and restitution.
+
+    Below a restitution of 1e-5 the rounding of 1 - e**2 reaches the force.
+    """
     return walton_braun(
         stiffness=draw(magnitudes(-decades, decades)),
         restitution=draw(st.one_of(st.just(1.0), st.floats(1e-3, 1))),
