@@ -14,7 +14,7 @@ class InputError(Exception):
     """
 
     def __init__(self, message: str) -> None:
-        super().__init__(" ".join(message.splitlines()))
+        super().__init__("".join(c if c.isprintable() else " " for c in message))
 
     @classmethod
     def of_value(cls, source: str | Path, key: str, value: Any, allowed: str) -> Self:
@@ -45,6 +45,11 @@ class _Short(reprlib.Repr):
 
     def repr_float(self, value: float, level: int) -> str:
         return f"{value:.12g}"
+
+    def repr_int(self, value: int, level: int) -> str:
+        # Python refuses to write out integers of more than some thousand digits.
+        bits = value.bit_length()
+        return super().repr_int(value, level) if bits < 2000 else f"an integer of {bits} bits"
 
     def repr_bool(self, value: bool, level: int) -> str:
         return "true" if value else "false"

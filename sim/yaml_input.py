@@ -1,6 +1,7 @@
 """Reading YAML the strict way: YAML 1.2 scalars, no duplicate keys, one-line errors."""
 
 import re
+import stat
 import sys
 from pathlib import Path
 from typing import Any, ClassVar
@@ -12,20 +13,53 @@ from sim.errors import InputError, key_path
 _Base = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 _Path = tuple[str | int, ...]
 
+MAX_BYTES = 4_000_000
 MAX_DEPTH = 50
+MAX_KEYS = 1_000_000
+_MAX_PROBLEM = 200
+
+_TAG = "tag:yaml.org,2002:"
+_TYPES = ("null", "bool", "str", "seq", "map")
 
 
 class _Loader(_Base):
-    """Safe loader that resolves plain scalars by the core schema of YAML 1.2.
+    """Safe loader with the core schema of YAML 1.2: its types, its plain scalars, and merge keys.
 
     PyYAML follows YAML 1.1, where ``1e3`` is text, ``010`` is eight and ``on`` is true. The first
     would make JSON's own numbers unreadable, the others surprise.
     """
 
     yaml_implicit_resolvers: ClassVar[dict[str, list]] = {}
+    yaml_constructors: ClassVar[dict[str | None, Any]] = {
+        tag: _Base.yaml_constructors[tag] for tag in (*(f"{_TAG}{name}" for name in _TYPES), None)
+    }
+    keys = 0
+
+    def construct_yaml_int(self, node: yaml.ScalarNode) -> int:
+        """Read a decimal integer; YAML 1.1 had other bases too."""
+        return int(self.construct_scalar(node))
+
+    def construct_yaml_float(self, node: yaml.ScalarNode) -> float:
+        """Read a decimal number, ``.inf`` or ``.nan``; YAML 1.1 had base 60 too."""
+        text = self.construct_scalar(node).lower()
+        return float(text.replace(".inf", "inf").replace(".nan", "nan"))
+
+    def flatten_mapping(self, node: yaml.MappingNode) -> None:
+        """Replace merge keys by what they stand for, which must not grow without bound.
+
+        Merges of merges multiply: a few lines can stand for more keys than memory holds.
+        """
+        super().flatten_mapping(node)
+        self.keys += len(node.value)
+        if self.keys > MAX_KEYS:
+            problem = f"more than {MAX_KEYS:,} keys, those that merge keys stand for included"
+            raise yaml.constructor.ConstructorError(None, None, problem, node.start_mark)
 
 
-for _tag, _pattern, _first in (
+_Loader.add_constructor(f"{_TAG}int", _Loader.construct_yaml_int)
+_Loader.add_constructor(f"{_TAG}float", _Loader.construct_yaml_float)
+
+for _name, _pattern, _first in (
     ("null", r"~|null|Null|NULL|", ["~", "n", "N", ""]),
     ("bool", r"true|True|TRUE|false|False|FALSE", list("tTfF")),
     ("int", r"[-+]?(?:0|[1-9][0-9]*)", list("-+0123456789")),
@@ -36,9 +70,7 @@ for _tag, _pattern, _first in (
     ),
     ("merge", r"<<", ["<"]),
 ):
-    _Loader.add_implicit_resolver(
-        f"tag:yaml.org,2002:{_tag}", re.compile(rf"(?:{_pattern})\Z"), _first
-    )
+    _Loader.add_implicit_resolver(f"{_TAG}{_name}", re.compile(rf"(?:{_pattern})\Z"), _first)
 
 
 def read_yaml(path: str | Path) -> Any:
@@ -47,8 +79,8 @@ def read_yaml(path: str | Path) -> Any:
     Raises
     ------
     InputError
-        When the file is missing, a folder, unreadable, not text, empty, not YAML (with the line
-        number), or repeats a key in a mapping.
+        When the file is missing, no plain file, unreadable, too large, not text, empty, not YAML
+        (with the line number), or has a key that is repeated or no text.
     """
     source = "<stdin>" if str(path) == "-" else str(path)
     return parse_yaml(_text(path, source), source)
@@ -62,15 +94,16 @@ def parse_yaml(text: str, source: str) -> Any:
         node = loader.get_single_node()
         if node is None:
             raise InputError(f"{source}: the file is empty; allowed: a mapping of names to values")
-        _refuse_duplicates(node, source)
+        _refuse_wrong_keys(node, source)
         return loader.construct_document(node)
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         line = f"line {mark.line + 1}, column {mark.column + 1}: " if mark else ""
-        raise InputError(f"{source}: {line}not readable as YAML: {error.problem}") from None
-    except (yaml.YAMLError, ValueError, LookupError, AttributeError, TypeError) as error:
-        # All but the first come from explicit tags that do not fit their values.
-        problem = " ".join(str(error).split()).partition(";")[0]
+        problem = error.problem[:_MAX_PROBLEM]
+        raise InputError(f"{source}: {line}not readable as YAML: {problem}") from None
+    except (yaml.YAMLError, ValueError, LookupError, RecursionError) as error:
+        # From explicit tags that do not fit their values, and from long chains of merge keys.
+        problem = " ".join(str(error).split()).partition(";")[0][:_MAX_PROBLEM]
         raise InputError(f"{source}: not readable as YAML: {problem}") from None
     finally:
         loader.dispose()
@@ -79,7 +112,9 @@ def parse_yaml(text: str, source: str) -> Any:
 def _text(path: str | Path, source: str) -> str:
     """Return the file's text, or say in one line why there is none."""
     try:
-        data = sys.stdin.buffer.read() if source == "<stdin>" else Path(path).read_bytes()
+        data = _bytes(path, source)
+        if len(data) > MAX_BYTES:
+            raise InputError(f"{source}: larger than {MAX_BYTES / 1e6:g} MB")
         text = data.decode("utf-8-sig")
     except FileNotFoundError:
         raise InputError(f"{source}: no such file") from None
@@ -95,6 +130,19 @@ def _text(path: str | Path, source: str) -> str:
     return text
 
 
+def _bytes(path: str | Path, source: str) -> bytes:
+    """Return what the file holds, or one byte more than is allowed of a file that is too large."""
+    if source == "<stdin>":
+        return sys.stdin.buffer.read(MAX_BYTES + 1) if sys.stdin else b""
+    path = Path(path)
+    mode = path.stat().st_mode
+    # Opening a device may act on it, and reading one or a pipe may never end.
+    if not (stat.S_ISREG(mode) or stat.S_ISDIR(mode)):
+        raise InputError(f"{source}: a device or pipe, where a YAML file is expected")
+    with path.open("rb") as file:
+        return file.read(MAX_BYTES + 1)
+
+
 def _refuse_deep_nesting(text: str, source: str) -> None:
     """Raise before the recursive part of the YAML library, which may crash, meets deep nesting."""
     depth = 0
@@ -106,8 +154,8 @@ def _refuse_deep_nesting(text: str, source: str) -> None:
             raise InputError(f"{source}: line {line}: nested deeper than {MAX_DEPTH} levels")
 
 
-def _refuse_duplicates(root: yaml.Node, source: str) -> None:
-    """Raise if any mapping repeats a key: YAML would silently keep the last one."""
+def _refuse_wrong_keys(root: yaml.Node, source: str) -> None:
+    """Raise if a key is not text, or comes twice in a mapping: YAML would keep the last one."""
     pending: list[tuple[yaml.Node, _Path]] = [(root, ())]
     visited: set[int] = set()
     while pending:
@@ -122,19 +170,22 @@ def _refuse_duplicates(root: yaml.Node, source: str) -> None:
 
 
 def _members(node: yaml.MappingNode, path: _Path, source: str) -> list[tuple[yaml.Node, _Path]]:
-    """Return a mapping's values with their paths, refusing a repeated key."""
+    """Return a mapping's values with their paths, refusing a wrong key."""
     first_lines: dict[str, int] = {}
     members = []
     for key, value in node.value:
-        name = str(key.value) if isinstance(key, yaml.ScalarNode) else "?"
-        here = (*path, name)
-        if isinstance(key, yaml.ScalarNode):
-            line = key.start_mark.line + 1
-            if name in first_lines:
-                raise InputError(
-                    f"{source}: {key_path(here)}: duplicate key on line {line}, "
-                    f"first on line {first_lines[name]}; allowed: each key once"
-                )
-            first_lines[name] = line
+        text = isinstance(key, yaml.ScalarNode) and key.tag in (f"{_TAG}str", f"{_TAG}merge")
+        if not text:
+            raise yaml.constructor.ConstructorError(
+                None, None, "expected text as a key", key.start_mark
+            )
+        here = (*path, key.value)
+        line = key.start_mark.line + 1
+        if key.value in first_lines:
+            raise InputError(
+                f"{source}: {key_path(here)}: duplicate key on line {line}, "
+                f"first on line {first_lines[key.value]}; allowed: each key once"
+            )
+        first_lines[key.value] = line
         members.append((value, here))
     return members

@@ -1,0 +1,80 @@
+"""Points: equal numbers, names that read well and differ, descriptions of all parameters."""
+
+import math
+import re
+
+import pytest
+
+from sim.parameters import (
+    SYSTEMS,
+    BeltParameters,
+    ChuteParameters,
+    field_info,
+    parse_point,
+    point_id,
+)
+
+
+def test_a_follower_given_explicitly_is_the_same_point():
+    assert point_id(ChuteParameters(friction_plane=0.4)) == point_id(ChuteParameters())
+
+
+def test_equal_numbers_are_one_point():
+    pairs = [(0.1 + 0.2, 0.3), (0.7 * 0.5, 0.35), (1, 1.0), (4e-1, 0.4)]
+    for one, other in pairs:
+        assert point_id(ChuteParameters(friction=one)) == point_id(ChuteParameters(friction=other))
+
+
+def test_minus_zero_is_zero():
+    assert math.copysign(1, ChuteParameters(friction=-0.0).friction) == 1
+
+
+def test_ids_show_what_differs_from_the_paper_and_hide_what_is_numerical():
+    steep = point_id(ChuteParameters(angle=18, transient=10, friction_plane=0.3))
+    assert re.fullmatch(r"chute-.*-stiffness100-friction_plane0.3-angle18-[0-9a-f]{8}", steep)
+    verlet = point_id(BeltParameters(integrator="verlet", steps_per_cycle=4000))
+    assert re.fullmatch(r"belt-.*-shear50-integrator-verlet-[0-9a-f]{8}", verlet)
+
+
+@pytest.mark.parametrize("system", SYSTEMS)
+def test_every_parameter_is_in_the_id(system):
+    changed = {
+        "seed": 2,
+        "replicates": 2,
+        "orientations": False,
+        "beads": 201,
+        "threads": 2,
+        "steps_per_collision": 41,
+        "steps_per_cycle": 2020,
+        "samples_per_cycle": 10,
+    }
+    default = SYSTEMS[system]()
+    for name, row in field_info(default).items():
+        if name == "system":
+            continue
+        value = getattr(default, name)
+        if isinstance(value, str):
+            new = re.findall(r"\w+", row.allowed)[-1]
+        else:
+            new = changed.get(name, 0.9 * value if value else 0.5)
+        point = parse_point({"system": system, name: new}, "point.yaml")
+        assert point_id(point) != point_id(default), name
+
+
+def test_ids_read_well():
+    chute = point_id(ChuteParameters(depth=1.24, restitution=0.7))
+    assert chute.startswith("chute-depth1.24-friction0.4-restitution0.7-stiffness100-")
+    belt = point_id(BeltParameters(frequency=15.5, shear_damping=100))
+    assert belt.startswith("belt-frequency15.5-amplitude1-angle45-damping50-shear100-")
+
+
+@pytest.mark.parametrize("model", SYSTEMS.values())
+def test_every_parameter_is_described(model):
+    rows = field_info(model)
+    assert set(rows) == set(model.model_fields)
+    assert next(iter(rows)) == "system"
+    for row in rows.values():
+        assert row.description and not row.description.endswith("."), row.name
+        assert row.allowed, row.name
+        number = isinstance(getattr(model(), row.name), float)
+        assert bool(row.unit) or not number, row.name

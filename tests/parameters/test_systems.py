@@ -1,0 +1,53 @@
+"""What follows from the parameters: defaults that follow others, SI units, lengths of runs."""
+
+import math
+
+import pytest
+from pydantic import ValidationError
+
+from sim.parameters import BeltParameters, ChuteParameters
+
+
+def test_defaults_that_follow_other_parameters():
+    assert ChuteParameters(friction=0.2).friction_plane == 0.2
+    assert ChuteParameters(friction=0.2, friction_plane=0.6).friction_plane == 0.6
+    assert [ChuteParameters(depth=depth).cell for depth in (1, 10, 10.5, 40)] == [10, 10, 5, 5]
+    assert ChuteParameters(depth=40).initial_velocity == 30
+    assert ChuteParameters(depth=2.5).initial_velocity == 7
+
+
+def test_natural_units_of_the_chute():
+    chute = ChuteParameters()
+    assert chute.time_unit == pytest.approx(10.10e-3, rel=1e-3)
+    assert chute.velocity_unit == pytest.approx(0.0990, rel=1e-3)
+    assert chute.particles == 500
+    assert chute.steps_per_collision * chute.time_step == pytest.approx(
+        math.pi / 2 * math.sqrt(1.492e-6 / 2 / 100) * 1.85
+    )
+
+
+def test_lengths_of_a_chute_run():
+    chute = ChuteParameters(transient=10, average=5)
+    interval = chute.sample_steps * chute.time_step
+    assert interval == pytest.approx(0.25 * chute.time_unit, rel=0.01)
+    assert chute.transient_samples * interval == pytest.approx(10 * chute.time_unit, rel=0.02)
+    assert chute.average_samples * interval == pytest.approx(5 * chute.time_unit, rel=0.02)
+    assert chute.steps == (chute.transient_samples + chute.average_samples) * chute.sample_steps
+
+
+def test_lengths_of_a_belt_run_are_the_papers():
+    belt = BeltParameters()
+    assert belt.time_step == pytest.approx(1 / (2000 * 20))
+    assert belt.transient_samples * belt.sample_steps == 90_000
+    assert belt.average_samples * belt.sample_steps == 90_000
+    assert belt.steps == 180_000
+
+
+def test_the_shortest_run_has_a_sample_and_the_smallest_cell_a_particle():
+    chute = ChuteParameters(depth=1e-6, transient=0, average=1e-6)
+    assert (chute.particles, chute.transient_samples, chute.average_samples) == (1, 0, 1)
+
+
+def test_parameters_are_immutable():
+    with pytest.raises(ValidationError, match="frozen"):
+        ChuteParameters().depth = 10

@@ -1,0 +1,215 @@
+"""What holds for the law of the spheres whatever its parameters, scales and history."""
+
+import itertools
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from sim.contact.walton_braun import walton_braun
+from tests.engine_helpers import (
+    CAPS,
+    EXPONENTS,
+    MEMORIES,
+    contact_path,
+    rotation,
+    vector_spring,
+)
+from tests.properties.values import SEEDS, magnitudes, norms
+
+STEPS = 200
+Z = np.array([0.0, 0.0, 1.0])
+
+signs = st.sampled_from([-1.0, 1.0])
+
+
+#: Readings of the law of the spheres, each of which the other tests compile too.
+READINGS = st.fixed_dictionaries(
+    {
+        "tangential_exponent": st.sampled_from(EXPONENTS),
+        "overlap_memory": st.sampled_from(MEMORIES),
+        "friction_cap": st.sampled_from(CAPS),
+    }
+)
+
+
+@st.composite
+def sphere_laws(draw, decades=3, readings=READINGS):
+    """Laws of the spheres with a stiffness around 1 N/m, and any friction and restitution.
+
+    Below a restitution of 1e-5 the rounding of 1 - e**2 reaches the force.
+    """
+    return walton_braun(
+        stiffness=draw(magnitudes(-decades, decades)),
+        restitution=draw(st.one_of(st.just(1.0), st.floats(1e-3, 1))),
+        friction=draw(st.one_of(st.just(0.0), st.floats(0.1, 2), magnitudes(-decades, 1))),
+        tangential_ratio=draw(magnitudes(-decades / 3, decades / 3)),
+        **draw(readings),
+    )
+
+
+def history(law, seed: int, length: float, slip: float, steps: int = STEPS):
+    """Overlaps (n,) around ``length`` (m), normals and slips (n, 3) of a contact that wanders.
+
+    ``slip`` is the size of a step's slip over the one that takes the friction to its limit.
+    """
+    rng = np.random.default_rng(seed)
+    overlap = length * (1.05 + np.sin(rng.normal(0, 0.2, steps).cumsum()))
+    normal = Z + 0.03 * rng.normal(size=(steps, 3)).cumsum(axis=0)
+    normal /= np.linalg.norm(normal, axis=1)[:, None]
+    size = slip * length * max(law.limit.friction, 1e-9) * law.loading / law.tangential
+    steps_of_slip = size * np.sin(rng.normal(0, 0.3, (steps, 3)).cumsum(axis=0))
+    steps_of_slip -= (steps_of_slip * normal).sum(axis=1)[:, None] * normal
+    return overlap, normal, steps_of_slip
+
+
+@given(sphere_laws(decades=12), SEEDS, magnitudes(-12, 12), magnitudes(-6, 3))
+def test_spheres_repel_and_rub_within_the_limit_at_all_magnitudes(law, seed, length, slip):
+    overlap, normal, slips = history(law, seed, length, slip)
+    force, friction, memory = contact_path(law, overlap, normal, slips)
+    assert np.isfinite(memory).all() and np.isfinite(friction).all()
+    assert (force >= 0.0).all()
+    assert (force <= law.loading * overlap * (1 + 1e-12)).all()
+    limit = law.limit.friction * force
+    assert (norms(friction) <= limit * (1 + 1e-12)).all()
+    assert (np.abs((friction * normal).sum(axis=1)) <= 1e-9 * limit.max()).all()
+
+
+@given(sphere_laws(), SEEDS, magnitudes(-6, 0), magnitudes(-3, 1))
+def test_partners_that_change_places_feel_the_opposite_friction(law, seed, length, slip):
+    overlap, normal, slips = history(law, seed, length, slip)
+    force, friction, memory = contact_path(law, overlap, normal, slips)
+    other_force, other_friction, other_memory = contact_path(law, overlap, -normal, -slips)
+    assert np.array_equal(other_force, force)
+    assert np.array_equal(other_friction, -friction)
+    assert np.array_equal(other_memory[:, 3:], memory[:, 3:])
+
+
+def same_friction(found, expected, limit) -> bool:
+    """Whether two frictions (n, 3) agree but for rounding, which the exponents may magnify."""
+    return bool((norms(found - expected) <= 1e-7 * limit.max()).all())
+
+
+@given(sphere_laws(), SEEDS, magnitudes(-6, 0), magnitudes(-3, 1))
+def test_friction_turns_with_the_frame(law, seed, length, slip):
+    overlap, normal, slips = history(law, seed, length, slip)
+    force, friction, _ = contact_path(law, overlap, normal, slips)
+    frame = rotation(np.random.default_rng(seed))
+    turned = contact_path(law, overlap, normal @ frame.T, slips @ frame.T)[1]
+    assert same_friction(turned, friction @ frame.T, law.limit.friction * force)
+
+
+@given(sphere_laws(), SEEDS, magnitudes(-3, 1), magnitudes(-6, 6), magnitudes(-6, 6))
+def test_forces_scale_with_stiffness_and_length(law, seed, slip, stiffer, longer):
+    overlap, normal, slips = history(law, seed, 1e-5, slip)
+    force, friction, _ = contact_path(law, overlap, normal, slips)
+    stiff = law._replace(
+        loading=stiffer * law.loading,
+        unloading=stiffer * law.unloading,
+        tangential=stiffer * law.tangential,
+    )
+    scale = stiffer * longer
+    found = contact_path(stiff, longer * overlap, normal, longer * slips)
+    # Where the force ends in unloading it is a difference of nearly equal numbers.
+    assert (np.abs(found[0] - scale * force) <= 1e-12 * scale * law.unloading * overlap).all()
+    limit = law.limit.friction * law.unloading * overlap
+    assert same_friction(found[1] / scale, friction, limit)
+
+
+def exact_cycle(law, peaks) -> np.ndarray:
+    """Overlaps from 0 over turning points and back to 0, with all corners of the force between.
+
+    The force is linear between them, so that a trapezoid gives the work exactly.
+    """
+    path, deepest = [0.0], 0.0
+    for target in (*peaks, 0.0):
+        corners = [law.dent.slope * deepest, deepest]
+        low, high = sorted((path[-1], target))
+        between = sorted((c for c in corners if low < c < high), reverse=target < path[-1])
+        path += [*between, target]
+        deepest = max(deepest, target)
+    return np.array(path)
+
+
+@given(
+    sphere_laws(readings=st.just({"overlap_memory": "separation"})),
+    st.lists(st.floats(1e-3, 1), min_size=1, max_size=20),
+)
+def test_no_cycle_of_overlap_gives_energy(law, peaks):
+    """What comes back of the work of a cycle is at most e**2 of the deepest loading."""
+    overlap = exact_cycle(law, peaks)
+    force = contact_path(law, overlap, np.tile(Z, (overlap.size, 1)), np.zeros((overlap.size, 3)))[
+        0
+    ]
+    work = np.concatenate([[0], np.cumsum(np.diff(overlap) * (force[1:] + force[:-1]) / 2)])
+    loading = law.loading * max(peaks) ** 2 / 2
+    rounding = 1e-9 * loading * len(peaks)
+    assert work.min() >= -rounding
+    lost = loading * (1 - law.loading / law.unloading)
+    assert work[-1] >= lost - rounding
+
+
+@given(
+    sphere_laws(readings=st.just({})),
+    magnitudes(-9, 3),
+    magnitudes(-9, 3),
+    magnitudes(-3, 3),
+)
+def test_an_impact_of_spheres_has_the_restitution_e_at_any_mass_and_speed(law, mass, other, speed):
+    """The motion whose force is m* times its acceleration leaves at e times its first speed."""
+    reduced = mass * other / (mass + other)
+    restitution = np.sqrt(law.loading / law.unloading)
+    rate = np.sqrt(law.loading / reduced)
+    phase = np.linspace(0, np.pi / 2, 201)
+    peak = speed / rate
+    rest = (1 - restitution**2) * peak
+    approach, retreat = peak * np.sin(phase[1:]), rest + (peak - rest) * np.cos(phase[1:])
+    deceleration = np.concatenate(
+        [rate**2 * approach, (rate / restitution) ** 2 * (retreat - rest)]
+    )
+    overlap = np.concatenate([approach, retreat])
+    force = contact_path(law, overlap, np.tile(Z, (400, 1)), np.zeros((400, 3)))[0]
+    assert np.abs(force - reduced * deceleration).max() <= 1e-9 * law.loading * peak
+    leaving = (peak - rest) * rate / restitution
+    assert leaving == pytest.approx(restitution * speed, rel=1e-9)
+
+
+@given(
+    st.sampled_from(CAPS),
+    magnitudes(-3, 6),
+    magnitudes(-2, 1),
+    magnitudes(-3, 2),
+    SEEDS,
+    magnitudes(-3, 1),
+)
+def test_exponent_0_is_the_linear_spring(cap, stiffness, friction, ratio, seed, slip):
+    law = walton_braun(stiffness, 1.0, friction, ratio, 0.0, friction_cap=cap)
+    slips = np.zeros((STEPS, 3))
+    limit = friction * stiffness * 1e-5
+    slips[:, :2] = (
+        slip * limit / law.tangential * np.random.default_rng(seed).normal(size=(STEPS, 2))
+    )
+    found = contact_path(law, np.full(STEPS, 1e-5), np.tile(Z, (STEPS, 1)), slips)[1]
+    force = np.full(STEPS, stiffness * 1e-5)
+    expected = vector_spring(slips[:, :2].copy(), force, law.tangential, friction)
+    assert norms(found[:, :2] - expected).max() <= 1e-10 * limit
+    assert not found[:, 2].any()
+
+
+@given(
+    st.sampled_from(EXPONENTS),
+    st.lists(st.tuples(signs, magnitudes(-2, 0.5)), min_size=1, max_size=10),
+)
+def test_friction_gives_back_no_more_than_was_put_in(exponent, turns):
+    """Work on a fresh contact along a line, at constant F_N, in units of the limit squared / K0."""
+    law = walton_braun(100.0, 1.0, 0.4, tangential_exponent=exponent)
+    limit = 0.4 * 100.0 * 1e-5
+    corners = [0.0, *(sign * size for sign, size in turns)]
+    path = np.concatenate([np.linspace(a, b, 401)[1:] for a, b in itertools.pairwise(corners)])
+    slips = np.zeros((path.size, 3))
+    slips[:, 0] = limit / law.tangential * np.diff(path, prepend=0.0)
+    overlap = np.full(path.size, 1e-5)
+    force = contact_path(law, overlap, np.tile(Z, (path.size, 1)), slips)[1][:, 0] / limit
+    mean = (force + np.concatenate([[0.0], force[:-1]])) / 2
+    assert (mean * np.diff(path, prepend=0.0)).cumsum().min() >= -1e-3

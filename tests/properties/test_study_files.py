@@ -1,0 +1,236 @@
+"""Whatever a study file holds, it is a study or an error of one line, also on the command line."""
+
+import copy
+import io
+import os
+import re
+import resource
+import socket
+import subprocess
+import sys
+from contextlib import redirect_stderr, redirect_stdout
+from functools import reduce
+from operator import getitem
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import pytest
+import yaml
+from hypothesis import given
+from hypothesis import strategies as st
+
+from sim.cli import main
+from sim.errors import InputError
+from sim.study import Study, load_study, parse_study
+from sim.yaml_input import MAX_BYTES, parse_yaml
+from tests.properties.values import ANYTHING, GIVEN, SCALARS
+
+ROOT = Path(__file__).parents[2]
+STUDIES = [ROOT / "config" / "quick.yaml", ROOT / "tests" / "data" / "tiny.yaml"]
+TEXTS = [path.read_text() for path in STUDIES]
+TREES = [yaml.safe_load(text) for text in TEXTS]
+
+#: What YAML gives a meaning, and what it gave one in older versions.
+TOKENS = st.sampled_from(
+    [
+        *":?-,[]{}#&*!|>'\"%@`~\t\n\r\x85\u2028\ufeff\0",
+        *("---", "...", "<<: *a", "<<: [*a, *a]", "? [a]", "&a", "*a", "*depths", "null", "true"),
+        *("0x1f", "1e999", ".nan", "-.inf", "010", "1:30", "2001-01-01", "%YAML 1.1", "\\0"),
+        *("!!set", "!!binary", "!!timestamp", "!!omap", "!!python/object:os.system", "!!int"),
+        *("!!float", "!!bool", "!!str", "!!null", "!!merge", "!!seq", "!!map", "!!value"),
+    ]
+)
+
+
+def outcome(work, *arguments) -> Study | str:
+    """What ``work`` returns, or the line with which it refuses its input."""
+    try:
+        return work(*arguments)
+    except InputError as error:
+        message = str(error)
+        assert message.startswith("study.yaml: ") and message.isprintable()
+        assert len(message) < 1500
+        return message
+
+
+def study_of(text: str) -> Study | str:
+    def work():
+        return parse_study(parse_yaml(text, "study.yaml"), "study.yaml", ROOT / "none")
+
+    return outcome(work)
+
+
+@st.composite
+def mutated_texts(draw) -> str:
+    """A study file with characters flipped, taken out, doubled or put in."""
+    text = draw(st.sampled_from(TEXTS))
+    for _ in range(draw(st.integers(1, 4))):
+        start = draw(st.integers(0, len(text)))
+        end = start + draw(st.integers(0, 30))
+        new = draw(st.one_of(TOKENS, st.text(max_size=3), st.just(2 * text[start:end])))
+        text = text[:start] + new + text[end:]
+    return text
+
+
+def places(tree, path=()) -> list[tuple]:
+    """Paths of all nodes of a tree."""
+    members = {dict: dict.items, list: enumerate}.get(type(tree), lambda _: ())(tree)
+    return [path, *(found for key, value in members for found in places(value, (*path, key)))]
+
+
+@st.composite
+def mutated_trees(draw):
+    """A study with nodes taken out, doubled, exchanged or replaced by anything."""
+    tree = copy.deepcopy(draw(st.sampled_from(TREES)))
+    for _ in range(draw(st.integers(1, 3))):
+        *path, key = draw(st.sampled_from(places(tree)[1:] or [("study",)]))
+        parent = reduce(getitem, path, tree)
+        match draw(st.sampled_from(["delete", "double", "replace", "exchange", "rename", "point"])):
+            case "delete" if len(tree) > 1:
+                del parent[key]
+            case "double" if isinstance(parent, list):
+                parent.insert(key, parent[key])
+            case "exchange":
+                other = draw(st.sampled_from(places(tree)))
+                parent[key] = copy.deepcopy(reduce(getitem, other, tree))
+            case "rename" if isinstance(parent, dict):
+                parent[draw(SCALARS)] = parent.pop(key)
+            case "point":
+                parent[key] = draw(GIVEN)
+            case _:
+                parent[key] = draw(ANYTHING)
+    return tree
+
+
+@given(mutated_trees())
+def test_mutated_studies(tree):
+    outcome(parse_study, tree, "study.yaml", ROOT / "none")
+
+
+@given(mutated_texts())
+def test_mutated_texts(text):
+    study_of(text)
+
+
+@given(st.lists(st.one_of(TOKENS, st.text(max_size=4), st.just("\n"))).map(" ".join))
+def test_texts_made_of_what_yaml_gives_a_meaning(text):
+    study_of(text)
+
+
+@given(st.one_of(mutated_texts().map(str.encode), st.binary(max_size=200)), st.binary(max_size=3))
+def test_any_bytes_on_the_command_line(data, end):
+    """Exit code 0 and a table, or 2 and one line on standard error."""
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / "study.yaml"
+        path.write_bytes(data + end)
+        out, err = io.StringIO(), io.StringIO()
+        with redirect_stdout(out), redirect_stderr(err):
+            code = main(["points", str(path), "--results", folder])
+    if code == 0:
+        assert err.getvalue() == "" and out.getvalue().startswith("id ")
+    else:
+        assert code == 2 and out.getvalue() == ""
+        assert re.fullmatch(r"error: .*study\.yaml: .+\n", err.getvalue())
+
+
+def refused_by_a_process(path: str, folder: Path, stdin=subprocess.DEVNULL) -> str:
+    """The message of a process of bounded time and memory that must refuse ``path``."""
+
+    def limit():
+        resource.setrlimit(resource.RLIMIT_AS, (2**31, 2**31))
+
+    done = subprocess.run(
+        [sys.executable, "-m", "sim", "points", path, "--results", str(folder)],
+        cwd=ROOT,
+        capture_output=True,
+        stdin=stdin,
+        text=True,
+        timeout=60,
+        preexec_fn=limit,
+    )
+    assert (done.returncode, done.stdout) == (2, "")
+    assert re.fullmatch(r"error: .+\n", done.stderr)
+    return done.stderr
+
+
+@pytest.mark.parametrize("device", ["/dev/zero", "/dev/urandom", "/dev/null", "/dev/tty"])
+def test_devices_are_not_even_opened(device, tmp_path):
+    if not Path(device).exists():
+        pytest.skip(f"no {device} here")
+    assert f"{device}: a device or pipe" in refused_by_a_process(device, tmp_path)
+
+
+def test_pipes_and_sockets_that_nobody_writes_to(tmp_path, monkeypatch):
+    os.mkfifo(tmp_path / "pipe")
+    assert "pipe: a device or pipe" in refused_by_a_process(str(tmp_path / "pipe"), tmp_path)
+    monkeypatch.chdir(tmp_path)
+    with socket.socket(socket.AF_UNIX) as server:
+        server.bind("socket")
+        assert "socket: a device or pipe" in refused_by_a_process(f"{tmp_path}/socket", tmp_path)
+
+
+def test_standard_input_without_end(tmp_path):
+    with Path("/dev/zero").open("rb") as endless:
+        assert "<stdin>: larger than 4 MB" in refused_by_a_process("-", tmp_path, endless)
+
+
+def test_huge_files_are_refused_unread(tmp_path):
+    path = tmp_path / "study.yaml"
+    with path.open("wb") as file:
+        file.write(b"study: mine\n#")
+        file.truncate(10**9)
+    message = refused_by_a_process(str(path), tmp_path)
+    assert message.endswith("study.yaml: larger than 4 MB\n")
+
+
+def test_a_file_of_the_largest_size_is_read(tmp_path):
+    path = tmp_path / "study.yaml"
+    head = b"study: mine\nseries: [{name: a, system: chute}]\n#"
+    path.write_bytes(head + b"x" * (MAX_BYTES - len(head)))
+    assert list(load_study(path, tmp_path).series) == ["a"]
+
+
+@pytest.mark.parametrize(
+    "name", ["a\0b", "x" * 5000, "no/such/file", "\udcff", "a\nb", "{x}", "\x1b"]
+)
+@pytest.mark.parametrize("command", [["points"], ["run", "--output", "run.nc"]])
+def test_names_that_no_file_has(name, command, capsys):
+    assert main([*command, name]) == 2
+    assert re.fullmatch(r"error: .+\n", capsys.readouterr().err)
+
+
+def bomb(first: str, opening: str, closing: str) -> str:
+    """Anchors each of which stands for nine times the one before, forty times over."""
+    lines = [f"a0: &a0 {first}"]
+    for n in range(40):
+        lines.append(f"a{n + 1}: &a{n + 1} {opening}[{', '.join([f'*a{n}'] * 9)}]{closing}")
+    return "\n".join(lines)
+
+
+#: Texts that are small and stand for much, or for what no study holds; a piece of the message.
+HOSTILE = {
+    "aliases that multiply": (bomb("[x]", "", ""), "unknown key"),
+    "merge keys that multiply": (bomb("{x: 1}", "{<<: ", "}"), "more than 1,000,000 keys"),
+    "recursive list": ("study: &a [*a]", "study: got [["),
+    "recursive mapping": ("&a\nstudy: mine\nseries: [*a]", "series[0]"),
+    "recursive merge": ("&a\nstudy: mine\n<<: *a", "series: got nothing"),
+    "recursive key": ("? &a [*a]\n: 1", "expected text as a key"),
+    "number as key": ("study: mine\n1: 2", "line 2, column 1: not readable as YAML: expected text"),
+    "nothing as key": ("? \n: 1", "expected text as a key"),
+    "list tagged as text as key": ("? !!str [a]\n: 1", "expected text as a key"),
+    "set": ("study: !!set {a}", "tag"),
+    "binary": ("study: !!binary aGk=", "tag"),
+    "timestamp": ("study: !!timestamp x", "tag"),
+    "object": ("study: !!python/object/apply:os.getpid []", "tag"),
+    "long tag": (f"study: !{'a' * 10_000} x", "tag"),
+    "tag with an escape sequence": ("study: !a%1B b x", "tag"),
+    "base 60": (f"study: !!int {'1:' * 10_000}1", "base 10"),
+    "base 60, with a point": (f"study: !!float {'1:' * 10_000}1", "float"),
+    "long number in base 16": (f"study: !!int 0x{'f' * 10_000}", "base 10"),
+}
+
+
+@pytest.mark.parametrize("kind", HOSTILE)
+def test_hostile_texts(kind):
+    text, piece = HOSTILE[kind]
+    assert piece in study_of(text)
