@@ -48,7 +48,7 @@ class ChuteParameters(Parameters):
         unit="1",
         description="normal coefficient of restitution, the same at every impact velocity",
         equation="Walton, Sec. 2.1: e = √(K1/K2)",
-        gt=0,
+        ge=0.001,
         le=1,
     )
     stiffness: Real = declare(
@@ -261,7 +261,7 @@ class ChuteParameters(Parameters):
 
     @property
     def limits(self) -> dict[str, tuple[float, str]]:
-        """Accelerations (m s⁻²) of a flow that slides as a block, and of spheres that roll alone."""
+        """Accelerations (m s⁻²) of a flow that slides as a block and of a sphere that rolls alone."""
         slope = math.radians(self.angle)
         along, across = self.gravity * math.sin(slope), self.gravity * math.cos(slope)
         return {
