@@ -261,7 +261,7 @@ class ChuteParameters(Parameters):
 
     @property
     def limits(self) -> dict[str, tuple[float, str]]:
-        """Accelerations (m s⁻²) of a flow that slides as a block and of a sphere that rolls alone."""
+        """Accelerations (m s⁻²) of a block that slides and of a sphere that rolls alone."""
         slope = math.radians(self.angle)
         along, across = self.gravity * math.sin(slope), self.gravity * math.cos(slope)
         return {
