@@ -6,7 +6,7 @@ from scipy.special import stdtrit
 
 CONFIDENCE = 0.95
 
-OUTCOME = ("velocity", "half_width", "interval", "completed", "regime", "reason")
+OUTCOME = ("velocity", "half_width", "interval", "completed", "regime", "quality", "reason")
 
 
 def outcome(point: xr.Dataset) -> dict[str, object]:
@@ -22,22 +22,28 @@ def outcome(point: xr.Dataset) -> dict[str, object]:
     dict
         ``velocity`` (m/s, mean over completed replicates), ``half_width`` (m/s, of its 95 %
         interval), ``interval`` (``replicates``, ``within run`` or ``none``), ``completed``
-        (replicates), ``regime`` (``mixed`` where replicates differ, ``failed`` where none
-        completed) and ``reason`` (of failures).
+        (replicates), ``regime`` and ``quality`` of the means (``mixed`` where replicates differ,
+        ``failed`` where none completed) and ``reason`` (of failures).
     """
     completed = point.isel(replicate=np.flatnonzero(point["status"].values == "completed"))
     velocities = completed["velocity"].values
     half_width, interval = velocity_interval(velocities, completed["velocity_half_width"].values)
-    regimes = list(dict.fromkeys(completed["regime"].values))
     reasons = dict.fromkeys(reason for reason in point["reason"].values if reason)
     return {
         "velocity": velocities.mean() if velocities.size else np.nan,
         "half_width": half_width,
         "interval": interval,
         "completed": velocities.size,
-        "regime": "failed" if not regimes else regimes[0] if len(regimes) == 1 else "mixed",
+        "regime": _shared(completed["regime"].values),
+        "quality": _shared(completed["quality"].values),
         "reason": "; ".join(reasons),
     }
+
+
+def _shared(words: np.ndarray) -> str:
+    """Return what all completed replicates say of themselves."""
+    distinct = set(words)
+    return "mixed" if len(distinct) > 1 else distinct.pop() if distinct else "failed"
 
 
 def velocity_interval(velocities: np.ndarray, half_widths: np.ndarray) -> tuple[float, str]:

@@ -53,7 +53,7 @@ def interval_sentence(rows: pd.DataFrame) -> str:
     if len(within):
         which = f" for the {_points(len(within))} with one replicate" if len(over) else ""
         parts.append(
-            f"Student's 95 % interval from block means within the run{which}, which leaves out how "
+            f"95 % interval within the run, its correlations counted{which}, which leaves out how "
             "much one initial state differs from another"
         )
     if not parts:

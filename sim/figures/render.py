@@ -86,6 +86,7 @@ def behind(rows: pd.DataFrame, system: str, parameters: list[str]) -> pd.DataFra
             "completed replicates": rows["completed"],
             "replicates": rows["replicates"].astype(int),
             "regime": rows["regime"],
+            "quality of the mean": rows["quality"],
             "reason of failures": rows["reason"],
             "caveat": rows["caveat"],
         }

@@ -183,7 +183,7 @@ class BeltParameters(Parameters):
         symbol="t_max",
         unit="1",
         scale="cycles",
-        description="longest run of the converged protocol",
+        description="longest run of the converged protocol, whose cost `points` tells",
         gt=0,
     )
     settle_velocity_squared: Real = declare(

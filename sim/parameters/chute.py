@@ -182,7 +182,7 @@ class ChuteParameters(Parameters):
         symbol="t_max",
         unit="1",
         scale="√(σ/g)",
-        description="longest run of the converged protocol",
+        description="longest run of the converged protocol, whose cost `points` tells",
         gt=0,
     )
     sample_interval: Real = declare(
