@@ -7,12 +7,14 @@ the widest of three intervals is taken, one from the inefficiency and two from m
 """
 
 import functools
+import importlib
 import logging
-import warnings
+import sys
 from dataclasses import dataclass
+from importlib.machinery import PathFinder
+from types import ModuleType
 
 import numpy as np
-from scipy.special import stdtrit
 
 CONFIDENCE = 0.95
 
@@ -36,15 +38,24 @@ class Interval:
 
 
 @functools.cache
-def _timeseries():
-    """Return pymbar's module, imported when it is first needed and without its announcements."""
-    logger = logging.getLogger("pymbar")
-    level, logger.level = logger.level, logging.ERROR
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        from pymbar import timeseries
-    logger.setLevel(level)
-    return timeseries
+def _timeseries() -> ModuleType:
+    """Return pymbar's module of time series, without the rest of the package.
+
+    The package as a whole imports scipy.stats, which takes half a second, a third of a belt's run.
+    """
+    package = ModuleType("pymbar")
+    package.__path__ = PathFinder.find_spec("pymbar").submodule_search_locations
+    loggers = [logging.getLogger(name) for name in ("pymbar", "numexpr")]
+    levels = [logger.level for logger in loggers]
+    for logger in loggers:
+        logger.setLevel(logging.ERROR)
+    sys.modules["pymbar"] = package
+    try:
+        return importlib.import_module("pymbar.timeseries")
+    finally:
+        del sys.modules["pymbar"]
+        for logger, level in zip(loggers, levels, strict=True):
+            logger.setLevel(level)
 
 
 def inefficiency(series: np.ndarray) -> float:
@@ -122,6 +133,8 @@ def _line(series: np.ndarray) -> tuple[float, float, np.ndarray]:
 
 def _widest(value: float, errors: list[tuple[float, float]]) -> Interval:
     """Choose the error (with its degrees of freedom) that gives the widest Student interval."""
+    from scipy.special import stdtrit
+
     quantiles = [stdtrit(freedom, (1 + CONFIDENCE) / 2) for _, freedom in errors]
     widths = [error * quantile for (error, _), quantile in zip(errors, quantiles, strict=True)]
     widest = int(np.argmax(widths))
