@@ -208,7 +208,8 @@ class _Meter:
             total=self.total,
             at_most=self.at_most,
             particles=self.particles,
-            rate=steps * self.particles / seconds if seconds > 0 else 0.0,
+            # The first sample includes loading, and compiling where that is still to be done.
+            rate=steps * self.particles / seconds if self.samples > 1 and seconds > 0 else 0.0,
             elapsed=self.latest - self.start,
             started=self.started,
             updated=now,
@@ -220,10 +221,10 @@ class _Meter:
     def line(self) -> str:
         """Return the line for the log."""
         now = self.read()
-        return (
-            f"{now.point}: {now.percent} % of {self.length}, "
-            f"{now.rate / 1e6:.1f} million particle-steps/s, {now.time_left} left"
-        )
+        done = f"{now.point}: {now.percent} % of {self.length}"
+        if now.left is None:
+            return done
+        return f"{done}, {now.rate / 1e6:.1f} million particle-steps/s, {now.time_left} left"
 
 
 def _draft(file: Path) -> Path:

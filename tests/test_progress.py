@@ -55,6 +55,7 @@ def test_log_lines_become_rarer(clock, output, log):
 
 def test_a_line_says_how_far_how_fast_and_how_long_still(clock, output, log):
     with progress(POINT, output) as advanced:
+        advanced(0)
         clock.time += 100.0
         advanced(STEPS // 4)
     (line,) = log.messages
@@ -65,9 +66,19 @@ def test_a_line_says_how_far_how_fast_and_how_long_still(clock, output, log):
     )
 
 
+def test_a_run_still_in_its_first_sample_has_no_rate(clock, output, log):
+    """It may be compiling, which tells nothing of what is to come."""
+    with progress(POINT, output) as advanced:
+        clock.time += 100.0
+        advanced(10)
+        assert read_progress(output).left is None
+    assert log.messages == [f"{point_id(POINT)}: 0 % of {STEPS:,} steps"]
+
+
 def test_a_run_that_may_end_early_has_bounds_only(clock, output, log):
     point = chute_point(protocol="converged", depth=2, cell=5, transient=100, average=100)
     with progress(point, output) as advanced:
+        advanced(0)
         clock.time += 100.0
         advanced(point.steps // 4)
     assert f"of at most {point.steps:,} steps" in log.messages[0]
@@ -98,6 +109,7 @@ def test_the_file_tells_the_run_until_it_ends(clock, output):
     with progress(point, output) as advanced:
         start = read_progress(output)
         assert (start.done, start.rate, start.left, start.time_left) == (0, 0, None, "unknown")
+        advanced(0)
         clock.time += 50.0
         advanced(point.steps)
         now = read_progress(output)
@@ -139,6 +151,7 @@ def test_the_file_goes_with_a_run_that_raises(clock, output, error):
 
 def test_a_run_that_resumes_counts_what_lies_behind_it(clock, output):
     with progress(POINT, output, done=STEPS // 2) as advanced:
+        advanced(0)
         assert read_progress(output).percent == 50
         clock.time += 10.0
         advanced(STEPS // 4)
