@@ -24,6 +24,7 @@ NUMBERS = (
     "acceleration_error",
     "max_overlap",
     "steps",
+    "time_step_used",
     "wall_time",
     "replicate_seed",
     "base_normal",

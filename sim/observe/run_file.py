@@ -22,6 +22,7 @@ SCALARS = {
     "status": ("", "completed or failed"),
     "reason": ("", "why the replicate failed"),
     "steps": ("1", "time steps computed"),
+    "time_step_used": ("s", "time step: that of the point, or half of it after a blow-up"),
     "wall_time": ("s", "wall time"),
     "replicate_seed": ("1", "index that, with the seed, starts the random generator"),
 }
@@ -46,6 +47,8 @@ SNAPSHOTS = {
     "radius": ("m", "radius", ("particle",)),
 }
 
+#: How numbers are stored: compressed, and with a checksum of every chunk.
+FILTERS = {"zlib": True, "complevel": 1, "shuffle": True, "fletcher32": True}
 
 #: How a value of a series stands for its sample interval (CF); the others are instantaneous.
 CELL_METHODS = {
@@ -91,7 +94,11 @@ def _put(file, name, dimensions, values, unit="", long_name=""):
     values = np.asarray(values)
     text = values.dtype.kind in "UO"
     kind = str if text else ("i8" if values.dtype.kind in "ib" else "f8")
-    options = {} if text or not dimensions else {"zlib": True, "complevel": 1, "shuffle": True}
+    options = (
+        {}
+        if text or not dimensions
+        else {"zlib": True, "complevel": 1, "shuffle": True, "fletcher32": True}
+    )
     variable = file.createVariable(name, kind, dimensions, **options)
     if unit:
         variable.units = unit

@@ -38,8 +38,10 @@ class Chute:
         "base_shear_force": ("N", "mean force of the flow on the plane, down the slope"),
     }
 
-    def __init__(self, parameters: ChuteParameters, replicate: int):
+    def __init__(self, parameters: ChuteParameters, replicate: int, refinement: int = 1):
         self.parameters = p = parameters
+        self.time_step = p.time_step / refinement
+        self.sample_steps = p.sample_steps * refinement
         rng = np.random.default_rng([p.seed, replicate])
         side = p.cell * p.diameter
         self.box = make_box(side, side)
@@ -84,9 +86,9 @@ class Chute:
 
     def advance(self) -> dict[str, float]:
         """Advance by one sample interval and return a value per time series."""
-        p, flow = self.parameters, self.flow
+        flow = self.flow
         flow.sums[:] = 0.0
-        target = flow.step[0] + p.sample_steps
+        target = flow.step[0] + self.sample_steps
         status = LIST_FULL
         while status == LIST_FULL:
             status = self.team.run(partial(self._advance, target - flow.step[0]))
@@ -94,7 +96,7 @@ class Chute:
                 self.pairs = grown(self.pairs)
                 self.memory = enlarged(self.memory, len(self.pairs.touching))
         if status != OK:
-            time = flow.step[0] * p.time_step / p.time_unit
+            time = flow.step[0] * self.time_step / self.parameters.time_unit
             raise BlowUp(f"{REASONS[status]} at step {flow.step[0]} (t* = {time:.4g})")
         return self._sample()
 
@@ -111,7 +113,7 @@ class Chute:
             self.work[rank],
             self.flow,
             self.gravity,
-            p.time_step,
+            self.time_step,
             p.overlap_limit,
             steps,
             rank,
