@@ -5,14 +5,15 @@ import json
 import logging
 import os
 import pickle
+import signal
 import time
 from contextlib import suppress
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import Any, BinaryIO, Self
 
 from sim import __version__
 from sim.errors import InputError
-from sim.files import remove_left, replacing, set_aside
+from sim.files import checksum, remove_left, replacing, set_aside
 from sim.parameters import Parameters, canonical
 from sim.provenance import library_versions, source_hash
 
@@ -23,6 +24,9 @@ INTERVAL = 120.0
 
 #: Largest share of the wall time that writing checkpoints may take.
 SHARE = 0.05
+
+#: Exit code of a process that SIGTERM has ended.
+TERMINATED = 128 + signal.SIGTERM
 
 #: Number of this layout of the file, and bytes before the state.
 FORMAT = 1
@@ -43,7 +47,8 @@ class Checkpoint:
     """The file ``.<output>.checkpoint`` beside the output of a run.
 
     A line of JSON, filled up with blanks to a fixed length, names what the state belongs to and its
-    checksum; the state follows as a pickle.
+    checksum; the state follows as a pickle. As a context, a checkpoint makes SIGTERM end the
+    process when a state is next offered, after saving it: that is how batch systems ask first.
 
     Parameters
     ----------
@@ -66,16 +71,36 @@ class Checkpoint:
             "parameters": canonical(parameters),
         }
         self._due = time.monotonic() + interval
+        self._terminated = False
+
+    def __enter__(self) -> Self:
+        # Only the main thread may say what signals do.
+        with suppress(ValueError):
+            self._before = signal.signal(signal.SIGTERM, self._terminate)
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        with suppress(ValueError):
+            signal.signal(signal.SIGTERM, self._before)
+
+    def _terminate(self, *_: object) -> None:
+        self._terminated = True
 
     def offer(self, state: Any) -> None:
-        """Save the state if it is time. A checkpoint that cannot be written stops no run."""
+        """Save the state if it is time. A checkpoint that cannot be written stops no run.
+
+        Raises ``SystemExit`` after SIGTERM.
+        """
         began = time.monotonic()
-        if began < self._due:
+        if began < self._due and not self._terminated:
             return
         try:
             self.save(state)
         except OSError as error:
             log.warning("%s: no checkpoint: %s", self.path, error.strerror or error)
+        if self._terminated:
+            log.warning("%s: terminated; the next start continues from here", self.path)
+            raise SystemExit(TERMINATED)
         ended = time.monotonic()
         self._due = ended + max(self.interval, (ended - began) / SHARE)
 
@@ -119,7 +144,7 @@ class Checkpoint:
         """Say why the file is not a state of this run, or nothing if it is one."""
         try:
             header = json.loads(file.read(HEADER).decode())
-            length, checksum = header.pop("length"), header.pop("sha256")
+            length, expected = header.pop("length"), header.pop("sha256")
         except (ValueError, AttributeError, KeyError):
             return "damaged or not a checkpoint"
         for key, value in self._identity.items():
@@ -127,7 +152,7 @@ class Checkpoint:
                 return f"a checkpoint of other {key}"
         if os.fstat(file.fileno()).st_size != HEADER + length:
             return "damaged: the length is wrong"
-        if _rest_of(file).hexdigest() != checksum:
+        if checksum(file, length) != expected.encode():
             return "damaged: the checksum is wrong"
         return ""
 
@@ -145,11 +170,3 @@ class _Hashing:
         self.sum.update(view)
         self.length += view.nbytes
         return self._file.write(view)
-
-
-def _rest_of(file: BinaryIO):
-    """Return the SHA-256 of a file from the present position to its end."""
-    digest = hashlib.sha256()
-    while block := file.read(1 << 20):
-        digest.update(block)
-    return digest

@@ -1,15 +1,19 @@
 """Files that appear complete or not at all, and that only one process makes."""
 
 import fcntl
+import hashlib
 import logging
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from glob import escape
 from pathlib import Path
-from typing import TextIO
+from typing import BinaryIO, TextIO
 
 log = logging.getLogger("talus")
+
+#: The end of a sealed file.
+SEAL = b"\nSHA-256 %s\n"
 
 
 @contextmanager
@@ -35,6 +39,37 @@ def remove_left(path: Path) -> None:
     for left in path.parent.glob(f".{escape(path.name)}.*.part"):
         if not _is_alive(left.name.split(".")[-2]):
             left.unlink(missing_ok=True)
+
+
+def seal(path: Path) -> None:
+    """Append a checksum to a file, for `is_damaged`.
+
+    Readers of HDF5 (netCDF-4) do not look behind the end that the file itself declares.
+    """
+    with path.open("r+b") as file:
+        file.write(SEAL % checksum(file, path.stat().st_size))
+
+
+def is_damaged(path: Path) -> bool:
+    """Return whether a sealed file has changed since; one without a seal cannot tell.
+
+    Libraries may crash on a file that is damaged; this reads bytes and nothing else.
+    """
+    length = path.stat().st_size - len(SEAL % bytes(64))
+    with path.open("rb") as file:
+        file.seek(max(0, length))
+        found = file.read()
+        file.seek(0)
+        return found.startswith(SEAL[:9]) and found != SEAL % checksum(file, length)
+
+
+def checksum(file: BinaryIO, length: int) -> bytes:
+    """Return the SHA-256 of the next bytes of a file, in hexadecimal."""
+    digest = hashlib.sha256()
+    while block := file.read(min(length, 1 << 20)):
+        digest.update(block)
+        length -= len(block)
+    return digest.hexdigest().encode()
 
 
 def set_aside(path: Path) -> Path:

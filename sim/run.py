@@ -105,7 +105,7 @@ def _compute(parameters: Parameters, output: Path, progress: AbstractContextMana
         log.info("%s: continued from a checkpoint", output)
     else:
         state = _State(Stopwatch(), [], Replicate(parameters, 0))
-    with progress as advanced:
+    with checkpoint, progress as advanced:
         advanced(state.done())
         while True:
             record = state.replicate.run(advanced, lambda: checkpoint.offer(state))

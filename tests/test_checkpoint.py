@@ -20,6 +20,7 @@ from sim.errors import InputError
 from sim.parameters import Parameters, canonical
 from sim.replicate import Replicate, Stopwatch
 from sim.run import run_point
+from sim.warm import warm
 from tests.motions import belt_point, chute_point
 
 ROOT = Path(__file__).parents[1]
@@ -90,6 +91,7 @@ def test_a_run_continued_from_a_checkpoint_gives_the_same_bits(name, share, tmp_
 
 
 def test_a_killed_run_goes_on_where_it_was(tmp_path):
+    warm([LONG])
     output = tmp_path / "run.nc"
     command = [sys.executable, "-m", "sim", "run", "-", "--output", str(output)]
     text = json.dumps(canonical(LONG))

@@ -5,7 +5,7 @@ from pathlib import Path
 import netCDF4
 import numpy as np
 
-from sim.files import replacing
+from sim.files import replacing, seal
 from sim.observe.recorder import Record
 from sim.parameters import Parameters, canonical, field_info
 
@@ -62,7 +62,7 @@ CELL_METHODS = {
 
 
 def write(path: Path, parameters: Parameters, records: list[Record], layout, attributes) -> None:
-    """Write a run file under a temporary name and rename it when it is complete.
+    """Write a run file under a temporary name, seal it, and rename it when it is complete.
 
     Parameters
     ----------
@@ -87,6 +87,7 @@ def write(path: Path, parameters: Parameters, records: list[Record], layout, att
         except RuntimeError as error:
             # What the library says of a full disk.
             raise OSError(f"{path}: cannot be written: {error}") from None
+        seal(temporary)
 
 
 def _put(file, name, dimensions, values, unit="", long_name=""):
