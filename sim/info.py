@@ -6,8 +6,8 @@ from pathlib import Path
 import netCDF4
 import numpy as np
 
-from sim.errors import InputError
 from sim.parameters import SYSTEMS, Parameters, as_yaml, canonical, field_info, parse_point
+from sim.stored import reading
 
 _PER_REPLICATE = (
     "regime",
@@ -43,17 +43,12 @@ def describe(path: str | Path, as_point: bool = False) -> str:
         When there is no such file, or it is not a run file.
     """
     path = Path(path)
-    if not path.is_file():
-        raise InputError(f"{path}: no such file")
-    try:
-        with netCDF4.Dataset(path) as file:
-            file.set_auto_mask(False)
-            if not {"point_id", "system", "status"} <= set(file.ncattrs()):
-                raise InputError(f"{path}: not a run file")
-            parameters = _parameters(file, path)
-            return as_yaml(parameters).rstrip() if as_point else _summary(file, parameters)
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read as a run file: {error.strerror}") from None
+    with reading(path, "run file", replaceable=False), netCDF4.Dataset(path) as file:
+        file.set_auto_mask(False)
+        if not {"point_id", "system", "status"} <= set(file.ncattrs()):
+            raise ValueError("no point in it")
+        parameters = _parameters(file, path)
+        return as_yaml(parameters).rstrip() if as_point else _summary(file, parameters)
 
 
 def _parameters(file: netCDF4.Dataset, path: Path) -> Parameters:
