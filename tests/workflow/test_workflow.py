@@ -16,21 +16,15 @@ import xarray as xr
 
 from sim.figures import FIGURES
 from sim.study import estimate, load_study
+from tests.trees import ROOT, copy_tree
 
-ROOT = Path(__file__).parents[2]
-PARTS = ("sim", "workflow", "config", "Snakefile", "profiles", "pyproject.toml")
 STUDY = "tiny.yaml"
 
 
 @pytest.fixture(scope="module")
 def tree(tmp_path_factory) -> Path:
     """Return a copy of the project in which the tiny study has run to its end."""
-    tree = tmp_path_factory.mktemp("tree")
-    for part in PARTS:
-        if (ROOT / part).is_dir() and not (ROOT / part).is_symlink():
-            shutil.copytree(ROOT / part, tree / part, ignore=shutil.ignore_patterns("__pycache__"))
-        else:
-            shutil.copy(ROOT / part, tree / part, follow_symlinks=False)
+    tree = copy_tree(tmp_path_factory.mktemp("tree"))
     shutil.copy(ROOT / "tests" / "data" / STUDY, tree / STUDY)
     done = snakemake(tree)
     assert done.returncode == 0, done.stderr
