@@ -23,8 +23,11 @@ from tests.trees import copy_tree
 KILLS = int(os.environ.get("TALUS_DRILL_KILLS", "30"))
 SEED = int(os.environ.get("TALUS_DRILL_SEED", "1"))
 
+#: How often each kind of process is chosen to be killed.
+KINDS = {"run": 0.7, "shell": 0.1, "workflow": 0.1, "other": 0.1}
+
 #: Seconds between two kills, at most.
-PAUSE = 0.8
+PAUSE = 0.6
 
 STUDY = """\
 study: drill
@@ -62,7 +65,7 @@ class Drill:
         self.tree = tree
         self.random = random.Random(SEED)
         self.sessions: set[int] = set()
-        self.kills = {"workflow": 0, "shell": 0, "run": 0, "other": 0}
+        self.kills = dict.fromkeys(KINDS, 0)
         self.with_checkpoint = 0
 
     def living(self) -> list[psutil.Process]:
@@ -78,27 +81,27 @@ class Drill:
         return found
 
     def kill_one(self) -> None:
-        """Kill a process at random, the computing ones more often than others."""
-        candidates = {}
+        """Kill a process of a kind that is drawn, if there is one."""
+        kind = self.random.choices(list(self.kills), KINDS.values())[0]
+        victims = []
         for process in self.living():
-            try:
-                candidates[process] = process.cmdline()
-            except psutil.NoSuchProcess:
-                continue
-        if not candidates:
+            with suppress(psutil.NoSuchProcess):
+                words = process.cmdline()
+                if self.kind(words) == kind:
+                    victims.append((process, words))
+        if not victims:
             return
-        weights = [4 if self.kind(words) == "run" else 1 for words in candidates.values()]
-        (victim,) = self.random.choices(list(candidates), weights)
-        words = candidates[victim]
-        kind = self.kind(words)
-        if kind == "run":
-            output = self.tree / words[words.index("--output") + 1]
-            self.with_checkpoint += output.with_name(f".{output.name}.checkpoint").exists()
-        try:
+        victim, words = self.random.choice(victims)
+        saved = kind == "run" and self.checkpoint(words).exists()
+        with suppress(psutil.NoSuchProcess):
             victim.kill()
-        except psutil.NoSuchProcess:
-            return
-        self.kills[kind] += 1
+            self.kills[kind] += 1
+            self.with_checkpoint += saved
+
+    def checkpoint(self, words: list[str]) -> Path:
+        """Return the checkpoint of the run with this command line."""
+        output = self.tree / words[words.index("--output") + 1]
+        return output.with_name(f".{output.name}.checkpoint")
 
     def end(self) -> None:
         """Leave no process behind."""
