@@ -26,6 +26,9 @@ SEED = int(os.environ.get("TALUS_DRILL_SEED", "1"))
 #: How often each kind of process is chosen to be killed.
 KINDS = {"run": 0.7, "shell": 0.1, "workflow": 0.1, "other": 0.1}
 
+#: Probability of a kill at a moment without runs.
+EARLY = 0.02
+
 #: Seconds between two kills, at most.
 PAUSE = 0.6
 
@@ -81,17 +84,19 @@ class Drill:
         return found
 
     def kill_one(self) -> None:
-        """Kill a process of a kind that is drawn, if there is one."""
-        kind = self.random.choices(list(self.kills), KINDS.values())[0]
-        victims = []
+        """Kill a process of a kind that is drawn, mostly while runs compute."""
+        alive = {kind: [] for kind in KINDS}
         for process in self.living():
             with suppress(psutil.NoSuchProcess):
                 words = process.cmdline()
-                if self.kind(words) == kind:
-                    victims.append((process, words))
-        if not victims:
+                alive[self.kind(words)].append((process, words))
+        # A workflow that takes long to start would else never get to its runs.
+        if not alive["run"] and self.random.random() > EARLY:
             return
-        victim, words = self.random.choice(victims)
+        kind = self.random.choices(list(KINDS), KINDS.values())[0]
+        if not alive[kind]:
+            return
+        victim, words = self.random.choice(alive[kind])
         saved = kind == "run" and self.checkpoint(words).exists()
         with suppress(psutil.NoSuchProcess):
             victim.kill()
