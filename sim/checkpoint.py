@@ -6,6 +6,7 @@ import logging
 import os
 import pickle
 import signal
+import threading
 import time
 from contextlib import suppress
 from pathlib import Path
@@ -72,15 +73,16 @@ class Checkpoint:
         }
         self._due = time.monotonic() + interval
         self._terminated = False
+        self._before = None
 
     def __enter__(self) -> Self:
         # Only the main thread may say what signals do.
-        with suppress(ValueError):
+        if threading.current_thread() is threading.main_thread():
             self._before = signal.signal(signal.SIGTERM, self._terminate)
         return self
 
     def __exit__(self, *_: object) -> None:
-        with suppress(ValueError):
+        if self._before is not None:
             signal.signal(signal.SIGTERM, self._before)
 
     def _terminate(self, *_: object) -> None:

@@ -280,3 +280,22 @@ def test_a_stopwatch_counts_on_in_another_life():
     watch = Stopwatch(100.0)
     assert 100.0 <= watch.seconds() < 101.0
     assert 100.0 <= pickle.loads(pickle.dumps(watch)).seconds() < 101.0
+
+
+def test_a_run_that_is_asked_to_end_saves_first(tmp_path):
+    warm([LONG])
+    command = [sys.executable, "-m", "sim", "run", "-", "--output", str(tmp_path / "run.nc")]
+    process = subprocess.Popen(
+        command, cwd=ROOT, stdin=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    )
+    process.stdin.write(json.dumps(canonical(LONG)))
+    process.stdin.close()
+    assert "200 particles" in process.stderr.readline()
+    # The run takes the signal once it computes, some tenths of a second after its first line.
+    time.sleep(0.5)
+    process.send_signal(signal.SIGTERM)
+    errors = process.stderr.read()
+    assert process.wait(timeout=60) == 143, errors
+    assert errors.splitlines()[-1].endswith("terminated; the next start continues from here")
+    assert [path.name for path in tmp_path.iterdir()] == [".run.nc.checkpoint"]
+    assert Checkpoint(tmp_path / "run.nc", LONG).load().replicate.number == 0
