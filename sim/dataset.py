@@ -9,14 +9,18 @@ import numpy as np
 import xarray as xr
 
 from sim.errors import InputError
-from sim.files import replacing
+from sim.files import replacing, seal
 from sim.observe.scalars import SCALARS
 from sim.parameters import SYSTEMS, field_info
+from sim.stored import DamagedError, reading
 from sim.study import Study, load_study
 
 #: Scalars per replicate that a run file may hold. A system without one of them gets NaN.
 NUMBERS = tuple(name for name, (unit, _) in SCALARS.items() if unit)
 WORDS = tuple(name for name, (unit, _) in SCALARS.items() if not unit)
+
+#: Without these attributes a file is no run file.
+ATTRIBUTES = {"point_id", "system", "engine_version", "source_hash", "versions"}
 
 _CAVEAT = {"long_name": "what to know before trusting the point"}
 
@@ -39,17 +43,31 @@ def build(study_path: str | Path, results: str | Path = "results") -> Path:
     Raises
     ------
     InputError
-        When a run file is missing or is not one, naming it.
+        When a run file is missing or is damaged, naming it. All damaged ones are set aside, so that
+        the workflow computes them again.
     """
     study = load_study(study_path, results)
     folder = Path(results) / study.name
-    reads = [dask.delayed(read_run)(folder / "runs" / f"{point}.nc") for point in study.points]
+    reads = [dask.delayed(_attempt)(folder / "runs" / f"{point}.nc") for point in study.points]
     # One thread: the HDF5 library under netCDF-4 is not thread-safe.
     runs = dask.compute(*reads, scheduler="synchronous")
+    damaged = [run for run in runs if isinstance(run, DamagedError)]
+    if damaged:
+        others = f" (and {len(damaged) - 1} more)" if len(damaged) > 1 else ""
+        raise InputError(f"{damaged[0]}{others}")
     output = folder / "dataset.nc"
     with replacing(output) as temporary:
         combine(runs, study).to_netcdf(temporary, engine="netcdf4")
+        seal(temporary)
     return output
+
+
+def _attempt(path: Path) -> xr.Dataset | DamagedError:
+    """Read a run, or return what is wrong with it, so that all of them are looked at."""
+    try:
+        return read_run(path)
+    except DamagedError as error:
+        return error
 
 
 def read_run(path: Path) -> xr.Dataset:
@@ -58,28 +76,24 @@ def read_run(path: Path) -> xr.Dataset:
     Raises
     ------
     InputError
-        When there is no such file, or it cannot be read as a run.
+        When there is no such file.
+    DamagedError
+        When it cannot be read as the run that its name says; it is set aside.
     """
-    if not path.is_file():
-        raise InputError(f"{path}: no such run file; run the study first")
-    try:
-        with xr.open_dataset(path, engine="netcdf4") as run:
-            if "point_id" not in run.attrs or "replicate" not in run.sizes:
-                raise InputError(f"{path}: not a run file (no point_id or no replicates in it)")
-            if run.attrs["point_id"] != path.stem:
-                raise InputError(
-                    f"{path}: holds point {run.attrs['point_id']}; delete it and rerun"
-                )
-            kept = [
-                name
-                for name, values in run.variables.items()
-                if values.dims == () or name in {*NUMBERS, *WORDS}
-            ]
-            return run[kept].load()
-    except (OSError, ValueError) as error:
-        raise InputError(
-            f"{path}: cannot be read as a run file ({error}); delete it and rerun"
-        ) from None
+    with (
+        reading(path, "run file", replaceable=True),
+        xr.open_dataset(path, engine="netcdf4") as run,
+    ):
+        if not {*run.attrs} >= ATTRIBUTES or "replicate" not in run.sizes or "particles" not in run:
+            raise ValueError("no point in it")
+        if run.attrs["point_id"] != path.stem:
+            raise ValueError(f"holds point {run.attrs['point_id']}")
+        kept = [
+            name
+            for name, values in run.variables.items()
+            if values.dims == () or name in {*NUMBERS, *WORDS}
+        ]
+        return run[kept].load()
 
 
 def combine(runs: Sequence[xr.Dataset], study: Study) -> xr.Dataset:

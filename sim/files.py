@@ -1,10 +1,19 @@
-"""Files that appear complete or not at all."""
+"""Files that appear complete or not at all, and that only one process makes."""
 
+import fcntl
+import hashlib
+import logging
 import os
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from glob import escape
 from pathlib import Path
+from typing import BinaryIO, TextIO
+
+log = logging.getLogger("talus")
+
+#: The end of a sealed file.
+SEAL = b"\nSHA-256 %s\n"
 
 
 @contextmanager
@@ -14,16 +23,96 @@ def replacing(path: Path) -> Iterator[Path]:
     After an error ``path`` is as it was and nothing else stays behind. What a process that was
     killed has left of an earlier attempt is removed.
     """
-    for left in path.parent.glob(f".{escape(path.name)}.*.part"):
-        if not _is_alive(left.name.split(".")[-2]):
-            left.unlink(missing_ok=True)
+    remove_left(path)
     temporary = path.with_name(f".{path.name}.{os.getpid()}.part")
     try:
         yield temporary
         _flush(temporary)
         temporary.replace(path)
+        _flush(path.parent)
     finally:
         temporary.unlink(missing_ok=True)
+
+
+def remove_left(path: Path) -> None:
+    """Remove what processes that were killed while they wrote ``path`` have left."""
+    for left in path.parent.glob(f".{escape(path.name)}.*.part"):
+        if not _is_alive(left.name.split(".")[-2]):
+            left.unlink(missing_ok=True)
+
+
+def seal(path: Path) -> None:
+    """Append a checksum to a file, for `is_damaged`.
+
+    Readers of HDF5 (netCDF-4) do not look behind the end that the file itself declares.
+    """
+    with path.open("r+b") as file:
+        file.write(SEAL % checksum(file, path.stat().st_size))
+
+
+def is_damaged(path: Path) -> bool:
+    """Return whether a sealed file has changed since; one without a seal cannot tell.
+
+    Libraries may crash on a file that is damaged; this reads bytes and nothing else.
+    """
+    length = path.stat().st_size - len(SEAL % bytes(64))
+    with path.open("rb") as file:
+        file.seek(max(0, length))
+        found = file.read()
+        file.seek(0)
+        return found.startswith(SEAL[:9]) and found != SEAL % checksum(file, length)
+
+
+def checksum(file: BinaryIO, length: int) -> bytes:
+    """Return the SHA-256 of the next bytes of a file, in hexadecimal."""
+    digest = hashlib.sha256()
+    while block := file.read(min(length, 1 << 20)):
+        digest.update(block)
+        length -= len(block)
+    return digest.hexdigest().encode()
+
+
+def set_aside(path: Path) -> Path:
+    """Rename a file that cannot be used to ``<name>.damaged``, and return that."""
+    return path.replace(path.with_name(f"{path.name}.damaged"))
+
+
+@contextmanager
+def alone(path: Path) -> Iterator[bool]:
+    """Let one process at a time make ``path``; yield whether another one had to be waited for.
+
+    The kernel drops the lock with the process. Where the file system knows no locks, nobody waits.
+    """
+    name = path.with_name(f".{path.name}.lock")
+    waited = False
+    while True:
+        with name.open("w") as lock:
+            with suppress(OSError):
+                waited |= _wait_for(lock, name)
+            if _is_same(lock, name):
+                try:
+                    yield waited
+                finally:
+                    name.unlink(missing_ok=True)
+                return
+
+
+def _wait_for(lock: TextIO, name: Path) -> bool:
+    """Lock an open file; return whether another process had it."""
+    try:
+        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        log.warning("%s: waiting for another process that makes the same file", name)
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        return True
+    return False
+
+
+def _is_same(file: TextIO, path: Path) -> bool:
+    """Return whether an open file still has this name: who held the lock before has removed it."""
+    with suppress(FileNotFoundError):
+        return os.path.samestat(os.fstat(file.fileno()), path.stat())
+    return False
 
 
 def _is_alive(number: str) -> bool:
@@ -38,6 +127,15 @@ def _is_alive(number: str) -> bool:
 
 
 def _flush(path: Path) -> None:
-    """Put a file on the disk: after a power cut a name must not stand for missing contents."""
-    with path.open("rb") as file:
-        os.fsync(file.fileno())
+    """Put a file, or the names in a folder, on the disk, where a power cut leaves them alone.
+
+    After it a name must not stand for missing contents. Some file systems refuse it for folders.
+    """
+    number = os.open(path, os.O_RDONLY)
+    try:
+        os.fsync(number)
+    except OSError:
+        if not path.is_dir():
+            raise
+    finally:
+        os.close(number)

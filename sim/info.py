@@ -2,14 +2,13 @@
 
 import json
 from pathlib import Path
-from typing import Any
 
 import netCDF4
 import numpy as np
 
-from sim.errors import InputError
 from sim.observe.scalars import SCALARS
-from sim.parameters import SYSTEMS, Parameters, canonical, field_info, parse_point
+from sim.parameters import SYSTEMS, Parameters, as_yaml, canonical, field_info, parse_point
+from sim.stored import reading
 
 _PER_REPLICATE = tuple(name for name in SCALARS if name != "replicate_seed")
 _PROVENANCE = ("engine_version", "source_hash", "created", "versions", "machine", "command")
@@ -31,17 +30,12 @@ def describe(path: str | Path, as_point: bool = False) -> str:
         When there is no such file, or it is not a run file.
     """
     path = Path(path)
-    if not path.is_file():
-        raise InputError(f"{path}: no such file")
-    try:
-        with netCDF4.Dataset(path) as file:
-            file.set_auto_mask(False)
-            if not {"point_id", "system", "status"} <= set(file.ncattrs()):
-                raise InputError(f"{path}: not a run file")
-            parameters = _parameters(file, path)
-            return _as_point(parameters) if as_point else _summary(file, parameters)
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read as a run file: {error.strerror}") from None
+    with reading(path, "run file", replaceable=False), netCDF4.Dataset(path) as file:
+        file.set_auto_mask(False)
+        if not {"point_id", "system", "status"} <= set(file.ncattrs()):
+            raise ValueError("no point in it")
+        parameters = _parameters(file, path)
+        return as_yaml(parameters).rstrip() if as_point else _summary(file, parameters)
 
 
 def _parameters(file: netCDF4.Dataset, path: Path) -> Parameters:
@@ -55,16 +49,6 @@ def _parameters(file: netCDF4.Dataset, path: Path) -> Parameters:
         value = value if isinstance(value, str) else np.asarray(value).item()
         values[name] = bool(value) if field.annotation is bool else value
     return parse_point(values, path)
-
-
-def _as_point(parameters: Parameters) -> str:
-    # Scalars as JSON writes them are YAML that reads back as the same value.
-    return "\n".join(f"{name}: {json.dumps(value)}" for name, value in _values(parameters).items())
-
-
-def _values(parameters: Parameters) -> dict[str, Any]:
-    """Return the parameters with the system first."""
-    return {"system": parameters.system} | canonical(parameters)
 
 
 def _summary(file: netCDF4.Dataset, parameters: Parameters) -> str:
@@ -87,10 +71,10 @@ def _indented(rows: list[tuple[str, str]]) -> list[str]:
 
 
 def _parameter_lines(parameters: Parameters) -> list[tuple[str, str]]:
-    rows = field_info(parameters)
+    values = canonical(parameters)
     lines = []
-    for name, value in _values(parameters).items():
-        unit = rows[name].scale or rows[name].unit
+    for name, row in field_info(parameters).items():
+        value, unit = values[name], row.scale or row.unit
         shown = f"{value:g}" if isinstance(value, float) else json.dumps(value).strip('"')
         lines.append((name, shown if unit in ("", "1") else f"{shown} {unit}"))
     limits = parameters.limits.items()

@@ -18,6 +18,8 @@ ENGINE = (
     "dynamics",
     "systems",
     "observe",
+    "checkpoint.py",
+    "replicate.py",
     "run.py",
 )
 

@@ -4,6 +4,7 @@ import base64
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
+from xml.etree import ElementTree
 
 import jinja2
 import pandas as pd
@@ -12,11 +13,11 @@ import xarray as xr
 from sim import __version__
 from sim.claims import force_balance
 from sim.cost import duration
-from sim.errors import InputError
 from sim.figures import FIGURES
 from sim.files import replacing
 from sim.outcome import outcome
 from sim.parameters import SYSTEMS, field_info
+from sim.stored import reading
 from sim.study import Study, load_study
 
 TEMPLATES = Path(__file__).parent / "templates"
@@ -42,15 +43,17 @@ def build(study_path: str | Path, results: str | Path = "results") -> Path:
     Raises
     ------
     InputError
-        When the dataset or a file of a figure is missing, naming it.
+        When the dataset or a file of a figure is missing or damaged, naming it.
     """
     study = load_study(study_path, results)
     folder = Path(results) / study.name
     path = folder / "dataset.nc"
-    if not path.is_file():
-        raise InputError(f"{path}: no such dataset; build the study's dataset first")
-    with xr.open_dataset(path) as dataset:
-        page = render(study, dataset.load(), folder / "figures")
+    with (
+        reading(path, "dataset", replaceable=True),
+        xr.open_dataset(path, engine="netcdf4") as opened,
+    ):
+        dataset = opened.load()
+    page = render(study, dataset, folder / "figures")
     output = folder / "report.html"
     with replacing(output) as temporary:
         temporary.write_text(page, encoding="utf-8")
@@ -97,10 +100,12 @@ def render(study: Study, dataset: xr.Dataset, figures: Path) -> str:
 def figure_entry(name: str, folder: Path) -> dict[str, Any]:
     """Return what the report shows of one figure, its files as data URIs."""
     files = {suffix: folder / f"{name}{suffix}" for suffix in (".svg", ".csv", ".caption.txt")}
-    for path in files.values():
-        if not path.is_file():
-            raise InputError(f"{path}: no such file; draw the study's figures first")
-    velocities = pd.read_csv(files[".csv"])["mean velocity [m s-1]"].dropna()
+    with reading(files[".csv"], "table of a figure", replaceable=True):
+        velocities = pd.read_csv(files[".csv"])["mean velocity [m s-1]"].dropna().astype(float)
+    with reading(files[".svg"], "picture", replaceable=True):
+        ElementTree.parse(files[".svg"])
+    with reading(files[".caption.txt"], "caption", replaceable=True):
+        caption = files[".caption.txt"].read_text(encoding="utf-8").strip()
     extent = (
         f"from {velocities.min():.3g} to {velocities.max():.3g} m/s"
         if len(velocities)
@@ -112,7 +117,7 @@ def figure_entry(name: str, folder: Path) -> dict[str, Any]:
         "title": spec.title,
         "paper": spec.paper,
         "alt": f"{spec.title}: {len(velocities)} points, velocities {extent}.",
-        "caption": files[".caption.txt"].read_text(encoding="utf-8").strip(),
+        "caption": caption,
         "svg": data_uri(files[".svg"]),
         "csv": data_uri(files[".csv"]),
     }

@@ -4,21 +4,23 @@ import logging
 import platform
 import shlex
 import sys
-import time
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 
+import netCDF4
 import numpy as np
 
-from sim import __version__
-from sim.dynamics.status import BlowUp
-from sim.observe.recorder import Record, Recorder
+from sim import __version__, reproduction
+from sim.checkpoint import Checkpoint, checkpoint_interval
+from sim.files import alone
+from sim.observe.recorder import Record
 from sim.observe.run_file import write
 from sim.parameters import Parameters, point_id
 from sim.progress import length, progress
 from sim.provenance import library_versions, source_hash
-from sim.systems import System, build
+from sim.replicate import Replicate, Stopwatch
+from sim.systems import System
 
 log = logging.getLogger("talus")
 
@@ -61,53 +63,70 @@ def run_point(
     int
         Exit code: 0, or 3 when a replicate blew up.
     """
-    started = time.perf_counter()
-    log.info("%s: %d particles, %s", point_id(parameters), parameters.particles, length(parameters))
+    name = point_id(parameters)
+    log.info("%s: %d particles, %s", name, parameters.particles, length(parameters))
     if parameters.caveat:
-        log.warning("%s: %s", point_id(parameters), parameters.caveat)
-    records = []
-    with progress(parameters, output, quiet) as advanced:
-        for replicate in range(parameters.replicates):
-            system = build(parameters, replicate)
-            records.append(_run_replicate(system, parameters, replicate, advanced))
-    wall = time.perf_counter() - started
-    reasons = [record.scalars["reason"] for record in records if record.scalars["reason"]]
+        log.warning("%s: %s", name, parameters.caveat)
+    with alone(output) as waited:
+        status = _status_by_another(output, parameters) if waited else ""
+        if not status:
+            status = _compute(parameters, output, quiet)
+            log.info("%s: written", output)
+    return BLOWN_UP if status == "failed" and not record_failure else 0
+
+
+@dataclass
+class _State:
+    """A run under way: what a checkpoint holds."""
+
+    stopwatch: Stopwatch
+    records: list[Record]
+    replicate: Replicate
+
+    def done(self) -> int:
+        """Return the time steps done, as the point counts them."""
+        p = self.replicate.parameters
+        return len(self.records) * p.steps + self.replicate.shown * p.sample_steps
+
+
+def _compute(parameters: Parameters, output: Path, quiet: bool) -> str:
+    """Run all replicates, from the last checkpoint on; write the file and return its status."""
+    checkpoint = Checkpoint(output, parameters, checkpoint_interval())
+    state = checkpoint.load()
+    if state:
+        log.info("%s: continued from a checkpoint", output)
+    else:
+        state = _State(Stopwatch(), [], Replicate(parameters, 0))
+    with checkpoint, progress(parameters, output, quiet, state.done()) as advanced:
+        while True:
+            record = state.replicate.run(advanced, lambda: checkpoint.offer(state))
+            state.records.append(record)
+            if len(state.records) == parameters.replicates:
+                break
+            state.replicate = Replicate(parameters, len(state.records))
+    reasons = [record.scalars["reason"] for record in state.records]
+    reproduction.keep(output.parent, parameters, reasons)
     write(
         output,
         parameters,
-        records,
-        _layout(parameters, system, max(len(r.series["mean_velocity"]) for r in records)),
-        _attributes(parameters, records, reasons, wall),
+        state.records,
+        _layout(parameters, state.replicate.system, state.records),
+        attributes := _attributes(parameters, state.records, state.stopwatch.seconds()),
     )
-    for record in records:
+    checkpoint.remove()
+    for record in state.records:
         log.log(*_closing_line(point_id(parameters), record))
-    log.info("%s: written", output)
-    return BLOWN_UP if reasons and not record_failure else 0
+    return attributes["status"]
 
 
-def _run_replicate(system: System, parameters: Parameters, replicate: int, advanced) -> Record:
-    """Run one replicate to its end or to its blow-up."""
-    started = time.perf_counter()
-    recorder = Recorder(system)
-    failure = ""
+def _status_by_another(output: Path, parameters: Parameters) -> str:
+    """Return the status of the file if another process has just made it from the same sources."""
     try:
-        system.settle()
-        recorder.take_snapshot()
-        while not recorder.stopped:
-            recorder.take(system.advance())
-            advanced(parameters.sample_steps)
-    except BlowUp as error:
-        failure = str(error)
-        if not recorder.snapshots:
-            recorder.take_snapshot()
-    recorder.take_snapshot()
-    record = recorder.finish(failure)
-    record.scalars |= {
-        "steps": recorder.taken * parameters.sample_steps,
-        "wall_time": time.perf_counter() - started,
-        "replicate_seed": replicate,
-    }
-    return record
+        with netCDF4.Dataset(output) as file:
+            same = (file.point_id, file.source_hash) == (point_id(parameters), source_hash())
+            return file.status if same else ""
+    except (OSError, AttributeError):
+        return ""
 
 
 def _closing_line(name: str, record: Record) -> tuple[int, str]:
@@ -121,7 +140,8 @@ def _closing_line(name: str, record: Record) -> tuple[int, str]:
     )
 
 
-def _layout(parameters: Parameters, system: System, samples: int) -> Layout:
+def _layout(parameters: Parameters, system: System, records: list[Record]) -> Layout:
+    samples = max(len(record.series["mean_velocity"]) for record in records)
     interval = parameters.sample_steps * parameters.time_step
     return Layout(
         time=np.arange(1, samples + 1) * interval,
@@ -131,10 +151,9 @@ def _layout(parameters: Parameters, system: System, samples: int) -> Layout:
     )
 
 
-def _attributes(
-    parameters: Parameters, records: list[Record], reasons: list[str], wall: float
-) -> dict:
+def _attributes(parameters: Parameters, records: list[Record], wall: float) -> dict:
     """Return the global attributes: what this is and how it was made."""
+    reasons = [record.scalars["reason"] for record in records if record.scalars["reason"]]
     versions = " ".join(f"{name} {number}" for name, number in library_versions().items())
     return {
         "Conventions": "CF-1.11",

@@ -113,5 +113,5 @@ def test_a_file_that_is_no_run_is_named(tmp_path, content):
 def test_a_netcdf_file_that_is_no_run_is_named(tmp_path):
     path = tmp_path / "other.nc"
     xr.Dataset({"depth": 1.0}).to_netcdf(path)
-    with pytest.raises(InputError, match=r"other\.nc: not a run file"):
+    with pytest.raises(InputError, match=r"other\.nc: damaged or not a run file"):
         read_run(path)

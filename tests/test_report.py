@@ -117,6 +117,6 @@ def test_a_missing_figure_is_named_and_the_old_report_stays(made, tmp_path):
         build(study_path, results)
     build_dataset(study_path, results)
     (results / "made" / "report.html").write_text("old")
-    with pytest.raises(InputError, match=r"walton_2\.svg"):
+    with pytest.raises(InputError, match=r"walton_2\.csv"):
         build(study_path, results)
     assert (results / "made" / "report.html").read_text() == "old"

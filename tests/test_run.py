@@ -58,6 +58,7 @@ SCALARS = {
     "acceleration_error": "m s-2",
     "max_overlap": "1",
     "steps": "1",
+    "time_step_used": "s",
     "wall_time": "s",
     "replicate_seed": "1",
 }
@@ -214,7 +215,8 @@ def test_a_blow_up_is_recorded_with_its_reason_and_what_came_before(tmp_path):
             np.isnan(file["velocity"][:]).all() and list(file["regime"][:]) == ["undetermined"] * 2
         )
         taken = np.isfinite(file["mean_velocity"][0])
-        steps = file["steps"][0] // point.sample_steps
+        assert (file["time_step_used"][:] == point.time_step / 2).all()
+        steps = file["steps"][0] // (2 * point.sample_steps)
         assert taken.sum() == steps and taken[:steps].all()
         assert np.isfinite(file["position"][:]).all()
 

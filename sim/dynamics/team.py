@@ -85,6 +85,10 @@ class Team:
         self._ranks = range(1, threads)
         self._pool = ThreadPoolExecutor(threads - 1) if threads > 1 else None
 
+    def __reduce__(self):
+        # Threads cannot be pickled; nothing of a team lasts from one call to the next.
+        return Team, (len(self._ranks) + 1,)
+
     def run(self, task: Callable[[int], int]) -> int:
         """Return what ``task(0)`` returns, after the same task has ended for all other ranks.
 

@@ -1,6 +1,7 @@
 """From a dataset to the four files of a figure: PNG, SVG, the data behind it, the caption."""
 
 import importlib
+from contextlib import ExitStack, suppress
 from pathlib import Path
 
 import matplotlib as mpl
@@ -19,42 +20,56 @@ from sim.figures.caption import (
 )
 from sim.figures.style import SETTINGS
 from sim.figures.summary import summarize
+from sim.files import replacing
 from sim.parameters import SYSTEMS, field_info
+from sim.stored import reading
 
 SUFFIXES = (".png", ".svg", ".csv", ".caption.txt")
 
 
 def render(spec: FigureSpec, dataset_path: Path, folder: Path) -> list[Path]:
     """Draw one figure and write its files into ``folder``; see `sim.figures.draw`."""
-    if not dataset_path.is_file():
-        raise InputError(f"{dataset_path}: no such dataset; build the study's dataset first")
+    # What is no netCDF-4 file at all is hardly a damaged dataset, but one named by mistake.
+    with (
+        reading(dataset_path, "dataset", replaceable=_is_netcdf(dataset_path)),
+        xr.open_dataset(dataset_path, engine="netcdf4") as opened,
+    ):
+        dataset = opened.load()
     try:
-        with xr.open_dataset(dataset_path, engine="netcdf4") as dataset:
-            rows = summarize(dataset, spec.name)
-    except (OSError, ValueError, KeyError) as error:
+        rows = summarize(dataset, spec.name)
+    except KeyError as error:
         raise InputError(f"{dataset_path}: not the dataset of a study: {error}") from None
     if rows.empty:
         raise InputError(f"{dataset_path}: figures: no point feeds {spec.name}")
     module = importlib.import_module(f"sim.figures.{spec.name}")
     folder.mkdir(parents=True, exist_ok=True)
     files = [folder / f"{spec.name}{suffix}" for suffix in SUFFIXES]
-    with mpl.rc_context(SETTINGS):
+    with ExitStack() as stack:
+        png, svg, csv, text = (stack.enter_context(replacing(file)) for file in files)
+        stack.enter_context(mpl.rc_context(SETTINGS))
         figure = module.draw(rows)
         if not rows["completed"].any():
             figure.axes[0].text(
                 0.5, 0.5, "no point completed", ha="center", transform=figure.axes[0].transAxes
             )
-        _save(figure, spec, files[0], files[1])
-    columns = list(dict.fromkeys([*spec.axes, *spec.curves, *module.NAMED]))
-    behind(rows, spec.system, columns).to_csv(files[2], index=False, float_format="%.10g")
-    files[3].write_text(caption(rows, spec, module.LEAD, module.NAMED) + "\n", encoding="utf-8")
+        _save(figure, spec, png, svg)
+        columns = list(dict.fromkeys([*spec.axes, *spec.curves, *module.NAMED]))
+        behind(rows, spec.system, columns).to_csv(csv, index=False, float_format="%.10g")
+        text.write_text(caption(rows, spec, module.LEAD, module.NAMED) + "\n", encoding="utf-8")
     return files
+
+
+def _is_netcdf(path: Path) -> bool:
+    """Return whether a file begins as netCDF-4 files do, or has lost all its contents."""
+    with suppress(OSError), path.open("rb") as file:
+        return file.read(4) in (b"", b"\x89HDF")
+    return False
 
 
 def _save(figure: Figure, spec: FigureSpec, png: Path, svg: Path) -> None:
     """Write both pictures; without a date in them, the same data gives the same bytes."""
-    figure.savefig(png, metadata={"Title": spec.title})
-    figure.savefig(svg, metadata={"Title": spec.title, "Date": None})
+    figure.savefig(png, format="png", metadata={"Title": spec.title})
+    figure.savefig(svg, format="svg", metadata={"Title": spec.title, "Date": None})
 
 
 def caption(rows: pd.DataFrame, spec: FigureSpec, lead: str, named: tuple[str, ...]) -> str:

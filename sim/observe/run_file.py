@@ -5,7 +5,7 @@ from pathlib import Path
 import netCDF4
 import numpy as np
 
-from sim.files import replacing
+from sim.files import replacing, seal
 from sim.observe.recorder import Record
 from sim.observe.scalars import SCALARS
 from sim.parameters import Parameters, canonical, field_info
@@ -30,6 +30,8 @@ SNAPSHOTS = {
     "radius": ("m", "radius", ("particle",)),
 }
 
+#: How numbers are stored: compressed, and with a checksum of every chunk.
+FILTERS = {"zlib": True, "complevel": 1, "shuffle": True, "fletcher32": True}
 
 #: How a value of a series stands for its sample interval (CF); the others are instantaneous.
 CELL_METHODS = {
@@ -43,7 +45,7 @@ CELL_METHODS = {
 
 
 def write(path: Path, parameters: Parameters, records: list[Record], layout, attributes) -> None:
-    """Write a run file under a temporary name and rename it when it is complete.
+    """Write a run file under a temporary name, seal it, and rename it when it is complete.
 
     Parameters
     ----------
@@ -68,6 +70,7 @@ def write(path: Path, parameters: Parameters, records: list[Record], layout, att
         except RuntimeError as error:
             # What the library says of a full disk.
             raise OSError(f"{path}: cannot be written: {error}") from None
+        seal(temporary)
 
 
 def _put(file, name, dimensions, values, unit="", long_name=""):
@@ -75,7 +78,11 @@ def _put(file, name, dimensions, values, unit="", long_name=""):
     values = np.asarray(values)
     text = values.dtype.kind in "UO"
     kind = str if text else ("i8" if values.dtype.kind in "ib" else "f8")
-    options = {} if text or not dimensions else {"zlib": True, "complevel": 1, "shuffle": True}
+    options = (
+        {}
+        if text or not dimensions
+        else {"zlib": True, "complevel": 1, "shuffle": True, "fletcher32": True}
+    )
     variable = file.createVariable(name, kind, dimensions, **options)
     if unit:
         variable.units = unit

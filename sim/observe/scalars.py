@@ -29,6 +29,7 @@ SCALARS = {
     "status": ("", "completed or failed"),
     "reason": ("", "why the replicate failed"),
     "steps": ("1", "time steps computed"),
+    "time_step_used": ("s", "time step: that of the point, or half of it after a blow-up"),
     "wall_time": ("s", "wall time"),
     "replicate_seed": ("1", "index that, with the seed, starts the random generator"),
 }

@@ -187,3 +187,10 @@ def field_info(model: type[Parameters] | Parameters) -> dict[str, FieldRow]:
     }
     order = {"system": 0} | dict.fromkeys(Parameters.model_fields, 2)
     return dict(sorted(rows.items(), key=lambda row: order.get(row[0], 1)))
+
+
+def as_yaml(parameters: Parameters) -> str:
+    """Return the text of a point file with every parameter."""
+    values = canonical(parameters)
+    # Scalars as JSON writes them are YAML that reads back as the same value.
+    return "".join(f"{name}: {json.dumps(values[name])}\n" for name in field_info(parameters))

@@ -13,13 +13,15 @@ from sim.parameters import BeltParameters, Parameters
 class System(Protocol):
     """One replicate in motion: what ``sim.run`` needs of a system.
 
-    ``parameters`` are those of the point; ``series`` maps the names of the time series to (unit,
-    long name), and ``ledger`` tells which of them add up to the energy; ``profile_height`` (H,) are
-    the centres of the profiles' slices (m); ``scales`` and ``period`` (samples) serve the analysis
-    of the velocity's trend; ``mass`` is that of all particles (kg).
+    ``parameters`` are those of the point, ``time_step`` (s) is theirs or a fraction of it;
+    ``series`` maps the names of the time series to (unit, long name), and ``ledger`` tells which of
+    them add up to the energy; ``profile_height`` (H,) are the centres of the profiles' slices (m);
+    ``scales`` and ``period`` (samples) serve the analysis of the velocity's trend; ``mass`` is that
+    of all particles (kg).
     """
 
     parameters: Parameters
+    time_step: float
     series: dict[str, tuple[str, str]]
     ledger: Ledger
     mass: float
@@ -43,12 +45,15 @@ class System(Protocol):
         """Return positions, velocities and what else a picture needs."""
 
 
-def build(parameters: Parameters, replicate: int) -> System:
-    """Return replicate number ``replicate`` (from 0) of a point in its initial state."""
+def build(parameters: Parameters, replicate: int, refinement: int = 1) -> System:
+    """Return replicate number ``replicate`` (from 0) of a point in its initial state.
+
+    Every time step is divided into ``refinement``; samples are taken at the same times.
+    """
     if isinstance(parameters, BeltParameters):
         from sim.systems.belt import Belt
 
-        return Belt(parameters, replicate)
+        return Belt(parameters, replicate, refinement)
     from sim.systems.chute import Chute
 
-    return Chute(parameters, replicate)
+    return Chute(parameters, replicate, refinement)

@@ -71,8 +71,12 @@ class Belt:
         },
     )
 
-    def __init__(self, parameters: BeltParameters, replicate: int):
+    def __init__(self, parameters: BeltParameters, replicate: int, refinement: int = 1):
         self.parameters = p = parameters
+        self.time_step = p.time_step / refinement
+        self.settling_step = p.settling_step / refinement
+        self.steps_per_cycle = p.steps_per_cycle * refinement
+        self.sample_steps = p.sample_steps * refinement
         rng = np.random.default_rng([p.seed, replicate])
         spread = p.diameter_spread * p.diameter
         diameter = rng.uniform(p.diameter - spread, p.diameter + spread, p.beads)
@@ -85,7 +89,7 @@ class Belt:
         self.fall_time = sqrt(2.0 * (height + p.diameter) / p.gravity)
         position[:, 1] += self._lift()
         self.disks = make_disks(
-            position, np.zeros_like(position), 0.5 * diameter, mass, p.settling_step
+            position, np.zeros_like(position), 0.5 * diameter, mass, self.settling_step
         )
         self.pairs = empty_pair_list(0.5 * diameter, 2, SKIN * p.diameter)
         self.work = make_work(p.beads)
@@ -102,7 +106,7 @@ class Belt:
             radius=0.5 * p.obstacle * p.diameter,
         )
         self.motion = self._motion(2.0 * pi * p.frequency)
-        self.integrator = self._integrator(p.time_step)
+        self.integrator = self._integrator(self.time_step)
         self.loop = shaking.make_shaking()
         amplitude = self.motion.amplitude_x or self.motion.amplitude_z
         arrested = 0.02 * max(amplitude, 0.01 * p.diameter) * 2.0 * pi * p.frequency
@@ -138,7 +142,7 @@ class Belt:
 
     def settle(self) -> None:
         """Let the beads fall onto the resting belt until their mean squared velocity is small."""
-        p, step = self.parameters, self.parameters.settling_step
+        p, step = self.parameters, self.settling_step
         belt, integrator = self._motion(0.0), self._integrator(step)
         stretch = max(1, int(self.fall_time / step))
         squared = np.inf
@@ -152,7 +156,7 @@ class Belt:
             self._stop_free_drift()
             squared = float(((self.disks.taylor[1] / step) ** 2).sum(axis=0).mean())
             stretch = max(1, int(0.01 / step))
-        restarted(self.disks.taylor, step, p.time_step)
+        restarted(self.disks.taylor, step, self.time_step)
         self.loop = shaking.make_shaking()
 
     def _stop_free_drift(self) -> None:
@@ -190,21 +194,20 @@ class Belt:
     def advance(self) -> dict[str, float]:
         """Advance by one sample interval and return a value per time series."""
         self.loop.sums[:] = 0.0
-        steps = self.parameters.sample_steps
-        self._run(self.integrator, self.motion, steps, "of the shaking")
+        self._run(self.integrator, self.motion, self.sample_steps, "of the shaking")
         return self._sample()
 
     def _time(self) -> float:
-        return self.loop.step[0] * self.parameters.time_step
+        return self.loop.step[0] * self.time_step
 
     def _velocity(self) -> np.ndarray:
-        return self.disks.taylor[1] / self.parameters.time_step
+        return self.disks.taylor[1] / self.time_step
 
     def _sample(self) -> dict[str, float]:
         p, disks, sums = self.parameters, self.disks, self.loop.sums
         mean = sums / sums[shaking.STEPS]
-        cycle_step = self.loop.step[0] % p.steps_per_cycle
-        angle = 2.0 * pi * cycle_step / p.steps_per_cycle + radians(p.phase)
+        cycle_step = self.loop.step[0] % self.steps_per_cycle
+        angle = 2.0 * pi * cycle_step / self.steps_per_cycle + radians(p.phase)
         return {
             "mean_velocity": mean[shaking.VELOCITY],
             "mass_flux": mean[shaking.MOMENTUM] / self.box.length[0],

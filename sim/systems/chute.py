@@ -67,8 +67,10 @@ class Chute:
         powers={"normal_loss": "normal_power", "frictional_loss": "frictional_power"},
     )
 
-    def __init__(self, parameters: ChuteParameters, replicate: int):
+    def __init__(self, parameters: ChuteParameters, replicate: int, refinement: int = 1):
         self.parameters = p = parameters
+        self.time_step = p.time_step / refinement
+        self.sample_steps = p.sample_steps * refinement
         rng = np.random.default_rng([p.seed, replicate])
         side = p.cell * p.diameter
         self.box = make_box(side, side)
@@ -102,7 +104,12 @@ class Chute:
         p = self.parameters
         if p.law == "spring_dashpot":
             return spring_dashpot(
-                p.stiffness, p.restitution, friction, reduced_mass, p.time_step, p.tangential_ratio
+                p.stiffness,
+                p.restitution,
+                friction,
+                reduced_mass,
+                self.time_step,
+                p.tangential_ratio,
             )
         return walton_braun(
             p.stiffness,
@@ -119,16 +126,16 @@ class Chute:
 
     def advance(self) -> dict[str, float]:
         """Advance by one sample interval and return a value per time series."""
-        p, flow = self.parameters, self.flow
+        flow = self.flow
         flow.sums[:] = 0.0
-        target = flow.step[0] + p.sample_steps
+        target = flow.step[0] + self.sample_steps
         status = LIST_FULL
         while status == LIST_FULL:
             status = self.team.run(partial(self._advance, target - flow.step[0]))
             if status == LIST_FULL:
                 self.pairs = grown(self.pairs)
                 self.memory = enlarged(self.memory, len(self.pairs.touching))
-        time = flow.step[0] * p.time_step / p.time_unit
+        time = flow.step[0] * self.time_step / self.parameters.time_unit
         require_motion(status, self.spheres.position, f"{flow.step[0]} (t* = {time:.4g})")
         return self._sample()
 
@@ -145,7 +152,7 @@ class Chute:
             self.work[rank],
             self.flow,
             self.gravity,
-            p.time_step,
+            self.time_step,
             p.overlap_limit,
             steps,
             rank,
@@ -174,20 +181,15 @@ class Chute:
 
     def _ledger(self, height: float) -> dict[str, float]:
         """Return where the energy is and has gone; a friction's work is stored or lost."""
-        p, spheres, sums, step = (
-            self.parameters,
-            self.spheres,
-            self.flow.sums,
-            self.flow.step[0] % 2,
-        )
-        self.travelled += sums[leap_frog.VELOCITY] * p.time_step
+        spheres, sums, step = self.spheres, self.flow.sums, self.flow.step[0] % 2
+        self.travelled += sums[leap_frog.VELOCITY] * self.time_step
         self.lost += sums[leap_frog.LOST]
         self.work_done += sums[leap_frog.WORK]
         pairs = stored_in_pairs(
-            self.laws[0], spheres, self.pairs, self.memory[step], self.box, p.time_step
+            self.laws[0], spheres, self.pairs, self.memory[step], self.box, self.time_step
         )
         plane = stored_in_plane(
-            self.laws[1], spheres, self.plane, self.plane.memory[step], p.time_step
+            self.laws[1], spheres, self.plane, self.plane.memory[step], self.time_step
         )
         normal, tangential = pairs[0] + plane[0], pairs[1] + plane[1]
         along, across = self.gravity[0] * self.travelled, -self.gravity[2] * height

@@ -16,21 +16,15 @@ import xarray as xr
 
 from sim.figures import FIGURES
 from sim.study import estimate, load_study
+from tests.trees import ROOT, copy_tree
 
-ROOT = Path(__file__).parents[2]
-PARTS = ("sim", "workflow", "config", "Snakefile", "profiles", "pyproject.toml")
 STUDY = "tiny.yaml"
 
 
 @pytest.fixture(scope="module")
 def tree(tmp_path_factory) -> Path:
     """Return a copy of the project in which the tiny study has run to its end."""
-    tree = tmp_path_factory.mktemp("tree")
-    for part in PARTS:
-        if (ROOT / part).is_dir() and not (ROOT / part).is_symlink():
-            shutil.copytree(ROOT / part, tree / part, ignore=shutil.ignore_patterns("__pycache__"))
-        else:
-            shutil.copy(ROOT / part, tree / part, follow_symlinks=False)
+    tree = copy_tree(tmp_path_factory.mktemp("tree"))
     shutil.copy(ROOT / "tests" / "data" / STUDY, tree / STUDY)
     done = snakemake(tree)
     assert done.returncode == 0, done.stderr
@@ -306,3 +300,45 @@ def test_the_longest_points_start_first(tree, killed):
     everything = [estimate(point.parameters).core_seconds for point in study.points.values()]
     assert len(costs) >= 3
     assert costs == sorted(everything, reverse=True)[: len(costs)]
+
+
+def test_a_damaged_run_is_named_and_computed_again_by_a_rerun(tree):
+    results = tree / "results" / "tiny"
+    path = next((results / "runs").glob("belt-*.nc"))
+    whole = path.read_bytes()
+    path.write_bytes(whole[: len(whole) // 2])
+    first = snakemake(tree)
+    assert first.returncode != 0
+    assert f"error: results/tiny/runs/{path.name}: damaged" in first.stdout + first.stderr
+    assert path.with_name(f"{path.name}.damaged").exists()
+    assert planned_points(tree) == {path.stem}
+    again = snakemake(tree)
+    assert again.returncode == 0, again.stderr
+    assert len(path.read_bytes()) == pytest.approx(len(whole), rel=0.01)
+    assert planned(tree) == {}
+
+
+def test_a_clock_that_was_ahead_makes_nothing_old_and_hides_nothing(tree):
+    results = tree / "results" / "tiny"
+    ahead = time.time() + 1e8
+    for path in results.rglob("*"):
+        os.utime(path, (ahead, ahead))
+    assert planned(tree) == {}
+    assert all(path.stat().st_mtime < ahead for path in results.rglob("*") if path.is_file())
+    run = next((results / "runs").glob("belt-*.nc"))
+    whole = run.read_bytes()
+    os.utime(results / "dataset.nc", (ahead, ahead))
+    run.write_bytes(whole + b"changed")
+    assert planned(tree)["dataset"] == 1
+    run.write_bytes(whole)
+    assert planned(tree) == {}
+
+
+def test_a_second_study_of_the_same_name_is_pointed_out(tree):
+    text = (tree / STUDY).read_text()
+    (tree / "copy.yaml").write_text(text)
+    assert "warning" not in snakemake(tree, "-n", study="copy.yaml").stderr
+    (tree / "other.yaml").write_text(text.replace("depth: [0.5, 1]", "depth: [0.5, 3]"))
+    warned = snakemake(tree, "-n", study="other.yaml")
+    assert warned.returncode == 0
+    assert "warning: other.yaml: study: tiny is also the name of" in warned.stderr

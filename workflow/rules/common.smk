@@ -7,6 +7,7 @@ import re
 import shlex
 import shutil
 import sys
+import time
 from contextlib import suppress
 from pathlib import Path
 
@@ -18,6 +19,10 @@ from sim.figures import FIGURES
 from sim.parameters import canonical_json
 from sim.provenance import source_hash
 from sim.study import DEFAULT_STUDY, estimate, load_study
+
+#: Seconds by which clocks of machines that share a folder may differ, and a time before all others.
+CLOCK_ERROR = 60.0
+OLD = 86400.0
 
 
 def study_path():
@@ -58,6 +63,35 @@ def release_stale_lock():
     return held
 
 
+def correct_future_times():
+    """Give files that a wrong clock has dated into the future times that hide no change.
+
+    A run file was made before now. Whatever is made from runs becomes as old as can be; where its
+    inputs have changed since, which Snakemake knows by checksums, it is made again.
+    """
+    now = time.time()
+    for path in Path(RESULTS).rglob("*"):
+        if path.is_file() and path.stat().st_mtime > now + CLOCK_ERROR:
+            then = now if path.match("runs/*.nc") else OLD
+            os.utime(path, (then, then))
+
+
+def warn_of_namesake():
+    """Say so when another study file has its results in the same folder.
+
+    Runs are named by all their parameters, so the two studies share those they have in common and
+    keep the others; the rest of the folder follows whichever study file was run last.
+    """
+    with suppress(OSError, InputError):
+        other = load_study(OWNER.read_text(encoding="utf-8"))
+        if other.name == STUDY.name and set(other.points) != set(STUDY.points):
+            print(
+                f"warning: {STUDY.path}: study: {STUDY.name} is also the name of {other.path}; "
+                "dataset, figures and report will be those of the former",
+                file=sys.stderr,
+            )
+
+
 def code(*patterns):
     """Return a hash of files of the package, so that a rule reruns when they are edited."""
     digest = hashlib.sha256()
@@ -86,6 +120,17 @@ except InputError as error:
 
 LOCK = release_stale_lock() if workflow.is_main_process else None
 RESULTS = f"results/{STUDY.name}"
+OWNER = Path(RESULTS) / ".study"
+
+if workflow.is_main_process:
+    warn_of_namesake()
+    correct_future_times()
+
+
+onstart:
+    OWNER.parent.mkdir(parents=True, exist_ok=True)
+    OWNER.write_text(str(STUDY.path.resolve()), encoding="utf-8")
+
 
 # Jobs find the interpreter of this Snakemake, the package and the study wherever they run. Where a
 # study file lies is no parameter of its results: moved or copied, it makes nothing old.

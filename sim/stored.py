@@ -1,0 +1,61 @@
+"""Reading what earlier commands have stored: a damaged file is named, set aside and made again."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from xml.etree.ElementTree import ParseError
+
+from sim.errors import InputError
+from sim.files import is_damaged, set_aside
+
+#: What libraries raise on files with a hole or a flipped bit.
+UNREADABLE = (
+    OSError,
+    RuntimeError,
+    ValueError,
+    LookupError,
+    AttributeError,
+    TypeError,
+    ArithmeticError,
+    ParseError,
+)
+
+
+class DamagedError(InputError):
+    """A stored file cannot be read; the message says where it is now."""
+
+
+@contextmanager
+def reading(path: Path, kind: str, replaceable: bool) -> Iterator[None]:
+    """Turn whatever goes wrong while a file is read into one line.
+
+    Parameters
+    ----------
+    path : Path
+        The file; its checksum is looked at first if it has one.
+    kind : str
+        What it should be, for messages.
+    replaceable : bool
+        Rename an unreadable file to ``<name>.damaged``, so that the workflow makes it again.
+
+    Raises
+    ------
+    InputError
+        When there is no such file.
+    DamagedError
+        When it cannot be read.
+    """
+    if not path.is_file():
+        raise InputError(f"{path}: no such {kind}; rerun the study to make it")
+    try:
+        if is_damaged(path):
+            raise ValueError("the checksum is wrong")
+        yield
+    except InputError:
+        raise
+    except UNREADABLE as error:
+        message = f"{path}: damaged or not a {kind} ({error})"
+        if replaceable:
+            aside = set_aside(path).name
+            message += f"; now {aside}: rerun the same command to make it again"
+        raise DamagedError(message) from None
