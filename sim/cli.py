@@ -90,6 +90,11 @@ def _add_study_commands(commands: _Commands) -> None:
     points = _add(commands, "points", _points, "list the points of a study and what they cost")
     _add_study(points)
     points.add_argument("--format", choices=("table", "json"), default="table")
+    refine = _add(commands, "refine", _refine, "work out the points of a round of refinement")
+    _add_study(refine)
+    refine.add_argument(
+        "round", type=int, metavar="ROUND", help="1 for the first after the study's"
+    )
     schema = _add(commands, "schema", _schema, "print the JSON schema of studies and points")
     schema.add_argument(
         "--write",
@@ -129,6 +134,7 @@ def _add_run_commands(commands: _Commands) -> None:
 
 def _add_result_commands(commands: _Commands) -> None:
     _add_study(_add(commands, "dataset", _dataset, "combine the runs of a study in one dataset"))
+    _add_study(_add(commands, "boundaries", _boundaries, "write the boundaries found as CSV"))
     figure = _add(commands, "figure", _figure, "draw one figure from a dataset")
     figure.add_argument("name", metavar="NAME", help="such as walton_2")
     figure.add_argument("dataset", type=Path, metavar="DATASET.nc")
@@ -142,6 +148,12 @@ def _points(options: argparse.Namespace) -> None:
 
     study = load_study(options.study, options.results)
     print(as_json(study) if options.format == "json" else as_table(study))
+
+
+def _refine(options: argparse.Namespace) -> None:
+    from sim.regime_boundaries import write_round
+
+    print(write_round(options.study, options.round, options.results))
 
 
 def _schema(options: argparse.Namespace) -> None:
@@ -204,6 +216,12 @@ def _bench(_: argparse.Namespace) -> None:
 
 def _dataset(options: argparse.Namespace) -> None:
     from sim.dataset import build
+
+    print(build(options.study, options.results))
+
+
+def _boundaries(options: argparse.Namespace) -> None:
+    from sim.regime_boundaries import build
 
     print(build(options.study, options.results))
 
