@@ -46,7 +46,7 @@ def further_rounds(low: float, high: float, tolerance: float) -> int:
     """Return how many rounds after the first bring every gap down to the tolerance.
 
     >>> further_rounds(10, 20, 0.25)
-    3
+    2
     """
     rounds, gap = 0, (high - low) / PARTS
     while gap > tolerance * (1 + _SLACK):

@@ -19,6 +19,7 @@ from sim.study import Boundary, Study, joined, load_study
 GROUP = "boundaries"
 
 _FOUND = ("low", "high", "below", "above", "verdict", "points")
+_COLUMNS = ("name", "system", "of", "along", "unit", "figures", *_FOUND)
 
 
 def write_round(study_path: str | Path, number: int, results: str | Path = "results") -> Path:
@@ -45,7 +46,7 @@ def write_round(study_path: str | Path, number: int, results: str | Path = "resu
     """
     study = load_study(study_path, results)
     if not 1 <= number <= study.rounds:
-        allowed = f"a round of the study, 1 to {study.rounds}" if study.rounds else "no round"
+        allowed = f"a round of the study, 1 to {study.rounds}" if study.rounds else "none"
         raise InputError.of_value("ROUND", "", number, allowed)
     folder = Path(results) / study.name
     points = added_points(study, number, folder / "runs")
@@ -67,8 +68,8 @@ def added_points(study: Study, number: int, runs: Path) -> dict[str, Parameters]
     for each in range(1, number + 1):
         points = (
             boundary.at(value)
-            for boundary, values in zip(study.boundaries, rounds, strict=True)
-            for value in values[each]
+            for boundary, made in zip(study.boundaries, rounds, strict=True)
+            for value in made[each][1]
         )
         named = {point_id(point): point for point in points}
         added = {key: point for key, point in named.items() if key not in seen}
@@ -126,7 +127,7 @@ def table(study: Study, runs: Path) -> pd.DataFrame:
 
 
 def read_table(dataset: Path) -> pd.DataFrame:
-    """Read the table of boundaries from a study's dataset; empty where there is none.
+    """Read the table of boundaries from a study's dataset; without rows where there is none.
 
     Raises
     ------
@@ -137,7 +138,7 @@ def read_table(dataset: Path) -> pd.DataFrame:
         raise InputError(f"{dataset}: no such dataset; build the study's dataset first")
     with xr.open_datatree(dataset, engine="netcdf4") as tree:
         if GROUP not in tree:
-            return pd.DataFrame()
+            return pd.DataFrame(columns=_COLUMNS)
         return tree[GROUP].to_dataset(inherit=False).to_dataframe()
 
 
@@ -173,24 +174,28 @@ def shown(study: Study, rows: pd.DataFrame) -> pd.DataFrame:
     return rows[["name", "system", "of", *varied, "along", "unit", *_FOUND]]
 
 
-def _rounds(boundary: Boundary, count: int, runs: Path) -> Iterator[list[float]]:
-    """Yield the values that each round adds; runs are read of rounds before the last alone."""
+def _rounds(boundary: Boundary, count: int, runs: Path) -> Iterator[tuple[Sides, list[float]]]:
+    """Yield what is known before each round and the values that it adds.
+
+    The first round is the study's own; ``count`` more follow. The runs of the last are not read.
+    """
     sides: Sides = {}
     values = divided(boundary.low, boundary.high)
-    yield values
+    yield sides, values
     for _ in range(count):
         sides = sides | _read(boundary, values, runs)
         values = next_values(sides, boundary.tolerance)
-        yield values
+        yield sides, values
 
 
 def _sides(boundary: Boundary, runs: Path) -> Sides:
     """Return the sides of all values of all rounds."""
-    values = [value for each in _rounds(boundary, boundary.rounds, runs) for value in each]
-    return _read(boundary, values, runs)
+    *_, (sides, values) = _rounds(boundary, boundary.rounds, runs)
+    return sides | _read(boundary, values, runs)
 
 
 def _read(boundary: Boundary, values: list[float], runs: Path) -> Sides:
+    """Return the sides of some values from their runs."""
     points = {value: boundary.at(value) for value in values}
     return {
         value: side_of_run(runs / f"{point_id(point)}.nc", boundary.of, point)

@@ -13,9 +13,11 @@ from sim import __version__
 from sim.claims import force_balance
 from sim.errors import InputError
 from sim.figures import FIGURES
+from sim.figures.caption import setting
 from sim.files import replacing
 from sim.outcome import outcome
 from sim.parameters import SYSTEMS, field_info
+from sim.regime_boundaries import read_table
 from sim.study import Study, load_study
 from sim.tables import duration
 
@@ -50,14 +52,14 @@ def build(study_path: str | Path, results: str | Path = "results") -> Path:
     if not path.is_file():
         raise InputError(f"{path}: no such dataset; build the study's dataset first")
     with xr.open_dataset(path) as dataset:
-        page = render(study, dataset.load(), folder / "figures")
+        page = render(study, dataset.load(), read_table(path), folder / "figures")
     output = folder / "report.html"
     with replacing(output) as temporary:
         temporary.write_text(page, encoding="utf-8")
     return output
 
 
-def render(study: Study, dataset: xr.Dataset, figures: Path) -> str:
+def render(study: Study, dataset: xr.Dataset, found: pd.DataFrame, figures: Path) -> str:
     """Return the report as HTML text.
 
     Parameters
@@ -66,6 +68,8 @@ def render(study: Study, dataset: xr.Dataset, figures: Path) -> str:
         The study.
     dataset : xarray.Dataset
         Its dataset, loaded.
+    found : pandas.DataFrame
+        Its boundaries, as `sim.regime_boundaries.table` returns them.
     figures : Path
         Folder of its figures.
     """
@@ -88,6 +92,7 @@ def render(study: Study, dataset: xr.Dataset, figures: Path) -> str:
         steps=int(dataset["steps"].sum()),
         wall_time=float(dataset["wall_time"].sum()),
         parameters=parameter_rows(dataset),
+        boundaries=boundary_rows(study, found),
         balance=force_balance.judge(dataset),
         limits=force_balance.LIMITS,
         provenance={"talus": __version__, **_provenance(dataset)},
@@ -140,6 +145,17 @@ def run_rows(dataset: xr.Dataset) -> list[dict[str, Any]]:
                 **outcome(point),
             }
         )
+    return rows
+
+
+def boundary_rows(study: Study, found: pd.DataFrame) -> list[dict[str, Any]]:
+    """Return one row per boundary for the table of boundaries, its place in the grid in words."""
+    rows = found.to_dict("records")
+    for row, boundary in zip(rows, study.boundaries, strict=True):
+        row["at"] = "; ".join(
+            setting(row["system"], name, value) for name, value in boundary.grid.items()
+        )
+        row["tolerance"] = boundary.tolerance
     return rows
 
 

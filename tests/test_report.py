@@ -8,10 +8,12 @@ import pytest
 
 from sim.dataset import build as build_dataset
 from sim.errors import InputError
-from sim.figures import FIGURES, draw
+from sim.figures import draw
 from sim.report import build
 from sim.study import load_study
 from tests.factories import FAILURE, make_study
+
+FIGURES = ("walton_2", "gallas_1a", "gallas_1b", "gallas_1c")
 
 
 class Page(HTMLParser):
