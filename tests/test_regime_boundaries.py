@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 import xarray as xr
 
+from sim.cli import main
 from sim.dataset import build as build_dataset
 from sim.errors import InputError
 from sim.parameters import parse_point, point_id
@@ -102,6 +103,14 @@ def test_a_round_follows_from_the_runs_before_it(made, tmp_path):
     (runs / f"{key}.nc").unlink()
     with pytest.raises(InputError, match="no such run file"):
         added_points(study, 2, runs)
+
+
+def test_both_commands_say_what_they_wrote(made, dataset, capsys):
+    options = [str(made[0]), "--results", str(made[1])]
+    assert main(["boundaries", *options]) == 0
+    assert main(["refine", *options, "1"]) == 0
+    written = [Path(line).relative_to(made[1]) for line in capsys.readouterr().out.splitlines()]
+    assert written == [Path("regimes/boundaries.csv"), Path("regimes/rounds/1.json")]
 
 
 @pytest.mark.parametrize("number", [0, 3])
