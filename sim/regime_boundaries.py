@@ -169,9 +169,13 @@ def build(study_path: str | Path, results: str | Path = "results") -> Path:
 
 
 def shown(study: Study, rows: pd.DataFrame) -> pd.DataFrame:
-    """Return the columns of the table that a reader wants: those that grids vary among them."""
+    """Return the columns of the table that a reader wants: those that grids vary among them.
+
+    A parameter is blank for the boundaries along it.
+    """
     varied = dict.fromkeys(name for boundary in study.boundaries for name in boundary.grid)
-    return rows[["name", "system", "of", *varied, "along", "unit", *_FOUND]]
+    blanked = {name: rows[name].mask(rows["along"] == name) for name in varied}
+    return rows.assign(**blanked)[["name", "system", "of", *varied, "along", "unit", *_FOUND]]
 
 
 def _rounds(boundary: Boundary, count: int, runs: Path) -> Iterator[tuple[Sides, list[float]]]:

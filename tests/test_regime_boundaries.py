@@ -39,7 +39,7 @@ def test_boundaries_are_where_they_were_put(rows):
     expected = {
         ("acceleration-friction", "5"): tan(radians(17)),
         ("flow-friction", "5"): 2 * (tan(radians(17)) - 0.05),
-        ("acceleration-depth", "0.5"): 1,
+        ("acceleration-depth", ""): 1,
         ("acceleration-angle", "5"): degrees(atan(0.4)),
         ("flow-angle", "5"): degrees(atan(0.25)),
         ("onset", "0.5"): sqrt(10 / 0.5e-3) / (2 * pi),
