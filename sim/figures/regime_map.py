@@ -29,8 +29,9 @@ BOUNDARIES = {
     "transport": ("onset of transport", "#0072b2", 0),
 }
 
-#: Look of the lines that theory gives.
-THEORY = {"color": "#444444", "linestyle": (0, (1, 1.5)), "linewidth": 1.3, "zorder": 2}
+#: Dash patterns of boundaries; dotted lines are those that theory gives.
+UNDOTTED = DASHES[:3]
+THEORY = {"color": "#444444", "linestyle": DASHES[3], "linewidth": 1.3, "zorder": 2}
 
 
 def draw_map(rows: pd.DataFrame, found: pd.DataFrame, y: str) -> tuple[Figure, Axes]:
@@ -83,7 +84,8 @@ def draw_boundaries(axes: Axes, found: pd.DataFrame, x: str, y: str) -> None:
             text, colour, first = BOUNDARIES[names.pop("of")]
             label = text + _described(curve["system"].iloc[0], names)
             new = label not in dashes
-            pattern = dashes.setdefault(label, DASHES[(first + 2 * len(dashes)) % len(DASHES)])
+            alike = sum(other.startswith(text) for other in dashes)
+            pattern = dashes.setdefault(label, UNDOTTED[(first + alike) % len(UNDOTTED)])
             style = {"color": colour, "linestyle": pattern, "zorder": 4}
             middle, half = (curve["low"] + curve["high"]) / 2, (curve["high"] - curve["low"]) / 2
             places = (curve[across], middle) if along == y else (middle, curve[across])
