@@ -103,6 +103,11 @@ def _add_study_commands(commands: _Commands) -> None:
     status.add_argument(
         "--watch", type=float, metavar="SECONDS", help="show it again and again until it is over"
     )
+    refine = _add(commands, "refine", _refine, "work out the points of a round of refinement")
+    _add_study(refine)
+    refine.add_argument(
+        "round", type=int, metavar="ROUND", help="1 for the first after the study's"
+    )
     schema = _add(commands, "schema", _schema, "print the JSON schema of studies and points")
     schema.add_argument(
         "--write",
@@ -142,6 +147,7 @@ def _add_run_commands(commands: _Commands) -> None:
 
 def _add_result_commands(commands: _Commands) -> None:
     _add_study(_add(commands, "dataset", _dataset, "combine the runs of a study in one dataset"))
+    _add_study(_add(commands, "boundaries", _boundaries, "write the boundaries found as CSV"))
     figure = _add(commands, "figure", _figure, "draw one figure from a dataset")
     figure.add_argument("name", metavar="NAME", help="such as walton_2")
     figure.add_argument("dataset", type=Path, metavar="DATASET.nc")
@@ -175,6 +181,12 @@ def _status(options: argparse.Namespace) -> None:
         if options.watch is None or status.is_over:
             return
         time.sleep(options.watch)
+
+
+def _refine(options: argparse.Namespace) -> None:
+    from sim.regime_boundaries import write_round
+
+    print(write_round(options.study, options.round, options.results))
 
 
 def _schema(options: argparse.Namespace) -> None:
@@ -237,6 +249,12 @@ def _bench(_: argparse.Namespace) -> None:
 
 def _dataset(options: argparse.Namespace) -> None:
     from sim.dataset import build
+
+    print(build(options.study, options.results))
+
+
+def _boundaries(options: argparse.Namespace) -> None:
+    from sim.regime_boundaries import build
 
     print(build(options.study, options.results))
 

@@ -12,6 +12,7 @@ from sim.errors import InputError
 from sim.files import replacing, seal
 from sim.observe.scalars import SCALARS
 from sim.parameters import SYSTEMS, field_info
+from sim.regime_boundaries import GROUP, refined, table
 from sim.stored import DamagedError, reading
 from sim.study import Study, load_study
 
@@ -31,14 +32,16 @@ def build(study_path: str | Path, results: str | Path = "results") -> Path:
     Parameters
     ----------
     study_path : str or Path
-        The study file; its points name the run files in ``results/<study>/runs``.
+        The study file; its points name the run files in ``results/<study>/runs``, those of all
+        rounds of refinement included.
     results : str or Path
         Folder of all results.
 
     Returns
     -------
     Path
-        The file written. It appears complete or not at all.
+        The file written. It appears complete or not at all. What was found of boundaries is in
+        its group ``boundaries``.
 
     Raises
     ------
@@ -48,6 +51,7 @@ def build(study_path: str | Path, results: str | Path = "results") -> Path:
     """
     study = load_study(study_path, results)
     folder = Path(results) / study.name
+    study = refined(study, folder / "runs")
     reads = [dask.delayed(_attempt)(folder / "runs" / f"{point}.nc") for point in study.points]
     # One thread: the HDF5 library under netCDF-4 is not thread-safe.
     runs = dask.compute(*reads, scheduler="synchronous")
@@ -58,6 +62,9 @@ def build(study_path: str | Path, results: str | Path = "results") -> Path:
     output = folder / "dataset.nc"
     with replacing(output) as temporary:
         combine(runs, study).to_netcdf(temporary, engine="netcdf4")
+        if study.boundaries:
+            found = table(study, folder / "runs").to_xarray()
+            found.to_netcdf(temporary, mode="a", group=GROUP, engine="netcdf4")
         seal(temporary)
     return output
 

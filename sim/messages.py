@@ -149,7 +149,7 @@ def _allowed(entry: ErrorDetails, owner: type[BaseModel]) -> str:
         case "model_type" | "model_attributes_type" | "dict_type":
             return "a mapping of names to values"
         case "list_type" | "too_short":
-            return "a list of at least one value"
+            return allowed_values(owner.model_fields[name])
         case "literal_error":
             return entry["ctx"]["expected"]
     allowed = allowed_values(fields[name]) if name in fields else entry["msg"]

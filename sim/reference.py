@@ -11,7 +11,7 @@ from pydantic.json_schema import models_json_schema
 from sim.errors import InputError
 from sim.figures import FIGURES
 from sim.parameters import SYSTEMS, BeltParameters, ChuteParameters, FieldRow, field_info
-from sim.study_file import BeltSeries, ChuteOverride, Defaults, StudyFile
+from sim.study_file import BeltSeries, ChuteBoundary, ChuteOverride, Defaults, StudyFile
 
 SCHEMA_NAME = "schema.json"
 GUIDE_NAME = "README.md"
@@ -54,6 +54,8 @@ def reference_text() -> str:
         _keys_table(StudyFile),
         "### Keys of a series",
         _keys_table(BeltSeries),
+        "### Keys of a boundary",
+        _keys_table(ChuteBoundary),
         "### Keys of an override",
         _keys_table(ChuteOverride),
         "### Keys of `defaults`",

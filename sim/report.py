@@ -14,9 +14,11 @@ from sim import __version__
 from sim.claims import force_balance
 from sim.cost import duration
 from sim.figures import FIGURES
+from sim.figures.caption import setting
 from sim.files import replacing
 from sim.outcome import outcome
 from sim.parameters import SYSTEMS, field_info
+from sim.regime_boundaries import read_table
 from sim.stored import reading
 from sim.study import Study, load_study
 
@@ -53,14 +55,14 @@ def build(study_path: str | Path, results: str | Path = "results") -> Path:
         xr.open_dataset(path, engine="netcdf4") as opened,
     ):
         dataset = opened.load()
-    page = render(study, dataset, folder / "figures")
+    page = render(study, dataset, read_table(path), folder / "figures")
     output = folder / "report.html"
     with replacing(output) as temporary:
         temporary.write_text(page, encoding="utf-8")
     return output
 
 
-def render(study: Study, dataset: xr.Dataset, figures: Path) -> str:
+def render(study: Study, dataset: xr.Dataset, found: pd.DataFrame, figures: Path) -> str:
     """Return the report as HTML text.
 
     Parameters
@@ -69,6 +71,8 @@ def render(study: Study, dataset: xr.Dataset, figures: Path) -> str:
         The study.
     dataset : xarray.Dataset
         Its dataset, loaded.
+    found : pandas.DataFrame
+        Its boundaries, as `sim.regime_boundaries.table` returns them.
     figures : Path
         Folder of its figures.
     """
@@ -91,6 +95,7 @@ def render(study: Study, dataset: xr.Dataset, figures: Path) -> str:
         steps=int(dataset["steps"].sum()),
         wall_time=float(dataset["wall_time"].sum()),
         parameters=parameter_rows(dataset),
+        boundaries=boundary_rows(study, found),
         balance=force_balance.judge(dataset),
         limits=force_balance.LIMITS,
         provenance={"talus": __version__, **_provenance(dataset)},
@@ -145,6 +150,17 @@ def run_rows(dataset: xr.Dataset) -> list[dict[str, Any]]:
                 **outcome(point),
             }
         )
+    return rows
+
+
+def boundary_rows(study: Study, found: pd.DataFrame) -> list[dict[str, Any]]:
+    """Return one row per boundary for the table of boundaries, its place in the grid in words."""
+    rows = found.to_dict("records")
+    for row, boundary in zip(rows, study.boundaries, strict=True):
+        row["at"] = "; ".join(
+            setting(row["system"], name, value) for name, value in boundary.grid.items()
+        )
+        row["tolerance"] = boundary.tolerance
     return rows
 
 

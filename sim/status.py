@@ -137,7 +137,8 @@ def survey(study: Study, results: str | Path = "results") -> StudyStatus:
 def _all_points(study: Study, folder: Path) -> dict[str, Parameters]:
     """Return the points of the study file and those that later rounds have added to them."""
     points = {key: point.parameters for key, point in study.points.items()}
-    for path in sorted((folder / "rounds").glob("*.json")):
+    files = [folder / "rounds" / f"{number}.json" for number in range(1, study.rounds + 1)]
+    for path in filter(Path.is_file, files):
         added = read_yaml(path)
         if not isinstance(added, Mapping):
             raise InputError.of_value(path, "", added, "a mapping of point ids to parameters")

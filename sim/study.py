@@ -1,28 +1,28 @@
 """From a study file to its points: which parameters, in which series, for which figures."""
 
-import itertools
-from collections.abc import Iterator
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, replace
+from functools import partial
 from math import prod
 from pathlib import Path
 from typing import Any
 
 from sim.cost import Estimate, estimate
+from sim.drafts import BoundaryFile, Draft, SeriesFile, finished, starts
 from sim.errors import InputError
 from sim.figures import FIGURES
 from sim.folders import require_writable
-from sim.parameters import Parameters, parse_point, point_id
-from sim.study_file import BeltSeries, ChuteSeries, StudyFile, validated
+from sim.parameters import Parameters, point_id
+from sim.refine import PARTS, divided, further_rounds
+from sim.study_file import StudyFile, validated
 from sim.yaml_input import read_yaml
 
-__all__ = ["Estimate", "Point", "Study", "estimate", "load_study", "parse_study"]
+__all__ = ["Boundary", "Estimate", "Point", "Study", "estimate", "load_study", "parse_study"]
 
 MAX_POINTS = 100_000
 
 #: The study that is meant when none is named.
 DEFAULT_STUDY = Path("config/quick.yaml")
-
-SeriesFile = ChuteSeries | BeltSeries
 
 
 @dataclass(frozen=True)
@@ -36,6 +36,42 @@ class Point:
 
 
 @dataclass(frozen=True)
+class Boundary:
+    """One boundary to be found, all parameters but one fixed.
+
+    Attributes
+    ----------
+    name : str
+        Shared by the boundaries of one entry of the study file, which its ``grid`` tells apart.
+    of, along : str
+        What changes at the boundary; the parameter along which it is looked for.
+    low, high, tolerance : float
+        Range of that parameter and width of the interval wanted.
+    grid : dict
+        Values of the grid that this boundary is for.
+    figures : tuple of str
+        Figures that it feeds.
+    at : callable
+        Gives the parameters of the point at a value of ``along``.
+    """
+
+    name: str
+    of: str
+    along: str
+    low: float
+    high: float
+    tolerance: float
+    grid: dict[str, Any]
+    figures: tuple[str, ...]
+    at: Callable[[float], Parameters]
+
+    @property
+    def rounds(self) -> int:
+        """Rounds of refinement after the first."""
+        return further_rounds(self.low, self.high, self.tolerance)
+
+
+@dataclass(frozen=True)
 class Study:
     """A validated study.
 
@@ -46,9 +82,12 @@ class Study:
     path : Path
         The study file.
     points : dict
-        Points by id, in the order of the file; equal points of several series appear once.
+        Points by id, in the order of the file; equal points of several series appear once. Of the
+        boundaries, the first round.
     series, figures : dict
-        Ids of the points of each series and of each figure, in order.
+        Ids of the points of each series (or boundary) and of each figure, in order.
+    boundaries : tuple of Boundary
+        Boundaries to be found.
     """
 
     name: str
@@ -57,19 +96,12 @@ class Study:
     points: dict[str, Point]
     series: dict[str, tuple[str, ...]]
     figures: dict[str, tuple[str, ...]]
+    boundaries: tuple[Boundary, ...]
 
-
-@dataclass
-class _Draft:
-    """Values of one point while they are collected, and where each stands in the file."""
-
-    values: dict[str, Any] = field(default_factory=dict)
-    paths: dict[str, str] = field(default_factory=dict)
-
-    def with_values(self, values: dict[str, Any], path: str) -> "_Draft":
-        """Return a copy in which ``values``, given at ``path``, replace earlier ones."""
-        paths = {name: f"{path}.{name}" for name in values}
-        return _Draft(self.values | values, self.paths | paths)
+    @property
+    def rounds(self) -> int:
+        """Rounds of refinement after the first that the boundaries may take."""
+        return max((boundary.rounds for boundary in self.boundaries), default=0)
 
 
 def load_study(path: str | Path, results: str | Path = "results") -> Study:
@@ -101,100 +133,115 @@ def parse_study(mapping: Any, path: str | Path, results: str | Path = "results")
     _require_feasible_number(file, source)
     points: dict[str, Point] = {}
     series: dict[str, tuple[str, ...]] = {}
-    for index, one in enumerate(file.series):
-        ids = [_add(points, one, draft, source) for draft in _drafts(file, index, source)]
-        series[one.name] = tuple(dict.fromkeys(ids))
+    for place, one in _entries(file, "series"):
+        parameters = [finished(one, draft, place, source) for draft in starts(file, one, place)]
+        series[one.name] = _add(points, one, parameters, source)
+    boundaries = []
+    for place, one in _entries(file, "boundaries"):
+        found = list(_boundaries(file, one, place, source))
+        first = [each.at(value) for each in found for value in divided(each.low, each.high)]
+        series[one.name] = _add(points, one, first, source)
+        boundaries += found
     figures = _figures(file, points, source)
     require_writable(Path(results) / file.study, f"{source}: study")
-    return Study(file.study, file.title, Path(path), points, series, figures)
+    return Study(file.study, file.title, Path(path), points, series, figures, tuple(boundaries))
+
+
+def _entries(file: StudyFile, key: str) -> list[tuple[str, Any]]:
+    """Return the series or the boundaries of a study with their places in the file."""
+    return [(f"{key}[{index}]", one) for index, one in enumerate(getattr(file, key) or [])]
 
 
 def _require_distinct_names(file: StudyFile, source: str) -> None:
     seen: set[str] = set()
-    for index, one in enumerate(file.series):
+    for path, one in _entries(file, "series") + _entries(file, "boundaries"):
         if one.name in seen:
             allowed = "a name that no other series has"
-            raise InputError.of_value(source, f"series[{index}].name", one.name, allowed)
+            raise InputError.of_value(source, f"{path}.name", one.name, allowed)
         seen.add(one.name)
 
 
 def _require_feasible_number(file: StudyFile, source: str) -> None:
     """Refuse too many points before a single one is made."""
     total = 0
-    for index, one in enumerate(file.series):
+    for path, one in _entries(file, "series") + _entries(file, "boundaries"):
         lists = one.grid.given().values() if one.grid else []
-        count = prod(map(len, lists)) if lists else 0
-        total += count + len(one.cases or [])
+        if isinstance(one, SeriesFile):
+            total += (prod(map(len, lists)) if lists else 0) + len(one.cases or [])
+        else:
+            total += prod(map(len, lists)) * _most_points(one)
         if total > MAX_POINTS:
             allowed = f"at most {MAX_POINTS:,} points in the study"
-            raise InputError.of_value(source, f"series[{index}].grid", f"{total:,} points", allowed)
+            raise InputError.of_value(source, f"{path}.grid", f"{total:,} points", allowed)
 
 
-def _drafts(file: StudyFile, index: int, source: str) -> Iterator[_Draft]:
-    """Yield the points of one series, overrides applied: the grid first, then the cases."""
-    one, path = file.series[index], f"series[{index}]"
-    draft = _Draft({"system": one.system}, {"system": f"{path}.system"})
-    shared = getattr(file.defaults, one.system)
-    if shared:
-        draft = draft.with_values(shared.given(), f"defaults.{one.system}")
-    if one.base:
-        draft = draft.with_values(one.base.given(), f"{path}.base")
-    for start in _starts(one, draft, path):
-        yield _overridden(one, start, path, source)
+def _most_points(one: BoundaryFile) -> int:
+    """Return how many points a boundary takes at most: two gaps are divided in every round."""
+    return PARTS + 1 + 2 * (PARTS - 1) * further_rounds(*one.range, one.tolerance)
 
 
-def _starts(one: SeriesFile, draft: _Draft, path: str) -> Iterator[_Draft]:
-    """Yield the points of a series before its overrides."""
-    if one.grid:
-        lists = one.grid.given()
-        for chosen in itertools.product(*(enumerate(values) for values in lists.values())):
-            places = dict(zip(lists, chosen, strict=True))
-            yield _Draft(
-                draft.values | {name: value for name, (_, value) in places.items()},
-                draft.paths | {name: f"{path}.grid.{name}[{i}]" for name, (i, _) in places.items()},
+def _boundaries(file: StudyFile, one: BoundaryFile, path: str, source: str) -> Iterator[Boundary]:
+    """Yield the boundaries of one entry, both ends of their ranges validated."""
+
+    def point(start: Draft, value: float, place: str = "range") -> Parameters:
+        there = Draft(
+            start.values | {one.along: value}, start.paths | {one.along: f"{path}.{place}"}
+        )
+        return finished(one, there, path, source)
+
+    for start in starts(file, one, path):
+        for index, value in enumerate(one.range):
+            point(start, value, f"range[{index}]")
+        grid = {name: start.values[name] for name in one.grid.given()} if one.grid else {}
+        yield Boundary(
+            name=one.name,
+            of=one.of,
+            along=one.along,
+            low=one.range[0],
+            high=one.range[1],
+            tolerance=one.tolerance,
+            grid=grid,
+            figures=tuple(one.figures),
+            at=partial(point, start),
+        )
+
+
+def _add(
+    points: dict[str, Point],
+    one: SeriesFile | BoundaryFile,
+    parameters: Iterable[Parameters],
+    source: str,
+) -> tuple[str, ...]:
+    """Add points, or their series and figures, to ``points``; return their ids."""
+    keys = {}
+    for each in parameters:
+        point = joined(points, each, one.name, one.figures)
+        if point.parameters != each:
+            raise InputError(
+                f"{source}: two different points have the id {point.id}; change either's seed"
             )
-    for index, case in enumerate(one.cases or []):
-        yield draft.with_values(case.given(), f"{path}.cases[{index}]")
-    if not one.grid and not one.cases:
-        yield draft
+        keys[point.id] = points[point.id] = point
+    return tuple(keys)
 
 
-def _overridden(one: SeriesFile, draft: _Draft, path: str, source: str) -> _Draft:
-    """Apply the overrides whose conditions the point meets, later ones last.
-
-    Conditions look at the point as it is before any override, omitted parameters included.
-    """
-    if not one.overrides:
-        return draft
-    before = parse_point(draft.values, source, draft.paths)
-    for index, override in enumerate(one.overrides):
-        wanted = override.when.given()
-        if all(getattr(before, name) in values for name, values in wanted.items()):
-            draft = draft.with_values(override.set.given(), f"{path}.overrides[{index}].set")
-    return draft
-
-
-def _add(points: dict[str, Point], one: SeriesFile, draft: _Draft, source: str) -> str:
-    """Validate a point and add it, or its series and figures, to ``points``; return its id."""
-    parameters = parse_point(draft.values, source, draft.paths)
+def joined(
+    points: dict[str, Point], parameters: Parameters, series: str, figures: Iterable[str]
+) -> Point:
+    """Return the point among ``points``, or a new one, as a member of a series and of figures."""
     key = point_id(parameters)
     known = points.get(key, Point(key, parameters, (), ()))
-    if known.parameters != parameters:
-        raise InputError(f"{source}: two different points have the id {key}; change either's seed")
-    points[key] = Point(
-        key,
-        parameters,
-        tuple(dict.fromkeys((*known.series, one.name))),
-        tuple(dict.fromkeys((*known.figures, *one.figures))),
+    return replace(
+        known,
+        series=tuple(dict.fromkeys((*known.series, series))),
+        figures=tuple(dict.fromkeys((*known.figures, *figures))),
     )
-    return key
 
 
 def _figures(file: StudyFile, points: dict[str, Point], source: str) -> dict[str, tuple[str, ...]]:
     """Collect the points of each figure, and refuse a figure that misses its series."""
     feeding = {
-        name: f"series[{index}].figures[{place}]"
-        for index, one in reversed(list(enumerate(file.series)))
+        name: f"{path}.figures[{place}]"
+        for path, one in reversed(_entries(file, "series") + _entries(file, "boundaries"))
         for place, name in enumerate(one.figures)
     }
     for place, name in enumerate(file.figures or []):

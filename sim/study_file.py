@@ -7,7 +7,8 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError, create_model
 from sim.figures import FIGURES
 from sim.messages import input_error
 from sim.parameters import SYSTEMS, BeltParameters, ChuteParameters, Parameters
-from sim.parameters.common import broken_rule
+from sim.parameters.common import Real, broken_rule
+from sim.refine import MAX_ROUNDS, PARTS, further_rounds
 
 _SomeT = TypeVar("_SomeT")
 _ListsT = TypeVar("_ListsT")
@@ -98,17 +99,16 @@ def _figures_of(*systems: str) -> Any:
     return Literal[tuple(name for name, spec in FIGURES.items() if spec.system in systems)]
 
 
-class _Series(_Strict, Generic[_SomeT, _ListsT]):
+class _Family(_Strict, Generic[_SomeT, _ListsT]):
     name: str = Field(
         pattern=_NAME,
         max_length=60,
-        description="name of the series, unique in the study",
+        description="name, unique in the study",
         json_schema_extra=_ALLOWED_NAME,
     )
     system: str = Field(description="which of the two systems")
-    base: _SomeT = _optional("parameters shared by all points of the series")
-    grid: _ListsT = _optional("one point for every combination of the values listed here")
-    cases: list[_SomeT] = _optional("further points, each with the parameters given", min_length=1)
+    base: _SomeT = _optional("parameters shared by all points")
+    grid: _ListsT = _optional("one point (boundary) for every combination of the values listed")
 
     @model_validator(mode="after")
     def _overrides_leave_the_grid_alone(self) -> Self:
@@ -119,6 +119,10 @@ class _Series(_Strict, Generic[_SomeT, _ListsT]):
                 value = getattr(override.set, name)
                 raise broken_rule(key, value, f"parameters other than grid.{name} of the series")
         return self
+
+
+class _Series(_Family[_SomeT, _ListsT], Generic[_SomeT, _ListsT]):
+    cases: list[_SomeT] = _optional("further points, each with the parameters given", min_length=1)
 
 
 class ChuteSeries(_Series[ChuteSome, ChuteLists]):
@@ -137,6 +141,68 @@ class BeltSeries(_Series[BeltSome, BeltLists]):
     figures: list[_figures_of("belt")] = Field([], description="figures that the series feeds")
 
 
+def _numbers_of(system: str) -> Any:
+    """Return the type of the name of a parameter of a system that is a real number."""
+    fields = SYSTEMS[system].model_fields.items()
+    return Literal[tuple(name for name, field in fields if field.annotation is float)]
+
+
+class _Boundary(_Family[_SomeT, _ListsT], Generic[_SomeT, _ListsT]):
+    of: str = Field(description="what changes there")
+    along: str = Field(description="parameter along which the boundary is looked for")
+    range: list[Real] = Field(
+        description="lowest and highest value of that parameter",
+        min_length=2,
+        max_length=2,
+        json_schema_extra={"allowed": "two numbers, the lower one first"},
+    )
+    tolerance: Real = Field(description="width of the interval to find the boundary in", gt=0)
+
+    @model_validator(mode="after")
+    def _range_and_tolerance_fit(self) -> Self:
+        low, high = self.range
+        if not low < high:
+            raise broken_rule("range", self.range, "two numbers, the lower one first")
+        if further_rounds(low, high, self.tolerance) > MAX_ROUNDS:
+            finest = (high - low) / PARTS ** (MAX_ROUNDS + 1)
+            raise broken_rule("tolerance", self.tolerance, f"a number >= {finest:.3g}")
+        return self
+
+    @model_validator(mode="after")
+    def _one_place_sets_what_the_boundary_is_along(self) -> Self:
+        places = {"base": self.base, "grid": self.grid}
+        places |= {f"overrides[{i}].set": one.set for i, one in enumerate(self.overrides)}
+        for path, place in places.items():
+            if place and self.along in place.model_fields_set:
+                value = getattr(place, self.along)
+                allowed = f"parameters other than {self.along}, which the boundary is along"
+                raise broken_rule(f"{path}.{self.along}", value, allowed)
+        return self
+
+
+class ChuteBoundary(_Boundary[ChuteSome, ChuteLists]):
+    """A boundary between regimes of the chute, for each combination of the grid."""
+
+    system: Literal["chute"] = Field(description="which of the two systems")
+    of: Literal["flow", "acceleration"] = Field(
+        description="what changes there: flow (arrested or not), acceleration (accelerating or "
+        "not), transport (belt: mean velocity beyond 2 % of the belt's or not)"
+    )
+    along: _numbers_of("chute") = Field(description="parameter along which it is looked for")
+    overrides: list[ChuteOverride] = Field([], description="changes at certain values")
+    figures: list[_figures_of("chute")] = Field([], description="figures that are fed")
+
+
+class BeltBoundary(_Boundary[BeltSome, BeltLists]):
+    """A boundary between regimes of the belt, for each combination of the grid."""
+
+    system: Literal["belt"] = Field(description="which of the two systems")
+    of: Literal["flow", "transport"] = Field(description="what changes there")
+    along: _numbers_of("belt") = Field(description="parameter along which it is looked for")
+    overrides: list[BeltOverride] = Field([], description="changes at certain values")
+    figures: list[_figures_of("belt")] = Field([], description="figures that are fed")
+
+
 class Defaults(_Strict):
     """Parameters shared by all series of a system."""
 
@@ -145,7 +211,11 @@ class Defaults(_Strict):
 
 
 class StudyFile(_Strict):
-    """A study: series of points and the figures they feed."""
+    """A study: series of points, boundaries to be found, and the figures they feed."""
+
+    model_config = ConfigDict(
+        json_schema_extra={"anyOf": [{"required": ["series"]}, {"required": ["boundaries"]}]}
+    )
 
     study: str = Field(
         pattern=_NAME,
@@ -158,9 +228,18 @@ class StudyFile(_Strict):
         "all figures of the study, each fed by a series (omitted: those that are fed)"
     )
     defaults: Defaults = Field(Defaults(), description="parameters shared by series")
-    series: list[Annotated[ChuteSeries | BeltSeries, Field(discriminator="system")]] = Field(
-        description="the series of points", min_length=1
+    series: list[Annotated[ChuteSeries | BeltSeries, Field(discriminator="system")]] = _optional(
+        "the series of points (omitted: none, if there are boundaries)", min_length=1
     )
+    boundaries: list[Annotated[ChuteBoundary | BeltBoundary, Field(discriminator="system")]] = (
+        _optional("boundaries between regimes, found by refinement", min_length=1)
+    )
+
+    @model_validator(mode="after")
+    def _of_some_points(self) -> Self:
+        if not self.series and not self.boundaries:
+            raise broken_rule("series", None, "at least one series, or boundaries")
+        return self
 
 
 def validated(mapping: Any, source: str) -> StudyFile:

@@ -5,6 +5,7 @@ from collections.abc import Container, Sequence
 
 from sim.cost import Estimate, duration, estimate
 from sim.parameters import canonical
+from sim.refine import PARTS, divided
 from sim.study import Point, Study
 
 CORES = 2
@@ -19,7 +20,8 @@ def as_table(study: Study) -> str:
     """
     costs = _costs(study)
     rows = [_row(point, costs[point.id]) for point in study.points.values()]
-    return "\n".join([*aligned(_HEADINGS, rows, _RIGHT), "", _totals(list(costs.values()))])
+    lines = [*aligned(_HEADINGS, rows, _RIGHT), "", _totals(list(costs.values()))]
+    return "\n".join([*lines, _refinement(study)] if study.rounds else lines)
 
 
 def as_json(study: Study) -> str:
@@ -86,4 +88,18 @@ def _totals(costs: Sequence[Estimate]) -> str:
     return (
         f"{len(costs):,} points, {steps:,} steps, estimated core time {duration(total)}, "
         f"on {CORES} cores {duration(max(total / CORES, longest))}"
+    )
+
+
+def _refinement(study: Study) -> str:
+    """Say what rounds of refinement add where no run is undecided: one gap divided in each."""
+    count, total = 0, 0.0
+    for boundary in study.boundaries:
+        first = [estimate(boundary.at(value)) for value in divided(boundary.low, boundary.high)]
+        added = (PARTS - 1) * boundary.rounds
+        count += added
+        total += added * sum(cost.core_seconds for cost in first) / len(first)
+    return (
+        f"{study.rounds} rounds of refinement for {len(study.boundaries):,} boundaries: about "
+        f"{count:,} further points, estimated core time {duration(total)}"
     )

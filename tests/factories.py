@@ -10,6 +10,7 @@ import xarray as xr
 
 from sim.observe.force_balance import base_forces
 from sim.parameters import Parameters, canonical, field_info, point_id
+from sim.regime_boundaries import added_points
 from sim.study import load_study
 
 SAMPLES = 400
@@ -245,4 +246,94 @@ def make_study(folder: Path) -> tuple[Path, Path]:
         spread = 0.01 * np.arange(count) - 0.005 * (count - 1)
         runs = results / study.name / "runs"
         write_run(runs, point.parameters, mean + spread, regime=regime, failed=list(failed))
+    return study_path, results
+
+
+REGIMES = """\
+study: regimes
+title: Made-up regimes
+boundaries:
+  - name: acceleration-friction
+    system: chute
+    of: acceleration
+    along: friction
+    range: [0.2, 0.6]
+    tolerance: 0.05
+    grid: {depth: [5, 10]}
+    figures: [regimes_friction]
+  - name: flow-friction
+    system: chute
+    of: flow
+    along: friction
+    range: [0.2, 1]
+    tolerance: 0.05
+    grid: {depth: [5, 10]}
+    figures: [regimes_friction]
+  - name: acceleration-depth
+    system: chute
+    of: acceleration
+    along: depth
+    range: [0.5, 2.5]
+    tolerance: 0.2
+    base: {friction: 0.4}
+    figures: [regimes_friction]
+  - name: acceleration-angle
+    system: chute
+    of: acceleration
+    along: angle
+    range: [12, 28]
+    tolerance: 1
+    grid: {depth: [5, 20]}
+    figures: [regimes_angle]
+  - name: flow-angle
+    system: chute
+    of: flow
+    along: angle
+    range: [12, 28]
+    tolerance: 1
+    grid: {depth: [5, 20]}
+    figures: [regimes_angle]
+  - name: onset
+    system: belt
+    of: transport
+    along: frequency
+    range: [11, 27]
+    tolerance: 0.25
+    grid: {amplitude: [0.5, 1]}
+    figures: [belt_onset]
+"""
+
+
+def made_regime(parameters: Parameters) -> tuple[float, str]:
+    """Return the velocity (m/s) and the regime that the made-up regimes give a point.
+
+    Accelerating above tan θ = μ and below depth 1, arrested below tan θ = μ/2 + depth/100,
+    undecided about μ = 0.6 at depth 10; the belt transports beyond Γ = 1.
+    """
+    if parameters.system == "belt":
+        acceleration = (2 * np.pi * parameters.frequency) ** 2 * 1e-3 * parameters.amplitude
+        return (0.05, "steady") if acceleration > parameters.gravity else (0.0, "arrested")
+    slope = np.tan(radians(parameters.angle))
+    if parameters.depth == 10 and 0.55 < parameters.friction < 0.65:
+        return 0.1, "undetermined"
+    if slope > parameters.friction or parameters.depth < 1:
+        return 4.0, "accelerating"
+    if slope < parameters.friction / 2 + parameters.depth / 100:
+        return 0.0, "arrested"
+    return 0.5, "steady"
+
+
+def make_regimes(folder: Path) -> tuple[Path, Path]:
+    """Write the made-up regimes and the run files of all rounds; return study file and results."""
+    study_path, results = folder / "regimes.yaml", folder / "results"
+    study_path.write_text(REGIMES)
+    study = load_study(study_path, results)
+    runs = results / study.name / "runs"
+    points = [point.parameters for point in study.points.values()]
+    for number in range(study.rounds + 1):
+        if number:
+            points = added_points(study, number, runs).values()
+        for parameters in points:
+            velocity, regime = made_regime(parameters)
+            write_run(runs, parameters, velocity, regime=regime)
     return study_path, results

@@ -50,7 +50,7 @@ def test_tables_have_as_many_cells_as_headings():
         assert len(cells) == 1
 
 
-@pytest.mark.parametrize("name", ["quick", "paper"])
+@pytest.mark.parametrize("name", ["quick", "paper", "regimes"])
 def test_shipped_studies_satisfy_the_schema(name, validator):
     validator.validate(yaml.safe_load((CONFIG / f"{name}.yaml").read_text()))
 
@@ -93,13 +93,34 @@ def test_the_schema_refuses_what_the_models_refuse(wrong, validator, tmp_path):
         parse_study(study, "study", tmp_path)
 
 
+@pytest.mark.parametrize(
+    "change",
+    [{"of": "transport"}, {"along": "seed"}, {"range": [1]}, {"range": None}, {"name": "a b"}],
+)
+def test_the_schema_knows_boundaries(change, validator, tmp_path):
+    right = {"name": "a", "system": "chute", "of": "flow", "along": "angle", "tolerance": 1}
+    right["range"] = [10, 20]
+    study = {"study": "s", "boundaries": [right]}
+    validator.validate(study)
+    parse_study(study, "study", tmp_path)
+    study = {"study": "s", "boundaries": [right | change]}
+    assert not validator.is_valid(study)
+    with pytest.raises(InputError):
+        parse_study(study, "study", tmp_path)
+    assert not validator.is_valid({"study": "s"})
+
+
 def test_examples_of_the_guide_work(tmp_path):
-    study, point = EXAMPLES
+    study, boundaries, point = EXAMPLES
     (tmp_path / "study.yaml").write_text(study)
     loaded = load_study(tmp_path / "study.yaml", tmp_path)
     assert len(loaded.points) == 10
     assert list(loaded.figures) == ["walton_2"]
     assert parse_point(yaml.safe_load(point), "point").vibration_angle == 60
+    (tmp_path / "boundaries.yaml").write_text(f"study: limits\n{boundaries}")
+    limits = load_study(tmp_path / "boundaries.yaml", tmp_path)
+    assert [limit.grid["depth"] for limit in limits.boundaries] == [5, 10, 20]
+    assert list(limits.figures) == ["regimes_angle"]
 
 
 def test_the_error_that_the_guide_shows_is_the_real_one(tmp_path, monkeypatch):

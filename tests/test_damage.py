@@ -24,8 +24,8 @@ from sim.stored import DamagedError
 from sim.warm import warm
 from tests.factories import make_study
 from tests.motions import belt_point
+from tests.project_tree import ROOT
 from tests.test_checkpoint import assert_same
-from tests.trees import ROOT
 
 POINT = belt_point(beads=20, width=5, transient=1, average=3)
 LONG = belt_point(beads=200, transient=10, average=40)

@@ -1,6 +1,7 @@
 """The report as a browser sees it: everything inside, nothing loaded, nothing hidden."""
 
 import base64
+import re
 from html.parser import HTMLParser
 from pathlib import Path
 
@@ -8,10 +9,12 @@ import pytest
 
 from sim.dataset import build as build_dataset
 from sim.errors import InputError
-from sim.figures import FIGURES, draw
+from sim.figures import draw
 from sim.report import build
 from sim.study import load_study
-from tests.factories import FAILURE, make_study
+from tests.factories import FAILURE, make_regimes, make_study
+
+FIGURES = ("walton_2", "gallas_1a", "gallas_1b", "gallas_1c")
 
 
 class Page(HTMLParser):
@@ -94,6 +97,22 @@ def test_it_reads_on_a_phone_and_in_the_dark(made):
     text = (made[1] / "made" / "report.html").read_text(encoding="utf-8")
     assert 'name="viewport"' in text
     assert "prefers-color-scheme: dark" in text
+
+
+def test_boundaries_have_a_table_of_their_own(page, tmp_path):
+    assert "Boundaries between regimes" not in page.text
+    study_path, results = make_regimes(tmp_path)
+    dataset = build_dataset(study_path, results)
+    study = load_study(study_path, results)
+    for name in study.figures:
+        draw(name, dataset, results / "regimes" / "figures")
+    text = build(study_path, results).read_text(encoding="utf-8")
+    assert "Boundaries between regimes" in Page(text).text
+    row = re.search(r"<tr><td>onset</td>.*?</tr>", text, re.DOTALL).group()
+    assert re.findall(r"<td[^>]*>(.*?)</td>", row) == [
+        *("onset", "A_z = 0.5 ⟨d⟩", "frequency", "22.5", "22.75", "Hz", "0.25"),
+        *("no transport", "transport", "found", "11"),
+    ]
 
 
 def test_markup_in_a_title_is_text(tmp_path):

@@ -196,6 +196,93 @@ def test_a_figure_needs_every_axis(name, parse):
         assert list(parse({"study": "s", "series": [series]}).figures) == [name]
 
 
+BOUNDARY = {
+    "name": "limit",
+    "system": "chute",
+    "of": "flow",
+    "along": "friction",
+    "range": [0.2, 1],
+    "tolerance": 0.05,
+    "grid": {"depth": [5, 10]},
+    "figures": ["regimes_friction"],
+}
+
+
+def test_a_boundary_alone_is_a_study_of_its_first_round(parse):
+    overrides = [{"when": {"depth": [10], "friction": [1]}, "set": {"seed": 2}}]
+    study = parse({"study": "s", "boundaries": [BOUNDARY | {"overrides": overrides}]})
+    points = [point.parameters for point in study.points.values()]
+    assert [(p.depth, p.friction, p.friction_plane, p.seed) for p in points] == [
+        (5, 0.2, 0.2, 1),
+        (5, 0.4, 0.4, 1),
+        (5, 0.6, 0.6, 1),
+        (5, 0.8, 0.8, 1),
+        (5, 1, 1, 1),
+        (10, 0.2, 0.2, 1),
+        (10, 0.4, 0.4, 1),
+        (10, 0.6, 0.6, 1),
+        (10, 0.8, 0.8, 1),
+        (10, 1, 1, 2),
+    ]
+    assert [boundary.grid for boundary in study.boundaries] == [{"depth": 5}, {"depth": 10}]
+    assert study.series["limit"] == study.figures["regimes_friction"] == tuple(study.points)
+    assert study.rounds == 1
+    assert "2 boundaries: about 6 further points" in as_table(study)
+
+
+def test_a_study_without_boundaries_has_no_rounds(example, parse):
+    study = parse(example)
+    assert (study.boundaries, study.rounds) == ((), 0)
+    assert "refinement" not in as_table(study)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        (
+            {"range": [1, 0.2]},
+            r"range: got \[1, 0.2\]; allowed: two numbers, the lower one first",
+        ),
+        ({"range": [1]}, r"range: got \[1\]; allowed: two numbers"),
+        ({"range": [0, 0.5, 1]}, r"range: got .*; allowed: two numbers"),
+        ({"range": [-1, 1]}, r"range\[0\]: got -1; allowed: a number >= 0"),
+        (
+            {"along": "restitution", "range": [0.5, 1.5]},
+            r"range\[1\]: got 1.5; allowed: .*\(0, 1\]",
+        ),
+        ({"tolerance": 0}, r"tolerance: got 0; allowed: a number > 0"),
+        ({"tolerance": 1e-7}, r"tolerance: got 1e-07; allowed: a number >= 3.05e-06"),
+        ({"along": "fricton"}, r"along: got 'fricton'; allowed: .*'friction'"),
+        ({"along": "seed"}, r"along: got 'seed'"),
+        ({"of": "transport"}, r"of: got 'transport'; allowed: 'flow' or 'acceleration'"),
+        ({"grid": {"friction": [0.3]}}, r"grid.friction: got .*; allowed: .* other than friction"),
+        ({"base": {"friction": 0.3}}, r"base.friction: got 0.3"),
+        (
+            {"overrides": [{"when": {"depth": [5]}, "set": {"friction": 0.3}}]},
+            r"overrides\[0\].set.friction: got 0.3",
+        ),
+        ({"grid": {"depth": [5, -5]}}, r"grid.depth\[1\]: got -5"),
+        ({"grid": {"depth": [5]}}, r"figures\[0\]: .* depth = 5 alone"),
+        ({"figures": ["belt_onset"]}, r"figures\[0\]: got 'belt_onset'"),
+        ({"cases": [{}]}, r"cases: unknown key"),
+    ],
+)
+def test_mistakes_in_a_boundary(changes, message, parse):
+    with pytest.raises(InputError, match=r"^study.yaml: boundaries\[0\]\." + message):
+        parse({"study": "s", "boundaries": [BOUNDARY | changes]})
+
+
+def test_a_boundary_needs_a_name_of_its_own(parse):
+    mapping = chute_study(name="limit") | {"boundaries": [BOUNDARY]}
+    with pytest.raises(InputError, match=r"boundaries\[0\].name: got 'limit'"):
+        parse(mapping)
+
+
+def test_a_study_of_nothing_is_refused(parse):
+    with pytest.raises(InputError, match="series: got nothing; allowed: at least one series"):
+        parse({"study": "s"})
+
+
 def test_a_huge_grid_is_refused_before_it_is_made(parse):
     seeds = list(range(1001))
     grid = {"seed": seeds, "depth": [1 + 0.001 * i for i in range(1000)], "friction": [0.1] * 1000}
@@ -261,11 +348,11 @@ def test_durations_are_written_in_the_unit_that_suits(seconds, text):
     assert duration(seconds) == text
 
 
-@pytest.mark.parametrize("name", ["quick", "paper"])
-def test_shipped_studies_feed_every_figure(name, tmp_path):
+@pytest.mark.parametrize(("name", "regimes"), [("quick", 0), ("paper", 0), ("regimes", 1)])
+def test_shipped_studies_feed_every_figure_of_their_kind(name, regimes, tmp_path):
     study = load_study(CONFIG / f"{name}.yaml", tmp_path)
     assert study.name == name
-    assert list(study.figures) == list(FIGURES)
+    assert list(study.figures) == [key for key, spec in FIGURES.items() if spec.regimes == regimes]
     assert set().union(*study.figures.values()) == set(study.points)
 
 
@@ -287,7 +374,7 @@ def test_the_paper_study_has_the_papers_sizes(tmp_path):
     assert all(p.replicates >= 2 for p in chutes)
 
 
-@pytest.mark.parametrize("name", ["quick", "paper"])
+@pytest.mark.parametrize("name", ["quick", "paper", "regimes"])
 def test_shipped_studies_mean_the_same_to_any_yaml_reader(name, tmp_path):
     path = CONFIG / f"{name}.yaml"
     plain = parse_study(yaml.safe_load(path.read_text()), path, tmp_path)

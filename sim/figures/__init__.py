@@ -8,14 +8,14 @@ from sim.errors import InputError
 
 @dataclass(frozen=True)
 class FigureSpec:
-    """What a study must supply for one figure of the papers.
+    """What a study must supply for one figure.
 
     Attributes
     ----------
     name : str
         Name in study files, targets and file names; also the module that draws it.
     paper : str
-        Figure of the paper it reproduces.
+        Figure of the paper it reproduces, or what it is about in it.
     system : str
         System of all the points that feed it.
     axes : tuple of str
@@ -24,6 +24,8 @@ class FigureSpec:
         Parameters that tell the paper's curves apart; a study may vary them or not.
     title : str
         One line for tables and the report.
+    regimes : bool
+        Whether it shows regimes and the boundaries found between them, rather than velocities.
     """
 
     name: str
@@ -32,6 +34,7 @@ class FigureSpec:
     axes: tuple[str, ...]
     curves: tuple[str, ...]
     title: str
+    regimes: bool = False
 
 
 _SPECS = (
@@ -66,6 +69,33 @@ _SPECS = (
         axes=("shear_damping",),
         curves=("frequency",),
         title="Transport velocity against the shear friction coefficient",
+    ),
+    FigureSpec(
+        name="regimes_friction",
+        paper="Walton (1993), flow regimes",
+        system="chute",
+        axes=("depth", "friction"),
+        curves=(),
+        title="Regimes over depth and friction",
+        regimes=True,
+    ),
+    FigureSpec(
+        name="regimes_angle",
+        paper="Walton (1993), range of angles of steady flow",
+        system="chute",
+        axes=("depth", "angle"),
+        curves=(),
+        title="Regimes over depth and inclination",
+        regimes=True,
+    ),
+    FigureSpec(
+        name="belt_onset",
+        paper="Gallas et al. (1992), onset of the flow",
+        system="belt",
+        axes=("amplitude", "frequency"),
+        curves=("vibration_angle",),
+        title="Onset of transport against amplitude",
+        regimes=True,
     ),
 )
 

@@ -3,8 +3,10 @@
 import importlib
 from contextlib import ExitStack, suppress
 from pathlib import Path
+from types import ModuleType
 
 import matplotlib as mpl
+import numpy as np
 import pandas as pd
 import xarray as xr
 from matplotlib.figure import Figure
@@ -18,10 +20,12 @@ from sim.figures.caption import (
     parameters_sentence,
     regime_sentence,
 )
+from sim.figures.regime_map import boundary_sentence
 from sim.figures.style import SETTINGS
 from sim.figures.summary import summarize
 from sim.files import replacing
 from sim.parameters import SYSTEMS, field_info
+from sim.regime_boundaries import read_table
 from sim.stored import reading
 
 SUFFIXES = (".png", ".svg", ".csv", ".caption.txt")
@@ -42,12 +46,13 @@ def render(spec: FigureSpec, dataset_path: Path, folder: Path) -> list[Path]:
     if rows.empty:
         raise InputError(f"{dataset_path}: figures: no point feeds {spec.name}")
     module = importlib.import_module(f"sim.figures.{spec.name}")
+    found = fed(dataset_path, spec)
     folder.mkdir(parents=True, exist_ok=True)
     files = [folder / f"{spec.name}{suffix}" for suffix in SUFFIXES]
     with ExitStack() as stack:
         png, svg, csv, text = (stack.enter_context(replacing(file)) for file in files)
         stack.enter_context(mpl.rc_context(SETTINGS))
-        figure = module.draw(rows)
+        figure = module.draw(rows, found) if spec.regimes else module.draw(rows)
         if not rows["completed"].any():
             figure.axes[0].text(
                 0.5, 0.5, "no point completed", ha="center", transform=figure.axes[0].transAxes
@@ -55,7 +60,7 @@ def render(spec: FigureSpec, dataset_path: Path, folder: Path) -> list[Path]:
         _save(figure, spec, png, svg)
         columns = list(dict.fromkeys([*spec.axes, *spec.curves, *module.NAMED]))
         behind(rows, spec.system, columns).to_csv(csv, index=False, float_format="%.10g")
-        text.write_text(caption(rows, spec, module.LEAD, module.NAMED) + "\n", encoding="utf-8")
+        text.write_text(caption(rows, found, spec, module) + "\n", encoding="utf-8")
     return files
 
 
@@ -72,13 +77,24 @@ def _save(figure: Figure, spec: FigureSpec, png: Path, svg: Path) -> None:
     figure.savefig(svg, format="svg", metadata={"Title": spec.title, "Date": None})
 
 
-def caption(rows: pd.DataFrame, spec: FigureSpec, lead: str, named: tuple[str, ...]) -> str:
+def fed(dataset_path: Path, spec: FigureSpec) -> pd.DataFrame:
+    """Return the boundaries of a study that feed a figure."""
+    found = read_table(dataset_path)
+    fed_by = [spec.name in names.split() for names in found["figures"]]
+    return found[np.array(fed_by, dtype=bool)]
+
+
+def caption(rows: pd.DataFrame, found: pd.DataFrame, spec: FigureSpec, module: ModuleType) -> str:
     """Return the caption: what is drawn, parameters, error bars, regimes, what is missing."""
+    values = (
+        [boundary_sentence(found, spec.axes)]
+        if spec.regimes
+        else [interval_sentence(rows), regime_sentence(rows)]
+    )
     sentences = (
-        f"{spec.paper}. {lead}",
-        parameters_sentence(rows, spec.system, named),
-        interval_sentence(rows),
-        regime_sentence(rows),
+        f"{spec.paper}. {module.LEAD}",
+        parameters_sentence(rows, spec.system, module.NAMED),
+        *values,
         caveat_sentence(rows),
         failure_sentence(rows),
     )

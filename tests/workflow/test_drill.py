@@ -18,7 +18,7 @@ import psutil
 import pytest
 
 from sim.study import load_study
-from tests.trees import copy_tree
+from tests.project_tree import copy_tree
 
 KILLS = int(os.environ.get("TALUS_DRILL_KILLS", "30"))
 SEED = int(os.environ.get("TALUS_DRILL_SEED", "1"))

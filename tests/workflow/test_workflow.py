@@ -16,44 +16,23 @@ import xarray as xr
 
 from sim.figures import FIGURES
 from sim.study import estimate, load_study
-from tests.trees import ROOT, copy_tree
-
-STUDY = "tiny.yaml"
+from tests.project_tree import (
+    STUDY,
+    command,
+    copy_project,
+    planned,
+    planned_points,
+    snakemake,
+)
 
 
 @pytest.fixture(scope="module")
 def tree(tmp_path_factory) -> Path:
     """Return a copy of the project in which the tiny study has run to its end."""
-    tree = copy_tree(tmp_path_factory.mktemp("tree"))
-    shutil.copy(ROOT / "tests" / "data" / STUDY, tree / STUDY)
+    tree = copy_project(tmp_path_factory.mktemp("tree"))
     done = snakemake(tree)
     assert done.returncode == 0, done.stderr
     return tree
-
-
-def command(*arguments: str, study: str = STUDY) -> list[str]:
-    options = ["--cores", "2", *arguments, "--configfile", study]
-    return [sys.executable, "-m", "snakemake", *options]
-
-
-def snakemake(tree: Path, *arguments: str, study: str = STUDY) -> subprocess.CompletedProcess:
-    return subprocess.run(
-        command(*arguments, study=study), cwd=tree, capture_output=True, text=True, timeout=300
-    )
-
-
-def planned(tree: Path, *arguments: str, study: str = STUDY) -> dict[str, int]:
-    """Return how many jobs of each rule a dry run announces."""
-    dry = snakemake(tree, "-n", *arguments, study=study)
-    assert dry.returncode == 0, dry.stderr
-    table = dry.stdout.rpartition("Job stats:")[2].partition("Reasons:")[0]
-    jobs = {name: int(count) for name, count in re.findall(r"^(\w+) +(\d+)$", table, re.M)}
-    return {name: count for name, count in jobs.items() if name not in ("default", "total")}
-
-
-def planned_points(tree: Path, *arguments: str, study: str = STUDY) -> set[str]:
-    dry = snakemake(tree, "-n", *arguments, study=study)
-    return set(re.findall(r"wildcards: point=(\S+)", dry.stdout + dry.stderr))
 
 
 @pytest.fixture
@@ -76,7 +55,8 @@ def test_everything_is_made(tree):
     study = load_study(tree / STUDY, tree / "results")
     runs = {path.stem for path in (results / "runs").glob("*.nc")}
     assert runs == set(study.points)
-    for name in FIGURES:
+    assert list(study.figures) == [name for name, spec in FIGURES.items() if not spec.regimes]
+    for name in study.figures:
         for suffix in (".png", ".svg", ".csv", ".caption.txt"):
             assert (results / "figures" / f"{name}{suffix}").stat().st_size > 0
     for made in (*(f"runs/{point}" for point in runs), "dataset", "figures/walton_2", "report"):
@@ -130,6 +110,11 @@ def test_a_workflow_that_fails_ends_with_a_summary(tree):
 
 def test_nothing_is_left_to_do(tree):
     assert planned(tree) == {}
+
+
+def test_a_study_without_boundaries_knows_no_rounds(tree):
+    assert not (tree / "results" / "tiny" / "rounds").exists()
+    assert "checkpoint" not in snakemake(tree, "-n", "--forceall").stdout
 
 
 def test_an_added_grid_value_runs_the_new_points_alone(tree):

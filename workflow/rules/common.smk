@@ -2,6 +2,7 @@
 
 import fcntl
 import hashlib
+import json
 import os
 import re
 import shlex
@@ -16,7 +17,7 @@ sys.path.insert(0, str(ROOT))
 
 from sim.errors import InputError
 from sim.figures import FIGURES
-from sim.parameters import canonical_json
+from sim.parameters import canonical_json, parse_point
 from sim.provenance import source_hash
 from sim.study import DEFAULT_STUDY, estimate, load_study
 
@@ -40,9 +41,46 @@ def study_path():
     return path.relative_to(Path.cwd()) if path.is_relative_to(Path.cwd()) else path
 
 
+def parameters(wildcards):
+    """Return the parameters of a point of the study, of whichever round of refinement."""
+    if wildcards.point in STUDY.points:
+        return STUDY.points[wildcards.point].parameters
+    for path in map(round_file, range(1, STUDY.rounds + 1)):
+        point = json.loads(path.read_text()).get(wildcards.point) if path.is_file() else None
+        if point:
+            return parse_point(point, path)
+    raise WorkflowError(f"{wildcards.point}: no point of {STUDY.path}")
+
+
 def cost(wildcards):
     """Return the estimated size and cost of a run of the study."""
-    return estimate(STUDY.points[wildcards.point].parameters)
+    return estimate(parameters(wildcards))
+
+
+def round_file(number):
+    """Return the file with the points that a round of refinement adds."""
+    return Path(RESULTS) / "rounds" / f"{number}.json"
+
+
+def run_files(rounds):
+    """Return the run files of the study and of its first rounds of refinement.
+
+    Snakemake evaluates this again after each round: until its file is up to date, asking for it
+    raises.
+    """
+    points = list(STUDY.points)
+    for number in range(1, rounds + 1):
+        points += json.loads(Path(checkpoints.refine.get(round=number).output[0]).read_text())
+    return [f"{RESULTS}/runs/{point}.nc" for point in points]
+
+
+def asked():
+    """Return what is asked of the boundaries of the study, for rules to rerun when it changes."""
+    return [
+        (one.name, one.of, one.along, one.low, one.high, one.tolerance)
+        + (canonical_json(one.at(one.low)), one.figures)
+        for one in STUDY.boundaries
+    ]
 
 
 def release_stale_lock():
@@ -146,6 +184,15 @@ LITERAL = SETTINGS.replace("{", "{{").replace("}", "}}")
 shell.prefix(f"export {LITERAL}; ")
 
 
+# What decides which points a round of refinement adds.
+REFINEMENT = ("refine.py", "sides.py", "regime_boundaries.py")
+
+# Points of later rounds are not known yet; what only looks like one is refused by `parameters`.
+POINT = "|".join(map(re.escape, STUDY.points))
+LATER = r"(?:chute|belt)-[\w.-]+-[0-9a-f]{8}"
+
+
 wildcard_constraints:
-    point="|".join(map(re.escape, STUDY.points)),
+    point=LATER if STUDY.rounds else POINT,
+    round="|".join(map(str, range(1, STUDY.rounds + 1))) or "none",
     figure="|".join(STUDY.figures) or "none",

@@ -3,7 +3,7 @@
 
 rule dataset:
     input:
-        rules.runs.input,
+        lambda wildcards: run_files(STUDY.rounds),
     output:
         f"{RESULTS}/dataset.nc",
     log:
@@ -14,7 +14,8 @@ rule dataset:
         "../envs/talus.yaml"
     params:
         membership=[(point.id, point.series, point.figures) for point in STUDY.points.values()],
+        boundaries=asked(),
         title=STUDY.title,
-        code=code("dataset.py"),
+        code=code("dataset.py", *(REFINEMENT if STUDY.boundaries else ())),
     shell:
         'python -m sim dataset "$TALUS_STUDY" > {log} 2>&1'

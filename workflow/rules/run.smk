@@ -35,7 +35,7 @@ rule run:
         mem_mb=lambda wildcards: cost(wildcards).memory,
         runtime=lambda wildcards: 10 + int(cost(wildcards).core_seconds / 20),
     params:
-        point=lambda wildcards: canonical_json(STUDY.points[wildcards.point].parameters),
+        point=lambda wildcards: canonical_json(parameters(wildcards)),
         engine=source_hash(),
     shell:
         "python -m sim run - --output {output} --record-failure"
@@ -44,4 +44,4 @@ rule run:
 
 rule runs:
     input:
-        expand(rules.run.output, point=STUDY.points),
+        lambda wildcards: run_files(STUDY.rounds),

@@ -1,0 +1,33 @@
+"""Regimes of chute flows over depth and inclination, with the boundaries found."""
+
+from math import atan, degrees
+
+import pandas as pd
+from matplotlib.figure import Figure
+
+from sim.figures.regime_map import THEORY, draw_map
+from sim.figures.style import place_legend
+
+LEAD = (
+    "Regimes of monodisperse spheres on a frictional inclined plane over the inclination θ and the "
+    "depth n = N/σ² of the flow: one marker per point, boundaries between regimes as bars joined "
+    "by lines, and tan θ = μ, above which friction cannot hold the weight (dotted)."
+)
+NAMED = (
+    "friction",
+    "restitution",
+    "stiffness",
+    "cell",
+    "transient",
+    "average",
+)
+
+
+def draw(rows: pd.DataFrame, found: pd.DataFrame) -> Figure:
+    """Draw the figure from its points and boundaries, see `sim.figures.regime_map.draw_map`."""
+    figure, axes = draw_map(rows, found, "angle")
+    for friction in sorted(set(rows["friction"])):
+        axes.axhline(degrees(atan(friction)), label=f"tan θ = μ = {friction:g}", **THEORY)
+    axes.set_ylabel("inclination θ (degrees)")
+    place_legend(figure, axes)
+    return figure

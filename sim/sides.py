@@ -1,0 +1,68 @@
+"""On which side of a boundary between regimes a run is."""
+
+from math import pi, radians, tan
+from pathlib import Path
+
+import netCDF4
+import numpy as np
+
+from sim.parameters import BeltParameters, Parameters
+from sim.stored import reading
+
+#: Sides of the boundaries that regimes tell, by regime; an undetermined one tells nothing.
+REGIMES = {
+    "flow": {"arrested": "arrested", "steady": "flowing", "accelerating": "flowing"},
+    "acceleration": {
+        "arrested": "not accelerating",
+        "steady": "not accelerating",
+        "accelerating": "accelerating",
+    },
+}
+
+#: Transport begins where the mean velocity exceeds this fraction of the velocity amplitude of the
+#: belt along x, and this many standard errors.
+TRANSPORT = 0.02
+SIGNIFICANT = 5.0
+
+
+def side_of_run(path: Path, of: str, parameters: Parameters) -> str | None:
+    """Return the side that a run is on, ``None`` where it does not tell.
+
+    Replicates that failed are left out; the others must agree.
+
+    Parameters
+    ----------
+    path : Path
+        The run file.
+    of : str
+        What changes at the boundary: ``flow``, ``acceleration`` or ``transport``.
+    parameters : Parameters
+        The point.
+
+    Raises
+    ------
+    InputError
+        When there is no such file, or it cannot be read as a run.
+    """
+    with reading(path, "run file", replaceable=True), netCDF4.Dataset(path) as run:
+        run.set_auto_mask(False)
+        status, regime = run["status"][:], run["regime"][:]
+        velocity, error = run["velocity"][:], run["velocity_error"][:]
+    done = np.flatnonzero(status == "completed")
+    if of == "transport":
+        sides = {_transport(parameters, velocity[index], error[index]) for index in done}
+    else:
+        sides = {REGIMES[of].get(regime[index]) for index in done}
+    return sides.pop() if len(sides) == 1 else None
+
+
+def _transport(parameters: BeltParameters, velocity: float, error: float) -> str | None:
+    """Return the side of a mean velocity (m/s) with its standard error."""
+    amplitude = parameters.amplitude * parameters.diameter
+    if parameters.vibration_angle < 90:
+        amplitude /= tan(radians(parameters.vibration_angle))
+    else:
+        amplitude = 0.0
+    if velocity <= TRANSPORT * amplitude * 2 * pi * parameters.frequency:
+        return "no transport"
+    return "transport" if velocity > SIGNIFICANT * error else None

@@ -1,0 +1,130 @@
+"""Figures of regimes: a marker per point and regime, boundaries as bars, lines of theory."""
+
+import struct
+from math import atan, degrees, pi, radians, sqrt, tan
+from pathlib import Path
+
+import matplotlib as mpl
+import numpy as np
+import pytest
+import xarray as xr
+
+from sim.dataset import build
+from sim.figures import FIGURES, belt_onset, draw, regimes_angle, regimes_friction
+from sim.figures.regime_map import BOUNDARIES, MARKS, boundary_sentence
+from sim.figures.style import SETTINGS
+from sim.figures.summary import summarize
+from sim.regime_boundaries import read_table
+from tests.factories import make_regimes
+
+MODULES = {
+    "regimes_friction": regimes_friction,
+    "regimes_angle": regimes_angle,
+    "belt_onset": belt_onset,
+}
+
+
+@pytest.fixture(scope="module")
+def dataset_path(tmp_path_factory) -> Path:
+    return build(*make_regimes(tmp_path_factory.mktemp("made")))
+
+
+def drawn(name: str, dataset_path: Path):
+    """Return the axes of a figure, its rows and its boundaries."""
+    with xr.open_dataset(dataset_path) as dataset:
+        rows = summarize(dataset, name)
+    found = read_table(dataset_path)
+    found = found[found["figures"] == name]
+    with mpl.rc_context(SETTINGS):
+        return MODULES[name].draw(rows, found).axes[0], rows, found
+
+
+def line(axes, label: str):
+    return next(one for one in axes.get_lines() if one.get_label().startswith(label))
+
+
+def test_every_figure_of_regimes_has_a_module():
+    assert set(MODULES) == {name for name, spec in FIGURES.items() if spec.regimes}
+
+
+@pytest.mark.parametrize("name", MODULES)
+def test_all_files_are_made(name, dataset_path, tmp_path):
+    png, svg, data, caption = draw(name, dataset_path, tmp_path)
+    width, _ = struct.unpack(">II", png.read_bytes()[16:24])
+    assert width >= 1000
+    assert svg.read_text().rstrip().endswith("</svg>")
+    assert ",regime," in data.read_text().splitlines()[0]
+    assert FIGURES[name].paper in caption.read_text()
+    assert "Bars: intervals that hold a boundary" in caption.read_text()
+    assert "Error bars" not in caption.read_text()
+
+
+@pytest.mark.parametrize(
+    ("name", "y"), [("regimes_friction", "friction"), ("regimes_angle", "angle")]
+)
+def test_every_point_has_the_marker_of_its_regime(name, y, dataset_path):
+    axes, rows, _ = drawn(name, dataset_path)
+    for regime in set(rows["regime"]):
+        part = rows[rows["regime"] == regime]
+        assert set(zip(*line(axes, regime).get_data(), strict=True)) == set(
+            zip(part["depth"], part[y], strict=True)
+        )
+    assert len({(marker, filled) for marker, _, filled in MARKS.values()}) == len(MARKS)
+
+
+def test_undetermined_points_are_hollow(dataset_path):
+    axes, rows, _ = drawn("regimes_friction", dataset_path)
+    assert "undetermined" in set(rows["regime"])
+    assert line(axes, "undetermined").get_markerfacecolor() == "white"
+    assert line(axes, "steady").get_markerfacecolor() != "white"
+
+
+@pytest.mark.parametrize("name", MODULES)
+def test_bars_span_the_intervals(name, dataset_path):
+    axes, _, found = drawn(name, dataset_path)
+    bars = {
+        tuple(np.round(sorted(segment[:, axis]), 9))
+        for collection in axes.collections
+        for segment in collection.get_segments()
+        for axis in (0, 1)
+    }
+    assert {
+        (low, high) for low, high in zip(found["low"].round(9), found["high"].round(9), strict=True)
+    } <= bars
+
+
+def test_lines_of_one_boundary_share_an_entry_of_the_legend(dataset_path):
+    axes, _, _ = drawn("regimes_friction", dataset_path)
+    labels = [one.get_label() for one in axes.get_lines()]
+    for of in ("flow", "acceleration"):
+        assert labels.count(BOUNDARIES[of][0]) == 1
+
+
+def test_lines_of_theory(dataset_path):
+    axes, _, _ = drawn("regimes_friction", dataset_path)
+    assert line(axes, "μ = tan θ").get_ydata()[0] == pytest.approx(tan(radians(17)))
+    axes, _, _ = drawn("regimes_angle", dataset_path)
+    assert line(axes, "tan θ = μ").get_ydata()[0] == pytest.approx(degrees(atan(0.4)))
+    axes, _, _ = drawn("belt_onset", dataset_path)
+    amplitude, frequency = line(axes, "$Γ").get_data()
+    assert np.interp(1, amplitude, frequency) == pytest.approx(sqrt(1e4) / (2 * pi), rel=1e-3)
+
+
+def test_the_caption_says_what_was_not_found(dataset_path):
+    _, _, found = drawn("regimes_angle", dataset_path)
+    verdicts = found.assign(verdict=["found", "wide", "none", "none"])
+    assert boundary_sentence(verdicts, ("depth", "angle")) == (
+        "Bars: intervals that hold a boundary, of 4 looked for: 1 wider than asked for, as "
+        "undecided or contradictory points lie in between; 2 not within the range searched."
+    )
+
+
+@pytest.mark.parametrize("name", MODULES)
+def test_a_figure_without_a_boundary_or_a_completed_point_is_still_drawn(
+    name, dataset_path, tmp_path
+):
+    with xr.open_dataset(dataset_path) as opened:
+        dataset = opened.load()
+    dataset["status"][:] = "failed"
+    dataset.to_netcdf(tmp_path / "dataset.nc")
+    assert all(path.stat().st_size > 0 for path in draw(name, tmp_path / "dataset.nc", tmp_path))

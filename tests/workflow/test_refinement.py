@@ -1,0 +1,82 @@
+"""Boundaries from end to end: rounds as checkpoints, resumed, changed, in the report."""
+
+import csv
+import json
+from pathlib import Path
+
+import pytest
+import xarray as xr
+
+from sim.refine import further_rounds
+from sim.study import load_study
+from tests.project_tree import copy_project, planned, planned_points, snakemake
+
+STUDY = "onset.yaml"
+
+
+@pytest.fixture(scope="module")
+def tree(tmp_path_factory) -> Path:
+    """Return a copy of the project in which the boundary was found."""
+    tree = copy_project(tmp_path_factory.mktemp("tree"), STUDY)
+    done = snakemake(tree, study=STUDY)
+    assert done.returncode == 0, done.stderr
+    return tree
+
+
+def rounds(tree: Path) -> list[dict]:
+    folder = tree / "results" / "onset" / "rounds"
+    return [json.loads(path.read_text()) for path in sorted(folder.glob("*.json"))]
+
+
+def test_the_boundary_is_found_in_the_promised_rounds(tree):
+    with (tree / "results" / "onset" / "boundaries.csv").open(newline="") as file:
+        (row,) = csv.DictReader(file)
+    assert (row["below"], row["above"]) == ("no transport", "transport")
+    assert float(row["high"]) - float(row["low"]) <= 1 or row["verdict"] == "wide"
+    assert len(rounds(tree)) == further_rounds(8, 40, 1) == 2
+    study = load_study(tree / STUDY, tree / "results")
+    added = {key for one in rounds(tree) for key in one}
+    with xr.open_dataset(tree / "results" / "onset" / "dataset.nc") as dataset:
+        assert set(dataset["point"].values) == added | set(study.points)
+        assert set(dataset["series"].values) == {"onset"}
+    assert int(row["points"]) == len(added) + len(study.points)
+
+
+def test_the_report_shows_it(tree):
+    report = (tree / "results" / "onset" / "report.html").read_text()
+    assert "Boundaries between regimes" in report
+    assert "<td>no transport</td><td>transport</td>" in report
+
+
+def test_nothing_is_left_to_do(tree):
+    assert planned(tree, study=STUDY) == {}
+
+
+def test_a_point_of_a_later_round_is_resumed_alone(tree):
+    (point, *_) = rounds(tree)[-1]
+    path = tree / "results" / "onset" / "runs" / f"{point}.nc"
+    content = path.read_bytes()
+    path.unlink()
+    assert planned_points(tree, study=STUDY) == {point}
+    assert planned_points(tree, str(path.relative_to(tree)), study=STUDY) == {point}
+    path.write_bytes(content)
+
+
+def test_what_only_looks_like_a_point_is_refused(tree):
+    dry = snakemake(tree, "-n", "results/onset/runs/belt-none-01234567.nc", study=STUDY)
+    assert dry.returncode != 0
+    assert "belt-none-01234567: no point of onset.yaml" in dry.stdout + dry.stderr
+
+
+def test_a_changed_study_works_out_its_rounds_anew(tree):
+    stale = rounds(tree)
+    text = (tree / STUDY).read_text().replace("range: [8, 40]", "range: [8, 44]")
+    (tree / "wider.yaml").write_text(text)
+    jobs = planned(tree, study="wider.yaml")
+    assert jobs["refine"] == 1
+    assert jobs["run"] == 4
+    done = snakemake(tree, study="wider.yaml")
+    assert done.returncode == 0, done.stderr
+    assert not set(rounds(tree)[0]) & set(stale[0])
+    with xr.open_dataset(tree / "results" / "onset" / "dataset.nc") as dataset:
+        assert not set(dataset["point"].values) & set(stale[0])

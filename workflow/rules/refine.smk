@@ -1,0 +1,41 @@
+# Boundaries between regimes: the runs of all rounds so far say which points the next one adds.
+
+
+checkpoint refine:
+    input:
+        lambda wildcards: run_files(int(wildcards.round) - 1),
+    output:
+        f"{RESULTS}/rounds/{{round}}.json",
+    log:
+        f"{RESULTS}/logs/rounds/{{round}}.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/rounds/{{round}}.tsv"
+    conda:
+        "../envs/talus.yaml"
+    params:
+        boundaries=asked(),
+        code=code(*REFINEMENT),
+    shell:
+        'python -m sim refine "$TALUS_STUDY" {wildcards.round} > {log} 2>&1'
+
+
+rule boundaries:
+    input:
+        rules.dataset.output,
+    output:
+        report(
+            f"{RESULTS}/boundaries.csv",
+            caption="../report/data.rst",
+            category="Boundaries",
+        ),
+    log:
+        f"{RESULTS}/logs/boundaries.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/boundaries.tsv"
+    conda:
+        "../envs/talus.yaml"
+    params:
+        boundaries=asked(),
+        code=code(*REFINEMENT),
+    shell:
+        'python -m sim boundaries "$TALUS_STUDY" > {log} 2>&1'
