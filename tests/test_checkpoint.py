@@ -90,31 +90,40 @@ def test_a_run_continued_from_a_checkpoint_gives_the_same_bits(name, share, tmp_
     assert sorted(path.name for path in tmp_path.iterdir()) == ["run.nc", "whole.nc"]
 
 
-def test_a_killed_run_goes_on_where_it_was(tmp_path):
+def computing(output: Path) -> subprocess.Popen:
+    """Start a run of LONG and return it once it has written its first checkpoint."""
     warm([LONG])
-    output = tmp_path / "run.nc"
-    command = [sys.executable, "-m", "sim", "run", "-", "--output", str(output)]
-    text = json.dumps(canonical(LONG))
-    file = output.with_name(".run.nc.checkpoint")
-    first = subprocess.Popen(
-        command,
+    process = subprocess.Popen(
+        [sys.executable, "-m", "sim", "run", "-", "--output", str(output)],
         cwd=ROOT,
         stdin=subprocess.PIPE,
-        stderr=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
         text=True,
         env=os.environ | {"TALUS_CHECKPOINT_SECONDS": "0.2"},
     )
-    first.stdin.write(text)
-    first.stdin.close()
+    process.stdin.write(json.dumps(canonical(LONG)))
+    process.stdin.close()
+    process.stdin = None
     limit = time.monotonic() + 60
-    while not file.exists():
-        assert first.poll() is None and time.monotonic() < limit
+    while not output.with_name(f".{output.name}.checkpoint").exists():
+        assert process.poll() is None and time.monotonic() < limit
         time.sleep(0.02)
+    return process
+
+
+def test_a_killed_run_goes_on_where_it_was(tmp_path):
+    output = tmp_path / "run.nc"
+    first = computing(output)
     first.send_signal(signal.SIGKILL)
-    first.wait()
+    first.communicate()
     assert not output.exists()
     second = subprocess.run(
-        command, cwd=ROOT, input=text, capture_output=True, text=True, timeout=120
+        first.args,
+        cwd=ROOT,
+        input=json.dumps(canonical(LONG)),
+        capture_output=True,
+        text=True,
+        timeout=120,
     )
     assert second.returncode == 0, second.stderr
     assert "continued from a checkpoint" in second.stderr
@@ -283,19 +292,10 @@ def test_a_stopwatch_counts_on_in_another_life():
 
 
 def test_a_run_that_is_asked_to_end_saves_first(tmp_path):
-    warm([LONG])
-    command = [sys.executable, "-m", "sim", "run", "-", "--output", str(tmp_path / "run.nc")]
-    process = subprocess.Popen(
-        command, cwd=ROOT, stdin=subprocess.PIPE, stderr=subprocess.PIPE, text=True
-    )
-    process.stdin.write(json.dumps(canonical(LONG)))
-    process.stdin.close()
-    assert "200 particles" in process.stderr.readline()
-    # The run takes the signal once it computes, some tenths of a second after its first line.
-    time.sleep(0.5)
+    process = computing(tmp_path / "run.nc")
     process.send_signal(signal.SIGTERM)
-    errors = process.stderr.read()
-    assert process.wait(timeout=60) == 143, errors
+    errors = process.communicate(timeout=60)[1]
+    assert process.returncode == 143, errors
     assert errors.splitlines()[-1].endswith("terminated; the next start continues from here")
     assert [path.name for path in tmp_path.iterdir()] == [".run.nc.checkpoint"]
     assert Checkpoint(tmp_path / "run.nc", LONG).load().replicate.number == 0

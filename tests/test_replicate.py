@@ -15,7 +15,7 @@ from sim.systems import build
 from sim.systems.belt import Belt
 from sim.systems.chute import Chute
 from tests.motions import belt_point, chute_point
-from tests.project_tree import ROOT
+from tests.trees import ROOT
 
 CHUTE = chute_point(depth=1.24, cell=4, transient=2, average=4, replicates=2)
 BELT = belt_point(beads=12, width=5, transient=1, average=2, replicates=2)
@@ -56,17 +56,17 @@ def test_half_the_step_is_half_the_step_from_the_same_start(point, system, monke
         assert np.isfinite(file["mean_velocity"][:]).all()
 
 
-@pytest.mark.parametrize("point", [CHUTE, BELT])
-def test_a_divided_step_samples_the_same_motion(point):
-    """As near as chaos leaves it: a bed that settles with other steps is another bed."""
+# Beds that settle with different steps come to rest in different places.
+@pytest.mark.parametrize(("point", "tolerance"), [(CHUTE, 0.02), (BELT, 0.2)])
+def test_a_divided_step_samples_the_same_motion(point, tolerance):
     whole, half = build(point, 0), build(point, 0, 2)
     for system in (whole, half):
         system.settle()
     assert half.time_step == whole.time_step / 2
     for _ in range(2):
         one, other = whole.advance(), half.advance()
-        assert other["mean_velocity"] == pytest.approx(one["mean_velocity"], rel=0.2)
-        assert other["height_of_mass"] == pytest.approx(one["height_of_mass"], rel=0.1)
+        assert other["mean_velocity"] == pytest.approx(one["mean_velocity"], rel=tolerance)
+        assert other["height_of_mass"] == pytest.approx(one["height_of_mass"], rel=tolerance)
     if point.system == "belt":
         assert other["belt_phase"] == pytest.approx(one["belt_phase"], abs=1e-12)
 

@@ -83,5 +83,5 @@ def test_a_missing_and_a_broken_run_are_named(tmp_path):
     with pytest.raises(InputError, match=r"run\.nc: no such run file"):
         side_of_run(path, "flow", CHUTE)
     path.write_text("not netCDF")
-    with pytest.raises(InputError, match=r"run\.nc: cannot be read"):
+    with pytest.raises(InputError, match=r"run\.nc: damaged or not a run file"):
         side_of_run(path, "flow", CHUTE)

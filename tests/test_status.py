@@ -239,11 +239,20 @@ def test_time_left_of_runs_that_may_end_early_is_a_bound(tmp_path):
     assert "time left at most" in text and "at most 10.0 s" in text
 
 
-def test_points_of_later_rounds_belong_to_the_study(folder):
+#: A study with rounds of refinement.
+BOUNDED = (
+    "study: made\nboundaries: [{name: b, system: chute, of: flow, along: friction, "
+    "range: [0.3, 0.8], tolerance: 0.05}]"
+)
+
+
+def test_points_of_later_rounds_belong_to_the_study(tmp_path):
+    folder = Folder(tmp_path, BOUNDED)
     extra = parse_point({"system": "chute", "depth": 2.5}, "test")
     rounds = folder.results / "made" / "rounds"
     rounds.mkdir(parents=True)
     (rounds / "1.json").write_text(json.dumps({"extra": canonical(extra)}))
+    (rounds / "9.json").write_text("of another study")
     assert list(folder.survey().points) == [*folder.ids, "extra"]
 
 
@@ -326,7 +335,8 @@ def test_mistakes_give_one_line(arguments, words, capsys):
 
 
 @pytest.mark.parametrize("content", ["[", "[1]", '{"extra": {"system": "chute", "depth": -1}}'])
-def test_an_unreadable_round_gives_one_line(folder, capsys, content):
+def test_an_unreadable_round_gives_one_line(tmp_path, capsys, content):
+    folder = Folder(tmp_path, BOUNDED)
     rounds = folder.results / "made" / "rounds"
     rounds.mkdir(parents=True)
     (rounds / "1.json").write_text(content)

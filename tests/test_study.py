@@ -248,7 +248,7 @@ def test_a_study_without_boundaries_has_no_rounds(example, parse):
         ({"range": [-1, 1]}, r"range\[0\]: got -1; allowed: a number >= 0"),
         (
             {"along": "restitution", "range": [0.5, 1.5]},
-            r"range\[1\]: got 1.5; allowed: .*\(0, 1\]",
+            r"range\[1\]: got 1.5; allowed: .*\[0.001, 1\]",
         ),
         ({"tolerance": 0}, r"tolerance: got 0; allowed: a number > 0"),
         ({"tolerance": 1e-7}, r"tolerance: got 1e-07; allowed: a number >= 3.05e-06"),
