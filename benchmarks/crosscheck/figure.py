@@ -8,11 +8,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from benchmarks.crosscheck.results import Comparison, Measured
-from benchmarks.crosscheck.statistics import TOLERANCE, Estimate, ratio
+from benchmarks.crosscheck.statistics import TOLERANCE, Estimate
 from sim.figures.style import COLOURS, DASHES, SETTINGS
 from sim.files import replacing
 
-#: Colour and dashes of each engine, and between which slices the profiles are drawn.
+#: Colour and dashes of each engine.
 STYLES = {"Talus": (COLOURS[1], DASHES[0]), "LAMMPS": (COLOURS[2], DASHES[1])}
 
 
@@ -54,7 +54,7 @@ def _ratios(axes: Axes, comparisons: list[Comparison]) -> None:
     axes.axhline(1, color=COLOURS[0], linewidth=0.8)
     series = (("velocity", "mean velocity", "o", -0.1), ("contacts", "contacts", "s", 0.1))
     for scalar, label, marker, shift in series:
-        ratios = [ratio(getattr(c.talus, scalar), getattr(c.lammps, scalar)) for c in comparisons]
+        ratios = [c.ratio(scalar) for c in comparisons]
         axes.errorbar(
             place + shift,
             [r.mean for r in ratios],

@@ -7,7 +7,7 @@ import numpy as np
 from benchmarks.crosscheck.engines import Record
 from benchmarks.crosscheck.flows import BLOCKS, Flow
 from benchmarks.crosscheck.runs import load
-from benchmarks.crosscheck.statistics import Estimate, agree, compared, estimate, ratio
+from benchmarks.crosscheck.statistics import Estimate, agree, compared, estimate, pooled, ratio
 
 
 class Measured(NamedTuple):
@@ -43,6 +43,10 @@ class Comparison(NamedTuple):
             for engine in (self.talus, self.lammps)
         )
         return float(agree(ours, theirs, theirs.mean.max()).mean())
+
+    def ratio(self, scalar: str) -> Estimate:
+        """Return the ratio Talus over LAMMPS of ``velocity`` or ``contacts``."""
+        return ratio(getattr(self.talus, scalar), getattr(self.lammps, scalar))
 
     def agrees(self, scalar: str) -> bool:
         """Return whether both agree in ``velocity`` or ``contacts``: in 3 % or the interval."""
@@ -94,15 +98,20 @@ HEADINGS = [
     "Z, Talus",
     "Z, LAMMPS",
     "ratio of Z",
-    "velocity profile",
-    "packing profile",
+    "slices, v / φ",
+    "drift of V, Talus / LAMMPS",
     "agree",
 ]
 
 
 def table(comparisons: list[Comparison]) -> str:
-    """Return the comparisons as a table in Markdown."""
+    """Return the comparisons as a table in Markdown, the ratios of all flows pooled at its end."""
     rows = [HEADINGS, ["---"] * len(HEADINGS), *(_row(c) for c in comparisons)]
+    mean = {
+        scalar: shown(pooled([c.ratio(scalar) for c in comparisons]), 3)
+        for scalar in ("velocity", "contacts")
+    }
+    rows.append(["all", "", "", mean["velocity"], "", "", mean["contacts"], "", "", ""])
     return "\n".join(f"| {' | '.join(row)} |" for row in rows)
 
 
@@ -110,9 +119,9 @@ def _row(c: Comparison) -> list[str]:
     cells = [c.flow.name]
     for scalar, digits in (("velocity", 2), ("contacts", 3)):
         ours, theirs = getattr(c.talus, scalar), getattr(c.lammps, scalar)
-        cells += [shown(ours, digits), shown(theirs, digits), shown(ratio(ours, theirs), 3)]
-    shares = [c.share("speed"), c.share("packing")]
-    cells += [f"{100 * share:.0f} %" for share in shares]
+        cells += [shown(ours, digits), shown(theirs, digits), shown(c.ratio(scalar), 3)]
+    cells.append(f"{100 * c.share('speed'):.0f} / {100 * c.share('packing'):.0f} %")
+    cells.append(f"{shown(c.talus.drift, 2)} / {shown(c.lammps.drift, 2)}")
     return [*cells, "yes" if c.agrees_throughout else "no"]
 
 

@@ -6,6 +6,7 @@ import time
 from collections.abc import Iterable
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from pathlib import Path
+from signal import SIG_DFL, SIGINT, signal
 
 import numpy as np
 
@@ -65,13 +66,18 @@ def compute_all(flows: Iterable[Flow], jobs: int) -> None:
     """Compute what is missing, ``jobs`` replicates at a time."""
     missing = [task for task in tasks(flows) if not record_path(*task).exists()]
     CACHE.mkdir(exist_ok=True)
-    with ProcessPoolExecutor(jobs) as pool:
+    # An interrupt ends the processes of the pool at once, instead of only their present tasks.
+    with ProcessPoolExecutor(jobs, initializer=signal, initargs=(SIGINT, SIG_DFL)) as pool:
         pending = {pool.submit(compute, task): task for task in missing}
-        for number, done in enumerate(as_completed(pending), 1):
-            engine, flow, replicate = pending[done]
-            seconds = done.result()
-            message = "%d of %d: %s, %s, replicate %d: %.0f s"
-            log.info(message, number, len(missing), flow.name, engine, replicate, seconds)
+        try:
+            for number, done in enumerate(as_completed(pending), 1):
+                engine, flow, replicate = pending[done]
+                seconds = done.result()
+                message = "%d of %d: %s, %s, replicate %d: %.0f s"
+                log.info(message, number, len(missing), flow.name, engine, replicate, seconds)
+        except BaseException:
+            pool.shutdown(cancel_futures=True)
+            raise
 
 
 def load(engine: str, flow: Flow) -> list[Record]:

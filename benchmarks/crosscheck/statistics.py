@@ -1,5 +1,6 @@
 """Means, their intervals, and whether two of them agree."""
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -45,6 +46,13 @@ def ratio(a: Estimate, b: Estimate) -> Estimate:
     quotient = a.mean / b.mean
     relative = np.hypot(a.half_width / a.mean, b.half_width / b.mean)
     return Estimate(quotient, abs(quotient) * relative)
+
+
+def pooled(estimates: Sequence[Estimate]) -> Estimate:
+    """Return the mean of independent estimates of one number, weighted by their intervals."""
+    mean, width = (np.array(values) for values in zip(*estimates, strict=True))
+    weight = width**-2.0
+    return Estimate((weight * mean).sum() / weight.sum(), weight.sum() ** -0.5)
 
 
 def agree(a: Estimate, b: Estimate, scale: float) -> np.ndarray:
