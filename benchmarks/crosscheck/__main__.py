@@ -41,7 +41,9 @@ def compare_flows(flows: list[Flow], depths: int, jobs: int, picture: Path) -> b
     comparisons = [comparison(flow) for flow in flows]
     print(table(comparisons))
     figure.write(picture, comparisons[:depths], comparisons)
-    return all(c.agrees_throughout for c in comparisons)
+    apart = [c.flow.name for c in comparisons if not c.agrees_throughout]
+    print(f"not in agreement: {', '.join(apart)}" if apart else "all flows agree")
+    return not apart
 
 
 def main() -> int:

@@ -67,7 +67,7 @@ def _ratios(axes: Axes, comparisons: list[Comparison]) -> None:
         )
     axes.set_xticks(place, [c.flow.name for c in comparisons])
     axes.set_ylabel("Talus / LAMMPS")
-    axes.legend(loc="upper left", ncols=2)
+    axes.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=2)
     axes.grid(axis="x", visible=False)
 
 

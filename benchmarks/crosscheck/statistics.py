@@ -12,6 +12,9 @@ TOLERANCE = 0.03
 #: Share of the mass that a slice must hold to be compared.
 SMALLEST_SHARE = 0.01
 
+#: Replicates below which their scatter says nothing.
+FEWEST = 3
+
 
 class Estimate(NamedTuple):
     """A mean and the half width of its 95 % interval, numbers or arrays alike."""
@@ -32,11 +35,11 @@ def estimate(blocks: np.ndarray) -> Estimate:
 
     The interval is the wider one of those over all blocks and over the means of the replicates: the
     first misses what a replicate keeps for longer than a block, the second is rough with few of
-    them. A single replicate leaves the first.
+    them, and left out with fewer than three.
     """
     replicates, number = blocks.shape[:2]
     width = student_half_width(blocks.reshape(replicates * number, *blocks.shape[2:]))
-    if replicates > 1:
+    if replicates >= FEWEST:
         width = np.maximum(width, student_half_width(blocks.mean(axis=1)))
     return Estimate(blocks.mean(axis=(0, 1)), width)
 
