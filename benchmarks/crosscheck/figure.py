@@ -15,6 +15,9 @@ from sim.files import replacing
 #: Colour and dashes of each engine.
 STYLES = {"Talus": (COLOURS[1], DASHES[0]), "LAMMPS": (COLOURS[2], DASHES[1])}
 
+#: Limits of the ratios that are shown; longer intervals run out of the picture.
+RATIOS = 0.85, 1.15
+
 
 def draw(profiles: list[Comparison], comparisons: list[Comparison]) -> Figure:
     """Return the figure: a column of profiles per depth, and the ratios of all flows below."""
@@ -67,6 +70,7 @@ def _ratios(axes: Axes, comparisons: list[Comparison]) -> None:
         )
     axes.set_xticks(place, [c.flow.name for c in comparisons])
     axes.set_ylabel("Talus / LAMMPS")
+    axes.set_ylim(*RATIOS)
     axes.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=2)
     axes.grid(axis="x", visible=False)
 
