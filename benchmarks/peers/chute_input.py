@@ -17,6 +17,17 @@ def damping_rate(stiffness: float, mass: float, restitution: float) -> float:
     return 2.0 * sqrt(stiffness / mass) * lost / sqrt(pi**2 + lost**2)
 
 
+def tangential_model(p: ChuteParameters) -> tuple[float, float]:
+    """Return K_t (N/m) and the tangential damping rate over the normal one.
+
+    Spring and dashpot are our very law. For Walton and Braun's, which LAMMPS does not have, these
+    are the usual choices of its manual.
+    """
+    if p.law == "spring_dashpot":
+        return p.tangential_ratio * p.stiffness, 0.0
+    return 2.0 / 7.0 * p.stiffness, 0.5
+
+
 def frame_velocity(velocity: np.ndarray, frame: str) -> float:
     """Return the velocity (m/s) of the frame of reference along x."""
     along = velocity[:, 0]
@@ -49,7 +60,7 @@ def chute_request(p: ChuteParameters, snapshot: dict, settings: Settings) -> dic
     top = snapshot["position"][:, 2].max() + HEADROOM * p.diameter
     pair = damping_rate(p.stiffness, 0.5 * p.mass, p.restitution)
     plane = damping_rate(p.stiffness, p.mass, p.restitution)
-    tangential = 2.0 / 7.0 * p.stiffness
+    tangential, shear_damping = tangential_model(p)
     drift = frame_velocity(snapshot["particle_velocity"], settings.frame)
     angle = radians(p.angle)
     before = [
@@ -65,12 +76,12 @@ def chute_request(p: ChuteParameters, snapshot: dict, settings: Settings) -> dic
     ]
     after = [
         *settings.list_commands(p.diameter),
-        f"pair_style gran/hooke/history {p.stiffness:.17g} {tangential:.17g} {pair:.17g} NULL "
-        f"{p.friction:.17g} 1",
+        f"pair_style gran/hooke/history {p.stiffness:.17g} {tangential:.17g} {pair:.17g} "
+        f"{shear_damping * pair:.17g} {p.friction:.17g} 1",
         "pair_coeff * *",
         f"fix weight all gravity {p.gravity:.17g} vector {sin(angle):.17g} 0 {-cos(angle):.17g}",
         f"fix plane all wall/gran granular hooke {p.stiffness:.17g} {plane:.17g} "
-        f"damping mass_velocity tangential linear_history {tangential:.17g} 0.5 "
+        f"damping mass_velocity tangential linear_history {tangential:.17g} {shear_damping:g} "
         f"{p.friction_plane:.17g} zplane 0 NULL shear x {-drift:.17g}",
         "fix motion all nve/sphere",
         f"timestep {p.time_step:.17g}",

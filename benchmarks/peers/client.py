@@ -52,3 +52,15 @@ class Client:
         path = Path(self.folder.name) / "state.npz"
         np.savez(path, **state)
         return self.ask("setup", state=str(path), **request)["seconds"]
+
+    def record(self, steps: int, samples: int) -> dict[str, np.ndarray]:
+        """Run ``samples`` stretches of ``steps`` and return what `worker.Worker.record` wrote.
+
+        Raises ``RuntimeError`` when LAMMPS may have missed contacts.
+        """
+        path = Path(self.folder.name) / "record.npz"
+        answer = self.ask("record", steps=steps, samples=samples, path=str(path))
+        if answer["dangerous"]:
+            raise RuntimeError("LAMMPS renewed its neighbor list too late")
+        with np.load(path) as record:
+            return dict(record)

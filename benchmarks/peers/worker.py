@@ -102,6 +102,23 @@ class Worker:
         dangerous = self.engine.get_thermo("ndanger") - before
         return {"seconds": seconds, "contacts": contacts / pieces, "dangerous": dangerous}
 
+    def record(self, request: dict) -> dict:
+        """Run ``samples`` stretches of ``steps``; write the states after each to the file ``path``.
+
+        Heights (S, N), velocities (S, 3, N), contacts per particle (S,).
+        """
+        count, samples = self.engine.get_natoms(), request["samples"]
+        height, velocity = np.empty((samples, count)), np.empty((samples, 3, count))
+        contacts = np.empty(samples)
+        before = self.engine.get_thermo("ndanger")
+        for s in range(samples):
+            self.run(request)
+            height[s] = self.engine.numpy.extract_atom("x")[:count, self.floor]
+            velocity[s] = self.engine.numpy.extract_atom("v")[:count].T
+            contacts[s] = self._contacts()
+        np.savez(request["path"], height=height, velocity=velocity, contacts=contacts)
+        return {"dangerous": self.engine.get_thermo("ndanger") - before}
+
     def _contacts(self) -> float:
         """Return contacts per particle: a pair counts for both, the floor once."""
         count = self.engine.get_natoms()
