@@ -6,7 +6,7 @@ import sys
 import netCDF4
 import numpy as np
 import pytest
-from tests.trees import ROOT
+from tests.project_tree import ROOT
 
 from sim.dynamics.status import BlowUp
 from sim.parameters import load_point, point_id
