@@ -7,6 +7,7 @@ from typing import Any
 from xml.etree import ElementTree
 
 import jinja2
+import numpy as np
 import pandas as pd
 import xarray as xr
 
@@ -23,6 +24,9 @@ from sim.stored import reading
 from sim.study import Study, load_study
 
 TEMPLATES = Path(__file__).parent / "templates"
+
+#: Largest part of the energy turned over that the ledger of a run may lack.
+ENERGY_LIMIT = 0.005
 
 _MEDIA = {".svg": "image/svg+xml", ".csv": "text/csv"}
 
@@ -97,6 +101,8 @@ def render(study: Study, dataset: xr.Dataset, found: pd.DataFrame, figures: Path
         parameters=parameter_rows(dataset),
         boundaries=boundary_rows(study, found),
         balance=force_balance.judge(dataset),
+        energy_residual=float(np.abs(dataset["energy_residual"]).max()),
+        energy_limit=ENERGY_LIMIT,
         limits=force_balance.LIMITS,
         provenance={"talus": __version__, **_provenance(dataset)},
     )
@@ -147,6 +153,7 @@ def run_rows(dataset: xr.Dataset) -> list[dict[str, Any]]:
                 "steps": int(point["steps"].sum()),
                 "wall_time": float(point["wall_time"].sum()),
                 "max_overlap": float(point["max_overlap"].max()),
+                "energy_residual": float(np.abs(point["energy_residual"]).max()),
                 **outcome(point),
             }
         )

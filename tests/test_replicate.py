@@ -6,7 +6,6 @@ import sys
 import netCDF4
 import numpy as np
 import pytest
-from tests.project_tree import ROOT
 
 from sim.dynamics.status import BlowUp
 from sim.parameters import load_point, point_id
@@ -16,6 +15,7 @@ from sim.systems import build
 from sim.systems.belt import Belt
 from sim.systems.chute import Chute
 from tests.motions import belt_point, chute_point
+from tests.project_tree import ROOT
 
 CHUTE = chute_point(depth=1.24, cell=4, transient=2, average=4, replicates=2)
 BELT = belt_point(beads=12, width=5, transient=1, average=2, replicates=2)
