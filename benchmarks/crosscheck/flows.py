@@ -41,7 +41,7 @@ def _flow(name, depth, transient, average, replicates, **point) -> Flow:
 FLOWS = [
     _flow("n = 2.5", 2.5, 100, 300, 4),
     _flow("n = 5", 5, 150, 250, 4),
-    _flow("n = 10", 10, 300, 300, 14, cell=5),
+    _flow("n = 10", 10, 400, 600, 4),
     _flow("e = 0.7", 5, 150, 250, 4, restitution=0.7),
     _flow("e = 0.95", 5, 150, 250, 4, restitution=0.95),
     _flow("μ = 0.35", 5, 150, 250, 4, friction=0.35),

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import pandas as pd
 
+from sim.figures.style import undecided
 from sim.parameters import SYSTEMS, field_info
 
 _UNITS = {"1": "", "degree": "°", "N m-1": " N/m", "m s-2": " m/s²", "Hz": " Hz"}
@@ -11,7 +12,7 @@ _UNITS = {"1": "", "degree": "°", "N m-1": " N/m", "m s-2": " m/s²", "Hz": " H
 _REGIMES = {
     "accelerating": "still accelerating",
     "arrested": "at rest",
-    "undetermined": "slowing, or with a trend too noisy to tell",
+    "undetermined": "slowing, or with a trend that is not clear",
     "mixed": "with replicates in different regimes",
 }
 
@@ -62,14 +63,22 @@ def interval_sentence(rows: pd.DataFrame) -> str:
 
 
 def regime_sentence(rows: pd.DataFrame) -> str:
-    """Explain the open markers, naming how many points are in which regime; empty if all steady."""
-    counts = rows[rows["regime"].isin(_REGIMES)]["regime"].value_counts()
-    if counts.empty:
+    """Explain pale and open markers, with the number of points of each; empty if all are steady."""
+    unknown = undecided(rows)
+    counts = rows[rows["regime"].isin(_REGIMES) & ~unknown]["regime"].value_counts()
+    parts = []
+    if unknown.any():
+        parts.append(
+            f"pale ones may be, their runs are too short to tell ({_points(unknown.sum())})"
+        )
+    if len(counts):
+        named = [f"{_points(count)} {_REGIMES[regime]}" for regime, count in counts.items()]
+        parts.append("open ones are not: " + ", ".join(named))
+    if not parts:
         return ""
-    parts = [f"{_points(count)} {_REGIMES[regime]}" for regime, count in counts.items()]
     return (
-        "Filled markers are steady flows, open ones are not: "
-        + ", ".join(parts)
+        "Filled markers are steady flows; "
+        + "; ".join(parts)
         + "; their value is the mean over the averaging window all the same."
     )
 

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import pandas as pd
 from matplotlib.axes import Axes
+from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 
 #: Okabe and Ito's colours, told apart by colour-blind readers, darkest first.
@@ -35,6 +36,10 @@ SETTINGS = {
     "lines.markersize": 4.2,
     "errorbar.capsize": 2,
 }
+
+
+#: Opacity of the pale markers.
+PALE = 0.3
 
 
 @dataclass(frozen=True)
@@ -75,6 +80,11 @@ def place_legend(figure: Figure, axes: Axes) -> None:
     figure.legend(handles, labels, loc="outside upper center", ncols=columns)
 
 
+def undecided(rows: pd.DataFrame) -> pd.Series:
+    """Return which points may be steady or not: their runs are too short to rule out a drift."""
+    return (rows["regime"] == "undetermined") & (rows["quality"] == "short")
+
+
 def draw_curve(
     axes: Axes,
     rows: pd.DataFrame,
@@ -91,7 +101,8 @@ def draw_curve(
         Where to draw.
     rows : pandas.DataFrame
         Points of the curve, as `sim.figures.summary.summarize` returns them. Points without a
-        completed replicate are left out; markers of all but steady points are open.
+        completed replicate are left out; markers of steady points are filled, those of runs too
+        short to tell are pale, and all others are open.
     along : str
         Column on the horizontal axis.
     style : CurveStyle
@@ -107,8 +118,14 @@ def draw_curve(
     if style.dashes != "none":
         line = shown["velocity"].mask(shown["regime"].isin(unjoined))
         axes.plot(shown[along], line, color=style.colour, linestyle=style.dashes)
-    for steady, face in ((True, style.colour), (False, "white")):
-        part = shown[(shown["regime"] == "steady") == steady]
+    steady = shown["regime"] == "steady"
+    unknown = undecided(shown)
+    for chosen, face in (
+        (steady, style.colour),
+        (unknown, to_rgb(style.colour) + (PALE,)),
+        (~(steady | unknown), "white"),
+    ):
+        part = shown[chosen]
         axes.errorbar(
             part[along],
             part["velocity"],
