@@ -122,7 +122,7 @@ def draw_curve(
     unknown = undecided(shown)
     for chosen, face in (
         (steady, style.colour),
-        (unknown, to_rgb(style.colour) + (PALE,)),
+        (unknown, (*to_rgb(style.colour), PALE)),
         (~(steady | unknown), "white"),
     ):
         part = shown[chosen]
