@@ -115,7 +115,7 @@ def _compute(parameters: Parameters, output: Path, quiet: bool) -> str:
     )
     checkpoint.remove()
     for record in state.records:
-        log.log(*_closing_line(point_id(parameters), record))
+        log.log(*_closing_line(parameters, record))
     return attributes["status"]
 
 
@@ -129,14 +129,19 @@ def _status_by_another(output: Path, parameters: Parameters) -> str:
         return ""
 
 
-def _closing_line(name: str, record: Record) -> tuple[int, str]:
+def _closing_line(parameters: Parameters, record: Record) -> tuple[int, str]:
     """Return level and text of the line that says how a replicate ended."""
-    values = record.scalars
+    name, values = point_id(parameters), record.scalars
     if values["reason"]:
         return logging.WARNING, f"{name}: failed: {values['reason']}"
+    regime = values["regime"]
+    if regime == "accelerating":
+        regime += f" at {values['acceleration']:.4g} ± {values['acceleration_half_width']:.2g} m/s²"
+        limits = "".join(f", {key} {v:.4g}" for key, (v, _) in parameters.limits.items())
+        regime += limits.replace("_", " ")
     return logging.INFO, (
         f"{name}: velocity {values['velocity']:.4g} ± {values['velocity_half_width']:.2g} m/s, "
-        f"{values['regime']}, {values['quality']}, stopped by {values['stopped']}"
+        f"{regime}; {values['quality']}; stopped: {values['stopped']}"
     )
 
 

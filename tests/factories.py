@@ -98,7 +98,12 @@ def _series(
         data["base_normal_force"] = (("replicate", "time"), normal * blank, units)
         start = round(SAMPLES * parameters.transient / (parameters.transient + parameters.average))
         rows = [
-            base_forces(*(row[start:] for row in (tau, sigma, v)), mass, span / SAMPLES)
+            base_forces(
+                *(row[start:] for row in (tau, sigma, v)),
+                mass,
+                (weight * sin(angle), weight * cos(angle)),
+                span / SAMPLES,
+            )
             for tau, sigma, v in zip(shear * blank, normal * blank, series, strict=True)
         ]
         for name in rows[0]:

@@ -8,9 +8,14 @@ BLOCKS = (6, 10, 20)
 
 
 def base_forces(
-    shear: np.ndarray, normal: np.ndarray, velocity: np.ndarray, mass: float, interval: float
+    shear: np.ndarray,
+    normal: np.ndarray,
+    velocity: np.ndarray,
+    mass: float,
+    weight: tuple[float, float],
+    interval: float,
 ) -> dict[str, float]:
-    """Return the scalars of a window that the force balance needs (N).
+    """Return the scalars of a window that the force balance needs, forces in N.
 
     Parameters
     ----------
@@ -20,13 +25,19 @@ def base_forces(
         Mean velocity along the slope over the intervals (m/s).
     mass : float
         Mass of all particles (kg).
+    weight : tuple of 2 floats
+        Their weight along the slope and normal to it (N).
     interval : float
         Length of an interval (s).
     """
     budget, budget_error = momentum_budget(shear, mass * velocity, interval)
+    along, across = weight
+    pressed, dragged = _mean(normal), _mean(shear)
     return {
-        "base_normal": _mean(normal),
-        "base_shear": _mean(shear),
+        "base_normal": pressed,
+        "base_shear": dragged,
+        "normal_balance": pressed / across,
+        "shear_balance": dragged / along if along else np.nan,
         "base_normal_error": bounded_error(normal),
         "base_shear_error": bounded_error(shear),
         "momentum_budget": budget,

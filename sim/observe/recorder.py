@@ -135,7 +135,7 @@ class Recorder:
     def _base_forces(self, series: dict[str, np.ndarray], start: int) -> dict[str, float]:
         names = ("base_shear_force", "base_normal_force", "mean_velocity")
         window = (series[name][start:] for name in names)
-        return base_forces(*window, self.system.mass, self._interval)
+        return base_forces(*window, self.system.mass, self.system.weight, self._interval)
 
     def _add_profiles(self, record: Record) -> None:
         """Turn the sums into profiles; without a sample past the transient they are undefined."""

@@ -22,6 +22,8 @@ SCALARS = {
     "max_overlap": ("1", "largest overlap of the whole run, as in largest_overlap"),
     "base_normal": ("N", "mean normal force on the plane over the averaging window"),
     "base_shear": ("N", "mean shear force on the plane over the averaging window"),
+    "normal_balance": ("1", "base_normal over N m g cos θ; 1 in a steady flow"),
+    "shear_balance": ("1", "base_shear over N m g sin θ; 1 in a steady flow"),
     "base_normal_error": ("N", "standard error of base_normal"),
     "base_shear_error": ("N", "standard error of base_shear"),
     "momentum_budget": ("N", "mean base shear plus rate of change of momentum along x"),

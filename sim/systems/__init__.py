@@ -17,7 +17,8 @@ class System(Protocol):
     ``series`` maps the names of the time series to (unit, long name), and ``ledger`` tells which of
     them add up to the energy; ``profile_height`` (H,) are the centres of the profiles' slices (m);
     ``scales`` and ``period`` (samples) serve the analysis of the velocity's trend; ``mass`` is that
-    of all particles (kg).
+    of all particles (kg). One with a base shear force has ``weight``, that of all particles along
+    the slope and normal to it (N).
     """
 
     parameters: Parameters

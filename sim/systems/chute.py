@@ -96,6 +96,7 @@ class Chute:
         negligible = 0.01 * p.gravity * max(sin(angle), 0.1)
         self.scales = Scales(1e-3 * p.velocity_unit, acceleration=negligible, drift=DRIFT)
         self.mass = float(self.spheres.mass.sum())
+        self.weight = (self.mass * self.gravity[0], -self.mass * self.gravity[2])
         self.period = 1
         self.profile_height = (np.arange(slices) + 0.5) * self.slice_height
         self.travelled, self.lost, self.work_done = 0.0, 0.0, 0.0

@@ -35,6 +35,17 @@ def test_the_error_of_a_bounded_fluctuation_falls_with_the_length():
 @pytest.mark.filterwarnings("error")
 @pytest.mark.parametrize("samples", [0, 1])
 def test_a_window_of_one_sample_has_no_error(samples):
-    found = base_forces(*(np.ones(samples) for _ in range(3)), MASS, INTERVAL)
+    found = base_forces(*(np.ones(samples) for _ in range(3)), MASS, (0.5, 2.0), INTERVAL)
     assert np.isnan(found["base_normal_error"]) and np.isnan(found["momentum_budget"])
     assert found["base_normal"] == 1.0 or samples == 0
+
+
+def test_balances_are_relative_to_the_weight():
+    found = base_forces(np.full(20, 0.6), np.full(20, 1.9), np.ones(20), MASS, (0.5, 2.0), INTERVAL)
+    assert found["shear_balance"] == pytest.approx(1.2)
+    assert found["normal_balance"] == pytest.approx(0.95)
+
+
+def test_a_level_plane_carries_no_weight_along_it():
+    found = base_forces(np.zeros(20), np.ones(20), np.zeros(20), MASS, (0.0, 1.0), INTERVAL)
+    assert np.isnan(found["shear_balance"])

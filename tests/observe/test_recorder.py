@@ -35,6 +35,7 @@ class Ramp:
     }
     ledger = Ledger({"kinetic_energy": 1, "lost": 1}, ("lost",), {"lost": "normal_power"})
     mass = 2.0
+    weight = (4.0, 100.0)
     profile_height = np.array([0.5])
     scales = Scales(arrested=1e-3, acceleration=0.1, drift=0.1)
     period = 1
