@@ -12,10 +12,7 @@ import numpy as np
 from sim.observe.estimate import FEWEST, Interval, cycle_means, mean, slope
 
 #: Independent samples that a mean needs for its interval to hold; with fewer it is `short`.
-INDEPENDENT = 20.0
-
-#: A change of the velocity over the window by this fraction of its mean is a drift.
-DRIFT = 0.1
+INDEPENDENT = 15.0
 
 
 @dataclass(frozen=True)

@@ -109,7 +109,8 @@ class Parameters(BaseModel):
         0.02,
         unit="1",
         description="half width of the 95 % interval of the mean velocity, relative to the mean, "
-        "at which a run of the converged protocol ends",
+        "at which a run of the converged protocol ends; under both protocols a change of the "
+        "velocity over the window by five times as much (at least 0.1, at most 0.25) is a drift",
         ge=0.001,
         le=0.5,
     )
@@ -138,6 +139,15 @@ class Parameters(BaseModel):
     def average_samples(self) -> int:
         """Samples averaged over (the average rounded to whole samples, at least one)."""
         return max(1, round(self.average * self.time_unit / (self.sample_steps * self.time_step)))
+
+    @property
+    def drift(self) -> float:
+        """Change of the velocity over the window, relative to its mean, that counts as a drift.
+
+        The change of a steady series whose mean is known to the target is uncertain by √12 times
+        as much, so a smaller one could not be told from none.
+        """
+        return min(max(0.1, 5 * self.target), 0.25)
 
     @property
     def shortest_samples(self) -> int:

@@ -16,7 +16,7 @@ from sim.dynamics.neighbors import empty_pair_list, grown
 from sim.dynamics.status import LIST_FULL, BlowUp, require_motion
 from sim.observe.ledger import Ledger
 from sim.observe.profiles import AREA, CENTRE, Profile, add_sample, empty_profile
-from sim.observe.regime import DRIFT, Scales
+from sim.observe.regime import Scales
 from sim.parameters import BeltParameters
 from sim.systems.packing import random_packing
 
@@ -110,7 +110,7 @@ class Belt:
         self.loop = shaking.make_shaking()
         amplitude = self.motion.amplitude_x or self.motion.amplitude_z
         arrested = 0.02 * max(amplitude, 0.01 * p.diameter) * 2.0 * pi * p.frequency
-        self.scales = Scales(arrested, acceleration=np.inf, drift=DRIFT)
+        self.scales = Scales(arrested, acceleration=np.inf, drift=p.drift)
         self.mass = float(mass.sum())
         self.period = p.samples_per_cycle
         self.profile_height = (np.arange(SLICES) + 0.5) * p.diameter

@@ -24,7 +24,7 @@ from sim.dynamics.status import LIST_FULL, require_motion
 from sim.dynamics.team import Team
 from sim.observe.ledger import Ledger
 from sim.observe.profiles import VOLUME, Profile, add_sample, empty_profile
-from sim.observe.regime import DRIFT, Scales
+from sim.observe.regime import Scales
 from sim.parameters import ChuteParameters
 from sim.systems.packing import random_packing
 
@@ -94,7 +94,7 @@ class Chute:
         self.slice_height = p.slice_height * p.diameter
         slices = ceil((1.5 * layer + 10.0 * p.diameter) / self.slice_height)
         negligible = 0.01 * p.gravity * max(sin(angle), 0.1)
-        self.scales = Scales(1e-3 * p.velocity_unit, acceleration=negligible, drift=DRIFT)
+        self.scales = Scales(1e-3 * p.velocity_unit, acceleration=negligible, drift=p.drift)
         self.mass = float(self.spheres.mass.sum())
         self.weight = (self.mass * self.gravity[0], -self.mass * self.gravity[2])
         self.period = 1

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from sim.observe.regime import DRIFT, INDEPENDENT, Scales, analyse
+from sim.observe.regime import INDEPENDENT, Scales, analyse
 from tests.observe.series import correlated, with_drift
 
-INTERVAL = 0.01
+INTERVAL, DRIFT = 0.01, 0.1
 CHUTE = Scales(arrested=1e-4, acceleration=0.03, drift=1.0)
 BELT = Scales(arrested=1e-3, acceleration=np.inf, drift=DRIFT)
 

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from sim.observe import stopping
-from sim.observe.regime import DRIFT, Scales
+from sim.observe.regime import Scales
 from tests.observe.series import correlated, with_transient
 
-SCALES = Scales(arrested=1e-3, acceleration=np.inf, drift=DRIFT)
+SCALES = Scales(arrested=1e-3, acceleration=np.inf, drift=0.1)
 
 
 def run_to_the_end(velocity, shortest, target=0.02):
