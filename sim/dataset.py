@@ -11,6 +11,7 @@ import xarray as xr
 from sim.errors import InputError
 from sim.files import replacing, seal
 from sim.observe.scalars import SCALARS
+from sim.outcome import outcome
 from sim.parameters import SYSTEMS, field_info
 from sim.regime_boundaries import GROUP, refined, table
 from sim.stored import DamagedError, reading
@@ -122,7 +123,7 @@ def combine(runs: Sequence[xr.Dataset], study: Study) -> xr.Dataset:
     """
     replicates = max(run.sizes["replicate"] for run in runs)
     names = [name for name in (*NUMBERS, *WORDS) if any(name in run for run in runs)]
-    return xr.Dataset(
+    combined = xr.Dataset(
         {name: _padded(runs, name, replicates) for name in names},
         coords=_labels(runs, study)
         | _parameters(runs)
@@ -136,6 +137,24 @@ def combine(runs: Sequence[xr.Dataset], study: Study) -> xr.Dataset:
             "versions": _distinct(runs, "versions"),
         },
     )
+    return combined.assign(_together(combined))
+
+
+def _together(combined: xr.Dataset) -> dict[str, Any]:
+    """Return what the replicates of each point say together, see `sim.outcome`."""
+    found = [outcome(combined.isel(point=index)) for index in range(combined.sizes["point"])]
+    numbers = {"velocity": "mean velocity", "half_width": "half width of its 95 % interval"}
+    made = {
+        f"point_{name}": (
+            "point",
+            np.array([each[name] for each in found], float),
+            {"units": "m s-1", "long_name": f"{text}, all replicates together"},
+        )
+        for name, text in numbers.items()
+    }
+    for name in ("regime", "quality", "stopped"):
+        made[f"point_{name}"] = _words(each[name] for each in found)
+    return made
 
 
 def _padded(runs: Sequence[xr.Dataset], name: str, replicates: int) -> Any:

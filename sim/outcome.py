@@ -6,7 +6,19 @@ from scipy.special import stdtrit
 
 CONFIDENCE = 0.95
 
-OUTCOME = ("velocity", "half_width", "interval", "completed", "regime", "quality", "reason")
+#: What a mean is worth, from the best; of several replicates the worst counts.
+QUALITIES = ("reliable", "jammed", "short", "drifting", "failed")
+
+OUTCOME = (
+    "velocity",
+    "half_width",
+    "interval",
+    "completed",
+    "regime",
+    "quality",
+    "stopped",
+    "reason",
+)
 
 
 def outcome(point: xr.Dataset) -> dict[str, object]:
@@ -22,8 +34,9 @@ def outcome(point: xr.Dataset) -> dict[str, object]:
     dict
         ``velocity`` (m/s, mean over completed replicates), ``half_width`` (m/s, of its 95 %
         interval), ``interval`` (``replicates``, ``within run`` or ``none``), ``completed``
-        (replicates), ``regime`` and ``quality`` of the means (``mixed`` where replicates differ,
-        ``failed`` where none completed) and ``reason`` (of failures).
+        (replicates), ``regime`` (``mixed`` where replicates contradict each other, ``failed``
+        where none completed), the worst ``quality`` of their means, why they ``stopped`` and
+        ``reason`` (of failures).
     """
     completed = point.isel(replicate=np.flatnonzero(point["status"].values == "completed"))
     velocities = completed["velocity"].values
@@ -34,16 +47,24 @@ def outcome(point: xr.Dataset) -> dict[str, object]:
         "half_width": half_width,
         "interval": interval,
         "completed": velocities.size,
-        "regime": _shared(completed["regime"].values),
-        "quality": _shared(completed["quality"].values),
+        "regime": _regime(completed["regime"].values),
+        "quality": max(completed["quality"].values, key=QUALITIES.index, default="failed"),
+        "stopped": ", ".join(dict.fromkeys(completed["stopped"].values)) or "failure",
         "reason": "; ".join(reasons),
     }
 
 
-def _shared(words: np.ndarray) -> str:
-    """Return what all completed replicates say of themselves."""
-    distinct = set(words)
-    return "mixed" if len(distinct) > 1 else distinct.pop() if distinct else "failed"
+def _regime(regimes: np.ndarray) -> str:
+    """Return the regime of a point: that of half of its replicates where no other contradicts.
+
+    An undetermined replicate contradicts nothing.
+    """
+    if not len(regimes):
+        return "failed"
+    decided = regimes[regimes != "undetermined"]
+    if len(set(decided)) > 1:
+        return "mixed"
+    return decided[0] if 2 * len(decided) >= len(regimes) else "undetermined"
 
 
 def velocity_interval(velocities: np.ndarray, half_widths: np.ndarray) -> tuple[float, str]:

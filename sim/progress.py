@@ -32,6 +32,10 @@ CREDIT = 120.0
 CREDIT_SAMPLES = 3
 
 
+#: Largest number that a progress file may hold; beyond it something else has written it.
+MOST = 10**18
+
+
 class Progress(BaseModel):
     """What a progress file says: how far a run was when it was written.
 
@@ -61,12 +65,12 @@ class Progress(BaseModel):
     model_config = ConfigDict(frozen=True, allow_inf_nan=False)
 
     point: str
-    done: int = Field(ge=0)
-    total: int = Field(gt=0)
+    done: int = Field(ge=0, le=MOST)
+    total: int = Field(gt=0, le=MOST)
     at_most: bool
-    particles: int = Field(gt=0)
-    rate: float = Field(ge=0)
-    elapsed: float = Field(ge=0)
+    particles: int = Field(gt=0, le=MOST)
+    rate: float = Field(ge=0, le=MOST)
+    elapsed: float = Field(ge=0, le=MOST)
     started: AwareDatetime
     updated: AwareDatetime
     expires: AwareDatetime
@@ -128,7 +132,8 @@ def progress(
     parameters : Parameters
         The point.
     output : Path
-        The run file to be; the progress file lies beside it until the block ends.
+        The run file to be; the progress file lies beside it until the block ends, and stays after a
+        ``SystemExit``, for the next start to replace.
     quiet : bool
         Neither bar nor log lines.
     done : int
@@ -164,10 +169,13 @@ def progress(
     try:
         with bar:
             yield advanced
-    finally:
-        for path in (file, _draft(file)):
-            with suppress(OSError):
-                path.unlink(missing_ok=True)
+    except SystemExit:
+        # Terminated after a checkpoint: interrupted, and so it shall be seen.
+        raise
+    except BaseException:
+        _remove(file)
+        raise
+    _remove(file)
 
 
 class _Meter:
@@ -225,6 +233,12 @@ class _Meter:
         if now.left is None:
             return done
         return f"{done}, {now.rate / 1e6:.1f} million particle-steps/s, {now.time_left} left"
+
+
+def _remove(file: Path) -> None:
+    for path in (file, _draft(file)):
+        with suppress(OSError):
+            path.unlink(missing_ok=True)
 
 
 def _draft(file: Path) -> Path:

@@ -26,9 +26,9 @@ class Located:
     ----------
     verdict : str
         ``found``: within the tolerance; ``wide``: between values that are further apart, with
-        undecided or contradictory ones in between; ``none``: one side alone in the range;
-        ``several``: the same side at both ends and the other in between; ``open``: nothing is
-        decided.
+        undecided or contradictory ones in between; ``none``: one side alone, at both ends
+        of the range; ``several``: the same side at both ends and the other in between; ``open``: no
+        more than one side is seen, and an end of the range is undecided.
     below, above : str
         Sides at the low and at the high end, ``""`` where nothing is decided.
     low, high : float or None
@@ -49,7 +49,7 @@ def further_rounds(low: float, high: float, tolerance: float) -> int:
     2
     """
     rounds, gap = 0, (high - low) / PARTS
-    while gap > tolerance * (1 + _SLACK):
+    while gap > tolerance * (1 + _SLACK) and rounds <= MAX_ROUNDS:
         rounds, gap = rounds + 1, gap / PARTS
     return rounds
 
@@ -71,8 +71,10 @@ def located(sides: Sides, tolerance: float) -> Located:
         return Located("open", "", "")
     below, above = decided[0][1], decided[-1][1]
     if below == above:
-        same = all(side == below for _, side in decided)
-        return Located("none" if same else "several", below, above)
+        if any(side != below for _, side in decided):
+            return Located("several", below, above)
+        whole = sides[min(sides)] is not None and sides[max(sides)] is not None
+        return Located("none" if whole else "open", below, above)
     first = next(index for index, (_, side) in enumerate(decided) if side != below)
     last = max(index for index, (_, side) in enumerate(decided) if side != above)
     low, high = decided[first - 1][0], decided[last + 1][0]

@@ -13,6 +13,7 @@ from sim.files import replacing
 from sim.parameters import Parameters, canonical, field_info, point_id
 from sim.refine import Sides, divided, located, next_values
 from sim.sides import side_of_run
+from sim.stored import reading
 from sim.study import Boundary, Study, joined, load_study
 
 #: Group of the dataset that holds what was found, one row per boundary.
@@ -132,11 +133,12 @@ def read_table(dataset: Path) -> pd.DataFrame:
     Raises
     ------
     InputError
-        When there is no dataset.
+        When there is no dataset, or it is damaged: it is then set aside.
     """
-    if not dataset.is_file():
-        raise InputError(f"{dataset}: no such dataset; build the study's dataset first")
-    with xr.open_datatree(dataset, engine="netcdf4") as tree:
+    with (
+        reading(dataset, "dataset", replaceable=True),
+        xr.open_datatree(dataset, engine="netcdf4") as tree,
+    ):
         if GROUP not in tree:
             return pd.DataFrame(columns=_COLUMNS)
         return tree[GROUP].to_dataset(inherit=False).to_dataframe()

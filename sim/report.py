@@ -89,6 +89,7 @@ def render(study: Study, dataset: xr.Dataset, found: pd.DataFrame, figures: Path
     )
     environment.filters["duration"] = duration
     runs = run_rows(dataset)
+    completed = dataset["status"] == "completed"
     return environment.get_template("report.html.j2").render(
         study=study,
         study_text=Path(study.path).read_text(encoding="utf-8"),
@@ -101,7 +102,7 @@ def render(study: Study, dataset: xr.Dataset, found: pd.DataFrame, figures: Path
         parameters=parameter_rows(dataset),
         boundaries=boundary_rows(study, found),
         balance=force_balance.judge(dataset),
-        energy_residual=float(np.abs(dataset["energy_residual"]).max()),
+        energy_residual=float(np.abs(dataset["energy_residual"]).where(completed).max()),
         energy_limit=ENERGY_LIMIT,
         limits=force_balance.LIMITS,
         provenance={"talus": __version__, **_provenance(dataset)},

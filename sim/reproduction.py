@@ -10,7 +10,7 @@ FIRST_LINE = "# A point that failed; this file reproduces the failure:"
 
 
 def keep(folder: Path, parameters: Parameters, reasons: Sequence[str]) -> None:
-    """Write ``<point id>.yaml`` if a replicate failed, and remove an earlier one if none did.
+    """Write ``<point id>.failed.yaml`` if a replicate failed; remove an earlier one if none did.
 
     Parameters
     ----------
@@ -21,13 +21,13 @@ def keep(folder: Path, parameters: Parameters, reasons: Sequence[str]) -> None:
     reasons : sequence of str
         Why each replicate failed; empty for those that did not.
     """
-    path = folder / f"{point_id(parameters)}.yaml"
+    path = folder / f"{point_id(parameters)}.failed.yaml"
     failed = [number for number, reason in enumerate(reasons) if reason]
     if failed:
         with replacing(path) as temporary:
             temporary.write_text(_text(path.name, parameters, failed, reasons), encoding="utf-8")
-    elif path.is_file() and path.read_text(encoding="utf-8").startswith(FIRST_LINE):
-        path.unlink()
+    else:
+        path.unlink(missing_ok=True)
 
 
 def _text(name: str, parameters: Parameters, failed: list[int], reasons: Sequence[str]) -> str:

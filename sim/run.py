@@ -13,7 +13,7 @@ import numpy as np
 
 from sim import __version__, reproduction
 from sim.checkpoint import Checkpoint, checkpoint_interval
-from sim.files import alone
+from sim.files import alone, is_damaged
 from sim.observe.recorder import Record
 from sim.observe.run_file import write
 from sim.parameters import Parameters, point_id
@@ -105,7 +105,6 @@ def _compute(parameters: Parameters, output: Path, quiet: bool) -> str:
                 break
             state.replicate = Replicate(parameters, len(state.records))
     reasons = [record.scalars["reason"] for record in state.records]
-    reproduction.keep(output.parent, parameters, reasons)
     write(
         output,
         parameters,
@@ -114,6 +113,7 @@ def _compute(parameters: Parameters, output: Path, quiet: bool) -> str:
         attributes := _attributes(parameters, state.records, state.stopwatch.seconds()),
     )
     checkpoint.remove()
+    reproduction.keep(output.parent, parameters, reasons)
     for record in state.records:
         log.log(*_closing_line(parameters, record))
     return attributes["status"]
@@ -122,6 +122,8 @@ def _compute(parameters: Parameters, output: Path, quiet: bool) -> str:
 def _status_by_another(output: Path, parameters: Parameters) -> str:
     """Return the status of the file if another process has just made it from the same sources."""
     try:
+        if is_damaged(output):
+            return ""
         with netCDF4.Dataset(output) as file:
             same = (file.point_id, file.source_hash) == (point_id(parameters), source_hash())
             return file.status if same else ""

@@ -6,7 +6,7 @@ from pathlib import Path
 import netCDF4
 import numpy as np
 
-from sim.parameters import BeltParameters, Parameters
+from sim.parameters import BeltParameters, Parameters, point_id
 from sim.stored import reading
 
 #: Sides of the boundaries that regimes tell, by regime; an undetermined one tells nothing.
@@ -20,9 +20,8 @@ REGIMES = {
 }
 
 #: Transport begins where the mean velocity exceeds this fraction of the velocity amplitude of the
-#: belt along x, and this many standard errors.
+#: belt along x.
 TRANSPORT = 0.02
-SIGNIFICANT = 5.0
 
 
 def side_of_run(path: Path, of: str, parameters: Parameters) -> str | None:
@@ -45,24 +44,27 @@ def side_of_run(path: Path, of: str, parameters: Parameters) -> str | None:
         When there is no such file, or it cannot be read as a run.
     """
     with reading(path, "run file", replaceable=True), netCDF4.Dataset(path) as run:
+        if run.point_id != point_id(parameters):
+            raise ValueError(f"holds point {run.point_id}")
         run.set_auto_mask(False)
         status, regime = run["status"][:], run["regime"][:]
-        velocity, error = run["velocity"][:], run["velocity_error"][:]
+        velocity, half_width = run["velocity"][:], run["velocity_half_width"][:]
     done = np.flatnonzero(status == "completed")
     if of == "transport":
-        sides = {_transport(parameters, velocity[index], error[index]) for index in done}
+        sides = {_transport(parameters, velocity[index], half_width[index]) for index in done}
     else:
         sides = {REGIMES[of].get(regime[index]) for index in done}
     return sides.pop() if len(sides) == 1 else None
 
 
-def _transport(parameters: BeltParameters, velocity: float, error: float) -> str | None:
-    """Return the side of a mean velocity (m/s) with its standard error."""
+def _transport(parameters: BeltParameters, velocity: float, half_width: float) -> str | None:
+    """Return the side that the whole 95 % interval of a mean velocity (m/s) is on."""
     amplitude = parameters.amplitude * parameters.diameter
     if parameters.vibration_angle < 90:
         amplitude /= tan(radians(parameters.vibration_angle))
     else:
         amplitude = 0.0
-    if velocity <= TRANSPORT * amplitude * 2 * pi * parameters.frequency:
+    least = TRANSPORT * amplitude * 2 * pi * parameters.frequency
+    if velocity + half_width <= least:
         return "no transport"
-    return "transport" if velocity > SIGNIFICANT * error else None
+    return "transport" if velocity - half_width > least else None

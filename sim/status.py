@@ -11,12 +11,13 @@ import netCDF4
 import psutil
 
 from sim.cost import PROCESS_TIME, estimate
-from sim.errors import InputError
-from sim.parameters import Parameters, parse_point
+from sim.files import is_damaged
+from sim.parameters import Parameters
 from sim.progress import CREDIT, Progress, may_end_early, progress_file, read_progress
 from sim.provenance import source_hash
+from sim.rounds import read_round
+from sim.stored import UNREADABLE
 from sim.study import Study
-from sim.yaml_input import read_yaml
 
 STATES = ("done", "failed", "running", "interrupted", "waiting")
 
@@ -69,6 +70,8 @@ class StudyStatus:
         Longest time (s) that one of those points still takes on its own threads.
     at_most : bool
         Whether these times are bounds, because runs may end before their total.
+    rounds_left : int
+        Rounds of refinement whose points are not known yet, and in none of these times.
     """
 
     name: str
@@ -77,6 +80,7 @@ class StudyStatus:
     core_seconds_left: float
     longest_left: float
     at_most: bool
+    rounds_left: int = 0
 
     @property
     def counts(self) -> dict[str, int]:
@@ -86,8 +90,9 @@ class StudyStatus:
 
     @property
     def is_over(self) -> bool:
-        """Whether every point is done or failed."""
-        return all(point.state in ("done", "failed") for point in self.points.values())
+        """Whether every point, those of rounds of refinement included, is done or failed."""
+        ended = all(point.state in ("done", "failed") for point in self.points.values())
+        return ended and not self.rounds_left
 
     @property
     def cores(self) -> int:
@@ -131,19 +136,23 @@ def survey(study: Study, results: str | Path = "results") -> StudyStatus:
         present = set()
     engine = source_hash()
     points = {key: _look(key, value, runs, present, engine) for key, value in parameters.items()}
-    return StudyStatus(study.name, study.title, points, *_left(points, parameters))
+    known = len(_round_files(study, folder))
+    left = _left(points, parameters)
+    return StudyStatus(study.name, study.title, points, *left, study.rounds - known)
 
 
 def _all_points(study: Study, folder: Path) -> dict[str, Parameters]:
     """Return the points of the study file and those that later rounds have added to them."""
     points = {key: point.parameters for key, point in study.points.items()}
-    files = [folder / "rounds" / f"{number}.json" for number in range(1, study.rounds + 1)]
-    for path in filter(Path.is_file, files):
-        added = read_yaml(path)
-        if not isinstance(added, Mapping):
-            raise InputError.of_value(path, "", added, "a mapping of point ids to parameters")
-        points |= {str(key): parse_point(values, path) for key, values in added.items()}
+    for path in _round_files(study, folder):
+        points |= read_round(path)
     return points
+
+
+def _round_files(study: Study, folder: Path) -> list[Path]:
+    """Return the files of the rounds of refinement that have been worked out."""
+    files = (folder / "rounds" / f"{number}.json" for number in range(1, study.rounds + 1))
+    return list(filter(Path.is_file, files))
 
 
 def _look(
@@ -186,12 +195,14 @@ def _finished(path: Path, changed: int, threads: int, engine: str) -> PointStatu
     ``changed`` (ns) tells one file of a name from the next, so that a watch opens each file once.
     """
     try:
+        if is_damaged(path):
+            raise OSError("the checksum is wrong")
         with netCDF4.Dataset(path) as file:
             held = {name: file.getncattr(name) for name in file.ncattrs()}
         wall_time = float(held.get("wall_time", 0.0))
     except FileNotFoundError:
         raise
-    except (OSError, RuntimeError, ValueError, TypeError):
+    except UNREADABLE:
         held = {}
     if held.get("point_id") != path.stem or held.get("status") not in ("completed", "failed"):
         reason = f"{path}: not the run file of this point; delete it and rerun"

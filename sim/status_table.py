@@ -52,6 +52,7 @@ def as_json(status: StudyStatus) -> str:
         "core_seconds_left": round(status.core_seconds_left, 3),
         "seconds_left": _rounded(status.left),
         "at_most": status.at_most,
+        "rounds_left": status.rounds_left,
     }
     return json.dumps(document, indent=2, ensure_ascii=False)
 
@@ -115,6 +116,8 @@ def _closing(status: StudyStatus) -> list[str]:
     else:
         cores = f"{status.cores:,} core" + "s" * (status.cores > 1)
         lines.append(f"time left {about} {duration(status.left)} on {cores}")
+    if status.rounds_left:
+        lines.append(f"rounds of refinement to come, not counted: {status.rounds_left}")
     outdated = sum(point.outdated for point in status.points.values())
     if outdated:
         lines.append(f"of another version of the engine, to be run again: {outdated:,} points")

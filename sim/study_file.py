@@ -165,7 +165,7 @@ class _Boundary(_Family[_SomeT, _ListsT], Generic[_SomeT, _ListsT]):
             raise broken_rule("range", self.range, "two numbers, the lower one first")
         if further_rounds(low, high, self.tolerance) > MAX_ROUNDS:
             finest = (high - low) / PARTS ** (MAX_ROUNDS + 1)
-            raise broken_rule("tolerance", self.tolerance, f"a number >= {finest:.3g}")
+            raise broken_rule("tolerance", self.tolerance, f"a number >= {1.01 * finest:.3g}")
         return self
 
     @model_validator(mode="after")

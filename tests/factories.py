@@ -138,6 +138,7 @@ def _scalars(
     words = {
         "regime": ["undetermined" if gone else regime for gone in lost],
         "quality": ["failed" if gone else "reliable" for gone in lost],
+        "stopped": ["failure" if gone else "length" for gone in lost],
         "status": ["failed" if gone else "completed" for gone in lost],
         "reason": [FAILURE if gone else "" for gone in lost],
     }

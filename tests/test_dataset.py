@@ -40,6 +40,15 @@ def test_scalars_are_those_of_the_runs(made, dataset):
         assert set(row["regime"].values[: point.parameters.replicates]) == {regime}
 
 
+def test_replicates_are_told_together_too(made, dataset):
+    point = next(iter(load_study(*made).points.values()))
+    mean, regime = made_velocity(point.parameters)
+    row = dataset.sel(point=point.id)
+    assert float(row["point_velocity"]) == pytest.approx(mean, abs=1e-12)
+    assert float(row["point_half_width"]) > 0.0
+    assert (row["point_regime"].item(), row["point_quality"].item()) == (regime, "reliable")
+
+
 def test_missing_replicates_are_padded(dataset):
     pair = dataset.isel(point=0)
     assert int(pair["replicates"]) == 2

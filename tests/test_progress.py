@@ -203,3 +203,9 @@ def test_files_that_say_nothing_are_nothing(clock, output):
         progress_file(output).mkdir()
         assert read_progress(output) is None
         progress_file(output).rmdir()
+
+
+def test_the_file_stays_with_a_run_that_was_terminated(clock, output):
+    with pytest.raises(SystemExit), progress(POINT, output):
+        raise SystemExit(143)
+    assert progress_file(output).exists()

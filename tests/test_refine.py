@@ -73,7 +73,8 @@ def test_points_that_contradict_each_other_stay_inside():
     ("sides", "expected"),
     [
         (["a", "a", "a"], Located("none", "a", "a")),
-        (["a", None, None], Located("none", "a", "a")),
+        (["a", None, None], Located("open", "a", "a")),
+        ([None, "a", "a"], Located("open", "a", "a")),
         (["a", "b", "a"], Located("several", "a", "a")),
         ([None, None, None], Located("open", "", "")),
     ],

@@ -103,7 +103,7 @@ def test_progress_counts_no_sample_twice(monkeypatch):
 
 def test_a_point_file_shows_the_failure_again(tmp_path):
     assert run_point(HOPELESS, tmp_path / "run.nc", quiet=True) == BLOWN_UP
-    path = tmp_path / f"{point_id(HOPELESS)}.yaml"
+    path = tmp_path / f"{point_id(HOPELESS)}.failed.yaml"
     assert load_point(path) == HOPELESS.model_copy(update={"replicates": 1})
     comment = path.read_text().splitlines()[1]
     command = comment.removeprefix("#   python ").split()

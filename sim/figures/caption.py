@@ -41,6 +41,19 @@ def parameters_sentence(rows: pd.DataFrame, system: str, names: Sequence[str]) -
     return "Parameters: " + "; ".join(parts) + "."
 
 
+def protocol_sentence(rows: pd.DataFrame, system: str) -> str:
+    """Say how long runs of the converged protocol go on; empty where all are published ones."""
+    converged = rows[rows["protocol"] == "converged"]
+    if converged.empty:
+        return ""
+    limit, targets = quantity(system, "limit", converged["limit"]), sorted(set(converged["target"]))
+    wanted = ", ".join(f"{100 * target:g}" for target in targets)
+    return (
+        f"Converged protocol ({_points(len(converged))}): runs go on until the mean is known to "
+        f"{wanted} % and no drift is left, {limit} at most; averaged is what the transient leaves."
+    )
+
+
 def interval_sentence(rows: pd.DataFrame) -> str:
     """Say what the error bars are, for how many points of which number of replicates."""
     shown = rows[rows["completed"] > 0]
@@ -69,7 +82,8 @@ def regime_sentence(rows: pd.DataFrame) -> str:
     parts = []
     if unknown.any():
         parts.append(
-            f"pale ones may be, their runs are too short to tell ({_points(unknown.sum())})"
+            f"pale ones may be, their runs are too short to tell ({_points(unknown.sum())}), and "
+            "their error bars may be too small"
         )
     if len(counts):
         named = [f"{_points(count)} {_REGIMES[regime]}" for regime, count in counts.items()]

@@ -18,6 +18,7 @@ from sim.figures.caption import (
     failure_sentence,
     interval_sentence,
     parameters_sentence,
+    protocol_sentence,
     regime_sentence,
 )
 from sim.figures.regime_map import boundary_sentence
@@ -27,6 +28,9 @@ from sim.files import replacing
 from sim.parameters import SYSTEMS, field_info
 from sim.regime_boundaries import read_table
 from sim.stored import reading
+
+#: Parameters that every table of data tells beside those of its figure.
+PROTOCOL = ("protocol", "target", "limit")
 
 SUFFIXES = (".png", ".svg", ".csv", ".caption.txt")
 
@@ -58,7 +62,7 @@ def render(spec: FigureSpec, dataset_path: Path, folder: Path) -> list[Path]:
                 0.5, 0.5, "no point completed", ha="center", transform=figure.axes[0].transAxes
             )
         _save(figure, spec, png, svg)
-        columns = list(dict.fromkeys([*spec.axes, *spec.curves, *module.NAMED]))
+        columns = list(dict.fromkeys([*spec.axes, *spec.curves, *module.NAMED, *PROTOCOL]))
         behind(rows, spec.system, columns).to_csv(csv, index=False, float_format="%.10g")
         text.write_text(caption(rows, found, spec, module) + "\n", encoding="utf-8")
     return files
@@ -94,6 +98,7 @@ def caption(rows: pd.DataFrame, found: pd.DataFrame, spec: FigureSpec, module: M
     sentences = (
         f"{spec.paper}. {module.LEAD}",
         parameters_sentence(rows, spec.system, module.NAMED),
+        protocol_sentence(rows, spec.system),
         *values,
         caveat_sentence(rows),
         failure_sentence(rows),
@@ -107,7 +112,8 @@ def behind(rows: pd.DataFrame, system: str, parameters: list[str]) -> pd.DataFra
     table = {"point": rows["point"]}
     for name in parameters:
         row = declared[name]
-        table[f"{name} [{row.scale or row.unit}]"] = rows[name]
+        unit = row.scale or row.unit
+        table[f"{name} [{unit}]" if unit else name] = rows[name]
     return pd.DataFrame(
         table
         | {
@@ -118,6 +124,7 @@ def behind(rows: pd.DataFrame, system: str, parameters: list[str]) -> pd.DataFra
             "replicates": rows["replicates"].astype(int),
             "regime": rows["regime"],
             "quality of the mean": rows["quality"],
+            "stopped by": rows["stopped"],
             "reason of failures": rows["reason"],
             "caveat": rows["caveat"],
         }

@@ -81,8 +81,8 @@ def place_legend(figure: Figure, axes: Axes) -> None:
 
 
 def undecided(rows: pd.DataFrame) -> pd.Series:
-    """Return which points may be steady or not: their runs are too short to rule out a drift."""
-    return (rows["regime"] == "undetermined") & (rows["quality"] == "short")
+    """Return which points may be steady or not: too few independent samples, or no clear trend."""
+    return rows["regime"].isin(("steady", "undetermined")) & (rows["quality"] == "short")
 
 
 def draw_curve(
@@ -118,8 +118,8 @@ def draw_curve(
     if style.dashes != "none":
         line = shown["velocity"].mask(shown["regime"].isin(unjoined))
         axes.plot(shown[along], line, color=style.colour, linestyle=style.dashes)
-    steady = shown["regime"] == "steady"
     unknown = undecided(shown)
+    steady = (shown["regime"] == "steady") & ~unknown
     for chosen, face in (
         (steady, style.colour),
         (unknown, (*to_rgb(style.colour), PALE)),

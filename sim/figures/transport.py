@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from sim.figures.caption import setting
-from sim.figures.style import CurveStyle, canvas, draw_curve, place_legend
+from sim.figures.style import MARKERS, CurveStyle, canvas, cycled, draw_curve, place_legend
 from sim.figures.summary import split_curves
 from sim.parameters import BeltParameters
 
@@ -45,8 +45,13 @@ def draw_panel(
     """
     figure, axes = canvas()
     curves = split_curves(rows, along, keys, tuple(BeltParameters.model_fields))
+    seen: set[CurveStyle] = set()
     for index, (names, curve) in enumerate(curves):
         style, label = look(names, index)
+        if style in seen:
+            # Another parameter tells these curves apart, which the paper's styles do not know.
+            style = cycled(index + len(MARKERS) // 2)
+        seen.add(style)
         extra = {name: value for name, value in names.items() if name not in keys}
         draw_curve(axes, curve, along, style, label + describe(extra))
     axes.axhline(0, color="#888888", linewidth=0.7, zorder=1)

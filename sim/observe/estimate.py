@@ -44,7 +44,10 @@ def _timeseries() -> ModuleType:
     The package as a whole imports scipy.stats, which takes half a second, a third of a belt's run.
     """
     package = ModuleType("pymbar")
-    package.__path__ = PathFinder.find_spec("pymbar").submodule_search_locations
+    found = PathFinder.find_spec("pymbar")
+    if found is None:
+        raise ModuleNotFoundError("No module named 'pymbar'")
+    package.__path__ = found.submodule_search_locations
     loggers = [logging.getLogger(name) for name in ("pymbar", "numexpr")]
     levels = [logger.level for logger in loggers]
     for logger in loggers:
@@ -62,7 +65,12 @@ def inefficiency(series: np.ndarray) -> float:
     """Return how many successive samples are worth one independent one, at least 1."""
     if len(series) < 3 or np.ptp(series) == 0.0:
         return 1.0
-    return float(_timeseries().statistical_inefficiency(series))
+    timeseries = _timeseries()
+    try:
+        return float(timeseries.statistical_inefficiency(series))
+    except timeseries.ParameterError:
+        # The variance of numbers this small is zero.
+        return 1.0
 
 
 def transient_end(series: np.ndarray) -> int:
@@ -103,6 +111,12 @@ def slope(series: np.ndarray, interval: float) -> Interval:
         errors.append((spread * batches / len(series), batches - 2.0))
     found = _widest(value, errors)
     return Interval(found.value / interval, found.error / interval, found.half_width / interval)
+
+
+def detrended(series: np.ndarray) -> np.ndarray:
+    """Return what is left of a series without its mean and its slope."""
+    _, _, residuals = _line(series)
+    return residuals
 
 
 def batch_means(series: np.ndarray, batches: int) -> np.ndarray:

@@ -38,9 +38,10 @@ class Recorder:
         self.system = system
         self.taken = 0
         self.stopped = ""
+        self._reason = ""
         self._published = p.protocol == "published"
         self._interval = p.sample_steps * p.time_step
-        self._start = p.transient_samples if self._published else 0
+        self._start = p.transient_samples
         self._looks = stopping.looks(p.shortest_samples, p.longest_samples)
         self._trend: Trend | None = None
         self._table = np.full((len(system.series), p.shortest_samples), np.nan)
@@ -52,7 +53,7 @@ class Recorder:
         if self.taken == self._table.shape[1]:
             self._table = np.pad(self._table, ((0, 0), (0, self.taken)), constant_values=np.nan)
         self._table[:, self.taken] = [values[name] for name in self.system.series]
-        if not self._published or self.taken >= self._start:
+        if self.taken >= self.system.parameters.transient_samples:
             self._profiles.add(self.system.sample_profiles())
         self.taken += 1
         if self.taken in self._looks:
@@ -67,8 +68,10 @@ class Recorder:
             self._trend = analyse(velocity[self._start :], self._interval, scales, period)
         else:
             self._start, self._trend, reason = stopping.verdict(
-                velocity, self._interval, scales, period, p.target
+                velocity, self._interval, scales, period, p.transient_samples
             )
+            confirmed = reason in (self._reason, stopping.ARRESTED)
+            self._reason, reason = reason, reason if confirmed else ""
         last = self.taken == self._looks[-1]
         self.stopped = reason or (stopping.LIMIT if last else "")
 
@@ -140,7 +143,7 @@ class Recorder:
     def _add_profiles(self, record: Record) -> None:
         """Turn the sums into profiles; without a sample past the transient they are undefined."""
         empty = tuple(profile.zeros() for profile in self.system.sample_profiles())
-        offset = 0 if self._published else self._start
+        offset = self._start - self.system.parameters.transient_samples
         for suffix, sums in (
             ("", self._profiles.since(offset)),
             ("_instantaneous", self._profiles.latest),

@@ -1,18 +1,26 @@
 """The regime of a flow, by tests with stated error rates on the trend of its mean velocity.
 
-Each decision rests on a 95 % interval of the slope: a flow is called accelerating or steady though
-it is not in at most 2.5 % of cases, for the interval must lie beyond, or within, what is negligible
-as a whole. What the interval leaves open is undetermined.
+Each decision rests on a 95 % interval of the slope, which must lie beyond, or within, what is
+negligible as a whole: a flow is called accelerating or steady though it is not in less than 5 % of
+cases. What the interval leaves open is undetermined, and so is a flow seen for too short a time.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
 
-from sim.observe.estimate import FEWEST, Interval, cycle_means, mean, slope
+from sim.observe.estimate import FEWEST, Interval, cycle_means, detrended, mean, slope
 
 #: Independent samples that a mean needs for its interval to hold; with fewer it is `short`.
 INDEPENDENT = 15.0
+
+#: With fewer independent samples a slow fluctuation looks like a trend and a trend like a
+#: fluctuation: the regime is open then, unless an acceleration changes the velocity by this share
+#: of its mean within the window.
+TOO_FEW, EVIDENT = 8.0, 0.5
+
+#: A spread below this share of the velocity that counts as rest is that of rounding.
+STILL = 1e-3
 
 
 @dataclass(frozen=True)
@@ -21,12 +29,13 @@ class Scales:
 
     ``arrested`` (m/s): a velocity below it is no flow. A trend is none when it is below
     ``acceleration`` (m/s²) and changes the velocity by less than the fraction ``drift`` of its mean
-    over the whole window.
+    over the whole window; ``target`` is the precision wanted of the mean, relative to it.
     """
 
     arrested: float
     acceleration: float
     drift: float
+    target: float
 
 
 @dataclass(frozen=True)
@@ -36,7 +45,7 @@ class Trend:
     ``quality``: `reliable`; `short`: too few independent samples for an interval that holds, or to
     rule out a drift; `drifting`: the velocity changes, so its mean is that of the window alone;
     `jammed`: the velocity is constant, so there is no scatter to tell an error from; `failed`.
-    ``independent`` is the number of independent samples.
+    ``independent`` is the number of independent samples about the trend.
     """
 
     velocity: Interval
@@ -75,9 +84,34 @@ def analyse(velocity: np.ndarray, interval: float, scales: Scales, period: int =
     average, trend = mean(cycles), slope(cycles, interval * period)
     if len(cycles) < FEWEST:
         return Trend(average, trend, "undetermined", "short", float(len(cycles)))
-    independent = (cycles.std(ddof=1) / average.error) ** 2 if np.ptp(cycles) else 0.0
+    independent = _independent(cycles, scales)
+    change = trend.value * interval * period * len(cycles) / abs(average.value or np.inf)
     regime = _regime(cycles, average, trend, scales, interval * period * len(cycles))
-    return Trend(average, trend, regime, _quality(trend, regime, independent), float(independent))
+    evident = regime == "accelerating" and change > EVIDENT
+    if regime != "arrested" and 0.0 < independent < TOO_FEW and not evident:
+        regime = "undetermined"
+    significant = abs(trend.value) > trend.half_width
+    if independent == 0.0:
+        quality = "jammed"
+    elif (
+        regime != "arrested" and significant and (abs(change) > scales.target or regime != "steady")
+    ):
+        quality = "drifting"
+    else:
+        few = regime == "undetermined" or independent < INDEPENDENT
+        quality = "short" if few else "reliable"
+    return Trend(average, trend, regime, quality, independent)
+
+
+def _independent(cycles: np.ndarray, scales: Scales) -> float:
+    """Return the number of independent samples of a series about its trend, 0 for a constant."""
+    if cycles.std() <= STILL * scales.arrested and np.abs(cycles).max() < scales.arrested:
+        return 0.0
+    if np.ptp(cycles) == 0.0:
+        return 0.0
+    about = detrended(cycles)
+    error = mean(about).error
+    return float((about.std(ddof=1) / error) ** 2) if error > 0.0 else float(len(cycles))
 
 
 def _regime(
@@ -92,11 +126,3 @@ def _regime(
     if abs(trend.value) + trend.half_width < negligible:
         return "steady"
     return "undetermined"
-
-
-def _quality(trend: Interval, regime: str, independent: float) -> str:
-    if independent == 0.0:
-        return "jammed"
-    if regime not in ("steady", "arrested") and abs(trend.value) > trend.half_width:
-        return "drifting"
-    return "short" if regime == "undetermined" or independent < INDEPENDENT else "reliable"

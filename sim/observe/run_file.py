@@ -78,11 +78,7 @@ def _put(file, name, dimensions, values, unit="", long_name=""):
     values = np.asarray(values)
     text = values.dtype.kind in "UO"
     kind = str if text else ("i8" if values.dtype.kind in "ib" else "f8")
-    options = (
-        {}
-        if text or not dimensions
-        else {"zlib": True, "complevel": 1, "shuffle": True, "fletcher32": True}
-    )
+    options = {} if text or not dimensions else FILTERS
     variable = file.createVariable(name, kind, dimensions, **options)
     if unit:
         variable.units = unit

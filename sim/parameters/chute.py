@@ -286,6 +286,14 @@ class ChuteParameters(Parameters):
         return max(1, round(self.depth * self.cell * self.cell))
 
     @model_validator(mode="after")
+    def _of_resolved_motion(self) -> Self:
+        if self.time_step > self.sample_interval * self.time_unit:
+            least = self.time_step / self.time_unit
+            allowed = f"at least one time step, {least:.3g} here (stiffness and mass set it)"
+            raise broken_rule("sample_interval", self.sample_interval, allowed)
+        return self
+
+    @model_validator(mode="after")
     def _of_feasible_count(self) -> Self:
         if not self.depth * self.cell * self.cell <= MAX_PARTICLES:
             allowed = f"a value that gives at most {MAX_PARTICLES:.0e} particles in the cell"

@@ -94,7 +94,9 @@ class Chute:
         self.slice_height = p.slice_height * p.diameter
         slices = ceil((1.5 * layer + 10.0 * p.diameter) / self.slice_height)
         negligible = 0.01 * p.gravity * max(sin(angle), 0.1)
-        self.scales = Scales(1e-3 * p.velocity_unit, acceleration=negligible, drift=p.drift)
+        self.scales = Scales(
+            1e-3 * p.velocity_unit, acceleration=negligible, drift=p.drift, target=p.target
+        )
         self.mass = float(self.spheres.mass.sum())
         self.weight = (self.mass * self.gravity[0], -self.mass * self.gravity[2])
         self.period = 1

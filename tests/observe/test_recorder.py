@@ -37,7 +37,7 @@ class Ramp:
     mass = 2.0
     weight = (4.0, 100.0)
     profile_height = np.array([0.5])
-    scales = Scales(arrested=1e-3, acceleration=0.1, drift=0.1)
+    scales = Scales(arrested=1e-3, acceleration=0.1, drift=0.1, target=0.02)
     period = 1
 
     def __init__(self, parameters, velocity=float):

@@ -7,8 +7,8 @@ from sim.observe.regime import INDEPENDENT, Scales, analyse
 from tests.observe.series import correlated, with_drift
 
 INTERVAL, DRIFT = 0.01, 0.1
-CHUTE = Scales(arrested=1e-4, acceleration=0.03, drift=1.0)
-BELT = Scales(arrested=1e-3, acceleration=np.inf, drift=DRIFT)
+CHUTE = Scales(arrested=1e-4, acceleration=0.03, drift=1.0, target=0.02)
+BELT = Scales(arrested=1e-3, acceleration=np.inf, drift=DRIFT, target=0.02)
 
 
 def series(mean=0.5, slope=0.0, noise=0.01, samples=1200, seed=0) -> np.ndarray:
@@ -28,7 +28,8 @@ def series(mean=0.5, slope=0.0, noise=0.01, samples=1200, seed=0) -> np.ndarray:
         ({"slope": 0.0, "noise": 3.0, "mean": 5.0}, CHUTE, "undetermined", "short"),
         ({"mean": 0.0, "noise": 1e-5}, CHUTE, "arrested", "reliable"),
         ({"mean": 0.0, "noise": 2e-4}, BELT, "arrested", "reliable"),
-        ({"slope": 0.001}, BELT, "steady", "reliable"),
+        ({"slope": 0.0003}, BELT, "steady", "reliable"),
+        ({"slope": 0.002}, BELT, "steady", "drifting"),
         ({"slope": 0.02}, BELT, "accelerating", "drifting"),
         ({"slope": -0.02}, BELT, "undetermined", "drifting"),
     ],
@@ -66,7 +67,7 @@ def test_without_a_drift_long_series_are_steady():
 
 def test_slow_correlations_are_short_of_independent_samples():
     noisy = 40.0 + correlated(np.random.default_rng(4), 400, 60)
-    found = analyse(noisy, 1.0, Scales(1e-3, np.inf, 10.0))
+    found = analyse(noisy, 1.0, Scales(1e-3, np.inf, 10.0, 0.02))
     assert found.independent < INDEPENDENT
     assert (found.regime, found.quality) == ("steady", "short")
 
@@ -82,6 +83,12 @@ def test_a_jammed_series_has_a_status_of_its_own(mean):
     assert (found.velocity.value, found.velocity.half_width) == (mean, 0.0)
     assert (found.quality, found.independent) == ("jammed", 0.0)
     assert found.regime == ("steady" if mean else "arrested")
+
+
+def test_a_bed_at_rest_is_jammed_though_its_last_bits_move():
+    trembling = 1e-9 * np.random.default_rng(1).normal(size=600)
+    found = analyse(trembling, INTERVAL, CHUTE)
+    assert (found.regime, found.quality) == ("arrested", "jammed")
 
 
 def test_a_perfect_line_is_an_acceleration():

@@ -7,20 +7,24 @@ from sim.observe import stopping
 from sim.observe.regime import Scales
 from tests.observe.series import correlated, with_transient
 
-SCALES = Scales(arrested=1e-3, acceleration=np.inf, drift=0.1)
+
+def scales(target: float = 0.02) -> Scales:
+    return Scales(arrested=1e-3, acceleration=np.inf, drift=0.1, target=target)
 
 
 def run_to_the_end(velocity, shortest, target=0.02):
     """Look at a series as a run would; return length, window start, trend and reason."""
+    before = ""
     for length in stopping.looks(shortest, len(velocity)):
-        start, trend, reason = stopping.verdict(velocity[:length], 1.0, SCALES, 1, target)
-        if reason:
-            break
-    return length, start, trend, reason
+        start, trend, reason = stopping.verdict(velocity[:length], 1.0, scales(target), 1, 0)
+        if reason and reason in (before, stopping.ARRESTED):
+            return length, start, trend, reason
+        before = reason
+    return length, start, trend, ""
 
 
 def test_looks_are_few_and_end_at_the_limit():
-    assert stopping.looks(100, 1000) == [100, 150, 225, 337, 506, 759, 1000]
+    assert stopping.looks(100, 500) == [100, 135, 182, 246, 332, 448, 500]
     assert stopping.looks(100, 100) == [100]
 
 
@@ -37,6 +41,26 @@ def test_a_run_stops_when_its_mean_is_known_well_enough():
         covered.append(abs(trend.velocity.value - 5.0) < trend.velocity.half_width)
     assert np.mean(covered) > 0.88
     assert max(lengths) < 40_000
+
+
+@pytest.mark.parametrize("relaxation", [300, 600])
+def test_a_slow_relaxation_is_waited_for(relaxation):
+    """A flow that still relaxes when it is first looked at ends with the steady mean.
+
+    Of 40 runs those that stop at the target are off by less than the target on average, and 17 in
+    20 of their intervals hold; the others go on to the limit.
+    """
+    rng = np.random.default_rng(14)
+    time = np.arange(12_000)
+    off, held = [], []
+    for _ in range(40):
+        velocity = 1.0 - 0.3 * np.exp(-time / relaxation) + 0.02 * correlated(rng, time.size, 20)
+        _, _, trend, reason = run_to_the_end(velocity, 2000)
+        assert reason == stopping.TARGET
+        off.append(trend.velocity.value - 1.0)
+        held.append(abs(off[-1]) < trend.velocity.half_width)
+    assert abs(np.mean(off)) < 0.01
+    assert np.mean(held) > 0.8
 
 
 def test_a_stricter_target_takes_longer():
@@ -78,3 +102,10 @@ def test_the_window_of_a_driven_series_starts_with_a_cycle():
     wave = np.sin(2 * np.pi * np.arange(1010) / 20)
     start = stopping.window_start(wave + np.exp(-np.arange(1010) / 50), 20)
     assert (1010 - start) % 20 == 0 and start > 0
+
+
+@pytest.mark.parametrize("least", [0, 7, 100, 333])
+def test_what_is_known_to_be_transient_is_left_out_in_any_case(least):
+    noise = correlated(np.random.default_rng(10), 1000, 3)
+    start = stopping.window_start(noise, 20, least)
+    assert start >= least and (1000 - start) % 20 == 0

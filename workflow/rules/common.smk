@@ -17,8 +17,9 @@ sys.path.insert(0, str(ROOT))
 
 from sim.errors import InputError
 from sim.figures import FIGURES
-from sim.parameters import canonical_json, parse_point
+from sim.parameters import canonical_json
 from sim.provenance import source_hash
+from sim.rounds import read_round
 from sim.study import DEFAULT_STUDY, estimate, load_study
 
 #: Seconds by which clocks of machines that share a folder may differ, and a time before all others.
@@ -45,10 +46,9 @@ def parameters(wildcards):
     """Return the parameters of a point of the study, of whichever round of refinement."""
     if wildcards.point in STUDY.points:
         return STUDY.points[wildcards.point].parameters
-    for path in map(round_file, range(1, STUDY.rounds + 1)):
-        point = json.loads(path.read_text()).get(wildcards.point) if path.is_file() else None
-        if point:
-            return parse_point(point, path)
+    for path in filter(Path.is_file, map(round_file, range(1, STUDY.rounds + 1))):
+        if point := read_round(path).get(wildcards.point):
+            return point
     raise WorkflowError(f"{wildcards.point}: no point of {STUDY.path}")
 
 
@@ -70,7 +70,7 @@ def run_files(rounds):
     """
     points = list(STUDY.points)
     for number in range(1, rounds + 1):
-        points += json.loads(Path(checkpoints.refine.get(round=number).output[0]).read_text())
+        points += read_round(Path(checkpoints.refine.get(round=number).output[0]))
     return [f"{RESULTS}/runs/{point}.nc" for point in points]
 
 

@@ -1,6 +1,11 @@
 # Boundaries between regimes: the runs of all rounds so far say which points the next one adds.
 
 
+localrules:
+    refine,
+    boundaries,
+
+
 checkpoint refine:
     input:
         lambda wildcards: run_files(int(wildcards.round) - 1),
