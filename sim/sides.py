@@ -1,6 +1,5 @@
 """On which side of a boundary between regimes a run is."""
 
-from math import pi, radians, tan
 from pathlib import Path
 
 import netCDF4
@@ -18,10 +17,6 @@ REGIMES = {
         "accelerating": "accelerating",
     },
 }
-
-#: Transport begins where the mean velocity exceeds this fraction of the velocity amplitude of the
-#: belt along x.
-TRANSPORT = 0.02
 
 
 def side_of_run(path: Path, of: str, parameters: Parameters) -> str | None:
@@ -59,12 +54,7 @@ def side_of_run(path: Path, of: str, parameters: Parameters) -> str | None:
 
 def _transport(parameters: BeltParameters, velocity: float, half_width: float) -> str | None:
     """Return the side that the whole 95 % interval of a mean velocity (m/s) is on."""
-    amplitude = parameters.amplitude * parameters.diameter
-    if parameters.vibration_angle < 90:
-        amplitude /= tan(radians(parameters.vibration_angle))
-    else:
-        amplitude = 0.0
-    least = TRANSPORT * amplitude * 2 * pi * parameters.frequency
+    least = parameters.least_transport
     if velocity + half_width <= least:
         return "no transport"
     return "transport" if velocity - half_width > least else None

@@ -124,8 +124,8 @@ def _scalars(
     acceleration = 2.0 if regime == "accelerating" else 1e-5
     numbers = {
         "velocity": (velocities, "m s-1"),
-        "velocity_error": (np.where(lost, nan, 0.004), "m s-1"),
-        "velocity_half_width": (np.where(lost, nan, 0.009), "m s-1"),
+        "velocity_error": (np.where(lost, nan, 0.0004), "m s-1"),
+        "velocity_half_width": (np.where(lost, nan, 0.0009), "m s-1"),
         "acceleration": (np.where(lost, nan, acceleration), "m s-2"),
         "acceleration_error": (np.where(lost, nan, 1e-4), "m s-2"),
         "acceleration_half_width": (np.where(lost, nan, 2e-4), "m s-2"),

@@ -16,11 +16,12 @@ import pytest
 from sim import dataset, report
 from sim.cli import main
 from sim.errors import InputError
-from sim.figures import FIGURES, draw
+from sim.figures import draw
 from sim.files import alone, is_damaged, seal
 from sim.parameters import canonical, point_id
 from sim.run import run_point
 from sim.stored import DamagedError
+from sim.study import load_study
 from sim.warm import warm
 from tests.factories import make_study
 from tests.motions import belt_point
@@ -116,7 +117,7 @@ def made(tmp_path) -> tuple[Path, Path]:
     """A study with its run files, dataset and figures."""
     study, results = make_study(tmp_path)
     built = dataset.build(study, results)
-    for name in FIGURES:
+    for name in load_study(study, results).figures:
         draw(name, built, results / "made" / "figures")
     return study, results
 

@@ -14,7 +14,7 @@ import pytest
 
 from sim.cli import main
 from sim.cost import PROCESS_TIME, estimate
-from sim.parameters import canonical, parse_point
+from sim.parameters import canonical, parse_point, point_id
 from sim.progress import Progress, progress_file, read_progress
 from sim.provenance import source_hash
 from sim.status import PointStatus, StudyStatus, survey
@@ -251,9 +251,9 @@ def test_points_of_later_rounds_belong_to_the_study(tmp_path):
     extra = parse_point({"system": "chute", "depth": 2.5}, "test")
     rounds = folder.results / "made" / "rounds"
     rounds.mkdir(parents=True)
-    (rounds / "1.json").write_text(json.dumps({"extra": canonical(extra)}))
+    (rounds / "1.json").write_text(json.dumps({point_id(extra): canonical(extra)}))
     (rounds / "9.json").write_text("of another study")
-    assert list(folder.survey().points) == [*folder.ids, "extra"]
+    assert list(folder.survey().points) == [*folder.ids, point_id(extra)]
 
 
 def screenful(points: int) -> StudyStatus:

@@ -15,9 +15,9 @@ from sim.observe.estimate import FEWEST, Interval, cycle_means, detrended, mean,
 INDEPENDENT = 15.0
 
 #: With fewer independent samples a slow fluctuation looks like a trend and a trend like a
-#: fluctuation: the regime is open then, unless an acceleration changes the velocity by this share
-#: of its mean within the window.
-TOO_FEW, EVIDENT = 8.0, 0.5
+#: fluctuation: the regime is open then, unless an acceleration is evident. It changes the velocity
+#: by this share of its mean within the window, or exceeds its half width by this factor.
+TOO_FEW, GAIN, EVIDENT = 8.0, 0.5, 5.0
 
 #: A spread below this share of the velocity that counts as rest is that of rounding.
 STILL = 1e-3
@@ -87,7 +87,9 @@ def analyse(velocity: np.ndarray, interval: float, scales: Scales, period: int =
     independent = _independent(cycles, scales)
     change = trend.value * interval * period * len(cycles) / abs(average.value or np.inf)
     regime = _regime(cycles, average, trend, scales, interval * period * len(cycles))
-    evident = regime == "accelerating" and change > EVIDENT
+    evident = regime == "accelerating" and (
+        change > GAIN or trend.value > EVIDENT * trend.half_width
+    )
     if regime != "arrested" and 0.0 < independent < TOO_FEW and not evident:
         regime = "undetermined"
     significant = abs(trend.value) > trend.half_width

@@ -237,6 +237,18 @@ class BeltParameters(Parameters):
         return self.time_unit / self.steps_per_cycle
 
     @property
+    def least_transport(self) -> float:
+        """Velocity below which nothing is transported, m/s: 2 % of the belt's velocity amplitude.
+
+        That along x, A_x 2πf, or of a vertical vibration A_z 2πf; an amplitude below 0.01 ⟨d⟩
+        counts as that.
+        """
+        along = self.vibration_angle < 90
+        slope = math.tan(math.radians(self.vibration_angle)) if along else 1.0
+        amplitude = max(self.amplitude / slope or self.amplitude, 0.01) * self.diameter
+        return 0.02 * amplitude * 2 * math.pi * self.frequency
+
+    @property
     def settling_step(self) -> float:
         """Time step while the bed settles, s.
 

@@ -287,10 +287,9 @@ class ChuteParameters(Parameters):
 
     @model_validator(mode="after")
     def _of_resolved_motion(self) -> Self:
-        if self.time_step > self.sample_interval * self.time_unit:
-            least = self.time_step / self.time_unit
-            allowed = f"at least one time step, {least:.3g} here (stiffness and mass set it)"
-            raise broken_rule("sample_interval", self.sample_interval, allowed)
+        if not self.time_step <= (self.transient + self.average) * self.time_unit:
+            allowed = "a value that gives a time step shorter than the run"
+            raise broken_rule("stiffness", self.stiffness, allowed)
         return self
 
     @model_validator(mode="after")

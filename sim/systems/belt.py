@@ -108,9 +108,7 @@ class Belt:
         self.motion = self._motion(2.0 * pi * p.frequency)
         self.integrator = self._integrator(self.time_step)
         self.loop = shaking.make_shaking()
-        amplitude = self.motion.amplitude_x or self.motion.amplitude_z
-        arrested = 0.02 * max(amplitude, 0.01 * p.diameter) * 2.0 * pi * p.frequency
-        self.scales = Scales(arrested, acceleration=np.inf, drift=p.drift, target=p.target)
+        self.scales = Scales(p.least_transport, acceleration=np.inf, drift=p.drift, target=p.target)
         self.mass = float(mass.sum())
         self.period = p.samples_per_cycle
         self.profile_height = (np.arange(SLICES) + 0.5) * p.diameter
