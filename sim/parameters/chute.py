@@ -287,7 +287,8 @@ class ChuteParameters(Parameters):
 
     @model_validator(mode="after")
     def _of_resolved_motion(self) -> Self:
-        if not self.time_step <= (self.transient + self.average) * self.time_unit:
+        longest = max(self.sample_interval, self.transient + self.average) * self.time_unit
+        if not self.time_step <= longest:
             allowed = "a value that gives a time step shorter than the run"
             raise broken_rule("stiffness", self.stiffness, allowed)
         return self
