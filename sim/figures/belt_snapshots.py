@@ -92,6 +92,8 @@ def _draw_beads(axes: Axes, row: Row, beads: pd.DataFrame, speed: float) -> None
         left = np.minimum(places[:, 0] - diameters / 2, ends[:, 0]) + shift
         right = np.maximum(places[:, 0] + diameters / 2, ends[:, 0]) + shift
         seen = (right > 0) & (left < row["width"])
+        if not seen.any():
+            continue
         axes.add_collection(
             EllipseCollection(
                 diameters[seen],

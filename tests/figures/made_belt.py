@@ -1,11 +1,11 @@
 """A made-up study of the belt: profiles and particles of every point follow a known formula."""
 
+from functools import cache
 from importlib import import_module
 from pathlib import Path
 
 import matplotlib as mpl
 import numpy as np
-import xarray as xr
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
@@ -137,18 +137,20 @@ def make_dataset(folder: Path) -> Path:
     for point in study.points.values():
         parameters = point.parameters
         velocity = transport(parameters) / (1 + parameters.obstacle) * (1 + SPREAD)
-        path = write_run(results / study.name / "runs", parameters, velocity)
-        with xr.open_dataset(path) as opened:
-            run = opened.load()
-        made = made_profiles(parameters) | made_particles(parameters)
-        run.drop_dims("height").assign(made).to_netcdf(path)
+        arrays = made_profiles(parameters)
+        if any(FIGURES[name].particles for name in point.figures):
+            arrays |= made_particles(parameters)
+        write_run(results / study.name / "runs", parameters, velocity, arrays=arrays)
     return build(study_path, results)
+
+
+_loaded = cache(load_results)
 
 
 def drawn(name: str, dataset_path: Path) -> tuple[Figure, FigureData]:
     """Return a figure as its module draws it, and what it was drawn from."""
     module = import_module(f"sim.figures.{name}")
-    data = figure_data(load_results(dataset_path), FIGURES[name])
+    data = figure_data(_loaded(dataset_path), FIGURES[name])
     if hasattr(module, "select"):
         data = module.select(data)
     with mpl.rc_context(SETTINGS):

@@ -8,10 +8,12 @@ from matplotlib.colors import to_rgb
 from scipy.stats import t
 
 from sim.errors import InputError
-from sim.figures import draw
+from sim.figures import FIGURES, draw
 from sim.figures.belt_profiles import DENSITY, THIN, VELOCITY, profiles
 from sim.figures.style import DASH_DOT, DOTTED, LONG_DASH, SHORT_DASH
+from sim.figures.summary import figure_data
 from sim.parameters import BeltParameters
+from sim.results import load_results
 from tests.figures.made_belt import SPREAD, dashes, drawn, plateau, transport
 
 FREQUENCIES = {"f = 10 Hz": "-", "f = 20 Hz": LONG_DASH, "f = 60 Hz": DASH_DOT, "f = 80 Hz": DOTTED}
@@ -131,7 +133,7 @@ def test_the_slip_in_the_papers_caption_is_told(belt_dataset, tmp_path):
 
 
 def test_a_slice_that_is_empty_in_a_replicate_has_no_velocity(belt_dataset):
-    _, data = drawn("gallas_3a", belt_dataset)
+    data = figure_data(load_results(belt_dataset), FIGURES["gallas_3a"])
     point = data.rows["point"].iloc[0]
     belt = data.results.profiles["belt"]
     belt["velocity_profile"].loc[{"run": point, "replicate": 1, "slice": 2}] = np.nan
@@ -141,7 +143,7 @@ def test_a_slice_that_is_empty_in_a_replicate_has_no_velocity(belt_dataset):
 
 
 def test_a_profile_ends_where_it_is_too_thin(belt_dataset):
-    _, data = drawn("gallas_2a", belt_dataset)
+    data = figure_data(load_results(belt_dataset), FIGURES["gallas_2a"])
     point = data.rows["point"].iloc[0]
     density = data.results.profiles["belt"]["number_density"]
     for place, factor in ((20, 1.01), (25, 0.99)):
@@ -168,6 +170,6 @@ def test_a_single_replicate_has_no_band(belt_dataset, tmp_path):
 def test_a_dataset_without_profiles_is_refused(belt_dataset, tmp_path):
     with xr.open_dataset(belt_dataset) as opened:
         opened.load().to_netcdf(tmp_path / "dataset.nc")
-    with pytest.raises(InputError, match="^belt-.*: no number_density in the dataset$"):
+    with pytest.raises(InputError, match=r"^belt-.*: no number_density in the dataset$"):
         draw("gallas_2a", tmp_path / "dataset.nc", tmp_path)
     assert not list(tmp_path.glob("gallas*"))
