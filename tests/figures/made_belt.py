@@ -46,6 +46,10 @@ series:
       - {damping: 0, shear_damping: 50}
       - {damping: 50, shear_damping: 100}
     figures: [gallas_2c, gallas_3c]
+  - name: starts
+    system: belt
+    base: {frequency: 80, damping: 10, shear_damping: 10, initial_velocity: 2.5}
+    figures: [gallas_2c, gallas_3c]
   - name: frictionless
     system: belt
     cases: [{frequency: 10, shear_damping: 1}, {frequency: 80, shear_damping: 0}]
