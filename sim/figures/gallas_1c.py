@@ -3,7 +3,7 @@
 from matplotlib.figure import Figure
 
 from sim.figures import transport
-from sim.figures.style import CurveStyle, cycled
+from sim.figures.style import LONG_DASH, CurveStyle, cycled
 from sim.figures.summary import FigureData
 
 NAMED = transport.NAMED
@@ -15,17 +15,18 @@ PAPER = "The paper: the flux rises rapidly up to γ_s = 10g and only gently from
 
 _STYLES = {
     50.0: CurveStyle("#000000", "-", "o"),
-    20.0: CurveStyle("#0072b2", (0, (5, 2)), "s"),
+    20.0: CurveStyle("#0072b2", LONG_DASH, "s"),
 }
 
 
 def draw(data: FigureData) -> Figure:
     """Draw the figure."""
-    figure, axes = transport.draw_panel(data.rows, "shear_damping", ("frequency",), _look)
+    figure, axes = transport.draw_panel(data.rows, "shear_damping", ("frequency",), look)
     axes.set_xlabel("shear friction coefficient $γ_s$ (g)")
     return figure
 
 
-def _look(names: dict[str, object], index: int) -> tuple[CurveStyle, str]:
+def look(names: dict[str, object], index: int) -> tuple[CurveStyle, str]:
+    """Return style and legend entry of a curve."""
     frequency = names["frequency"]
     return _STYLES.get(frequency, cycled(index + len(_STYLES))), f"f = {frequency:g} Hz"

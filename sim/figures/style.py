@@ -14,6 +14,8 @@ DASHES = ("-", (0, (5, 2)), (0, (5, 2, 1, 2)), (0, (1, 1.5)), (0, (5, 2, 1, 2, 1
 MARKERS = ("o", "s", "^", "D", "v", "P", "X")
 
 SHORT_DASH = (0, (3, 1.5))
+LONG_DASH = DASHES[1]
+DOTTED = DASHES[3]
 DASH_DOT = (0, (6, 2, 1, 2))
 
 #: matplotlib settings in force while a figure is drawn and saved.
@@ -76,7 +78,7 @@ def place_legend(figure: Figure, axes: Axes) -> None:
     entries = list(zip(*axes.get_legend_handles_labels(), strict=True))
     entries.sort(key=lambda entry: entry[0].get_linestyle() == "None")
     handles, labels = [handle for handle, _ in entries], [label for _, label in entries]
-    columns = max(1, min(3, CHARACTERS_ABOVE // (max(map(len, labels), default=0) + 6)))
+    columns = max(1, min(4, CHARACTERS_ABOVE // (max(map(len, labels), default=0) + 6)))
     figure.legend(handles, labels, loc="outside upper center", ncols=columns)
 
 
