@@ -39,21 +39,22 @@ class Frame(NamedTuple):
     top: float
 
 
-def view_from(azimuth: float, elevation: float, tilt: float = 0.0) -> View:
-    """Return the view of a viewer who looks along y with x to the right and z up.
+def view_from(azimuth: float, elevation: float, slope: float = 0.0) -> View:
+    """Return the view of a viewer who looks along y, with x to the right and z up.
 
     Parameters
     ----------
     azimuth, elevation : float
         How far the viewer has walked round to the side of negative x and then risen, degrees.
-    tilt : float
-        How far the picture is then turned clockwise, degrees, so that x points down a slope.
+    slope : float
+        Angle by which x points below the horizontal of the picture, degrees.
     """
-    a, e, t = np.radians([azimuth, elevation, tilt])
+    a, e, s = np.radians([azimuth, elevation, slope])
     right = np.array([np.cos(a), -np.sin(a), 0.0])
     toward = np.array([-np.sin(a) * np.cos(e), -np.cos(a) * np.cos(e), np.sin(e)])
-    up = np.cross(toward, right)
-    return View(np.cos(t) * right + np.sin(t) * up, np.cos(t) * up - np.sin(t) * right, toward)
+    level = np.stack([right, np.cross(toward, right), toward])
+    inclined = np.array([[np.cos(s), 0, np.sin(s)], [0, 1, 0], [-np.sin(s), 0, np.cos(s)]])
+    return View(*(level @ inclined))
 
 
 def project(view: View, points: np.ndarray) -> np.ndarray:

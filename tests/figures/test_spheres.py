@@ -73,7 +73,9 @@ def test_views_are_right_handed_and_x_points_down_the_slope():
     x, _, z = project(view, np.eye(3))
     assert x == pytest.approx([np.cos(np.radians(17)), -np.sin(np.radians(17)), 0])
     assert z[1] > 0
+    fall = np.array([np.sin(np.radians(17)), 0, -np.cos(np.radians(17))])
     for chosen in (view, view_from(-16, 16, 17)):
+        assert project(chosen, fall)[0] == pytest.approx(0)
         assert np.cross(chosen.right, chosen.up) == pytest.approx(chosen.toward)
 
 
