@@ -1,0 +1,120 @@
+"""A configuration of a chute flow: shaded spheres on the inclined plane, seen from the side."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from matplotlib import colormaps
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import Normalize
+
+from sim.figures.spheres import frame_around, picture, project, view_from
+
+#: Where the viewer stands: a little down the slope and above.
+AZIMUTH, ELEVATION = -16.0, 14.0
+
+#: Greatest depth n whose pictures show a portion of the cell: the half near the viewer.
+LARGEST_PORTION = 10
+
+COLOURS = colormaps["viridis"]
+_GLUED = np.array([0.6, 0.6, 0.6])
+
+_DARK = "#222222"
+_ARROW = {"arrowstyle": "-|>", "color": _DARK, "linewidth": 1.2, "shrinkA": 0, "shrinkB": 0}
+
+
+class Scene:
+    """What all pictures of one flow share: the view, the part of the cell, and colours.
+
+    Parameters
+    ----------
+    row : mapping
+        Parameters of the point.
+    state : xarray.Dataset
+        Its particles, see `sim.results.Results.particles`.
+    heights : numpy.ndarray
+        Heights (m) that the pictures must have room for, of any shape.
+    speeds : numpy.ndarray
+        Velocities down the slope (m/s) that the colours must tell apart, of any shape.
+    pixels : int
+        Height or width of the pictures in pixels, whichever is larger.
+    """
+
+    def __init__(
+        self,
+        row: Mapping[str, Any],
+        state: xr.Dataset,
+        heights: np.ndarray,
+        speeds: np.ndarray,
+        pixels: int,
+    ):
+        self.diameter = float(row["diameter"])
+        self.cell = np.full(2, row["cell"] * self.diameter)
+        self.shown = self.cell * (1.0, 0.5 if row["depth"] <= LARGEST_PORTION else 1.0)
+        self.radius = state["radius"].values
+        glued = state["fixed"].values if "fixed" in state else np.zeros(len(self.radius))
+        self.glued = glued.astype(bool)
+        self.view = view_from(AZIMUTH, ELEVATION, row["angle"])
+        beside = self.diameter * np.array([[-1.0], [1.0]])
+        self.floor = np.array([np.zeros(2), self.shown]) + beside
+        (x0, y0), (x1, y1) = self.floor
+        top = float(heights.max(initial=0.0))
+        corners = [(x, y, z) for x in (x0, x1) for y in (y0, y1) for z in (0.0, top)]
+        self.frame = frame_around(self.view, np.array(corners), 0.5 * self.diameter)
+        left, right, bottom, upper = self.frame
+        self.pixel = max(right - left, upper - bottom) / pixels
+        self.norm = Normalize(*np.percentile(speeds, (1, 99)))
+
+    def picture(self, position: np.ndarray, speed: np.ndarray) -> np.ndarray:
+        """Return the picture (H, W, 4) of centres (N, 3), m, coloured by velocity (N,), m/s.
+
+        Spheres are where their periodic images are in the cell; those glued to the plane are grey.
+        """
+        place = position.copy()
+        place[:, :2] %= self.cell
+        drawn = (place[:, :2] < self.shown).all(axis=1)
+        colour = np.where(self.glued[:, None], _GLUED, COLOURS(self.norm(speed))[:, :3])
+        return picture(
+            self.view,
+            self.frame,
+            self.pixel,
+            place[drawn],
+            self.radius[drawn],
+            colour[drawn],
+            self.floor,
+        )
+
+    def show(self, axes: Axes, image: np.ndarray) -> Any:
+        """Show a picture in units of σ, with arrows of flow and gravity, a bar and the colours.
+
+        Returns the image in the axes, whose data the next picture of an animation replaces.
+        """
+        left, right, bottom, top = np.array(self.frame) / self.diameter
+        shown = axes.imshow(image, extent=(left, right, bottom, top), interpolation="antialiased")
+        axes.set_axis_off()
+        self._draw_arrows(axes)
+        bar = axes.figure.colorbar(
+            ScalarMappable(self.norm, COLOURS), ax=axes, shrink=0.6, aspect=25, pad=0.02
+        )
+        bar.set_label("velocity of spheres u (m/s)")
+        bar.outline.set_visible(False)
+        return shown
+
+    def _draw_arrows(self, axes: Axes) -> None:
+        """Draw the direction of the flow before the plane, gravity, and a bar of 5 σ."""
+        start, end = 0.15 * self.shown[0], 0.15 * self.shown[0] + 4 * self.diameter
+        before = self.floor[0, 1] - 2 * self.diameter
+        path = project(self.view, np.array([[x, before, 0.0] for x in (start, end)]))
+        (x0, y0), (x1, y1) = path[:, :2] / self.diameter
+        axes.annotate("", (x1, y1), (x0, y0), arrowprops=_ARROW, annotation_clip=False)
+        axes.text(x0, y0 - 0.3, "flow", ha="right", va="top", color=_DARK, fontsize=8.5)
+        _, right, bottom, top = np.array(self.frame) / self.diameter
+        down = {"xy": (right, top - 3.0), "xytext": (right, top)}
+        axes.annotate("", **down, arrowprops=_ARROW, annotation_clip=False)
+        axes.text(right - 0.4, top - 1.5, "g", ha="right", va="center", color=_DARK)
+        bar = np.array([right - 5.0, right])
+        axes.plot(bar, [bottom - 1.0] * 2, color=_DARK, linewidth=2.0, solid_capstyle="butt")
+        axes.text(bar.mean(), bottom - 1.3, "5 σ", ha="center", va="top", color=_DARK, fontsize=8.5)
+        axes.set_ylim(bottom - 3.5, top)
