@@ -15,7 +15,7 @@ from sim.regime_boundaries import read_table
 from sim.stored import reading
 
 #: Group of the dataset with one subgroup per point whose particles are kept.
-PARTICLES = "particles"
+PARTICLES = "states"
 
 
 @dataclass(frozen=True)

@@ -21,8 +21,8 @@ LARGEST_PORTION = 10
 COLOURS = colormaps["viridis"]
 _GLUED = np.array([0.6, 0.6, 0.6])
 
-_DARK = "#222222"
-_ARROW = {"arrowstyle": "-|>", "color": _DARK, "linewidth": 1.2, "shrinkA": 0, "shrinkB": 0}
+DARK = "#222222"
+_ARROW = {"arrowstyle": "-|>", "color": DARK, "linewidth": 1.2, "shrinkA": 0, "shrinkB": 0}
 
 
 class Scene:
@@ -65,7 +65,11 @@ class Scene:
         self.frame = frame_around(self.view, np.array(corners), 0.5 * self.diameter)
         left, right, bottom, upper = self.frame
         self.pixel = max(right - left, upper - bottom) / pixels
-        self.norm = Normalize(*np.percentile(speeds, (1, 99)))
+        # Spheres at rest have one colour, not those of their rounding errors.
+        slow, fast = np.percentile(speeds, (1, 99))
+        self.norm = Normalize(
+            slow, max(fast, slow + 0.05 * np.sqrt(row["gravity"] * self.diameter))
+        )
 
     def picture(self, position: np.ndarray, speed: np.ndarray) -> np.ndarray:
         """Return the picture (H, W, 4) of centres (N, 3), m, coloured by velocity (N,), m/s.
@@ -109,12 +113,12 @@ class Scene:
         path = project(self.view, np.array([[x, before, 0.0] for x in (start, end)]))
         (x0, y0), (x1, y1) = path[:, :2] / self.diameter
         axes.annotate("", (x1, y1), (x0, y0), arrowprops=_ARROW, annotation_clip=False)
-        axes.text(x0, y0 - 0.3, "flow", ha="right", va="top", color=_DARK, fontsize=8.5)
+        axes.text(x0, y0 - 0.3, "flow", ha="right", va="top", color=DARK, fontsize=8.5)
         _, right, bottom, top = np.array(self.frame) / self.diameter
         down = {"xy": (right, top - 3.0), "xytext": (right, top)}
         axes.annotate("", **down, arrowprops=_ARROW, annotation_clip=False)
-        axes.text(right - 0.4, top - 1.5, "g", ha="right", va="center", color=_DARK)
+        axes.text(right - 0.4, top - 1.5, "g", ha="right", va="center", color=DARK)
         bar = np.array([right - 5.0, right])
-        axes.plot(bar, [bottom - 1.0] * 2, color=_DARK, linewidth=2.0, solid_capstyle="butt")
-        axes.text(bar.mean(), bottom - 1.3, "5 σ", ha="center", va="top", color=_DARK, fontsize=8.5)
+        axes.plot(bar, [bottom - 1.0] * 2, color=DARK, linewidth=2.0, solid_capstyle="butt")
+        axes.text(bar.mean(), bottom - 1.3, "5 σ", ha="center", va="top", color=DARK, fontsize=8.5)
         axes.set_ylim(bottom - 3.5, top)

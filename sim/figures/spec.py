@@ -51,3 +51,8 @@ class FigureSpec:
             getattr(parameters, name) in (value if isinstance(value, tuple) else (value,))
             for name, value in self.where.items()
         )
+
+    @property
+    def suffixes(self) -> tuple[str, str, str, str]:
+        """Of its files: picture, picture that scales or moves, data behind it, caption."""
+        return ".png", ".gif" if self.animated else ".svg", ".csv", ".caption.txt"
