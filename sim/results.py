@@ -45,9 +45,17 @@ class Results:
         """Return a profile of a point, (R, H) over completed replicates, and heights (H,) in m.
 
         Profiles along the belt come with the columns' places instead of heights.
+
+        Raises
+        ------
+        InputError
+            When the dataset has no such profile of the point.
         """
         row = self.dataset.sel(point=point)
-        one = self.profiles[str(row["system"].values)].sel(run=point)
+        one = self.profiles.get(str(row["system"].values), xr.Dataset())
+        if name not in one or point not in one["run"]:
+            raise InputError(f"{point}: no {name} in the dataset")
+        one = one.sel(run=point)
         completed = np.flatnonzero(row["status"].values == "completed")
         values = one[name].isel(replicate=completed).values
         if "column" in one[name].dims:

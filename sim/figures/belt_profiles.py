@@ -1,6 +1,6 @@
 """What Gallas' Figs. 2 and 3 share: a profile over the height above the belt, a curve per flow."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -20,7 +20,7 @@ from sim.figures.style import (
     place_legend,
 )
 from sim.figures.summary import FigureData, split_curves
-from sim.figures.transport import describe, pair
+from sim.figures.transport import Look, describe, pair
 from sim.outcome import student_half_width
 from sim.parameters import BeltParameters
 
@@ -73,8 +73,6 @@ _DAMPINGS = {
     (0.0, 50.0): CurveStyle("#d55e00", DASH_DOT),
     (50.0, 100.0): CurveStyle("#000000", "-"),
 }
-
-Look = Callable[[dict[str, object], int], tuple[CurveStyle, str]]
 
 
 def by_frequency(names: dict[str, object], index: int) -> tuple[CurveStyle, str]:
