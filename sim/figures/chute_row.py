@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from sim.errors import InputError
 from sim.figures.caption import setting
 from sim.figures.configuration import LARGEST_PORTION, Scene
-from sim.figures.style import COLOURS, DOTTED
+from sim.figures.style import COLOURS, DOTTED, place_legend
 from sim.figures.summary import FigureData, split_curves
 from sim.outcome import student_half_width
 from sim.parameters import ChuteParameters
@@ -89,20 +89,23 @@ def _flows(data: FigureData) -> list[tuple[str, dict[str, Any]]]:
 
 def draw(data: FigureData) -> Figure:
     """Draw the row of a depth: the published protocol, and the converged one beside it."""
-    figure = Figure(figsize=(7.4, 3.6), layout="constrained")
-    panels = figure.subplots(1, 3, width_ratios=(1, 1, 1.45))
     flows = _flows(data)
+    # A deep flow is a tall picture.
+    height = 3.6 if data.rows["depth"].iloc[0] <= LARGEST_PORTION else 4.8
+    figure = Figure(figsize=(7.4, height), layout="constrained")
+    left, right = figure.subfigures(1, 2, width_ratios=(1.35, 1))
+    panels = left.subplots(1, 2, sharey=True)
     for index, (label, row) in enumerate(flows):
         values, colour = profile(data, row), COLOURS[index % len(COLOURS)]
         suffix = f", {label}" if len(flows) > 1 else ""
-        for axes, name in zip(panels, ("velocity", "packing"), strict=False):
+        for axes, name in zip(panels, ("velocity", "packing"), strict=True):
             if index == 0:
                 _draw_instantaneous(axes, values, name)
             _draw_average(axes, values, name, colour, suffix)
     _finish(panels, data.rows.iloc[0])
     if flows:
-        _draw_configuration(panels[2], data, flows[0][1])
-        figure.legend(*panels[0].get_legend_handles_labels(), loc="outside upper center", ncols=3)
+        _draw_configuration(right.subplots(), data, flows[0][1])
+        place_legend(left, panels[0])
     return figure
 
 
@@ -134,23 +137,24 @@ def _draw_average(axes: Axes, values: pd.DataFrame, name: str, colour: str, suff
     mean, half_width, z = values[name], values[f"{name}_half_width"], values["z"]
     label = f"cumulative average{suffix}"
     axes.plot(mean, z, color=colour, linestyle=DOTTED, linewidth=1.8, label=label)
+    # The lines set the scale: a band over two replicates may be wider than all of it.
+    scale = axes.dataLim.frozen()
     axes.fill_betweenx(z, mean - half_width, mean + half_width, color=colour, alpha=0.18, lw=0)
+    axes.dataLim.set(scale)
 
 
 def _finish(panels: np.ndarray, row: Mapping[str, Any]) -> None:
-    """Name the axes of the two profiles and the three panels."""
-    velocity, packing, _ = panels
+    """Name the axes of the two profiles."""
+    velocity, packing = panels
     unit = float(np.sqrt(row["gravity"] * row["diameter"]))
-    velocity.set_xlabel("velocity u (m/s)")
     top = velocity.secondary_xaxis("top", functions=(lambda v: v / unit, lambda v: v * unit))
     top.set_xlabel("u / √(gσ)")
-    packing.set_xlabel("packing fraction φ")
-    for axes, letter in zip(panels, "abc", strict=True):
-        axes.set_title(f"({letter})", loc="left")
-    for axes in (velocity, packing):
-        axes.set_ylabel("height z (σ)")
-        axes.set_xlim(left=0)
-        axes.set_ylim(bottom=0)
+    velocity.set_xlabel("velocity u (m/s)\n(a)")
+    velocity.set_ylabel("height z (σ)")
+    velocity.set_ylim(bottom=0)
+    packing.set_xlabel("packing fraction φ\n(b)")
+    for axes in panels:
+        axes.set_xlim(0, max(1.15 * axes.dataLim.x1, 1e-6))
 
 
 def _draw_configuration(axes: Axes, data: FigureData, row: Mapping[str, Any]) -> None:
@@ -163,6 +167,7 @@ def _draw_configuration(axes: Axes, data: FigureData, row: Mapping[str, Any]) ->
     position, speed = state["position"].values, state["particle_velocity"].values[:, 0]
     scene = Scene(row, state, position[:, 2], speed, _PIXELS)
     scene.show(axes, scene.picture(position, speed))
+    axes.set_xlabel("(c)")
 
 
 def table(data: FigureData) -> pd.DataFrame:

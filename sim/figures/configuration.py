@@ -22,6 +22,7 @@ COLOURS = colormaps["viridis"]
 _GLUED = np.array([0.6, 0.6, 0.6])
 
 DARK = "#222222"
+_TEXT = {"color": DARK, "fontsize": 8.5}
 _ARROW = {"arrowstyle": "-|>", "color": DARK, "linewidth": 1.2, "shrinkA": 0, "shrinkB": 0}
 
 
@@ -97,28 +98,30 @@ class Scene:
         """
         left, right, bottom, top = np.array(self.frame) / self.diameter
         shown = axes.imshow(image, extent=(left, right, bottom, top), interpolation="antialiased")
-        axes.set_axis_off()
+        axes.set(xticks=[], yticks=[], anchor="W")
+        axes.spines[:].set_visible(False)
         self._draw_arrows(axes)
         bar = axes.figure.colorbar(
-            ScalarMappable(self.norm, COLOURS), ax=axes, shrink=0.6, aspect=25, pad=0.02
+            ScalarMappable(self.norm, COLOURS), ax=axes, shrink=0.55, aspect=22, pad=0.02
         )
         bar.set_label("velocity of spheres u (m/s)")
         bar.outline.set_visible(False)
         return shown
 
     def _draw_arrows(self, axes: Axes) -> None:
-        """Draw the direction of the flow before the plane, gravity, and a bar of 5 σ."""
-        start, end = 0.15 * self.shown[0], 0.15 * self.shown[0] + 4 * self.diameter
-        before = self.floor[0, 1] - 2 * self.diameter
-        path = project(self.view, np.array([[x, before, 0.0] for x in (start, end)]))
-        (x0, y0), (x1, y1) = path[:, :2] / self.diameter
+        """Draw the direction of the flow before the plane, that of gravity, and a bar of 5 σ."""
+        left, right, bottom, top = np.array(self.frame) / self.diameter
+        length = 0.17 * max(right - left, top - bottom)
+        start = self.floor[0] + self.diameter * np.array([1.0, -1.3])
+        path = [(*start, 0.0), (start[0] + length * self.diameter, start[1], 0.0)]
+        (x0, y0, _), (x1, y1, _) = project(self.view, np.array(path)) / self.diameter
         axes.annotate("", (x1, y1), (x0, y0), arrowprops=_ARROW, annotation_clip=False)
-        axes.text(x0, y0 - 0.3, "flow", ha="right", va="top", color=DARK, fontsize=8.5)
-        _, right, bottom, top = np.array(self.frame) / self.diameter
-        down = {"xy": (right, top - 3.0), "xytext": (right, top)}
-        axes.annotate("", **down, arrowprops=_ARROW, annotation_clip=False)
-        axes.text(right - 0.4, top - 1.5, "g", ha="right", va="center", color=DARK)
-        bar = np.array([right - 5.0, right])
-        axes.plot(bar, [bottom - 1.0] * 2, color=DARK, linewidth=2.0, solid_capstyle="butt")
-        axes.text(bar.mean(), bottom - 1.3, "5 σ", ha="center", va="top", color=DARK, fontsize=8.5)
-        axes.set_ylim(bottom - 3.5, top)
+        axes.text(x0, y0 - 0.02 * length, "flow ", ha="right", va="top", **_TEXT)
+        aside = right - 0.3 * length
+        axes.annotate("", (aside, top - length), (aside, top), arrowprops=_ARROW)
+        axes.text(aside, top - 0.5 * length, " g", ha="left", va="center", **_TEXT)
+        low = bottom - 0.1 * length
+        axes.plot([right - 5, right], [low, low], color=DARK, linewidth=2, solid_capstyle="butt")
+        axes.text(right - 2.5, low - 0.1 * length, "5 σ", ha="center", va="top", **_TEXT)
+        axes.set_xlim(min(left, x0 - 0.8 * length), right)
+        axes.set_ylim(low - 0.7 * length, top)

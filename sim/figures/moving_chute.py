@@ -85,19 +85,20 @@ def draw(data: FigureData) -> Animation:
         return still("no motion stored")
     time, position, speed = motion(state, row["diameter"])
     unit = np.sqrt(row["diameter"] / row["gravity"])
-    figure = Figure(figsize=(6.4, 3.4), layout="constrained")
-    left, right = figure.subplots(1, 2, width_ratios=(1.9, 1))
     scene = Scene(row, state, position[..., 2], speed, _PIXELS)
+    figure = Figure(figsize=(6.4, 3.4), layout="constrained")
+    pictures, profiles = figure.subfigures(1, 2, width_ratios=(1.6, 1))
+    left, right = pictures.subplots(), profiles.subplots()
     image = scene.show(left, scene.picture(position[0], speed[0]))
     heights = position[..., 2] / row["diameter"]
-    (dots,) = right.plot(speed[0], heights[0], "o", markersize=2.2, color=COLOURS(0.25), alpha=0.7)
+    (dots,) = right.plot([], [], "o", markersize=2.2, color=COLOURS(0.25), alpha=0.7)
     low, high = scene.norm.vmin, scene.norm.vmax
     margin = 0.1 * (high - low)
     right.set_xlim(min(0.0, low - margin), high + margin)
     right.set_ylim(0, heights.max() + 0.5)
     right.set_xlabel("velocity u (m/s)")
     right.set_ylabel("height z (σ)")
-    clock = right.set_title(" ", loc="left", fontsize=8.5)
+    clock = left.set_title(" ", loc="left", fontsize=8.5)
 
     def show(number: int) -> None:
         image.set_data(scene.picture(position[number], speed[number]))
