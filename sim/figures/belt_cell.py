@@ -54,11 +54,16 @@ def select(data: FigureData) -> FigureData:
 
 def notes(data: FigureData) -> list[str]:
     """Return what the caption says of the run that is shown."""
-    return [
-        f"Shown is the first replicate that completed of point {row.point} (protocol "
-        f"{row.protocol}, regime {row.regime})."
-        for row in data.rows[data.rows["completed"] > 0].itertuples()
-    ]
+    sentences = []
+    for row in data.rows[data.rows["completed"] > 0].itertuples():
+        interval = f" ± {row.half_width:.2g} m/s" if np.isfinite(row.half_width) else " m/s"
+        over = f"{row.completed} replicates" if row.completed > 1 else "this replicate"
+        sentences.append(
+            f"Shown is the first replicate that completed of point {row.point} ({row.protocol} "
+            f"protocol, regime {row.regime}); the mean velocity of {over} is "
+            f"{row.velocity:.3g}{interval} (95 % interval)."
+        )
+    return sentences
 
 
 def shown(data: FigureData, *names: str) -> tuple[Row, xr.Dataset] | None:

@@ -96,7 +96,7 @@ def test_data_and_caption(name, belt_dataset, tmp_path):
         f"γ_s = {where['shear_damping']}g",
         "t_tr = 45 cycles",
         "the first replicate that completed of point belt-",
-        "protocol published",
+        "(published protocol, regime steady); the mean velocity of 3 replicates is ",
         "The paper: ",
     ):
         assert part in text
