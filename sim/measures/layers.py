@@ -4,6 +4,8 @@ Profiles are arrays (H,) over slices of equal height, heights and diameters in m
 than a sphere, so neighboring slices of one layer of spheres share their velocity.
 """
 
+from itertools import pairwise
+
 import numpy as np
 
 #: Share of the mass below what counts as the surface; the rest are a few spheres that fly.
@@ -85,8 +87,7 @@ def by_diameters(
     thickness = layers * diameter
     number = int(surface(height, packing) / thickness + 1e-9)
     edges = thickness * np.arange(number + 1)
-    pairs = zip(edges[:-1], edges[1:], strict=True)
-    return np.array([mean_between(height, values, packing, low, high) for low, high in pairs])
+    return np.array([mean_between(height, values, packing, *pair) for pair in pairwise(edges)])
 
 
 def packing_by_diameters(

@@ -9,7 +9,8 @@ import xarray as xr
 from scipy.special import ndtri
 
 from sim.outcome import outcome
-from sim.parameters import SYSTEMS, Parameters, field_info, parse_point, point_id
+from sim.parameters import SYSTEMS, Parameters, canonical, field_info, parse_point, point_id
+from sim.results import Results
 
 #: A number, one per replicate, or a word.
 Given = float | str | Sequence[float]
@@ -45,29 +46,6 @@ class MadePoint:
     def id(self) -> str:
         """Name of the point."""
         return point_id(self.parameters)
-
-
-@dataclass(frozen=True)
-class MadeResults:
-    """What `sim.results.open_results` gives of a dataset file, made of points."""
-
-    dataset: xr.Dataset
-    profiles: Mapping[str, xr.Dataset]
-    boundaries: pd.DataFrame
-    particle_states: Mapping[str, xr.Dataset] = field(default_factory=dict)
-
-    def particles(self, point: str) -> xr.Dataset:
-        """Return the particles of a point."""
-        return self.particle_states[point]
-
-    def profile(self, point: str, name: str) -> tuple[np.ndarray, np.ndarray]:
-        """Return a profile (replicate, slice) of the completed replicates, and heights (slice,)."""
-        found = next(each for each in self.profiles.values() if point in each["point"].values)
-        done = self.dataset["status"].sel(point=point).values == "completed"
-        there = found.sel(point=point)
-        height = there["height"].values
-        kept = np.isfinite(height)
-        return there[name].values[done][:, kept], height[kept]
 
 
 def spread(replicates: int) -> np.ndarray:
@@ -116,7 +94,8 @@ def made_point(
         name: _replicated(each, factors) for name, each in (USUAL | dict(scalars or {})).items()
     }
     own = np.abs(values.get("velocity", np.full(replicates, np.nan))) * scatter
-    values = {"velocity": own, "velocity_error": own / 2, "velocity_half_width": own} | values
+    usual = {"velocity": own, "velocity_error": own / 2, "velocity_half_width": own}
+    values = usual | {"steps": np.full(replicates, float(point.steps))} | values
     if height is None:
         height = (np.arange(SLICES) + 0.5) * SLICE[system] * point.diameter
     made = {
@@ -130,7 +109,7 @@ def made_results(
     *points: MadePoint,
     boundaries: Sequence[Mapping[str, object]] = (),
     particles: Mapping[str, xr.Dataset] | None = None,
-) -> MadeResults:
+) -> Results:
     """Return points as the results of one study.
 
     Parameters
@@ -151,7 +130,7 @@ def made_results(
         system: _profiles([point for point in points if point.parameters.system == system], count)
         for system in {point.parameters.system for point in points}
     }
-    return MadeResults(
+    return Results(
         root.assign(_together(root)), profiles, pd.DataFrame(list(boundaries)), particles or {}
     )
 
@@ -168,13 +147,12 @@ def made_boundary(
 ) -> dict[str, object]:
     """Return a boundary between ``low`` and ``high``; what is not given is the paper's."""
     point = parse_point({"system": system} | parameters, "tests/claims/made.py")
-    numbers = {
-        name: float(value)
-        for name, value in point.model_dump().items()
-        if isinstance(value, (int, float))
+    settings = {
+        name: value if isinstance(value, str) else float(value)
+        for name, value in canonical(point).items()
     }
     declared = field_info(point)[along]
-    return numbers | {
+    return settings | {
         "name": f"{of}-{along}",
         "system": system,
         "of": of,
@@ -253,7 +231,7 @@ def _profiles(points: Sequence[MadePoint], count: int) -> xr.Dataset:
         for name, values in point.profiles.items():
             data[name][index, : len(values), : values.shape[1]] = values
     return xr.Dataset(
-        {name: (("point", "replicate", "slice"), values) for name, values in data.items()}
-        | {"height": (("point", "slice"), height)},
-        coords={"point": [point.id for point in points]},
+        {name: (("run", "replicate", "slice"), values) for name, values in data.items()}
+        | {"height": (("run", "slice"), height)},
+        coords={"run": [point.id for point in points]},
     )
