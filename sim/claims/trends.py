@@ -8,20 +8,8 @@ from scipy.special import stdtrit
 from uncertainties import UFloat
 
 from sim.claims.evidence import Place, measured
-from sim.claims.verdict import NOT_REPRODUCED, Check, Untestable, above
+from sim.claims.verdict import NOT_REPRODUCED, Check, above
 from sim.outcome import CONFIDENCE
-
-
-def settled(place: Place) -> Place:
-    """Return a place whose flow neither accelerates nor rests; raise `Untestable` for others."""
-    if not is_settled(place):
-        raise Untestable(f"{place.id} is {place.regime}: it has no steady velocity")
-    return place
-
-
-def is_settled(place: Place) -> bool:
-    """Return whether the mean velocity of a flow stands for a steady state."""
-    return place.regime in ("steady", "undetermined")
 
 
 def ordered(

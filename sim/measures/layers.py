@@ -77,17 +77,6 @@ def plug_base(
     return float(places[rigid][0]) if rigid.any() else top
 
 
-def velocity_by_diameters(
-    height: np.ndarray, velocity: np.ndarray, packing: np.ndarray, diameter: float
-) -> np.ndarray:
-    """Return the mean velocity (m/s) of layers of a diameter up to the surface, from below.
-
-    A layer that the surface cuts is left out.
-    """
-    pairs = pairwise(_edges(height, packing, diameter))
-    return np.array([mean_between(height, velocity, packing, *pair) for pair in pairs])
-
-
 def packing_by_diameters(
     height: np.ndarray, packing: np.ndarray, diameter: float, layers: int = 1
 ) -> np.ndarray:
@@ -95,10 +84,8 @@ def packing_by_diameters(
 
     A layer that the surface cuts is left out.
     """
-    pairs = pairwise(_edges(height, packing, layers * diameter))
+    thickness = layers * diameter
+    # The margin is lest rounding cut a layer that just fits.
+    edges = thickness * np.arange(int(surface(height, packing) / thickness + 1e-9) + 1)
+    pairs = pairwise(edges)
     return np.array([packing[(height > low) & (height < high)].mean() for low, high in pairs])
-
-
-def _edges(height: np.ndarray, packing: np.ndarray, thickness: float) -> np.ndarray:
-    # Lest rounding cut a layer that just fits.
-    return thickness * np.arange(int(surface(height, packing) / thickness + 1e-9) + 1)

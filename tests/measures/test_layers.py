@@ -61,5 +61,3 @@ def test_layers_of_diameters_average_what_is_within():
     packing = filled(8) * (1 + 0.3 * np.cos(2 * np.pi * HEIGHT / SIZE))
     assert layers.packing_by_diameters(HEIGHT, packing, SIZE) == pytest.approx([0.6] * 7)
     assert layers.packing_by_diameters(HEIGHT, packing, SIZE, layers=2) == pytest.approx([0.6] * 3)
-    velocity = layers.velocity_by_diameters(HEIGHT, 100 * HEIGHT, filled(8), SIZE)
-    assert velocity == pytest.approx(0.1 * (np.arange(7) + 0.5))
