@@ -123,7 +123,7 @@ def w21(evidence: Evidence) -> list[Check]:
 
 
 def w22(evidence: Evidence) -> list[Check]:
-    """Vertical granular temperature of the four layers above the bottom one, along the stiffness."""
+    """Vertical granular temperature of four layers above the bottom one, stiffer over softest."""
     checks = []
     for n in SENSITIVE:
         for stiffness, soft, stiff in _stiffer(evidence, n):
