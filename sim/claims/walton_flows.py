@@ -5,10 +5,10 @@ from math import inf, radians, tan
 
 import numpy as np
 from scipy.special import stdtrit
-from scipy.stats import spearmanr
+from scipy.stats import rankdata
 
 from sim.claims.chute import base, driving, settled, steady
-from sim.claims.evidence import Evidence, joined, measured
+from sim.claims.evidence import Evidence, joined
 from sim.claims.verdict import Check, Untestable, above, below, within
 
 #: Largest energy that a ledger may lack, relative to what was turned over.
@@ -50,17 +50,20 @@ def w9(evidence: Evidence) -> list[Check]:
     if len(flows) < 6 or max(flows) < 40:
         raise Untestable("fewer than six depths from 1.24 to 40")
     speeds = [place.velocity for place in flows.values()]
-    drawn = np.random.default_rng(1).normal(
-        [speed.nominal_value for speed in speeds],
-        [speed.std_dev for speed in speeds],
-        (DRAWS, len(speeds)),
-    )
-    depths = list(flows)
-    correlations = np.array([spearmanr(depths, row).statistic for row in drawn])
-    value = spearmanr(depths, [speed.nominal_value for speed in speeds]).statistic
+    means, errors = zip(*((speed.nominal_value, speed.std_dev) for speed in speeds), strict=True)
+    drawn = np.random.default_rng(1).normal(means, errors, (DRAWS, len(speeds)))
+    value, correlations = _rank_correlation(np.array([means])), _rank_correlation(drawn)
     half_width = np.abs(np.quantile(correlations, [0.025, 0.975]) - value).max()
     what = f"Spearman's ρ of V and n, {len(flows)} depths"
-    return [above(what, measured(value, half_width), _chance(len(flows)), flows.values())]
+    check = above(what, float(value[0]), _chance(len(flows)), flows.values())
+    return [replace(check, half_width=float(half_width))]
+
+
+def _rank_correlation(rows: np.ndarray) -> np.ndarray:
+    """Return Spearman's correlation of each row (D, N) of different values with its order."""
+    number = rows.shape[1]
+    apart = rankdata(rows, axis=1) - np.arange(1, number + 1)
+    return 1 - 6 * (apart**2).sum(axis=1) / (number * (number**2 - 1))
 
 
 def _chance(number: int) -> float:
