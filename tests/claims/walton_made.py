@@ -57,11 +57,6 @@ def base_flows(speeds: Mapping[float, float] = SPEEDS, **options: object) -> lis
     return [flow(speed, depth=depth, **options) for depth, speed in speeds.items()]
 
 
-def filled(depth: float):
-    """Return the packing profile of a bed of some diameters."""
-    return lambda height: PACKING * (height < depth * SIZE)
-
-
 def bent(
     knee: float, depth: float, rest: float = 0.0, replicates: int = 5, scatter: float = SCATTER
 ) -> np.ndarray:
