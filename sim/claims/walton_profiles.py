@@ -6,7 +6,7 @@ from itertools import pairwise
 import numpy as np
 from uncertainties import UFloat
 
-from sim.claims.chute import base, repeated, settled, steady
+from sim.claims.chute import base, repeated, settled
 from sim.claims.evidence import Evidence, Place, joined
 from sim.claims.trends import least
 from sim.claims.verdict import Check, Untestable, above, below
@@ -122,10 +122,10 @@ def w17(evidence: Evidence) -> list[Check]:
 
 
 def w18(evidence: Evidence) -> list[Check]:
-    """The slowest steady flow: least over largest mean du/dz over a diameter."""
-    flows = repeated(steady(evidence))
+    """The slowest settled flow: least over largest mean du/dz over a diameter."""
+    flows = repeated(base(evidence, 1))
     if len(flows) < 3:
-        raise Untestable("fewer than three steady depths with replicates")
+        raise Untestable("fewer than three settled flows with n ≥ 1 that have replicates")
     n, place = min(flows.items(), key=lambda flow: flow[1].velocity.nominal_value)
 
     ratio = place.measure(_evenness(place), "velocity_profile", "packing_profile")
@@ -174,7 +174,7 @@ def _evenness(place: Place) -> Callable[..., float]:
         across = round(place["diameter"] / (height[1] - height[0]))
         counted = velocity[packing > THIN * packing.sum()]
         slopes = counted[across:] - counted[:-across]
-        return slopes.min() / slopes.max()
+        return slopes.min() / slopes.max() if slopes.size > 1 else np.nan
 
     return evenness
 
