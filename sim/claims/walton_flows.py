@@ -7,7 +7,7 @@ import numpy as np
 from scipy.special import stdtrit
 from scipy.stats import rankdata
 
-from sim.claims.chute import base, driving, settled, steady
+from sim.claims.chute import base, driving, settled, speed, steady
 from sim.claims.evidence import Evidence, joined
 from sim.claims.verdict import Check, Untestable, above, below, within
 
@@ -49,8 +49,8 @@ def w9(evidence: Evidence) -> list[Check]:
     flows = {n: settled(place) for n, place in base(evidence, 1.24).items()}
     if len(flows) < 6 or max(flows) < 40:
         raise Untestable("fewer than six depths from 1.24 to 40")
-    speeds = [place.velocity for place in flows.values()]
-    means, errors = zip(*((speed.nominal_value, speed.std_dev) for speed in speeds), strict=True)
+    speeds = [speed(place) for place in flows.values()]
+    means, errors = zip(*((each.nominal_value, each.std_dev) for each in speeds), strict=True)
     drawn = np.random.default_rng(1).normal(means, errors, (DRAWS, len(speeds)))
     value, correlations = _rank_correlation(np.array([means])), _rank_correlation(drawn)
     half_width = np.abs(np.quantile(correlations, [0.025, 0.975]) - value).max()

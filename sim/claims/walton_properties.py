@@ -2,7 +2,7 @@
 
 from uncertainties import UFloat
 
-from sim.claims.chute import CELLS, repeated, settled
+from sim.claims.chute import CELLS, is_settled, repeated, settled, speed
 from sim.claims.evidence import Evidence, Place
 from sim.claims.trends import ordered
 from sim.claims.verdict import Check, Untestable, above, below, within
@@ -76,7 +76,7 @@ def w16(evidence: Evidence) -> list[Check]:
         if len(line) < 3:
             continue
         at = f"n = {n:g}, e"
-        speeds = {e: place.velocity for e, place in line.items()}
+        speeds = {e: speed(place) for e, place in line.items()}
         depths = {e: place.value("shear_depth") for e, place in line.items()}
         checks += ordered("V", at, speeds, line, rising=False)
         checks += ordered("shear depth", at, depths, line, rising=True)
@@ -110,14 +110,14 @@ def w21(evidence: Evidence) -> list[Check]:
     for n in SENSITIVE:
         for stiffness, soft, stiff in _stiffer(evidence, n):
             at, places = f"K1 = {stiffness:g} N/m over {SOFT} N/m, n = {n:g}", [soft, stiff]
-            ratio = stiff.velocity / soft.velocity
+            ratio = speed(stiff) / speed(soft)
             deeper = stiff.value("shear_depth") / soft.value("shear_depth")
             checks.append(below(f"V at {at}", ratio, SLOWER, places))
             checks.append(above(f"shear depth at {at}", deeper, 1, places))
     for n in INSENSITIVE:
         for stiffness, soft, stiff in _stiffer(evidence, n):
             what = f"V at K1 = {stiffness:g} N/m over {SOFT} N/m, n = {n:g}"
-            ratio = stiff.velocity / soft.velocity
+            ratio = speed(stiff) / speed(soft)
             checks.append(within(what, ratio, 1 - EQUAL, 1 + EQUAL, [soft, stiff]))
     return checks
 
@@ -136,13 +136,18 @@ def w22(evidence: Evidence) -> list[Check]:
 def _stiffer(evidence: Evidence, depth: float) -> list[tuple[float, Place, Place]]:
     """Return stiffnesses above the softest, with the places of the softest and of theirs.
 
-    Raises `Untestable` where there is no flow with ten times the stiffness, or one has not settled.
+    Raises `Untestable` where there is none with ten times the stiffness or it has not settled; such
+    ones of higher stiffness are left out.
     """
     line = evidence.line("chute", "stiffness", depth=depth)
     if SOFT not in line or STIFF not in line:
         raise Untestable(f"no flows with K1 = {SOFT} and {STIFF} N/m at n = {depth:g}")
-    soft = settled(line[SOFT])
-    return [(value, soft, settled(place)) for value, place in line.items() if value >= STIFF]
+    soft, _ = settled(line[SOFT]), settled(line[STIFF])
+    return [
+        (value, soft, place)
+        for value, place in line.items()
+        if value >= STIFF and is_settled(place)
+    ]
 
 
 def _agitation(place: Place) -> UFloat:

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from contextlib import suppress
 from math import nan, radians, tan
 
-from sim.claims.chute import CELLS, acceleration, base, is_settled, natural
+from sim.claims.chute import CELLS, acceleration, base, is_settled, natural, speed
 from sim.claims.evidence import Evidence, Place, measured
 from sim.claims.verdict import Check, Untestable, above, below, within
 
@@ -51,11 +51,11 @@ def w6(evidence: Evidence) -> list[Check]:
 def w7(evidence: Evidence) -> list[Check]:
     """The flow of half a layer against a sphere that rolls alone, and how fast it has become."""
     place = evidence.at("chute", depth=0.5)
-    speed = place.velocity / natural(place)
+    reached = place.velocity / natural(place)
     rolling = acceleration(place) / (5 / 7)
     return [
         within("dV/dt over (5/7) g sin θ, n = 0.5", rolling, 0.9, 1.1, [place]),
-        above("V at which it still does so, n = 0.5", speed, 50, [place], "√(gσ)"),
+        above("V at which it still does so, n = 0.5", reached, 50, [place], "√(gσ)"),
     ]
 
 
@@ -70,7 +70,7 @@ def w8(evidence: Evidence) -> list[Check]:
     slowest = min(deep, key=lambda place: place.velocity.nominal_value)
     checks = []
     for n, place in thin.items():
-        drift, ratio = acceleration(place), place.velocity / slowest.velocity
+        drift, ratio = acceleration(place), speed(place) / speed(slowest)
         checks.append(within(f"dV/dt over g sin θ, n = {n:g}", drift, -STEADY, STEADY, [place]))
         what = f"V at n = {n:g} over that at n = {slowest['depth']:g}"
         checks.append(below(what, ratio, 1, [place, slowest]))
@@ -98,8 +98,8 @@ def w19(evidence: Evidence) -> list[Check]:
 
 def _steady(place: Place) -> Iterator[Check]:
     """Yield the checks that a flow moves, without acceleration."""
-    at, speed = _named(place), place.velocity / natural(place)
-    yield above(f"V/√(gσ), {at}", speed, 1e-3, [place])
+    at, moving = _named(place), place.velocity / natural(place)
+    yield above(f"V/√(gσ), {at}", moving, 1e-3, [place])
     yield within(f"dV/dt over g sin θ, {at}", acceleration(place), -STEADY, STEADY, [place])
 
 
@@ -134,7 +134,7 @@ def w23(evidence: Evidence) -> list[Check]:
             continue
         for start, place in line.items():
             if start != near:
-                ratio = place.velocity / line[near].velocity
+                ratio = speed(place) / speed(line[near])
                 what = f"V after a start at {relative[start]:.2g} V, n = {n:g}, over the usual V"
                 bounds = 1 - FORGOTTEN, 1 + FORGOTTEN
                 checks.append(within(what, ratio, *bounds, [place, line[near]]))

@@ -6,7 +6,7 @@ from sim.claims.verdict import INCONCLUSIVE, NOT_REPRODUCED, REPRODUCED, Untesta
 from sim.claims.walton_flows import w5, w9, w24, w26
 from tests.claims.judging import checks_on, failed, verdict_on
 from tests.claims.made import made_point
-from tests.claims.walton_made import SPEEDS, base_flows, flow
+from tests.claims.walton_made import SLOPE, SPEEDS, UNIT, base_flows, flow
 
 JUDGES = [w5, w9, w24, w26]
 
@@ -58,10 +58,25 @@ def test_velocities_without_order_fail_and_close_ones_decide_nothing():
     assert verdict_on(w9, base_flows(close, scatter=0.1)) == INCONCLUSIVE
 
 
+def drifting(gain: float):
+    """A flow at depth 40 that still gains velocity, at a rate in g sin θ."""
+    return flow(30, {"regime": "accelerating", "acceleration": gain * SLOPE}, depth=40)
+
+
+def test_a_drift_counts_as_uncertainty():
+    flows = base_flows({n: speed for n, speed in SPEEDS.items() if n < 40})
+    # 0.02 g sin θ over 200 √(σ/g) is 1.2 √(gσ): as much as there is between depths 20 and 40 here.
+    near = flow(26, drifting(0.02).scalars | {"velocity": 26 * UNIT}, depth=40)
+    assert verdict_on(w9, [*flows, near]) == REPRODUCED
+    value = checks_on(w9, [*flows, near])[0]
+    assert value.half_width > 0
+
+
 def test_a_deep_flow_that_still_accelerates_leaves_the_order_untested():
     flows = base_flows({n: speed for n, speed in SPEEDS.items() if n < 40})
     with pytest.raises(Untestable, match="accelerating"):
-        checks_on(w9, [*flows, flow(30, {"regime": "accelerating"}, depth=40)])
+        checks_on(w9, [*flows, drifting(0.1)])
+    assert verdict_on(w9, [*flows, drifting(0.001)]) == REPRODUCED
     with pytest.raises(Untestable, match=r"1\.24 to 40"):
         checks_on(w9, flows)
 

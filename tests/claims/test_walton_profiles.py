@@ -7,7 +7,7 @@ from sim.claims.verdict import INCONCLUSIVE, NOT_REPRODUCED, REPRODUCED, Untesta
 from sim.claims.walton_profiles import w10, w11, w12, w13, w14, w17, w18
 from tests.claims.judging import checks_on, failed, verdict_on
 from tests.claims.made import SCATTER
-from tests.claims.walton_made import PACKING, SIZE, SPEEDS, UNIT, base_flows, bent, flow
+from tests.claims.walton_made import PACKING, RUNAWAY, SIZE, SPEEDS, UNIT, base_flows, bent, flow
 
 
 def shaped(depth, velocity=lambda z: UNIT * z, packing=None, scalars=None, **options):
@@ -73,7 +73,7 @@ def test_deep_flows_must_be_there_and_settled(judge):
         checks_on(judge, base_flows({1.24: 4, 5: 8}))
     flows = [shaped(n) for n in (10, 20)]
     with pytest.raises(Untestable, match="accelerating"):
-        checks_on(judge, [*flows, shaped(40, scalars={"regime": "accelerating"})])
+        checks_on(judge, [*flows, shaped(40, scalars=RUNAWAY)])
 
 
 def thinning(z, bump: float):

@@ -7,7 +7,7 @@ from sim.claims.verdict import INCONCLUSIVE, NOT_REPRODUCED, REPRODUCED, Untesta
 from sim.claims.walton_properties import w15, w16, w20, w21, w22
 from tests.claims.judging import checks_on, failed, verdict_on
 from tests.claims.made import SCATTER
-from tests.claims.walton_made import PACKING, SIZE, SPEEDS, base_flows, flow
+from tests.claims.walton_made import PACKING, RUNAWAY, SIZE, SPEEDS, base_flows, flow
 
 
 @pytest.mark.parametrize("judge", [w15, w16, w20, w21, w22])
@@ -90,7 +90,7 @@ def test_velocities_too_close_or_scattered_decide_nothing():
 def test_flows_without_replicates_or_still_accelerating_are_left_out():
     with pytest.raises(Untestable, match="three coefficients"):
         checks_on(w16, resilient(replicates=1))
-    fast = flow(40, {"regime": "accelerating"}, depth=5, restitution=0.6)
+    fast = flow(40, RUNAWAY, depth=5, restitution=0.6)
     assert verdict_on(w16, [*resilient(), fast]) == REPRODUCED
 
 
@@ -175,6 +175,9 @@ def test_stiffer_spheres_with_scattered_flows_decide_nothing(judge):
 def test_stiffest_spheres_count_where_they_were_run():
     fast = flow(24, {"shear_depth": 3 * SIZE}, depth=20, stiffness=10_000)
     assert failed(checks_on(w21, [*stiff(), fast])) == ["V at K1 = 10000 N/m over 100 N/m, n = 20"]
-    moving = flow(24, {"regime": "accelerating"}, depth=20, stiffness=10_000)
+    moving = flow(24, RUNAWAY, depth=20, stiffness=10_000)
+    assert verdict_on(w21, [*stiff(), moving]) == REPRODUCED
+    others = [one for one in stiff() if one.parameters.depth != 20]
+    moving = flow(24, RUNAWAY, depth=20, stiffness=1000)
     with pytest.raises(Untestable, match="accelerating"):
-        checks_on(w21, [*stiff(), moving])
+        checks_on(w21, [*others, flow(25, depth=20), moving])

@@ -15,6 +15,9 @@ SLOPE = PAPER.gravity * sin(radians(PAPER.angle))
 #: Mean velocities in √(gσ) by depth, as the paper has them.
 SPEEDS = {1: 4.2, 1.24: 4.4, 1.5: 4.5, 2: 4.6, 2.5: 4.8, 3.5: 6, 5: 8.2, 10: 15, 20: 25, 40: 30}
 
+#: What a flow says that gains a tenth of its weight along the slope.
+RUNAWAY = {"regime": "accelerating", "acceleration": 0.1 * SLOPE}
+
 #: Packing of a bed that is filled evenly.
 PACKING = 0.6
 
