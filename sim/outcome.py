@@ -85,7 +85,7 @@ def velocity_interval(velocities: np.ndarray, half_widths: np.ndarray) -> tuple[
     return np.nan, "none"
 
 
-def student_half_width(values: np.ndarray) -> float:
-    """Return the half width of Student's 95 % interval of the mean of two or more values."""
-    quantile = stdtrit(values.size - 1, (1 + CONFIDENCE) / 2)
-    return float(quantile * values.std(ddof=1) / np.sqrt(values.size))
+def student_half_width(values: np.ndarray) -> np.ndarray:
+    """Return the half width of Student's 95 % interval of the mean, along the first axis (≥ 2)."""
+    quantile = stdtrit(len(values) - 1, (1 + CONFIDENCE) / 2)
+    return quantile * values.std(axis=0, ddof=1) / np.sqrt(len(values))

@@ -269,12 +269,19 @@ def _require_members(name: str, members: list[Point], source: str, path: str) ->
     """Refuse a figure whose points are not those that it shows, or do not vary its axes."""
     spec = FIGURES[name]
     if not members:
-        wanted = ", ".join(f"{key} {value:g}" for key, value in spec.where.items())
+        wanted = ", ".join(f"{key} {_written(value)}" for key, value in spec.where.items())
         raise InputError.of_value(source, path, name, f"series with a point at {wanted}")
     for axis in spec.axes:
         values = {getattr(point.parameters, axis) for point in members}
         if len(values) < 2:
-            got = f"{name} with {axis} = {values.pop():g} alone"
+            got = f"{name} with {axis} = {_written(values.pop())} alone"
             axes = ", ".join(spec.axes)
             allowed = f"series that feed {name} and together vary {axes}"
             raise InputError.of_value(source, path, got, allowed)
+
+
+def _written(value: Any) -> str:
+    """Write a value of a parameter, or the values that it may have."""
+    if isinstance(value, tuple):
+        return " or ".join(_written(one) for one in value)
+    return value if isinstance(value, str) else f"{value:g}"

@@ -181,19 +181,42 @@ def test_the_list_of_figures_must_match_what_is_fed(example, parse):
         parse(example)
 
 
+def shown_values(spec, axis: str) -> list:
+    """Return two values of an axis at which a figure shows points."""
+    if axis in spec.where:
+        return list(spec.where[axis][:2])
+    default = getattr(parse_point({"system": spec.system}, "p"), axis)
+    if axis == "protocol":
+        return [default, "converged"]
+    return [default, 0.9 * default if default else 1]
+
+
 @pytest.mark.parametrize("name", FIGURES)
 def test_a_figure_needs_every_axis(name, parse):
     spec = FIGURES[name]
-    default = parse_point({"system": spec.system}, "p")
+    values = {axis: shown_values(spec, axis) for axis in spec.axes}
+    base = {key: value for key, value in spec.where.items() if key not in spec.axes}
+    base = {key: value[0] if isinstance(value, tuple) else value for key, value in base.items()}
+    first = {axis: value for axis, (value, _) in values.items()}
     for missing in spec.axes:
-        cases = [{axis: 0.9 * getattr(default, axis)} for axis in spec.axes if axis != missing] + [
-            {}
-        ]
-        series = {"name": "a", "system": spec.system, "cases": cases, "figures": [name]}
+        others = [{axis: second} for axis, (_, second) in values.items() if axis != missing]
+        cases = [first | other for other in ({}, *others)]
+        series = {"name": "a", "system": spec.system, "base": base, "cases": cases}
+        series["figures"] = [name]
         with pytest.raises(InputError, match=rf"{name} with {missing} = .* alone"):
             parse({"study": "s", "series": [series]})
-        cases.append({missing: 0.9 * getattr(default, missing)})
+        cases.append(first | {missing: values[missing][1]})
         assert list(parse({"study": "s", "series": [series]}).figures) == [name]
+
+
+@pytest.mark.parametrize("name", [name for name, spec in FIGURES.items() if spec.where])
+def test_a_figure_needs_points_that_it_shows(name, parse):
+    spec = FIGURES[name]
+    key, value = next(iter(spec.where.items()))
+    other = 3 + max(value if isinstance(value, tuple) else (value,))
+    series = {"name": "a", "system": spec.system, "base": {key: other}, "figures": [name]}
+    with pytest.raises(InputError, match=f"got '{name}'; allowed: series with a point at {key} "):
+        parse({"study": "s", "series": [series]})
 
 
 BOUNDARY = {
@@ -348,11 +371,17 @@ def test_durations_are_written_in_the_unit_that_suits(seconds, text):
     assert duration(seconds) == text
 
 
-@pytest.mark.parametrize(("name", "regimes"), [("quick", 0), ("paper", 0), ("regimes", 1)])
-def test_shipped_studies_feed_every_figure_of_their_kind(name, regimes, tmp_path):
+HEADLINES = ["walton_2", "gallas_1a", "gallas_1b", "gallas_1c"]
+REGIMES = [name for name, spec in FIGURES.items() if spec.regimes]
+
+
+@pytest.mark.parametrize(
+    ("name", "figures"), [("quick", HEADLINES), ("paper", HEADLINES), ("regimes", REGIMES)]
+)
+def test_shipped_studies_feed_their_figures(name, figures, tmp_path):
     study = load_study(CONFIG / f"{name}.yaml", tmp_path)
     assert study.name == name
-    assert list(study.figures) == [key for key, spec in FIGURES.items() if spec.regimes == regimes]
+    assert list(study.figures) == figures
     assert set().union(*study.figures.values()) == set(study.points)
 
 

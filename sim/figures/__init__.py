@@ -1,54 +1,12 @@
 """The figures Talus can draw. Only this registry is imported before a figure is asked for."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
 
 from sim.errors import InputError
+from sim.figures.spec import FigureSpec
+from sim.figures.specs_belt import BELT
 
-
-@dataclass(frozen=True)
-class FigureSpec:
-    """What a study must supply for one figure.
-
-    Attributes
-    ----------
-    name : str
-        Name in study files, targets and file names; also the module that draws it.
-    paper : str
-        Figure of the paper it reproduces, or what it is about in it.
-    system : str
-        System of all the points that feed it.
-    axes : tuple of str
-        Parameters that must take at least two values among those points.
-    curves : tuple of str
-        Parameters that tell the paper's curves apart; a study may vary them or not.
-    title : str
-        One line for tables and the report.
-    where : mapping
-        Values that parameters of a point must have to be drawn; others of a series that feeds the
-        figure are left out.
-    regimes : bool
-        Whether it shows regimes and the boundaries found between them, rather than velocities.
-    particles : bool
-        Whether it shows particles, whose states the dataset then keeps.
-    """
-
-    name: str
-    paper: str
-    system: str
-    axes: tuple[str, ...]
-    curves: tuple[str, ...]
-    title: str
-    where: Mapping[str, Any] = field(default_factory=dict)
-    regimes: bool = False
-    particles: bool = False
-
-    def shows(self, parameters: Any) -> bool:
-        """Return whether a point with these parameters is among those drawn."""
-        return all(getattr(parameters, name) == value for name, value in self.where.items())
-
+__all__ = ["FIGURES", "FigureSpec", "draw"]
 
 _SPECS = (
     FigureSpec(
@@ -58,30 +16,6 @@ _SPECS = (
         axes=("depth",),
         curves=("restitution", "friction"),
         title="Mean velocity against depth of the flow",
-    ),
-    FigureSpec(
-        name="gallas_1a",
-        paper="Gallas et al. (1992), Fig. 1a",
-        system="belt",
-        axes=("frequency",),
-        curves=("vibration_angle",),
-        title="Transport velocity against frequency for three angles of vibration",
-    ),
-    FigureSpec(
-        name="gallas_1b",
-        paper="Gallas et al. (1992), Fig. 1b",
-        system="belt",
-        axes=("frequency",),
-        curves=("amplitude", "damping", "shear_damping"),
-        title="Transport velocity against frequency for amplitudes and damping coefficients",
-    ),
-    FigureSpec(
-        name="gallas_1c",
-        paper="Gallas et al. (1992), Fig. 1c",
-        system="belt",
-        axes=("shear_damping",),
-        curves=("frequency",),
-        title="Transport velocity against the shear friction coefficient",
     ),
     FigureSpec(
         name="regimes_friction",
@@ -101,18 +35,9 @@ _SPECS = (
         title="Regimes over depth and inclination",
         regimes=True,
     ),
-    FigureSpec(
-        name="belt_onset",
-        paper="Gallas et al. (1992), onset of the flow",
-        system="belt",
-        axes=("amplitude", "frequency"),
-        curves=("vibration_angle",),
-        title="Onset of transport against amplitude",
-        regimes=True,
-    ),
 )
 
-FIGURES: dict[str, FigureSpec] = {spec.name: spec for spec in _SPECS}
+FIGURES: dict[str, FigureSpec] = {spec.name: spec for spec in (*_SPECS, *BELT)}
 
 
 def draw(name: str, dataset_path: str | Path, out_folder: str | Path) -> list[Path]:

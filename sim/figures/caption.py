@@ -1,6 +1,6 @@
 """Sentences of captions: parameters, intervals, regimes and what is missing."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import pandas as pd
 
@@ -49,8 +49,9 @@ def protocol_sentence(rows: pd.DataFrame, system: str) -> str:
     limit, targets = quantity(system, "limit", converged["limit"]), sorted(set(converged["target"]))
     wanted = ", ".join(f"{100 * target:g}" for target in targets)
     return (
-        f"Converged protocol ({_points(len(converged))}): runs go on until the mean is known to "
-        f"{wanted} % and no drift is left, {limit} at most; averaged is what the transient leaves."
+        f"Converged protocol ({points_text(len(converged))}): runs go on until the mean is known "
+        f"to {wanted} % and no drift is left, {limit} at most; averaged is what the transient "
+        "leaves."
     )
 
 
@@ -61,11 +62,10 @@ def interval_sentence(rows: pd.DataFrame) -> str:
     within = shown[shown["interval"] == "within run"]
     parts = []
     if len(over):
-        counts = sorted(set(over["completed"]))
-        numbers = str(counts[0]) if len(counts) == 1 else f"{counts[0]} to {counts[-1]}"
+        numbers = counted(over["completed"])
         parts.append(f"Student's 95 % interval of the mean over {numbers} replicates")
     if len(within):
-        which = f" for the {_points(len(within))} with one replicate" if len(over) else ""
+        which = f" for the {points_text(len(within))} with one replicate" if len(over) else ""
         parts.append(
             f"95 % interval within the run, its correlations counted{which}, which leaves out how "
             "much one initial state differs from another"
@@ -82,11 +82,11 @@ def regime_sentence(rows: pd.DataFrame) -> str:
     parts = []
     if unknown.any():
         parts.append(
-            f"pale ones may be, their runs are too short to tell ({_points(unknown.sum())}), and "
-            "their error bars may be too small"
+            f"pale ones may be, their runs are too short to tell ({points_text(unknown.sum())}), "
+            "and their error bars may be too small"
         )
     if len(counts):
-        named = [f"{_points(count)} {_REGIMES[regime]}" for regime, count in counts.items()]
+        named = [f"{points_text(count)} {_REGIMES[regime]}" for regime, count in counts.items()]
         parts.append("open ones are not: " + ", ".join(named))
     if not parts:
         return ""
@@ -100,7 +100,7 @@ def regime_sentence(rows: pd.DataFrame) -> str:
 def caveat_sentence(rows: pd.DataFrame) -> str:
     """Give the caveats of the points and how many carry each; empty if there is none."""
     counts = rows[rows["caveat"] != ""]["caveat"].value_counts()
-    return " ".join(f"Caveat for {_points(count)}: {text}." for text, count in counts.items())
+    return " ".join(f"Caveat for {points_text(count)}: {text}." for text, count in counts.items())
 
 
 def failure_sentence(rows: pd.DataFrame) -> str:
@@ -120,5 +120,12 @@ def failure_sentence(rows: pd.DataFrame) -> str:
     return " ".join(sentences)
 
 
-def _points(count: int) -> str:
+def counted(counts: Iterable[int]) -> str:
+    """Write a number that all share, or the range of them: ``3`` or ``3 to 5``."""
+    least, most = min(counts), max(counts)
+    return f"{least}" if least == most else f"{least} to {most}"
+
+
+def points_text(count: int) -> str:
+    """Write ``1 point`` or ``2 points``."""
     return f"{count} point" + ("" if count == 1 else "s")

@@ -44,9 +44,5 @@ def _look(names: dict[str, object], index: int) -> tuple[CurveStyle, str]:
         label = f"$A_z$ = {amplitude:g} ⟨d⟩"
         return _AMPLITUDES.get(amplitude, cycled(index)), label
     style = _DAMPINGS.get(damping, CurveStyle(cycled(index).colour, "none", cycled(index).marker))
-    label = f"(γ, γ$_s$) = ({_in_g(damping[0])}, {_in_g(damping[1])})"
+    label = transport.pair(*damping)
     return style, label if amplitude == 1 else f"{label}, $A_z$ = {amplitude:g} ⟨d⟩"
-
-
-def _in_g(value: float) -> str:
-    return f"{value:g}g" if value else "0"

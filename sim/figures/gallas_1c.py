@@ -3,7 +3,7 @@
 from matplotlib.figure import Figure
 
 from sim.figures import transport
-from sim.figures.style import CurveStyle, cycled
+from sim.figures.style import LONG_DASH, CurveStyle, cycled
 from sim.figures.summary import FigureData
 
 NAMED = transport.NAMED
@@ -15,7 +15,7 @@ PAPER = "The paper: the flux rises rapidly up to γ_s = 10g and only gently from
 
 _STYLES = {
     50.0: CurveStyle("#000000", "-", "o"),
-    20.0: CurveStyle("#0072b2", (0, (5, 2)), "s"),
+    20.0: CurveStyle("#0072b2", LONG_DASH, "s"),
 }
 
 

@@ -19,11 +19,11 @@ from sim.figures.caption import (
     protocol_sentence,
     regime_sentence,
 )
+from sim.figures.columns import parameter_columns
 from sim.figures.regime_map import boundary_sentence
 from sim.figures.style import SETTINGS
 from sim.figures.summary import FigureData, figure_data
 from sim.files import replacing
-from sim.parameters import SYSTEMS, field_info
 from sim.results import load_results
 
 #: Parameters that every table of data tells beside those of its figure.
@@ -33,7 +33,13 @@ SUFFIXES = (".png", ".svg", ".csv", ".caption.txt")
 
 
 def render(spec: FigureSpec, dataset_path: Path, folder: Path) -> list[Path]:
-    """Draw one figure and write its files into ``folder``; see `sim.figures.draw`."""
+    """Draw one figure and write its files into ``folder``; see `sim.figures.draw`.
+
+    Its module gives the texts ``LEAD``, ``NAMED`` (parameters) and ``PAPER`` of the caption and the
+    function ``draw(data)``. It may give ``select(data)``, which narrows the points to those drawn,
+    ``table(data)``, the data behind what are not velocities, and ``notes(data)``, the sentences on
+    error bars where they are not those of velocities.
+    """
     results = load_results(dataset_path)
     try:
         data = figure_data(results, spec)
@@ -42,6 +48,8 @@ def render(spec: FigureSpec, dataset_path: Path, folder: Path) -> list[Path]:
     if data.rows.empty:
         raise InputError(f"{dataset_path}: figures: no point feeds {spec.name}")
     module = importlib.import_module(f"sim.figures.{spec.name}")
+    if hasattr(module, "select"):
+        data = module.select(data)
     folder.mkdir(parents=True, exist_ok=True)
     files = [folder / f"{spec.name}{suffix}" for suffix in SUFFIXES]
     with ExitStack() as stack:
@@ -71,11 +79,12 @@ def caption(data: FigureData, spec: FigureSpec, module: ModuleType) -> str:
     It ends with what the paper says that the figure shows.
     """
     rows = data.rows
-    values = (
-        [boundary_sentence(data.boundaries, spec.axes)]
-        if spec.regimes
-        else [interval_sentence(rows), regime_sentence(rows)]
-    )
+    if hasattr(module, "notes"):
+        values = module.notes(data)
+    elif spec.regimes:
+        values = [boundary_sentence(data.boundaries, spec.axes)]
+    else:
+        values = [interval_sentence(rows), regime_sentence(rows)]
     sentences = (
         f"{spec.paper}. {module.LEAD}",
         parameters_sentence(rows, spec.system, module.NAMED),
@@ -96,14 +105,8 @@ def velocities(data: FigureData, spec: FigureSpec, module: ModuleType) -> pd.Dat
 
 def behind(rows: pd.DataFrame, system: str, parameters: list[str]) -> pd.DataFrame:
     """Return parameters and outcome of points, one row each, units in the headings."""
-    declared = field_info(SYSTEMS[system])
-    table = {"point": rows["point"]}
-    for name in parameters:
-        row = declared[name]
-        unit = row.scale or row.unit
-        table[f"{name} [{unit}]" if unit else name] = rows[name]
     return pd.DataFrame(
-        table
+        parameter_columns(rows, system, parameters)
         | {
             "mean velocity [m s-1]": rows["velocity"],
             "half width of 95 % interval [m s-1]": rows["half_width"],

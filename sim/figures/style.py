@@ -14,6 +14,8 @@ DASHES = ("-", (0, (5, 2)), (0, (5, 2, 1, 2)), (0, (1, 1.5)), (0, (5, 2, 1, 2, 1
 MARKERS = ("o", "s", "^", "D", "v", "P", "X")
 
 SHORT_DASH = (0, (3, 1.5))
+LONG_DASH = DASHES[1]
+DOTTED = DASHES[3]
 DASH_DOT = (0, (6, 2, 1, 2))
 
 #: matplotlib settings in force while a figure is drawn and saved.

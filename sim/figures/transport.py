@@ -64,3 +64,9 @@ def draw_panel(
 def describe(names: dict[str, object]) -> str:
     """Spell out further parameters of a curve for its entry in the legend."""
     return "".join(f", {setting('belt', name, value)}" for name, value in names.items())
+
+
+def pair(damping: float, shear_damping: float) -> str:
+    """Write both damping coefficients for an entry in the legend: ``(γ, γ_s) = (0, 50g)``."""
+    values = (f"{value:g}g" if value else "0" for value in (damping, shear_damping))
+    return f"(γ, γ$_s$) = ({', '.join(values)})"

@@ -1,0 +1,124 @@
+"""The figures of the vibrating belt, with the parameters that the captions of the paper give."""
+
+from typing import Any
+
+from sim.figures.spec import FigureSpec
+
+_DAMPED = {"damping": 50, "shear_damping": 50}
+_AT_45 = {"amplitude": 1, "vibration_angle": 45}
+
+
+def _figure(panel: str, title: str, axes: str = "", curves: str = "", **rest: Any) -> FigureSpec:
+    return FigureSpec(
+        name=f"gallas_{panel}",
+        paper=f"Gallas et al. (1992), Fig. {panel}",
+        system="belt",
+        axes=tuple(axes.split()),
+        curves=tuple(curves.split()),
+        title=title,
+        **rest,
+    )
+
+
+def _flux(panel: str, title: str, axes: str, curves: str, **where: Any) -> FigureSpec:
+    return _figure(panel, f"Transport velocity against {title}", axes, curves, where=where)
+
+
+def _profiles(panel: str, what: str) -> tuple[FigureSpec, ...]:
+    """Return the three panels of Fig. 2 or 3."""
+    several = f"{what} above the belt for several"
+    free, angles = {**_AT_45, "obstacle": 0}, {"vibration_angle": (30, 45, 60, 90)}
+    return (
+        _figure(
+            f"{panel}a",
+            f"{several} frequencies",
+            "frequency",
+            where={**free, **_DAMPED, "frequency": (10, 20, 60, 80)},
+        ),
+        _figure(
+            f"{panel}b",
+            f"{several} angles of vibration",
+            "vibration_angle",
+            where={**free, **_DAMPED, "frequency": 60, **angles},
+        ),
+        _figure(
+            f"{panel}c",
+            f"{several} damping coefficients",
+            "shear_damping",
+            "damping",
+            where={**free, "frequency": 80},
+        ),
+    )
+
+
+def _paths(panel: str, title: str, **where: Any) -> FigureSpec:
+    return _particles(panel, f"Paths of the beads over one cycle {title}", **where)
+
+
+def _snapshot(panel: str, title: str, **where: Any) -> FigureSpec:
+    return _particles(panel, f"Beads at the beginning of a cycle {title}", **where)
+
+
+def _particles(panel: str, title: str, **where: Any) -> FigureSpec:
+    return _figure(
+        panel, title, where={**_AT_45, **_DAMPED, "obstacle": 0, **where}, particles=True
+    )
+
+
+BELT = (
+    _flux("1a", "frequency for three angles of vibration", "frequency", "vibration_angle"),
+    _flux(
+        "1b",
+        "frequency for amplitudes and damping coefficients",
+        "frequency",
+        "amplitude damping shear_damping",
+    ),
+    _flux("1c", "the shear friction coefficient", "shear_damping", "frequency"),
+    *_profiles("2", "Number density"),
+    *_profiles("3", "Horizontal velocity"),
+    _paths("4a", "at 10 Hz", frequency=10),
+    _paths("4b", "at 10 Hz with little shear friction", frequency=10, shear_damping=1),
+    _paths("4c", "at 20 Hz", frequency=20),
+    _paths("4d", "at 80 Hz", frequency=80),
+    _paths("4e", "at 80 Hz without shear friction", frequency=80, shear_damping=0),
+    _snapshot("5a", "at 10 Hz", frequency=10, vibration_angle=60),
+    _snapshot(
+        "5b",
+        "at 40 Hz with little friction",
+        frequency=40,
+        vibration_angle=30,
+        damping=10,
+        shear_damping=10,
+    ),
+    _snapshot("5c", "at 100 Hz", frequency=100),
+    _snapshot("5d", "at 100 Hz with little damping", frequency=100, damping=1),
+    _flux(
+        "6",
+        "the diameter of an obstacle",
+        "obstacle",
+        "frequency",
+        frequency=(20, 80),
+        **_AT_45,
+        **_DAMPED,
+    ),
+    _paths("7a", "at 80 Hz around an obstacle", frequency=80, obstacle=1.5),
+    _snapshot("7b", "at 80 Hz around an obstacle", frequency=80, obstacle=1.5),
+    _paths("7c", "at 20 Hz around an obstacle", frequency=20, obstacle=1.5),
+    FigureSpec(
+        name="protocols_1c",
+        paper="Gallas et al. (1992), Fig. 1c, under both protocols",
+        system="belt",
+        axes=("shear_damping", "protocol"),
+        curves=("frequency",),
+        title="Transport velocity against the shear friction coefficient under both protocols",
+    ),
+    FigureSpec(
+        name="belt_onset",
+        paper="Gallas et al. (1992), onset of the flow",
+        system="belt",
+        axes=("amplitude", "frequency"),
+        curves=("vibration_angle",),
+        title="Onset of transport against amplitude",
+        regimes=True,
+    ),
+)
