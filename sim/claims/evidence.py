@@ -171,6 +171,9 @@ class Evidence:
     def boundary(self, system: str, of: str, along: str, **where: Any) -> UFloat:
         """Return a boundary found by refinement; its interval is the bracket.
 
+        Boundaries that differ in nothing but the seed are joined: the interval is then Student's
+        over them, not smaller than their mean bracket.
+
         Raises `Untestable` when the study looks for no such boundary or none was found.
         """
         rows = self._results.boundaries
@@ -182,9 +185,14 @@ class Evidence:
         ]
         if rows.empty:
             raise Untestable(f"no boundary of {of} along {along} at {_text(where)}")
-        width = rows["high"] - rows["low"]
-        low, high = rows.loc[width.idxmin(), ["low", "high"]].astype(float)
-        return measured(0.5 * (low + high), 0.5 * (high - low))
+        width = (rows["high"] - rows["low"]).astype(float)
+        narrowest = rows.loc[width.idxmin()]
+        alike = [name for name in SYSTEMS[system].model_fields if name != "seed"]
+        starts = rows[(rows[alike] == narrowest[alike]).all(axis=1)]
+        middle = (0.5 * (starts["low"] + starts["high"])).to_numpy(float)
+        bracket = 0.5 * float(width[starts.index].mean())
+        over = student_half_width(middle) if middle.size > 1 else 0.0
+        return measured(float(middle.mean()), max(bracket, over))
 
     @cached_property
     def _table(self) -> pd.DataFrame:
