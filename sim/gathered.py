@@ -101,14 +101,19 @@ def profiles(runs: Sequence[Gathered], replicates: int) -> xr.Dataset:
     """Return the profiles of the runs of one system over (run, replicate, slice).
 
     Coordinate ``run`` is the id of the point. Fewer slices or replicates than those of another run
-    are filled up with NaN; ``height`` (run, slice) holds the centres of the slices.
+    are filled up with NaN; ``height`` (run, slice) holds the centres of the slices. Profiles along
+    the belt are over (run, replicate, square), and ``column`` (run, square) holds the centres.
     """
     lined_up = []
     for run in runs:
         one = run.profiles.reset_index("height").reset_coords("height").rename_dims(height="slice")
         lined_up.append(one.expand_dims(run=[run.scalars.attrs["point_id"]]))
-    slices = max(one.sizes["slice"] for one in lined_up)
-    padded = [_padded(one, replicate=replicates, slice=slices) for one in lined_up]
+    longest = {
+        name: max(one.sizes[name] for one in lined_up)
+        for name in ("slice", "square")
+        if all(name in one.sizes for one in lined_up)
+    }
+    padded = [_padded(one, replicate=replicates, **longest) for one in lined_up]
     return xr.concat(padded, "run", data_vars="all", join="exact", combine_attrs="drop")
 
 

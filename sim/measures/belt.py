@@ -50,7 +50,8 @@ def columns(run: xr.Dataset) -> xr.Dataset:
     -------
     xarray.Dataset
         ``column_velocity`` (m/s) and ``column_density`` (beads per length, m⁻¹), each over
-        (replicate, column); empty for a run without a field.
+        (replicate, square), and ``column`` (square), the centres of the squares along the belt (m);
+        empty for a run without a field.
     """
     if "field_velocity" not in run:
         return xr.Dataset()
@@ -58,7 +59,7 @@ def columns(run: xr.Dataset) -> xr.Dataset:
     carried = (run["field_velocity"] * density).sum("level")
     beads = density.sum("level")
     height = float(run["level"][1] - run["level"][0])
-    return xr.Dataset(
+    found = xr.Dataset(
         {
             "column_velocity": (carried / beads.where(beads > 0)).assign_attrs(
                 units="m s-1", long_name="mean velocity along the belt of the beads in a column"
@@ -68,6 +69,7 @@ def columns(run: xr.Dataset) -> xr.Dataset:
             ),
         }
     )
+    return found.reset_index("column").reset_coords("column").rename_dims(column="square")
 
 
 def _of_series(run: xr.Dataset) -> dict[str, float]:
