@@ -179,15 +179,13 @@ class Evidence:
         rows = self._results.boundaries
         if len(rows):
             same = (rows["system"] == system) & (rows["of"] == of) & (rows["along"] == along)
-            rows = rows[same & self._matching(rows, system, where, along)]
-        rows = rows[
-            np.isfinite(rows["low"].astype(float)) & np.isfinite(rows["high"].astype(float))
-        ]
+            found = rows[["low", "high"]].notna().all(axis=1)
+            rows = rows[same & found & self._matching(rows, system, where, along)]
         if rows.empty:
             raise Untestable(f"no boundary of {of} along {along} at {_text(where)}")
         width = (rows["high"] - rows["low"]).astype(float)
         narrowest = rows.loc[width.idxmin()]
-        alike = [name for name in SYSTEMS[system].model_fields if name != "seed"]
+        alike = [name for name in SYSTEMS[system].model_fields if name not in ("seed", along)]
         starts = rows[(rows[alike] == narrowest[alike]).all(axis=1)]
         middle = (0.5 * (starts["low"] + starts["high"])).to_numpy(float)
         bracket = 0.5 * float(width[starts.index].mean())
@@ -253,11 +251,9 @@ def _text(where: Mapping[str, Any]) -> str:
 
 def _usual(system: str) -> dict[str, Any]:
     """Return the paper's value of every parameter that sets which flow a point is."""
-    return {
-        name: getattr(SYSTEMS[system](), name)
-        for name in SYSTEMS[system].model_fields
-        if name not in NUMERICAL and name != "system"
-    }
+    usual = SYSTEMS[system]()
+    names = set(SYSTEMS[system].model_fields) - NUMERICAL - {"system"}
+    return {name: getattr(usual, name) for name in names}
 
 
 def _default(system: str, name: str, row: Mapping[str, Any]) -> Any:

@@ -242,7 +242,7 @@ def _profiles(points: Sequence[MadePoint], count: int) -> xr.Dataset:
         own = [name for name in names if _is_along(name) == _is_along(centres)]
         if not own and _is_along(centres):
             continue
-        rows = [_centres(centres, point, point.height) for point in points]
+        rows = [_centres(centres, point.parameters, point.height) for point in points]
         data[centres] = ("run", dimension), _padded(rows, (max(map(len, rows)),))
         for name in own:
             rows = [point.profiles.get(name, np.empty((0, 0))) for point in points]
