@@ -10,6 +10,7 @@ import numpy as np
 import pandas as pd
 from uncertainties import UFloat, ufloat
 
+from sim.claims.starts import over_seeds
 from sim.claims.verdict import SIGMAS, Untestable
 from sim.outcome import outcome, student_half_width
 from sim.parameters import NUMERICAL, SYSTEMS, field_info
@@ -171,26 +172,19 @@ class Evidence:
     def boundary(self, system: str, of: str, along: str, **where: Any) -> UFloat:
         """Return a boundary found by refinement; its interval is the bracket.
 
-        Boundaries that differ in nothing but the seed are joined: the interval is then Student's
-        over them, not smaller than their mean bracket.
-
-        Raises `Untestable` when the study looks for no such boundary or none was found.
+        Boundaries that differ in nothing but the seed are joined, see `sim.claims.starts`. Raises
+        `Untestable` when the study looks for no such boundary or none was found.
         """
         rows = self._results.boundaries
         if len(rows):
             same = (rows["system"] == system) & (rows["of"] == of) & (rows["along"] == along)
             found = rows[["low", "high"]].notna().all(axis=1)
-            rows = rows[same & found & self._matching(rows, system, where, along)]
-        if rows.empty:
+            rows = rows[same & found & (rows["protocol"] == self.protocol)]
+        chosen = rows[self._matching(rows, system, where, along)] if len(rows) else rows
+        if chosen.empty:
             raise Untestable(f"no boundary of {of} along {along} at {_text(where)}")
-        width = (rows["high"] - rows["low"]).astype(float)
-        narrowest = rows.loc[width.idxmin()]
-        alike = [name for name in SYSTEMS[system].model_fields if name not in ("seed", along)]
-        starts = rows[(rows[alike] == narrowest[alike]).all(axis=1)]
-        middle = (0.5 * (starts["low"] + starts["high"])).to_numpy(float)
-        bracket = 0.5 * float(width[starts.index].mean())
-        over = student_half_width(middle) if middle.size > 1 else 0.0
-        return measured(float(middle.mean()), max(bracket, over))
+        settings = [name for name in SYSTEMS[system].model_fields if name not in ("seed", along)]
+        return measured(*over_seeds(rows, chosen, settings))
 
     @cached_property
     def _table(self) -> pd.DataFrame:

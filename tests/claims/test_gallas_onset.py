@@ -58,6 +58,17 @@ def test_a_bed_that_moves_only_now_and_then_is_not_transported():
     assert found(points) == pytest.approx((16.25, 0.25))
 
 
+def test_what_one_start_differs_from_another_is_known_from_other_boundaries():
+    others = [
+        boundary(low, low + 0.25, seed=seed, vibration_angle=angle)
+        for angle in (30, 60)
+        for seed, low in ((1, 15.0), (2, 15.5))
+    ]
+    value, half_width = found(scan(), [boundary(15.75, 16.0), *others])
+    assert value == pytest.approx(15.875)
+    assert half_width == pytest.approx(4.303 * 0.5 / 2**0.5, rel=0.01)
+
+
 def test_a_boundary_goes_before_a_scan_and_several_are_joined():
     assert found(scan(), [boundary(15.0, 15.25)]) == pytest.approx((15.125, 0.125))
     two = [boundary(15.0, 15.25, seed=1), boundary(16.0, 16.25, seed=2)]
