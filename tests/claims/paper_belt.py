@@ -66,6 +66,8 @@ def velocity_profile(belt: BeltParameters, lag: float = 0.3) -> Callable:
 def temperature_profile(belt: BeltParameters) -> Callable:
     """Return the granular temperature over height, m²/s²: hot at the top."""
     middle, width = middle_and_width(belt)
+    if belt.frequency < 15:
+        return lambda height: np.full(height.size, 1e-6)
     return lambda height: np.where(height > middle + 0.5 * width, 0.05, 0.01)
 
 
@@ -75,9 +77,10 @@ def paths(belt: BeltParameters) -> dict[str, float]:
     drift = 1e-6 if free else velocity(belt) / belt.frequency
     flat = 100 / (belt.damping + belt.shear_damping + 1) * belt.vibration_angle / 45
     height = (0.5 if belt.frequency < 50 or belt.obstacle else 0.1 * flat) * drift
+    block = belt.frequency < 15
     return {
         "path_drift": drift,
-        "path_vertical": 5e-4 if free else height,
+        "path_vertical": 7e-4 if block else 5e-4 if free else height,
         "path_major": 7e-4,
         "path_minor": 1e-4,
         "path_tilt": np.radians(85 if belt.shear_damping <= 1 else belt.vibration_angle),

@@ -9,6 +9,7 @@ from tests.claims.paper_belt import checks_of, published, verdict_of
 
 PANELS = {
     "a": {"frequency": 10},
+    "steeper": {"frequency": 10, "vibration_angle": 60},
     "b": {"frequency": 10, "shear_damping": 1},
     "c": {"frequency": 20},
     "d": {"frequency": 80},
@@ -35,6 +36,8 @@ def test_from_ellipses_to_a_stream():
         ("a", {"path_drift": 3e-4}),
         ("a", {"path_drift": -3e-4}),
         ("a", {"path_tilt": np.radians(80)}),
+        ("a", {"path_minor": 1e-5}),
+        ("steeper", {"path_tilt": np.radians(40)}),
         ("b", {"path_tilt": np.radians(45)}),
         ("c", {"path_drift": -1e-3}),
         ("c", {"path_vertical": 1e-5}),
