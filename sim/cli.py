@@ -148,6 +148,7 @@ def _add_run_commands(commands: _Commands) -> None:
 def _add_result_commands(commands: _Commands) -> None:
     _add_study(_add(commands, "dataset", _dataset, "combine the runs of a study in one dataset"))
     _add_study(_add(commands, "boundaries", _boundaries, "write the boundaries found as CSV"))
+    _add_study(_add(commands, "claims", _claims, "judge the claims of both papers on a study"))
     figure = _add(commands, "figure", _figure, "draw one figure from a dataset")
     figure.add_argument("name", metavar="NAME", help="such as walton_2")
     figure.add_argument("dataset", type=Path, metavar="DATASET.nc")
@@ -264,6 +265,12 @@ def _figure(options: argparse.Namespace) -> None:
 
     for path in draw(options.name, options.dataset, options.output):
         print(path)
+
+
+def _claims(options: argparse.Namespace) -> None:
+    from sim.claims.judge import build
+
+    print(build(options.study, options.results))
 
 
 def _report(options: argparse.Namespace) -> None:

@@ -1,6 +1,10 @@
-"""The runs of a study as one labelled table: ``dataset.nc`` over points and replicates."""
+"""The runs of a study as one labelled table: ``dataset.nc`` over points and replicates.
 
-from collections.abc import Mapping, Sequence
+Its root holds scalars; a group per system holds the profiles of its points, and a group
+``particles`` the states of points that a figure shows particle by particle.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -9,20 +13,18 @@ import numpy as np
 import xarray as xr
 
 from sim.errors import InputError
+from sim.figures import FIGURES
 from sim.files import replacing, seal
-from sim.observe.scalars import SCALARS
+from sim.gathered import NUMBERS, WORDS, Gathered, profiles, read_run
 from sim.outcome import outcome
 from sim.parameters import SYSTEMS, field_info
 from sim.regime_boundaries import GROUP, refined, table
-from sim.stored import DamagedError, reading
-from sim.study import Study, load_study
+from sim.results import PARTICLES
+from sim.stored import DamagedError
+from sim.study import Point, Study, load_study
 
-#: Scalars per replicate that a run file may hold. A system without one of them gets NaN.
-NUMBERS = tuple(name for name, (unit, _) in SCALARS.items() if unit)
-WORDS = tuple(name for name, (unit, _) in SCALARS.items() if not unit)
-
-#: Without these attributes a file is no run file.
-ATTRIBUTES = {"point_id", "system", "engine_version", "source_hash", "versions"}
+#: How arrays are stored.
+COMPRESSION = {"zlib": True, "complevel": 4, "shuffle": True}
 
 _CAVEAT = {"long_name": "what to know before trusting the point"}
 
@@ -53,7 +55,11 @@ def build(study_path: str | Path, results: str | Path = "results") -> Path:
     study = load_study(study_path, results)
     folder = Path(results) / study.name
     study = refined(study, folder / "runs")
-    reads = [dask.delayed(_attempt)(folder / "runs" / f"{point}.nc") for point in study.points]
+    shown = {key for key, point in study.points.items() if _is_shown(point)}
+    reads = [
+        dask.delayed(_attempt)(folder / "runs" / f"{point}.nc", point in shown)
+        for point in study.points
+    ]
     # One thread: the HDF5 library under netCDF-4 is not thread-safe.
     runs = dask.compute(*reads, scheduler="synchronous")
     damaged = [run for run in runs if isinstance(run, DamagedError)]
@@ -62,46 +68,46 @@ def build(study_path: str | Path, results: str | Path = "results") -> Path:
         raise InputError(f"{damaged[0]}{others}")
     output = folder / "dataset.nc"
     with replacing(output) as temporary:
-        combine(runs, study).to_netcdf(temporary, engine="netcdf4")
-        if study.boundaries:
-            found = table(study, folder / "runs").to_xarray()
-            found.to_netcdf(temporary, mode="a", group=GROUP, engine="netcdf4")
+        for group, dataset in _groups(runs, study, folder / "runs"):
+            dataset.to_netcdf(
+                temporary,
+                mode="a" if group else "w",
+                group=group,
+                engine="netcdf4",
+                encoding={name: COMPRESSION for name in dataset if dataset[name].ndim > 1},
+            )
         seal(temporary)
     return output
 
 
-def _attempt(path: Path) -> xr.Dataset | DamagedError:
+def _is_shown(point: Point) -> bool:
+    """Return whether a figure shows a point particle by particle."""
+    return any(FIGURES[name].particles for name in point.figures)
+
+
+def _groups(
+    runs: Sequence[Gathered], study: Study, folder: Path
+) -> Iterator[tuple[str | None, xr.Dataset]]:
+    """Yield the groups of the dataset by name, the root first."""
+    root = combine([run.scalars for run in runs], study)
+    yield None, root
+    for system in SYSTEMS:
+        own = [run for run in runs if run.scalars.attrs["system"] == system]
+        if any(run.profiles.sizes for run in own):
+            yield system, profiles(own, root.sizes["replicate"])
+    for run in runs:
+        if run.state is not None:
+            yield f"{PARTICLES}/{run.scalars.attrs['point_id']}", run.state
+    if study.boundaries:
+        yield GROUP, table(study, folder).to_xarray()
+
+
+def _attempt(path: Path, shown: bool) -> Gathered | DamagedError:
     """Read a run, or return what is wrong with it, so that all of them are looked at."""
     try:
-        return read_run(path)
+        return read_run(path, shown)
     except DamagedError as error:
         return error
-
-
-def read_run(path: Path) -> xr.Dataset:
-    """Read what a dataset keeps of a run file: scalars per replicate, parameters, provenance.
-
-    Raises
-    ------
-    InputError
-        When there is no such file.
-    DamagedError
-        When it cannot be read as the run that its name says; it is set aside.
-    """
-    with (
-        reading(path, "run file", replaceable=True),
-        xr.open_dataset(path, engine="netcdf4") as run,
-    ):
-        if not {*run.attrs} >= ATTRIBUTES or "replicate" not in run.sizes or "particles" not in run:
-            raise ValueError("no point in it")
-        if run.attrs["point_id"] != path.stem:
-            raise ValueError(f"holds point {run.attrs['point_id']}")
-        kept = [
-            name
-            for name, values in run.variables.items()
-            if values.dims == () or name in {*NUMBERS, *WORDS}
-        ]
-        return run[kept].load()
 
 
 def combine(runs: Sequence[xr.Dataset], study: Study) -> xr.Dataset:
@@ -110,7 +116,7 @@ def combine(runs: Sequence[xr.Dataset], study: Study) -> xr.Dataset:
     Parameters
     ----------
     runs : sequence of xarray.Dataset
-        What `read_run` kept of the runs of the study, in the order of its points.
+        Scalars of the runs of the study, in the order of its points.
     study : Study
         Says which series and figures each point belongs to.
 

@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from dataclasses import asdict, replace
 from pathlib import Path
 
+import netCDF4
 import pandas as pd
 import xarray as xr
 
@@ -102,17 +103,16 @@ def table(study: Study, runs: Path) -> pd.DataFrame:
         ``name``, ``system``, ``of``, ``along``, ``unit`` (of ``low`` and ``high``), ``figures``,
         ``low`` and ``high`` (NaN without a boundary in the range), ``below``, ``above``,
         ``verdict`` (as in `sim.refine.Located`), ``points`` (their number), then the parameters of
-        the point at the low end of the range; NaN for those of the other system.
+        the point at the low end of the range; NaN or ``""`` for those of the other system.
     """
     rows = []
     for boundary in study.boundaries:
         sides = _sides(boundary, runs)
         start = boundary.at(boundary.low)
         declared = field_info(start)[boundary.along]
-        numbers = {
-            name: float(value)
+        settings = {
+            name: value if isinstance(value, str) else float(value)
             for name, value in canonical(start).items()
-            if isinstance(value, (int, float))
         }
         what = {
             "name": boundary.name,
@@ -123,8 +123,10 @@ def table(study: Study, runs: Path) -> pd.DataFrame:
             "figures": " ".join(boundary.figures),
         }
         found = asdict(located(sides, boundary.tolerance)) | {"points": len(sides)}
-        rows.append(what | found | numbers)
-    return pd.DataFrame(rows).astype({"low": float, "high": float}).rename_axis("boundary")
+        rows.append(settings | what | found)
+    table = pd.DataFrame(rows).astype({"low": float, "high": float}).rename_axis("boundary")
+    words = table.select_dtypes(exclude="number").columns
+    return table.fillna(dict.fromkeys(words, ""))
 
 
 def read_table(dataset: Path) -> pd.DataFrame:
@@ -135,13 +137,12 @@ def read_table(dataset: Path) -> pd.DataFrame:
     InputError
         When there is no dataset, or it is damaged: it is then set aside.
     """
-    with (
-        reading(dataset, "dataset", replaceable=True),
-        xr.open_datatree(dataset, engine="netcdf4") as tree,
-    ):
-        if GROUP not in tree:
-            return pd.DataFrame(columns=_COLUMNS)
-        return tree[GROUP].to_dataset(inherit=False).to_dataframe()
+    with reading(dataset, "dataset", replaceable=True):
+        with netCDF4.Dataset(dataset) as file:
+            if GROUP not in file.groups:
+                return pd.DataFrame(columns=_COLUMNS)
+        with xr.open_dataset(dataset, engine="netcdf4", group=GROUP) as found:
+            return found.to_dataframe()
 
 
 def build(study_path: str | Path, results: str | Path = "results") -> Path:

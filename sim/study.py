@@ -227,8 +227,12 @@ def _add(
 def joined(
     points: dict[str, Point], parameters: Parameters, series: str, figures: Iterable[str]
 ) -> Point:
-    """Return the point among ``points``, or a new one, as a member of a series and of figures."""
+    """Return the point among ``points``, or a new one, as a member of a series and of figures.
+
+    Of the figures it joins those that show it.
+    """
     key = point_id(parameters)
+    figures = [name for name in figures if FIGURES[name].shows(parameters)]
     known = points.get(key, Point(key, parameters, (), ()))
     return replace(
         known,
@@ -256,16 +260,21 @@ def _figures(file: StudyFile, points: dict[str, Point], source: str) -> dict[str
             allowed = "a figure that the study lists under figures"
             raise InputError.of_value(source, feeding[name], name, allowed)
         members = [point for point in points.values() if name in point.figures]
-        _require_axes(name, members, source, feeding[name])
+        _require_members(name, members, source, feeding[name])
         figures[name] = tuple(point.id for point in members)
     return figures
 
 
-def _require_axes(name: str, members: list[Point], source: str, path: str) -> None:
-    for axis in FIGURES[name].axes:
+def _require_members(name: str, members: list[Point], source: str, path: str) -> None:
+    """Refuse a figure whose points are not those that it shows, or do not vary its axes."""
+    spec = FIGURES[name]
+    if not members:
+        wanted = ", ".join(f"{key} {value:g}" for key, value in spec.where.items())
+        raise InputError.of_value(source, path, name, f"series with a point at {wanted}")
+    for axis in spec.axes:
         values = {getattr(point.parameters, axis) for point in members}
         if len(values) < 2:
             got = f"{name} with {axis} = {values.pop():g} alone"
-            axes = ", ".join(FIGURES[name].axes)
+            axes = ", ".join(spec.axes)
             allowed = f"series that feed {name} and together vary {axes}"
             raise InputError.of_value(source, path, got, allowed)

@@ -18,6 +18,7 @@ from sim.cli import main
 from sim.errors import InputError
 from sim.figures import draw
 from sim.files import alone, is_damaged, seal
+from sim.gathered import read_run
 from sim.parameters import canonical, point_id
 from sim.run import run_point
 from sim.stored import DamagedError
@@ -52,7 +53,7 @@ def assert_refused_or_true(path: Path, content: bytes, expected) -> bool:
     path.write_bytes(content)
     aside = path.with_name(f"{path.name}.damaged")
     try:
-        found = dataset.read_run(path)
+        found = read_run(path).scalars
     except DamagedError as error:
         assert str(error).startswith(f"{path}: damaged") and "\n" not in str(error)
         assert not path.exists() and aside.read_bytes() == content
@@ -63,7 +64,7 @@ def assert_refused_or_true(path: Path, content: bytes, expected) -> bool:
 
 def test_a_flipped_bit_is_never_read(content, path):
     path.write_bytes(content)
-    expected = dataset.read_run(path)
+    expected = read_run(path).scalars
     flips = random.Random(1)
     refused = 0
     for _ in range(OFFSETS):
@@ -76,7 +77,7 @@ def test_a_flipped_bit_is_never_read(content, path):
 
 def test_a_hole_is_never_read(content, path):
     path.write_bytes(content)
-    expected = dataset.read_run(path)
+    expected = read_run(path).scalars
     for share in (0.05, 0.3, 0.5, 0.9):
         begin = int(share * len(content))
         changed = content[:begin] + bytes(512) + content[begin + 512 :]
@@ -85,7 +86,7 @@ def test_a_hole_is_never_read(content, path):
 
 def test_a_truncated_file_is_never_read(content, path):
     path.write_bytes(content)
-    expected = dataset.read_run(path)
+    expected = read_run(path).scalars
     lengths = {0, 1, 7, 8, 100, len(content) - 100, len(content) // 2, len(content) // 3}
     for length in lengths:
         assert assert_refused_or_true(path, content[:length], expected)

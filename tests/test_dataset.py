@@ -6,11 +6,13 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from sim.dataset import build, read_run
+from sim.dataset import build
 from sim.errors import InputError
+from sim.gathered import read_run
 from sim.parameters import BeltParameters, ChuteParameters, point_id
+from sim.results import load_results
 from sim.study import load_study
-from tests.factories import FAILURE, is_hurt, is_lost, made_velocity, make_study, write_run
+from tests.factories import FAILURE, HEIGHTS, is_hurt, is_lost, made_velocity, make_study, write_run
 
 
 @pytest.fixture(scope="module")
@@ -124,3 +126,23 @@ def test_a_netcdf_file_that_is_no_run_is_named(tmp_path):
     xr.Dataset({"depth": 1.0}).to_netcdf(path)
     with pytest.raises(InputError, match=r"other\.nc: damaged or not a run file"):
         read_run(path)
+
+
+def test_profiles_of_both_systems_lie_in_groups(made):
+    results = load_results(build(*made))
+    study = load_study(*made)
+    for point in study.points.values():
+        if is_lost(point.parameters):
+            continue
+        values, height = results.profile(point.id, "velocity_profile")
+        row = results.dataset.sel(point=point.id)
+        lost = is_hurt(point.parameters)
+        assert values.shape == (point.parameters.replicates - lost, HEIGHTS)
+        assert height == pytest.approx((np.arange(HEIGHTS) + 0.5) * 1e-3)
+        velocities = row["velocity"].values[np.isfinite(row["velocity"].values)]
+        assert values.mean(axis=1) == pytest.approx(velocities)
+
+
+def test_the_whole_file_opens_as_a_tree(made):
+    with xr.open_datatree(build(*made)) as tree:
+        assert set(tree["chute"]["run"].values) <= set(tree["point"].values)

@@ -1,7 +1,9 @@
 """The figures Talus can draw. Only this registry is imported before a figure is asked for."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 from sim.errors import InputError
 
@@ -24,8 +26,13 @@ class FigureSpec:
         Parameters that tell the paper's curves apart; a study may vary them or not.
     title : str
         One line for tables and the report.
+    where : mapping
+        Values that parameters of a point must have to be drawn; others of a series that feeds the
+        figure are left out.
     regimes : bool
         Whether it shows regimes and the boundaries found between them, rather than velocities.
+    particles : bool
+        Whether it shows particles, whose states the dataset then keeps.
     """
 
     name: str
@@ -34,7 +41,13 @@ class FigureSpec:
     axes: tuple[str, ...]
     curves: tuple[str, ...]
     title: str
+    where: Mapping[str, Any] = field(default_factory=dict)
     regimes: bool = False
+    particles: bool = False
+
+    def shows(self, parameters: Any) -> bool:
+        """Return whether a point with these parameters is among those drawn."""
+        return all(getattr(parameters, name) == value for name, value in self.where.items())
 
 
 _SPECS = (

@@ -1,11 +1,11 @@
 """Onset of transport on the belt: frequency against amplitude, and where the bed would lift off."""
 
 import numpy as np
-import pandas as pd
 from matplotlib.figure import Figure
 
 from sim.figures.regime_map import THEORY, draw_boundaries
 from sim.figures.style import canvas, place_legend
+from sim.figures.summary import FigureData
 
 LEAD = (
     "Frequency f at which transport begins on the vibrating belt against the vertical amplitude "
@@ -23,12 +23,17 @@ NAMED = (
     "transient",
     "average",
 )
+PAPER = (
+    "The paper: onset near 16 Hz for amplitudes of 1 and 1.5 ⟨d⟩, near 18 Hz for half a "
+    "diameter; for one diameter that is Γ ≈ 1."
+)
 
 
-def draw(rows: pd.DataFrame, found: pd.DataFrame) -> Figure:
-    """Draw the figure from its points and boundaries, see `sim.figures.regime_map`."""
+def draw(data: FigureData) -> Figure:
+    """Draw the figure."""
+    rows = data.rows
     figure, axes = canvas()
-    draw_boundaries(axes, found, "amplitude", "frequency")
+    draw_boundaries(axes, data.boundaries, "amplitude", "frequency")
     smallest, largest = rows["amplitude"][rows["amplitude"] > 0].agg(["min", "max"])
     amplitude = np.linspace(0.9 * smallest, 1.05 * largest, 200)
     for (gravity, diameter), _ in rows.groupby(["gravity", "diameter"]):

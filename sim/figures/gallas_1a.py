@@ -1,15 +1,20 @@
 """Gallas et al. (1992), Fig. 1a: transport velocity against frequency for three angles."""
 
-import pandas as pd
 from matplotlib.figure import Figure
 
 from sim.figures import transport
 from sim.figures.style import DASH_DOT, SHORT_DASH, CurveStyle, cycled
+from sim.figures.summary import FigureData
 
 NAMED = transport.NAMED
 LEAD = (
     "Transport velocity V_x of the beads against the frequency f of the belt, "
     "for several angles α of the vibration."
+)
+PAPER = (
+    "The paper: after a rather rapid jump near 16 Hz, at the same frequency for all angles, "
+    "the flux grows monotonically and in the end linearly; flatter vibrations transport "
+    "faster."
 )
 
 _STYLES = {
@@ -19,9 +24,9 @@ _STYLES = {
 }
 
 
-def draw(rows: pd.DataFrame) -> Figure:
-    """Draw the figure from its points, as `sim.figures.summary.summarize` returns them."""
-    figure, axes = transport.draw_panel(rows, "frequency", ("vibration_angle",), _look)
+def draw(data: FigureData) -> Figure:
+    """Draw the figure."""
+    figure, axes = transport.draw_panel(data.rows, "frequency", ("vibration_angle",), _look)
     axes.set_xlabel("frequency f (Hz)")
     return figure
 

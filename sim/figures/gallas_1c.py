@@ -1,16 +1,17 @@
 """Gallas et al. (1992), Fig. 1c: transport velocity against the shear friction coefficient."""
 
-import pandas as pd
 from matplotlib.figure import Figure
 
 from sim.figures import transport
 from sim.figures.style import CurveStyle, cycled
+from sim.figures.summary import FigureData
 
 NAMED = transport.NAMED
 LEAD = (
     "Transport velocity V_x of the beads against the shear friction coefficient γ_s, "
     "for several frequencies f of the belt."
 )
+PAPER = "The paper: the flux rises rapidly up to γ_s = 10g and only gently from there on."
 
 _STYLES = {
     50.0: CurveStyle("#000000", "-", "o"),
@@ -18,9 +19,9 @@ _STYLES = {
 }
 
 
-def draw(rows: pd.DataFrame) -> Figure:
-    """Draw the figure from its points, as `sim.figures.summary.summarize` returns them."""
-    figure, axes = transport.draw_panel(rows, "shear_damping", ("frequency",), _look)
+def draw(data: FigureData) -> Figure:
+    """Draw the figure."""
+    figure, axes = transport.draw_panel(data.rows, "shear_damping", ("frequency",), _look)
     axes.set_xlabel("shear friction coefficient $γ_s$ (g)")
     return figure
 

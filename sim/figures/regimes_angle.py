@@ -2,11 +2,11 @@
 
 from math import atan, degrees
 
-import pandas as pd
 from matplotlib.figure import Figure
 
 from sim.figures.regime_map import THEORY, draw_map
 from sim.figures.style import place_legend
+from sim.figures.summary import FigureData
 
 LEAD = (
     "Regimes of monodisperse spheres on a frictional inclined plane over the inclination θ and the "
@@ -21,11 +21,13 @@ NAMED = (
     "transient",
     "average",
 )
+PAPER = "The paper announces the range of angles of steady flow as further work."
 
 
-def draw(rows: pd.DataFrame, found: pd.DataFrame) -> Figure:
-    """Draw the figure from its points and boundaries, see `sim.figures.regime_map.draw_map`."""
-    figure, axes = draw_map(rows, found, "angle")
+def draw(data: FigureData) -> Figure:
+    """Draw the figure."""
+    rows = data.rows
+    figure, axes = draw_map(rows, data.boundaries, "angle")
     for friction in sorted(set(rows["friction"])):
         axes.axhline(degrees(atan(friction)), label=f"tan θ = μ = {friction:g}", **THEORY)
     axes.set_ylabel("inclination θ (degrees)")

@@ -2,11 +2,11 @@
 
 from math import radians, tan
 
-import pandas as pd
 from matplotlib.figure import Figure
 
 from sim.figures.regime_map import THEORY, draw_map
 from sim.figures.style import place_legend
+from sim.figures.summary import FigureData
 
 LEAD = (
     "Regimes of monodisperse spheres on a frictional inclined plane over the friction coefficient "
@@ -21,11 +21,16 @@ NAMED = (
     "transient",
     "average",
 )
+PAPER = (
+    "The paper: flows accelerate without bound wherever μ < tan θ, and where single spheres "
+    "roll (half a particle per diameter squared)."
+)
 
 
-def draw(rows: pd.DataFrame, found: pd.DataFrame) -> Figure:
-    """Draw the figure from its points and boundaries, see `sim.figures.regime_map.draw_map`."""
-    figure, axes = draw_map(rows, found, "friction")
+def draw(data: FigureData) -> Figure:
+    """Draw the figure."""
+    rows = data.rows
+    figure, axes = draw_map(rows, data.boundaries, "friction")
     for angle in sorted(set(rows["angle"])):
         axes.axhline(tan(radians(angle)), label=f"μ = tan θ, θ = {angle:g}°", **THEORY)
     axes.set_ylabel("friction coefficient μ")

@@ -1,14 +1,12 @@
 """From a dataset to the four files of a figure: PNG, SVG, the data behind it, the caption."""
 
 import importlib
-from contextlib import ExitStack, suppress
+from contextlib import ExitStack
 from pathlib import Path
 from types import ModuleType
 
 import matplotlib as mpl
-import numpy as np
 import pandas as pd
-import xarray as xr
 from matplotlib.figure import Figure
 
 from sim.errors import InputError
@@ -23,11 +21,10 @@ from sim.figures.caption import (
 )
 from sim.figures.regime_map import boundary_sentence
 from sim.figures.style import SETTINGS
-from sim.figures.summary import summarize
+from sim.figures.summary import FigureData, figure_data
 from sim.files import replacing
 from sim.parameters import SYSTEMS, field_info
-from sim.regime_boundaries import read_table
-from sim.stored import reading
+from sim.results import load_results
 
 #: Parameters that every table of data tells beside those of its figure.
 PROTOCOL = ("protocol", "target", "limit")
@@ -37,42 +34,29 @@ SUFFIXES = (".png", ".svg", ".csv", ".caption.txt")
 
 def render(spec: FigureSpec, dataset_path: Path, folder: Path) -> list[Path]:
     """Draw one figure and write its files into ``folder``; see `sim.figures.draw`."""
-    # What is no netCDF-4 file at all is hardly a damaged dataset, but one named by mistake.
-    with (
-        reading(dataset_path, "dataset", replaceable=_is_netcdf(dataset_path)),
-        xr.open_dataset(dataset_path, engine="netcdf4") as opened,
-    ):
-        dataset = opened.load()
+    results = load_results(dataset_path)
     try:
-        rows = summarize(dataset, spec.name)
+        data = figure_data(results, spec)
     except KeyError as error:
         raise InputError(f"{dataset_path}: not the dataset of a study: {error}") from None
-    if rows.empty:
+    if data.rows.empty:
         raise InputError(f"{dataset_path}: figures: no point feeds {spec.name}")
     module = importlib.import_module(f"sim.figures.{spec.name}")
-    found = fed(dataset_path, spec)
     folder.mkdir(parents=True, exist_ok=True)
     files = [folder / f"{spec.name}{suffix}" for suffix in SUFFIXES]
     with ExitStack() as stack:
         png, svg, csv, text = (stack.enter_context(replacing(file)) for file in files)
         stack.enter_context(mpl.rc_context(SETTINGS))
-        figure = module.draw(rows, found) if spec.regimes else module.draw(rows)
-        if not rows["completed"].any():
+        figure = module.draw(data)
+        if not data.rows["completed"].any():
             figure.axes[0].text(
                 0.5, 0.5, "no point completed", ha="center", transform=figure.axes[0].transAxes
             )
         _save(figure, spec, png, svg)
-        columns = list(dict.fromkeys([*spec.axes, *spec.curves, *module.NAMED, *PROTOCOL]))
-        behind(rows, spec.system, columns).to_csv(csv, index=False, float_format="%.10g")
-        text.write_text(caption(rows, found, spec, module) + "\n", encoding="utf-8")
+        table = module.table(data) if hasattr(module, "table") else velocities(data, spec, module)
+        table.to_csv(csv, index=False, float_format="%.10g")
+        text.write_text(caption(data, spec, module) + "\n", encoding="utf-8")
     return files
-
-
-def _is_netcdf(path: Path) -> bool:
-    """Return whether a file begins as netCDF-4 files do, or has lost all its contents."""
-    with suppress(OSError), path.open("rb") as file:
-        return file.read(4) in (b"", b"\x89HDF")
-    return False
 
 
 def _save(figure: Figure, spec: FigureSpec, png: Path, svg: Path) -> None:
@@ -81,17 +65,14 @@ def _save(figure: Figure, spec: FigureSpec, png: Path, svg: Path) -> None:
     figure.savefig(svg, format="svg", metadata={"Title": spec.title, "Date": None})
 
 
-def fed(dataset_path: Path, spec: FigureSpec) -> pd.DataFrame:
-    """Return the boundaries of a study that feed a figure."""
-    found = read_table(dataset_path)
-    fed_by = [spec.name in names.split() for names in found["figures"]]
-    return found[np.array(fed_by, dtype=bool)]
+def caption(data: FigureData, spec: FigureSpec, module: ModuleType) -> str:
+    """Return the caption: what is drawn, parameters, error bars, regimes, what is missing.
 
-
-def caption(rows: pd.DataFrame, found: pd.DataFrame, spec: FigureSpec, module: ModuleType) -> str:
-    """Return the caption: what is drawn, parameters, error bars, regimes, what is missing."""
+    It ends with what the paper says that the figure shows.
+    """
+    rows = data.rows
     values = (
-        [boundary_sentence(found, spec.axes)]
+        [boundary_sentence(data.boundaries, spec.axes)]
         if spec.regimes
         else [interval_sentence(rows), regime_sentence(rows)]
     )
@@ -102,12 +83,19 @@ def caption(rows: pd.DataFrame, found: pd.DataFrame, spec: FigureSpec, module: M
         *values,
         caveat_sentence(rows),
         failure_sentence(rows),
+        module.PAPER,
     )
     return " ".join(sentence for sentence in sentences if sentence)
 
 
+def velocities(data: FigureData, spec: FigureSpec, module: ModuleType) -> pd.DataFrame:
+    """Return the data behind a figure of velocities, one row per point."""
+    names = dict.fromkeys([*spec.axes, *spec.curves, *module.NAMED, *PROTOCOL])
+    return behind(data.rows, spec.system, list(names))
+
+
 def behind(rows: pd.DataFrame, system: str, parameters: list[str]) -> pd.DataFrame:
-    """Return the data behind a figure, one row per point, units in the headings."""
+    """Return parameters and outcome of points, one row each, units in the headings."""
     declared = field_info(SYSTEMS[system])
     table = {"point": rows["point"]}
     for name in parameters:

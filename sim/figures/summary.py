@@ -1,32 +1,55 @@
 """From a study's dataset to one row per point: mean velocity, its interval, its regime."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
 import xarray as xr
 
+from sim.figures import FigureSpec
 from sim.outcome import OUTCOME, outcome
 from sim.parameters import NUMERICAL
+from sim.results import Results
 
 
-def summarize(dataset: xr.Dataset, figure: str) -> pd.DataFrame:
+@dataclass(frozen=True)
+class FigureData:
+    """What a figure is drawn from.
+
+    ``rows`` one per point, as `summarize` returns them; ``boundaries`` those that feed the figure;
+    ``results`` all of the study, for profiles and particles of the points.
+    """
+
+    rows: pd.DataFrame
+    boundaries: pd.DataFrame
+    results: Results
+
+
+def figure_data(results: Results, spec: FigureSpec) -> FigureData:
+    """Return what feeds a figure."""
+    found = results.boundaries
+    fed = [spec.name in names.split() for names in found["figures"]]
+    return FigureData(summarize(results.dataset, spec), found[np.array(fed, dtype=bool)], results)
+
+
+def summarize(dataset: xr.Dataset, spec: FigureSpec) -> pd.DataFrame:
     """Return one row per point of a figure.
 
     Parameters
     ----------
     dataset : xarray.Dataset
         A study's ``dataset.nc``.
-    figure : str
-        Name of the figure; the points that feed it are taken.
+    spec : FigureSpec
+        The figure; the points that feed it are taken.
 
     Returns
     -------
     pandas.DataFrame
         All coordinates of the points, and the columns of `sim.outcome.outcome`.
     """
-    fed = [figure in names.split() for names in dataset["figures"].values]
-    points = dataset.isel(point=np.flatnonzero(fed)).load()
+    fed = np.array([spec.name in names.split() for names in dataset["figures"].values], dtype=bool)
+    points = dataset.isel(point=np.flatnonzero(fed))
     names = [name for name, values in points.coords.items() if values.dims == ("point",)]
     rows = pd.DataFrame({name: points[name].values for name in names})
     outcomes = [outcome(points.isel(point=index)) for index in range(points.sizes["point"])]

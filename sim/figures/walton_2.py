@@ -8,7 +8,7 @@ from matplotlib.ticker import FixedLocator, NullLocator
 
 from sim.figures.caption import setting
 from sim.figures.style import canvas, cycled, draw_curve, place_legend
-from sim.figures.summary import split_curves
+from sim.figures.summary import FigureData, split_curves
 from sim.parameters import ChuteParameters
 
 LEAD = (
@@ -16,6 +16,9 @@ LEAD = (
     "n = N/σ² of the flow, for several coefficients of restitution e and of friction μ "
     "(right: in units of √(gσ)). Lines join flows that do not accelerate. Flows beyond the scale "
     "are arrowheads at its top, with their velocities in m/s."
+)
+PAPER = (
+    "The paper: mean velocity tends to increase with depth, and more elastic particles flow slower."
 )
 NAMED = (
     "angle",
@@ -33,8 +36,9 @@ _HEADROOM = 1.05
 _BAND = 1.14
 
 
-def draw(rows: pd.DataFrame) -> Figure:
-    """Draw the figure from its points, as `sim.figures.summary.summarize` returns them."""
+def draw(data: FigureData) -> Figure:
+    """Draw the figure."""
+    rows = data.rows
     figure, axes = canvas()
     curves = split_curves(
         rows, "depth", ("restitution", "friction"), tuple(ChuteParameters.model_fields)

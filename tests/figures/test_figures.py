@@ -13,7 +13,8 @@ from sim.dataset import build
 from sim.errors import InputError
 from sim.figures import FIGURES, draw, gallas_1a, gallas_1b, gallas_1c, walton_2
 from sim.figures.style import DASH_DOT, SETTINGS, SHORT_DASH
-from sim.figures.summary import summarize
+from sim.figures.summary import figure_data
+from sim.results import load_results
 from sim.study import load_study
 from tests.factories import FAILURE, is_hurt, is_lost, make_study
 
@@ -46,10 +47,9 @@ def folder(dataset_path, tmp_path_factory) -> Path:
 
 def drawn(name: str, dataset_path: Path):
     """Return the axes of a figure and its rows."""
-    with xr.open_dataset(dataset_path) as dataset:
-        rows = summarize(dataset, name)
+    data = figure_data(load_results(dataset_path), FIGURES[name])
     with mpl.rc_context(SETTINGS):
-        return MODULES[name].draw(rows).axes[0], rows
+        return MODULES[name].draw(data).axes[0], data.rows
 
 
 def test_every_figure_of_velocities_has_a_module():

@@ -13,8 +13,8 @@ from sim.dataset import build
 from sim.figures import FIGURES, belt_onset, draw, regimes_angle, regimes_friction
 from sim.figures.regime_map import BOUNDARIES, MARKS, boundary_sentence
 from sim.figures.style import SETTINGS
-from sim.figures.summary import summarize
-from sim.regime_boundaries import read_table
+from sim.figures.summary import figure_data
+from sim.results import load_results
 from tests.factories import make_regimes
 
 MODULES = {
@@ -31,12 +31,9 @@ def dataset_path(tmp_path_factory) -> Path:
 
 def drawn(name: str, dataset_path: Path):
     """Return the axes of a figure, its rows and its boundaries."""
-    with xr.open_dataset(dataset_path) as dataset:
-        rows = summarize(dataset, name)
-    found = read_table(dataset_path)
-    found = found[found["figures"] == name]
+    data = figure_data(load_results(dataset_path), FIGURES[name])
     with mpl.rc_context(SETTINGS):
-        return MODULES[name].draw(rows, found).axes[0], rows, found
+        return MODULES[name].draw(data).axes[0], data.rows, data.boundaries
 
 
 def line(axes, label: str):

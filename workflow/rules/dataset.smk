@@ -16,6 +16,8 @@ rule dataset:
         membership=[(point.id, point.series, point.figures) for point in STUDY.points.values()],
         boundaries=asked(),
         title=STUDY.title,
-        code=code("dataset.py", *(REFINEMENT if STUDY.boundaries else ())),
+        code=code(
+            "dataset.py", "gathered.py", "measures/*.py", *(REFINEMENT if STUDY.boundaries else ())
+        ),
     shell:
         'python -m sim dataset "$TALUS_STUDY" > {log} 2>&1'

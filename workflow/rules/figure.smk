@@ -1,6 +1,6 @@
 # One module draws one figure; what the modules share redraws them all.
 
-SHARED = ["outcome.py"] + [
+SHARED = ["outcome.py", "results.py"] + [
     f"figures/{path.name}"
     for path in (ROOT / "sim" / "figures").glob("*.py")
     if path.stem not in FIGURES

@@ -5,6 +5,7 @@ rule report:
     input:
         dataset=rules.dataset.output,
         figures=rules.figures.input,
+        claims=rules.claims.output.json,
         study=STUDY.path,
     output:
         report(

@@ -1,0 +1,218 @@
+"""From a dataset to verdicts: every claim under every protocol and reading that was run."""
+
+import json
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from sim.claims.evidence import READINGS, Evidence
+from sim.claims.table import Claim, claims
+from sim.claims.verdict import (
+    INCONCLUSIVE,
+    NOT_REPRODUCED,
+    REPRODUCED,
+    UNTESTABLE,
+    VERDICTS,
+    Check,
+    Untestable,
+    worst,
+)
+from sim.figures.caption import setting
+from sim.files import replacing
+from sim.parameters import SYSTEMS
+from sim.results import Results, load_results
+from sim.study import load_study
+
+#: Protocols in the order in which a decided one sets the verdict on a claim.
+PROTOCOLS = ("converged", "published")
+
+#: What stands for the protocol of claims that need no runs, and for the papers' own reading.
+MODEL, DEFAULT = "model", "default"
+
+
+@dataclass(frozen=True)
+class Variant:
+    """The verdict on a claim under one protocol and one reading.
+
+    ``reason`` says why it is untestable; ``checks`` is then empty.
+    """
+
+    protocol: str
+    reading: str
+    checks: tuple[Check, ...] = ()
+    reason: str = ""
+
+    @property
+    def verdict(self) -> str:
+        """The worst of the checks."""
+        return UNTESTABLE if self.reason else worst([check.verdict for check in self.checks])
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """A claim with its verdicts, those of the default reading first."""
+
+    claim: Claim
+    variants: tuple[Variant, ...]
+
+    @property
+    def verdict(self) -> str:
+        """The first decided verdict at the default reading; else inconclusive or untestable."""
+        found = [one.verdict for one in self.variants if one.reading == DEFAULT]
+        decided = [verdict for verdict in found if verdict in (REPRODUCED, NOT_REPRODUCED)]
+        if decided:
+            return decided[0]
+        return INCONCLUSIVE if INCONCLUSIVE in found else UNTESTABLE
+
+    @property
+    def protocol_dependent(self) -> bool:
+        """Whether two protocols decide it differently at the default reading."""
+        return _contradicted(one for one in self.variants if one.reading == DEFAULT)
+
+    @property
+    def reading_dependent(self) -> bool:
+        """Whether two readings decide it differently under one protocol."""
+        return any(
+            _contradicted(one for one in self.variants if one.protocol == protocol)
+            for protocol in PROTOCOLS
+        )
+
+
+def _contradicted(variants: Iterator[Variant]) -> bool:
+    return {one.verdict for one in variants} >= {REPRODUCED, NOT_REPRODUCED}
+
+
+def build(study_path: str | Path, results: str | Path = "results") -> Path:
+    """Write ``results/<study>/claims.json`` and ``claims.csv`` from the dataset of a study.
+
+    Returns
+    -------
+    Path
+        The JSON file. Both appear complete or not at all.
+
+    Raises
+    ------
+    InputError
+        When the dataset is missing or damaged, naming it.
+    """
+    study = load_study(study_path, results)
+    folder = Path(results) / study.name
+    judgements = judge(load_results(folder / "dataset.nc"))
+    with replacing(folder / "claims.csv") as temporary:
+        as_table(judgements).to_csv(temporary, index=False, float_format="%.6g")
+    output = folder / "claims.json"
+    with replacing(output) as temporary:
+        text = json.dumps(as_mapping(judgements, study.name), indent=1, ensure_ascii=False)
+        temporary.write_text(text + "\n", encoding="utf-8")
+    return output
+
+
+def judge(results: Results) -> list[Judgement]:
+    """Judge all claims on the runs of a study."""
+    return [Judgement(claim, tuple(_variants(claim, results))) for claim in claims()]
+
+
+def _variants(claim: Claim, results: Results) -> Iterator[Variant]:
+    """Yield the verdicts at the default reading, then those of readings that have the runs."""
+    if claim.kind == "model":
+        yield Variant(MODEL, DEFAULT, tuple(claim.judging()()))
+        return
+    for protocol in PROTOCOLS:
+        yield _judged(claim, Evidence(results, protocol), DEFAULT)
+    for reading in readings(results, claim.system):
+        text = "; ".join(setting(claim.system, name, value) for name, value in reading.items())
+        for protocol in PROTOCOLS:
+            variant = _judged(claim, Evidence(results, protocol, reading), text)
+            if not variant.reason:
+                yield variant
+
+
+def _judged(claim: Claim, evidence: Evidence, reading: str) -> Variant:
+    try:
+        checks = tuple(claim.judging()(evidence))
+    except Untestable as error:
+        return Variant(evidence.protocol, reading, reason=str(error))
+    if not checks:
+        raise ValueError(f"{claim.id}: the judge checked nothing")
+    return Variant(evidence.protocol, reading, checks)
+
+
+def readings(results: Results, system: str) -> list[dict[str, Any]]:
+    """Return the readings other than the default that some points of a system have."""
+    usual = SYSTEMS[system]()
+    points = results.dataset.isel(point=np.flatnonzero(results.dataset["system"] == system))
+    columns = {name: points[name].values.tolist() for name in READINGS[system]}
+    found = {}
+    for values in zip(*columns.values(), strict=True):
+        named = zip(columns, values, strict=True)
+        unusual = {name: value for name, value in named if value != getattr(usual, name)}
+        if unusual:
+            found[tuple(unusual.items())] = unusual
+    return list(found.values())
+
+
+def as_mapping(judgements: list[Judgement], study: str) -> dict[str, Any]:
+    """Return the verdicts as what the JSON file holds; endless numbers become ``null``."""
+    return {
+        "study": study,
+        "counts": counts(judgements),
+        "claims": [
+            {
+                **one.claim.model_dump(exclude={"judge", "needs"}),
+                "paper": one.claim.paper,
+                "needs": one.claim.needs,
+                "verdict": one.verdict,
+                "protocol_dependent": one.protocol_dependent,
+                "reading_dependent": one.reading_dependent,
+                "variants": [
+                    {
+                        "protocol": variant.protocol,
+                        "reading": variant.reading,
+                        "verdict": variant.verdict,
+                        "reason": variant.reason,
+                        "checks": [_check(check) for check in variant.checks],
+                    }
+                    for variant in one.variants
+                ],
+            }
+            for one in judgements
+        ],
+    }
+
+
+def _check(check: Check) -> dict[str, Any]:
+    return {
+        name: None if isinstance(value, float) and not np.isfinite(value) else value
+        for name, value in (asdict(check) | {"verdict": check.verdict}).items()
+    }
+
+
+def counts(judgements: list[Judgement]) -> dict[str, int]:
+    """Return how many claims have each verdict."""
+    return {verdict: sum(one.verdict == verdict for one in judgements) for verdict in VERDICTS}
+
+
+def as_table(judgements: list[Judgement]) -> pd.DataFrame:
+    """Return one row per check, and one for each variant that is untestable."""
+    rows = []
+    for one in judgements:
+        for variant in one.variants:
+            shared: Mapping[str, Any] = {
+                "claim": one.claim.id,
+                "title": one.claim.title,
+                "verdict on the claim": one.verdict,
+                "protocol": variant.protocol,
+                "reading": variant.reading,
+                "verdict": variant.verdict,
+            }
+            for check in variant.checks:
+                values = {name: value for name, value in asdict(check).items() if name != "points"}
+                shown = {"points": " ".join(check.points), "verdict on the check": check.verdict}
+                rows.append(shared | values | shown)
+            if not variant.checks:
+                rows.append(shared | {"reason": variant.reason})
+    return pd.DataFrame(rows)

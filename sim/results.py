@@ -1,0 +1,96 @@
+"""What a study has found, as figures and judges read it: its dataset with all groups."""
+
+from contextlib import suppress
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import netCDF4
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from sim.errors import InputError
+from sim.parameters import SYSTEMS
+from sim.regime_boundaries import read_table
+from sim.stored import reading
+
+#: Group of the dataset with one subgroup per point whose particles are kept.
+PARTICLES = "particles"
+
+
+@dataclass(frozen=True)
+class Results:
+    """The dataset of a study, loaded.
+
+    Attributes
+    ----------
+    dataset : xarray.Dataset
+        Scalars over (point, replicate), every parameter a coordinate over point.
+    profiles : dict of str to xarray.Dataset
+        Per system its profiles over (run, replicate, slice), with ``height`` (run, slice) in m; of
+        a belt also those over (run, replicate, column) along it; ``run`` is the id of the point.
+    boundaries : pandas.DataFrame
+        What was found of boundaries between regimes.
+    states : dict of str to xarray.Dataset
+        Per point that feeds a figure of particles: last state and path of its first completed
+        replicate.
+    """
+
+    dataset: xr.Dataset
+    profiles: dict[str, xr.Dataset]
+    boundaries: pd.DataFrame
+    states: dict[str, xr.Dataset] = field(default_factory=dict)
+
+    def profile(self, point: str, name: str) -> tuple[np.ndarray, np.ndarray]:
+        """Return a profile of a point, (R, H) over completed replicates, and heights (H,) in m.
+
+        Profiles along the belt come with the columns' places instead of heights.
+        """
+        row = self.dataset.sel(point=point)
+        one = self.profiles[str(row["system"].values)].sel(run=point)
+        completed = np.flatnonzero(row["status"].values == "completed")
+        values = one[name].isel(replicate=completed).values
+        if "column" in one[name].dims:
+            return values, one["column"].values
+        real = np.isfinite(one["height"].values)
+        return values[:, real], one["height"].values[real]
+
+    def particles(self, point: str) -> xr.Dataset:
+        """Return last state and path of the particles of a point."""
+        if point not in self.states:
+            raise InputError(f"{point}: no particles in the dataset")
+        return self.states[point]
+
+
+def load_results(path: str | Path) -> Results:
+    """Load the dataset of a study.
+
+    Raises
+    ------
+    InputError
+        When it is missing or damaged, naming it. A damaged one is set aside.
+    """
+    path = Path(path)
+    # What is no netCDF-4 file at all is hardly a damaged dataset, but one named by mistake.
+    with reading(path, "dataset", replaceable=_is_netcdf(path)):
+        with netCDF4.Dataset(path) as file:
+            groups = set(file.groups)
+            points = list(file.groups[PARTICLES].groups) if PARTICLES in groups else []
+        return Results(
+            dataset=_loaded(path, None),
+            profiles={name: _loaded(path, name) for name in SYSTEMS if name in groups},
+            boundaries=read_table(path),
+            states={point: _loaded(path, f"{PARTICLES}/{point}") for point in points},
+        )
+
+
+def _loaded(path: Path, group: str | None) -> xr.Dataset:
+    with xr.open_dataset(path, engine="netcdf4", group=group) as opened:
+        return opened.load()
+
+
+def _is_netcdf(path: Path) -> bool:
+    """Return whether a file begins as netCDF-4 files do, or has lost all its contents."""
+    with suppress(OSError), path.open("rb") as file:
+        return file.read(4) in (b"", b"\x89HDF")
+    return False

@@ -1,0 +1,23 @@
+# Verdicts on what the papers claim.
+
+
+rule claims:
+    input:
+        rules.dataset.output,
+    output:
+        json=f"{RESULTS}/claims.json",
+        csv=report(
+            f"{RESULTS}/claims.csv",
+            caption="../report/data.rst",
+            category="Claims",
+        ),
+    log:
+        f"{RESULTS}/logs/claims.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/claims.tsv"
+    conda:
+        "../envs/talus.yaml"
+    params:
+        code=code("outcome.py", "results.py", "claims/*"),
+    shell:
+        'python -m sim claims "$TALUS_STUDY" > {log} 2>&1'
