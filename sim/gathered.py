@@ -12,7 +12,7 @@ from sim.observe.scalars import SCALARS
 from sim.stored import reading
 
 #: Without these attributes a file is no run file.
-ATTRIBUTES = {"point_id", "system", "engine_version", "source_hash", "versions"}
+ATTRIBUTES = {"point_id", "system", "engine_version", "source_hash", "versions", "created"}
 
 #: Scalars per replicate that a run file or its measures may hold. A system without one of them gets
 #: NaN.

@@ -14,6 +14,9 @@ from sim.stored import reading
 #: Figures of the first screen, where a study has them.
 HEADLINE = ("walton_2", "gallas_1a", "gallas_1b", "gallas_1c")
 
+#: Names of animations begin with this.
+ANIMATION = "animation_"
+
 _MEDIA = {
     ".svg": "image/svg+xml",
     ".png": "image/png",
@@ -63,38 +66,44 @@ def figure_entries(
 
 
 def figure_entry(name: str, folder: Path) -> dict[str, Any]:
-    """Return what the report shows of one figure, its files as data URIs."""
+    """Return what the report shows of one figure, its files as data URIs.
+
+    An animation has its first picture in place of the figure, and ``animation`` beside it.
+    """
     spec = FIGURES[name]
-    caption = folder / f"{name}.caption.txt"
-    with reading(caption, "caption", replaceable=True):
-        text = caption.read_text(encoding="utf-8").strip()
+    files = {suffix: folder / f"{name}{suffix}" for suffix in (*_MEDIA, ".caption.txt")}
+    with reading(files[".caption.txt"], "caption", replaceable=True):
+        caption = files[".caption.txt"].read_text(encoding="utf-8").strip()
+    with reading(files[".csv"], _KINDS[".csv"], replaceable=True):
+        held = ranges(pd.read_csv(files[".csv"]))
     entry = {
         "name": name,
         "title": spec.title,
         "paper": spec.paper,
-        "work": spec.paper.partition(",")[0],
-        "caption": text,
+        "caption": caption,
+        "data": data_uri(files[".csv"]),
     }
-    files = {suffix: folder / f"{name}{suffix}" for suffix in _MEDIA}
-    if name.startswith("animation_"):
+    if name.startswith(ANIMATION):
         return entry | {
-            "alt": f"{spec.title}: first picture of an animation.",
+            "group": "Animations",
+            "alt": f"{spec.title}: first picture of an animation, {held}.",
             "broad": False,
             "picture": data_uri(files[".png"]),
             "animation": data_uri(files[".gif"]),
         }
-    with reading(files[".svg"], _KINDS[".svg"], replaceable=True):
-        box = ElementTree.parse(files[".svg"]).getroot().attrib["viewBox"]
-        width, height = map(float, box.split()[2:])
-    data = data_uri(files[".csv"])
-    with reading(files[".csv"], _KINDS[".csv"], replaceable=True):
-        alt = f"{spec.title}: {ranges(pd.read_csv(files['.csv']))}."
     return entry | {
-        "alt": alt,
-        "broad": width > _BROAD * height,
+        "group": spec.paper.partition(",")[0],
+        "alt": f"{spec.title}: {held}.",
+        "broad": _is_broad(files[".svg"]),
         "picture": data_uri(files[".svg"]),
-        "data": data,
     }
+
+
+def _is_broad(svg: Path) -> bool:
+    with reading(svg, _KINDS[".svg"], replaceable=True):
+        box = ElementTree.parse(svg).getroot().attrib["viewBox"]
+        width, height = map(float, box.split()[2:])
+    return width > _BROAD * height
 
 
 def headline(entries: Sequence[Mapping[str, Any]]) -> list[Mapping[str, Any]]:

@@ -6,6 +6,9 @@ from typing import Any
 
 from uncertainties import ufloat
 
+#: Intervals smaller than this part of their value do not set its digits.
+_EXACT = 1e-4
+
 #: Part of a strip that is left free on either side of what it shows.
 _MARGIN = 0.1
 
@@ -20,6 +23,11 @@ def measured(value: float | None, half_width: float | None) -> str:
 
     >>> measured(0.51234, 0.0123), measured(3, 0), measured(3, None), measured(None, None)
     ('0.512 ± 0.012', '3', '3 ± ?', '–')
+
+    Of a value that is known far better than anybody asks, five digits are enough.
+
+    >>> measured(0.123456789, 2e-9)
+    '0.12346 ± 2e-09'
     """
     if value is None:
         return "–"
@@ -27,6 +35,8 @@ def measured(value: float | None, half_width: float | None) -> str:
         return f"{value:.4g} ± ?"
     if half_width == 0:
         return f"{value:.4g}"
+    if half_width < _EXACT * abs(value):
+        return f"{value:.5g} ± {half_width:.1g}"
     return f"{ufloat(value, half_width):.2uP}".replace("±", " ± ")
 
 

@@ -6,17 +6,15 @@ from typing import Any
 
 import jinja2
 import numpy as np
-import pandas as pd
 import xarray as xr
 
 from sim import __version__
 from sim.cost import duration
 from sim.files import replacing
-from sim.regime_boundaries import read_table
 from sim.report.claims import VERDICTS, claim_rows, counts, read_claims
 from sim.report.gallery import figure_entries, headline
 from sim.report.runs import boundary_rows, parameter_rows, run_rows
-from sim.stored import reading
+from sim.results import Results, load_results
 from sim.study import Study, load_study
 
 TEMPLATES = Path(__file__).parents[1] / "templates"
@@ -48,14 +46,8 @@ def build(study_path: str | Path, results: str | Path = "results") -> Path:
     """
     study = load_study(study_path, results)
     folder = Path(results) / study.name
-    path = folder / "dataset.nc"
-    with (
-        reading(path, "dataset", replaceable=True),
-        xr.open_dataset(path, engine="netcdf4") as opened,
-    ):
-        dataset = opened.load()
-    claims = read_claims(folder / "claims.json")
-    page = render(study, dataset, read_table(path), folder / "figures", claims)
+    found = load_results(folder / "dataset.nc")
+    page = render(study, found, folder / "figures", read_claims(folder / "claims.json"))
     output = folder / "report.html"
     with replacing(output) as temporary:
         temporary.write_text(page, encoding="utf-8")
@@ -64,8 +56,7 @@ def build(study_path: str | Path, results: str | Path = "results") -> Path:
 
 def render(
     study: Study,
-    dataset: xr.Dataset,
-    found: pd.DataFrame,
+    results: Results,
     figures: Path,
     claims: list[dict[str, Any]],
 ) -> str:
@@ -75,10 +66,8 @@ def render(
     ----------
     study : Study
         The study.
-    dataset : xarray.Dataset
-        Its dataset, loaded.
-    found : pandas.DataFrame
-        Its boundaries, as `sim.regime_boundaries.table` returns them.
+    results : Results
+        Its dataset.
     figures : Path
         Folder of its figures.
     claims : list of dict
@@ -92,6 +81,7 @@ def render(
         lstrip_blocks=True,
     )
     environment.filters["duration"] = duration
+    dataset = results.dataset
     runs = run_rows(dataset)
     rows = claim_rows(claims, {run["point"]: run["number"] for run in runs}, study.figures)
     entries = figure_entries(study.figures, figures, rows)
@@ -106,7 +96,7 @@ def render(
         headline=headline(entries),
         runs=runs,
         parameters=parameter_rows(dataset),
-        boundaries=boundary_rows(study, found),
+        boundaries=boundary_rows(study, results.boundaries),
         energy_limit=ENERGY_LIMIT,
         provenance=_provenance(dataset),
     )
