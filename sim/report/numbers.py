@@ -64,12 +64,11 @@ def strip(check: Mapping[str, Any]) -> dict[str, float] | None:
     if value is None or half_width is None:
         return None
     limits = [limit for limit in (check["low"], check["high"]) if limit is not None]
-    left, right = min(*limits, value - half_width), max(*limits, value + half_width)
-    span = (right - left) * (1 + 2 * _MARGIN) or 1.0
-    left -= _MARGIN * span / (1 + 2 * _MARGIN)
+    ends = [*limits, value - half_width, value + half_width]
+    shown = max(ends) - min(ends) or 1.0
 
     def place(where: float) -> float:
-        return round(100 * (where - left) / span, 1)
+        return round(100 * ((where - min(ends)) / shown + _MARGIN) / (1 + 2 * _MARGIN), 1)
 
     low = 0.0 if check["low"] is None else place(check["low"])
     high = 100.0 if check["high"] is None else place(check["high"])

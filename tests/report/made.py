@@ -7,6 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 from unittest.mock import patch
 
+import pandas as pd
 from PIL import Image
 
 from sim.claims.judge import Judgement, Variant, as_mapping
@@ -18,12 +19,31 @@ from sim.report import render
 from sim.report.claims import read_claims
 from sim.results import load_results
 from sim.study import load_study
-from tests.factories import make_regimes, make_study
+from tests.factories import make_study
 
 ANIMATION = "animation_made"
 
 #: Points of the made-up study that its checks name, by system.
 DEPTH, FREQUENCY = "depth5-friction0.4", "frequency50-amplitude1-angle30"
+
+BOUNDARY = """\
+study: onset
+boundaries:
+  - {name: onset, system: belt, of: transport, along: frequency, range: [11, 27], tolerance: 0.25}
+"""
+
+FOUND = {
+    "name": "onset",
+    "system": "belt",
+    "along": "frequency",
+    "unit": "Hz",
+    "low": 15.75,
+    "high": float("nan"),
+    "below": "no transport",
+    "above": "transport",
+    "verdict": "none",
+    "points": 7,
+}
 
 
 def made_claims(points: list[str]) -> list[Judgement]:
@@ -121,14 +141,13 @@ def make_page(folder: Path) -> Path:
     made = results / "made"
     study = load_study(study_path, results)
     write_claims(made / "claims.json", list(study.points))
-    bounds_path, bounds_results = make_regimes(folder)
-    bounds = load_study(bounds_path, bounds_results)
-    boundaries = load_results(build_dataset(bounds_path, bounds_results)).boundaries
+    (folder / "onset.yaml").write_text(BOUNDARY)
+    bounds = load_study(folder / "onset.yaml", results)
     with animated(made / "figures") as name:
         study = replace(study, boundaries=bounds.boundaries, figures={**study.figures, name: ()})
         page = render(
             study,
-            replace(load_results(made / "dataset.nc"), boundaries=boundaries),
+            replace(load_results(made / "dataset.nc"), boundaries=pd.DataFrame([FOUND])),
             made / "figures",
             read_claims(made / "claims.json"),
         )
