@@ -82,6 +82,7 @@ class Replicate:
                     self.shown = recorder.taken
                     advanced(self.parameters.sample_steps)
                 pause()
+            recorder.path = self.system.trace()
         except BlowUp as error:
             self.failures.append(str(error))
             return str(error)

@@ -33,13 +33,15 @@ class Layout:
     """What the replicates of a run have in common.
 
     ``time`` (T,) end of each sample interval (s), ``height`` (H,) centres of the slices (m),
-    ``series`` name -> (unit, long name), ``axes`` names of the directions.
+    ``series`` name -> (unit, long name), ``axes`` names of the directions, ``coordinates`` of
+    tables and path name -> (unit, long name, values).
     """
 
     time: np.ndarray
     height: np.ndarray
     series: dict[str, tuple[str, str]]
     axes: tuple[str, ...]
+    coordinates: dict[str, tuple[str, str, np.ndarray]]
 
 
 def run_point(
@@ -155,6 +157,7 @@ def _layout(parameters: Parameters, system: System, records: list[Record]) -> La
         height=system.profile_height,
         series=system.series,
         axes=("x", "y", "z") if parameters.system == "chute" else ("x", "z"),
+        coordinates=system.coordinates,
     )
 
 

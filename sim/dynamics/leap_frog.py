@@ -15,14 +15,24 @@ from sim.dynamics.status import LIST_FULL, OK, OVERLAP
 from sim.dynamics.team import barrier
 
 # Columns of ``Flow.sums``: sums over the steps since they were last cleared.
-STEPS, VELOCITY, PLANE_X, PLANE_Z, CONTACTS, LARGEST, LOST, WORK = range(8)
+STEPS, MOMENTUM, PLANE_X, PLANE_Z, CONTACTS, LARGEST, LOST, WORK = range(8)
 SUMS = 8
 
 # Columns of ``Flow.parts``: what each thread contributes to a step.
-MOVED_X, MOVED_Y, MOVED_Z, OUTSIDE, TOUCHING, DEEPEST, PUSHED_X, PUSHED_Z, HEATED, RUBBED = range(
-    10
-)
-PARTS = 10
+(
+    MOVED_X,
+    MOVED_Y,
+    MOVED_Z,
+    OUTSIDE,
+    TOUCHING,
+    DEEPEST,
+    PUSHED_X,
+    PUSHED_Z,
+    HEATED,
+    RUBBED,
+    CARRIED,
+) = range(11)
+PARTS = 11
 
 #: Particles that are taken together, so that they stay in the cache from one loop to the next.
 STRIP = 2048
@@ -34,7 +44,7 @@ GROUP = 64
 class Flow(NamedTuple):
     """What the loop over steps carries besides particles and contacts.
 
-    ``step`` (1,) number of the last completed step; ``sums`` (8,) and ``parts`` (T, 10) see above;
+    ``step`` (1,) number of the last completed step; ``sums`` (8,) and ``parts`` (T, 11) see above;
     ``border`` (T + 1,) first particle of each thread; ``reached`` (T, N // 64 + 1) which groups of
     64 particles of other threads it adds forces to; ``status`` (1,) of the last refresh.
     """
@@ -120,9 +130,10 @@ def mark_reached(pairs, flow, rank):
 def move(spheres, pairs, allowed, gravity, time_step, share):
     """Advance velocities and positions of some particles by one step.
 
-    Returns the sums of the velocities along x, y and z, and how many particles are farther than
-    ``allowed`` (m) from where drift and mean flow would have carried them. Any common vector serves
-    as the drift, so the mean velocity of the last step may be used to advance it.
+    Returns the sums of the velocities along x, y and z, the momentum along x, how many particles
+    are farther than ``allowed`` (m) from where drift and mean flow would have carried them, and the
+    sums of the forces on fixed particles along x and z (N). Any common vector serves as the drift,
+    so the mean velocity of the last step may be used to advance it.
     """
     vectorised()
     rank, begin, end = share
@@ -130,14 +141,17 @@ def move(spheres, pairs, allowed, gravity, time_step, share):
     force, moment, anchor = spheres.force, spheres.moment, pairs.anchor
     age = pairs.clock[AGE] * time_step
     limit = allowed * allowed
-    sx, sy, sz, outside = 0.0, 0.0, 0.0, 0.0
+    sx, sy, sz, carried, outside, held_x, held_z = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for k in range(begin, end):
         i = np.uint64(k)
         rate = time_step * spheres.inverse_mass[i]
         spin_rate = rate / SOLID
-        vx = v[0, i] + (force[rank, 0, i] * rate + gravity[0] * time_step)
-        vy = v[1, i] + (force[rank, 1, i] * rate + gravity[1] * time_step)
-        vz = v[2, i] + (force[rank, 2, i] * rate + gravity[2] * time_step)
+        falling = time_step if spheres.inverse_mass[i] > 0.0 else 0.0
+        held_x += 0.0 if spheres.inverse_mass[i] > 0.0 else force[rank, 0, i]
+        held_z += 0.0 if spheres.inverse_mass[i] > 0.0 else force[rank, 2, i]
+        vx = v[0, i] + (force[rank, 0, i] * rate + gravity[0] * falling)
+        vy = v[1, i] + (force[rank, 1, i] * rate + gravity[1] * falling)
+        vz = v[2, i] + (force[rank, 2, i] * rate + gravity[2] * falling)
         w[0, i] += moment[rank, 0, i] * spin_rate
         w[1, i] += moment[rank, 1, i] * spin_rate
         w[2, i] += moment[rank, 2, i] * spin_rate
@@ -148,10 +162,11 @@ def move(spheres, pairs, allowed, gravity, time_step, share):
         dy = py - anchor[1, i] - pairs.drift[1]
         dz = pz - anchor[2, i] - pairs.drift[2]
         outside += 0.0 if dx * dx + dy * dy + dz * dz < limit else 1.0
+        carried += spheres.mass[i] * vx
         sx += vx
         sy += vy
         sz += vz
-    return sx, sy, sz, outside
+    return (sx, sy, sz), carried, outside, (held_x, held_z)
 
 
 @inlined
@@ -212,7 +227,7 @@ def _combine(spheres, pairs, flow, time_step, step):
     sums, parts, number = flow.sums, flow.parts, spheres.radius.size
     outside = 0.0
     for rank in range(parts.shape[0]):
-        sums[VELOCITY] += parts[rank, MOVED_X] / number
+        sums[MOMENTUM] += parts[rank, CARRIED]
         sums[PLANE_X] += parts[rank, PUSHED_X]
         sums[PLANE_Z] += parts[rank, PUSHED_Z]
         sums[CONTACTS] += parts[rank, TOUCHING]
@@ -242,17 +257,18 @@ def _advance_strip(law, spheres, orientation, pairs, plane, flow, work, motion, 
         law, spheres, plane.slot, before, after, work, time_step, strip
     )
     _collect_forces(spheres, flow, strip)
-    moved_x, moved_y, moved_z, outside = move(spheres, pairs, allowed, gravity, time_step, strip)
+    moved, carried, outside, held = move(spheres, pairs, allowed, gravity, time_step, strip)
     rotate(orientation, spheres.rim, spheres.radius, time_step, begin, end)
     part[TOUCHING] += resting
     part[DEEPEST] = max(part[DEEPEST], overlap)
-    part[PUSHED_X] += along
-    part[PUSHED_Z] += upward
+    part[PUSHED_X] += along - held[0]
+    part[PUSHED_Z] += upward - held[1]
     part[HEATED] += lost
     part[RUBBED] += work_done
-    part[MOVED_X] += moved_x
-    part[MOVED_Y] += moved_y
-    part[MOVED_Z] += moved_z
+    part[CARRIED] += carried
+    part[MOVED_X] += moved[0]
+    part[MOVED_Y] += moved[1]
+    part[MOVED_Z] += moved[2]
     part[OUTSIDE] += outside
 
 

@@ -38,14 +38,15 @@ SOLID = 0.4
 
 
 class Spheres(NamedTuple):
-    """The particles, one column each, in SI units.
+    """The particles, one column each, in SI units. Those without mass are fixed in space.
 
     ``position``, ``velocity`` and ``rim`` (3, N); ``rim`` is the angular velocity times the radius
     (m/s). Velocities belong to the half step before the position. ``force`` and ``moment``
     (T, 3, N) hold what each of T threads has added in the last evaluation: a thread adds to its own
     particles and to those of the threads behind it; ``moment`` is the torque over the radius (N).
-    ``radius``, ``mass`` and ``inverse_mass`` (N,). ``label`` (1, N) is the particle's number in the
-    initial state: the neighbor list keeps the particles sorted by place.
+    ``radius``, ``mass`` and ``inverse_mass`` (N,), the last two 0 for fixed ones. ``label`` (1, N)
+    is the particle's number in the initial state: the neighbor list keeps the particles sorted by
+    place.
     """
 
     position: np.ndarray
@@ -73,7 +74,8 @@ class Work(NamedTuple):
 def make_spheres(position, velocity, radius, mass, threads: int = 1) -> Spheres:
     """Return solid spheres at positions and velocities (N, 3) that do not rotate.
 
-    ``radius`` and ``mass`` may be numbers or arrays (N,).
+    ``radius`` and ``mass`` may be numbers or arrays (N,); a mass of 0 stands for a sphere that is
+    fixed in space, whose velocity must be 0.
     """
     number = len(position)
     radius = np.broadcast_to(np.asarray(radius, float), number).copy()
@@ -86,7 +88,7 @@ def make_spheres(position, velocity, radius, mass, threads: int = 1) -> Spheres:
         np.zeros((threads, 3, number)),
         radius,
         mass,
-        1.0 / mass,
+        np.divide(1.0, mass, out=np.zeros(number), where=mass > 0.0),
         np.arange(number).reshape(1, number),
     )
 

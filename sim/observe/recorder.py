@@ -16,12 +16,15 @@ class Record:
     """Everything measured in one replicate.
 
     ``series`` name -> (T,), not-a-number after a failure; ``profiles`` name -> (H,), cumulative,
-    and with the suffix ``_instantaneous`` the last sample's; ``snapshots`` name -> first and last
-    state; ``scalars`` name -> number or text.
+    and with the suffix ``_instantaneous`` the last sample's; ``tables`` name -> array of dimensions
+    of its own; ``path`` (S, N, D) of the particles after the last sample, m; ``snapshots`` name ->
+    first and last state; ``scalars`` name -> number or text.
     """
 
     series: dict[str, np.ndarray]
     profiles: dict[str, np.ndarray] = field(default_factory=dict)
+    tables: dict[str, np.ndarray] = field(default_factory=dict)
+    path: np.ndarray | None = None
     snapshots: dict[str, list[np.ndarray]] = field(default_factory=dict)
     scalars: dict[str, float | int | str] = field(default_factory=dict)
 
@@ -30,7 +33,7 @@ class Recorder:
     """Collects the samples of one replicate until its protocol is content.
 
     ``taken`` samples so far; ``stopped`` is the reason to take no more, empty until then;
-    ``snapshots`` name -> states so far.
+    ``snapshots`` name -> states so far; ``path`` of the particles once it has been traced.
     """
 
     def __init__(self, system: System):
@@ -47,6 +50,7 @@ class Recorder:
         self._table = np.full((len(system.series), p.shortest_samples), np.nan)
         self._profiles = ProfileBlocks()
         self.snapshots: dict[str, list[np.ndarray]] = {}
+        self.path: np.ndarray | None = None
 
     def take(self, values: dict[str, float]) -> None:
         """Store one sample and decide whether it was the last."""
@@ -90,6 +94,7 @@ class Recorder:
         table = self._table[:, :length]
         record = Record(dict(zip(self.system.series, table, strict=True)))
         record.snapshots = self.snapshots
+        record.path = self.path
         record.scalars = {
             **self._averages(FAILED if failure else self._trend),
             **self._energies(record.series),
@@ -152,3 +157,5 @@ class Recorder:
                 profiles = self.system.profiles(sums or empty)
             for name, values in profiles.items():
                 record.profiles[name + suffix] = values
+        with np.errstate(invalid="ignore", divide="ignore"):
+            record.tables = self.system.tables(self._profiles.since(offset) or empty)

@@ -28,6 +28,22 @@ SNAPSHOTS = {
         ("frame", "particle", "quaternion"),
     ),
     "radius": ("m", "radius", ("particle",)),
+    "fixed": ("1", "1 for a sphere glued to the plane, 0 for one that moves", ("particle",)),
+}
+
+#: Tables with dimensions of their own.
+TABLES = {
+    "overlap_histogram": (
+        "1",
+        "contacts per interval of overlap, of all samples of the window",
+        ("overlap_bin",),
+    ),
+    "field_velocity": ("m s-1", "mean velocity along x in the laboratory", ("column", "level")),
+    "field_density": (
+        "m-2",
+        "number of bead centres per area in the laboratory",
+        ("column", "level"),
+    ),
 }
 
 #: How numbers are stored: compressed, and with a checksum of every chunk.
@@ -66,6 +82,7 @@ def write(path: Path, parameters: Parameters, records: list[Record], layout, att
                 file.setncatts(attributes)
                 _write_parameters(file, parameters)
                 _write_axes(file, records, layout)
+                _write_coordinates(file, layout)
                 _write_records(file, records, layout)
         except RuntimeError as error:
             # What the library says of a full disk.
@@ -77,7 +94,8 @@ def _put(file, name, dimensions, values, unit="", long_name=""):
     """Create one variable; texts and numbers alike."""
     values = np.asarray(values)
     text = values.dtype.kind in "UO"
-    kind = str if text else ("i8" if values.dtype.kind in "ib" else "f8")
+    whole, single = values.dtype.kind in "ib", values.dtype == np.float32
+    kind = str if text else "i8" if whole else "f4" if single else "f8"
     options = {} if text or not dimensions else FILTERS
     variable = file.createVariable(name, kind, dimensions, **options)
     if unit:
@@ -125,6 +143,30 @@ def _write_axes(file, records, layout):
     _put(file, "axis", ("axis",), np.array(layout.axes), "", "direction")
 
 
+def _write_coordinates(file, layout):
+    for name, (unit, long_name, values) in layout.coordinates.items():
+        file.createDimension(name, len(values))
+        _put(file, name, (name,), values, unit, long_name)
+
+
+def _write_tables(file, records):
+    """Write tables, and the paths in single precision: they serve pictures and mean paths."""
+    for name, values in records[0].tables.items():
+        unit, long_name, dimensions = TABLES[name]
+        for dimension, size in zip(dimensions, values.shape, strict=True):
+            if dimension not in file.dimensions:
+                file.createDimension(dimension, size)
+        stacked = np.stack([record.tables[name] for record in records])
+        _put(file, name, ("replicate", *dimensions), stacked, unit, long_name)
+    traced = [record.path for record in records if record.path is not None]
+    if traced:
+        blank = np.full_like(traced[0], np.nan)
+        paths = [blank if record.path is None else record.path for record in records]
+        dimensions = ("replicate", "path_time", "particle", "axis")
+        long_name = "position after the last sample, not wrapped into the cell"
+        _put(file, "path", dimensions, np.array(paths, np.float32), "m", long_name)
+
+
 def _write_records(file, records, layout):
     for name, (unit, long_name) in layout.series.items():
         values = np.full((len(records), len(layout.time)), np.nan)
@@ -137,6 +179,7 @@ def _write_records(file, records, layout):
         when = "last sample" if name.endswith("_instantaneous") else "average of the window"
         values = np.stack([record.profiles[name] for record in records])
         _put(file, name, ("replicate", "height"), values, unit, f"{long_name}, {when}")
+    _write_tables(file, records)
     for name, frames in records[0].snapshots.items():
         unit, long_name, dimensions = SNAPSHOTS[name]
         if not frames[0].size:

@@ -103,6 +103,31 @@ class BeltParameters(Parameters):
         equation="Gallas, Sec. 3, Fig. 6",
         ge=0,
     )
+    initial_velocity: Real = declare(
+        0,
+        symbol="V0",
+        unit="1",
+        scale="√(g⟨d⟩)",
+        description="velocity along the belt of all beads when the shaking starts",
+        equation="Gallas, Sec. 3, Fig. 3c: dashed line",
+        ge=0,
+    )
+    prior_frequency: Real = declare(
+        0,
+        symbol="f0",
+        unit="Hz",
+        description="frequency at which the bed has been shaken before, for sweeps (0: at rest)",
+        ge=0,
+    )
+    prior_cycles: int = declare(
+        60,
+        symbol="t_0",
+        unit="1",
+        scale="cycles",
+        description="how many cycles of prior_frequency went before",
+        ge=1,
+        le=100_000,
+    )
     diameter: Real = declare(
         1e-3,
         symbol="⟨d⟩",

@@ -115,6 +115,35 @@ class ChuteParameters(Parameters):
         equation="Walton, Sec. 3",
         gt=0,
     )
+    diameter_spread: Real = declare(
+        0,
+        symbol="Δσ/σ",
+        unit="1",
+        scale="σ",
+        description="half width of the uniform distribution of diameters, which are scaled so that "
+        "the mean mass is mass (the paper: 0)",
+        equation="Walton, Sec. 3",
+        ge=0,
+        le=0.5,
+    )
+    bumps: Real = declare(
+        0,
+        symbol="d_b",
+        unit="1",
+        scale="σ",
+        description="diameter of the spheres glued to the plane at random places (0: none)",
+        equation="Walton, Sec. 3: various degrees of roughness",
+        ge=0,
+        le=3,
+    )
+    bump_coverage: Real = declare(
+        0.4,
+        symbol="c_b",
+        unit="1",
+        description="share of the plane that the glued spheres cover, seen from above",
+        ge=0.01,
+        le=0.45,
+    )
     gravity: Real = declare(
         9.8,
         symbol="g",
@@ -245,11 +274,13 @@ class ChuteParameters(Parameters):
 
     @property
     def collision_time(self) -> float:
-        """Duration of a binary collision, s, with m* = m/2.
+        """Duration of a binary collision of the lightest particles, s, with m* = m/2.
 
         t_c = (π/2) √(m*/K1) (1 + e); of spring and dashpot π √(m*/K) √(1 + (ln e/π)²).
         """
-        loading = math.pi / 2 * math.sqrt(self.mass / 2 / self.stiffness)
+        spread = self.diameter_spread
+        lightest = self.mass * (1 - spread) ** 3 / (1 + spread**2)
+        loading = math.pi / 2 * math.sqrt(lightest / 2 / self.stiffness)
         if self.law == "spring_dashpot":
             return 2 * loading * math.hypot(1, math.log(self.restitution) / math.pi)
         return loading * (1 + self.restitution)
@@ -284,6 +315,15 @@ class ChuteParameters(Parameters):
     def particles(self) -> int:
         """Particles in the cell: depth times the cell's area in squared diameters."""
         return max(1, round(self.depth * self.cell * self.cell))
+
+    @model_validator(mode="after")
+    def _of_one_mass_for_dashpots(self) -> Self:
+        # The damping that gives the restitution wanted depends on the masses of both partners.
+        if self.law == "spring_dashpot":
+            for name in ("diameter_spread", "bumps"):
+                if getattr(self, name):
+                    raise broken_rule(name, getattr(self, name), "0 with law: spring_dashpot")
+        return self
 
     @model_validator(mode="after")
     def _of_resolved_motion(self) -> Self:

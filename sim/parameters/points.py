@@ -53,6 +53,7 @@ NUMERICAL = frozenset(
         "initial_packing",
         "initial_velocity",
         "initial_agitation",
+        "prior_cycles",
         "sample_interval",
         "samples_per_cycle",
         "slice_height",

@@ -17,8 +17,9 @@ class System(Protocol):
     ``series`` maps the names of the time series to (unit, long name), and ``ledger`` tells which of
     them add up to the energy; ``profile_height`` (H,) are the centres of the profiles' slices (m);
     ``scales`` and ``period`` (samples) serve the analysis of the velocity's trend; ``mass`` is that
-    of all particles (kg). One with a base shear force has ``weight``, that of all particles along
-    the slope and normal to it (N).
+    of all particles (kg); ``coordinates`` of tables and path: name -> (unit, long name, values).
+    One with a base shear force has ``weight``, that of all particles along the slope and normal to
+    it (N).
     """
 
     parameters: Parameters
@@ -29,6 +30,7 @@ class System(Protocol):
     profile_height: np.ndarray
     scales: Scales
     period: int
+    coordinates: dict[str, tuple[str, str, np.ndarray]]
 
     def settle(self) -> None:
         """Bring the initial state to rest where the paper does; raise ``BlowUp`` when it fails."""
@@ -41,6 +43,12 @@ class System(Protocol):
 
     def profiles(self, sums: tuple[Profile, ...]) -> dict[str, np.ndarray]:
         """Turn sums of profiles into named arrays (H,)."""
+
+    def tables(self, sums: tuple[Profile, ...]) -> dict[str, np.ndarray]:
+        """Turn sums of profiles into what has other dimensions than height."""
+
+    def trace(self) -> np.ndarray:
+        """Go on for a little and return the path of every particle (S, N, D) in m."""
 
     def snapshot(self) -> dict[str, np.ndarray]:
         """Return positions, velocities and what else a picture needs."""

@@ -1,6 +1,6 @@
 """The vibrating belt of Gallas, Herrmann and Sokolowski: beads on a line that shakes."""
 
-from math import pi, radians, sqrt, tan
+from math import ceil, pi, radians, sqrt, tan
 
 import numpy as np
 
@@ -14,6 +14,7 @@ from sim.dynamics.disks import make_disks, make_work, stored_in_pairs
 from sim.dynamics.gear import Gear, Verlet, restarted
 from sim.dynamics.neighbors import empty_pair_list, grown
 from sim.dynamics.status import LIST_FULL, BlowUp, require_motion
+from sim.observe.field import Field, sampled
 from sim.observe.ledger import Ledger
 from sim.observe.profiles import AREA, CENTRE, Profile, add_sample, empty_profile
 from sim.observe.regime import Scales
@@ -28,6 +29,15 @@ INITIAL_PACKING = 0.3
 
 #: Slices of the profiles, one mean diameter each.
 SLICES = 80
+
+#: Levels of the field of velocity, one mean diameter each, from below the belt's lowest position.
+LEVELS = 60
+
+#: Intervals of the path over the cycle that ends a run: the paper plots every 50th of 2000 steps.
+PATH_INTERVALS = 40
+
+#: Longest waves of the density along the belt whose power is added up.
+WAVES = 5
 
 #: Simulated time (s) after which a bed that still moves is given up.
 SETTLING_LIMIT = 30.0
@@ -52,6 +62,12 @@ class Belt:
             "largest overlap since the last sample, per sum of radii (belt: per diameter)",
         ),
         "belt_phase": ("rad", "phase of the belt's vibration"),
+        "base_occupancy": ("1", "share of beads with centres within A_z of the mean belt position"),
+        "wave_power": (
+            "1",
+            "power of the five longest waves of the density along the belt, relative to beads at "
+            "random",
+        ),
     }
 
     ledger = Ledger(
@@ -113,6 +129,26 @@ class Belt:
         self.period = p.samples_per_cycle
         self.profile_height = (np.arange(SLICES) + 0.5) * p.diameter
         self.normal_loss, self.shear_loss, self.belt_work = 0.0, 0.0, 0.0
+        columns = max(1, round(p.width))
+        self.column_width = width / columns
+        self.lowest_level = -ceil(p.amplitude) * p.diameter
+        self.coordinates = {
+            "column": (
+                "m",
+                "centre of the column along the belt",
+                (np.arange(columns) + 0.5) * self.column_width,
+            ),
+            "level": (
+                "m",
+                "height of the level above the mean belt position",
+                self.lowest_level + (np.arange(LEVELS) + 0.5) * p.diameter,
+            ),
+            "path_time": (
+                "s",
+                "time since the path began, at phase zero of the belt",
+                np.linspace(0.0, p.time_unit, PATH_INTERVALS + 1),
+            ),
+        }
 
     def _lift(self) -> float:
         """Return how far to raise the beads so that none overlaps the belt or the obstacle."""
@@ -154,8 +190,23 @@ class Belt:
             self._stop_free_drift()
             squared = float(((self.disks.taylor[1] / step) ** 2).sum(axis=0).mean())
             stretch = max(1, int(0.01 / step))
+        if p.prior_frequency > 0.0:
+            step = self._shake_before(step)
         restarted(self.disks.taylor, step, self.time_step)
+        self.disks.taylor[1, 0] += p.initial_velocity * p.velocity_unit * self.time_step
         self.loop = shaking.make_shaking()
+
+    def _shake_before(self, step: float) -> float:
+        """Shake at the prior frequency for whole cycles; return the time step used."""
+        p = self.parameters
+        prior_step = 1.0 / (p.prior_frequency * self.steps_per_cycle)
+        restarted(self.disks.taylor, step, prior_step)
+        self.loop = shaking.make_shaking()
+        motion = self._motion(2.0 * pi * p.prior_frequency)
+        for _ in range(p.prior_cycles):
+            where = "of the shaking at the prior frequency"
+            self._run(self._integrator(prior_step), motion, self.steps_per_cycle, where)
+        return prior_step
 
     def _stop_free_drift(self) -> None:
         """Take the bed's uniform drift out where nothing else would: on a belt without friction.
@@ -215,7 +266,16 @@ class Belt:
             "contact_number": mean[shaking.CONTACTS] / p.beads,
             "largest_overlap": sums[shaking.LARGEST],
             "belt_phase": angle % (2.0 * pi),
+            **self._places(),
         }
+
+    def _places(self) -> dict[str, float]:
+        """Return measures of where the beads are: near the belt, and in waves along it."""
+        x, z = self.disks.taylor[0]
+        wave = np.exp(2j * pi / self.box.length[0] * x)
+        power = sum(abs((wave**k).sum()) ** 2 for k in range(1, WAVES + 1))
+        near = np.abs(z) < self.parameters.amplitude * self.parameters.diameter
+        return {"base_occupancy": near.mean(), "wave_power": power / (WAVES * len(x))}
 
     def _ledger(self) -> dict[str, float]:
         """Return where the energy is, where it has gone and where it came from."""
@@ -236,8 +296,8 @@ class Belt:
             "belt_work": self.belt_work,
         }
 
-    def sample_profiles(self) -> tuple[Profile, ...]:
-        """Return the profiles above the present belt position, by centres and by area."""
+    def sample_profiles(self) -> tuple[Profile, Profile, Field]:
+        """Return profiles above the present belt, by centres and by area, and the field."""
         height = self.disks.taylor[0, 1] - belt_state(self.motion, self._time())[0]
         profiles = []
         for kind in (CENTRE, AREA):
@@ -251,11 +311,21 @@ class Belt:
                 self._velocity(),
             )
             profiles.append(profile)
-        return tuple(profiles)
+        return (*profiles, self._field())
 
-    def profiles(self, sums: tuple[Profile, ...]) -> dict[str, np.ndarray]:
+    def _field(self) -> Field:
+        x, z = self.disks.taylor[0]
+        columns = len(self.coordinates["column"][2])
+        return sampled(
+            np.floor(x / self.column_width).astype(int) % columns,
+            np.floor((z - self.lowest_level) / self.parameters.diameter).astype(int),
+            self._velocity()[0],
+            (columns, LEVELS),
+        )
+
+    def profiles(self, sums: tuple[Profile, Profile, Field]) -> dict[str, np.ndarray]:
         """Return velocity, densities and granular temperature per slice."""
-        centres, area = sums
+        centres, area, _ = sums
         slab = self.box.length[0] * self.parameters.diameter
         temperature = centres.temperature()
         return {
@@ -265,6 +335,32 @@ class Belt:
             "granular_temperature_profile": temperature.mean(axis=1),
             "vertical_temperature_profile": temperature[:, 1],
         }
+
+    def tables(self, sums: tuple[Profile, Profile, Field]) -> dict[str, np.ndarray]:
+        """Return mean velocity and density in squares of the laboratory."""
+        field = sums[2]
+        square = self.column_width * self.parameters.diameter
+        return {
+            "field_velocity": field.velocity(),
+            "field_density": field.count / (field.samples[0] * square),
+        }
+
+    def trace(self) -> np.ndarray:
+        """Finish the cycle and return the path of every bead (S, N, 2) in m over one more."""
+        steps = self.steps_per_cycle
+        self._run(self.integrator, self.motion, -self.loop.step[0] % steps, "of the last cycle")
+        states = [self._in_order(self.disks.taylor[0])]
+        for k in range(PATH_INTERVALS):
+            interval = (k + 1) * steps // PATH_INTERVALS - k * steps // PATH_INTERVALS
+            self._run(self.integrator, self.motion, interval, "of the path")
+            states.append(self._in_order(self.disks.taylor[0]))
+            moved = states[-1][:, 0] - states[-2][:, 0]
+            states[-1][:, 0] -= self.box.length[0] * np.round(moved / self.box.length[0])
+        return np.array(states)
+
+    def _in_order(self, vectors: np.ndarray) -> np.ndarray:
+        """Return vectors (2, N) of the beads as (N, 2) in the initial order."""
+        return vectors.T[np.argsort(self.disks.label[0])]
 
     def snapshot(self) -> dict[str, np.ndarray]:
         """Return positions, velocities and radii, in the initial order."""

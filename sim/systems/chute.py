@@ -1,7 +1,7 @@
 """Walton's inclined chute: spheres, Walton-Braun contacts, a frictional plane, leap-frog."""
 
 from functools import partial
-from math import ceil, cos, pi, radians, sin
+from math import ceil, cos, radians, sin
 
 import numpy as np
 
@@ -23,20 +23,24 @@ from sim.dynamics.spheres import (
 from sim.dynamics.status import LIST_FULL, require_motion
 from sim.dynamics.team import Team
 from sim.observe.ledger import Ledger
+from sim.observe.overlaps import EDGES, Overlaps, count_overlaps, no_overlaps
 from sim.observe.profiles import VOLUME, Profile, add_sample, empty_profile
 from sim.observe.regime import Scales
 from sim.parameters import ChuteParameters
-from sim.systems.packing import random_packing
+from sim.systems.chute_start import start
 
 #: Skin of the neighbor list in diameters.
 SKIN = 0.2
+
+#: States of the path that ends a run, and the time (√(σ/g)) from one to the next.
+PATH_STATES, PATH_INTERVAL = 41, 0.1
 
 
 class Chute:
     """One replicate of a chute flow in motion."""
 
     series = {
-        "mean_velocity": ("m s-1", "mean velocity of the particles down the slope"),
+        "mean_velocity": ("m s-1", "mean velocity down the slope, weighted by mass"),
         "mass_flux": ("kg m-1 s-1", "mass flux per unit width of the chute"),
         "kinetic_energy": ("J", "kinetic energy of translation"),
         "rotational_energy": ("J", "kinetic energy of rotation"),
@@ -69,30 +73,27 @@ class Chute:
 
     def __init__(self, parameters: ChuteParameters, replicate: int, refinement: int = 1):
         self.parameters = p = parameters
+        self.refinement = refinement
         self.time_step = p.time_step / refinement
         self.sample_steps = p.sample_steps * refinement
-        rng = np.random.default_rng([p.seed, replicate])
         side = p.cell * p.diameter
         self.box = make_box(side, side)
-        layer = p.depth * pi / 6.0 * p.diameter / p.initial_packing
-        radius = np.full(p.particles, 0.5 * p.diameter)
-        position = random_packing(self.box, layer, radius, rng)
-        velocity = rng.normal(0.0, p.initial_agitation * p.velocity_unit / 3**0.5, position.shape)
-        velocity -= velocity.mean(axis=0)
-        velocity[:, 0] += p.initial_velocity * p.velocity_unit
-        self.spheres = make_spheres(position, velocity, radius, p.mass, p.threads)
-        self.orientation = unrotated(p.particles if p.orientations else 0)
-        self.pairs = empty_pair_list(radius, 3, SKIN * p.diameter)
-        self.plane = make_plane(p.particles, p.threads)
+        first = start(p, self.box, replicate)
+        number = len(first.radius)
+        self.spheres = make_spheres(*first[:4], p.threads)
+        self.orientation = unrotated(number if p.orientations else 0)
+        self.pairs = empty_pair_list(first.radius, 3, SKIN * p.diameter)
+        self.plane = make_plane(number, p.threads)
         self.memory = make_memory(len(self.pairs.touching))
         self.team = Team(p.threads)
         self.work = [make_work() for _ in range(p.threads)]
-        self.flow = leap_frog.make_flow(p.particles, p.threads)
+        self.flow = leap_frog.make_flow(number, p.threads)
+        self.glued = number - p.particles
         self.laws = (self._law(p.friction, 0.5 * p.mass), self._law(p.friction_plane, p.mass))
         angle = radians(p.angle)
         self.gravity = (p.gravity * sin(angle), 0.0, -p.gravity * cos(angle))
         self.slice_height = p.slice_height * p.diameter
-        slices = ceil((1.5 * layer + 10.0 * p.diameter) / self.slice_height)
+        slices = ceil((1.5 * first.layer + 10.0 * p.diameter) / self.slice_height)
         negligible = 0.01 * p.gravity * max(sin(angle), 0.1)
         self.scales = Scales(
             1e-3 * p.velocity_unit, acceleration=negligible, drift=p.drift, target=p.target
@@ -102,6 +103,19 @@ class Chute:
         self.period = 1
         self.profile_height = (np.arange(slices) + 0.5) * self.slice_height
         self.travelled, self.lost, self.work_done = 0.0, 0.0, 0.0
+        self.coordinates = {
+            "overlap_edges": ("1", "edges of the intervals of overlap, in diameters", EDGES),
+            "path_time": (
+                "s",
+                "time since the path began",
+                np.arange(PATH_STATES) * self._path_steps() * self.time_step,
+            ),
+        }
+
+    def _path_steps(self) -> int:
+        """Return the time steps from one state of the path to the next."""
+        interval = PATH_INTERVAL * self.parameters.time_unit
+        return max(1, round(interval / self.parameters.time_step)) * self.refinement
 
     def _law(self, friction: float, reduced_mass: float):
         p = self.parameters
@@ -129,9 +143,14 @@ class Chute:
 
     def advance(self) -> dict[str, float]:
         """Advance by one sample interval and return a value per time series."""
+        self._run(self.sample_steps)
+        return self._sample()
+
+    def _run(self, steps: int) -> None:
+        """Advance by a number of steps, with the sums of these steps alone."""
         flow = self.flow
         flow.sums[:] = 0.0
-        target = flow.step[0] + self.sample_steps
+        target = flow.step[0] + steps
         status = LIST_FULL
         while status == LIST_FULL:
             status = self.team.run(partial(self._advance, target - flow.step[0]))
@@ -140,7 +159,6 @@ class Chute:
                 self.memory = enlarged(self.memory, len(self.pairs.touching))
         time = flow.step[0] * self.time_step / self.parameters.time_unit
         require_motion(status, self.spheres.position, f"{flow.step[0]} (t* = {time:.4g})")
-        return self._sample()
 
     def _advance(self, steps: int, rank: int) -> int:
         p = self.parameters
@@ -165,7 +183,7 @@ class Chute:
     def _sample(self) -> dict[str, float]:
         spheres, sums = self.spheres, self.flow.sums
         mean = sums / sums[leap_frog.STEPS]
-        velocity = mean[leap_frog.VELOCITY]
+        velocity = mean[leap_frog.MOMENTUM] / self.mass
         speed = (spheres.velocity**2).sum(axis=0)
         rim = (spheres.rim**2).sum(axis=0)
         height = np.average(spheres.position[2], weights=spheres.mass)
@@ -176,7 +194,7 @@ class Chute:
             "rotational_energy": 0.5 * SOLID * (spheres.mass * rim).sum(),
             **self._ledger(height),
             "height_of_mass": height,
-            "contact_number": mean[leap_frog.CONTACTS] / len(spheres.mass),
+            "contact_number": mean[leap_frog.CONTACTS] / self.parameters.particles,
             "largest_overlap": sums[leap_frog.LARGEST],
             "base_normal_force": mean[leap_frog.PLANE_Z],
             "base_shear_force": -mean[leap_frog.PLANE_X],
@@ -185,7 +203,7 @@ class Chute:
     def _ledger(self, height: float) -> dict[str, float]:
         """Return where the energy is and has gone; a friction's work is stored or lost."""
         spheres, sums, step = self.spheres, self.flow.sums, self.flow.step[0] % 2
-        self.travelled += sums[leap_frog.VELOCITY] * self.time_step
+        self.travelled += sums[leap_frog.MOMENTUM] / self.mass * self.time_step
         self.lost += sums[leap_frog.LOST]
         self.work_done += sums[leap_frog.WORK]
         pairs = stored_in_pairs(
@@ -203,23 +221,22 @@ class Chute:
             "frictional_loss": self.work_done - tangential,
         }
 
-    def sample_profiles(self) -> tuple[Profile, ...]:
-        """Return the profile of the present state, weighted by volume."""
+    def sample_profiles(self) -> tuple[Profile, Overlaps]:
+        """Return the profile of the present state, weighted by volume, and its overlaps."""
         profile = empty_profile(len(self.profile_height), 3)
         spheres = self.spheres
-        add_sample(
-            profile,
-            VOLUME,
-            self.slice_height,
-            spheres.position[2],
-            spheres.radius,
-            spheres.velocity,
-        )
-        return (profile,)
+        height, radius, velocity = spheres.position[2], spheres.radius, spheres.velocity
+        if self.glued:
+            moving = spheres.mass > 0.0
+            height, radius, velocity = height[moving], radius[moving], velocity[:, moving].copy()
+        add_sample(profile, VOLUME, self.slice_height, height, radius, velocity)
+        overlaps = no_overlaps()
+        count_overlaps(overlaps.counts, spheres, self.pairs, self.plane, self.box)
+        return profile, overlaps
 
-    def profiles(self, sums: tuple[Profile, ...]) -> dict[str, np.ndarray]:
+    def profiles(self, sums: tuple[Profile, Overlaps]) -> dict[str, np.ndarray]:
         """Return velocity, packing fraction and granular temperature per slice."""
-        (profile,) = sums
+        profile, _ = sums
         slab = self.box.length[0] * self.box.length[1] * self.slice_height
         temperature = profile.temperature()
         return {
@@ -229,11 +246,34 @@ class Chute:
             "vertical_temperature_profile": temperature[:, 2],
         }
 
+    def tables(self, sums: tuple[Profile, Overlaps]) -> dict[str, np.ndarray]:
+        """Return how many contacts overlapped by how much."""
+        return {"overlap_histogram": sums[1].counts}
+
+    def trace(self) -> np.ndarray:
+        """Go on for a while and return the path of every sphere (S, N, 3) in m, unwrapped."""
+        states = [self._in_order(self.spheres.position)]
+        for _ in range(PATH_STATES - 1):
+            self._run(self._path_steps())
+            moved = self.flow.sums[leap_frog.MOMENTUM] / self.mass * self.time_step
+            states.append(self._in_order(self.spheres.position))
+            # Between two states a sphere may pass through half a cell with the flow, but not
+            # against it.
+            stray = states[-1] - states[-2] - [moved, 0.0, 0.0]
+            for d, length in enumerate(self.box.length[:2]):
+                states[-1][:, d] -= length * np.round(stray[:, d] / length)
+        return np.array(states)
+
+    def _in_order(self, vectors: np.ndarray) -> np.ndarray:
+        """Return vectors (3, N) of the particles as (N, 3) in the initial order."""
+        return vectors.T[np.argsort(self.spheres.label[0])]
+
     def snapshot(self) -> dict[str, np.ndarray]:
         """Return positions, velocities, spins, radii and orientations, in the initial order."""
         spheres = self.spheres
         place = np.argsort(spheres.label[0])
-        return {
+        glued = {"fixed": (spheres.mass[place] == 0.0).astype(int)} if self.glued else {}
+        return glued | {
             "position": spheres.position.T[place],
             "particle_velocity": spheres.velocity.T[place],
             "particle_spin": (spheres.rim / spheres.radius).T[place],

@@ -16,7 +16,8 @@ from sim.run import Layout
 from tests.motions import chute_point
 
 ROOT = Path(__file__).parents[2]
-LAYOUT = Layout(np.arange(3.0), np.arange(2.0), {"mean_velocity": ("m s-1", "v")}, ("x", "y", "z"))
+SERIES = {"mean_velocity": ("m s-1", "v")}
+LAYOUT = Layout(np.arange(3.0), np.arange(2.0), SERIES, ("x", "y", "z"), {})
 
 
 def record() -> Record:
