@@ -51,6 +51,7 @@ def boundary_rows(study: Study, found: pd.DataFrame) -> list[dict[str, Any]]:
         row["at"] = "; ".join(
             setting(row["system"], name, value) for name, value in boundary.grid.items()
         )
+        row["unit"] = _shown(row["unit"])
         row["tolerance"] = boundary.tolerance
     return rows
 
@@ -65,7 +66,7 @@ def parameter_rows(dataset: xr.Dataset) -> dict[str, list[dict[str, Any]]]:
                 {
                     "name": name,
                     "symbol": row.symbol,
-                    "unit": row.scale or row.unit.replace("1", ""),
+                    "unit": row.scale or _shown(row.unit),
                     "description": row.description,
                     "values": _values(points[name].values.tolist()),
                 }
@@ -73,6 +74,10 @@ def parameter_rows(dataset: xr.Dataset) -> dict[str, list[dict[str, Any]]]:
                 if name != "system"
             ]
     return tables
+
+
+def _shown(unit: str) -> str:
+    return "" if unit == "1" else unit
 
 
 def _values(values: Sequence[Any]) -> str:

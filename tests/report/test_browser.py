@@ -245,6 +245,8 @@ def test_nothing_is_wider_than_a_phone(browser, report):
         "(all) => all.map((one) => one.getBoundingClientRect().right)"
     )
     assert len(ends) == 5 and max(ends) <= PHONE["width"]
+    page.locator("#claims select[name=paper]").select_option("gallas")
+    assert page.locator(".opener:visible").count() == 3
     page.close()
 
 

@@ -154,6 +154,12 @@ def test_boundaries_have_a_table_of_their_own(page, tmp_path):
     ]
 
 
+def test_parameters_have_their_units(page):
+    text = " ".join(page.text.split())
+    assert "N m-1 normal stiffness" in text
+    assert "0.4, 0.5 friction coefficient" in text
+
+
 def test_markup_in_a_title_is_text(tmp_path):
     study_path = tmp_path / "odd.yaml"
     study_path.write_text(
