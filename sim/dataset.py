@@ -4,7 +4,7 @@ Its root holds scalars; a group per system holds the profiles of its points, and
 ``particles`` the states of points that a figure shows particle by particle.
 """
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -141,7 +141,8 @@ def combine(runs: Sequence[xr.Dataset], study: Study) -> xr.Dataset:
             "engine_version": _distinct(runs, "engine_version"),
             "source_hash": _distinct(runs, "source_hash"),
             "versions": _distinct(runs, "versions"),
-            "run_dates": _dates(run.attrs["created"] for run in runs),
+            "first_run": min(run.attrs["created"] for run in runs),
+            "last_run": max(run.attrs["created"] for run in runs),
         },
     )
     return combined.assign(_together(combined))
@@ -223,12 +224,6 @@ def _declared(name: str, what: str) -> str:
 
 def _words(values: Any, attrs: Mapping[str, str] | None = None) -> Any:
     return "point", np.array(list(values), dtype=object), dict(attrs or {})
-
-
-def _dates(times: Iterable[str]) -> str:
-    """Write the first and the last day of ISO times: ``2026-01-30 to 2026-02-01``."""
-    days = sorted({time[:10] for time in times})
-    return " to ".join(dict.fromkeys((days[0], days[-1])))
 
 
 def _distinct(runs: Sequence[xr.Dataset], attribute: str) -> str:

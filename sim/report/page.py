@@ -114,10 +114,19 @@ def _summary(dataset: xr.Dataset, runs: list[dict[str, Any]]) -> dict[str, Any]:
         "steps": int(dataset["steps"].sum()),
         "wall_time": float(dataset["wall_time"].sum()),
         "energy_residual": float(np.abs(dataset["energy_residual"]).where(completed).max()),
-        "dates": dataset.attrs.get("run_dates", ""),
+        "dates": _dates(dataset.attrs["first_run"], dataset.attrs["last_run"]),
         "talus": __version__,
         "source_hash": dataset.attrs["source_hash"],
     }
+
+
+def _dates(first: str, last: str) -> str:
+    """Write the days of two ISO times, once if they are the same.
+
+    >>> _dates("2026-01-30T22:00:00Z", "2026-02-01T01:00:00Z")
+    '2026-01-30 to 2026-02-01'
+    """
+    return " to ".join(dict.fromkeys((first[:10], last[:10])))
 
 
 def _provenance(dataset: xr.Dataset) -> dict[str, str]:
