@@ -5,10 +5,10 @@ CORES ?= 2
 VENV := .venv
 BIN := $(VENV)/bin
 STAMP := $(VENV)/.locked
-STUDY := config/paper.yaml
+PAPERS := walton gallas
 
 .DEFAULT_GOAL := help
-.PHONY: help setup figures paper test lint clean
+.PHONY: help setup figures paper $(PAPERS:%=paper-%) test long lint clean
 
 help:  ## this list
 	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "  make %-9s%s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -26,11 +26,17 @@ $(STAMP): requirements.lock
 figures: setup  ## the quick study: figures and report into results/quick
 	$(BIN)/snakemake --cores $(CORES)
 
-paper: setup  ## the papers’ sizes, with replicates: figures and report into results/paper (hours)
-	$(BIN)/snakemake --cores $(CORES) --configfile $(STUDY)
+paper: $(PAPERS:%=paper-%)  ## both papers in full, published into results/published (hours)
+
+$(PAPERS:%=paper-%): paper-%: setup
+	$(BIN)/snakemake --cores $(CORES) --configfile config/paper_$*.yaml
+	$(BIN)/python -m sim publish config/paper_$*.yaml
 
 test: setup  ## the whole test suite
 	$(BIN)/python -m pytest -n $(CORES) --dist loadfile
+
+long: setup  ## tests that take long: published results computed anew, more examples
+	$(BIN)/python -m pytest -m long
 
 lint: setup  ## ruff, snakefmt and snakemake --lint
 	$(BIN)/ruff check .

@@ -154,6 +154,15 @@ def _add_result_commands(commands: _Commands) -> None:
     figure.add_argument("dataset", type=Path, metavar="DATASET.nc")
     figure.add_argument("-o", "--output", type=Path, required=True, metavar="FOLDER")
     _add_study(_add(commands, "report", _report, "write the report of a study"))
+    publish = _add(commands, "publish", _publish, "copy what readers need of a study")
+    _add_study(publish)
+    publish.add_argument(
+        "--to",
+        type=Path,
+        default=Path("results/published"),
+        metavar="FOLDER",
+        help="folder of all published studies (default: results/published)",
+    )
 
 
 def _points(options: argparse.Namespace) -> None:
@@ -252,6 +261,12 @@ def _dataset(options: argparse.Namespace) -> None:
     from sim.dataset import build
 
     print(build(options.study, options.results))
+
+
+def _publish(options: argparse.Namespace) -> None:
+    from sim.publish import publish
+
+    print(publish(options.study, options.results, options.to))
 
 
 def _boundaries(options: argparse.Namespace) -> None:

@@ -141,6 +141,8 @@ def combine(runs: Sequence[xr.Dataset], study: Study) -> xr.Dataset:
             "engine_version": _distinct(runs, "engine_version"),
             "source_hash": _distinct(runs, "source_hash"),
             "versions": _distinct(runs, "versions"),
+            "first_run": min(run.attrs["created"] for run in runs),
+            "last_run": max(run.attrs["created"] for run in runs),
         },
     )
     return combined.assign(_together(combined))

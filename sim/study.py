@@ -143,8 +143,34 @@ def parse_study(mapping: Any, path: str | Path, results: str | Path = "results")
         series[one.name] = _add(points, one, first, source)
         boundaries += found
     figures = _figures(file, points, source)
+    for index, part in enumerate(_parts(file, path, source, results)):
+        _refuse_namesakes(series, part, f"{source}: parts[{index}]")
+        series |= part.series
+        boundaries += part.boundaries
+        for one in part.points.values():
+            for name in one.series:
+                points[one.id] = joined(points, one.parameters, name, one.figures)
+        for name, members in part.figures.items():
+            figures[name] = tuple(dict.fromkeys((*figures.get(name, ()), *members)))
     require_writable(Path(results) / file.study, f"{source}: study")
     return Study(file.study, file.title, Path(path), points, series, figures, tuple(boundaries))
+
+
+def _parts(file: StudyFile, path: str | Path, source: str, results: str | Path) -> Iterator[Study]:
+    """Yield the studies that are parts of this one; a part has no parts of its own."""
+    for index, name in enumerate(file.parts or []):
+        mapping = read_yaml(Path(path).parent / name)
+        if isinstance(mapping, dict) and "parts" in mapping:
+            allowed = "a study without parts of its own"
+            raise InputError.of_value(source, f"parts[{index}]", name, allowed)
+        yield parse_study(mapping, Path(path).parent / name, results)
+
+
+def _refuse_namesakes(series: Iterable[str], part: Study, source: str) -> None:
+    for name in series:
+        if name in part.series:
+            allowed = "a part without a series of a name that another has"
+            raise InputError.of_value(source, f"series {name}", part.path.name, allowed)
 
 
 def _entries(file: StudyFile, key: str) -> list[tuple[str, Any]]:

@@ -214,7 +214,9 @@ class StudyFile(_Strict):
     """A study: series of points, boundaries to be found, and the figures they feed."""
 
     model_config = ConfigDict(
-        json_schema_extra={"anyOf": [{"required": ["series"]}, {"required": ["boundaries"]}]}
+        json_schema_extra={
+            "anyOf": [{"required": [key]} for key in ("series", "boundaries", "parts")]
+        }
     )
 
     study: str = Field(
@@ -229,15 +231,20 @@ class StudyFile(_Strict):
     )
     defaults: Defaults = Field(Defaults(), description="parameters shared by series")
     series: list[Annotated[ChuteSeries | BeltSeries, Field(discriminator="system")]] = _optional(
-        "the series of points (omitted: none, if there are boundaries)", min_length=1
+        "the series of points (omitted: none, if there are boundaries or parts)", min_length=1
     )
     boundaries: list[Annotated[ChuteBoundary | BeltBoundary, Field(discriminator="system")]] = (
         _optional("boundaries between regimes, found by refinement", min_length=1)
     )
 
+    parts: list[Annotated[str, Field(min_length=1)]] = _optional(
+        "study files in the same folder whose points, boundaries and figures this one has too",
+        min_length=1,
+    )
+
     @model_validator(mode="after")
     def _of_some_points(self) -> Self:
-        if not self.series and not self.boundaries:
+        if not self.series and not self.boundaries and not self.parts:
             raise broken_rule("series", None, "at least one series, or boundaries")
         return self
 

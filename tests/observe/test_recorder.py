@@ -65,6 +65,12 @@ class Ramp:
             "packing_profile": sums[0].weight / sums[0].samples,
         }
 
+    def tables(self, sums):
+        return {"samples": sums[0].samples}
+
+    def trace(self):
+        return np.full((3, 1, 3), float(self.number))
+
     def snapshot(self):
         return {"position": np.full((1, 3), float(self.number))}
 

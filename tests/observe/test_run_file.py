@@ -4,6 +4,7 @@ import os
 import signal
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import netCDF4
@@ -23,7 +24,8 @@ LAYOUT = Layout(np.arange(3.0), np.arange(2.0), SERIES, ("x", "y", "z"), {})
 def record() -> Record:
     snapshot = {"position": [np.zeros((1, 3))] * 2, "radius": [np.ones(1)] * 2}
     series, profiles = {"mean_velocity": np.arange(3.0)}, {"velocity_profile": np.ones(2)}
-    return Record(series, profiles, snapshot, {"regime": "steady", "velocity": 1.0})
+    scalars = {"regime": "steady", "velocity": 1.0}
+    return Record(series, profiles, snapshots=snapshot, scalars=scalars)
 
 
 def write(path, records=None, attributes=None):
@@ -39,6 +41,26 @@ def test_a_file_holds_what_it_was_given(tmp_path):
         assert file["regime"][0] == "steady" and file["overlap_memory"][...] == "separation"
         assert list(file["frame"][:]) == ["first", "last"]
     assert [path.name for path in tmp_path.iterdir()] == ["run.nc"]
+
+
+def test_tables_and_paths_bring_their_own_dimensions(tmp_path):
+    traced, failed = record(), record()
+    traced.path = np.arange(6.0).reshape(2, 1, 3)
+    coordinates = {
+        "column": ("m", "", np.arange(4.0)),
+        "level": ("m", "", np.arange(5.0)),
+        "path_time": ("s", "", np.arange(2.0)),
+    }
+    for one in (traced, failed):
+        one.tables = {"field_velocity": np.ones((4, 5))}
+    layout = replace(LAYOUT, coordinates=coordinates)
+    run_file.write(tmp_path / "run.nc", chute_point(), [traced, failed], layout, {})
+    with netCDF4.Dataset(tmp_path / "run.nc") as file:
+        file.set_auto_mask(False)
+        assert file["field_velocity"].dimensions == ("replicate", "column", "level")
+        assert np.array_equal(file["path"][0], traced.path) and np.isnan(file["path"][1]).all()
+        assert file["path"].dtype == np.float32
+        assert np.array_equal(file["level"][:], np.arange(5.0))
 
 
 def test_replicates_of_unequal_lengths_are_padded(tmp_path):

@@ -41,6 +41,7 @@ def test_every_parameter_is_in_the_id(system):
     changed = {
         "seed": 2,
         "replicates": 2,
+        "prior_cycles": 2,
         "orientations": False,
         "beads": 201,
         "threads": 2,

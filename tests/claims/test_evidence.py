@@ -1,0 +1,111 @@
+"""Evidence: which point answers a question, and with which interval."""
+
+import numpy as np
+import pytest
+
+from sim.claims.evidence import Evidence, joined
+from sim.claims.verdict import SIGMAS, Untestable, above
+from tests.claims.made import made_boundary, made_point, made_results
+
+
+def evidence(*points, protocol="published", reading=None, **options) -> Evidence:
+    return Evidence(made_results(*points, **options), protocol, reading)
+
+
+def belt(velocity=0.1, **parameters):
+    return made_point("belt", {"velocity": velocity}, **parameters)
+
+
+def test_what_is_not_named_has_the_papers_value():
+    found = evidence(belt(0.1, frequency=30), belt(0.2, frequency=30, amplitude=1.5))
+    assert found.at("belt", frequency=30).velocity.nominal_value == pytest.approx(0.1)
+    assert found.at("belt", frequency=30, amplitude=1.5)["amplitude"] == 1.5
+    with pytest.raises(Untestable, match="no published run of the belt at frequency 40"):
+        found.at("belt", frequency=40)
+
+
+def test_protocols_and_readings_are_kept_apart():
+    points = (
+        belt(0.1),
+        belt(0.2, protocol="converged"),
+        belt(0.3, belt_ghost="centred"),
+    )
+    assert evidence(*points).at("belt").velocity.nominal_value == pytest.approx(0.1)
+    found = evidence(*points, protocol="converged").at("belt")
+    assert found.velocity.nominal_value == pytest.approx(0.2)
+    found = evidence(*points, reading={"belt_ghost": "centred"}).at("belt")
+    assert found.velocity.nominal_value == pytest.approx(0.3)
+
+
+def test_numerical_settings_may_be_any_but_defaults_and_richer_points_come_first():
+    chutes = [
+        made_point("chute", {"velocity": 1.0}, depth=10, replicates=2),
+        made_point("chute", {"velocity": 2.0}, depth=10, replicates=8, cell=5),
+        made_point("chute", {"velocity": 3.0}, depth=10, replicates=4),
+    ]
+    assert evidence(*chutes).at("chute", depth=10).velocity.nominal_value == pytest.approx(3)
+    narrow = evidence(*chutes).at("chute", depth=10, cell=5)
+    assert narrow.velocity.nominal_value == pytest.approx(2)
+    assert evidence(chutes[1]).at("chute", depth=10).completed == 8
+
+
+def test_the_plane_has_the_friction_of_the_spheres_unless_named():
+    points = (
+        made_point("chute", {"velocity": 1.0}, friction=0.5),
+        made_point("chute", {"velocity": 2.0}, friction=0.5, friction_plane=0.4),
+    )
+    found = evidence(*points)
+    assert found.at("chute", friction=0.5).velocity.nominal_value == pytest.approx(1)
+    mixed = found.at("chute", friction=0.5, friction_plane=0.4)
+    assert mixed.velocity.nominal_value == pytest.approx(2)
+
+
+def test_a_line_is_in_order_and_leaves_out_what_failed():
+    lost = made_point("belt", {"velocity": 0.3, "status": "failed"}, frequency=50)
+    found = evidence(belt(frequency=40), belt(frequency=20), lost)
+    assert list(found.line("belt", "frequency")) == [20, 40]
+    assert found.line("belt", "frequency", amplitude=1.5) == {}
+
+
+def test_intervals_are_students_and_never_below_the_own_error():
+    values = [1.0, 1.2, 1.1]
+    place = evidence(made_point("belt", {"velocity": values, "shear_power": values}, replicates=3))
+    place = place.at("belt")
+    half_width = 4.3027 * np.std(values, ddof=1) / np.sqrt(3)
+    assert SIGMAS * place.value("shear_power").std_dev == pytest.approx(half_width, rel=1e-4)
+    assert SIGMAS * place.velocity.std_dev == pytest.approx(half_width, rel=1e-4)
+    assert joined(np.array([1.0])).std_dev == np.inf
+
+
+def test_samples_are_those_of_all_replicates_and_those_of_the_poorest_place_count():
+    rich = made_point("belt", {"velocity": 0.2, "independent_samples": 10.0}, frequency=30)
+    poor = made_point("belt", {"velocity": 0.1, "independent_samples": 1.0}, frequency=20)
+    found = evidence(rich, poor)
+    places = found.at("belt", frequency=30), found.at("belt", frequency=20)
+    assert [place.samples for place in places] == pytest.approx([50, 5], rel=0.01)
+    check = above("gain", places[0].velocity - places[1].velocity, 0, places)
+    assert check.samples == places[1].samples
+    assert check.points == tuple(place.id for place in places)
+
+
+def test_a_measure_of_profiles_has_the_interval_of_its_replicates():
+    made = made_point("belt", {"velocity": 0.1}, {"number_density": lambda z: 1e6 + 0 * z})
+    place = evidence(made).at("belt")
+    peak = place.measure(lambda z, density: density.max(), "number_density")
+    assert peak.nominal_value == pytest.approx(1e6, rel=1e-9)
+    assert SIGMAS * peak.std_dev == pytest.approx(1e3 * 2.7764 / np.sqrt(5), rel=1e-3)
+
+
+def test_the_narrowest_bracket_of_a_boundary_is_its_interval():
+    brackets = [
+        made_boundary("belt", "transport", "frequency", 15.0, 16.0),
+        made_boundary("belt", "transport", "frequency", 15.5, 15.75, steps_per_cycle=4000),
+        made_boundary("belt", "transport", "frequency", 12.0, 13.0, amplitude=1.5),
+    ]
+    found = evidence(belt(), boundaries=brackets)
+    onset = found.boundary("belt", "transport", "frequency")
+    assert onset.nominal_value == pytest.approx(15.625)
+    assert SIGMAS * onset.std_dev == pytest.approx(0.125)
+    assert found.boundary("belt", "transport", "frequency", amplitude=1.5).nominal_value == 12.5
+    with pytest.raises(Untestable, match="no boundary of transport"):
+        found.boundary("belt", "transport", "frequency", amplitude=0.5)

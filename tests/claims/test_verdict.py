@@ -1,0 +1,68 @@
+"""Checks: which verdict follows from a value, its interval, its thresholds and its samples."""
+
+from math import inf, nan
+
+import pytest
+from uncertainties import ufloat
+
+from sim.claims.verdict import (
+    INCONCLUSIVE,
+    NOT_REPRODUCED,
+    REPRODUCED,
+    Check,
+    above,
+    below,
+    within,
+    worst,
+)
+
+
+@pytest.mark.parametrize(
+    ("value", "half_width", "verdict"),
+    [
+        (2.0, 0.5, REPRODUCED),
+        (2.0, 1.0, INCONCLUSIVE),
+        (1.2, 0.3, INCONCLUSIVE),
+        (0.5, 0.4, NOT_REPRODUCED),
+        (0.5, 0.5, NOT_REPRODUCED),
+        (1.0, 0.0, NOT_REPRODUCED),
+        (nan, 0.1, INCONCLUSIVE),
+        (2.0, inf, INCONCLUSIVE),
+    ],
+)
+def test_an_interval_clear_of_the_threshold_decides(value, half_width, verdict):
+    assert Check("x", value, half_width, 1.0, inf).verdict == verdict
+    assert Check("x", -value, half_width, -inf, -1.0).verdict == verdict
+
+
+@pytest.mark.parametrize(
+    ("value", "verdict"), [(0.0, REPRODUCED), (0.95, INCONCLUSIVE), (-1.2, NOT_REPRODUCED)]
+)
+def test_two_thresholds(value, verdict):
+    assert Check("x", value, 0.1, -1.0, 1.0).verdict == verdict
+
+
+@pytest.mark.parametrize("samples", [0, 7, nan])
+def test_too_few_samples_decide_nothing(samples):
+    assert Check("x", 2.0, 0.1, 1.0, inf, samples=samples).verdict == INCONCLUSIVE
+
+
+def test_helpers_turn_standard_deviations_into_intervals():
+    measured = ufloat(2.0, 0.25)
+    assert above("x", measured, 1.0).half_width == pytest.approx(0.49)
+    assert above("x", measured, 1.0).verdict == below("x", measured, 3.0).verdict == REPRODUCED
+    assert within("x", measured, 1.0, 2.2).verdict == INCONCLUSIVE
+    assert below("x", 2, 1.5).verdict == NOT_REPRODUCED
+
+
+@pytest.mark.parametrize(
+    ("verdicts", "verdict"),
+    [
+        ([REPRODUCED, REPRODUCED], REPRODUCED),
+        ([REPRODUCED, INCONCLUSIVE], INCONCLUSIVE),
+        ([REPRODUCED, INCONCLUSIVE, NOT_REPRODUCED], NOT_REPRODUCED),
+        ([], INCONCLUSIVE),
+    ],
+)
+def test_one_failure_fails_them_all(verdicts, verdict):
+    assert worst(verdicts) == verdict

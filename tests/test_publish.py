@@ -1,0 +1,75 @@
+"""Publishing: what readers need, whole, and small enough for a repository."""
+
+import json
+
+import pytest
+
+from sim import publish
+from sim.cli import main
+from sim.errors import InputError
+from tests.factories import make_study
+
+
+@pytest.fixture
+def finished(tmp_path):
+    """A made-up study with everything that a workflow leaves."""
+    study, results = make_study(tmp_path)
+    folder = results / "made"
+    (folder / "figures").mkdir()
+    for name in ("report.html", "claims.json", "claims.csv", "figures/gallas_1a.svg"):
+        (folder / name).write_text(name)
+    assert main(["dataset", str(study), "--results", str(results)]) == 0
+    return study, results
+
+
+def test_everything_a_reader_needs_is_there(finished, tmp_path):
+    study, results = finished
+    output = publish.publish(study, results, tmp_path / "published")
+    names = {path.relative_to(output).as_posix() for path in output.rglob("*") if path.is_file()}
+    assert names == {
+        "report.html",
+        "dataset.nc",
+        "claims.json",
+        "claims.csv",
+        "figures/gallas_1a.svg",
+        "study.yaml",
+        "provenance.json",
+    }
+    assert (output / "study.yaml").read_text() == study.read_text()
+    origin = json.loads((output / "provenance.json").read_text())
+    assert origin["study"] == "made" and origin["points"] > 10 and origin["failed runs"] == 3
+    assert origin["from"] <= origin["to"] and origin["core hours"] > 0
+
+
+def test_publishing_again_replaces_all_of_it(finished, tmp_path):
+    study, results = finished
+    output = publish.publish(study, results, tmp_path / "published")
+    (output / "figures" / "old.svg").write_text("old")
+    (results / "made" / "report.html").write_text("new")
+    publish.publish(study, results, tmp_path / "published")
+    assert (output / "report.html").read_text() == "new"
+    assert not (output / "figures" / "old.svg").exists()
+    assert [path.name for path in (tmp_path / "published").iterdir()] == ["made"]
+
+
+def test_an_unfinished_study_is_refused(finished, tmp_path):
+    study, results = finished
+    (results / "made" / "claims.json").unlink()
+    with pytest.raises(InputError, match=r"claims.json: missing; run the study to its end"):
+        publish.publish(study, results, tmp_path / "published")
+    assert not (tmp_path / "published").exists()
+
+
+def test_too_much_is_refused_and_what_was_published_stays(finished, tmp_path, monkeypatch, capsys):
+    study, results = finished
+    target = tmp_path / "published"
+    options = ["publish", str(study), "--results", str(results), "--to", str(target)]
+    assert main(options) == 0
+    (target / "other").mkdir()
+    (target / "other" / "report.html").write_bytes(bytes(2000))
+    monkeypatch.setattr(publish, "LARGEST", publish.size(target / "made") + 1500)
+    (results / "made" / "report.html").write_text("new")
+    assert main(options) == 2
+    assert "allowed: at most" in capsys.readouterr().err
+    assert (target / "made" / "report.html").read_text() == "report.html"
+    assert {path.name for path in target.iterdir()} == {"made", "other"}
