@@ -1,7 +1,7 @@
 """The runs of a study as one labelled table: ``dataset.nc`` over points and replicates.
 
 Its root holds scalars; a group per system holds the profiles of its points, and a group
-``particles`` the states of points that a figure shows particle by particle.
+``states`` those of the particles of points that a figure shows particle by particle.
 """
 
 from collections.abc import Iterator, Mapping, Sequence

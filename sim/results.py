@@ -15,7 +15,7 @@ from sim.regime_boundaries import read_table
 from sim.stored import reading
 
 #: Group of the dataset with one subgroup per point whose particles are kept.
-PARTICLES = "particles"
+PARTICLES = "states"
 
 
 @dataclass(frozen=True)
@@ -46,9 +46,17 @@ class Results:
         """Return a profile of a point, (R, H) over completed replicates, and heights (H,) in m.
 
         Profiles along the belt come with the columns' centres instead of heights.
+
+        Raises
+        ------
+        InputError
+            When the dataset has no such profile of the point.
         """
         row = self.dataset.sel(point=point)
-        one = self.profiles[str(row["system"].values)].sel(run=point)
+        one = self.profiles.get(str(row["system"].values), xr.Dataset())
+        if name not in one or point not in one["run"]:
+            raise InputError(f"{point}: no {name} in the dataset")
+        one = one.sel(run=point)
         completed = np.flatnonzero(row["status"].values == "completed")
         values = one[name].isel(replicate=completed).values
         centres = one["column" if "square" in one[name].dims else "height"].values

@@ -1,6 +1,6 @@
 """Synthetic run files: what the engine writes, in miniature and with the answer known."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from math import cos, nan, radians, sin
 from pathlib import Path
 from typing import Any
@@ -29,6 +29,7 @@ def write_run(
     normal_excess: float = 0.0,
     gain: float = 0.0,
     source_hash: str = "0123456789ab",
+    arrays: Mapping[str, Any] | None = None,
 ) -> Path:
     """Write ``<folder>/<point id>.nc`` after the contract of a run file.
 
@@ -48,13 +49,15 @@ def write_run(
         Relative error put into the base forces of a chute.
     gain : float
         Velocity gained at a constant rate over the run, in √(g·diameter).
+    arrays : mapping
+        Further variables, or others in place of those made up here.
     """
     count = parameters.replicates
     velocities = np.broadcast_to(np.asarray(velocity, dtype=float), count).copy()
     velocities[list(failed)] = nan
     data = _series(parameters, velocities, shear_excess, normal_excess, gain)
     data |= _scalars(parameters, velocities, regime, failed)
-    data |= _parameters(parameters)
+    data |= _parameters(parameters) | dict(arrays or {})
     dataset = xr.Dataset(data, attrs=_attributes(parameters, failed, source_hash))
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / f"{point_id(parameters)}.nc"
@@ -129,6 +132,7 @@ def _scalars(
         "acceleration": (np.where(lost, nan, acceleration), "m s-2"),
         "acceleration_error": (np.where(lost, nan, 1e-4), "m s-2"),
         "acceleration_half_width": (np.where(lost, nan, 2e-4), "m s-2"),
+        "average_start": (np.where(lost, nan, 0.25), "s"),
         "independent_samples": (np.where(lost, nan, 40.0), "1"),
         "energy_residual": (np.where(lost, nan, 1e-4), "1"),
         "max_overlap": (np.where(lost, 0.31, 0.01), "1"),

@@ -4,40 +4,13 @@ from pathlib import Path
 
 from sim.errors import InputError
 from sim.figures.spec import FigureSpec
+from sim.figures.specs_animated import ANIMATED
 from sim.figures.specs_belt import BELT
+from sim.figures.specs_chute import CHUTE
 
 __all__ = ["FIGURES", "FigureSpec", "draw"]
 
-_SPECS = (
-    FigureSpec(
-        name="walton_2",
-        paper="Walton (1993), Fig. 2",
-        system="chute",
-        axes=("depth",),
-        curves=("restitution", "friction"),
-        title="Mean velocity against depth of the flow",
-    ),
-    FigureSpec(
-        name="regimes_friction",
-        paper="Walton (1993), flow regimes",
-        system="chute",
-        axes=("depth", "friction"),
-        curves=(),
-        title="Regimes over depth and friction",
-        regimes=True,
-    ),
-    FigureSpec(
-        name="regimes_angle",
-        paper="Walton (1993), range of angles of steady flow",
-        system="chute",
-        axes=("depth", "angle"),
-        curves=(),
-        title="Regimes over depth and inclination",
-        regimes=True,
-    ),
-)
-
-FIGURES: dict[str, FigureSpec] = {spec.name: spec for spec in (*_SPECS, *BELT)}
+FIGURES: dict[str, FigureSpec] = {spec.name: spec for spec in (*CHUTE, *BELT, *ANIMATED)}
 
 
 def draw(name: str, dataset_path: str | Path, out_folder: str | Path) -> list[Path]:
@@ -55,7 +28,8 @@ def draw(name: str, dataset_path: str | Path, out_folder: str | Path) -> list[Pa
     Returns
     -------
     list of Path
-        ``<name>.png``, ``.svg``, ``.csv`` (the data behind the picture) and ``.caption.txt``.
+        ``<name>.png``, ``.svg``, ``.csv`` (the data behind the picture) and ``.caption.txt``; of an
+        animation ``.gif`` instead of ``.svg``.
 
     Raises
     ------

@@ -21,11 +21,12 @@ _STYLES = {
 
 def draw(data: FigureData) -> Figure:
     """Draw the figure."""
-    figure, axes = transport.draw_panel(data.rows, "shear_damping", ("frequency",), _look)
+    figure, axes = transport.draw_panel(data.rows, "shear_damping", ("frequency",), look)
     axes.set_xlabel("shear friction coefficient $γ_s$ (g)")
     return figure
 
 
-def _look(names: dict[str, object], index: int) -> tuple[CurveStyle, str]:
+def look(names: dict[str, object], index: int) -> tuple[CurveStyle, str]:
+    """Return style and legend entry of a curve."""
     frequency = names["frequency"]
     return _STYLES.get(frequency, cycled(index + len(_STYLES))), f"f = {frequency:g} Hz"

@@ -1,4 +1,4 @@
-"""From a dataset to the four files of a figure: PNG, SVG, the data behind it, the caption."""
+"""From a dataset to the four files of a figure: PNG, SVG or GIF, the data, the caption."""
 
 import importlib
 from contextlib import ExitStack
@@ -7,10 +7,10 @@ from types import ModuleType
 
 import matplotlib as mpl
 import pandas as pd
-from matplotlib.figure import Figure
 
 from sim.errors import InputError
 from sim.figures import FigureSpec
+from sim.figures.animation import save_gif
 from sim.figures.caption import (
     caveat_sentence,
     failure_sentence,
@@ -29,16 +29,15 @@ from sim.results import load_results
 #: Parameters that every table of data tells beside those of its figure.
 PROTOCOL = ("protocol", "target", "limit")
 
-SUFFIXES = (".png", ".svg", ".csv", ".caption.txt")
-
 
 def render(spec: FigureSpec, dataset_path: Path, folder: Path) -> list[Path]:
     """Draw one figure and write its files into ``folder``; see `sim.figures.draw`.
 
     Its module gives the texts ``LEAD``, ``NAMED`` (parameters) and ``PAPER`` of the caption and the
-    function ``draw(data)``. It may give ``select(data)``, which narrows the points to those drawn,
-    ``table(data)``, the data behind what are not velocities, and ``notes(data)``, the sentences on
-    error bars where they are not those of velocities.
+    function ``draw(data)``, which returns a figure, or an `Animation` of one that moves. It may
+    give ``select(data)``, which narrows the points to those drawn, ``table(data)``, the data behind
+    what are not velocities, and ``notes(data)``, the sentences on error bars where they are not
+    those of velocities.
     """
     results = load_results(dataset_path)
     try:
@@ -51,26 +50,26 @@ def render(spec: FigureSpec, dataset_path: Path, folder: Path) -> list[Path]:
     if hasattr(module, "select"):
         data = module.select(data)
     folder.mkdir(parents=True, exist_ok=True)
-    files = [folder / f"{spec.name}{suffix}" for suffix in SUFFIXES]
+    files = [folder / f"{spec.name}{suffix}" for suffix in spec.suffixes]
     with ExitStack() as stack:
-        png, svg, csv, text = (stack.enter_context(replacing(file)) for file in files)
+        still, other, csv, text = (stack.enter_context(replacing(file)) for file in files)
         stack.enter_context(mpl.rc_context(SETTINGS))
-        figure = module.draw(data)
+        drawn = module.draw(data)
+        figure = drawn.figure if spec.animated else drawn
         if not data.rows["completed"].any():
             figure.axes[0].text(
                 0.5, 0.5, "no point completed", ha="center", transform=figure.axes[0].transAxes
             )
-        _save(figure, spec, png, svg)
+        # Without a date in them, the same data gives the same bytes.
+        if spec.animated:
+            save_gif(drawn, other)
+        else:
+            figure.savefig(other, format="svg", metadata={"Title": spec.title, "Date": None})
+        figure.savefig(still, format="png", metadata={"Title": spec.title})
         table = module.table(data) if hasattr(module, "table") else velocities(data, spec, module)
         table.to_csv(csv, index=False, float_format="%.10g")
         text.write_text(caption(data, spec, module) + "\n", encoding="utf-8")
     return files
-
-
-def _save(figure: Figure, spec: FigureSpec, png: Path, svg: Path) -> None:
-    """Write both pictures; without a date in them, the same data gives the same bytes."""
-    figure.savefig(png, format="png", metadata={"Title": spec.title})
-    figure.savefig(svg, format="svg", metadata={"Title": spec.title, "Date": None})
 
 
 def caption(data: FigureData, spec: FigureSpec, module: ModuleType) -> str:

@@ -30,6 +30,8 @@ class FigureSpec:
         Whether it shows regimes and the boundaries found between them, rather than velocities.
     particles : bool
         Whether it shows particles, whose states the dataset then keeps.
+    animated : bool
+        Whether it moves: a GIF with a poster instead of a picture.
     """
 
     name: str
@@ -41,6 +43,7 @@ class FigureSpec:
     where: Mapping[str, Any] = field(default_factory=dict)
     regimes: bool = False
     particles: bool = False
+    animated: bool = False
 
     def shows(self, parameters: Any) -> bool:
         """Return whether a point with these parameters is among those drawn."""
@@ -48,3 +51,8 @@ class FigureSpec:
             getattr(parameters, name) in (value if isinstance(value, tuple) else (value,))
             for name, value in self.where.items()
         )
+
+    @property
+    def suffixes(self) -> tuple[str, str, str, str]:
+        """Of its files: picture, picture that scales or moves, data behind it, caption."""
+        return ".png", ".gif" if self.animated else ".svg", ".csv", ".caption.txt"

@@ -6,6 +6,8 @@ from sim.figures.spec import FigureSpec
 
 _DAMPED = {"damping": 50, "shear_damping": 50}
 _AT_45 = {"amplitude": 1, "vibration_angle": 45}
+_FROM_REST = {"initial_velocity": 0, "prior_frequency": 0}
+_USUAL = {**_AT_45, **_FROM_REST, **_DAMPED, "obstacle": 0}
 
 
 def _figure(panel: str, title: str, axes: str = "", curves: str = "", **rest: Any) -> FigureSpec:
@@ -25,29 +27,32 @@ def _flux(panel: str, title: str, axes: str, curves: str, **where: Any) -> Figur
 
 
 def _profiles(panel: str, what: str) -> tuple[FigureSpec, ...]:
-    """Return the three panels of Fig. 2 or 3."""
+    """Return the first two panels of Fig. 2 or 3."""
     several = f"{what} above the belt for several"
-    free, angles = {**_AT_45, "obstacle": 0}, {"vibration_angle": (30, 45, 60, 90)}
     return (
         _figure(
             f"{panel}a",
             f"{several} frequencies",
             "frequency",
-            where={**free, **_DAMPED, "frequency": (10, 20, 60, 80)},
+            where=_USUAL | {"frequency": (10, 20, 60, 80)},
         ),
         _figure(
             f"{panel}b",
             f"{several} angles of vibration",
             "vibration_angle",
-            where={**free, **_DAMPED, "frequency": 60, **angles},
+            where=_USUAL | {"frequency": 60, "vibration_angle": (30, 45, 60, 90)},
         ),
-        _figure(
-            f"{panel}c",
-            f"{several} damping coefficients",
-            "shear_damping",
-            "damping",
-            where={**free, "frequency": 80},
-        ),
+    )
+
+
+def _damped_profiles(panel: str, what: str, curves: str, **start: float) -> FigureSpec:
+    """Return the third panel of Fig. 2 or 3."""
+    return _figure(
+        panel,
+        f"{what} above the belt for several damping coefficients",
+        "shear_damping",
+        curves,
+        where={**_AT_45, **start, "prior_frequency": 0, "obstacle": 0, "frequency": 80},
     )
 
 
@@ -60,9 +65,7 @@ def _snapshot(panel: str, title: str, **where: Any) -> FigureSpec:
 
 
 def _particles(panel: str, title: str, **where: Any) -> FigureSpec:
-    return _figure(
-        panel, title, where={**_AT_45, **_DAMPED, "obstacle": 0, **where}, particles=True
-    )
+    return _figure(panel, title, where=_USUAL | where, particles=True)
 
 
 BELT = (
@@ -75,7 +78,9 @@ BELT = (
     ),
     _flux("1c", "the shear friction coefficient", "shear_damping", "frequency"),
     *_profiles("2", "Number density"),
+    _damped_profiles("2c", "Number density", "damping", initial_velocity=0),
     *_profiles("3", "Horizontal velocity"),
+    _damped_profiles("3c", "Horizontal velocity", "damping initial_velocity"),
     _paths("4a", "at 10 Hz", frequency=10),
     _paths("4b", "at 10 Hz with little shear friction", frequency=10, shear_damping=1),
     _paths("4c", "at 20 Hz", frequency=20),
@@ -99,6 +104,7 @@ BELT = (
         "frequency",
         frequency=(20, 80),
         **_AT_45,
+        **_FROM_REST,
         **_DAMPED,
     ),
     _paths("7a", "at 80 Hz around an obstacle", frequency=80, obstacle=1.5),

@@ -23,12 +23,15 @@ NAMED = (
     "average",
 )
 
+#: Gives style and legend entry of a curve from the values that name it and its number.
+Look = Callable[[dict[str, object], int], tuple[CurveStyle, str]]
+
 
 def draw_panel(
     rows: pd.DataFrame,
     along: str,
     keys: Sequence[str],
-    look: Callable[[dict[str, object], int], tuple[CurveStyle, str]],
+    look: Look,
 ) -> tuple[Figure, Axes]:
     """Draw transport velocity against one parameter.
 
@@ -44,6 +47,15 @@ def draw_panel(
         Gives style and legend entry from the values of the keys and the number of the curve.
     """
     figure, axes = canvas()
+    draw_curves(axes, rows, along, keys, look)
+    place_legend(figure, axes)
+    return figure, axes
+
+
+def draw_curves(
+    axes: Axes, rows: pd.DataFrame, along: str, keys: Sequence[str], look: Look
+) -> None:
+    """Draw the curves of a panel, see `draw_panel`."""
     curves = split_curves(rows, along, keys, tuple(BeltParameters.model_fields))
     seen: set[CurveStyle] = set()
     for index, (names, curve) in enumerate(curves):
@@ -57,8 +69,6 @@ def draw_panel(
     axes.axhline(0, color="#888888", linewidth=0.7, zorder=1)
     axes.set_xlim(left=-0.02 * rows[along].max())
     axes.set_ylabel("transport velocity $V_x$ (m/s)")
-    place_legend(figure, axes)
-    return figure, axes
 
 
 def describe(names: dict[str, object]) -> str:

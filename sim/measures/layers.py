@@ -77,21 +77,15 @@ def plug_base(
     return float(places[rigid][0]) if rigid.any() else top
 
 
-def by_diameters(
-    height: np.ndarray, values: np.ndarray, packing: np.ndarray, diameter: float, layers: int = 1
-) -> np.ndarray:
-    """Return means of a profile over the mass of successive layers up to the surface, from below.
-
-    A layer is ``layers`` diameters thick; one that the surface cuts is left out.
-    """
-    thickness = layers * diameter
-    number = int(surface(height, packing) / thickness + 1e-9)
-    edges = thickness * np.arange(number + 1)
-    return np.array([mean_between(height, values, packing, *pair) for pair in pairwise(edges)])
-
-
 def packing_by_diameters(
     height: np.ndarray, packing: np.ndarray, diameter: float, layers: int = 1
 ) -> np.ndarray:
-    """Return the packing fraction of successive layers up to the surface, as `by_diameters`."""
-    return by_diameters(height, packing, (packing >= 0).astype(float), diameter, layers)
+    """Return the packing fraction of layers of some diameters up to the surface, from below.
+
+    A layer that the surface cuts is left out.
+    """
+    thickness = layers * diameter
+    # The margin is lest rounding cut a layer that just fits.
+    edges = thickness * np.arange(int(surface(height, packing) / thickness + 1e-9) + 1)
+    pairs = pairwise(edges)
+    return np.array([packing[(height > low) & (height < high)].mean() for low, high in pairs])

@@ -132,9 +132,9 @@ def made_results(
         system: _profiles([point for point in points if point.parameters.system == system], count)
         for system in {point.parameters.system for point in points}
     }
-    return Results(
-        root.assign(_together(root)), profiles, pd.DataFrame(list(boundaries)), particles or {}
-    )
+    columns = None if boundaries else ["system", "of", "along", "low", "high"]
+    found = pd.DataFrame(list(boundaries), columns=columns)
+    return Results(root.assign(_together(root)), profiles, found, dict(particles or {}))
 
 
 def made_boundary(

@@ -2,6 +2,7 @@
 
 import csv
 import struct
+from importlib import import_module
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -14,6 +15,7 @@ from sim.errors import InputError
 from sim.figures import FIGURES, draw, gallas_1a, gallas_1b, gallas_1c, walton_2
 from sim.figures.style import DASH_DOT, SETTINGS, SHORT_DASH
 from sim.figures.summary import figure_data
+from sim.parameters import SYSTEMS
 from sim.results import load_results
 from sim.study import load_study
 from tests.factories import FAILURE, is_hurt, is_lost, make_study
@@ -52,8 +54,13 @@ def drawn(name: str, dataset_path: Path):
         return MODULES[name].draw(data).axes[0], data.rows
 
 
-def test_every_figure_of_velocities_has_a_module():
-    assert set(MODULES) == {name for name, spec in FIGURES.items() if not spec.regimes}
+@pytest.mark.parametrize("name", FIGURES)
+def test_every_figure_has_a_module_that_says_what_the_paper_says(name):
+    module = import_module(f"sim.figures.{name}")
+    assert callable(module.draw)
+    assert module.LEAD.endswith(".")
+    assert module.PAPER.startswith("The paper")
+    assert set(module.NAMED) <= set(SYSTEMS[FIGURES[name].system].model_fields)
 
 
 @pytest.mark.parametrize("name", MODULES)

@@ -158,6 +158,8 @@ except InputError as error:
 
 LOCK = release_stale_lock() if workflow.is_main_process else None
 RESULTS = f"results/{STUDY.name}"
+STILL = [name for name in STUDY.figures if not FIGURES[name].animated]
+ANIMATED = [name for name in STUDY.figures if FIGURES[name].animated]
 OWNER = Path(RESULTS) / ".study"
 
 if workflow.is_main_process:
@@ -195,4 +197,3 @@ LATER = r"(?:chute|belt)-[\w.-]+-[0-9a-f]{8}"
 wildcard_constraints:
     point=LATER if STUDY.rounds else POINT,
     round="|".join(map(str, range(1, STUDY.rounds + 1))) or "none",
-    figure="|".join(STUDY.figures) or "none",

@@ -29,15 +29,33 @@ rule figure:
         f"{RESULTS}/logs/figures/{{figure}}.log",
     benchmark:
         f"{RESULTS}/benchmarks/figures/{{figure}}.tsv"
+    wildcard_constraints:
+        figure="|".join(STILL) or "none",
     conda:
         "../envs/talus.yaml"
     params:
-        folder=subpath(output.svg, parent=True),
+        folder=subpath(output.csv, parent=True),
         code=lambda wildcards: code(f"figures/{wildcards.figure}.py", *SHARED),
     shell:
         "python -m sim figure {wildcards.figure} {input} --output {params.folder} > {log} 2>&1"
 
 
+use rule figure as animation with:
+    output:
+        gif=report(
+            f"{RESULTS}/figures/{{figure}}.gif",
+            caption="../report/figure.rst",
+            category="Figures",
+            labels={"figure": "{figure}", "file": "animation"},
+        ),
+        csv=f"{RESULTS}/figures/{{figure}}.csv",
+        png=f"{RESULTS}/figures/{{figure}}.png",
+        caption=f"{RESULTS}/figures/{{figure}}.caption.txt",
+    wildcard_constraints:
+        figure="|".join(ANIMATED) or "none",
+
+
 rule figures:
     input:
-        expand(rules.figure.output, figure=STUDY.figures),
+        expand(rules.figure.output, figure=STILL),
+        expand(rules.animation.output, figure=ANIMATED),

@@ -1,0 +1,63 @@
+"""Paths of the beads over one cycle, as in Gallas' Figs. 4, 7a and 7c."""
+
+import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure
+
+from sim.figures.belt_cell import Shown, cells, draw_surroundings, shown, tell_beyond, wrapped
+from sim.figures.style import place_legend
+from sim.figures.summary import FigureData
+
+LEAD = (
+    "Paths of the beads during a single cycle of the vibration in the steady state, in the frame "
+    "of the laboratory: the centre of each bead after every 50 of 2000 steps (every fortieth of "
+    "the cycle, both ends included). The horizontal line is the average position of the belt; "
+    "lengths are in mean diameters ⟨d⟩."
+)
+
+
+def draw(data: FigureData) -> Figure:
+    """Draw the paths; what leaves the periodic cell on one side comes back on the other."""
+    points = shown(data, "path", "path_time")
+    paths = [_path(point) for point in points]
+    figure, panels = cells(points, max((path[..., 1].max() for path in paths), default=0) + 0.5)
+    for axes, point, path in zip(panels, points, paths, strict=True):
+        axes.plot(
+            wrapped(path[..., 0], point).ravel(),
+            path[..., 1].ravel(),
+            ".",
+            color="black",
+            markersize=2.0,
+            markeredgewidth=0,
+            rasterized=True,
+            label="centre of a bead",
+        )
+        tell_beyond(axes, path[..., 1].min(axis=0))
+        draw_surroundings(axes, point)
+    if panels:
+        place_legend(figure, panels[0])
+    return figure
+
+
+def table(data: FigureData) -> pd.DataFrame:
+    """Return the paths: a row per bead and time, positions along the belt not wrapped."""
+    parts = []
+    for point in shown(data, "path", "path_time"):
+        path = np.round(_path(point), 4)
+        steps, beads, _ = path.shape
+        columns = {
+            "protocol": point.row["protocol"],
+            "bead": np.tile(np.arange(beads), steps),
+            "time [s]": np.repeat(
+                np.round(point.state["path_time"].values.astype(float), 8), beads
+            ),
+            "x [⟨d⟩]": path[..., 0].ravel(),
+            "z [⟨d⟩]": path[..., 1].ravel(),
+        }
+        parts.append(pd.DataFrame(columns))
+    return pd.concat(parts) if parts else pd.DataFrame(columns=["protocol", "bead"])
+
+
+def _path(point: Shown) -> np.ndarray:
+    """Return the positions (S, N, 2) in ⟨d⟩."""
+    return point.state["path"].values.astype(float) / point.row["diameter"]

@@ -1,0 +1,200 @@
+"""What Walton's Figs. 1.1 to 1.6 share: profiles of velocity and packing, and a configuration."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from sim.errors import InputError
+from sim.figures.caption import setting
+from sim.figures.configuration import LARGEST_PORTION, Scene
+from sim.figures.style import COLOURS, DOTTED, place_legend
+from sim.figures.summary import FigureData, split_curves
+from sim.outcome import student_half_width
+from sim.parameters import ChuteParameters
+
+#: Parameters that all six captions give.
+NAMED = (
+    "depth",
+    "angle",
+    "restitution",
+    "friction",
+    "stiffness",
+    "tangential_ratio",
+    "tangential_exponent",
+    "cell",
+    "slice_height",
+    "initial_velocity",
+    "transient",
+    "average",
+)
+
+#: Profiles end where this share of the spheres' volume is below, and velocities are left out.
+SHARE = 0.995
+
+_PIXELS = 640
+
+
+def lead(depth: float) -> str:
+    """Return what the figure of a depth shows."""
+    part = (
+        "the half of the periodic cell near the viewer"
+        if depth <= LARGEST_PORTION
+        else "the whole periodic cell"
+    )
+    return (
+        f"Flow of depth n = N/σ² = {depth:g} down a frictional plane: (a) velocity u down the "
+        "slope (top: in units of √(gσ)) and (b) packing fraction against the height z above the "
+        "plane in sphere diameters σ: solid, instantaneous at the end of the first replicate; "
+        "dotted, time average of the averaging window, mean of the replicates with a band; up to "
+        f"the height below which {100 * SHARE:g} % of the solid volume lies. (c) Configuration at "
+        f"the end of the first replicate, {part}, coloured by the velocity of each sphere."
+    )
+
+
+def notes(data: FigureData) -> list[str]:
+    """Return what the caption says of each flow that is drawn."""
+    sentences = []
+    for label, row in _flows(data):
+        count = int(row["completed"])
+        band = (
+            f"band: Student's 95 % interval of the mean over {count} replicates"
+            if count > 1
+            else "one replicate and no band"
+        )
+        sentences.append(
+            f"{label.capitalize()}: mean velocity {row['velocity']:.4g} ± "
+            f"{row['half_width']:.2g} m/s, {row['regime']}; {band}."
+        )
+    return sentences
+
+
+def _flows(data: FigureData) -> list[tuple[str, dict[str, Any]]]:
+    """Return label and row of the points with a completed replicate, published protocol first."""
+    rows = data.rows[data.rows["completed"] > 0]
+    flows = []
+    for names, points in split_curves(
+        rows, "point", ("protocol",), tuple(ChuteParameters.model_fields)
+    ):
+        extra = "".join(
+            f", {setting('chute', *item)}" for item in names.items() if item[0] != "protocol"
+        )
+        label = f"{names['protocol']} protocol{extra}"
+        flows += [(label, row) for row in points.to_dict("records")]
+    return sorted(flows, key=lambda flow: flow[1]["protocol"] != "published")
+
+
+def draw(data: FigureData) -> Figure:
+    """Draw the row of a depth: the published protocol, and the converged one beside it."""
+    flows = _flows(data)
+    # A deep flow is a tall picture.
+    height = 3.6 if data.rows["depth"].iloc[0] <= LARGEST_PORTION else 4.8
+    figure = Figure(figsize=(7.4, height), layout="constrained")
+    left, right = figure.subfigures(1, 2, width_ratios=(1.35, 1))
+    panels = left.subplots(1, 2, sharey=True)
+    for index, (label, row) in enumerate(flows):
+        values, colour = profile(data, row), COLOURS[index % len(COLOURS)]
+        suffix = f", {label}" if len(flows) > 1 else ""
+        for axes, name in zip(panels, ("velocity", "packing"), strict=True):
+            if index == 0:
+                _draw_instantaneous(axes, values, name)
+            _draw_average(axes, values, name, colour, suffix)
+    _finish(panels, data.rows.iloc[0])
+    if flows:
+        _draw_configuration(right.subplots(), data, flows[0][1])
+        place_legend(left, panels[0])
+    return figure
+
+
+def profile(data: FigureData, row: Mapping[str, Any]) -> pd.DataFrame:
+    """Return the profiles of a point, a row per slice, up to the height of its last spheres.
+
+    Columns ``z`` (σ) and, of ``velocity`` (m/s) and ``packing``, the cumulative average with its
+    ``_half_width`` and the ``_instantaneous`` value of the first completed replicate.
+    """
+    columns: dict[str, Any] = {}
+    for name in ("packing", "velocity"):
+        values, height = data.results.profile(row["point"], f"{name}_profile")
+        columns["z"] = height / row["diameter"]
+        columns[name] = values.mean(axis=0)
+        several = len(values) > 1
+        columns[f"{name}_half_width"] = student_half_width(values) if several else np.nan
+        latest, _ = data.results.profile(row["point"], f"{name}_profile_instantaneous")
+        columns[f"{name}_instantaneous"] = latest[0]
+    filled = np.cumsum(columns["packing"]) / columns["packing"].sum()
+    return pd.DataFrame(columns)[: int(np.searchsorted(filled, SHARE)) + 1]
+
+
+def _draw_instantaneous(axes: Axes, values: pd.DataFrame, name: str) -> None:
+    latest = values[f"{name}_instantaneous"]
+    axes.plot(latest, values["z"], color=COLOURS[0], linewidth=1.0, label="instantaneous")
+
+
+def _draw_average(axes: Axes, values: pd.DataFrame, name: str, colour: str, suffix: str) -> None:
+    mean, half_width, z = values[name], values[f"{name}_half_width"], values["z"]
+    label = f"cumulative average{suffix}"
+    axes.plot(mean, z, color=colour, linestyle=DOTTED, linewidth=1.8, label=label)
+    # The lines set the scale: a band over two replicates may be wider than all of it.
+    scale = axes.dataLim.frozen()
+    axes.fill_betweenx(z, mean - half_width, mean + half_width, color=colour, alpha=0.18, lw=0)
+    axes.dataLim.set(scale)
+
+
+def _finish(panels: np.ndarray, row: Mapping[str, Any]) -> None:
+    """Name the axes of the two profiles."""
+    velocity, packing = panels
+    unit = float(np.sqrt(row["gravity"] * row["diameter"]))
+    top = velocity.secondary_xaxis("top", functions=(lambda v: v / unit, lambda v: v * unit))
+    top.set_xlabel("u / √(gσ)")
+    velocity.set_xlabel("velocity u (m/s)\n(a)")
+    velocity.set_ylabel("height z (σ)")
+    velocity.set_ylim(bottom=0)
+    packing.set_xlabel("packing fraction φ\n(b)")
+    for axes in panels:
+        axes.set_xlim(0, max(1.15 * axes.dataLim.x1, 1e-6))
+
+
+def _draw_configuration(axes: Axes, data: FigureData, row: Mapping[str, Any]) -> None:
+    try:
+        state = data.results.particles(row["point"])
+    except InputError:
+        axes.text(0.5, 0.5, "no configuration stored", ha="center", transform=axes.transAxes)
+        axes.set_axis_off()
+        return
+    position, speed = state["position"].values, state["particle_velocity"].values[:, 0]
+    scene = Scene(row, state, position[:, 2], speed, _PIXELS)
+    scene.show(axes, scene.picture(position, speed))
+    axes.set_xlabel("(c)")
+
+
+def table(data: FigureData) -> pd.DataFrame:
+    """Return the data behind the profiles, a row per point and slice, units in the headings."""
+    parts = []
+    for label, row in _flows(data):
+        values = profile(data, row)
+        parts.append(
+            pd.DataFrame(
+                {
+                    "point": row["point"],
+                    "flow": label,
+                    "depth [1]": row["depth"],
+                    "completed replicates": row["completed"],
+                    "regime": row["regime"],
+                    "height [σ]": values["z"],
+                    **_headed(values, "velocity", "m s-1"),
+                    **_headed(values, "packing", "1"),
+                }
+            )
+        )
+    return pd.concat(parts) if parts else pd.DataFrame(columns=["point", "flow"])
+
+
+def _headed(values: pd.DataFrame, name: str, unit: str) -> dict[str, pd.Series]:
+    return {
+        f"{name}, cumulative average [{unit}]": values[name],
+        f"{name}, half width of 95 % interval [{unit}]": values[f"{name}_half_width"],
+        f"{name}, instantaneous [{unit}]": values[f"{name}_instantaneous"],
+    }

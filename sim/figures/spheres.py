@@ -1,0 +1,200 @@
+"""Spheres as a picture: seen from one side without perspective, shaded, the nearest in front."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+#: Light that falls everywhere, and the direction to where the rest comes from: right, up, toward
+#: the viewer.
+AMBIENT = 0.45
+LIGHT = np.array([-0.45, 0.70, 0.55]) / np.linalg.norm([-0.45, 0.70, 0.55])
+
+#: Spheres darken towards their outline, where their surface faces the viewer less than this.
+RIM = 0.35
+
+FLOOR_COLOUR = np.array([0.86, 0.84, 0.80])
+
+#: Brightness in a shadow; what lies less than this behind the surface that the light meets, in
+#: radii, is lit all the same.
+SHADOW, BIAS = 0.72, 0.25
+
+#: Pixels are drawn this many times finer along each side; their mean has smooth edges.
+FINENESS = 2
+
+
+class View(NamedTuple):
+    """Unit vectors (3,) to the right and up in the picture, and from the scene to the viewer."""
+
+    right: np.ndarray
+    up: np.ndarray
+    toward: np.ndarray
+
+
+class Frame(NamedTuple):
+    """Part of the picture's plane that is shown, m."""
+
+    left: float
+    right: float
+    bottom: float
+    top: float
+
+
+def view_from(azimuth: float, elevation: float, slope: float = 0.0) -> View:
+    """Return the view of a viewer who looks along y, with x to the right and z up.
+
+    Parameters
+    ----------
+    azimuth, elevation : float
+        How far the viewer has walked round to the side of negative x and then risen, degrees.
+    slope : float
+        Angle by which x points below the horizontal of the picture, degrees.
+    """
+    a, e, s = np.radians([azimuth, elevation, slope])
+    right = np.array([np.cos(a), -np.sin(a), 0.0])
+    toward = np.array([-np.sin(a) * np.cos(e), -np.cos(a) * np.cos(e), np.sin(e)])
+    level = np.stack([right, np.cross(toward, right), toward])
+    inclined = np.array([[np.cos(s), 0, np.sin(s)], [0, 1, 0], [-np.sin(s), 0, np.cos(s)]])
+    return View(*(level @ inclined))
+
+
+def project(view: View, points: np.ndarray) -> np.ndarray:
+    """Return how far points (..., 3) are to the right, up, and near the viewer."""
+    return points @ np.stack(view, axis=-1)
+
+
+def frame_around(view: View, points: np.ndarray, margin: float) -> Frame:
+    """Return the smallest frame that shows all points (..., 3) with a margin (m) around them."""
+    flat = project(view, points).reshape(-1, 3)[:, :2]
+    (left, bottom), (right, top) = flat.min(axis=0) - margin, flat.max(axis=0) + margin
+    return Frame(left, right, bottom, top)
+
+
+def picture(
+    view: View,
+    frame: Frame,
+    pixel: float,
+    position: np.ndarray,
+    radius: np.ndarray,
+    colour: np.ndarray,
+    floor: np.ndarray | None = None,
+) -> np.ndarray:
+    """Draw spheres.
+
+    Parameters
+    ----------
+    view : View
+        From where.
+    frame : Frame
+        What is shown.
+    pixel : float
+        Side of a pixel, m.
+    position, radius, colour : numpy.ndarray
+        Centres (N, 3) and radii (N,), m, and colours (N, 3), red, green and blue from 0 to 1.
+    floor : numpy.ndarray, optional
+        Least and largest x and y (2, 2), m, of a floor at z = 0.
+
+    Returns
+    -------
+    numpy.ndarray
+        (H, W, 4) from the top down, red, green, blue and opacity as bytes.
+    """
+    height, width = _size(frame, pixel)
+    flat = _pixels(frame, height * FINENESS, width * FINENESS)
+    centre = project(view, position)
+    owner, depth = _nearest(flat, centre, radius)
+    rgb = _shaded(flat, centre, radius, colour, owner)
+    if floor is not None:
+        ground = _depth_of_floor(view, flat, floor)
+        rgb[ground > depth] = FLOOR_COLOUR
+        depth = np.maximum(depth, ground)
+    shown = np.isfinite(depth)
+    rgb[shown] *= _lit(np.column_stack([flat[shown], depth[shown]]), centre, radius, pixel)[:, None]
+    # Colours count by their opacity, so that edges are not darkened by what is behind them.
+    layers = np.concatenate([rgb * shown[..., None], shown[..., None]], axis=-1)
+    mean = layers.reshape(height, FINENESS, width, FINENESS, 4).mean(axis=(1, 3))
+    mean[..., :3] /= np.maximum(mean[..., 3:], 1e-9)
+    return np.round(255 * np.clip(mean, 0, 1)).astype(np.uint8)
+
+
+def _size(frame: Frame, pixel: float) -> tuple[int, int]:
+    """Return the height and the width of a picture in pixels."""
+    size = frame.top - frame.bottom, frame.right - frame.left
+    return max(1, round(size[0] / pixel)), max(1, round(size[1] / pixel))
+
+
+def _pixels(frame: Frame, height: int, width: int) -> np.ndarray:
+    """Return where the centres of the pixels are, (H, W, 2), from the top down."""
+    x = frame.left + (np.arange(width) + 0.5) * (frame.right - frame.left) / width
+    y = frame.top - (np.arange(height) + 0.5) * (frame.top - frame.bottom) / height
+    return np.stack(np.meshgrid(x, y), axis=-1)
+
+
+def _nearest(
+    flat: np.ndarray, centre: np.ndarray, radius: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return which sphere each pixel shows (H, W), -1 for none, and how near it is (m)."""
+    owner = np.full(flat.shape[:2], -1)
+    depth = np.full(owner.shape, -np.inf)
+    x, y = flat[0, :, 0], flat[:, 0, 1]
+    for i, ((right, up, toward), r) in enumerate(zip(centre, radius, strict=True)):
+        columns = slice(*np.searchsorted(x, (right - r, right + r)))
+        rows = slice(*np.searchsorted(-y, (-up - r, -up + r)))
+        squared = r * r - (x[columns] - right) ** 2 - (y[rows, None] - up) ** 2
+        near = np.where(squared > 0, toward + np.sqrt(np.maximum(squared, 0)), -np.inf)
+        nearer = near > depth[rows, columns]
+        depth[rows, columns][nearer] = near[nearer]
+        owner[rows, columns][nearer] = i
+    return owner, depth
+
+
+def _shaded(
+    flat: np.ndarray,
+    centre: np.ndarray,
+    radius: np.ndarray,
+    colour: np.ndarray,
+    owner: np.ndarray,
+) -> np.ndarray:
+    """Return the colour of each pixel (H, W, 3): Lambert's law, and a darker outline."""
+    rgb = np.zeros((*owner.shape, 3))
+    covered = owner >= 0
+    own = owner[covered]
+    aside = (flat[covered] - centre[own, :2]) / radius[own, None]
+    toward = np.sqrt(np.clip(1 - (aside**2).sum(axis=1), 0, 1))
+    facing = np.column_stack([aside, toward]) @ LIGHT
+    bright = AMBIENT + (1 - AMBIENT) * np.clip(facing, 0, 1)
+    bright *= np.clip(0.4 + 0.6 * toward / RIM, 0, 1)
+    rgb[covered] = colour[own] * bright[:, None]
+    return rgb
+
+
+def _depth_of_floor(view: View, flat: np.ndarray, floor: np.ndarray) -> np.ndarray:
+    """Return how near (m) the floor is in each pixel, minus infinity beside it."""
+    plane = flat @ np.stack([view.right, view.up])
+    near = -plane[..., 2] / view.toward[2]
+    on_floor = (plane + near[..., None] * view.toward)[..., :2]
+    inside = ((on_floor > floor[0]) & (on_floor < floor[1])).all(axis=-1)
+    return np.where(inside, near, -np.inf)
+
+
+def _lit(points: np.ndarray, centre: np.ndarray, radius: np.ndarray, pixel: float) -> np.ndarray:
+    """Return the brightness (M,) that shadows leave to points (M, 3), all as the viewer sees them.
+
+    A point is in a shadow where a sphere is nearer to the light, whose own picture is drawn first.
+    """
+    if not len(radius):
+        return np.ones(len(points))
+    right = np.cross([0.0, 1.0, 0.0], LIGHT)
+    right /= np.linalg.norm(right)
+    lamp = View(right, np.cross(LIGHT, right), LIGHT)
+    seen = project(lamp, points)
+    frame = frame_around(lamp, centre, 2 * radius.max())
+    flat = _pixels(frame, *_size(frame, pixel / FINENESS))
+    _, depth = _nearest(flat, project(lamp, centre), radius)
+    height, width = depth.shape
+    column = (seen[:, 0] - frame.left) / (frame.right - frame.left) * width
+    row = (frame.top - seen[:, 1]) / (frame.top - frame.bottom) * height
+    # Beyond the frame no sphere casts a shadow, and at its edge neither.
+    row, column = (
+        np.clip(index, 0, size - 1).astype(int) for index, size in ((row, height), (column, width))
+    )
+    return np.where(depth[row, column] > seen[:, 2] + BIAS * radius.max(), SHADOW, 1.0)

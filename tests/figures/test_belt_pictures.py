@@ -1,0 +1,174 @@
+"""Gallas' Figs. 4, 5 and 7: every bead and its path, the belt, the obstacle, data and caption."""
+
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+import pytest
+import xarray as xr
+from matplotlib.collections import EllipseCollection, LineCollection
+from matplotlib.patches import Circle
+
+from sim.errors import InputError
+from sim.figures import FIGURES, draw, gallas_4a
+from sim.figures.belt_cell import TALLEST, select
+from sim.figures.belt_snapshots import round_speed
+from sim.figures.style import DOTTED
+from sim.figures.summary import figure_data
+from sim.results import load_results
+from tests.figures.made_belt import dashes, drawn
+
+PATHS = ("gallas_4a", "gallas_4b", "gallas_4c", "gallas_4d", "gallas_4e", "gallas_7a", "gallas_7c")
+SNAPSHOTS = ("gallas_5a", "gallas_5b", "gallas_5c", "gallas_5d", "gallas_7b")
+BEADS, WIDTH = 12, 5
+
+
+def levels(axes) -> dict[float, object]:
+    """Return heights and dashes of the horizontal lines that cross the figure."""
+    return {
+        line.get_ydata()[0]: dashes(line)
+        for line in axes.get_lines()
+        if list(line.get_xdata()) == [0, 1]
+    }
+
+
+def obstacles(axes) -> list[Circle]:
+    return [patch for patch in axes.patches if isinstance(patch, Circle)]
+
+
+def test_these_are_the_figures_of_particles():
+    belt = {name for name, spec in FIGURES.items() if spec.particles and spec.system == "belt"}
+    assert belt == {*PATHS, *SNAPSHOTS}
+
+
+@pytest.mark.parametrize("name", PATHS)
+def test_a_path_has_a_dot_per_bead_and_step_within_the_cell(name, belt_dataset):
+    figure, _ = drawn(name, belt_dataset)
+    axes = figure.axes[0]
+    (dots,) = (line for line in axes.get_lines() if line.get_marker() == ".")
+    x, z = dots.get_data()
+    assert len(x) == 41 * BEADS
+    assert x.min() >= 0
+    assert x.max() < WIDTH
+    assert (z.min(), z.max()) == (pytest.approx(1), pytest.approx(3))
+    assert levels(axes) == {0: "-"}
+    assert dots.get_rasterized()
+
+
+@pytest.mark.parametrize("name", SNAPSHOTS)
+def test_a_snapshot_has_circles_and_velocities_from_their_centres(name, belt_dataset):
+    figure, data = drawn(name, belt_dataset)
+    (axes,) = figure.axes
+    circles = [one for one in axes.collections if isinstance(one, EllipseCollection)]
+    sticks = [one for one in axes.collections if isinstance(one, LineCollection)]
+    centres = np.concatenate([one.get_offsets() for one in circles])
+    inside = centres[(centres[:, 0] >= 0) & (centres[:, 0] < WIDTH)]
+    assert len(inside) == BEADS
+    assert len(centres) > BEADS
+    segments = np.concatenate([one.get_segments() for one in sticks])
+    assert segments[:, 0] == pytest.approx(centres)
+    (scale,) = (text.get_text() for text in axes.texts)
+    row = data.rows.iloc[0]
+    speed = 1e-3 * row["frequency"] * min(row["shear_damping"], 50) / 50
+    drawn_as = (segments[0, 1] - segments[0, 0]) * float(scale.removesuffix(" m/s"))
+    assert drawn_as == pytest.approx([speed, -0.5 * speed], rel=1e-5)
+    assert levels(axes) == {0: "-", 1: DOTTED, -1: DOTTED}
+
+
+@pytest.mark.parametrize("name", [*PATHS, *SNAPSHOTS])
+def test_the_obstacle_is_drawn_where_there_is_one(name, belt_dataset):
+    figure, _ = drawn(name, belt_dataset)
+    places = [(one.center, one.radius) for one in obstacles(figure.axes[0])]
+    assert places == ([((WIDTH / 2, 1), 0.75)] if name.startswith("gallas_7") else [])
+
+
+@pytest.mark.parametrize("name", [*PATHS, *SNAPSHOTS])
+def test_data_and_caption(name, belt_dataset, tmp_path):
+    png, svg, csv, caption = draw(name, belt_dataset, tmp_path)
+    assert png.stat().st_size > 0
+    assert svg.stat().st_size < 200_000
+    data = pd.read_csv(csv)
+    panels = 1 + (name == "gallas_4d")
+    assert len(data) == panels * (41 * BEADS if name in PATHS else BEADS)
+    assert data["protocol"].nunique() == panels
+    assert {"x [⟨d⟩]", "z [⟨d⟩]"} < set(data)
+    assert ("time [s]" in data) == (name in PATHS)
+    assert ("v_x [m s-1]" in data) == (name in SNAPSHOTS)
+    text = caption.read_text()
+    where = FIGURES[name].where
+    for part in (
+        f"Gallas et al. (1992), Fig. {name[-2:]}. ",
+        f"f = {where['frequency']} Hz",
+        f"d_o = {where['obstacle']} ⟨d⟩",
+        f"γ_s = {where['shear_damping']}g",
+        "t_tr = 45 cycles",
+        "Published protocol: first replicate that completed of point belt-",
+        "regime steady; the mean velocity of 3 replicates is ",
+        "The paper: ",
+    ):
+        assert part in text
+    assert "Error bars" not in text
+
+
+def test_the_protocols_stand_side_by_side_where_both_are_in_the_data(belt_dataset):
+    figure, data = drawn("gallas_4d", belt_dataset)
+    assert list(data.rows["protocol"]) == ["published", "converged"]
+    titles = ["published, 2000 steps a cycle", "converged, 2000 steps a cycle"]
+    assert [axes.get_title() for axes in figure.axes] == titles
+
+
+def test_of_several_points_the_one_nearest_to_the_paper_is_shown(belt_dataset):
+    data = figure_data(load_results(belt_dataset), FIGURES["gallas_4a"])
+    other = data.rows.assign(point="other", belt_ghost="centred")
+    both = replace(data, rows=pd.concat([other, data.rows], ignore_index=True))
+    assert list(select(both).rows["belt_ghost"]) == ["below"]
+
+
+def test_beads_beyond_the_tallest_picture_are_counted(belt_dataset):
+    data = figure_data(load_results(belt_dataset), FIGURES["gallas_4a"])
+    path = data.results.particles(data.rows["point"].iloc[0])["path"]
+    path[:, :2, 1] += 1.5 * TALLEST * data.rows["diameter"].iloc[0]
+    (axes,) = gallas_4a.draw(data).axes
+    assert axes.get_ylim()[1] == TALLEST
+    assert [text.get_text() for text in axes.texts] == ["2 beads above"]
+
+
+def test_paths_in_the_data_are_not_wrapped(belt_dataset, tmp_path):
+    data = pd.read_csv(draw("gallas_4d", belt_dataset, tmp_path)[2])
+    first = data[(data["bead"] == 0) & (data["protocol"] == "published")]
+    assert first["x [⟨d⟩]"].iloc[-1] - first["x [⟨d⟩]"].iloc[0] == pytest.approx(WIDTH, abs=1e-3)
+    assert first["time [s]"].iloc[-1] == pytest.approx(1 / 80)
+
+
+@pytest.mark.parametrize(
+    ("speed", "scale"),
+    [(0.03, 0.05), (1.0, 2), (0.7, 1), (0.012, 0.02), (0.0, 1)],
+)
+def test_velocities_have_a_round_scale(speed, scale):
+    assert round_speed(speed**2) == scale
+
+
+@pytest.mark.parametrize(("name", "lost"), [("gallas_4a", "path"), ("gallas_5a", "radius")])
+def test_a_dataset_without_the_particles_is_refused(name, lost, belt_dataset, tmp_path):
+    path = tmp_path / "dataset.nc"
+    with xr.open_dataset(belt_dataset) as opened:
+        opened.load().to_netcdf(path)
+    with pytest.raises(InputError, match=r"^belt-.*: no particles in the dataset$"):
+        draw(name, path, tmp_path)
+    _, data = drawn(name, belt_dataset)
+    point = data.rows["point"].iloc[0]
+    data.results.particles(point).drop_vars(lost).to_netcdf(path, mode="a", group=f"states/{point}")
+    with pytest.raises(InputError, match=rf"^belt-.*: no {lost} of the particles in the dataset$"):
+        draw(name, path, tmp_path)
+
+
+@pytest.mark.parametrize("name", ["gallas_4a", "gallas_5a"])
+def test_a_point_that_failed_leaves_an_empty_picture(name, belt_dataset, tmp_path):
+    with xr.open_dataset(belt_dataset) as opened:
+        dataset = opened.load()
+    dataset["status"][:] = "failed"
+    dataset.to_netcdf(tmp_path / "dataset.nc")
+    png, _, csv, caption = draw(name, tmp_path / "dataset.nc", tmp_path)
+    assert png.stat().st_size > 0
+    assert len(csv.read_text().splitlines()) == 1
+    assert "Left out because the run failed: belt-" in caption.read_text()

@@ -1,0 +1,177 @@
+"""Gallas' Figs. 2 and 3: a curve per flow with its band, the paper's dashes, data and caption."""
+
+import numpy as np
+import pandas as pd
+import pytest
+import xarray as xr
+from matplotlib.colors import to_rgb
+from scipy.stats import t
+
+from sim.errors import InputError
+from sim.figures import FIGURES, draw
+from sim.figures.belt_profiles import DENSITY, THIN, VELOCITY, profiles
+from sim.figures.style import DASH_DOT, DOTTED, LONG_DASH, SHORT_DASH
+from sim.figures.summary import figure_data
+from sim.parameters import BeltParameters
+from sim.results import load_results
+from tests.figures.made_belt import SPREAD, dashes, drawn, plateau, transport
+
+FREQUENCIES = {"f = 10 Hz": "-", "f = 20 Hz": LONG_DASH, "f = 60 Hz": DASH_DOT, "f = 80 Hz": DOTTED}
+ANGLES = {"α = π/2": DOTTED, "α = π/3": DASH_DOT, "α = π/4": "-", "α = π/6": SHORT_DASH}
+DAMPINGS = {
+    "(γ, γ$_s$) = (10g, 10g)": SHORT_DASH,
+    "(γ, γ$_s$) = (0, 50g)": DASH_DOT,
+    "(γ, γ$_s$) = (50g, 100g)": "-",
+}
+STYLES = {
+    "gallas_2a": FREQUENCIES,
+    "gallas_2b": ANGLES,
+    "gallas_2c": DAMPINGS,
+    "gallas_3a": FREQUENCIES,
+    "gallas_3b": ANGLES,
+    "gallas_3c": DAMPINGS | {"(γ, γ$_s$) = (10g, 10g), from $V_0$ = 2.5 √(g⟨d⟩)": LONG_DASH},
+}
+QUANTITIES = {"2": DENSITY, "3": VELOCITY}
+HALF_WIDTH = t.ppf(0.975, 2) * SPREAD.std(ddof=1) / 3**0.5
+
+
+def curves(axes) -> list:
+    """Return the lines with data."""
+    return [line for line in axes.get_lines() if len(line.get_xdata())]
+
+
+@pytest.mark.parametrize("name", STYLES)
+def test_lines_have_the_dashes_of_the_paper(name, belt_dataset):
+    figure, _ = drawn(name, belt_dataset)
+    (axes,) = figure.axes
+    legend = {
+        line.get_label(): dashes(line) for line in axes.get_lines() if "=" in line.get_label()
+    }
+    assert legend == STYLES[name]
+    for line in curves(axes):
+        assert dashes(line) in STYLES[name].values()
+
+
+@pytest.mark.parametrize("name", STYLES)
+def test_the_profiles_are_those_of_the_dataset_in_the_units_of_the_axes(name, belt_dataset):
+    _, data = drawn(name, belt_dataset)
+    quantity = QUANTITIES[name[-2]]
+    table = profiles(data, quantity)
+    assert set(table["point"]) == set(data.rows["point"])
+    for row in data.rows.to_dict("records"):
+        parameters = BeltParameters(
+            frequency=row["frequency"],
+            damping=row["damping"],
+            shear_damping=row["shear_damping"],
+        )
+        expected = plateau(parameters) if quantity is DENSITY else transport(parameters)
+        part = table[table["point"] == row["point"]]
+        assert part["mean"].to_numpy() == pytest.approx(expected)
+        assert part["half_width"].to_numpy() == pytest.approx(expected * HALF_WIDTH)
+        assert part["z"].to_numpy() == pytest.approx(np.arange(len(part)) + 0.5)
+        assert part["z"].iloc[-1] + 1 > 10 / plateau(parameters) > part["z"].iloc[-1]
+
+
+def test_bands_span_the_interval(belt_dataset):
+    figure, data = drawn("gallas_2b", belt_dataset)
+    for band in figure.axes[0].collections:
+        heights = band.get_paths()[0].vertices[:, 1]
+        middle = plateau(BeltParameters(frequency=60))
+        assert heights.min() == pytest.approx(middle * (1 - HALF_WIDTH))
+        assert heights.max() == pytest.approx(middle * (1 + HALF_WIDTH))
+    assert len(figure.axes[0].collections) == len(data.rows)
+
+
+def test_only_the_papers_frequencies_are_drawn(belt_dataset):
+    _, data = drawn("gallas_3a", belt_dataset)
+    assert list(data.rows["frequency"]) == [10, 20, 60, 80]
+
+
+def test_converged_curves_are_pale_beside_the_published_ones(belt_dataset):
+    figure, data = drawn("gallas_2a", belt_dataset)
+    assert list(data.rows["protocol"]).count("converged") == 2
+    (axes,) = figure.axes
+    pale = [line for line in curves(axes) if line.get_alpha()]
+    plain = [line for line in curves(axes) if not line.get_alpha()]
+    assert (len(pale), len(plain)) == (2, 4)
+    assert {to_rgb(line.get_color()) for line in pale} < {to_rgb(x.get_color()) for x in plain}
+    labels = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert labels[-2:] == ["published protocol", "converged protocol"]
+    other, _ = drawn("gallas_3a", belt_dataset)
+    assert not [line for line in other.axes[0].get_lines() if line.get_alpha()]
+
+
+@pytest.mark.parametrize("name", STYLES)
+def test_data_and_caption(name, belt_dataset, tmp_path):
+    png, svg, csv, caption = draw(name, belt_dataset, tmp_path)
+    assert png.stat().st_size > 0
+    assert svg.stat().st_size < 100_000
+    data = pd.read_csv(csv)
+    quantity = QUANTITIES[name[-2]]
+    assert {
+        "point",
+        "frequency [Hz]",
+        "vibration_angle [degree]",
+        "damping [g]",
+        "protocol",
+        "completed replicates",
+        "height above the belt [⟨d⟩]",
+        quantity.heading,
+    } <= set(data)
+    assert len(data) > 10 * data["point"].nunique()
+    text = caption.read_text()
+    assert text.startswith(f"Gallas et al. (1992), Fig. {name[-2:]}. ")
+    for part in (
+        "A_z = 1 ⟨d⟩",
+        "t_av = 45 cycles",
+        "Regimes of the flows: ",
+        "over 3 replicates",
+        "The paper: ",
+    ):
+        assert part in text
+    assert "Error bars" not in text
+    assert ("Converged protocol (2 points)" in text) == (name == "gallas_2a")
+    assert ("read as π/2" in text) == (name[-1] == "b")
+
+
+def test_a_slice_that_is_empty_in_a_replicate_has_no_velocity(belt_dataset):
+    data = figure_data(load_results(belt_dataset), FIGURES["gallas_3a"])
+    point = data.rows["point"].iloc[0]
+    belt = data.results.profiles["belt"]
+    belt["velocity_profile"].loc[{"run": point, "replicate": 1, "slice": 2}] = np.nan
+    table = profiles(data, VELOCITY)
+    means = table[table["point"] == point]["mean"].to_numpy()
+    assert list(np.flatnonzero(np.isnan(means))) == [2]
+
+
+def test_a_profile_ends_where_it_is_too_thin(belt_dataset):
+    data = figure_data(load_results(belt_dataset), FIGURES["gallas_2a"])
+    point = data.rows["point"].iloc[0]
+    density = data.results.profiles["belt"]["number_density"]
+    for place, factor in ((20, 1.01), (25, 0.99)):
+        density.loc[{"run": point, "slice": place}] = factor * THIN / data.rows["diameter"][0] ** 2
+    table = profiles(data, DENSITY)
+    assert table[table["point"] == point]["z"].max() == pytest.approx(20.5)
+
+
+def test_a_single_replicate_has_no_band(belt_dataset, tmp_path):
+    with xr.open_dataset(belt_dataset) as opened:
+        dataset = opened.load()
+    dataset["status"][:, 1:] = "failed"
+    path = tmp_path / "dataset.nc"
+    dataset.to_netcdf(path)
+    with xr.open_dataset(belt_dataset, group="belt") as belt:
+        belt.load().to_netcdf(path, mode="a", group="belt")
+    _, data = drawn("gallas_2b", path)
+    assert profiles(data, DENSITY)["half_width"].isna().all()
+    text = draw("gallas_2b", path, tmp_path)[3].read_text()
+    assert "No band: one replicate (4 points)." in text
+    assert "Bands" not in text
+
+
+def test_a_dataset_without_profiles_is_refused(belt_dataset, tmp_path):
+    with xr.open_dataset(belt_dataset) as opened:
+        opened.load().to_netcdf(tmp_path / "dataset.nc")
+    with pytest.raises(InputError, match=r"^belt-.*: no number_density in the dataset$"):
+        draw("gallas_2a", tmp_path / "dataset.nc", tmp_path)
+    assert not list(tmp_path.glob("gallas*"))
