@@ -24,9 +24,9 @@ def measure(run: xr.Dataset) -> dict[str, float]:
 
 def _of_profiles(run: xr.Dataset) -> dict[str, float]:
     """Return the shear depth, and the order of the spheres above it in the last state."""
-    packing = run["packing_profile"].values
-    if not packing.sum() > 0:
+    if "packing_profile" not in run or not run["packing_profile"].sum() > 0:
         return {}
+    packing = run["packing_profile"].values
     diameter = float(run["diameter"])
     depth = layers.shear_depth(
         run["height"].values, run["velocity_profile"].values, packing, diameter

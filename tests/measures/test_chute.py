@@ -37,6 +37,10 @@ def test_run_without_particles_or_overlaps_has_its_shear_depth_alone():
     assert set(measure(made_run())) == {"shear_depth"}
 
 
+def test_run_without_profiles_has_no_measures():
+    assert measure(made_run().drop_vars("packing_profile")) == {}
+
+
 def test_quantiles_of_overlaps():
     edges = np.geomspace(1e-4, 1e-1, 31)
     counts = np.zeros(30)
