@@ -377,13 +377,14 @@ REGIMES = [name for name, spec in FIGURES.items() if spec.regimes]
 
 
 @pytest.mark.parametrize(
-    ("name", "figures"), [("quick", HEADLINES), ("paper", HEADLINES), ("regimes", REGIMES)]
+    ("name", "figures"), [("quick", HEADLINES), ("paper", list(FIGURES)), ("regimes", REGIMES)]
 )
 def test_shipped_studies_feed_their_figures(name, figures, tmp_path):
     study = load_study(CONFIG / f"{name}.yaml", tmp_path)
     assert study.name == name
-    assert list(study.figures) == figures
-    assert set().union(*study.figures.values()) == set(study.points)
+    assert set(study.figures) == set(figures)
+    if name != "paper":  # whose controls of claims feed none
+        assert set().union(*study.figures.values()) == set(study.points)
 
 
 def test_shipped_studies_share_points_between_figures(tmp_path):

@@ -92,10 +92,9 @@ def by_damping(names: dict[str, object], index: int) -> tuple[CurveStyle, str]:
     damping, shear_damping = names["damping"], names["shear_damping"]
     style = _DAMPINGS.get((damping, shear_damping), cycled(index + len(_DAMPINGS)))
     label = pair(damping, shear_damping)
-    start = names.get("initial_velocity", 0)
-    if not start:
+    if not names.get("initial_velocity", 0):
         return style, label
-    return CurveStyle(style.colour, LONG_DASH), f"{label}, from $V_0$ = {start:g} √(g⟨d⟩)"
+    return CurveStyle(style.colour, LONG_DASH), f"{label}, fast start"
 
 
 def draw_panel(data: FigureData, quantity: Quantity, keys: Sequence[str], look: Look) -> Figure:

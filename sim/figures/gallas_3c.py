@@ -10,8 +10,8 @@ from sim.figures.summary import FigureData
 NAMED = (*belt_profiles.NAMED, "initial_velocity")
 LEAD = (
     "Mean horizontal velocity v_x of the beads over their height z above the belt in mean "
-    "diameters ⟨d⟩, for several damping coefficients (γ, γ_s); dashed: all beads start at a "
-    "higher speed than they end up with."
+    "diameters ⟨d⟩, for several damping coefficients (γ, γ_s); fast start, dashed: all beads begin "
+    "with a higher speed than they end up with."
 )
 PAPER = (
     "The paper: from γ_s = 50g on the profile depends only weakly on γ_s; the fall at great "

@@ -29,7 +29,7 @@ STYLES = {
     "gallas_2c": DAMPINGS,
     "gallas_3a": FREQUENCIES,
     "gallas_3b": ANGLES,
-    "gallas_3c": DAMPINGS | {"(γ, γ$_s$) = (10g, 10g), from $V_0$ = 2.5 √(g⟨d⟩)": LONG_DASH},
+    "gallas_3c": DAMPINGS | {"(γ, γ$_s$) = (10g, 10g), fast start": LONG_DASH},
 }
 QUANTITIES = {"2": DENSITY, "3": VELOCITY}
 HALF_WIDTH = t.ppf(0.975, 2) * SPREAD.std(ddof=1) / 3**0.5
