@@ -8,6 +8,7 @@ import numpy as np
 import xarray as xr
 
 from sim.measures import MEASURES, measures
+from sim.measures.belt import columns
 from sim.observe.scalars import SCALARS
 from sim.stored import reading
 
@@ -19,7 +20,7 @@ ATTRIBUTES = {"point_id", "system", "engine_version", "source_hash", "versions",
 NUMBERS = tuple(name for name, (unit, _) in (SCALARS | MEASURES).items() if unit)
 WORDS = tuple(name for name, (unit, _) in SCALARS.items() if not unit)
 
-#: Arrays over height that a dataset keeps, and those along the belt.
+#: Arrays over height that a dataset keeps.
 OVER_HEIGHT = (
     "velocity_profile",
     "velocity_profile_instantaneous",
@@ -29,7 +30,6 @@ OVER_HEIGHT = (
     "granular_temperature_profile",
     "vertical_temperature_profile",
 )
-ALONG = ("column_velocity", "column_density")
 
 #: What a picture of particles needs: last state and path.
 STATE = ("position", "particle_velocity", "radius", "fixed", "path", "path_time")
@@ -78,7 +78,7 @@ def read_run(path: Path, shown: bool = False) -> Gathered:
         }
         return Gathered(
             run[kept].load().drop_vars(list(made), errors="ignore").assign(made),
-            run[[name for name in (*OVER_HEIGHT, *ALONG) if name in run]].load(),
+            run[[name for name in OVER_HEIGHT if name in run]].assign(columns(run)).load(),
             _state(run) if shown else None,
         )
 
@@ -101,14 +101,19 @@ def profiles(runs: Sequence[Gathered], replicates: int) -> xr.Dataset:
     """Return the profiles of the runs of one system over (run, replicate, slice).
 
     Coordinate ``run`` is the id of the point. Fewer slices or replicates than those of another run
-    are filled up with NaN; ``height`` (run, slice) holds the centres of the slices.
+    are filled up with NaN; ``height`` (run, slice) holds the centres of the slices. Profiles along
+    the belt are over (run, replicate, square), and ``column`` (run, square) holds the centres.
     """
     lined_up = []
     for run in runs:
         one = run.profiles.reset_index("height").reset_coords("height").rename_dims(height="slice")
         lined_up.append(one.expand_dims(run=[run.scalars.attrs["point_id"]]))
-    slices = max(one.sizes["slice"] for one in lined_up)
-    padded = [_padded(one, replicate=replicates, slice=slices) for one in lined_up]
+    longest = {
+        name: max(one.sizes[name] for one in lined_up)
+        for name in ("slice", "square")
+        if all(name in one.sizes for one in lined_up)
+    }
+    padded = [_padded(one, replicate=replicates, **longest) for one in lined_up]
     return xr.concat(padded, "run", data_vars="all", join="exact", combine_attrs="drop")
 
 

@@ -28,7 +28,8 @@ class Results:
         Scalars over (point, replicate), every parameter a coordinate over point.
     profiles : dict of str to xarray.Dataset
         Per system its profiles over (run, replicate, slice), with ``height`` (run, slice) in m; of
-        a belt also those over (run, replicate, column) along it; ``run`` is the id of the point.
+        a belt also those over (run, replicate, square) along it, with ``column`` (run, square) in
+        m; ``run`` is the id of the point.
     boundaries : pandas.DataFrame
         What was found of boundaries between regimes.
     states : dict of str to xarray.Dataset
@@ -44,7 +45,7 @@ class Results:
     def profile(self, point: str, name: str) -> tuple[np.ndarray, np.ndarray]:
         """Return a profile of a point, (R, H) over completed replicates, and heights (H,) in m.
 
-        Profiles along the belt come with the columns' places instead of heights.
+        Profiles along the belt come with the columns' centres instead of heights.
 
         Raises
         ------
@@ -58,10 +59,9 @@ class Results:
         one = one.sel(run=point)
         completed = np.flatnonzero(row["status"].values == "completed")
         values = one[name].isel(replicate=completed).values
-        if "column" in one[name].dims:
-            return values, one["column"].values
-        real = np.isfinite(one["height"].values)
-        return values[:, real], one["height"].values[real]
+        centres = one["column" if "square" in one[name].dims else "height"].values
+        real = np.isfinite(centres)
+        return values[:, real], centres[real]
 
     def particles(self, point: str) -> xr.Dataset:
         """Return last state and path of the particles of a point."""

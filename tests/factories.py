@@ -132,6 +132,7 @@ def _scalars(
         "acceleration": (np.where(lost, nan, acceleration), "m s-2"),
         "acceleration_error": (np.where(lost, nan, 1e-4), "m s-2"),
         "acceleration_half_width": (np.where(lost, nan, 2e-4), "m s-2"),
+        "average_start": (np.where(lost, nan, 0.25), "s"),
         "independent_samples": (np.where(lost, nan, 40.0), "1"),
         "energy_residual": (np.where(lost, nan, 1e-4), "1"),
         "max_overlap": (np.where(lost, 0.31, 0.01), "1"),

@@ -1,4 +1,4 @@
-"""A copy of the project in which workflows run, and what Snakemake says of them."""
+"""Folders in which workflows run, with a copy of the project or without, and what they say."""
 
 import re
 import shutil
@@ -28,12 +28,28 @@ def copy_project(tree: Path, study: str = STUDY) -> Path:
     return tree
 
 
+def bare_folder(folder: Path, study: str) -> Path:
+    """Copy a study of ``tests/data`` alone into a folder; return the folder.
+
+    Workflows there are those of the project itself, whose engine other tests have compiled.
+    """
+    shutil.copy(ROOT / "tests" / "data" / study, folder / study)
+    return folder
+
+
+def snakefile(folder: Path) -> Path:
+    """Return the Snakefile of the copy in a folder, or the project's."""
+    copied = folder / "Snakefile"
+    return copied if copied.exists() else ROOT / "Snakefile"
+
+
 def command(*arguments: str, study: str = STUDY) -> list[str]:
     options = ["--cores", "2", *arguments, "--configfile", study]
     return [sys.executable, "-m", "snakemake", *options]
 
 
 def snakemake(tree: Path, *arguments: str, study: str = STUDY) -> subprocess.CompletedProcess:
+    arguments = ("--snakefile", str(snakefile(tree)), *arguments)
     return subprocess.run(
         command(*arguments, study=study), cwd=tree, capture_output=True, text=True, timeout=300
     )

@@ -10,6 +10,7 @@ import numpy as np
 import pandas as pd
 from uncertainties import UFloat, ufloat
 
+from sim.claims.starts import over_seeds
 from sim.claims.verdict import SIGMAS, Untestable
 from sim.outcome import outcome, student_half_width
 from sim.parameters import NUMERICAL, SYSTEMS, field_info
@@ -171,20 +172,19 @@ class Evidence:
     def boundary(self, system: str, of: str, along: str, **where: Any) -> UFloat:
         """Return a boundary found by refinement; its interval is the bracket.
 
-        Raises `Untestable` when the study looks for no such boundary or none was found.
+        Boundaries that differ in nothing but the seed are joined, see `sim.claims.starts`. Raises
+        `Untestable` when the study looks for no such boundary or none was found.
         """
         rows = self._results.boundaries
         if len(rows):
             same = (rows["system"] == system) & (rows["of"] == of) & (rows["along"] == along)
-            rows = rows[same & self._matching(rows, system, where, along)]
-        rows = rows[
-            np.isfinite(rows["low"].astype(float)) & np.isfinite(rows["high"].astype(float))
-        ]
-        if rows.empty:
+            found = rows[["low", "high"]].notna().all(axis=1)
+            rows = rows[same & found & (rows["protocol"] == self.protocol)]
+        chosen = rows[self._matching(rows, system, where, along)] if len(rows) else rows
+        if chosen.empty:
             raise Untestable(f"no boundary of {of} along {along} at {_text(where)}")
-        width = rows["high"] - rows["low"]
-        low, high = rows.loc[width.idxmin(), ["low", "high"]].astype(float)
-        return measured(0.5 * (low + high), 0.5 * (high - low))
+        settings = [name for name in SYSTEMS[system].model_fields if name not in ("seed", along)]
+        return measured(*over_seeds(rows, chosen, settings))
 
     @cached_property
     def _table(self) -> pd.DataFrame:
@@ -245,11 +245,9 @@ def _text(where: Mapping[str, Any]) -> str:
 
 def _usual(system: str) -> dict[str, Any]:
     """Return the paper's value of every parameter that sets which flow a point is."""
-    return {
-        name: getattr(SYSTEMS[system](), name)
-        for name in SYSTEMS[system].model_fields
-        if name not in NUMERICAL and name != "system"
-    }
+    usual = SYSTEMS[system]()
+    names = set(SYSTEMS[system].model_fields) - NUMERICAL - {"system"}
+    return {name: getattr(usual, name) for name in names}
 
 
 def _default(system: str, name: str, row: Mapping[str, Any]) -> Any:

@@ -1,33 +1,103 @@
-"""Judges of Walton's claims about mean velocities, regimes and forces of the flows."""
+"""Judges of Walton's claims about flows as a whole: velocity and depth, energy, forces."""
+
+from dataclasses import replace
+from math import inf, radians, tan
 
 import numpy as np
+from scipy.special import stdtrit
+from scipy.stats import rankdata
 
-from sim.claims.evidence import Evidence
-from sim.claims.verdict import Check, Untestable, within
+from sim.claims.chute import base, driving, settled, speed, steady
+from sim.claims.evidence import Evidence, joined
+from sim.claims.verdict import Check, Untestable, above, below, within
 
-#: Largest relative deviations of shear/normal from tan θ, and of the normal force from N m g cos θ.
-RATIO, NORMAL = 0.005, 0.002
+#: Largest energy that a ledger may lack, relative to what was turned over.
+LEDGER = 0.005
+
+#: Samples of the velocities from which the interval of a rank correlation is taken.
+DRAWS = 4000
+
+#: Least share of the dissipated power that both kinds of losses must have.
+BOTH = 0.05
+
+#: Largest deviations of shear/normal from tan θ, of the normal force from N m g cos θ, and of the
+#: dissipated power from N m g V sin θ.
+RATIO, NORMAL, POWER = 0.005, 0.002, 0.02
+
+
+def w5(evidence: Evidence) -> list[Check]:
+    """The worst energy ledger of all replicates of all flows along any parameter of the paper."""
+    lines = [base(evidence)]
+    for along in ("friction", "restitution", "stiffness"):
+        lines += [evidence.line("chute", along, depth=depth) for depth in lines[0]]
+    places = {place.id: place for line in lines for place in line.values()}
+    lacking = {key: np.abs(place.values("energy_residual")) for key, place in places.items()}
+    lacking = {key: values.max() for key, values in lacking.items() if np.isfinite(values).all()}
+    if not lacking:
+        raise Untestable(f"no {evidence.protocol} flow with a ledger")
+    worst = max(lacking, key=lacking.get)
+    what = f"largest share of the energy that a ledger lacks, {len(lacking)} points"
+    # A ledger is exact bookkeeping: it needs no independent samples.
+    return [replace(below(what, lacking[worst], LEDGER, [places[worst]]), samples=inf)]
+
+
+def w9(evidence: Evidence) -> list[Check]:
+    """Rank correlation of V and n, its interval from velocities drawn within theirs.
+
+    The threshold is the correlation that two-sided chance exceeds in one of twenty cases.
+    """
+    flows = {n: settled(place) for n, place in base(evidence, 1.24).items()}
+    if len(flows) < 6 or max(flows) < 40:
+        raise Untestable("fewer than six depths from 1.24 to 40")
+    speeds = [speed(place) for place in flows.values()]
+    means, errors = zip(*((each.nominal_value, each.std_dev) for each in speeds), strict=True)
+    drawn = np.random.default_rng(1).normal(means, errors, (DRAWS, len(speeds)))
+    value, correlations = _rank_correlation(np.array([means])), _rank_correlation(drawn)
+    half_width = np.abs(np.quantile(correlations, [0.025, 0.975]) - value).max()
+    what = f"Spearman's ρ of V and n, {len(flows)} depths"
+    check = above(what, float(value[0]), _chance(len(flows)), flows.values())
+    return [replace(check, half_width=float(half_width))]
+
+
+def _rank_correlation(rows: np.ndarray) -> np.ndarray:
+    """Return Spearman's correlation of each row (D, N) of different values with its order."""
+    number = rows.shape[1]
+    apart = rankdata(rows, axis=1) - np.arange(1, number + 1)
+    return 1 - 6 * (apart**2).sum(axis=1) / (number * (number**2 - 1))
+
+
+def _chance(number: int) -> float:
+    """Return the least rank correlation of this many pairs with p < 0.05."""
+    t = stdtrit(number - 2, 0.975)
+    return float(t / np.sqrt(number - 2 + t**2))
+
+
+def w24(evidence: Evidence) -> list[Check]:
+    """Power lost by friction and by normal forces over that of the weight, and both shares."""
+    checks = []
+    for n, place in steady(evidence).items():
+        rubbed, struck = place.values("frictional_power"), place.values("normal_power")
+        weight = place["particles"] * place["mass"] * driving(place)
+        total = joined((rubbed + struck) / (weight * place.values("velocity")))
+        share = joined(rubbed / (rubbed + struck))
+        what = f"dissipated power over N m g V sin θ, n = {n:g}"
+        checks.append(within(what, total, 1 - POWER, 1 + POWER, [place]))
+        checks.append(within(f"share of friction in it, n = {n:g}", share, BOTH, 1 - BOTH, [place]))
+    return checks
 
 
 def w26(evidence: Evidence) -> list[Check]:
     """Base forces of all steady flows of the base case against their weight."""
     checks = []
-    for depth, place in evidence.line("chute", "depth").items():
-        if place.regime != "steady":
-            continue
-        angle = np.radians(place["angle"])
+    for n, place in steady(evidence).items():
+        angle = radians(place["angle"])
         normal = place.value("base_normal", "base_normal_error")
         shear = place.value("base_shear", "base_shear_error")
         weight = place["particles"] * place["mass"] * place["gravity"]
-        ratio = shear / normal / np.tan(angle) - 1
+        ratio = shear / normal / tan(angle) - 1
         pressed = normal / (weight * np.cos(angle)) - 1
-        at = f"n = {depth:g}"
-        checks.append(
-            within(f"shear/normal over tan θ, less 1, {at}", ratio, -RATIO, RATIO, [place])
-        )
-        checks.append(
-            within(f"normal over N m g cos θ, less 1, {at}", pressed, -NORMAL, NORMAL, [place])
-        )
-    if not checks:
-        raise Untestable("no steady flow of the base case")
+        what = f"shear/normal over tan θ, less 1, n = {n:g}"
+        checks.append(within(what, ratio, -RATIO, RATIO, [place]))
+        what = f"normal over N m g cos θ, less 1, n = {n:g}"
+        checks.append(within(what, pressed, -NORMAL, NORMAL, [place]))
     return checks

@@ -1,14 +1,15 @@
-"""What Gallas' pictures of beads share: the one flow that is shown, its cell and its belt."""
+"""What Gallas' pictures of beads share: the flow that is shown, its cell, its belt."""
 
-from collections.abc import Hashable, Mapping
+from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle
+from matplotlib.ticker import MultipleLocator
 
 from sim.errors import InputError
 from sim.figures.summary import FigureData
@@ -29,95 +30,114 @@ NAMED = (
     "average",
 )
 
-#: Inches per ⟨d⟩, and the margins (inches) that the axes need.
-SCALE, MARGINS = 0.27, (0.9, 0.9)
+#: Inches per ⟨d⟩ in one panel and in each of two, and the room that labels and legend take.
+_SCALES = {1: 0.25, 2: 0.19}
+_LABELS, _ABOVE = 0.75, 1.0
+
+_OBSTACLE = "#e69f00"
 
 #: Tallest cell that is shown (⟨d⟩).
-TALLEST = 45.0
+TALLEST = 30.0
 
-Row = Mapping[Hashable, Any]
+
+class Shown(NamedTuple):
+    """A point and the particles of its first completed replicate."""
+
+    row: Mapping[Hashable, Any]
+    state: xr.Dataset
 
 
 def select(data: FigureData) -> FigureData:
-    """Narrow the points to the one that is shown.
+    """Narrow the points to the one of each protocol that differs from the paper the least.
 
-    Of those with a completed replicate it is the first that differs from the paper in the fewest
-    parameters, numerical ones aside; it is thus one of the published protocol if there is any.
+    That is in the fewest parameters, numerical ones aside; the published protocol comes first.
     """
     rows = data.rows[data.rows["completed"] > 0]
     if rows.empty:
         return data
     usual = {row.name: row.default for row in field_info(BeltParameters).values()}
     differing = sum(rows[name] != usual[name] for name in usual if name not in NUMERICAL)
-    return replace(data, rows=rows.loc[[differing.idxmin()]])
+    nearest = differing.groupby(rows["protocol"]).idxmin().sort_index(ascending=False)
+    return replace(data, rows=rows.loc[nearest])
 
 
 def notes(data: FigureData) -> list[str]:
-    """Return what the caption says of the run that is shown."""
+    """Return what the caption says of the runs that are shown."""
     sentences = []
     for row in data.rows[data.rows["completed"] > 0].itertuples():
         interval = f" ± {row.half_width:.2g} m/s" if np.isfinite(row.half_width) else " m/s"
         over = f"{row.completed} replicates" if row.completed > 1 else "this replicate"
         sentences.append(
-            f"Shown is the first replicate that completed of point {row.point} ({row.protocol} "
-            f"protocol, regime {row.regime}); the mean velocity of {over} is "
+            f"{row.protocol.capitalize()} protocol: first replicate that completed of point "
+            f"{row.point}, regime {row.regime}; the mean velocity of {over} is "
             f"{row.velocity:.3g}{interval} (95 % interval)."
         )
     return sentences
 
 
-def shown(data: FigureData, *names: str) -> tuple[Row, xr.Dataset] | None:
-    """Return the selected point and its particles, or nothing where no replicate completed.
+def shown(data: FigureData, *names: str) -> list[Shown]:
+    """Return the selected points with their particles, none where no replicate completed.
 
     Raises
     ------
     InputError
         When the dataset has not kept one of the arrays ``names`` of them.
     """
-    rows = data.rows[data.rows["completed"] > 0]
-    if rows.empty:
-        return None
-    row = rows.iloc[0]
-    state = data.results.particles(row["point"])
-    for name in names:
-        if name not in state:
-            raise InputError(f"{row['point']}: no {name} of the particles in the dataset")
-    return row, state
+    found = []
+    for row in data.rows[data.rows["completed"] > 0].to_dict("records"):
+        state = data.results.particles(row["point"])
+        for name in names:
+            if name not in state:
+                raise InputError(f"{row['point']}: no {name} of the particles in the dataset")
+        found.append(Shown(row, state))
+    return found
 
 
-def cell(row: Row, top: float) -> tuple[Figure, Axes]:
-    """Return axes in ⟨d⟩ to scale, of one period of the belt up to a height ``top`` (⟨d⟩)."""
-    low, high = -row["amplitude"] - 0.7, min(top, TALLEST)
-    size = row["width"] * SCALE + MARGINS[0], (high - low) * SCALE + MARGINS[1]
-    figure = Figure(figsize=size, layout="constrained")
-    axes = figure.subplots()
-    axes.set(xlim=(0, row["width"]), ylim=(low, high), aspect="equal")
-    axes.grid(visible=False)
-    axes.set_xlabel("position along the belt x (⟨d⟩)")
-    axes.set_ylabel("height z (⟨d⟩)")
-    return figure, axes
+def cells(points: Sequence[Shown], top: float) -> tuple[Figure, list[Axes]]:
+    """Return axes in ⟨d⟩ to scale, one per point, of a period of the belt up to ``top`` (⟨d⟩)."""
+    if not points:
+        figure = Figure(figsize=(5.6, 3.9), layout="constrained")
+        figure.subplots().set_axis_off()
+        return figure, []
+    low, high = -max(row["amplitude"] for row, _ in points) - 0.7, min(top, TALLEST)
+    widths = [row["width"] for row, _ in points]
+    scale = _SCALES[len(points)]
+    figure = Figure(
+        figsize=(sum(widths) * scale + _LABELS * len(points), (high - low) * scale + _ABOVE),
+        layout="constrained",
+    )
+    panels = figure.subplots(1, len(points), squeeze=False, sharey=True, width_ratios=widths)[0]
+    for axes, (row, _) in zip(panels, points, strict=True):
+        axes.set(xlim=(0, row["width"]), ylim=(low, high), aspect="equal")
+        axes.grid(visible=False)
+        for axis in (axes.xaxis, axes.yaxis):
+            axis.set_major_locator(MultipleLocator(5))
+        axes.set_xlabel("position along the belt x (⟨d⟩)")
+        if len(points) > 1:
+            axes.set_title(f"{row['protocol']}, {row['steps_per_cycle']:g} steps a cycle", size=9)
+    panels[0].set_ylabel("height z (⟨d⟩)")
+    return figure, list(panels)
 
 
-def draw_belt(axes: Axes) -> None:
-    """Draw the average position of the belt, which is also where a cycle begins."""
+def draw_surroundings(axes: Axes, point: Shown) -> None:
+    """Draw the average position of the belt, and the obstacle, if any, at x = L/2, z = A_z."""
+    row = point.row
+    if row["obstacle"] > 0:
+        place = row["width"] / 2, row["amplitude"]
+        look = {"facecolor": _OBSTACLE, "edgecolor": "black", "linewidth": 0.8, "zorder": 3}
+        axes.add_patch(Circle(place, row["obstacle"] / 2, **look))
+        axes.plot([], [], "o", color=_OBSTACLE, markeredgecolor="black", label="obstacle")
     axes.axhline(0, color="black", linewidth=1.3, label="average position of the belt")
 
 
-def draw_obstacle(axes: Axes, row: Row) -> None:
-    """Draw the obstacle, if there is one: a circle at x = L/2, z = A_z."""
-    if row["obstacle"] > 0:
-        place = row["width"] / 2, row["amplitude"]
-        look = {"facecolor": "#e69f00", "edgecolor": "black", "linewidth": 0.8, "zorder": 3}
-        axes.add_patch(Circle(place, row["obstacle"] / 2, label="obstacle", **look))
+def tell_beyond(axes: Axes, lowest: np.ndarray) -> None:
+    """Write how many beads are above the picture, from the lowest height (⟨d⟩) of each."""
+    count = int((lowest > axes.get_ylim()[1]).sum())
+    if count:
+        text = f"{count} bead{'s' if count > 1 else ''} above"
+        axes.text(0.01, 0.985, text, transform=axes.transAxes, va="top", fontsize=8)
 
 
-def wrapped(x: np.ndarray, row: Row) -> np.ndarray:
+def wrapped(x: np.ndarray, point: Shown) -> np.ndarray:
     """Return positions along the belt within its period [0, L), all in ⟨d⟩."""
-    return np.mod(x, row["width"])
-
-
-def nothing() -> Figure:
-    """Return the figure of a point without a completed replicate."""
-    figure = Figure(figsize=(5.6, 3.9), layout="constrained")
-    figure.subplots().set_axis_off()
-    return figure
+    return np.mod(x, point.row["width"])

@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from sim.figures.belt_cell import cell, draw_belt, draw_obstacle, nothing, shown, wrapped
+from sim.figures.belt_cell import Shown, cells, draw_surroundings, shown, tell_beyond, wrapped
 from sim.figures.style import place_legend
 from sim.figures.summary import FigureData
 
@@ -15,47 +15,49 @@ LEAD = (
     "lengths are in mean diameters ⟨d⟩."
 )
 
-_COLUMNS = ("bead", "step of 40", "time [s]", "x [⟨d⟩]", "z [⟨d⟩]")
-
 
 def draw(data: FigureData) -> Figure:
     """Draw the paths; what leaves the periodic cell on one side comes back on the other."""
-    found = shown(data, "path", "path_time")
-    if found is None:
-        return nothing()
-    row, state = found
-    path = state["path"].values / row["diameter"]
-    figure, axes = cell(row, path[..., 1].max() + 0.5)
-    axes.plot(
-        wrapped(path[..., 0], row).ravel(),
-        path[..., 1].ravel(),
-        ".",
-        color="black",
-        markersize=1.6,
-        markeredgewidth=0,
-        rasterized=True,
-        label="centre of a bead",
-    )
-    draw_obstacle(axes, row)
-    draw_belt(axes)
-    place_legend(figure, axes)
+    points = shown(data, "path", "path_time")
+    paths = [_path(point) for point in points]
+    figure, panels = cells(points, max((path[..., 1].max() for path in paths), default=0) + 0.5)
+    for axes, point, path in zip(panels, points, paths, strict=True):
+        axes.plot(
+            wrapped(path[..., 0], point).ravel(),
+            path[..., 1].ravel(),
+            ".",
+            color="black",
+            markersize=2.0,
+            markeredgewidth=0,
+            rasterized=True,
+            label="centre of a bead",
+        )
+        tell_beyond(axes, path[..., 1].min(axis=0))
+        draw_surroundings(axes, point)
+    if panels:
+        place_legend(figure, panels[0])
     return figure
 
 
 def table(data: FigureData) -> pd.DataFrame:
-    """Return the paths: a row per bead and step, positions along the belt not wrapped."""
-    found = shown(data, "path", "path_time")
-    if found is None:
-        return pd.DataFrame(columns=_COLUMNS)
-    row, state = found
-    path = np.round(state["path"].values.astype(float) / row["diameter"], 4)
-    steps, beads, _ = path.shape
-    time = np.repeat(state["path_time"].values.astype(float), beads)
-    values = (
-        np.tile(np.arange(beads), steps),
-        np.repeat(np.arange(steps), beads),
-        time,
-        path[..., 0].ravel(),
-        path[..., 1].ravel(),
-    )
-    return pd.DataFrame(dict(zip(_COLUMNS, values, strict=True)))
+    """Return the paths: a row per bead and time, positions along the belt not wrapped."""
+    parts = []
+    for point in shown(data, "path", "path_time"):
+        path = np.round(_path(point), 4)
+        steps, beads, _ = path.shape
+        columns = {
+            "protocol": point.row["protocol"],
+            "bead": np.tile(np.arange(beads), steps),
+            "time [s]": np.repeat(
+                np.round(point.state["path_time"].values.astype(float), 8), beads
+            ),
+            "x [⟨d⟩]": path[..., 0].ravel(),
+            "z [⟨d⟩]": path[..., 1].ravel(),
+        }
+        parts.append(pd.DataFrame(columns))
+    return pd.concat(parts) if parts else pd.DataFrame(columns=["protocol", "bead"])
+
+
+def _path(point: Shown) -> np.ndarray:
+    """Return the positions (S, N, 2) in ⟨d⟩."""
+    return point.state["path"].values.astype(float) / point.row["diameter"]

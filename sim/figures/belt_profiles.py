@@ -38,7 +38,7 @@ NAMED = (
 )
 
 #: Number density (1/⟨d⟩²) of the emptiest slice at the top of a profile.
-THIN = 1e-3
+THIN = 0.01
 
 #: How a curve of the converged protocol differs from the published one beside it.
 BESIDE = {"linewidth": 3.4, "alpha": 0.4, "zorder": 1.9}
@@ -95,7 +95,7 @@ def by_damping(names: dict[str, object], index: int) -> tuple[CurveStyle, str]:
     start = names.get("initial_velocity", 0)
     if not start:
         return style, label
-    return CurveStyle(style.colour, LONG_DASH), f"{label}, started at {start:g} √(g⟨d⟩)"
+    return CurveStyle(style.colour, LONG_DASH), f"{label}, from $V_0$ = {start:g} √(g⟨d⟩)"
 
 
 def draw_panel(data: FigureData, quantity: Quantity, keys: Sequence[str], look: Look) -> Figure:
@@ -137,10 +137,18 @@ def draw_panel(data: FigureData, quantity: Quantity, keys: Sequence[str], look: 
         axes.plot([], [], color="#666666", label="published protocol")
         axes.plot([], [], color="#666666", label="converged protocol", **BESIDE)
     axes.set_xlim(left=0)
+    axes.set_ylim(*_range(table["mean"]))
     axes.set_xlabel("height above the belt z (⟨d⟩)")
     axes.set_ylabel(quantity.label)
     place_legend(figure, axes)
     return figure
+
+
+def _range(means: pd.Series) -> tuple[float, float]:
+    """Return the range of the vertical axis: that of the curves, however wide their bands are."""
+    low, high = min(0.0, means.min()), max(0.0, means.max())
+    room = 0.08 * (high - low) if high > low else 1.0
+    return (low - room if low else 0.0), high + room
 
 
 def profiles(data: FigureData, quantity: Quantity) -> pd.DataFrame:
@@ -188,20 +196,23 @@ def table(data: FigureData, quantity: Quantity) -> pd.DataFrame:
     return points.merge(found, on="point", how="inner")
 
 
-def notes(data: FigureData) -> list[str]:
-    """Return what the caption says of heights and bands."""
+def notes(data: FigureData, quantity: Quantity) -> list[str]:
+    """Return what the caption says of heights, bands and regimes."""
     completed = data.rows["completed"]
     several, single = completed[completed > 1], completed[completed == 1]
     sentences = [
         "z is measured from the present position of the belt, in slices of ⟨d⟩, up to the last one "
-        f"with {THIN:g} beads per ⟨d⟩² or more; a slice without beads in a replicate has no "
-        "velocity."
+        f"with {THIN:g} beads per ⟨d⟩² or more."
     ]
+    if quantity is VELOCITY:
+        sentences.append("A slice that is empty in a replicate has no value.")
     if len(several):
         sentences.append(
             "Bands: Student's 95 % interval of the mean over "
-            f"{counted(several.unique())} replicates."
+            f"{counted(several)} replicates; they may reach beyond the axes."
         )
     if len(single):
         sentences.append(f"No band: one replicate ({points_text(len(single))}).")
-    return sentences
+    regimes = data.rows[completed > 0]["regime"].value_counts()
+    named = ", ".join(f"{count} {regime}" for regime, count in regimes.items())
+    return [*sentences, f"Regimes of the flows: {named}."] if named else sentences

@@ -4,12 +4,11 @@ from math import floor, log10
 
 import numpy as np
 import pandas as pd
-import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.collections import EllipseCollection, LineCollection
 from matplotlib.figure import Figure
 
-from sim.figures.belt_cell import Row, cell, draw_belt, draw_obstacle, nothing, shown, wrapped
+from sim.figures.belt_cell import Shown, cells, draw_surroundings, shown, tell_beyond, wrapped
 from sim.figures.style import DOTTED, place_legend
 from sim.figures.summary import FigureData
 
@@ -23,44 +22,42 @@ LEAD = (
 #: Room (⟨d⟩) above the beads for the scale of the velocities.
 _ABOVE = 2.0
 
-_COLUMNS = ("bead", "diameter [⟨d⟩]", "x [⟨d⟩]", "z [⟨d⟩]", "v_x [m s-1]", "v_z [m s-1]")
-
 
 def draw(data: FigureData) -> Figure:
     """Draw the beads; those that cross an end of the periodic cell are drawn at both ends."""
-    found = shown(data, "position", "particle_velocity", "radius")
-    if found is None:
-        return nothing()
-    row, state = found
-    beads = _beads(row, state)
-    top = (beads["z [⟨d⟩]"] + beads["diameter [⟨d⟩]"] / 2).max() + _ABOVE
-    figure, axes = cell(row, top)
-    speed = round_speed(np.hypot(beads["v_x [m s-1]"], beads["v_z [m s-1]"]))
-    _draw_beads(axes, row, beads, speed)
-    _draw_scale(axes, speed)
-    draw_obstacle(axes, row)
-    draw_belt(axes)
-    for height, label in ((row["amplitude"], "its extreme positions"), (-row["amplitude"], None)):
-        axes.axhline(height, color="black", linewidth=1.3, linestyle=DOTTED, label=label)
-    place_legend(figure, axes)
+    points = shown(data, "position", "particle_velocity", "radius")
+    tables = [_beads(point) for point in points]
+    tops = [(beads["z [⟨d⟩]"] + beads["diameter [⟨d⟩]"] / 2).max() for beads in tables]
+    figure, panels = cells(points, max(tops, default=0) + _ABOVE)
+    speed = round_speed(max(map(_mean_square_speed, tables), default=0))
+    for axes, point, beads in zip(panels, points, tables, strict=True):
+        _draw_beads(axes, point.row["width"], beads, speed)
+        _draw_scale(axes, speed)
+        tell_beyond(axes, (beads["z [⟨d⟩]"] - beads["diameter [⟨d⟩]"] / 2).to_numpy())
+        draw_surroundings(axes, point)
+        for sign, label in ((1, "its extreme positions"), (-1, None)):
+            height = sign * point.row["amplitude"]
+            axes.axhline(height, color="black", linewidth=1.3, linestyle=DOTTED, label=label)
+    if panels:
+        place_legend(figure, panels[0])
     return figure
 
 
 def table(data: FigureData) -> pd.DataFrame:
     """Return the beads: a row for each, positions along the belt within the cell."""
-    found = shown(data, "position", "particle_velocity", "radius")
-    return pd.DataFrame(columns=_COLUMNS) if found is None else _beads(*found)
+    points = shown(data, "position", "particle_velocity", "radius")
+    parts = [_beads(point) for point in points]
+    return pd.concat(parts) if parts else pd.DataFrame(columns=["protocol", "bead"])
 
 
-def round_speed(speeds: np.ndarray) -> float:
+def round_speed(mean_square: float) -> float:
     """Return the velocity (m/s) that one ⟨d⟩ stands for: 1, 2 or 5 times a power of ten.
 
-    It is the next one above the root mean square of the speeds.
+    It is the next one above the root of the mean square (m²/s²) of the speeds.
 
-    >>> round_speed(np.array([0.03]))
+    >>> round_speed(0.03**2)
     0.05
     """
-    mean_square = float(np.mean(np.square(speeds)))
     if not mean_square > 0:
         return 1.0
     power = 10.0 ** floor(log10(mean_square) / 2)
@@ -69,29 +66,35 @@ def round_speed(speeds: np.ndarray) -> float:
     )
 
 
-def _beads(row: Row, state: xr.Dataset) -> pd.DataFrame:
+def _beads(point: Shown) -> pd.DataFrame:
+    row, state = point
     place = state["position"].values.astype(float) / row["diameter"]
     velocity = state["particle_velocity"].values.astype(float)
-    values = (
-        np.arange(len(place)),
-        np.round(2 * state["radius"].values.astype(float) / row["diameter"], 5),
-        np.round(wrapped(place[:, 0], row), 5),
-        np.round(place[:, 1], 5),
-        velocity[:, 0],
-        velocity[:, 1],
-    )
-    return pd.DataFrame(dict(zip(_COLUMNS, values, strict=True)))
+    columns = {
+        "protocol": row["protocol"],
+        "bead": np.arange(len(place)),
+        "diameter [⟨d⟩]": np.round(2 * state["radius"].values.astype(float) / row["diameter"], 5),
+        "x [⟨d⟩]": np.round(wrapped(place[:, 0], point), 5),
+        "z [⟨d⟩]": np.round(place[:, 1], 5),
+        "v_x [m s-1]": velocity[:, 0],
+        "v_z [m s-1]": velocity[:, 1],
+    }
+    return pd.DataFrame(columns)
 
 
-def _draw_beads(axes: Axes, row: Row, beads: pd.DataFrame, speed: float) -> None:
+def _mean_square_speed(beads: pd.DataFrame) -> float:
+    return float((beads["v_x [m s-1]"] ** 2 + beads["v_z [m s-1]"] ** 2).mean())
+
+
+def _draw_beads(axes: Axes, width: float, beads: pd.DataFrame, speed: float) -> None:
     """Draw circles and velocities of all beads, and of their images that reach into the cell."""
     places = beads[["x [⟨d⟩]", "z [⟨d⟩]"]].to_numpy()
     ends = places + beads[["v_x [m s-1]", "v_z [m s-1]"]].to_numpy() / speed
     diameters = beads["diameter [⟨d⟩]"].to_numpy()
-    for shift in (-row["width"], 0.0, row["width"]):
+    for shift in (-width, 0.0, width):
         left = np.minimum(places[:, 0] - diameters / 2, ends[:, 0]) + shift
         right = np.maximum(places[:, 0] + diameters / 2, ends[:, 0]) + shift
-        seen = (right > 0) & (left < row["width"])
+        seen = (right > 0) & (left < width)
         if not seen.any():
             continue
         axes.add_collection(

@@ -17,8 +17,6 @@ PAPER = (
     "the profiles do not depend on friction."
 )
 
-notes = belt_profiles.notes
-
 
 def draw(data: FigureData) -> Figure:
     """Draw the figure."""
@@ -30,3 +28,8 @@ def draw(data: FigureData) -> Figure:
 def table(data: FigureData) -> pd.DataFrame:
     """Return the profiles."""
     return belt_profiles.table(data, DENSITY)
+
+
+def notes(data: FigureData) -> list[str]:
+    """Return what the caption says of heights, bands and regimes."""
+    return belt_profiles.notes(data, DENSITY)

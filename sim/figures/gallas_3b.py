@@ -15,8 +15,6 @@ LEAD = (
 )
 PAPER = "The paper: the plateau is higher the smaller the angle of vibration."
 
-notes = belt_profiles.notes
-
 
 def draw(data: FigureData) -> Figure:
     """Draw the figure."""
@@ -26,3 +24,8 @@ def draw(data: FigureData) -> Figure:
 def table(data: FigureData) -> pd.DataFrame:
     """Return the profiles."""
     return belt_profiles.table(data, VELOCITY)
+
+
+def notes(data: FigureData) -> list[str]:
+    """Return what the caption says of heights, bands and regimes."""
+    return belt_profiles.notes(data, VELOCITY)

@@ -7,7 +7,7 @@ from sim.figures import belt_profiles
 from sim.figures.belt_profiles import VELOCITY
 from sim.figures.summary import FigureData
 
-NAMED = belt_profiles.NAMED
+NAMED = (*belt_profiles.NAMED, "initial_velocity")
 LEAD = (
     "Mean horizontal velocity v_x of the beads over their height z above the belt in mean "
     "diameters ⟨d⟩, for several damping coefficients (γ, γ_s); dashed: all beads start at a "
@@ -18,8 +18,6 @@ PAPER = (
     "heights is unfinished relaxation and disappears after a start at a higher speed "
     "(dashed)."
 )
-
-notes = belt_profiles.notes
 
 
 def draw(data: FigureData) -> Figure:
@@ -32,3 +30,8 @@ def draw(data: FigureData) -> Figure:
 def table(data: FigureData) -> pd.DataFrame:
     """Return the profiles."""
     return belt_profiles.table(data, VELOCITY)
+
+
+def notes(data: FigureData) -> list[str]:
+    """Return what the caption says of heights, bands and regimes."""
+    return belt_profiles.notes(data, VELOCITY)

@@ -78,7 +78,7 @@ def place_legend(figure: Figure, axes: Axes) -> None:
     entries = list(zip(*axes.get_legend_handles_labels(), strict=True))
     entries.sort(key=lambda entry: entry[0].get_linestyle() == "None")
     handles, labels = [handle for handle, _ in entries], [label for _, label in entries]
-    columns = max(1, min(3, CHARACTERS_ABOVE // (max(map(len, labels), default=0) + 6)))
+    columns = max(1, min(4, CHARACTERS_ABOVE // (max(map(len, labels), default=0) + 6)))
     figure.legend(handles, labels, loc="outside upper center", ncols=columns)
 
 

@@ -76,7 +76,7 @@ def made_point(
         (replicates then scatter about it), one per replicate, or a word.
     profiles : mapping, optional
         By name: a function of the heights (m), whose values then scatter over replicates as a
-        whole, or an array (replicate, slice).
+        whole, or an array (replicate, slice). Those named ``column_...`` run along the belt.
     replicates : int
         All of them completed.
     scatter : float
@@ -99,7 +99,9 @@ def made_point(
     if height is None:
         height = (np.arange(SLICES) + 0.5) * SLICE[system] * point.diameter
     made = {
-        name: np.outer(factors, each(height)) if callable(each) else np.asarray(each, float)
+        name: np.outer(factors, each(_centres(name, point, height)))
+        if callable(each)
+        else np.asarray(each, float)
         for name, each in (profiles or {}).items()
     }
     return MadePoint(point, values, made, height)
@@ -130,9 +132,9 @@ def made_results(
         system: _profiles([point for point in points if point.parameters.system == system], count)
         for system in {point.parameters.system for point in points}
     }
-    return Results(
-        root.assign(_together(root)), profiles, pd.DataFrame(list(boundaries)), particles or {}
-    )
+    columns = None if boundaries else ["system", "of", "along", "low", "high"]
+    found = pd.DataFrame(list(boundaries), columns=columns)
+    return Results(root.assign(_together(root)), profiles, found, dict(particles or {}))
 
 
 def made_boundary(
@@ -167,6 +169,18 @@ def made_boundary(
         "points": 8,
         along: low,
     }
+
+
+def _is_along(name: str) -> bool:
+    """Return whether a profile runs along the belt."""
+    return name.startswith("column")
+
+
+def _centres(name: str, point: Parameters, height: np.ndarray) -> np.ndarray:
+    """Return where a profile has its values (m)."""
+    if not _is_along(name):
+        return height
+    return (np.arange(round(point.width)) + 0.5) * point.diameter
 
 
 def _replicated(given: Given, factors: np.ndarray) -> np.ndarray:
@@ -222,16 +236,24 @@ def _together(root: xr.Dataset) -> dict[str, object]:
 
 def _profiles(points: Sequence[MadePoint], count: int) -> xr.Dataset:
     """Return the profiles of one system's points, padded to the longest."""
-    longest = max(len(point.height) for point in points)
     names = dict.fromkeys(name for point in points for name in point.profiles)
-    data = {name: np.full((len(points), count, longest), np.nan) for name in names}
-    height = np.full((len(points), longest), np.nan)
-    for index, point in enumerate(points):
-        height[index, : len(point.height)] = point.height
-        for name, values in point.profiles.items():
-            data[name][index, : len(values), : values.shape[1]] = values
-    return xr.Dataset(
-        {name: (("run", "replicate", "slice"), values) for name, values in data.items()}
-        | {"height": (("run", "slice"), height)},
-        coords={"run": [point.id for point in points]},
-    )
+    data = {}
+    for dimension, centres in (("slice", "height"), ("square", "column")):
+        own = [name for name in names if _is_along(name) == _is_along(centres)]
+        if not own and _is_along(centres):
+            continue
+        rows = [_centres(centres, point.parameters, point.height) for point in points]
+        data[centres] = ("run", dimension), _padded(rows, (max(map(len, rows)),))
+        for name in own:
+            rows = [point.profiles.get(name, np.empty((0, 0))) for point in points]
+            shape = (count, data[centres][1].shape[1])
+            data[name] = ("run", "replicate", dimension), _padded(rows, shape)
+    return xr.Dataset(data, coords={"run": [point.id for point in points]})
+
+
+def _padded(rows: Sequence[np.ndarray], shape: tuple[int, ...]) -> np.ndarray:
+    """Return arrays filled up with NaN to one shape, as one array."""
+    table = np.full((len(rows), *shape), np.nan)
+    for filled, row in zip(table, rows, strict=True):
+        filled[tuple(slice(size) for size in row.shape)] = row
+    return table

@@ -3,20 +3,11 @@
 import numpy as np
 import pytest
 
-from tests.engine_helpers import CAPS, contact_path, sphere_law, vector_spring
+from sim.claims.contacts import contact_path, random_curve, vector_spring
+from tests.engine_helpers import CAPS, sphere_law
 
 FORCE = 1e-3
 PATHS = range(100)
-
-
-def random_curve(seed: int, steps: int) -> np.ndarray:
-    """A smooth closed random curve (steps + 1, 2) that starts at the origin, of size one."""
-    rng = np.random.default_rng(seed)
-    mode = np.arange(1, 6)
-    angle = 2 * np.pi * np.linspace(0, 1, steps + 1)[:, None] * mode
-    sines, cosines = rng.normal(size=(2, 5, 2)) / mode[:, None]
-    curve = np.sin(angle) @ sines + (np.cos(angle) - 1) @ cosines
-    return curve / np.abs(curve).max()
 
 
 def both(seed: int, steps: int, cap: str, swing: float):

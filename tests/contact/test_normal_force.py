@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from tests.engine_helpers import MEMORIES, contact_path, sphere_law
+from sim.claims.contacts import contact_path
+from tests.engine_helpers import MEMORIES, sphere_law
 
 PEAK = 1e-5
 

@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
+from sim.claims.contacts import contact_path
 from sim.contact.spring_dashpot import damping_ratio, spring_dashpot
-from tests.engine_helpers import MASS, RADIUS, contact_path
+from tests.engine_helpers import MASS, RADIUS
 from tests.motions import chute_point
 from tests.sphere_motion import SphereMotion
 

@@ -6,14 +6,8 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from tests.engine_helpers import (
-    CAPS,
-    EXPONENTS,
-    MEMORIES,
-    contact_path,
-    rotation,
-    sphere_law,
-)
+from sim.claims.contacts import contact_path
+from tests.engine_helpers import CAPS, EXPONENTS, MEMORIES, rotation, sphere_law
 
 OVERLAP = 1e-5
 Z = np.array([0.0, 0.0, 1.0])

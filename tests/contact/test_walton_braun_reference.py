@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from tests.engine_helpers import CAPS, EXPONENTS, MEMORIES, contact_path, sphere_law
+from sim.claims.contacts import contact_path
+from tests.engine_helpers import CAPS, EXPONENTS, MEMORIES, sphere_law
 from tests.reference.walton_braun import Contact, ContactLaw, update
 
 STEPS = 400

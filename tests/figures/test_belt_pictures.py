@@ -1,5 +1,7 @@
 """Gallas' Figs. 4, 5 and 7: every bead and its path, the belt, the obstacle, data and caption."""
 
+from dataclasses import replace
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -8,9 +10,12 @@ from matplotlib.collections import EllipseCollection, LineCollection
 from matplotlib.patches import Circle
 
 from sim.errors import InputError
-from sim.figures import FIGURES, draw
+from sim.figures import FIGURES, draw, gallas_4a
+from sim.figures.belt_cell import TALLEST, select
 from sim.figures.belt_snapshots import round_speed
 from sim.figures.style import DOTTED
+from sim.figures.summary import figure_data
+from sim.results import load_results
 from tests.figures.made_belt import dashes, drawn
 
 PATHS = ("gallas_4a", "gallas_4b", "gallas_4c", "gallas_4d", "gallas_4e", "gallas_7a", "gallas_7c")
@@ -39,7 +44,7 @@ def test_these_are_the_figures_of_particles():
 @pytest.mark.parametrize("name", PATHS)
 def test_a_path_has_a_dot_per_bead_and_step_within_the_cell(name, belt_dataset):
     figure, _ = drawn(name, belt_dataset)
-    (axes,) = figure.axes
+    axes = figure.axes[0]
     (dots,) = (line for line in axes.get_lines() if line.get_marker() == ".")
     x, z = dots.get_data()
     assert len(x) == 41 * BEADS
@@ -83,7 +88,9 @@ def test_data_and_caption(name, belt_dataset, tmp_path):
     assert png.stat().st_size > 0
     assert svg.stat().st_size < 200_000
     data = pd.read_csv(csv)
-    assert len(data) == (41 * BEADS if name in PATHS else BEADS)
+    panels = 1 + (name == "gallas_4d")
+    assert len(data) == panels * (41 * BEADS if name in PATHS else BEADS)
+    assert data["protocol"].nunique() == panels
     assert {"x [⟨d⟩]", "z [⟨d⟩]"} < set(data)
     assert ("time [s]" in data) == (name in PATHS)
     assert ("v_x [m s-1]" in data) == (name in SNAPSHOTS)
@@ -95,32 +102,50 @@ def test_data_and_caption(name, belt_dataset, tmp_path):
         f"d_o = {where['obstacle']} ⟨d⟩",
         f"γ_s = {where['shear_damping']}g",
         "t_tr = 45 cycles",
-        "the first replicate that completed of point belt-",
-        "(published protocol, regime steady); the mean velocity of 3 replicates is ",
+        "Published protocol: first replicate that completed of point belt-",
+        "regime steady; the mean velocity of 3 replicates is ",
         "The paper: ",
     ):
         assert part in text
     assert "Error bars" not in text
 
 
-def test_the_published_point_is_shown_where_both_are_in_the_data(belt_dataset):
-    _, data = drawn("gallas_4d", belt_dataset)
-    assert list(data.rows["protocol"]) == ["published"]
+def test_the_protocols_stand_side_by_side_where_both_are_in_the_data(belt_dataset):
+    figure, data = drawn("gallas_4d", belt_dataset)
+    assert list(data.rows["protocol"]) == ["published", "converged"]
+    titles = ["published, 2000 steps a cycle", "converged, 2000 steps a cycle"]
+    assert [axes.get_title() for axes in figure.axes] == titles
+
+
+def test_of_several_points_the_one_nearest_to_the_paper_is_shown(belt_dataset):
+    data = figure_data(load_results(belt_dataset), FIGURES["gallas_4a"])
+    other = data.rows.assign(point="other", belt_ghost="centred")
+    both = replace(data, rows=pd.concat([other, data.rows], ignore_index=True))
+    assert list(select(both).rows["belt_ghost"]) == ["below"]
+
+
+def test_beads_beyond_the_tallest_picture_are_counted(belt_dataset):
+    data = figure_data(load_results(belt_dataset), FIGURES["gallas_4a"])
+    path = data.results.particles(data.rows["point"].iloc[0])["path"]
+    path[:, :2, 1] += 1.5 * TALLEST * data.rows["diameter"].iloc[0]
+    (axes,) = gallas_4a.draw(data).axes
+    assert axes.get_ylim()[1] == TALLEST
+    assert [text.get_text() for text in axes.texts] == ["2 beads above"]
 
 
 def test_paths_in_the_data_are_not_wrapped(belt_dataset, tmp_path):
     data = pd.read_csv(draw("gallas_4d", belt_dataset, tmp_path)[2])
-    first = data[data["bead"] == 0]
+    first = data[(data["bead"] == 0) & (data["protocol"] == "published")]
     assert first["x [⟨d⟩]"].iloc[-1] - first["x [⟨d⟩]"].iloc[0] == pytest.approx(WIDTH, abs=1e-3)
     assert first["time [s]"].iloc[-1] == pytest.approx(1 / 80)
 
 
 @pytest.mark.parametrize(
-    ("speeds", "scale"),
-    [([0.03, 0.03], 0.05), ([1.0], 2), ([0.7, 0.7], 1), ([0.012], 0.02), ([0.0], 1)],
+    ("speed", "scale"),
+    [(0.03, 0.05), (1.0, 2), (0.7, 1), (0.012, 0.02), (0.0, 1)],
 )
-def test_velocities_have_a_round_scale(speeds, scale):
-    assert round_speed(np.array(speeds)) == scale
+def test_velocities_have_a_round_scale(speed, scale):
+    assert round_speed(speed**2) == scale
 
 
 @pytest.mark.parametrize(("name", "lost"), [("gallas_4a", "path"), ("gallas_5a", "radius")])

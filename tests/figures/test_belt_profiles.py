@@ -29,7 +29,7 @@ STYLES = {
     "gallas_2c": DAMPINGS,
     "gallas_3a": FREQUENCIES,
     "gallas_3b": ANGLES,
-    "gallas_3c": DAMPINGS | {"(γ, γ$_s$) = (10g, 10g), started at 2.5 √(g⟨d⟩)": LONG_DASH},
+    "gallas_3c": DAMPINGS | {"(γ, γ$_s$) = (10g, 10g), from $V_0$ = 2.5 √(g⟨d⟩)": LONG_DASH},
 }
 QUANTITIES = {"2": DENSITY, "3": VELOCITY}
 HALF_WIDTH = t.ppf(0.975, 2) * SPREAD.std(ddof=1) / 3**0.5
@@ -121,7 +121,13 @@ def test_data_and_caption(name, belt_dataset, tmp_path):
     assert len(data) > 10 * data["point"].nunique()
     text = caption.read_text()
     assert text.startswith(f"Gallas et al. (1992), Fig. {name[-2:]}. ")
-    for part in ("A_z = 1 ⟨d⟩", "t_av = 45 cycles", "over 3 replicates", "The paper: "):
+    for part in (
+        "A_z = 1 ⟨d⟩",
+        "t_av = 45 cycles",
+        "Regimes of the flows: ",
+        "over 3 replicates",
+        "The paper: ",
+    ):
         assert part in text
     assert "Error bars" not in text
     assert ("Converged protocol (2 points)" in text) == (name == "gallas_2a")

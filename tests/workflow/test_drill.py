@@ -18,7 +18,7 @@ import psutil
 import pytest
 
 from sim.study import load_study
-from tests.project_tree import copy_tree
+from tests.project_tree import ROOT
 
 KILLS = int(os.environ.get("TALUS_DRILL_KILLS", "30"))
 SEED = int(os.environ.get("TALUS_DRILL_SEED", "1"))
@@ -53,7 +53,7 @@ def snakemake(tree: Path) -> subprocess.Popen:
     command = [sys.executable, "-m", "snakemake", "dataset", "--cores", "2"]
     with (tree / "drill.log").open("a") as log:
         return subprocess.Popen(
-            [*command, "--configfile", "drill.yaml"],
+            [*command, "--configfile", "drill.yaml", "--snakefile", str(ROOT / "Snakefile")],
             cwd=tree,
             stdout=log,
             stderr=log,
@@ -136,8 +136,8 @@ class Drill:
 
 @pytest.fixture(scope="module")
 def undisturbed(tmp_path_factory) -> Path:
-    """A tree in which the study has run to its end in peace; it compiles the engine, too."""
-    tree = copy_tree(tmp_path_factory.mktemp("undisturbed"))
+    """A folder in which the study has run to its end in peace; it compiles the engine, too."""
+    tree = tmp_path_factory.mktemp("undisturbed")
     (tree / "drill.yaml").write_text(STUDY)
     assert snakemake(tree).wait(timeout=300) == 0, (tree / "drill.log").read_text()
     return tree
@@ -157,7 +157,7 @@ def content(path: Path) -> dict[str, bytes | list]:
 
 def test_kills_at_random_moments_change_no_bit(undisturbed, tmp_path, request):
     study = load_study(undisturbed / "drill.yaml")
-    tree = copy_tree(tmp_path)
+    tree = tmp_path
     (tree / "drill.yaml").write_text(STUDY)
     drill = Drill(tree)
     request.addfinalizer(drill.end)

@@ -9,15 +9,15 @@ import xarray as xr
 
 from sim.refine import further_rounds
 from sim.study import load_study
-from tests.project_tree import copy_project, planned, planned_points, snakemake
+from tests.project_tree import bare_folder, planned, planned_points, snakemake
 
 STUDY = "onset.yaml"
 
 
 @pytest.fixture(scope="module")
 def tree(tmp_path_factory) -> Path:
-    """Return a copy of the project in which the boundary was found."""
-    tree = copy_project(tmp_path_factory.mktemp("tree"), STUDY)
+    """Return a folder in which the boundary was found."""
+    tree = bare_folder(tmp_path_factory.mktemp("tree"), STUDY)
     done = snakemake(tree, study=STUDY)
     assert done.returncode == 0, done.stderr
     return tree

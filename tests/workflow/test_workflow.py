@@ -98,7 +98,7 @@ def test_a_workflow_ends_with_a_summary_and_a_dry_run_does_not(tree):
 
 
 def test_a_workflow_that_fails_ends_with_a_summary(tree):
-    broken = tree / "sim" / "report.py"
+    broken = tree / "sim" / "report" / "page.py"
     content = broken.read_bytes()
     broken.write_text("raise SystemExit(1)")
     failed = snakemake(tree, "report")

@@ -20,6 +20,6 @@ rule report:
     conda:
         "../envs/talus.yaml"
     params:
-        code=code("report.py", "outcome.py", "templates/*", "claims/*.py"),
+        code=code("report/*.py", "templates/*", "outcome.py", "figures/__init__.py"),
     shell:
         'python -m sim report "$TALUS_STUDY" > {log} 2>&1'

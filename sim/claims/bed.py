@@ -1,0 +1,49 @@
+"""Shape of a bed of beads, from its profiles over height.
+
+Profiles are arrays (H,) over slices of equal height, from the belt upwards; heights are the centres
+of the slices in m. ``number`` is the number density; shares of the beads count from below.
+"""
+
+import numpy as np
+
+
+def beads_between(number: np.ndarray, low: float, high: float) -> np.ndarray:
+    """Return per slice the share of all beads that lies between two shares of them."""
+    below = np.concatenate([[0.0], np.cumsum(number)]) / number.sum()
+    return np.clip(np.minimum(below[1:], high) - np.maximum(below[:-1], low), 0.0, None)
+
+
+def mean_between(values: np.ndarray, number: np.ndarray, low: float, high: float) -> float:
+    """Return the mean of a profile over the beads between two shares of them."""
+    weight = beads_between(number, low, high)
+    occupied = weight > 0
+    return float(np.average(values[occupied], weights=weight[occupied]))
+
+
+def level(height: np.ndarray, number: np.ndarray, share: float) -> float:
+    """Return the height (m) below which a share of the beads lies."""
+    tops = height + 0.5 * (height[1] - height[0])
+    return float(np.interp(share, np.cumsum(number) / number.sum(), tops))
+
+
+def spread(height: np.ndarray, number: np.ndarray) -> float:
+    """Return the standard deviation (m) of the beads' heights."""
+    mean = np.average(height, weights=number)
+    return float(np.sqrt(np.average((height - mean) ** 2, weights=number)))
+
+
+def peak(height: np.ndarray, number: np.ndarray) -> float:
+    """Return the largest number density (m⁻²)."""
+    return float(number.max())
+
+
+def half_height(height: np.ndarray, number: np.ndarray) -> float:
+    """Return the height (m) at which the density falls to half of its mean over the bed.
+
+    The mean over the bed is that between a fifth and four fifths of the beads.
+    """
+    half = 0.5 * mean_between(number, number, 0.2, 0.8)
+    last = int(np.flatnonzero(number >= half)[-1])
+    if last == height.size - 1:
+        return float(height[-1])
+    return float(np.interp(-half, -number[last : last + 2], height[last : last + 2]))

@@ -1,0 +1,85 @@
+"""What judges of chute flows share: units, the flows of the base case, which of them are steady."""
+
+from collections.abc import Mapping
+from math import hypot, radians, sin
+
+import numpy as np
+from uncertainties import UFloat
+
+from sim.claims.evidence import Evidence, Place, measured
+from sim.claims.verdict import SIGMAS, Untestable
+
+#: Largest change of the velocity over the window, relative to it, of a flow that has settled.
+DRIFT = 0.1
+
+#: Cells of the depths at which flows differ in another parameter.
+CELLS = {1.24: 10, 2.5: 10, 5: 10, 10: 5, 20: 5, 40: 5}
+
+
+def natural(place: Place) -> float:
+    """Return √(gσ) of a place, m/s."""
+    return (place["gravity"] * place["diameter"]) ** 0.5
+
+
+def driving(place: Place) -> float:
+    """Return g sin θ of a place, m/s²."""
+    return place["gravity"] * sin(radians(place["angle"]))
+
+
+def acceleration(place: Place) -> UFloat:
+    """Return dV/dt over g sin θ."""
+    return place.value("acceleration", "acceleration_error") / driving(place)
+
+
+def base(evidence: Evidence, least: float = 0.0) -> dict[float, Place]:
+    """Return the flows of the base case by depth, from the ``least`` depth on."""
+    line = evidence.line("chute", "depth")
+    return {depth: place for depth, place in line.items() if depth >= least}
+
+
+def steady(evidence: Evidence) -> dict[float, Place]:
+    """Return the steady flows of the base case by depth; raise `Untestable` without any."""
+    found = {n: place for n, place in base(evidence).items() if place.regime == "steady"}
+    if not found:
+        raise Untestable(f"no steady {evidence.protocol} flow of the base case")
+    return found
+
+
+def speed(place: Place) -> UFloat:
+    """Return the mean velocity (m/s); of a flow that drifts, its change over the window is added.
+
+    A flow that has not quite reached its steady velocity is not far from it.
+    """
+    velocity = place.velocity
+    if place.regime in ("steady", "undetermined"):
+        return velocity
+    half_width = hypot(SIGMAS * velocity.std_dev, _change(place))
+    return measured(velocity.nominal_value, half_width)
+
+
+def settled(place: Place) -> Place:
+    """Return a place whose flow is near its steady state; raise `Untestable` for others."""
+    if not is_settled(place):
+        raise Untestable(f"{place.id}: {place.regime}, so that it has no steady velocity")
+    return place
+
+
+def is_settled(place: Place) -> bool:
+    """Return whether a flow moves and its velocity changes by less than 10 % over the window."""
+    flowing = place.regime not in ("arrested", "failed")
+    return flowing and _change(place) < DRIFT * abs(place.velocity.nominal_value)
+
+
+def _change(place: Place) -> float:
+    """Return by how much the mean velocity (m/s) changes over the shortest window."""
+    window = place["average"] * (place["diameter"] / place["gravity"]) ** 0.5
+    return abs(float(np.mean(place.values("acceleration")))) * window
+
+
+def repeated(line: Mapping[float, Place], replicates: int = 2) -> dict[float, Place]:
+    """Return the settled places of a line with at least so many completed replicates."""
+    return {
+        value: place
+        for value, place in line.items()
+        if place.completed >= replicates and is_settled(place)
+    }

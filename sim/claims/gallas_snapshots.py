@@ -1,0 +1,87 @@
+"""Judges of Gallas' claims about snapshots: a block, a loose bed, a void at the belt, packing."""
+
+from math import pi, radians, sin, sqrt
+
+import numpy as np
+from uncertainties import UFloat
+
+from sim.claims.bed import level, mean_between
+from sim.claims.evidence import Evidence, Place
+from sim.claims.lines import along
+from sim.claims.verdict import Check, above, below, within
+
+#: Share of the beads within A_z of the mean belt position below which there is a void.
+EMPTY = 0.02
+
+
+def g26(evidence: Evidence) -> list[Check]:
+    """Fig. 5: a block with the belt at 10 Hz, loose at 40 Hz, a void at the belt at 100 Hz.
+
+    A block moves as one, and up and down as the belt does; its velocity along the belt lags behind,
+    as shear friction is viscous. Velocities are relative to the amplitude of the belt's.
+    """
+    block = evidence.at("belt", frequency=10, vibration_angle=60)
+    loose = evidence.at("belt", frequency=40, vibration_angle=30, damping=10, shear_damping=10)
+    void = evidence.at("belt", frequency=100)
+    lost = packing(block) - packing(loose)
+    lift = block.value("path_vertical") / (block["amplitude"] * block["diameter"] / sqrt(2))
+    against = loose.value("relative_agitation") / belt_speed(loose)
+    return [
+        below("rms velocity about the mean, 10 Hz", agitation(block), 0.1, (block,)),
+        within("vertical rms of the paths over the belt's, 10 Hz", lift, 0.9, 1.1, (block,)),
+        above("rms velocity against the belt, 40 Hz", against, 0.5, (loose,)),
+        above("packing lost from 10 to 40 Hz", lost, 0, (block, loose)),
+        below("occupancy at 100 Hz", void.value("base_occupancy"), EMPTY, (void,)),
+    ]
+
+
+def belt_speed(place: Place) -> float:
+    """Return the amplitude of the belt's velocity along its line (m/s)."""
+    climb = sin(radians(place["vibration_angle"]))
+    return 2 * pi * place["frequency"] * place["amplitude"] * place["diameter"] / climb
+
+
+def agitation(place: Place) -> UFloat:
+    """Return the rms velocity of the beads about their mean over the belt's largest velocity."""
+    names = "granular_temperature_profile", "number_density"
+
+    def measure(_: np.ndarray, temperature: np.ndarray, number: np.ndarray) -> float:
+        # The granular temperature is the mean of two directions.
+        return sqrt(2 * mean_between(temperature, number, 0, 1)) / belt_speed(place)
+
+    return place.measure(measure, *names)
+
+
+def packing(place: Place) -> UFloat:
+    """Return the mean packing between the levels of 5 and 95 % of the beads."""
+
+    def measure(height: np.ndarray, number: np.ndarray, packing: np.ndarray) -> float:
+        low, high = (level(height, number, share) for share in (0.05, 0.95))
+        half = 0.5 * (height[1] - height[0])
+        inside = np.clip(np.minimum(height + half, high) - np.maximum(height - half, low), 0, None)
+        return float(np.average(packing, weights=inside))
+
+    return place.measure(measure, "number_density", "packing_profile")
+
+
+def g27(evidence: Evidence) -> list[Check]:
+    """Hardly a bead is within A_z of the mean belt position at 80 and 100 Hz, unlike at 20 Hz."""
+    usual, *fast = along(evidence, "frequency", (20, 80, 100)).values()
+    checks = [
+        below(
+            f"occupancy at {place['frequency']:g} Hz",
+            place.value("base_occupancy"),
+            EMPTY,
+            (place,),
+        )
+        for place in fast
+    ]
+    return [*checks, above("occupancy at 20 Hz", usual.value("base_occupancy"), 0.05, (usual,))]
+
+
+def g28(evidence: Evidence) -> list[Check]:
+    """At 100 Hz the bed is packed more densely with γ = 50g than with γ = g."""
+    firm = evidence.at("belt", frequency=100)
+    soft = evidence.at("belt", frequency=100, damping=1)
+    gain = packing(firm) - packing(soft)
+    return [above("packing at γ = 50g less that at γ = g", gain, 0, (firm, soft))]

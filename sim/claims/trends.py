@@ -1,0 +1,67 @@
+"""What judges of several flows share: order along a parameter, and all of many differences."""
+
+from collections.abc import Mapping
+from itertools import pairwise
+
+import numpy as np
+from scipy.special import stdtrit
+from uncertainties import UFloat
+
+from sim.claims.evidence import Place, measured
+from sim.claims.verdict import NOT_REPRODUCED, Check, above
+from sim.outcome import CONFIDENCE
+
+
+def ordered(
+    what: str,
+    along: str,
+    values: Mapping[float, UFloat],
+    places: Mapping[float, Place],
+    rising: bool,
+) -> list[Check]:
+    """Return the checks that a quantity rises or falls along a parameter.
+
+    The last value over the first one decides; a step between neighbors counts where it clearly goes
+    the other way. ``values`` are positive, in the order of the parameter ``along``.
+    """
+    steps = sorted(values)
+    sign = 1 if rising else -1
+
+    def check(low, high):
+        ratio = (values[high] / values[low]) ** sign
+        name = f"{what} at {along} = {high:g} over that at {low:g}"
+        if not rising:
+            name = f"{what} at {along} = {low:g} over that at {high:g}"
+        return above(name, ratio, 1, [places[low], places[high]])
+
+    checks = [check(steps[0], steps[-1])]
+    if len(steps) > 2:
+        pairs = pairwise(steps)
+        checks += [one for one in (check(*pair) for pair in pairs) if one.verdict == NOT_REPRODUCED]
+    return checks
+
+
+def least(rows: np.ndarray) -> UFloat:
+    """Return the least of the means of many quantities, with an interval that holds for all.
+
+    Parameters
+    ----------
+    rows : (R, B) array
+        B quantities of R replicates.
+
+    Notes
+    -----
+    The intervals are Student's at a level divided by B (Bonferroni), so that all B hold together at
+    95 %. One that is clearly negative is returned first; else the one that is lowest with its
+    interval. So all are positive only if this one is, and one is negative if this one is.
+    """
+    replicates, number = rows.shape
+    means = rows.mean(axis=0)
+    if replicates < 2:
+        return measured(float(means.min()), np.inf)
+    quantile = stdtrit(replicates - 1, 1 - (1 - CONFIDENCE) / (2 * number))
+    widths = quantile * rows.std(axis=0, ddof=1) / np.sqrt(replicates)
+    worst = np.argmin(means + widths)
+    if means[worst] + widths[worst] >= 0:
+        worst = np.argmin(means - widths)
+    return measured(float(means[worst]), float(widths[worst]))

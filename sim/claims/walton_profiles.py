@@ -1,0 +1,205 @@
+"""Judges of Walton's claims about profiles: where flows shear, how dense they are, their plugs."""
+
+from collections.abc import Callable, Mapping
+from itertools import pairwise
+
+import numpy as np
+from uncertainties import UFloat
+
+from sim.claims.chute import base, repeated, settled
+from sim.claims.evidence import Evidence, Place, joined
+from sim.claims.trends import least
+from sim.claims.verdict import Check, Untestable, above, below
+from sim.measures import layers
+
+#: Bins with less than this share of the mass do not count.
+THIN = 0.01
+
+#: Replicates without which a statement about all bins at once cannot be decided.
+MANY = 6
+
+#: Depths of each claim: all below 5 and 2.5, intermediate, with a plug, the deepest.
+SHALLOW, SHALLOWEST, MIDDLE, DEEP, DEEPEST = 5, 2.5, (3.5, 5, 10), (10, 20, 40), 40
+
+#: Least share of the depth that a plug takes.
+PLUG = 0.3
+
+#: Least packing of the plug, its largest relative scatter, least difference from the shear layer.
+DENSE, UNIFORM, LOOSER = 0.60, 0.05, 0.05
+
+#: Least share of the largest du/dz that a flow which shears throughout has everywhere.
+THROUGHOUT = 0.2
+
+
+def w10(evidence: Evidence) -> list[Check]:
+    """Steps of the velocity from each slice with 1 % of the mass to the next; all bins at once."""
+    return [
+        above(
+            f"least du/dz, n = {n:g}", least(_steps(place, "velocity_profile")), 0, [place], "1/s"
+        )
+        for n, place in _thin(evidence, SHALLOW).items()
+    ]
+
+
+def w11(evidence: Evidence) -> list[Check]:
+    """Share of the depth above the height where mean du/dz falls below 5 % of that below it."""
+    names = ("velocity_profile", "packing_profile")
+    return [
+        above(
+            f"plug over depth, n = {n:g}", place.measure(_plug_share(place), *names), PLUG, [place]
+        )
+        for n, place in _deep(evidence, DEEP).items()
+    ]
+
+
+def w12(evidence: Evidence) -> list[Check]:
+    """Steps of the packing from the slice over the first centres upwards; all bins at once."""
+    return [
+        below(
+            f"largest rise of the packing with height, n = {n:g}",
+            -least(-_steps(place, "packing_profile", 0.5 * place["diameter"], 1.0)),
+            0,
+            [place],
+        )
+        for n, place in _thin(evidence, SHALLOWEST).items()
+    ]
+
+
+def w13(evidence: Evidence) -> list[Check]:
+    """Packing by layers of a diameter: the densest inner one against the lowest and the highest."""
+    flows = base(evidence)
+    checks = []
+    for n, place in repeated({n: flows[n] for n in MIDDLE if n in flows}).items():
+        rows = _by_layers(place)
+        inner = 1 + int(rows.mean(axis=0)[1:-1].argmax())
+        for name, end in (("lowest", 0), ("highest", -1)):
+            what = f"packing of layer {inner + 1} less that of the {name}, n = {n:g}"
+            checks.append(above(what, joined(rows[:, inner] - rows[:, end]), 0, [place]))
+    if not checks:
+        raise Untestable("no flow with 2.5 < n ≤ 10 that has replicates")
+    return checks
+
+
+def w14(evidence: Evidence) -> list[Check]:
+    """The deepest flow above and below its shear depth: packing, its scatter, the difference."""
+    ((n, place),) = _deep(evidence, (DEEPEST,)).items()
+
+    def measured(function: Callable[[np.ndarray, float], float]) -> UFloat:
+        return place.measure(_of_plug(place, function), "velocity_profile", "packing_profile")
+
+    return [
+        above(
+            f"packing of the plug, n = {n:g}", measured(lambda plug, _: plug.mean()), DENSE, [place]
+        ),
+        below(
+            f"relative scatter of its packing, n = {n:g}",
+            measured(lambda plug, _: plug.std(ddof=1) / plug.mean()),
+            UNIFORM,
+            [place],
+        ),
+        above(
+            f"packing of the plug less that of the shear layer, n = {n:g}",
+            measured(lambda plug, sheared: plug.mean() - sheared),
+            LOOSER,
+            [place],
+        ),
+    ]
+
+
+def w17(evidence: Evidence) -> list[Check]:
+    """Shear depths of successive deep flows, the deeper over the shallower."""
+    flows = _deep(evidence, DEEP)
+    depths = {n: place.value("shear_depth") for n, place in flows.items()}
+    return [
+        below(
+            f"shear depth at n = {high:g} over that at n = {low:g}",
+            depths[high] / depths[low],
+            1,
+            [flows[low], flows[high]],
+        )
+        for low, high in pairwise(DEEP)
+    ]
+
+
+def w18(evidence: Evidence) -> list[Check]:
+    """The slowest settled flow: least over largest mean du/dz over a diameter."""
+    flows = repeated(base(evidence, 1))
+    if len(flows) < 3:
+        raise Untestable("fewer than three settled flows with n ≥ 1 that have replicates")
+    n, place = min(flows.items(), key=lambda flow: flow[1].velocity.nominal_value)
+
+    ratio = place.measure(_evenness(place), "velocity_profile", "packing_profile")
+    return [above(f"least over largest du/dz, n = {n:g}", ratio, THROUGHOUT, [place])]
+
+
+def _thin(evidence: Evidence, below_depth: float) -> dict[float, Place]:
+    """Return the flows of less than a depth, from one layer on, with many replicates."""
+    flows = {n: place for n, place in base(evidence, 1).items() if n < below_depth}
+    found = repeated(flows, MANY)
+    if not found:
+        raise Untestable(f"no flow with 1 ≤ n < {below_depth:g} that has {MANY} replicates")
+    return found
+
+
+def _deep(evidence: Evidence, depths: tuple[float, ...]) -> Mapping[float, Place]:
+    """Return the flows of these depths; raise `Untestable` where one is missing or not settled."""
+    return {n: settled(evidence.at("chute", depth=n)) for n in depths}
+
+
+def _steps(place: Place, name: str, lowest: float = 0.0, scale: float | None = None) -> np.ndarray:
+    """Return the steps (R, B) of a profile between slices with 1 % of the mass, over ``scale``.
+
+    Without a scale they are slopes. Slices below ``lowest`` (m) do not count.
+    """
+    (rows, height), (packing, _) = place.profile(name), place.profile("packing_profile")
+    mean = packing.mean(axis=0)
+    counted = (mean > THIN * mean.sum()) & (height >= lowest)
+    return np.diff(rows[:, counted], axis=1) / (scale or np.diff(height[counted]))
+
+
+def _by_layers(place: Place) -> np.ndarray:
+    """Return the packing by layers of a diameter (R, L), of those that all replicates have."""
+    packing, height = place.profile("packing_profile")
+    rows = [layers.packing_by_diameters(height, row, place["diameter"]) for row in packing]
+    return np.array([row[: min(map(len, rows))] for row in rows])
+
+
+def _evenness(place: Place) -> Callable[..., float]:
+    """Return the function of profiles that gives the least over the largest mean du/dz.
+
+    The means are over a diameter, because a slice shares its spheres with its neighbors.
+    """
+
+    def evenness(height, velocity, packing):
+        across = round(place["diameter"] / (height[1] - height[0]))
+        counted = velocity[packing > THIN * packing.sum()]
+        slopes = counted[across:] - counted[:-across]
+        return slopes.min() / slopes.max() if slopes.size > 1 else np.nan
+
+    return evenness
+
+
+def _plug_share(place: Place) -> Callable[..., float]:
+    """Return the function of profiles that says which share of the depth is plug."""
+
+    def share(height, velocity, packing):
+        plug = layers.plug_base(height, velocity, packing, place["diameter"])
+        return 1.0 - plug / layers.surface(height, packing)
+
+    return share
+
+
+def _of_plug(place: Place, function: Callable[[np.ndarray, float], float]) -> Callable[..., float]:
+    """Return a function of profiles: of the packing by layers of the plug, and of what it rides on.
+
+    Layers of two diameters, because those of a crystal are no diameter apart.
+    """
+    diameter = place["diameter"]
+
+    def measure(height, velocity, packing):
+        depth = layers.shear_depth(height, velocity, packing, diameter)
+        rows = layers.packing_by_diameters(height, packing, diameter, layers=2)
+        plug = rows[2 * diameter * np.arange(len(rows)) >= depth]
+        return function(plug, packing[height < depth].mean())
+
+    return measure

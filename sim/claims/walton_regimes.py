@@ -1,0 +1,162 @@
+"""Judges of Walton's claims about regimes: which flows accelerate, are steady, come to rest."""
+
+from collections.abc import Iterator
+from contextlib import suppress
+from math import nan, radians, tan
+
+from sim.claims.chute import CELLS, acceleration, base, is_settled, natural, speed
+from sim.claims.evidence import Evidence, Place, measured
+from sim.claims.verdict import Check, Untestable, above, below, within
+
+#: Largest acceleration over g sin θ that counts as none, and the shortest time in √(σ/g).
+STEADY, LONG = 0.01, 100
+
+#: Depths that the paper calls slowest, and the least of those that it compares them with.
+SLOWEST, FASTER = (1, 2), 2.5
+
+#: Frictions below tan θ, and depths that their flows must span.
+SLIPPERY, DEPTHS = (0, 0.1, 0.2, 0.25, 0.3), (0.5, 40)
+
+#: Frictions over tan θ that are somewhat above it, and from where on they greatly exceed it.
+SOMEWHAT, GREATLY = 1.5, 2.0
+
+#: Depths of the sweeps over friction, of starts, and of the windows of angles.
+SWEPT, STARTED, TILTED = (1.24, 2.5, 5, 10, 20), (2.5, 5, 10), (5, 10, 20)
+
+#: How far starts must lie from the steady velocity, relative to it, and what they may change.
+SLOW, FAST, FORGOTTEN = 2 / 3, 1.5, 0.03
+
+#: Least width in degrees of a window of angles: four times what its bounds are known to.
+WINDOW = 1.0
+
+
+def w6(evidence: Evidence) -> list[Check]:
+    """Accelerations below tan θ against those of a sliding block, and five errors above zero."""
+    lines = {mu: evidence.line("chute", "depth", friction=mu) for mu in SLIPPERY}
+    missing = [f"{mu:g}" for mu, line in lines.items() if len(line) < 2]
+    spanned = sorted({depth for line in lines.values() for depth in line})
+    if missing or spanned[0] > DEPTHS[0] or spanned[-1] < DEPTHS[1]:
+        raise Untestable(f"no flows from n = 0.5 to 40 at friction {', '.join(missing) or 'all'}")
+    checks = []
+    for mu, line in lines.items():
+        for depth, place in line.items():
+            gained, slope = acceleration(place), radians(place["angle"])
+            block, at = 1 - mu / tan(slope), f"μ = {mu:g}, n = {depth:g}"
+            checks.append(above(f"dV/dt over that of a block, {at}", gained / block, 0.9, [place]))
+            sure = measured(gained.nominal_value, 5 * gained.std_dev)
+            checks.append(above(f"dV/dt over g sin θ within 5 errors, {at}", sure, 0, [place]))
+    return checks
+
+
+def w7(evidence: Evidence) -> list[Check]:
+    """The flow of half a layer against a sphere that rolls alone, and how fast it has become."""
+    place = evidence.at("chute", depth=0.5)
+    reached = place.velocity / natural(place)
+    rolling = acceleration(place) / (5 / 7)
+    return [
+        within("dV/dt over (5/7) g sin θ, n = 0.5", rolling, 0.9, 1.1, [place]),
+        above("V at which it still does so, n = 0.5", reached, 50, [place], "√(gσ)"),
+    ]
+
+
+def w8(evidence: Evidence) -> list[Check]:
+    """Drift of the flows of one to two layers, and their velocity over the slowest deeper flow."""
+    flows = base(evidence)
+    thin = {n: place for n, place in flows.items() if SLOWEST[0] <= n <= SLOWEST[1]}
+    thin = {n: place for n, place in thin.items() if place["average"] >= LONG}
+    deep = [place for n, place in flows.items() if n >= FASTER]
+    if len(thin) < 3 or len(deep) < 3:
+        raise Untestable("fewer than three flows with 1 ≤ n ≤ 2 for 100 √(σ/g), or with n ≥ 2.5")
+    slowest = min(deep, key=lambda place: place.velocity.nominal_value)
+    checks = []
+    for n, place in thin.items():
+        drift, ratio = acceleration(place), speed(place) / speed(slowest)
+        checks.append(within(f"dV/dt over g sin θ, n = {n:g}", drift, -STEADY, STEADY, [place]))
+        what = f"V at n = {n:g} over that at n = {slowest['depth']:g}"
+        checks.append(below(what, ratio, 1, [place, slowest]))
+    with suppress(Untestable):
+        least = evidence.boundary("chute", "acceleration", "depth")
+        checks.append(within("least depth of a steady flow", least, 0.5, 1))
+    return checks
+
+
+def w19(evidence: Evidence) -> list[Check]:
+    """Flows over a sweep of friction: steady a little above tan θ, at rest beyond twice that."""
+    checks = []
+    for n in SWEPT:
+        line = evidence.line("chute", "friction", depth=n, cell=CELLS[n])
+        line = {mu / tan(radians(place["angle"])): place for mu, place in line.items()}
+        somewhat = [place for mu, place in line.items() if 1 < mu <= SOMEWHAT]
+        greatly = [place for mu, place in line.items() if mu > GREATLY]
+        if len(somewhat) >= 2 and len(greatly) >= 2:
+            checks += [check for place in somewhat for check in _steady(place)]
+            checks += [_arrested(place) for place in greatly]
+    if not checks:
+        raise Untestable("no depth with two frictions from 1 to 1.5 tan θ and two beyond 2 tan θ")
+    return checks
+
+
+def _steady(place: Place) -> Iterator[Check]:
+    """Yield the checks that a flow moves, without acceleration."""
+    at, moving = _named(place), place.velocity / natural(place)
+    yield above(f"V/√(gσ), {at}", moving, 1e-3, [place])
+    yield within(f"dV/dt over g sin θ, {at}", acceleration(place), -STEADY, STEADY, [place])
+
+
+def _arrested(place: Place) -> Check:
+    """Return the check that a flow has come to rest.
+
+    By the definition of that regime V/√(gσ) then stays below 1e-3 over half of the window, which is
+    50 √(σ/g) at least. A flow whose regime is not known is undecided.
+    """
+    regimes = {"arrested": 1.0, "steady": 0.0, "accelerating": 0.0}
+    rests = regimes.get(place.regime, nan) if place["average"] >= LONG else nan
+    return above(f"at rest (1) or not (0), {_named(place)}", rests, 0.5, [place])
+
+
+def _named(place: Place) -> str:
+    return f"μ = {place['friction']:g}, n = {place['depth']:g}"
+
+
+def w23(evidence: Evidence) -> list[Check]:
+    """Steady velocities after slower and faster starts over that after the start nearest to it."""
+    checks, missing = [], []
+    for n in STARTED:
+        line = evidence.line("chute", "initial_velocity", depth=n, cell=CELLS[n])
+        line = {start: place for start, place in line.items() if is_settled(place)}
+        near = min(line, key=lambda start: abs(_started(line[start]) - 1), default=None)
+        relative = {
+            start: start / (line[near].velocity.nominal_value / natural(line[near]))
+            for start in line
+        }
+        if not line or min(relative.values()) > SLOW or max(relative.values()) < FAST:
+            missing.append(f"{n:g}")
+            continue
+        for start, place in line.items():
+            if start != near:
+                ratio = speed(place) / speed(line[near])
+                what = f"V after a start at {relative[start]:.2g} V, n = {n:g}, over the usual V"
+                bounds = 1 - FORGOTTEN, 1 + FORGOTTEN
+                checks.append(within(what, ratio, *bounds, [place, line[near]]))
+    if len(missing) > 1:
+        raise Untestable(f"no starts at half and twice the velocity at n = {', '.join(missing)}")
+    return checks
+
+
+def _started(place: Place) -> float:
+    """Return the initial velocity over the mean one."""
+    return place["initial_velocity"] * natural(place) / place.velocity.nominal_value
+
+
+def w25(evidence: Evidence) -> list[Check]:
+    """Width of the window between the angles at which flows come to rest and run away."""
+    checks = []
+    for n in TILTED:
+        with suppress(Untestable):
+            runaway = evidence.boundary("chute", "acceleration", "angle", depth=n)
+            rest = evidence.boundary("chute", "flow", "angle", depth=n)
+            what = f"window from {rest.nominal_value:.3g}° on, n = {n:g}"
+            checks.append(above(what, runaway - rest, WINDOW, unit="°"))
+    if len(checks) < 2:
+        raise Untestable("no two depths with both bounds of the angle of steady flow")
+    return checks

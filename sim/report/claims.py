@@ -1,0 +1,106 @@
+"""Claims and the evidence for their verdicts as the report shows them."""
+
+import json
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from sim.figures import FIGURES
+from sim.report.numbers import measured, strip, threshold
+from sim.stored import reading
+
+#: Verdicts from the best, each with its tone and its sign.
+VERDICTS = {
+    "reproduced": ("good", "✓"),
+    "not reproduced": ("bad", "✗"),
+    "inconclusive": ("open", "?"),
+    "untestable": ("none", "–"),
+}
+
+PAPERS = {"walton": "Walton", "gallas": "Gallas et al."}
+
+_PROTOCOLS = {
+    "published": "Published protocol",
+    "converged": "Converged protocol",
+    "model": "Experiments on the model itself",
+}
+
+
+def read_claims(path: Path) -> list[dict[str, Any]]:
+    """Return the claims that `sim.claims.judge` has written; none where there is no such file.
+
+    Raises
+    ------
+    DamagedError
+        When it cannot be read.
+    """
+    if not path.is_file():
+        return []
+    with reading(path, "table of verdicts", replaceable=True):
+        return json.loads(path.read_text(encoding="utf-8"))["claims"]
+
+
+def counts(claims: Sequence[Mapping[str, Any]]) -> dict[str, dict[str, int]]:
+    """Return how many claims of each paper have each verdict, by the short name of the paper."""
+    return {
+        paper: {
+            verdict: sum(one["paper"] == paper and one["verdict"] == verdict for one in claims)
+            for verdict in VERDICTS
+        }
+        for paper in PAPERS
+        if any(one["paper"] == paper for one in claims)
+    }
+
+
+def claim_rows(
+    claims: Iterable[Mapping[str, Any]], numbers: Mapping[str, int], drawn: Iterable[str]
+) -> list[dict[str, Any]]:
+    """Return one row per claim with all that its evidence needs to be shown.
+
+    Parameters
+    ----------
+    claims : iterable of mapping
+        Claims, as `read_claims` returns them.
+    numbers : mapping of str to int
+        Number of each point in the table of runs.
+    drawn : iterable of str
+        Names of the figures in the report.
+    """
+    drawn = set(drawn)
+    return [
+        {
+            **claim,
+            "author": PAPERS[claim["paper"]],
+            "figures": [
+                {"name": name, "title": FIGURES[name].paper, "drawn": name in drawn}
+                for name in claim["figures"]
+            ],
+            "by_protocol": {
+                one["protocol"]: one["verdict"]
+                for one in claim["variants"]
+                if one["reading"] == "default"
+            },
+            "depends": [what for what in ("protocol", "reading") if claim[f"{what}_dependent"]],
+            "variants": [_variant(one, numbers) for one in claim["variants"]],
+        }
+        for claim in claims
+    ]
+
+
+def _variant(variant: Mapping[str, Any], numbers: Mapping[str, int]) -> dict[str, Any]:
+    usual = variant["reading"] == "default"
+    return {
+        **variant,
+        "title": _PROTOCOLS[variant["protocol"]] + ("" if usual else f", {variant['reading']}"),
+        "usual": usual,
+        "checks": [
+            {
+                **check,
+                "measured": measured(check["value"], check["half_width"]),
+                "threshold": threshold(check["low"], check["high"]),
+                "strip": strip(check),
+                "runs": [(point, numbers.get(point)) for point in check["points"]],
+            }
+            for check in variant["checks"]
+        ],
+    }

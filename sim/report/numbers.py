@@ -1,0 +1,82 @@
+"""Numbers with their intervals and thresholds in words and on a strip."""
+
+from collections.abc import Mapping
+from math import isfinite
+from typing import Any
+
+from uncertainties import ufloat
+
+#: Intervals smaller than this part of their value do not set its digits.
+_EXACT = 1e-4
+
+#: Part of a strip that is left free on either side of what it shows.
+_MARGIN = 0.1
+
+
+def finite(value: float) -> float | None:
+    """Return a number, or ``None`` for one that is endless or unknown."""
+    return value if isfinite(value) else None
+
+
+def measured(value: float | None, half_width: float | None) -> str:
+    """Write a value with the half width of its interval, to two digits of the latter.
+
+    >>> measured(0.51234, 0.0123), measured(3, 0), measured(3, None), measured(None, None)
+    ('0.512 ± 0.012', '3', '3 ± ?', '–')
+
+    Of a value that is known far better than anybody asks, five digits are enough.
+
+    >>> measured(0.123456789, 2e-9)
+    '0.12346 ± 2e-09'
+    """
+    if value is None:
+        return "–"
+    if half_width is None:
+        return f"{value:.4g} ± ?"
+    if half_width == 0:
+        return f"{value:.4g}"
+    if half_width < _EXACT * abs(value):
+        return f"{value:.5g} ± {half_width:.1g}"
+    return f"{ufloat(value, half_width):.2uP}".replace("±", " ± ")
+
+
+def threshold(low: float | None, high: float | None) -> str:
+    """Write what a value must be: ``> low``, ``< high`` or ``low to high``.
+
+    >>> threshold(0.7, None), threshold(None, 0.02), threshold(15, 17)
+    ('> 0.7', '< 0.02', '15 to 17')
+    """
+    if low is None:
+        return "any" if high is None else f"< {high:.4g}"
+    return f"> {low:.4g}" if high is None else f"{low:.4g} to {high:.4g}"
+
+
+def strip(check: Mapping[str, Any]) -> dict[str, float] | None:
+    """Return where value, interval and the range allowed lie on a strip, in percent of its width.
+
+    Returns
+    -------
+    dict or None
+        ``value``, ``start`` and ``length`` of the interval, ``low`` and ``width`` of the range
+        allowed; ``None`` where the interval is not finite.
+    """
+    value, half_width = check["value"], check["half_width"]
+    if value is None or half_width is None:
+        return None
+    limits = [limit for limit in (check["low"], check["high"]) if limit is not None]
+    ends = [*limits, value - half_width, value + half_width]
+    shown = max(ends) - min(ends) or 1.0
+
+    def place(where: float) -> float:
+        return round(100 * ((where - min(ends)) / shown + _MARGIN) / (1 + 2 * _MARGIN), 1)
+
+    low = 0.0 if check["low"] is None else place(check["low"])
+    high = 100.0 if check["high"] is None else place(check["high"])
+    start = place(value - half_width)
+    return {
+        "value": place(value),
+        "start": start,
+        "length": round(place(value + half_width) - start, 1),
+        "low": low,
+        "width": round(high - low, 1),
+    }

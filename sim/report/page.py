@@ -1,0 +1,145 @@
+"""The page as a whole: what it is made from, its summary, its template."""
+
+from collections import Counter
+from pathlib import Path
+from typing import Any
+
+import jinja2
+import numpy as np
+import xarray as xr
+
+from sim import __version__
+from sim.cost import duration
+from sim.files import replacing
+from sim.report.claims import VERDICTS, claim_rows, counts, read_claims
+from sim.report.gallery import figure_entries, headline
+from sim.report.runs import boundary_rows, parameter_rows, run_rows
+from sim.results import Results, load_results
+from sim.study import Study, load_study
+from sim.yaml_input import read_yaml
+
+TEMPLATES = Path(__file__).parents[1] / "templates"
+
+#: Largest part of the energy turned over that the ledger of a run may lack.
+ENERGY_LIMIT = 0.005
+
+
+def build(study_path: str | Path, results: str | Path = "results") -> Path:
+    """Write ``results/<study>/report.html`` from dataset, figures and verdicts of a study.
+
+    Parameters
+    ----------
+    study_path : str or Path
+        The study file.
+    results : str or Path
+        Folder of all results.
+
+    Returns
+    -------
+    Path
+        The file written. It appears complete or not at all. Without a ``claims.json`` in the
+        folder it says that the claims have not been judged.
+
+    Raises
+    ------
+    InputError
+        When the dataset or a file of a figure is missing or damaged, naming it.
+    """
+    study = load_study(study_path, results)
+    folder = Path(results) / study.name
+    found = load_results(folder / "dataset.nc")
+    page = render(study, found, folder / "figures", read_claims(folder / "claims.json"))
+    output = folder / "report.html"
+    with replacing(output) as temporary:
+        temporary.write_text(page, encoding="utf-8")
+    return output
+
+
+def render(
+    study: Study,
+    results: Results,
+    figures: Path,
+    claims: list[dict[str, Any]],
+) -> str:
+    """Return the report as HTML text.
+
+    Parameters
+    ----------
+    study : Study
+        The study.
+    results : Results
+        Its dataset.
+    figures : Path
+        Folder of its figures.
+    claims : list of dict
+        Its claims with their verdicts, as `sim.claims.judge` writes them; empty if not judged.
+    """
+    environment = jinja2.Environment(
+        loader=jinja2.FileSystemLoader(TEMPLATES),
+        autoescape=True,
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters["duration"] = duration
+    dataset = results.dataset
+    runs = run_rows(dataset)
+    rows = claim_rows(claims, {run["point"]: run["number"] for run in runs}, study.figures)
+    entries = figure_entries(study.figures, figures, rows)
+    return environment.get_template("report.html.j2").render(
+        study=study,
+        study_files=study_files(study.path),
+        summary=_summary(dataset, runs),
+        verdicts=VERDICTS,
+        claims=rows,
+        counts=counts(rows),
+        figures=entries,
+        headline=headline(entries),
+        runs=runs,
+        parameters=parameter_rows(dataset),
+        boundaries=boundary_rows(study, results.boundaries),
+        energy_limit=ENERGY_LIMIT,
+        provenance=_provenance(dataset),
+    )
+
+
+def study_files(path: Path) -> dict[str, str]:
+    """Return the text of a study file and of its parts by their names."""
+    files = [path, *(path.parent / name for name in read_yaml(path).get("parts", []))]
+    return {file.name: file.read_text(encoding="utf-8") for file in files}
+
+
+def _summary(dataset: xr.Dataset, runs: list[dict[str, Any]]) -> dict[str, Any]:
+    """Return the numbers of the first screen: what was run, and what it took."""
+    completed = dataset["status"] == "completed"
+    return {
+        "points": len(runs),
+        "failed": sum(run["regime"] == "failed" for run in runs),
+        "replicates": int((dataset["status"] != "").sum()),
+        "completed": int(completed.sum()),
+        "regimes": Counter(run["regime"] for run in runs).most_common(),
+        "steps": int(dataset["steps"].sum()),
+        "wall_time": float(dataset["wall_time"].sum()),
+        "energy_residual": float(np.abs(dataset["energy_residual"]).where(completed).max()),
+        "dates": _dates(dataset.attrs["first_run"], dataset.attrs["last_run"]),
+        "talus": __version__,
+        "source_hash": dataset.attrs["source_hash"],
+    }
+
+
+def _dates(first: str, last: str) -> str:
+    """Write the days of two ISO times, once if they are the same.
+
+    >>> _dates("2026-01-30T22:00:00Z", "2026-02-01T01:00:00Z")
+    '2026-01-30 to 2026-02-01'
+    """
+    return " to ".join(dict.fromkeys((first[:10], last[:10])))
+
+
+def _provenance(dataset: xr.Dataset) -> dict[str, str]:
+    return {
+        "Talus": __version__,
+        "Engine": dataset.attrs["engine_version"],
+        "Hash of the engine's sources": dataset.attrs["source_hash"],
+        "Libraries": dataset.attrs["versions"],
+    }

@@ -1,0 +1,86 @@
+"""Rows of the tables of runs, boundaries and parameters."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from sim.figures.caption import setting
+from sim.outcome import outcome
+from sim.parameters import SYSTEMS, field_info
+from sim.report.numbers import finite, measured
+from sim.study import Study
+
+
+def run_rows(dataset: xr.Dataset) -> list[dict[str, Any]]:
+    """Return one row per point: how long it ran, what came out, what it took.
+
+    ``number`` counts the points from 1. ``start`` (s, mean over replicates) is where averaging
+    begins, ``samples`` are all independent ones behind the mean velocity; NaN where not known.
+    """
+    rows = []
+    for index in range(dataset.sizes["point"]):
+        point = dataset.isel(point=index)
+        found = outcome(point)
+        rows.append(
+            {
+                "number": index + 1,
+                "point": str(point["point"].values),
+                "system": str(point["system"].values),
+                "series": str(point["series"].values).split(),
+                "replicates": int(point["replicates"]),
+                "start": float(point["average_start"].mean()),
+                "samples": float(point["independent_samples"].sum(min_count=1)),
+                "steps": int(point["steps"].sum()),
+                "wall_time": float(point["wall_time"].sum()),
+                "max_overlap": float(point["max_overlap"].max()),
+                "energy_residual": float(np.abs(point["energy_residual"]).max()),
+                "measured": measured(*map(finite, (found["velocity"], found["half_width"]))),
+                **found,
+            }
+        )
+    return rows
+
+
+def boundary_rows(study: Study, found: pd.DataFrame) -> list[dict[str, Any]]:
+    """Return one row per boundary for the table of boundaries, its place in the grid in words."""
+    rows = found.to_dict("records")
+    for row, boundary in zip(rows, study.boundaries, strict=True):
+        row["at"] = "; ".join(
+            setting(row["system"], name, value) for name, value in boundary.grid.items()
+        )
+        row["unit"] = _shown(row["unit"])
+        row["tolerance"] = boundary.tolerance
+    return rows
+
+
+def parameter_rows(dataset: xr.Dataset) -> dict[str, list[dict[str, Any]]]:
+    """Return the parameters of each system in the study with the values they take."""
+    tables = {}
+    for system, model in SYSTEMS.items():
+        points = dataset.isel(point=(dataset["system"] == system).values)
+        if points.sizes["point"]:
+            tables[system] = [
+                {
+                    "name": name,
+                    "symbol": row.symbol,
+                    "unit": row.scale or _shown(row.unit),
+                    "description": row.description,
+                    "values": _values(points[name].values.tolist()),
+                }
+                for name, row in field_info(model).items()
+                if name != "system"
+            ]
+    return tables
+
+
+def _shown(unit: str) -> str:
+    return "" if unit == "1" else unit
+
+
+def _values(values: Sequence[Any]) -> str:
+    """List distinct values in order, numbers with up to six digits."""
+    distinct = sorted(set(values))
+    return ", ".join(f"{v:.6g}" if isinstance(v, float) else str(v) for v in distinct)

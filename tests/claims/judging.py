@@ -1,0 +1,20 @@
+"""What tests of judges share: the verdict on made-up points."""
+
+from sim.claims.evidence import Evidence
+from sim.claims.verdict import NOT_REPRODUCED, worst
+from tests.claims.made import made_results
+
+
+def checks_on(judge, points, boundaries=()) -> list:
+    """What a judge checks on points of the published protocol."""
+    return judge(Evidence(made_results(*points, boundaries=boundaries), "published"))
+
+
+def verdict_on(judge, points, boundaries=()) -> str:
+    """The verdict of a judge on points of the published protocol."""
+    return worst([check.verdict for check in checks_on(judge, points, boundaries)])
+
+
+def failed(checks) -> list[str]:
+    """What was not reproduced."""
+    return [check.what for check in checks if check.verdict == NOT_REPRODUCED]

@@ -1,0 +1,139 @@
+"""Judges of claims about the density over height."""
+
+import numpy as np
+import pytest
+
+from sim.claims.gallas_density import chi_squared, g15, g16, g17, g18, g19, g20
+from sim.claims.verdict import INCONCLUSIVE, NOT_REPRODUCED, REPRODUCED, Untestable
+from tests.claims.paper_belt import BEAD, checks_of, density, published, verdict_of
+
+FREQUENCIES = (10, 20, 60, 80)
+PAIRS = ((10, 10), (0, 50), (50, 50), (50, 100))
+
+
+def row(frequencies=FREQUENCIES, **rest):
+    """Return points at several frequencies."""
+    return [published(frequency=frequency, **rest) for frequency in frequencies]
+
+
+def changed(points, profile, **parameters):
+    """Return points, one of them with another density over height (m⁻²)."""
+    new = published(profiles={"number_density": profile}, **parameters)
+    assert new.id in {point.id for point in points}
+    return [new if point.id == new.id else point for point in points]
+
+
+def block(height, top=9 * BEAD):
+    """Return a uniform density of 200 beads below a height."""
+    inside = height < top
+    return 10 * inside / inside.sum() / BEAD**2
+
+
+def leaning(height):
+    """Return a density that falls through the bed."""
+    shape = np.clip(1 - height / (18 * BEAD), 0, 1) * (height < 9 * BEAD)
+    return 10 * shape / shape.sum() / BEAD**2
+
+
+def test_a_plateau_of_density():
+    assert verdict_of(g15, row((10,))) == REPRODUCED
+    for profile in (leaning, lambda height: block(height, 12 * BEAD), lambda z: 0.9 * block(z)):
+        points = changed(row((10,)), profile, frequency=10)
+        assert verdict_of(g15, points) == NOT_REPRODUCED
+    with pytest.raises(Untestable, match="frequency 10"):
+        checks_of(g15, row((20,)))
+
+
+def test_a_plateau_that_differs_from_bed_to_bed_decides_nothing():
+    heights = (np.arange(200) + 0.5) * BEAD
+    waves = [0.2, -0.2, 0.25, -0.1, 0.0]
+    uneven = [block(heights) * (1 + wave * np.sin(heights / BEAD * 2)) for wave in waves]
+    points = [published(profiles={"number_density": np.array(uneven)}, frequency=10)]
+    assert checks_of(g15, points)[0].verdict == INCONCLUSIVE
+
+
+def test_hardly_a_bead_at_the_belt():
+    points = row((20, 60, 80))
+    assert verdict_of(g16, points) == REPRODUCED
+    assert verdict_of(g16, changed(points, block, frequency=60)) == NOT_REPRODUCED
+    with pytest.raises(Untestable, match="20, 60 and 80 Hz"):
+        checks_of(g16, row((20, 60)))
+
+
+def test_faster_shaking_smears_the_bed():
+    assert verdict_of(g17, row()) == REPRODUCED
+    assert verdict_of(g17, changed(row(), block, frequency=80)) == NOT_REPRODUCED
+    assert verdict_of(g17, row(scatter=0.5)) == INCONCLUSIVE
+    with pytest.raises(Untestable, match="frequency 60"):
+        checks_of(g17, row((10, 20, 80)))
+
+
+def test_a_gas_above_the_bed():
+    points = row((10, 60, 80))
+    assert verdict_of(g18, points) == REPRODUCED
+    assert verdict_of(g18, changed(points, block, frequency=60)) == NOT_REPRODUCED
+    gas = published(frequency=80).parameters
+    assert verdict_of(g18, changed(points, density(gas), frequency=10)) == NOT_REPRODUCED
+    with pytest.raises(Untestable, match="frequency 10"):
+        checks_of(g18, row((60, 80)))
+
+
+def angles(excess, noise=0.01, values=(30, 45, 60, 90)):
+    """Return noisy densities at several angles, one with ``excess`` more at half of its heights."""
+    random = np.random.default_rng(7)
+    points = []
+    for angle in values:
+        usual = published(frequency=60, vibration_angle=angle)
+        shape = density(usual.parameters)(usual.height)
+        factor = 1 + (excess if angle == 30 else 0.0) * np.sign(usual.height - 8 * BEAD)
+        # The beads of a bed are the same at all angles, and so is a part of its deviation.
+        own = 1 + 0.05 * np.linspace(-1, 1, 5)[:, None]
+        values = own * factor * shape + noise * shape.max() * random.normal(size=(5, shape.size))
+        points.append(
+            published(profiles={"number_density": values}, frequency=60, vibration_angle=angle)
+        )
+    return points
+
+
+def test_density_whatever_the_angle():
+    assert verdict_of(g19, angles(0.0)) == REPRODUCED
+    checks = checks_of(g19, angles(0.2))
+    assert [check.verdict for check in checks] == [NOT_REPRODUCED, NOT_REPRODUCED]
+    assert checks_of(g19, angles(0.0, noise=0.1))[1].verdict == INCONCLUSIVE
+    with pytest.raises(Untestable, match="vibration_angle 90"):
+        checks_of(g19, angles(0.0, values=(30, 45, 60)))
+
+
+def test_chi_squared_is_one_for_beds_that_differ_by_chance():
+    random = np.random.default_rng(3)
+    values = random.normal(size=(4, 5, 4000)) + 10 * random.normal(size=(1, 5, 4000))
+    assert chi_squared(values) == pytest.approx(1, abs=0.05)
+
+
+def friction(profiles=None, **rest):
+    """Return points at several pairs of damping, those of ``profiles`` with other densities."""
+    return [
+        published(
+            profiles={"number_density": profiles[pair]} if pair in (profiles or {}) else None,
+            frequency=80,
+            damping=pair[0],
+            shear_damping=pair[1],
+            **rest,
+        )
+        for pair in PAIRS
+    ]
+
+
+def test_less_friction_smears_the_bed():
+    assert verdict_of(g20, friction()) == REPRODUCED
+    assert verdict_of(g20, friction({(10, 10): block})) == NOT_REPRODUCED
+    assert verdict_of(g20, friction(scatter=0.5)) == INCONCLUSIVE
+    with pytest.raises(Untestable, match="damping 50, shear_damping 100"):
+        checks_of(g20, friction()[:-1])
+
+
+def test_fewer_beads_at_the_belt_are_not_the_claim():
+    loose = density(friction()[0].parameters)
+    fewer = {(10, 10): lambda height: loose(height) * np.where(height < 2 * BEAD, 0.5, 1)}
+    checks = checks_of(g20, friction(fewer))
+    assert [check.verdict for check in checks] == [REPRODUCED] * 3 + [NOT_REPRODUCED, REPRODUCED]

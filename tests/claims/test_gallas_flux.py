@@ -1,0 +1,122 @@
+"""Judges of claims about the mean velocity, on belts that do what the paper says and others."""
+
+import pytest
+
+from sim.claims.gallas_flux import g1, g2, g8, g13, g14
+from sim.claims.verdict import INCONCLUSIVE, NOT_REPRODUCED, REPRODUCED, Untestable
+from tests.claims.paper_belt import checks_of, published, verdict_of
+
+FREQUENCIES = (10, 15, 16, 18, 20, 25, 30, 40, 50, 60, 80, 100)
+
+
+def rows(name, values, frequencies=(20, 50, 80), **rest):
+    """Return points at all frequencies and values of a parameter."""
+    return [
+        published(**{name: value}, frequency=frequency, **rest)
+        for value in values
+        for frequency in frequencies
+    ]
+
+
+def base(**rest):
+    """Return the row of frequencies with the paper's other parameters."""
+    return [published(frequency=frequency, **rest) for frequency in FREQUENCIES]
+
+
+def replaced(points, scalars, **parameters):
+    """Return points with one of them anew, with other scalars."""
+    new = published(scalars, **parameters)
+    assert new.id in {point.id for point in points}
+    return [new if point.id == new.id else point for point in points]
+
+
+def test_rise_with_the_frequency_is_reproduced():
+    assert verdict_of(g1, base()) == REPRODUCED
+
+
+@pytest.mark.parametrize(
+    ("frequency", "velocity"), [(10, -0.01), (15, 0.01), (60, 0.1), (100, 0.9)]
+)
+def test_flow_below_the_onset_a_dip_or_a_curve_are_not_the_claim(frequency, velocity):
+    points = replaced(base(), {"velocity": velocity}, frequency=frequency)
+    assert verdict_of(g1, points) == NOT_REPRODUCED
+
+
+def test_scattered_velocities_decide_nothing():
+    assert verdict_of(g1, base(scatter=0.5)) == INCONCLUSIVE
+
+
+@pytest.mark.parametrize("missing", [10, 15, 50])
+def test_each_frequency_is_needed(missing):
+    points = [point for point in base() if point.parameters.frequency != missing]
+    with pytest.raises(Untestable, match=f"frequency {missing}"):
+        checks_of(g1, points)
+
+
+def test_flat_vibrations_are_faster():
+    points = rows("vibration_angle", (30, 45, 60))
+    assert verdict_of(g2, points) == REPRODUCED
+    swapped = replaced(points, {"velocity": 0.5}, frequency=80, vibration_angle=60)
+    assert verdict_of(g2, swapped) == NOT_REPRODUCED
+    assert verdict_of(g2, rows("vibration_angle", (30, 45, 60), scatter=1)) == INCONCLUSIVE
+
+
+def test_angles_are_compared_from_20_hz_on_and_with_several_beds():
+    points = rows("vibration_angle", (30, 45, 60))
+    slow = rows("vibration_angle", (30, 45, 60), frequencies=(16,))
+    single = rows("vibration_angle", (30, 45, 60), frequencies=(60,), replicates=1)
+    checks = checks_of(g2, points + slow + single)
+    assert len(checks) == 6
+    with pytest.raises(Untestable, match="20 Hz"):
+        checks_of(g2, slow + single)
+
+
+def test_large_amplitudes_are_faster_and_other_damping_is_reported():
+    points = rows("amplitude", (0.5, 1, 1.5), (25, 50))
+    marker = published(frequency=50, damping=10, shear_damping=10)
+    checks = checks_of(g8, [*points, marker])
+    assert [check.verdict for check in checks] == [REPRODUCED] * 5
+    assert "reported" in checks[-1].what
+    equal = replaced(points, {"velocity": 0.1}, frequency=50, amplitude=1.5)
+    assert verdict_of(g8, equal) == NOT_REPRODUCED
+    with pytest.raises(Untestable, match="amplitudes"):
+        checks_of(g8, rows("amplitude", (0.5, 1)))
+
+
+def test_stiffness_hardly_matters():
+    points = rows("stiffness", (500, 1000, 2000, 5000))
+    assert verdict_of(g13, points) == REPRODUCED
+    changed = replaced(points, {"velocity": 0.4}, frequency=80, stiffness=5000)
+    assert verdict_of(g13, changed) == NOT_REPRODUCED
+    assert verdict_of(g13, rows("stiffness", (500, 1000, 2000, 5000), scatter=0.2)) == INCONCLUSIVE
+    with pytest.raises(Untestable, match="stiffness 2000"):
+        checks_of(g13, rows("stiffness", (500, 1000, 5000)))
+
+
+def test_a_denser_bed_of_stiffer_beads_is_not_the_claim():
+    points = rows("stiffness", (500, 1000, 2000, 5000))
+    dense = published(
+        profiles={"number_density": lambda height: 2e6 * (height < 5e-3)},
+        frequency=20,
+        stiffness=500,
+    )
+    points = [dense if point.id == dense.id else point for point in points]
+    assert verdict_of(g13, points) == NOT_REPRODUCED
+
+
+def halved(frequencies=(14, 14.5, 15, 15.5, 16, 17, 20, 80), **rest):
+    """Return rows of the whole system and of half of it."""
+    small = [published(frequency=each, beads=100, width=10, **rest) for each in frequencies]
+    return small + [published(frequency=each, **rest) for each in frequencies]
+
+
+def test_half_the_system_is_enough():
+    assert verdict_of(g14, halved()) == REPRODUCED
+    slow = replaced(halved(), {"velocity": 0.2}, frequency=80, beads=100, width=10)
+    assert verdict_of(g14, slow) == NOT_REPRODUCED
+    early = replaced(halved(), {"velocity": 0.05}, frequency=14.5, beads=100, width=10)
+    early = replaced(early, {"velocity": 0.05}, frequency=15, beads=100, width=10)
+    early = replaced(early, {"velocity": 0.05}, frequency=15.5, beads=100, width=10)
+    assert verdict_of(g14, early) == NOT_REPRODUCED
+    with pytest.raises(Untestable, match="100 beads"):
+        checks_of(g14, base())

@@ -1,0 +1,107 @@
+"""Judges of claims about the shear friction coefficient."""
+
+import pytest
+
+from sim.claims.gallas_friction import g9, g10, g11, g12, g36
+from sim.claims.verdict import INCONCLUSIVE, NOT_REPRODUCED, REPRODUCED, Untestable
+from tests.claims.paper_belt import checks_of, published, verdict_of
+
+SHEAR = (0, 10, 20, 50, 100)
+
+
+def line(velocities=None, values=SHEAR, frequencies=(20, 50), **rest):
+    """Return points along the shear friction coefficient, with velocities (m/s) if given."""
+    given = [None] * len(values) if velocities is None else [{"velocity": v} for v in velocities]
+    return [
+        published(scalars, frequency=frequency, shear_damping=shear, **rest)
+        for frequency in frequencies
+        for shear, scalars in zip(values, given, strict=True)
+    ]
+
+
+def test_fast_rise_then_gentle():
+    assert verdict_of(g9, line()) == REPRODUCED
+    slow = [0, 0.05, 0.06, 0.08, 0.1]
+    assert verdict_of(g9, line(slow)) == NOT_REPRODUCED
+    falling = [0, 0.1, 0.1, 0.095, 0.09]
+    assert verdict_of(g9, line(falling)) == NOT_REPRODUCED
+    assert verdict_of(g9, line(scatter=0.4)) == INCONCLUSIVE
+    with pytest.raises(Untestable, match="shear_damping 20"):
+        checks_of(g9, line(values=(0, 10, 50, 100)))
+
+
+def test_beads_that_do_not_move_have_no_slope():
+    assert verdict_of(g9, line([0, 0.1, -0.1, 0.1, 0.1])) == INCONCLUSIVE
+
+
+def still(velocities, frequencies=(20, 50)):
+    """Return points without shear friction, velocities (m/s) per bed, beside usual ones."""
+    free = [
+        published({"velocity": velocities}, frequency=frequency, shear_damping=0)
+        for frequency in frequencies
+    ]
+    return [*free, *(published(frequency=frequency) for frequency in (20, 50))]
+
+
+@pytest.mark.parametrize(
+    ("velocities", "verdict"),
+    [
+        ([0.001, -0.001, 0.002, -0.002, 0.0005], REPRODUCED),
+        ([0.02, 0.021, 0.019, 0.02, 0.02], NOT_REPRODUCED),
+        ([0.05, -0.05, 0.04, -0.06, 0.02], INCONCLUSIVE),
+    ],
+)
+def test_no_shear_friction_no_transport(velocities, verdict):
+    assert verdict_of(g10, still(velocities)) == verdict
+
+
+def test_no_transport_needs_runs_without_shear_friction():
+    with pytest.raises(Untestable, match="frequency 50, shear_damping 0"):
+        checks_of(g10, still([0.0, 0.001], frequencies=(20,)))
+
+
+def scattered(ratio, **rest):
+    """Return points whose relative scatter below g is ``ratio`` times that at 50g."""
+    usual = line(values=(50,), scatter=0.01, **rest)
+    return usual + line(values=(0.2, 0.5), scatter=0.01 * ratio, **rest)
+
+
+@pytest.mark.parametrize(
+    ("ratio", "verdict"), [(20, REPRODUCED), (1, NOT_REPRODUCED), (5, INCONCLUSIVE)]
+)
+def test_poor_statistics_at_small_shear_friction(ratio, verdict):
+    assert verdict_of(g11, scattered(ratio)) == verdict
+
+
+def test_scatter_needs_several_beds():
+    with pytest.raises(Untestable, match="scatter over several beds"):
+        checks_of(g11, scattered(5, replicates=1))
+    with pytest.raises(Untestable, match="γ_s < g"):
+        checks_of(g11, line())
+
+
+@pytest.mark.parametrize(
+    ("velocity", "scatter", "verdict"),
+    [
+        (0.25, 0.001, REPRODUCED),
+        (0.4, 0.001, NOT_REPRODUCED),
+        (0.25, 0.2, INCONCLUSIVE),
+    ],
+)
+def test_strong_shear_friction_hardly_matters(velocity, scatter, verdict):
+    usual = published({"velocity": 0.25}, frequency=80, scatter=scatter)
+    strong = published({"velocity": velocity}, frequency=80, shear_damping=100, scatter=scatter)
+    assert verdict_of(g12, [usual, strong]) == verdict
+    with pytest.raises(Untestable, match="shear_damping 100"):
+        checks_of(g12, [usual])
+
+
+def test_shear_friction_matters_at_small_velocities():
+    values = (20, 50, 100)
+    assert verdict_of(g36, line(values=values, frequencies=(20, 80))) == REPRODUCED
+    slow = line([0.1, 0.1, 0.1], values, frequencies=(20,))
+    fast = line([0.2, 0.25, 0.3], values, frequencies=(80,))
+    assert verdict_of(g36, slow + fast) == NOT_REPRODUCED
+    assert verdict_of(g36, line(values=values, frequencies=(20, 80), scatter=0.1)) == INCONCLUSIVE
+    with pytest.raises(Untestable, match="frequency 80"):
+        checks_of(g36, line(values=values, frequencies=(20,)))

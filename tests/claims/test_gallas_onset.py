@@ -1,0 +1,191 @@
+"""Judges of claims about the onset of transport, from boundaries and from scans."""
+
+import pytest
+
+from sim.claims.evidence import Evidence
+from sim.claims.gallas_onset import g3, g4, g5, g6, g7, g35, onset
+from sim.claims.verdict import INCONCLUSIVE, NOT_REPRODUCED, REPRODUCED, Untestable
+from tests.claims.made import made_boundary, made_results
+from tests.claims.paper_belt import checks_of, published, velocity, verdict_of
+
+SCAN = (14, 15, 15.5, 16, 16.5, 17, 18, 20)
+PAIRS = ((50, 50), (0, 50), (10, 10), (50, 100), (10, 50))
+
+#: Velocity (m/s) well above 2 % of the belt's.
+MOVING = 0.03
+
+
+def scan(frequencies=SCAN, **parameters):
+    """Return a row of frequencies."""
+    return [published(frequency=frequency, **parameters) for frequency in frequencies]
+
+
+def early(start, frequencies=SCAN, **parameters):
+    """Return a row of frequencies that transports from ``start`` (Hz) on."""
+    return [
+        published({"velocity": MOVING if each >= start else 0.0}, frequency=each, **parameters)
+        for each in frequencies
+    ]
+
+
+def boundary(low, high, **parameters):
+    """Return an onset found by refinement."""
+    return made_boundary("belt", "transport", "frequency", low, high, **parameters)
+
+
+def found(points, boundaries=()):
+    """Return nominal value and half width (Hz) of the onset at the paper's parameters."""
+    value = onset(Evidence(made_results(*points, boundaries=boundaries), "published")).frequency
+    return value.nominal_value, 1.96 * value.std_dev
+
+
+def test_a_scan_brackets_the_onset_of_each_bed():
+    assert found(scan()) == pytest.approx((15.75, 0.25))
+    spread = [
+        published({"velocity": [0, 0, MOVING, MOVING]}, replicates=4, frequency=15.5)
+        if point.parameters.frequency == 15.5
+        else point
+        for point in early(16, replicates=4)
+    ]
+    value, half_width = found(spread)
+    assert value == pytest.approx(15.5)
+    assert half_width == pytest.approx(3.18 * 0.289 / 2, rel=0.01)
+
+
+def test_a_bed_that_moves_only_now_and_then_is_not_transported():
+    unsure = published({"velocity": MOVING, "velocity_error": MOVING / 3}, frequency=16)
+    points = [unsure if point.id == unsure.id else point for point in scan()]
+    assert found(points) == pytest.approx((16.25, 0.25))
+
+
+def test_what_one_start_differs_from_another_is_known_from_other_boundaries():
+    others = [
+        boundary(low, low + 0.25, seed=seed, vibration_angle=angle)
+        for angle in (30, 60)
+        for seed, low in ((1, 15.0), (2, 15.5))
+    ]
+    value, half_width = found(scan(), [boundary(15.75, 16.0), *others])
+    assert value == pytest.approx(15.875)
+    assert half_width == pytest.approx(4.303 * 0.5 / 2**0.5, rel=0.01)
+
+
+def test_a_boundary_goes_before_a_scan_and_several_are_joined():
+    assert found(scan(), [boundary(15.0, 15.25)]) == pytest.approx((15.125, 0.125))
+    two = [boundary(15.0, 15.25, seed=1), boundary(16.0, 16.25, seed=2)]
+    value, half_width = found(scan(), two)
+    assert value == pytest.approx(15.625)
+    assert half_width == pytest.approx(12.7 * 0.5, rel=0.01)
+    other = boundary(13.0, 13.25, amplitude=1.5)
+    assert found(scan(), [other]) == pytest.approx((15.75, 0.25))
+
+
+@pytest.mark.parametrize(
+    ("points", "what"),
+    [
+        ([], "nor a scan"),
+        (scan((16, 17, 18)), "a bed flows at the lowest, 16 Hz"),
+        (scan((14, 15)), "does not flow at the highest, 15 Hz"),
+    ],
+)
+def test_what_holds_no_onset_is_untestable(points, what):
+    with pytest.raises(Untestable, match=what):
+        found([*points, published(frequency=30, vibration_angle=60)])
+
+
+def angles(start=None):
+    """Return scans at three angles; with ``start`` the flattest begins to flow there."""
+    flat = early(start, vibration_angle=30) if start else scan(vibration_angle=30)
+    return [*flat, *scan(), *scan(vibration_angle=60)]
+
+
+def test_onset_at_three_angles():
+    assert verdict_of(g3, angles()) == REPRODUCED
+    assert verdict_of(g3, angles(start=18)) == NOT_REPRODUCED
+    assert verdict_of(g3, angles(start=15.5)) == INCONCLUSIVE
+    with pytest.raises(Untestable, match="vibration_angle 60"):
+        checks_of(g3, [*scan(), *scan(vibration_angle=30)])
+
+
+def damped(last):
+    """Return the onsets at five pairs of damping, the last one chosen."""
+    return [
+        boundary(low, low + 0.25, damping=damping, shear_damping=shear)
+        for (damping, shear), low in zip(PAIRS, (15.5, 15.75, 15.5, 15.75, last), strict=True)
+    ]
+
+
+def test_onset_whatever_the_damping():
+    point = [published()]
+    assert verdict_of(g4, point, boundaries=damped(15.75)) == REPRODUCED
+    assert verdict_of(g4, point, boundaries=damped(17)) == NOT_REPRODUCED
+    assert verdict_of(g4, point, boundaries=damped(16.5)) == INCONCLUSIVE
+    with pytest.raises(Untestable, match="shear_damping 50"):
+        checks_of(g4, point, boundaries=damped(15.75)[:-1])
+
+
+def test_onset_at_a_larger_amplitude():
+    points = scan((15, 20), amplitude=1.5)
+    at = {low: [boundary(low, low + 0.25, amplitude=1.5)] for low in (13, 15, 16)}
+    assert verdict_of(g5, points, boundaries=at[16]) == REPRODUCED
+    assert verdict_of(g5, points, boundaries=at[15]) == INCONCLUSIVE
+    assert verdict_of(g5, points, boundaries=at[13]) == NOT_REPRODUCED
+    moving = [published({"velocity": 0.07}, frequency=15, amplitude=1.5), points[1]]
+    assert verdict_of(g5, moving, boundaries=at[16]) == NOT_REPRODUCED
+    with pytest.raises(Untestable, match=r"amplitude 1\.5"):
+        checks_of(g5, scan())
+
+
+def test_onset_at_a_smaller_amplitude():
+    points = scan((15, 16, 17, 17.5, 18, 19, 20), amplitude=0.5)
+    assert verdict_of(g6, points) == REPRODUCED
+    late = [boundary(22, 22.25, amplitude=0.5)]
+    assert verdict_of(g6, points, boundaries=late) == NOT_REPRODUCED
+    with pytest.raises(Untestable, match=r"amplitude 0\.5"):
+        checks_of(g6, scan())
+
+
+@pytest.mark.parametrize(
+    ("low", "verdict"), [(15.75, REPRODUCED), (14, NOT_REPRODUCED), (15, INCONCLUSIVE)]
+)
+def test_onset_at_the_acceleration_of_gravity(low, verdict):
+    assert verdict_of(g7, [published()], boundaries=[boundary(low, low + 0.25)]) == verdict
+
+
+def test_the_acceleration_is_that_of_the_belt():
+    check = checks_of(g7, [published()], boundaries=[boundary(16, 16)])[0]
+    assert check.value == pytest.approx((2 * 3.14159 * 16) ** 2 * 1e-3 / 10, rel=1e-4)
+
+
+SHARP = (14, 15, 15.5, 16, 16.5, 17, 18, 20, 25, 40, 80)
+
+
+def sweeps(down=15.75, **rest):
+    """Return a scan and a boundary of the sweep down."""
+    points = scan(SHARP, **rest)
+    return points, [boundary(down, down + 0.25, prior_frequency=25)]
+
+
+def test_a_sharp_threshold():
+    points, back = sweeps()
+    assert verdict_of(g35, points, boundaries=back) == REPRODUCED
+    points, back = sweeps(down=13)
+    assert verdict_of(g35, points, boundaries=back) == NOT_REPRODUCED
+    points, back = sweeps(down=14.75)
+    assert verdict_of(g35, points, boundaries=back) == INCONCLUSIVE
+
+
+def test_a_slow_rise_is_not_a_sharp_threshold():
+    slow = [
+        published(
+            {"velocity": velocity(point.parameters) * min(1, frequency / 40)}, frequency=frequency
+        )
+        for frequency, point in zip(SHARP, scan(SHARP), strict=True)
+    ]
+    assert verdict_of(g35, slow, boundaries=sweeps()[1]) == NOT_REPRODUCED
+
+
+def test_a_threshold_needs_scan_and_sweep():
+    with pytest.raises(Untestable, match="scan of the frequency with 15"):
+        checks_of(g35, scan((16, 20)))
+    with pytest.raises(Untestable, match="prior_frequency 25"):
+        checks_of(g35, scan(SHARP))

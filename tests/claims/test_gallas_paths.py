@@ -1,0 +1,112 @@
+"""Judges of claims about the paths of the beads."""
+
+import numpy as np
+import pytest
+
+from sim.claims.gallas_paths import g24, g25, g32
+from sim.claims.verdict import INCONCLUSIVE, NOT_REPRODUCED, REPRODUCED, Untestable
+from tests.claims.paper_belt import checks_of, published, verdict_of
+
+PANELS = {
+    "a": {"frequency": 10},
+    "steeper": {"frequency": 10, "vibration_angle": 60},
+    "b": {"frequency": 10, "shear_damping": 1},
+    "c": {"frequency": 20},
+    "d": {"frequency": 80},
+    "e": {"frequency": 80, "shear_damping": 0},
+}
+
+
+def panels(changed="", scalars=None, **rest):
+    """Return the points of Fig. 4; that of one panel has other measures."""
+    return [
+        published(scalars if name == changed else None, **parameters, **rest)
+        for name, parameters in PANELS.items()
+    ]
+
+
+def test_from_ellipses_to_a_stream():
+    assert verdict_of(g24, panels()) == REPRODUCED
+    assert verdict_of(g24, panels(scatter=1)) == INCONCLUSIVE
+
+
+@pytest.mark.parametrize(
+    ("panel", "scalars"),
+    [
+        ("a", {"path_drift": 3e-4}),
+        ("a", {"path_drift": -3e-4}),
+        ("a", {"path_tilt": np.radians(80)}),
+        ("a", {"path_minor": 1e-5}),
+        ("steeper", {"path_tilt": np.radians(40)}),
+        ("b", {"path_tilt": np.radians(45)}),
+        ("c", {"path_drift": -1e-3}),
+        ("c", {"path_vertical": 1e-5}),
+        ("e", {"path_drift": 1e-3}),
+        ("e", {"path_tilt": np.radians(20)}),
+    ],
+)
+def test_other_paths_are_not_those_of_the_paper(panel, scalars):
+    assert verdict_of(g24, panels(panel, scalars)) == NOT_REPRODUCED
+
+
+@pytest.mark.parametrize("missing", PANELS)
+def test_each_panel_is_needed(missing):
+    points = dict(zip(PANELS, panels(), strict=True))
+    del points[missing]
+    with pytest.raises(Untestable):
+        checks_of(g24, list(points.values()))
+
+
+STREAMS = (
+    {"vibration_angle": 30},
+    {},
+    {"vibration_angle": 60},
+    {"shear_damping": 100},
+    {"damping": 10, "shear_damping": 10},
+)
+
+
+def streams(changed=None, **rest):
+    """Return points at 80 Hz; those named by their place have paths of that height (m)."""
+    return [
+        published(
+            {"path_vertical": changed[index]} if index in (changed or {}) else None,
+            frequency=80,
+            **parameters,
+            **rest,
+        )
+        for index, parameters in enumerate(STREAMS)
+    ]
+
+
+def test_what_makes_a_stream():
+    assert verdict_of(g25, streams()) == REPRODUCED
+    assert verdict_of(g25, streams({0: 1e-2})) == NOT_REPRODUCED
+    assert verdict_of(g25, streams({4: 1e-6})) == NOT_REPRODUCED
+    assert verdict_of(g25, streams(scatter=0.5)) == INCONCLUSIVE
+    with pytest.raises(Untestable, match="shear_damping 100"):
+        checks_of(g25, streams()[:3])
+
+
+def blocked(scalars=None, **rest):
+    """Return points at 80 Hz with an obstacle, and without it at 80 and 20 Hz."""
+    return [
+        published(scalars, frequency=80, obstacle=1.5, **rest),
+        published(frequency=80, **rest),
+        published(frequency=20, **rest),
+    ]
+
+
+def test_paths_behind_an_obstacle():
+    assert verdict_of(g32, blocked()) == REPRODUCED
+    low = {"path_vertical": 1e-4, "path_drift": 1e-3}
+    assert verdict_of(g32, blocked(low)) == NOT_REPRODUCED
+    with pytest.raises(Untestable, match=r"obstacle 1\.5"):
+        checks_of(g32, blocked()[1:])
+    with pytest.raises(Untestable, match="backwards"):
+        checks_of(g32, blocked({"path_drift": -1e-3}))
+
+
+def test_paths_halfway_decide_nothing():
+    half = {"path_vertical": 0.24e-3, "path_drift": 1e-3}
+    assert verdict_of(g32, blocked(half, scatter=0.2)) == INCONCLUSIVE

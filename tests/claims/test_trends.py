@@ -1,0 +1,62 @@
+"""Order along a parameter, and statements on many quantities at once."""
+
+import numpy as np
+import pytest
+from uncertainties import ufloat
+
+from sim.claims.trends import least, ordered
+from sim.claims.verdict import INCONCLUSIVE, NOT_REPRODUCED, REPRODUCED
+from tests.claims.made import spread
+
+
+class Somewhere:
+    """A place with samples enough."""
+
+    id, samples = "somewhere", 100.0
+
+
+def found(values, error=0.01, rising=True) -> list[str]:
+    """Verdicts on a series of values along 0, 1, 2, ..."""
+    line = {float(k): ufloat(value, error) for k, value in enumerate(values)}
+    checks = ordered("V", "e", line, dict.fromkeys(line, Somewhere()), rising)
+    return [check.verdict for check in checks]
+
+
+def test_order_is_that_of_the_ends_unless_a_step_is_clearly_reversed():
+    assert found([1, 2, 3]) == [REPRODUCED]
+    assert found([3, 2, 1], rising=False) == [REPRODUCED]
+    assert found([1, 2, 1.99]) == [REPRODUCED]
+    assert found([1, 2, 1.5]) == [REPRODUCED, NOT_REPRODUCED]
+    assert found([3, 2, 1]) == [NOT_REPRODUCED, NOT_REPRODUCED, NOT_REPRODUCED]
+    assert found([1, 2, 3], error=2.0) == [INCONCLUSIVE]
+
+
+def interval(rows) -> tuple[float, float]:
+    value = least(np.asarray(rows, float))
+    half_width = 1.96 * value.std_dev
+    return value.nominal_value - half_width, value.nominal_value + half_width
+
+
+def rows_of(means, errors, replicates=8) -> np.ndarray:
+    return np.asarray(means) + np.outer(spread(replicates), errors)
+
+
+def test_least_of_many_is_positive_only_if_all_are():
+    assert interval(rows_of([1, 2, 0.5], [0.01, 0.01, 0.01]))[0] > 0
+    low, high = interval(rows_of([1, 2, 0.5], [0.01, 5, 0.01]))
+    assert low < 0 < high
+
+
+def test_least_of_many_is_negative_if_one_clearly_is():
+    assert interval(rows_of([1, -0.1, -2.0], [0.01, 0.01, 50]))[1] < 0
+
+
+def test_chance_alone_makes_none_of_many_negative():
+    """Each of 2000 sets of 20 positive means that noise hides: 2.5 % of them may fail."""
+    rng = np.random.default_rng(1)
+    negative = [interval(rng.normal(0, 1, (8, 20)))[1] < 0 for _ in range(2000)]
+    assert np.mean(negative) == pytest.approx(0.025, abs=0.01)
+
+
+def test_one_replicate_says_nothing():
+    assert interval([[1.0, 2.0]]) == (-np.inf, np.inf)

@@ -1,0 +1,107 @@
+"""Judges of flows as a whole: verdicts on made-up flows that are right, wrong, few or scattered."""
+
+import pytest
+
+from sim.claims.verdict import INCONCLUSIVE, NOT_REPRODUCED, REPRODUCED, Untestable
+from sim.claims.walton_flows import w5, w9, w24, w26
+from tests.claims.judging import checks_on, failed, verdict_on
+from tests.claims.made import made_point
+from tests.claims.walton_made import SLOPE, SPEEDS, UNIT, base_flows, flow
+
+JUDGES = [w5, w9, w24, w26]
+
+
+@pytest.mark.parametrize("judge", JUDGES)
+def test_right_flows_are_reproduced(judge):
+    assert verdict_on(judge, base_flows()) == REPRODUCED
+
+
+@pytest.mark.parametrize("judge", JUDGES)
+def test_without_flows_nothing_is_tested(judge):
+    with pytest.raises(Untestable, match=r"flow|depth"):
+        checks_on(judge, [made_point("belt", {"velocity": 0.1})])
+
+
+@pytest.mark.parametrize("judge", [w9, w26])
+def test_scattered_flows_decide_nothing(judge):
+    assert verdict_on(judge, base_flows(scatter=1.5, replicates=3)) == INCONCLUSIVE
+
+
+def test_powers_that_scatter_decide_nothing():
+    right = flow(8, depth=5).scalars["normal_power"]
+    scattered = {"normal_power": right * [1.0, 0.9, 1.1, 0.8, 1.2]}
+    assert verdict_on(w24, [flow(8, scattered, depth=5)]) == INCONCLUSIVE
+
+
+@pytest.mark.parametrize("judge", [w24, w26])
+def test_balances_are_those_of_steady_flows_alone(judge):
+    wrong = flow(9, {"regime": "undetermined", "base_shear": 1.0, "normal_power": 1.0}, depth=7)
+    assert verdict_on(judge, [*base_flows(), wrong]) == REPRODUCED
+    with pytest.raises(Untestable, match="steady"):
+        checks_on(judge, [wrong])
+
+
+def test_one_leaking_replicate_fails_the_ledger_wherever_it_is():
+    leaking = flow(8, {"energy_residual": [1e-5, -0.006, 1e-5, 1e-5, 1e-5]}, depth=5, friction=0.5)
+    checks = checks_on(w5, [*base_flows(), leaking])
+    assert checks[0].value == pytest.approx(0.006) and checks[0].points == (leaking.id,)
+    assert failed(checks) == ["largest share of the energy that a ledger lacks, 11 points"]
+
+
+def test_velocities_without_order_fail_and_close_ones_decide_nothing():
+    depths = list(SPEEDS)
+    shuffled = dict(zip(depths, [9, 4, 12, 3, 8, 15, 5, 10, 4.5, 7], strict=True))
+    assert verdict_on(w9, base_flows(shuffled)) == NOT_REPRODUCED
+    falling = dict(zip(depths, range(20, 0, -2), strict=True))
+    assert verdict_on(w9, base_flows(falling)) == NOT_REPRODUCED
+    close = dict(zip(depths, [8, 8.2, 8.1, 8.3, 8.2, 8.5, 8.4, 8.6, 8.3, 8.7], strict=True))
+    assert verdict_on(w9, base_flows(close, scatter=0.1)) == INCONCLUSIVE
+
+
+def drifting(gain: float):
+    """A flow at depth 40 that still gains velocity, at a rate in g sin θ."""
+    return flow(30, {"regime": "accelerating", "acceleration": gain * SLOPE}, depth=40)
+
+
+def test_a_drift_counts_as_uncertainty():
+    flows = base_flows({n: speed for n, speed in SPEEDS.items() if n < 40})
+    # 0.02 g sin θ over 200 √(σ/g) is 1.2 √(gσ): as much as there is between depths 20 and 40 here.
+    near = flow(26, drifting(0.02).scalars | {"velocity": 26 * UNIT}, depth=40)
+    assert verdict_on(w9, [*flows, near]) == REPRODUCED
+    value = checks_on(w9, [*flows, near])[0]
+    assert value.half_width > 0
+
+
+def test_a_deep_flow_that_still_accelerates_leaves_the_order_untested():
+    flows = base_flows({n: speed for n, speed in SPEEDS.items() if n < 40})
+    with pytest.raises(Untestable, match="accelerating"):
+        checks_on(w9, [*flows, drifting(0.1)])
+    assert verdict_on(w9, [*flows, drifting(0.001)]) == REPRODUCED
+    with pytest.raises(Untestable, match=r"1\.24 to 40"):
+        checks_on(w9, flows)
+
+
+@pytest.mark.parametrize("change", [0.97, 1.03])
+def test_dissipated_power_off_by_three_percent_fails(change):
+    right = flow(8, depth=5)
+    power = {name: change * right.scalars[name] for name in ("normal_power", "frictional_power")}
+    assert verdict_on(w24, [flow(8, power, depth=5)]) == NOT_REPRODUCED
+
+
+def test_dissipation_by_collisions_alone_fails():
+    right = flow(8, depth=5)
+    power = {"normal_power": 1.98 * right.scalars["normal_power"]}
+    power["frictional_power"] = 0.02 * right.scalars["frictional_power"]
+    assert failed(checks_on(w24, [flow(8, power, depth=5)])) == ["share of friction in it, n = 5"]
+
+
+@pytest.mark.parametrize("name", ["base_normal", "base_shear"])
+def test_base_forces_off_by_one_percent_fail(name):
+    wrong = {name: 1.01 * flow(8, depth=5).scalars[name]}
+    assert verdict_on(w26, [*base_flows({1.24: 4.4}), flow(8, wrong, depth=5)]) == NOT_REPRODUCED
+
+
+def test_too_few_independent_samples_decide_nothing():
+    few = flow(8.2, {"independent_samples": 1.0}, depth=5)
+    assert verdict_on(w26, base_flows({5: 8.2})) == REPRODUCED
+    assert verdict_on(w26, [few]) == INCONCLUSIVE

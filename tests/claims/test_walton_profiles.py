@@ -1,0 +1,189 @@
+"""Judges of profiles: verdicts on made-up flows that are right, wrong, few or scattered."""
+
+import numpy as np
+import pytest
+
+from sim.claims.verdict import INCONCLUSIVE, NOT_REPRODUCED, REPRODUCED, Untestable
+from sim.claims.walton_profiles import w10, w11, w12, w13, w14, w17, w18
+from tests.claims.judging import checks_on, failed, verdict_on
+from tests.claims.made import SCATTER
+from tests.claims.walton_made import PACKING, RUNAWAY, SIZE, SPEEDS, UNIT, base_flows, bent, flow
+
+
+def shaped(depth, velocity=lambda z: UNIT * z, packing=None, scalars=None, **options):
+    """A flow of the base case with profiles: functions of the height in diameters, or arrays."""
+
+    def profile(shape):
+        return (lambda height: shape(height / SIZE)) if callable(shape) else shape
+
+    packing = packing or filled_to(depth / 0.9)
+    profiles = {"velocity_profile": profile(velocity), "packing_profile": profile(packing)}
+    return flow(SPEEDS[depth], scalars, profiles, depth=depth, **options)
+
+
+def filled_to(depth: float):
+    """The packing of a bed that is filled evenly up to a height in diameters."""
+    return lambda z: PACKING * (z < depth)
+
+
+def wavy(z, dip: float):
+    """Velocity that rises but for a dip of its slope at one diameter."""
+    return UNIT * (z - dip * np.clip(z - 1, 0, 0.5))
+
+
+@pytest.mark.parametrize(
+    ("dip", "scatter", "verdict"),
+    [
+        (0.0, SCATTER, REPRODUCED),
+        (0.8, SCATTER, REPRODUCED),
+        (1.2, SCATTER, NOT_REPRODUCED),
+        (0.8, 1.5, INCONCLUSIVE),
+    ],
+)
+def test_monotone_shear(dip, scatter, verdict):
+    flows = [shaped(n, lambda z: wavy(z, dip), replicates=8, scatter=scatter) for n in (1.24, 2.5)]
+    # Deeper flows may do as they like.
+    flows.append(shaped(10, lambda z: -UNIT * z, replicates=8))
+    assert verdict_on(w10, flows) == verdict
+
+
+@pytest.mark.parametrize("judge", [w10, w12])
+def test_statements_on_all_bins_need_many_replicates(judge):
+    with pytest.raises(Untestable, match="6 replicates"):
+        checks_on(judge, [shaped(1.24, replicates=5)])
+
+
+@pytest.mark.parametrize(
+    ("knee", "rest", "scatter", "verdict"),
+    [
+        (2.0, 0.0, SCATTER, REPRODUCED),
+        (2.0, 0.1, SCATTER, NOT_REPRODUCED),
+        (9.0, 0.0, SCATTER, NOT_REPRODUCED),
+        (6.0, 0.0, 0.5, INCONCLUSIVE),
+    ],
+)
+def test_plug_over_a_shear_layer(knee, rest, scatter, verdict):
+    flows = [shaped(n, bent(n / 10 * knee, n, rest, scatter=scatter)) for n in (10, 20, 40)]
+    assert verdict_on(w11, flows) == verdict
+
+
+@pytest.mark.parametrize("judge", [w11, w14, w17])
+def test_deep_flows_must_be_there_and_settled(judge):
+    with pytest.raises(Untestable, match="depth"):
+        checks_on(judge, base_flows({1.24: 4, 5: 8}))
+    flows = [shaped(n) for n in (10, 20)]
+    with pytest.raises(Untestable, match="accelerating"):
+        checks_on(judge, [*flows, shaped(40, scalars=RUNAWAY)])
+
+
+def thinning(z, bump: float):
+    """Packing that falls with height, but for a bump one diameter up."""
+    return np.clip(0.5 - 0.15 * z + bump * ((z > 1) & (z < 1.5)), 0, None)
+
+
+@pytest.mark.parametrize(
+    ("bump", "scatter", "verdict"),
+    [
+        (0.0, SCATTER, REPRODUCED),
+        (0.1, SCATTER, NOT_REPRODUCED),
+        (0.0, 1.5, INCONCLUSIVE),
+    ],
+)
+def test_packing_that_falls_from_the_first_centers_on(bump, scatter, verdict):
+    options = {"replicates": 8, "scatter": scatter}
+    # Below the first centers packing rises in any flow.
+    flows = [
+        shaped(1.24, packing=lambda z: thinning(z, bump) * np.where(z < 0.4, 0.5, 1.0), **options),
+        shaped(2.5, packing=lambda z: thinning(z, 0.1), **options),
+    ]
+    assert verdict_on(w12, flows) == verdict
+
+
+def domed(z, peak: float, depth: float):
+    """Packing with its maximum at half the depth, or its minimum where ``peak`` is negative."""
+    inside = 0.5 + peak * np.sin(np.pi * z / depth)
+    layers = 1 + 0.2 * np.cos(2 * np.pi * z)
+    return np.where(z < depth, inside * layers, 0)
+
+
+@pytest.mark.parametrize(
+    ("peak", "scatter", "verdict"),
+    [
+        (0.1, SCATTER, REPRODUCED),
+        (-0.1, SCATTER, NOT_REPRODUCED),
+        (0.1, 1.5, INCONCLUSIVE),
+    ],
+)
+def test_maximum_of_the_packing_inside(peak, scatter, verdict):
+    flows = [
+        shaped(n, packing=lambda z, n=n: domed(z, peak, 1.8 * n), scatter=scatter) for n in (5, 10)
+    ]
+    assert verdict_on(w13, flows) == verdict
+
+
+def test_maximum_inside_needs_an_intermediate_flow_with_replicates():
+    with pytest.raises(Untestable, match="replicates"):
+        checks_on(w13, [shaped(5, replicates=1), shaped(2.5)])
+
+
+def block(plug: float = 0.62, sheared: float = 0.5, ripple: float = 0.0, **options):
+    """A flow at depth 40 with a shear layer of four diameters under a plug."""
+
+    def packing(z):
+        rippled = plug * (1 + ripple * np.sign(np.sin(np.pi * z / 2)))
+        return np.where(z < 4, sheared, np.where(z < 60, rippled, 0))
+
+    velocity = np.tile(bent(4.2, 40, replicates=1), (5, 1))
+    return [shaped(40, velocity, packing, **options)]
+
+
+@pytest.mark.parametrize(
+    ("options", "wrong"),
+    [
+        ({}, []),
+        ({"plug": 0.58}, ["packing of the plug"]),
+        ({"sheared": 0.6}, ["packing of the plug less that of the shear layer"]),
+        ({"plug": 0.7, "ripple": 0.1}, ["relative scatter of its packing"]),
+    ],
+)
+def test_block_over_a_looser_layer(options, wrong):
+    checks = checks_on(w14, block(**options))
+    assert [what.removesuffix(", n = 40") for what in failed(checks)] == wrong
+    assert verdict_on(w14, block(**options)) == (NOT_REPRODUCED if wrong else REPRODUCED)
+
+
+def test_block_of_uncertain_packing_decides_nothing():
+    assert verdict_on(w14, block(scatter=0.2)) == INCONCLUSIVE
+
+
+def with_depths(*depths, scatter=SCATTER):
+    return [
+        shaped(n, scalars={"shear_depth": depth * SIZE}, scatter=scatter)
+        for n, depth in zip((10, 20, 40), depths, strict=True)
+    ]
+
+
+def test_shear_depth_falls_with_the_depth():
+    assert verdict_on(w17, with_depths(3, 2, 1.5)) == REPRODUCED
+    assert failed(checks_on(w17, with_depths(3, 2, 2.2))) == [
+        "shear depth at n = 40 over that at n = 20"
+    ]
+    assert verdict_on(w17, with_depths(3, 2, 1.5, scatter=0.5)) == INCONCLUSIVE
+
+
+@pytest.mark.parametrize(
+    ("rest", "scatter", "verdict"),
+    [(0.5, SCATTER, REPRODUCED), (0.05, SCATTER, NOT_REPRODUCED)],
+)
+def test_slowest_flow_shears_throughout(rest, scatter, verdict):
+    slowest = shaped(1, bent(1.5, 10, rest, scatter=scatter), filled_to(4))
+    assert verdict_on(w18, [slowest, shaped(1.24), shaped(2.5)]) == verdict
+
+
+def test_slowest_flow_of_uncertain_shape_decides_nothing():
+    rests = np.array([0.05, 0.1, 0.2, 0.4, 0.6])
+    rows = np.vstack([bent(1.5, 10, rest, replicates=1) for rest in rests])
+    slowest = shaped(1, rows, filled_to(4))
+    assert verdict_on(w18, [slowest, shaped(1.24), shaped(2.5)]) == INCONCLUSIVE
+    with pytest.raises(Untestable, match="three settled"):
+        checks_on(w18, [slowest, shaped(1.24)])

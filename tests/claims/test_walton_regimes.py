@@ -1,0 +1,179 @@
+"""Judges of regimes: verdicts on made-up flows that are right, wrong, few or scattered."""
+
+from math import radians, tan
+
+import pytest
+
+from sim.claims.verdict import INCONCLUSIVE, NOT_REPRODUCED, REPRODUCED, Untestable
+from sim.claims.walton_regimes import SLIPPERY, w6, w7, w8, w19, w23, w25
+from tests.claims.judging import checks_on, failed, verdict_on
+from tests.claims.made import made_boundary
+from tests.claims.walton_made import PAPER, SLOPE, SPEEDS, base_flows, flow
+
+TANGENT = tan(radians(PAPER.angle))
+
+
+def accelerating(gain: float, error: float = 1e-3, speed: float = 60, **options):
+    """A flow with dV/dt in g sin θ, known within a standard error."""
+    trend = {
+        "acceleration": gain * SLOPE,
+        "acceleration_error": error * SLOPE,
+        "regime": "accelerating",
+    }
+    return flow(speed, trend, **options)
+
+
+def slippery(change: float = 1.0, error: float = 1e-3, depths=(0.5, 10, 40)):
+    """Flows that slide as a block does, but for a factor at depth 10."""
+    return [
+        accelerating((change if n == 10 else 1) * (1 - mu / TANGENT), error, friction=mu, depth=n)
+        for mu in SLIPPERY
+        for n in depths
+    ]
+
+
+def test_flows_that_slide_as_a_block_are_reproduced():
+    assert verdict_on(w6, slippery()) == REPRODUCED
+
+
+def test_flows_that_gain_less_than_a_block_fail():
+    assert verdict_on(w6, slippery(0.8)) == NOT_REPRODUCED
+    plateau = [flow(20, friction=0.3, depth=n) for n in (0.5, 2.5)]
+    wrong = [point for point in slippery() if point.parameters.friction < 0.3]
+    assert verdict_on(w6, [*wrong, *plateau]) == NOT_REPRODUCED
+
+
+def test_a_gain_within_five_errors_of_none_decides_nothing():
+    assert verdict_on(w6, slippery(error=0.005)) == INCONCLUSIVE
+
+
+def test_sweeps_of_low_friction_must_be_complete():
+    with pytest.raises(Untestable, match="friction 0"):
+        checks_on(w6, [point for point in slippery() if point.parameters.friction != 0.3])
+    with pytest.raises(Untestable, match="40"):
+        checks_on(w6, slippery(depths=(0.5, 10)))
+
+
+@pytest.mark.parametrize(
+    ("gain", "speed", "options", "verdict"),
+    [
+        (5 / 7, 60, {}, REPRODUCED),
+        (0.6, 60, {}, NOT_REPRODUCED),
+        (0.85, 60, {}, NOT_REPRODUCED),
+        (5 / 7, 40, {}, NOT_REPRODUCED),
+        (5 / 7, 60, {"scatter": 0.3}, INCONCLUSIVE),
+        (5 / 7, 52, {"scatter": 0.05}, INCONCLUSIVE),
+    ],
+)
+def test_half_a_layer_rolls(gain, speed, options, verdict):
+    assert verdict_on(w7, [accelerating(gain, speed=speed, depth=0.5, **options)]) == verdict
+
+
+def test_half_a_layer_must_be_there():
+    with pytest.raises(Untestable, match=r"depth 0\.5"):
+        checks_on(w7, base_flows())
+
+
+def test_thin_flows_that_are_steady_and_slowest_are_reproduced():
+    found = made_boundary("chute", "acceleration", "depth", 0.7, 0.8)
+    assert verdict_on(w8, base_flows(), [found]) == REPRODUCED
+    outside = made_boundary("chute", "acceleration", "depth", 1.1, 1.2)
+    assert failed(checks_on(w8, base_flows(), [outside])) == ["least depth of a steady flow"]
+
+
+def test_thin_flows_that_drift_or_are_fast_fail():
+    others = base_flows({n: speed for n, speed in SPEEDS.items() if n != 1.5})
+    drifting = accelerating(0.02, 1e-3, 4.5, depth=1.5)
+    assert failed(checks_on(w8, [*others, drifting])) == ["dV/dt over g sin θ, n = 1.5"]
+    assert failed(checks_on(w8, [*others, flow(5.2, depth=1.5)])) == [
+        "V at n = 1.5 over that at n = 2.5"
+    ]
+    unsure = flow(4.5, {"acceleration_error": 0.01 * SLOPE * 3}, depth=1.5)
+    assert verdict_on(w8, [*others, unsure]) == INCONCLUSIVE
+    assert verdict_on(w8, base_flows(scatter=0.2)) == INCONCLUSIVE
+
+
+def test_thin_flows_must_be_three_and_long():
+    with pytest.raises(Untestable, match="1 ≤ n ≤ 2"):
+        checks_on(w8, base_flows({1: 4.2, 1.24: 4.4, 2.5: 5, 5: 8, 10: 15}))
+    with pytest.raises(Untestable, match="1 ≤ n ≤ 2"):
+        checks_on(w8, base_flows(average=50))
+
+
+def swept(steady=(0.32, 0.4), arrested=(0.65, 0.8), moving=(), depth=5):
+    """A sweep of friction at one depth."""
+    resting = {"regime": "arrested", "quality": "jammed", "independent_samples": 0.0}
+    return [
+        *(flow(8, friction=mu, depth=depth) for mu in steady),
+        *(flow(1e-5, resting, friction=mu, depth=depth) for mu in arrested),
+        *(flow(3, friction=mu, depth=depth) for mu in moving),
+    ]
+
+
+def test_flows_that_rest_beyond_twice_the_tangent_are_reproduced():
+    assert verdict_on(w19, swept()) == REPRODUCED
+
+
+def test_flows_in_the_wrong_regime_fail():
+    moving = checks_on(w19, swept(arrested=(0.8,), moving=(0.65,)))
+    assert failed(moving) == ["at rest (1) or not (0), μ = 0.65, n = 5"]
+    rest = checks_on(w19, swept(steady=(0.32,), arrested=(0.4, 0.65, 0.8)))
+    assert failed(rest) == ["V/√(gσ), μ = 0.4, n = 5"]
+
+
+def test_flows_without_a_regime_decide_nothing():
+    unknown = flow(3, {"regime": "undetermined"}, friction=0.9, depth=5)
+    assert verdict_on(w19, [*swept(), unknown]) == INCONCLUSIVE
+    with pytest.raises(Untestable, match="two frictions"):
+        checks_on(w19, swept(arrested=(0.8,)))
+
+
+def started(late: float = 1.0, scatter: float = 1e-3, depths=(2.5, 5)):
+    """Flows after three starts, the fast one with another velocity."""
+    return [
+        flow(v * (late if start == 2 else 1), depth=n, initial_velocity=start * v, scatter=scatter)
+        for n, v in ((n, SPEEDS[n]) for n in depths)
+        for start in (0.5, 1, 2)
+    ]
+
+
+@pytest.mark.parametrize(
+    ("late", "scatter", "verdict"),
+    [(1.0, 1e-3, REPRODUCED), (1.05, 1e-3, NOT_REPRODUCED), (1.0, 0.05, INCONCLUSIVE)],
+)
+def test_the_start_is_forgotten_or_not(late, scatter, verdict):
+    assert verdict_on(w23, started(late, scatter)) == verdict
+
+
+def test_starts_must_be_far_from_the_steady_velocity():
+    with pytest.raises(Untestable, match="starts"):
+        checks_on(w23, base_flows())
+    with pytest.raises(Untestable, match=r"5, 10"):
+        checks_on(w23, started(depths=(2.5,)))
+
+
+def windows(rest: float, runaway: float, width: float = 0.25, depths=(5, 10)):
+    return [
+        made_boundary("chute", of, "angle", low, low + width, depth=n)
+        for n in depths
+        for of, low in (("flow", rest), ("acceleration", runaway))
+    ]
+
+
+@pytest.mark.parametrize(
+    ("bounds", "verdict"),
+    [
+        (windows(13, 20), REPRODUCED),
+        (windows(16, 16.25), NOT_REPRODUCED),
+        (windows(18, 17), NOT_REPRODUCED),
+        (windows(16, 17.5, width=1.0), INCONCLUSIVE),
+    ],
+)
+def test_window_of_angles(bounds, verdict):
+    # A boundary is sharp or not, whatever the samples of single runs.
+    assert verdict_on(w25, base_flows({5: 8}), bounds) == verdict
+
+
+def test_windows_need_both_bounds_at_two_depths():
+    with pytest.raises(Untestable, match="bounds"):
+        checks_on(w25, base_flows({5: 8}), windows(13, 20, depths=(5,)))

@@ -1,0 +1,156 @@
+"""A made-up study with everything a report can show: verdicts of each kind, an animation."""
+
+import json
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+from unittest.mock import patch
+
+import pandas as pd
+from PIL import Image
+
+from sim.claims.judge import Judgement, Variant, as_mapping
+from sim.claims.table import Claim
+from sim.claims.verdict import Check
+from sim.dataset import build as build_dataset
+from sim.figures import FIGURES, FigureSpec, draw
+from sim.report import render
+from sim.report.claims import read_claims
+from sim.results import load_results
+from sim.study import load_study
+from tests.factories import make_study
+
+ANIMATION = "animation_made"
+
+#: Points of the made-up study that its checks name, by system.
+DEPTH, FREQUENCY = "depth5-friction0.4", "frequency50-amplitude1-angle30"
+
+BOUNDARY = """\
+study: onset
+boundaries:
+  - {name: onset, system: belt, of: transport, along: frequency, range: [11, 27], tolerance: 0.25}
+"""
+
+FOUND = {
+    "name": "onset",
+    "system": "belt",
+    "along": "frequency",
+    "unit": "Hz",
+    "low": 15.75,
+    "high": float("nan"),
+    "below": "no transport",
+    "above": "transport",
+    "verdict": "none",
+    "points": 7,
+}
+
+
+def made_claims(points: list[str]) -> list[Judgement]:
+    """Return four claims, one of each verdict; W9 depends on the protocol, G4 on a reading."""
+    chute = next(point for point in points if DEPTH in point)
+    belt = next(point for point in points if FREQUENCY in point)
+    good = Check("ρ of V and n", 0.91, 0.02, 0.5, 1.5, points=(chute,), samples=40.0)
+    bad = replace(good, value=0.2)
+    open_ = Check("onset at α = 30°", 16.9, 0.4, 15.0, 17.0, "Hz", (belt, chute), 12.0)
+    unknown = Check("spread", float("nan"), float("inf"), float("-inf"), 1.0, "Hz", (belt,), 9.0)
+    model = Check("error of e", 1e-5, 0.0, float("-inf"), 1e-3)
+    ghost = "belt_ghost false"
+    return [
+        Judgement(
+            _claim("W1", "Restitution", kind="model"), (Variant("model", "default", (model,)),)
+        ),
+        Judgement(
+            _claim("W9", "Deeper is faster", figures=["walton_2"]),
+            (
+                Variant("converged", "default", (good,)),
+                Variant("published", "default", (bad, good)),
+            ),
+        ),
+        Judgement(
+            _claim("G3", "Onset near 16 Hz", figures=["gallas_1a", "belt_onset"]),
+            (
+                Variant("converged", "default", (open_, unknown)),
+                Variant("published", "default", reason="no boundary at α = 30°"),
+            ),
+        ),
+        Judgement(
+            _claim("G4", "Onset whatever γ"),
+            (
+                Variant("converged", "default", (replace(open_, value=20.0),)),
+                Variant("published", "default", (replace(open_, value=20.0),)),
+                Variant("converged", ghost, (replace(open_, value=16.0),)),
+            ),
+        ),
+        Judgement(
+            _claim("G31", "Obstacles slow the flow"),
+            tuple(
+                Variant(each, "default", reason="no obstacle")
+                for each in ("converged", "published")
+            ),
+        ),
+    ]
+
+
+def _claim(name: str, title: str, **others) -> Claim:
+    return Claim(
+        id=name,
+        title=title,
+        statement=f"What the paper says: {title.lower()}.",
+        place="Sec. 3",
+        criterion="the criterion & its <limits>",
+        reason="noise of the proposed one",
+        needs="chutes and belts",
+        judge="made.judge",
+        **others,
+    )
+
+
+def write_claims(path: Path, points: list[str]) -> None:
+    """Write what the judge would write about the made-up claims."""
+    path.write_text(json.dumps(as_mapping(made_claims(points), "made")), encoding="utf-8")
+
+
+def make_figures(folder: Path) -> tuple[Path, Path]:
+    """Make the study of `tests.factories.make_study` up to its figures."""
+    study_path, results = make_study(folder)
+    dataset = build_dataset(study_path, results)
+    for name in load_study(study_path, results).figures:
+        draw(name, dataset, results / "made" / "figures")
+    return study_path, results
+
+
+@contextmanager
+def animated(folder: Path) -> Iterator[str]:
+    """Make the files of an animation in ``folder`` and register it; yield its name."""
+    pictures = [Image.new("RGB", (64, 48), (shade, 90, 160)) for shade in (40, 120, 200)]
+    pictures[0].save(folder / f"{ANIMATION}.png")
+    pictures[0].save(
+        folder / f"{ANIMATION}.gif", save_all=True, append_images=pictures[1:], duration=80, loop=0
+    )
+    (folder / f"{ANIMATION}.csv").write_text("point,x [m]\na,1\na,2\n")
+    (folder / f"{ANIMATION}.caption.txt").write_text("A made-up animation.\n")
+    spec = FigureSpec(ANIMATION, "Walton (1993), Sec. 3", "chute", (), (), "A flow that moves")
+    with patch.dict(FIGURES, {ANIMATION: spec}):
+        yield ANIMATION
+
+
+def make_page(folder: Path) -> Path:
+    """Write a report with verdicts, figures, an animation and boundaries; return its file."""
+    study_path, results = make_figures(folder)
+    made = results / "made"
+    study = load_study(study_path, results)
+    write_claims(made / "claims.json", list(study.points))
+    (folder / "onset.yaml").write_text(BOUNDARY)
+    bounds = load_study(folder / "onset.yaml", results)
+    with animated(made / "figures") as name:
+        study = replace(study, boundaries=bounds.boundaries, figures={**study.figures, name: ()})
+        page = render(
+            study,
+            replace(load_results(made / "dataset.nc"), boundaries=pd.DataFrame([FOUND])),
+            made / "figures",
+            read_claims(made / "claims.json"),
+        )
+    path = made / "report.html"
+    path.write_text(page, encoding="utf-8")
+    return path

@@ -1,0 +1,311 @@
+"""The report in a real browser: by keyboard, on a phone, in the dark, in print, without scripts."""
+
+import re
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import Browser, Locator, Page, expect, sync_playwright
+
+from tests.report.made import ANIMATION, make_page
+
+CHROMIUM = shutil.which("chromium") or shutil.which("google-chrome")
+
+pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="no chromium or google-chrome installed")
+
+PHONE = {"width": 375, "height": 812}
+
+
+@pytest.fixture(scope="module")
+def report(tmp_path_factory) -> str:
+    path = make_page(tmp_path_factory.mktemp("made"))
+    # Alone in a folder: it must need nothing beside it.
+    return path.rename(tmp_path_factory.mktemp("alone") / path.name).as_uri()
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Browser]:
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
+        yield browser
+        browser.close()
+
+
+@pytest.fixture
+def page(browser, report) -> Iterator[Page]:
+    """Yield the report in a new window; complaints of the page fail the test."""
+    page = browser.new_page()
+    complaints = []
+    page.on("console", lambda message: complaints.append(message.text))
+    page.on("pageerror", lambda error: complaints.append(str(error)))
+    page.on("request", lambda request: complaints.append(request.url))
+    page.goto(report)
+    yield page
+    assert [text for text in complaints if not text.startswith((report, "data:"))] == []
+    page.close()
+
+
+def shown(page: Page, table: str) -> list[str]:
+    """Return the first words of the rows that a table shows, in their order."""
+    rows = page.locator(f"#{table} > tbody:not([hidden]) > tr:not([hidden]):not(.evidence)")
+    return [text.split()[0] for text in rows.all_inner_texts()]
+
+
+def press(page: Page, locator: Locator, key: str = "Enter") -> None:
+    """Press a key where the keyboard can go."""
+    locator.focus()
+    expect(locator).to_be_focused()
+    page.keyboard.press(key)
+
+
+def test_every_picture_is_drawn_and_described(page):
+    images = page.evaluate(
+        """async () => {
+          await Promise.all([...document.images].map((image) => image.decode()));
+          return [...document.images].map((one) => [one.naturalWidth, one.alt, one.dataset.same]);
+        }"""
+    )
+    assert len(images) == 9
+    assert all(width > 0 for width, _, _ in images)
+    # The pictures of the first screen are those of the gallery; their links name them.
+    assert all(len(alt) > 30 for _, alt, same in images if not same)
+
+
+def test_every_link_leads_somewhere(page):
+    links = page.evaluate(
+        "[...document.querySelectorAll('a')].map((link) => link.getAttribute('href'))"
+    )
+    assert len(links) > 50
+    for link in set(links):
+        assert link.startswith("data:") or page.evaluate(
+            "(id) => document.getElementById(id) !== null", link.removeprefix("#")
+        ), link
+
+
+def test_labels_are_there_for_those_who_cannot_see(page):
+    unnamed = page.evaluate(
+        """() => [...document.querySelectorAll("button, select, input, a, summary, [role=region]")]
+          .filter((one) => !(one.textContent.trim() || one.getAttribute("aria-label")
+            || one.labels?.length || one.getAttribute("aria-labelledby")))
+          .map((one) => one.outerHTML.slice(0, 80))"""
+    )
+    assert unnamed == []
+    assert page.locator("table:not(:has(> caption))").count() == 0
+    assert page.locator("th:not([scope])").count() == 0
+    identifiers = page.evaluate("[...document.querySelectorAll('[id]')].map((one) => one.id)")
+    assert len(identifiers) == len(set(identifiers))
+    for landmark in ("header", "nav", "main", "footer"):
+        assert page.locator(landmark).count() == 1
+
+
+def test_the_first_stop_of_the_keyboard_skips_to_the_content(page):
+    page.keyboard.press("Tab")
+    expect(page.locator(".skip")).to_be_focused()
+    page.keyboard.press("Enter")
+    expect(page.locator("main")).to_be_focused()
+
+
+def test_claims_open_their_evidence_by_keyboard(page):
+    opener = page.locator("#claim-W9 .opener")
+    evidence = page.locator("#evidence-W9")
+    expect(evidence).to_be_hidden()
+    press(page, opener)
+    expect(opener).to_have_attribute("aria-expanded", "true")
+    expect(evidence).to_be_visible()
+    expect(evidence).to_contain_text("0.910 ± 0.020")
+    expect(evidence).to_contain_text("the criterion & its <limits>")
+    press(page, opener, "Space")
+    expect(evidence).to_be_hidden()
+    press(page, page.locator("[data-toggle-all]"))
+    assert page.locator("tr.evidence:visible").count() == 5
+
+
+def test_claims_are_filtered_by_keyboard(page):
+    verdict = page.locator("#claims").get_by_label("Verdict")
+    verdict.focus()
+    page.keyboard.type("not")
+    expect(page.locator("#claims output")).to_have_text("1 of 5 shown")
+    assert shown(page, "claims-table") == ["G4"]
+    press(page, page.locator("#claims button[type=reset]"))
+    expect(page.locator("#claims output")).to_have_text("5 of 5 shown")
+    page.locator("#claims").get_by_label("Search").focus()
+    page.keyboard.type("no obstacle")
+    assert shown(page, "claims-table") == ["G31"]
+
+
+def test_each_filter_leaves_its_claims(page):
+    for name, value, left in [
+        ("paper", "walton", ["W1", "W9"]),
+        ("depends", "protocol", ["W9"]),
+        ("depends", "reading", ["G4"]),
+        ("depends", "nothing", ["W1", "G3", "G31"]),
+        ("verdict", "inconclusive", ["G3"]),
+    ]:
+        page.locator("#claims button[type=reset]").click()
+        expect(page.locator("#claims output")).to_have_text("5 of 5 shown")
+        page.locator(f"#claims select[name={name}]").select_option(value)
+        assert shown(page, "claims-table") == left
+
+
+def test_a_number_of_the_summary_lists_its_claims(page):
+    press(page, page.locator("#summary td a").first)
+    assert shown(page, "claims-table") == ["W1", "W9"]
+    expect(page.locator("#claims select[name=paper]")).to_have_value("walton")
+
+
+def test_claims_are_sorted_by_keyboard(page):
+    header = page.locator("#claims-table th[aria-sort]", has_text="Verdict")
+    press(page, header.locator("button"))
+    expect(header).to_have_attribute("aria-sort", "ascending")
+    assert shown(page, "claims-table") == ["W1", "W9", "G4", "G3", "G31"]
+    press(page, header.locator("button"))
+    expect(header).to_have_attribute("aria-sort", "descending")
+    assert shown(page, "claims-table") == ["G31", "G3", "G4", "W1", "W9"]
+    assert page.locator("#claims-table [aria-sort=descending]").count() == 1
+
+
+def test_runs_are_sorted_as_numbers_with_the_unknown_last(page):
+    header = page.locator("#runs-table th[aria-sort]", has_text="Velocity")
+    for direction in ("ascending", "descending"):
+        press(page, header.locator("button"))
+        expect(header).to_have_attribute("aria-sort", direction)
+        cells = page.locator("#runs-table tbody td:nth-child(5)").all_inner_texts()
+        values = [float(text.split()[0]) for text in cells if text != "–"]
+        assert cells[-1] == "–"
+        assert values == sorted(values, reverse=direction == "descending")
+
+
+def test_runs_are_filtered(page):
+    page.locator("#runs select[name=regime]").select_option("failed")
+    expect(page.locator("#runs output")).to_have_text(re.compile(r"^1 of \d+ shown$"))
+    page.locator("#runs select[name=regime]").select_option("")
+    page.locator("#runs select[name=series]").select_option("rough")
+    assert page.locator("#runs-table tbody tr:visible").count() == 4
+
+
+def test_a_link_to_a_run_shows_it_whatever_is_filtered(page):
+    page.locator("#runs select[name=regime]").select_option("failed")
+    press(page, page.locator("#claim-W9 .opener"))
+    link = page.locator("#evidence-W9 .links a").first
+    row = page.locator(f"[id='{link.get_attribute('href').removeprefix('#')}']")
+    expect(row).to_be_hidden()
+    press(page, link)
+    expect(row).to_be_in_viewport()
+    expect(row).to_be_focused()
+
+
+def test_figures_open_from_claims_and_lead_back(page):
+    figure = page.locator("#figure-walton_2")
+    press(page, page.locator("#claim-W9 .opener"))
+    press(page, page.locator("#evidence-W9 a", has_text="Fig. 2"))
+    expect(figure).to_have_attribute("open", "")
+    expect(figure.locator(".caption")).to_be_visible()
+    press(page, page.locator("#claim-W9 .opener"))
+    press(page, figure.locator("a", has_text="W9"))
+    expect(page.locator("#evidence-W9")).to_be_visible()
+    expect(page.locator("#evidence-G3")).to_be_hidden()
+
+
+def test_pictures_and_data_are_downloaded(page, tmp_path):
+    page.locator("#figure-walton_2 summary").click()
+    for text, name in (("SVG", "walton_2.svg"), ("CSV", "walton_2.csv")):
+        with page.expect_download() as download:
+            page.locator("#figure-walton_2 a", has_text=text).click()
+        assert download.value.suggested_filename == name
+        download.value.save_as(tmp_path / name)
+    assert "<svg" in (tmp_path / "walton_2.svg").read_text()
+    assert (tmp_path / "walton_2.csv").read_text().startswith("point,")
+
+
+def test_an_animation_plays_and_stops(page):
+    figure = page.locator(f"#figure-{ANIMATION}")
+    press(page, figure.locator("summary"))
+    picture, button = figure.locator("img"), figure.locator("button")
+    expect(picture).to_have_attribute("src", re.compile("^data:image/png"))
+    press(page, button)
+    expect(picture).to_have_attribute("src", re.compile("^data:image/gif"))
+    expect(button).to_have_attribute("aria-pressed", "true")
+    press(page, button)
+    expect(picture).to_have_attribute("src", re.compile("^data:image/png"))
+
+
+def test_nothing_is_wider_than_a_phone(browser, report):
+    page = browser.new_page(viewport=PHONE)
+    page.goto(report)
+    page.locator("[data-toggle-all]").click()
+    page.evaluate("for (const one of document.querySelectorAll('details')) one.open = true")
+    assert page.evaluate("document.documentElement.scrollWidth") <= PHONE["width"]
+    tables = page.evaluate(
+        "[...document.querySelectorAll('table')].filter((one) => !one.closest('.scroll'))"
+        ".map((one) => one.scrollWidth)"
+    )
+    assert tables and all(width <= PHONE["width"] for width in tables)
+    ends = page.locator("#claims-table > tbody > tr:first-child .verdict .badge").evaluate_all(
+        "(all) => all.map((one) => one.getBoundingClientRect().right)"
+    )
+    assert len(ends) == 5 and max(ends) <= PHONE["width"]
+    page.locator("#claims select[name=paper]").select_option("gallas")
+    assert page.locator(".opener:visible").count() == 3
+    page.close()
+
+
+def colours(page: Page) -> tuple[int, int]:
+    """Return how bright the page and its text are, 0 to 765."""
+    found = page.evaluate(
+        "[getComputedStyle(document.body).backgroundColor, getComputedStyle(document.body).color]"
+    )
+    return tuple(sum(map(int, re.findall(r"\d+", one)[:3])) for one in found)
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_colours_follow_the_system_until_chosen(browser, report, scheme):
+    page = browser.new_page(color_scheme=scheme)
+    page.goto(report)
+    ground, text = colours(page)
+    assert (ground > 600 and text < 200) == (scheme == "light")
+    assert (ground < 150 and text > 500) == (scheme == "dark")
+    background = page.locator("#picture-walton_2").evaluate(
+        "(one) => getComputedStyle(one).backgroundColor"
+    )
+    assert background == "rgb(255, 255, 255)"
+    button = page.get_by_role("button", name="Theme")
+    button.click()
+    assert colours(page)[0] > 600
+    button.click()
+    assert colours(page)[0] < 150
+    page.reload()
+    assert colours(page)[0] < 150
+    page.close()
+
+
+def test_print_shows_what_the_screen_hides(page):
+    page.emulate_media(media="print", color_scheme="dark")
+    page.evaluate("dispatchEvent(new Event('beforeprint'))")
+    expect(page.locator("#evidence-W9")).to_be_visible()
+    expect(page.locator("#figure-gallas_1a .caption")).to_be_visible()
+    expect(page.locator("#reproduce pre").last).to_be_visible()
+    expect(page.locator("nav")).to_be_hidden()
+    expect(page.locator("#claims form")).to_be_hidden()
+    assert colours(page)[0] > 600
+    page.evaluate("dispatchEvent(new Event('afterprint'))")
+    page.emulate_media(media="screen")
+    expect(page.locator("#evidence-W9")).to_be_hidden()
+    expect(page.locator("#figure-gallas_1a .caption")).to_be_hidden()
+
+
+def test_it_prints(page, tmp_path: Path):
+    page.pdf(path=tmp_path / "report.pdf", prefer_css_page_size=True)
+    pages = re.findall(rb"/Type\s*/Page\b", (tmp_path / "report.pdf").read_bytes())
+    assert 3 < len(pages) < 30
+    assert page.locator("details.figure[open]").count() == 0
+
+
+def test_without_scripts_nothing_is_out_of_reach(browser, report):
+    page = browser.new_context(java_script_enabled=False).new_page()
+    page.goto(report)
+    expect(page.locator("#evidence-W9")).to_be_visible()
+    expect(page.locator("#runs-table tbody tr").first).to_be_visible()
+    expect(page.locator("#claims form")).to_be_hidden()
+    expect(page.locator("#picture-walton_2")).to_be_visible()
+    page.close()

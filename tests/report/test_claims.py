@@ -1,0 +1,75 @@
+"""Claims and their evidence as rows of the report."""
+
+import pytest
+
+from sim.claims.judge import as_mapping
+from sim.claims.verdict import VERDICTS as JUDGED
+from sim.report.claims import VERDICTS, claim_rows, counts, read_claims
+from sim.report.numbers import strip
+from tests.report.made import DEPTH, FREQUENCY, made_claims
+
+POINTS = [f"chute-{DEPTH}-1", f"belt-{FREQUENCY}-2"]
+
+
+@pytest.fixture
+def rows():
+    claims = as_mapping(made_claims(POINTS), "made")["claims"]
+    return {row["id"]: row for row in claim_rows(claims, {POINTS[0]: 7}, ["walton_2"])}
+
+
+def test_every_verdict_has_a_sign():
+    assert tuple(VERDICTS) == JUDGED
+    assert len({sign for _, sign in VERDICTS.values()}) == len(JUDGED)
+
+
+def test_they_are_counted_by_paper(rows):
+    found = counts(list(rows.values()))
+    assert list(found) == ["walton", "gallas"]
+    assert found["walton"]["reproduced"] == 2
+    assert list(found["gallas"].values()) == [0, 1, 1, 1]
+
+
+def test_figures_that_are_not_drawn_are_told(rows):
+    assert [figure["drawn"] for figure in rows["W9"]["figures"]] == [True]
+    assert [figure["drawn"] for figure in rows["G3"]["figures"]] == [False, False]
+
+
+def test_what_a_verdict_depends_on_is_told(rows):
+    assert {name: row["depends"] for name, row in rows.items() if row["depends"]} == {
+        "W9": ["protocol"],
+        "G4": ["reading"],
+    }
+    assert rows["W9"]["by_protocol"] == {"converged": "reproduced", "published": "not reproduced"}
+    assert [variant["usual"] for variant in rows["G4"]["variants"]] == [True, True, False]
+
+
+def test_checks_lead_to_the_runs_of_the_study(rows):
+    (check,) = rows["W9"]["variants"][0]["checks"]
+    assert check["runs"] == [(POINTS[0], 7)]
+    assert rows["G3"]["variants"][0]["checks"][0]["runs"] == [(POINTS[1], None), (POINTS[0], 7)]
+
+
+def test_what_is_not_finite_has_no_strip(rows):
+    known, unknown = rows["G3"]["variants"][0]["checks"]
+    assert known["strip"] is not None and unknown["strip"] is None
+    assert (unknown["measured"], unknown["threshold"]) == ("–", "< 1")
+
+
+def test_a_strip_keeps_its_order():
+    place = strip({"value": 16.0, "half_width": 2.0, "low": 15.0, "high": 17.0})
+    assert place["start"] < place["low"] < place["value"] < place["low"] + place["width"]
+    assert place["start"] + place["length"] > place["low"] + place["width"]
+    assert place["value"] == pytest.approx(50)
+    open_end = strip({"value": 3.0, "half_width": 0.1, "low": None, "high": 1.0})
+    assert open_end["low"] == 0 and open_end["width"] < open_end["start"]
+
+
+def test_a_strip_of_a_single_number_has_a_place_for_it():
+    for high in (1.0, None):
+        place = strip({"value": 1.0, "half_width": 0.0, "low": None, "high": high})
+        assert 0 < place["value"] < 100
+        assert place["length"] == 0
+
+
+def test_no_file_is_no_claims(tmp_path):
+    assert read_claims(tmp_path / "claims.json") == []

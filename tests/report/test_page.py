@@ -1,0 +1,195 @@
+"""The report as a browser sees it: everything inside, nothing loaded, nothing hidden."""
+
+import base64
+import re
+from html.parser import HTMLParser
+from pathlib import Path
+
+import pytest
+
+from sim.dataset import build as build_dataset
+from sim.errors import InputError
+from sim.figures import draw
+from sim.report import build
+from sim.report.page import study_files
+from sim.stored import DamagedError
+from sim.study import load_study
+from tests.factories import FAILURE, make_regimes, make_study
+from tests.report.made import make_figures, write_claims
+
+FIGURES = ("walton_2", "gallas_1a", "gallas_1b", "gallas_1c")
+
+
+class Page(HTMLParser):
+    """Collect the elements of a page and its visible text; check that tags are balanced."""
+
+    VOID = frozenset({"meta", "img", "br", "link", "input", "hr"})
+
+    def __init__(self, text: str):
+        super().__init__()
+        self.elements: list[tuple[str, dict[str, str]]] = []
+        self.open: list[str] = []
+        self.text = ""
+        self.feed(text)
+
+    def handle_starttag(self, tag, attrs):
+        self.elements.append((tag, dict(attrs)))
+        if tag not in self.VOID:
+            self.open.append(tag)
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag
+
+    def handle_data(self, data):
+        self.text += data
+
+    def all(self, tag: str) -> list[dict[str, str]]:
+        return [attrs for name, attrs in self.elements if name == tag]
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory) -> tuple[Path, Path]:
+    return make_figures(tmp_path_factory.mktemp("made"))
+
+
+@pytest.fixture(scope="module")
+def unjudged(made) -> Page:
+    return read(made)
+
+
+@pytest.fixture(scope="module")
+def page(made, unjudged) -> Page:
+    """Return the report with verdicts, written after that without."""
+    study = load_study(*made)
+    write_claims(made[1] / "made" / "claims.json", list(study.points))
+    return read(made)
+
+
+def read(made: tuple[Path, Path]) -> Page:
+    page = Page(build(*made).read_text(encoding="utf-8"))
+    assert page.open == []
+    return page
+
+
+def test_nothing_is_loaded_from_elsewhere(page):
+    assert not any("src" in script for script in page.all("script"))
+    targets = [a.get("href") or a.get("src") for tag in ("a", "img", "link") for a in page.all(tag)]
+    # What has none shows by script what is embedded elsewhere.
+    targets = [target for target in targets if target is not None]
+    assert len(targets) > 2 * len(FIGURES)
+    assert all(target.startswith(("data:", "#")) for target in targets)
+
+
+def test_every_figure_is_inside_once_with_alternative_text_and_data(page, made):
+    images = {image["id"]: image for image in page.all("img") if "src" in image}
+    assert set(images) == {f"picture-{name}" for name in FIGURES}
+    assert all(len(image["alt"]) > 30 for image in images.values())
+    data = {a["download"]: a["href"] for a in page.all("a") if "download" in a and "href" in a}
+    assert set(data) == {f"{name}.csv" for name in FIGURES}
+    folder = made[1] / "made" / "figures"
+    for name in FIGURES:
+        assert content(images[f"picture-{name}"]["src"]) == (folder / f"{name}.svg").read_bytes()
+        assert content(data[f"{name}.csv"]) == (folder / f"{name}.csv").read_bytes()
+        assert (folder / f"{name}.caption.txt").read_text().strip() in page.text
+
+
+def content(uri: str) -> bytes:
+    return base64.b64decode(uri.partition("base64,")[2])
+
+
+def test_every_run_is_listed_with_what_became_of_it(page, made):
+    points = load_study(*made).points
+    assert all(point in page.text for point in points)
+    assert FAILURE in page.text
+    assert f"1 of {len(points)} points failed" in " ".join(page.text.split())
+
+
+def test_provenance_is_shown(page):
+    assert "0123456789ab" in page.text
+    assert "snakemake --cores 2 --configfile" in page.text
+    assert "2026-01-01" in page.text
+
+
+def test_the_study_file_is_shown_with_its_parts(tmp_path, page):
+    assert "grid: {depth: [0.5, 2.5, 5, 10], restitution: [0.7, 0.85]}" in page.text
+    (tmp_path / "one.yaml").write_text("study: one\nseries: [{name: one, system: belt}]\n")
+    (tmp_path / "both.yaml").write_text("study: both\nparts: [one.yaml]\n")
+    found = study_files(tmp_path / "both.yaml")
+    assert list(found) == ["both.yaml", "one.yaml"]
+    assert "system: belt" in found["one.yaml"]
+
+
+def test_a_study_not_judged_says_so(unjudged):
+    text = " ".join(unjudged.text.split())
+    assert "have not been judged on this study" in text
+    assert "claims hold" not in text
+
+
+def test_verdicts_are_counted(page):
+    text = " ".join(page.text.split())
+    assert "2 of 5 claims hold" in text
+    assert "1 depends on the protocol, 1 on how the paper is read" in text
+
+
+def test_a_claim_shows_its_evidence(page):
+    text = " ".join(page.text.split())
+    for shown in ("15 to 17", "16.90 ± 0.40", "no boundary at α = 30°", "belt_ghost false", "–"):
+        assert shown in text
+    assert "the criterion & its <limits>" in text
+
+
+def test_damaged_verdicts_are_named_and_set_aside(made, page):
+    path = made[1] / "made" / "claims.json"
+    content = path.read_bytes()
+    path.write_bytes(content[:100])
+    with pytest.raises(DamagedError, match=r"claims\.json.*rerun the same command"):
+        build(*made)
+    assert not path.exists()
+    path.write_bytes(content)
+
+
+def test_boundaries_have_a_table_of_their_own(page, tmp_path):
+    assert "Boundaries between regimes" not in page.text
+    study_path, results = make_regimes(tmp_path)
+    dataset = build_dataset(study_path, results)
+    study = load_study(study_path, results)
+    for name in study.figures:
+        draw(name, dataset, results / "regimes" / "figures")
+    text = build(study_path, results).read_text(encoding="utf-8")
+    assert "Boundaries between regimes" in Page(text).text
+    row = re.search(r"<tr><th scope=.row.>onset</th>.*?</tr>", text, re.DOTALL).group()
+    assert re.findall(r"<td[^>]*>(.*?)</td>", row) == [
+        *("A_z = 0.5 ⟨d⟩", "frequency", "22.5", "22.75", "Hz", "0.25"),
+        *("no transport", "transport", "found", "11"),
+    ]
+
+
+def test_parameters_have_their_units(page):
+    text = " ".join(page.text.split())
+    assert "N m-1 normal stiffness" in text
+    assert "0.4, 0.5 friction coefficient" in text
+
+
+def test_markup_in_a_title_is_text(tmp_path):
+    study_path = tmp_path / "odd.yaml"
+    study_path.write_text(
+        "study: odd\ntitle: <b>1 < 2</b>\n"
+        "series: [{name: one, system: belt, base: {replicates: 3}}]\n"
+    )
+    _, results = make_study(tmp_path)
+    (results / "made").rename(results / "odd")
+    build_dataset(study_path, results)
+    page = Page(build(study_path, results).read_text(encoding="utf-8"))
+    assert not page.all("b")
+    assert "<b>1 < 2</b>" in page.text
+
+
+def test_a_missing_figure_is_named_and_the_old_report_stays(made, tmp_path):
+    study_path, results = make_study(tmp_path)
+    with pytest.raises(InputError, match=r"dataset\.nc"):
+        build(study_path, results)
+    build_dataset(study_path, results)
+    (results / "made" / "report.html").write_text("old")
+    with pytest.raises(InputError, match=r"walton_2\.caption"):
+        build(study_path, results)
+    assert (results / "made" / "report.html").read_text() == "old"
