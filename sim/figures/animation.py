@@ -12,7 +12,7 @@ from PIL import Image
 from sim.figures.summary import FigureData
 
 #: Resolution of the frames of a GIF, dots per inch, and how many colours they share.
-DPI = 76
+DPI = 70
 PALETTE = 64
 
 

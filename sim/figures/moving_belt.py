@@ -119,7 +119,7 @@ def draw(data: FigureData) -> Animation:
     width = min(4.8, 4.8 / aspect)
     figure = Figure(figsize=(width + 1.6, width * aspect + 0.9), layout="constrained")
     axes = figure.subplots()
-    image = axes.imshow(belt.picture(0), extent=belt.frame, zorder=2)
+    image = axes.imshow(belt.picture(0), extent=belt.frame, interpolation="bilinear", zorder=2)
     _draw_surroundings(axes, belt)
     (line,) = axes.plot([], [], color=DARK, linewidth=2.2, zorder=3)
     (marks,) = axes.plot([], [], "|", color=DARK, markersize=6, markeredgewidth=1.4, zorder=3)
@@ -152,6 +152,8 @@ def _draw_surroundings(axes: Axes, belt: Belt) -> None:
     axes.grid(visible=False)
     axes.set_xlabel("along the belt x (⟨d⟩)")
     axes.set_ylabel("height z (⟨d⟩)")
-    bar = axes.figure.colorbar(ScalarMappable(belt.norm, COLOURS), ax=axes, aspect=25, pad=0.02)
+    bar = axes.figure.colorbar(
+        ScalarMappable(belt.norm, COLOURS), ax=axes, aspect=25, pad=0.02, shrink=0.8
+    )
     bar.set_label("velocity $v_x$ (m/s)")
     bar.outline.set_visible(False)

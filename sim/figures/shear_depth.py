@@ -40,7 +40,9 @@ def draw(data: FigureData) -> Figure:
         known = curve[curve["height"].notna()]
         draw_curve(axes, known, "depth", cycled(index), label(values), ("accelerating",))
     set_depth_axis(axes, data.rows["depth"])
-    axes.set_ylim(bottom=0)
+    # Intervals over two replicates may be wider than all the heights.
+    highest = rows["height"].max()
+    axes.set_ylim(0, min(axes.get_ylim()[1], 1.5 * highest) if highest > 0 else 1)
     axes.set_ylabel("height of the shearing layer $δ_s$ (σ)")
     place_legend(figure, axes)
     return figure
