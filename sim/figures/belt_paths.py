@@ -40,7 +40,7 @@ def draw(data: FigureData) -> Figure:
 
 
 def table(data: FigureData) -> pd.DataFrame:
-    """Return the paths: a row per bead and step, positions along the belt not wrapped."""
+    """Return the paths: a row per bead and time, positions along the belt not wrapped."""
     parts = []
     for point in shown(data, "path", "path_time"):
         path = np.round(_path(point), 4)
@@ -48,8 +48,9 @@ def table(data: FigureData) -> pd.DataFrame:
         columns = {
             "protocol": point.row["protocol"],
             "bead": np.tile(np.arange(beads), steps),
-            "step of 40": np.repeat(np.arange(steps), beads),
-            "time [s]": np.repeat(point.state["path_time"].values, beads),
+            "time [s]": np.repeat(
+                np.round(point.state["path_time"].values.astype(float), 8), beads
+            ),
             "x [⟨d⟩]": path[..., 0].ravel(),
             "z [⟨d⟩]": path[..., 1].ravel(),
         }
