@@ -184,3 +184,8 @@ def test_slowest_flow_of_uncertain_shape_decides_nothing():
     assert verdict_on(w18, [slowest, shaped(1.24), shaped(2.5)]) == INCONCLUSIVE
     with pytest.raises(Untestable, match="three flows"):
         checks_on(w18, [slowest, shaped(1.24)])
+
+
+def test_flows_without_profiles_are_untestable():
+    with pytest.raises(Untestable, match="no packing_profile"):
+        checks_on(w13, base_flows({5: 8}))
