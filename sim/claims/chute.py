@@ -48,7 +48,7 @@ def steady(evidence: Evidence) -> dict[float, Place]:
 def speed(place: Place) -> UFloat:
     """Return the mean velocity (m/s); of a flow that drifts, its change over the window is added.
 
-    A flow that has not quite reached its steady velocity is not far from it.
+    So a velocity of a flow that runs away counts with all that it may have been at other times.
     """
     velocity = place.velocity
     if place.regime in ("steady", "undetermined"):
@@ -57,17 +57,14 @@ def speed(place: Place) -> UFloat:
     return measured(velocity.nominal_value, half_width)
 
 
-def settled(place: Place) -> Place:
-    """Return a place whose flow is near its steady state; raise `Untestable` for others."""
-    if not is_settled(place):
-        raise Untestable(f"{place.id}: {place.regime}, so that it has no steady velocity")
-    return place
+def is_flowing(place: Place) -> bool:
+    """Return whether a flow moves."""
+    return place.regime not in ("arrested", "failed")
 
 
 def is_settled(place: Place) -> bool:
     """Return whether a flow moves and its velocity changes by less than 10 % over the window."""
-    flowing = place.regime not in ("arrested", "failed")
-    return flowing and _change(place) < DRIFT * abs(place.velocity.nominal_value)
+    return is_flowing(place) and _change(place) < DRIFT * abs(place.velocity.nominal_value)
 
 
 def _change(place: Place) -> float:
@@ -77,9 +74,9 @@ def _change(place: Place) -> float:
 
 
 def repeated(line: Mapping[float, Place], replicates: int = 2) -> dict[float, Place]:
-    """Return the settled places of a line with at least so many completed replicates."""
+    """Return the flows of a line with at least so many completed replicates."""
     return {
         value: place
         for value, place in line.items()
-        if place.completed >= replicates and is_settled(place)
+        if place.completed >= replicates and is_flowing(place)
     }

@@ -12,6 +12,7 @@ from uncertainties import UFloat, ufloat
 
 from sim.claims.starts import over_seeds
 from sim.claims.verdict import SIGMAS, Untestable
+from sim.errors import InputError
 from sim.outcome import outcome, student_half_width
 from sim.parameters import NUMERICAL, SYSTEMS, field_info
 from sim.results import Results
@@ -114,7 +115,10 @@ class Place:
 
     def profile(self, name: str) -> tuple[np.ndarray, np.ndarray]:
         """Return a profile (R, H) of all completed replicates and its heights (H,) in m."""
-        return self._results.profile(self.id, name)
+        try:
+            return self._results.profile(self.id, name)
+        except InputError as error:
+            raise Untestable(str(error)) from None
 
     def measure(self, function: Callable[..., float], *names: str) -> UFloat:
         """Return a measure of profiles with its interval over replicates.

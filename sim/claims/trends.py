@@ -1,6 +1,6 @@
 """What judges of several flows share: order along a parameter, and all of many differences."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from itertools import pairwise
 
 import numpy as np
@@ -8,7 +8,7 @@ from scipy.special import stdtrit
 from uncertainties import UFloat
 
 from sim.claims.evidence import Place, measured
-from sim.claims.verdict import NOT_REPRODUCED, Check, above
+from sim.claims.verdict import NOT_REPRODUCED, Check, above, within
 from sim.outcome import CONFIDENCE
 
 
@@ -38,6 +38,25 @@ def ordered(
     if len(steps) > 2:
         pairs = pairwise(steps)
         checks += [one for one in (check(*pair) for pair in pairs) if one.verdict == NOT_REPRODUCED]
+    return checks
+
+
+def pooled(
+    what: str, flows: Mapping[float, Place], values: Sequence[UFloat], low: float, high: float
+) -> list[Check]:
+    """Return the checks that a quantity lies within bounds in flows of many depths.
+
+    The mean of all, weighted by their errors, decides; a single flow counts where it is clearly
+    beyond the bounds.
+    """
+    weights = np.array([value.std_dev**-2.0 for value in values])
+    mean = sum(weight * value for weight, value in zip(weights, values, strict=True))
+    checks = [
+        within(f"{what}, {len(flows)} depths", mean / weights.sum(), low, high, flows.values())
+    ]
+    for (n, place), value in zip(flows.items(), values, strict=True):
+        check = within(f"{what}, n = {n:g}", value, low, high, [place])
+        checks += [check] if check.verdict == NOT_REPRODUCED else []
     return checks
 
 

@@ -6,7 +6,7 @@ from itertools import pairwise
 import numpy as np
 from uncertainties import UFloat
 
-from sim.claims.chute import base, repeated, settled
+from sim.claims.chute import base, repeated
 from sim.claims.evidence import Evidence, Place, joined
 from sim.claims.trends import least
 from sim.claims.verdict import Check, Untestable, above, below
@@ -122,10 +122,10 @@ def w17(evidence: Evidence) -> list[Check]:
 
 
 def w18(evidence: Evidence) -> list[Check]:
-    """The slowest settled flow: least over largest mean du/dz over a diameter."""
+    """The slowest flow: least over largest mean du/dz over a diameter."""
     flows = repeated(base(evidence, 1))
     if len(flows) < 3:
-        raise Untestable("fewer than three settled flows with n ≥ 1 that have replicates")
+        raise Untestable("fewer than three flows with n ≥ 1 that have replicates")
     n, place = min(flows.items(), key=lambda flow: flow[1].velocity.nominal_value)
 
     ratio = place.measure(_evenness(place), "velocity_profile", "packing_profile")
@@ -142,8 +142,8 @@ def _thin(evidence: Evidence, below_depth: float) -> dict[float, Place]:
 
 
 def _deep(evidence: Evidence, depths: tuple[float, ...]) -> Mapping[float, Place]:
-    """Return the flows of these depths; raise `Untestable` where one is missing or not settled."""
-    return {n: settled(evidence.at("chute", depth=n)) for n in depths}
+    """Return the flows of these depths; raise `Untestable` where one is missing."""
+    return {n: evidence.at("chute", depth=n) for n in depths}
 
 
 def _steps(place: Place, name: str, lowest: float = 0.0, scale: float | None = None) -> np.ndarray:

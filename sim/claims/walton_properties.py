@@ -2,7 +2,7 @@
 
 from uncertainties import UFloat
 
-from sim.claims.chute import CELLS, is_settled, repeated, settled, speed
+from sim.claims.chute import CELLS, repeated, speed
 from sim.claims.evidence import Evidence, Place
 from sim.claims.trends import ordered
 from sim.claims.verdict import Check, Untestable, above, below, within
@@ -36,7 +36,7 @@ def w15(evidence: Evidence) -> list[Check]:
     """
     checks = []
     for n in CRYSTALLINE:
-        place = settled(evidence.at("chute", depth=n))
+        place = evidence.at("chute", depth=n)
         share, order = place.value("crystalline_share"), place.value("layer_order")
         checks.append(above(f"crystalline share of the plug, n = {n:g}", share, SHARE, [place]))
         checks.append(above(f"amplitude of its layers, n = {n:g}", order, LAYERED, [place]))
@@ -136,18 +136,12 @@ def w22(evidence: Evidence) -> list[Check]:
 def _stiffer(evidence: Evidence, depth: float) -> list[tuple[float, Place, Place]]:
     """Return stiffnesses above the softest, with the places of the softest and of theirs.
 
-    Raises `Untestable` where there is none with ten times the stiffness or it has not settled; such
-    ones of higher stiffness are left out.
+    Raises `Untestable` where there is none with ten times the stiffness.
     """
     line = evidence.line("chute", "stiffness", depth=depth)
     if SOFT not in line or STIFF not in line:
         raise Untestable(f"no flows with K1 = {SOFT} and {STIFF} N/m at n = {depth:g}")
-    soft, _ = settled(line[SOFT]), settled(line[STIFF])
-    return [
-        (value, soft, place)
-        for value, place in line.items()
-        if value >= STIFF and is_settled(place)
-    ]
+    return [(value, line[SOFT], place) for value, place in line.items() if value >= STIFF]
 
 
 def _agitation(place: Place) -> UFloat:

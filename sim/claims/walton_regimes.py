@@ -81,7 +81,10 @@ def w8(evidence: Evidence) -> list[Check]:
 
 
 def w19(evidence: Evidence) -> list[Check]:
-    """Flows over a sweep of friction: steady a little above tan θ, at rest beyond twice that."""
+    """Flows over a sweep of friction: steady a little above tan θ, at rest beyond twice that.
+
+    The base case, whose friction is somewhat above tan θ, is to be steady at all depths.
+    """
     checks = []
     for n in SWEPT:
         line = evidence.line("chute", "friction", depth=n, cell=CELLS[n])
@@ -93,7 +96,9 @@ def w19(evidence: Evidence) -> list[Check]:
             checks += [_arrested(place) for place in greatly]
     if not checks:
         raise Untestable("no depth with two frictions from 1 to 1.5 tan θ and two beyond 2 tan θ")
-    return checks
+    seen = {point for check in checks for point in check.points}
+    others = [place for place in base(evidence, SWEPT[0]).values() if place.id not in seen]
+    return checks + [check for place in others for check in _steady(place)]
 
 
 def _steady(place: Place) -> Iterator[Check]:

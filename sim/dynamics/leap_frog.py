@@ -46,7 +46,8 @@ class Flow(NamedTuple):
 
     ``step`` (1,) number of the last completed step; ``sums`` (8,) and ``parts`` (T, 11) see above;
     ``border`` (T + 1,) first particle of each thread; ``reached`` (T, N // 64 + 1) which groups of
-    64 particles of other threads it adds forces to; ``status`` (1,) of the last refresh.
+    64 particles of other threads it adds forces to; ``status`` (1,) of the last refresh; ``fixed``
+    (1,) whether some particles are fixed in space.
     """
 
     step: np.ndarray
@@ -55,9 +56,10 @@ class Flow(NamedTuple):
     border: np.ndarray
     reached: np.ndarray
     status: np.ndarray
+    fixed: np.ndarray
 
 
-def make_flow(particles: int, threads: int = 1) -> Flow:
+def make_flow(particles: int, threads: int = 1, fixed: bool = False) -> Flow:
     """Return the state before the first step."""
     return Flow(
         np.zeros(1, np.int64),
@@ -66,6 +68,7 @@ def make_flow(particles: int, threads: int = 1) -> Flow:
         np.linspace(0, particles, threads + 1).astype(np.int64),
         np.zeros((threads, particles // GROUP + 1), np.bool_),
         np.zeros(1, np.int64),
+        np.full(1, fixed),
     )
 
 
@@ -131,9 +134,9 @@ def move(spheres, pairs, allowed, gravity, time_step, share):
     """Advance velocities and positions of some particles by one step.
 
     Returns the sums of the velocities along x, y and z, the momentum along x, how many particles
-    are farther than ``allowed`` (m) from where drift and mean flow would have carried them, and the
-    sums of the forces on fixed particles along x and z (N). Any common vector serves as the drift,
-    so the mean velocity of the last step may be used to advance it.
+    are farther than ``allowed`` (m) from where drift and mean flow would have carried them. Any
+    common vector serves as the drift, so the mean velocity of the last step may be used to advance
+    it.
     """
     vectorised()
     rank, begin, end = share
@@ -141,17 +144,14 @@ def move(spheres, pairs, allowed, gravity, time_step, share):
     force, moment, anchor = spheres.force, spheres.moment, pairs.anchor
     age = pairs.clock[AGE] * time_step
     limit = allowed * allowed
-    sx, sy, sz, carried, outside, held_x, held_z = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    sx, sy, sz, carried, outside = 0.0, 0.0, 0.0, 0.0, 0.0
     for k in range(begin, end):
         i = np.uint64(k)
         rate = time_step * spheres.inverse_mass[i]
         spin_rate = rate / SOLID
-        falling = time_step if spheres.inverse_mass[i] > 0.0 else 0.0
-        held_x += 0.0 if spheres.inverse_mass[i] > 0.0 else force[rank, 0, i]
-        held_z += 0.0 if spheres.inverse_mass[i] > 0.0 else force[rank, 2, i]
-        vx = v[0, i] + (force[rank, 0, i] * rate + gravity[0] * falling)
-        vy = v[1, i] + (force[rank, 1, i] * rate + gravity[1] * falling)
-        vz = v[2, i] + (force[rank, 2, i] * rate + gravity[2] * falling)
+        vx = v[0, i] + (force[rank, 0, i] * rate + gravity[0] * time_step)
+        vy = v[1, i] + (force[rank, 1, i] * rate + gravity[1] * time_step)
+        vz = v[2, i] + (force[rank, 2, i] * rate + gravity[2] * time_step)
         w[0, i] += moment[rank, 0, i] * spin_rate
         w[1, i] += moment[rank, 1, i] * spin_rate
         w[2, i] += moment[rank, 2, i] * spin_rate
@@ -166,7 +166,25 @@ def move(spheres, pairs, allowed, gravity, time_step, share):
         sx += vx
         sy += vy
         sz += vz
-    return (sx, sy, sz), carried, outside, (held_x, held_z)
+    return (sx, sy, sz), carried, outside
+
+
+@inlined
+def hold(spheres, gravity, time_step, share):
+    """Keep the fixed particles where they are through the next move.
+
+    Returns the sums of the forces on them along x and z (N).
+    """
+    rank, begin, end = share
+    along, upward = 0.0, 0.0
+    for i in range(begin, end):
+        if spheres.inverse_mass[i] == 0.0:
+            along += spheres.force[rank, 0, i]
+            upward += spheres.force[rank, 2, i]
+            # What gravity adds to it makes zero, to the last bit.
+            for d in range(3):
+                spheres.velocity[d, i] = -(gravity[d] * time_step)
+    return along, upward
 
 
 @inlined
@@ -257,12 +275,13 @@ def _advance_strip(law, spheres, orientation, pairs, plane, flow, work, motion, 
         law, spheres, plane.slot, before, after, work, time_step, strip
     )
     _collect_forces(spheres, flow, strip)
-    moved, carried, outside, held = move(spheres, pairs, allowed, gravity, time_step, strip)
+    held_x, held_z = hold(spheres, gravity, time_step, strip) if flow.fixed[0] else (0.0, 0.0)
+    moved, carried, outside = move(spheres, pairs, allowed, gravity, time_step, strip)
     rotate(orientation, spheres.rim, spheres.radius, time_step, begin, end)
     part[TOUCHING] += resting
     part[DEEPEST] = max(part[DEEPEST], overlap)
-    part[PUSHED_X] += along - held[0]
-    part[PUSHED_Z] += upward - held[1]
+    part[PUSHED_X] += along - held_x
+    part[PUSHED_Z] += upward - held_z
     part[HEATED] += lost
     part[RUBBED] += work_done
     part[CARRIED] += carried

@@ -12,8 +12,8 @@ from PIL import Image
 from sim.figures.summary import FigureData
 
 #: Resolution of the frames of a GIF, dots per inch, and how many colours they share.
-DPI = 84
-PALETTE = 128
+DPI = 78
+PALETTE = 80
 
 
 @dataclass(frozen=True)
@@ -62,7 +62,9 @@ def save_gif(animation: Animation, path: Path) -> None:
         canvas.draw()
         frames.append(np.asarray(canvas.buffer_rgba())[..., :3].copy())
     sample = Image.fromarray(np.concatenate(frames[:: max(1, len(frames) // 4)]))
-    palette = sample.quantize(PALETTE, dither=Image.Dither.NONE)
+    # Of these methods the one that keeps colours of few pixels, as lines have.
+    coverage = Image.Quantize.MAXCOVERAGE
+    palette = sample.quantize(PALETTE, method=coverage, dither=Image.Dither.NONE)
     images = [
         Image.fromarray(frame).quantize(palette=palette, dither=Image.Dither.NONE)
         for frame in frames

@@ -6,7 +6,7 @@ LEAD = moving_belt.lead("Shaking far above the onset with a fixed obstacle on th
 NAMED = moving_belt.NAMED
 PAPER = (
     "The paper: the obstacle slows the whole flow without any turbulence, and the paths look "
-    "like those at 20 Hz without it."
+    "rather like those at much lower frequencies without it."
 )
 
 draw, select, notes = moving_belt.draw, moving_belt.select, moving_belt.notes

@@ -35,7 +35,7 @@ NAMED = (
 #: Profiles end where this share of the spheres' volume is below, and velocities are left out.
 SHARE = 0.995
 
-_PIXELS = 640
+PIXELS = 640
 
 
 def lead(depth: float) -> str:
@@ -165,7 +165,7 @@ def _draw_configuration(axes: Axes, data: FigureData, row: Mapping[str, Any]) ->
         axes.set_axis_off()
         return
     position, speed = state["position"].values, state["particle_velocity"].values[:, 0]
-    scene = Scene(row, state, position[:, 2], speed, _PIXELS)
+    scene = Scene(row, state, position[:, 2], speed, PIXELS)
     scene.show(axes, scene.picture(position, speed))
     axes.set_xlabel("(c)")
 

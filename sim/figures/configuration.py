@@ -97,7 +97,7 @@ class Scene:
         Returns the image in the axes, whose data the next picture of an animation replaces.
         """
         left, right, bottom, top = np.array(self.frame) / self.diameter
-        shown = axes.imshow(image, extent=(left, right, bottom, top), interpolation="antialiased")
+        shown = axes.imshow(image, extent=(left, right, bottom, top), interpolation="bilinear")
         axes.set(xticks=[], yticks=[], anchor="W")
         axes.spines[:].set_visible(False)
         self._draw_arrows(axes)

@@ -33,8 +33,11 @@ NAMED = (
     "average",
 )
 
-_WIDTH_IN_PIXELS = 400
+WIDTH_IN_PIXELS = 400
 _VIEW = view_from(0, 0)
+
+#: Greatest height that is shown, in mean diameters; few beads of a gas fly higher.
+TALLEST = 24.0
 
 #: Beads whose paths are drawn, and distance of the marks on the belt, in mean diameters.
 _FOLLOWED, _MARKS = 8, 2.0
@@ -46,8 +49,8 @@ def lead(what: str) -> str:
         f"{what}: beads of the first replicate over one cycle in the steady state, in the "
         "laboratory, coloured by their horizontal velocity, with the paths of a few (a point every "
         "50 of 2000 steps). The belt and marks on it move with its phase between the dashed lines "
-        "at ± A_z. The loop repeats the one cycle: the belt returns, and the beads jump back by as "
-        "far as they have gone."
+        f"at ± A_z; beads above {TALLEST:g} ⟨d⟩ are left out. The loop repeats the one cycle: the "
+        "belt returns, and the beads jump back by as far as they have gone."
     )
 
 
@@ -73,10 +76,9 @@ class Belt:
         self.radius = state["radius"].values / unit
         self.width, self.amplitude = row["width"], row["amplitude"]
         self.norm = Normalize(*np.percentile(self.speed, (1, 99)))
-        # A few beads of a gas fly high above all others.
-        top = np.percentile(self.path[..., 1], 99.5) + 1.0
-        self.frame = Frame(0.0, self.width, -self.amplitude - 1.0, float(top))
-        self.pixel = self.width / _WIDTH_IN_PIXELS
+        top = min(float(self.path[..., 1].max()) + 1.0, TALLEST)
+        self.frame = Frame(0.0, self.width, -self.amplitude - 1.0, top)
+        self.pixel = self.width / WIDTH_IN_PIXELS
 
     def picture(self, number: int) -> np.ndarray:
         """Return the picture of a state. Beads at one side of the cell are at the other, too."""
@@ -112,10 +114,12 @@ def draw(data: FigureData) -> Animation:
     if state is None or "path" not in state:
         return still("no motion stored")
     belt = Belt(row, state)
-    height = 1.0 + 5.6 * (belt.frame.top - belt.frame.bottom) / belt.width
-    figure = Figure(figsize=(6.4, min(height, 5.6)), layout="constrained")
+    # To scale, with room for the axes and the colours.
+    aspect = (belt.frame.top - belt.frame.bottom) / belt.width
+    width = min(4.8, 4.8 / aspect)
+    figure = Figure(figsize=(width + 1.6, width * aspect + 0.9), layout="constrained")
     axes = figure.subplots()
-    image = axes.imshow(belt.picture(0), extent=belt.frame, zorder=2)
+    image = axes.imshow(belt.picture(0), extent=belt.frame, interpolation="bilinear", zorder=2)
     _draw_surroundings(axes, belt)
     (line,) = axes.plot([], [], color=DARK, linewidth=2.2, zorder=3)
     (marks,) = axes.plot([], [], "|", color=DARK, markersize=6, markeredgewidth=1.4, zorder=3)
@@ -142,12 +146,14 @@ def _draw_surroundings(axes: Axes, belt: Belt) -> None:
         axes.axhline(level, color="#888888", linestyle=SHORT_DASH, linewidth=0.8, zorder=1)
     if belt.row["obstacle"]:
         centre, radius = (belt.width / 2, belt.amplitude), belt.row["obstacle"] / 2
-        axes.add_patch(Circle(centre, radius, facecolor="#999999", edgecolor=DARK, zorder=3))
+        axes.add_patch(Circle(centre, radius, facecolor="#e69f00", edgecolor=DARK, zorder=3))
     axes.set_xlim(belt.frame.left, belt.frame.right)
     axes.set_ylim(belt.frame.bottom, belt.frame.top)
     axes.grid(visible=False)
     axes.set_xlabel("along the belt x (⟨d⟩)")
     axes.set_ylabel("height z (⟨d⟩)")
-    bar = axes.figure.colorbar(ScalarMappable(belt.norm, COLOURS), ax=axes, aspect=25, pad=0.02)
+    bar = axes.figure.colorbar(
+        ScalarMappable(belt.norm, COLOURS), ax=axes, aspect=25, pad=0.02, shrink=0.8
+    )
     bar.set_label("velocity $v_x$ (m/s)")
     bar.outline.set_visible(False)

@@ -27,7 +27,7 @@ FRAMES = 36
 #: How far the fastest spheres may go from frame to frame, in diameters, for the eye to follow them.
 STRIDE = 0.35
 
-_PIXELS = 330
+PIXELS = 330
 
 
 def lead(what: str) -> str:
@@ -85,7 +85,7 @@ def draw(data: FigureData) -> Animation:
         return still("no motion stored")
     time, position, speed = motion(state, row["diameter"])
     unit = np.sqrt(row["diameter"] / row["gravity"])
-    scene = Scene(row, state, position[..., 2], speed, _PIXELS)
+    scene = Scene(row, state, position[..., 2], speed, PIXELS)
     figure = Figure(figsize=(6.4, 3.4), layout="constrained")
     pictures, profiles = figure.subfigures(1, 2, width_ratios=(1.6, 1))
     left, right = pictures.subplots(), profiles.subplots()

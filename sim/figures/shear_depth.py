@@ -4,6 +4,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
+from sim.errors import InputError
 from sim.figures.caption import regime_sentence
 from sim.figures.columns import parameter_columns
 from sim.figures.over_depth import NAMED, label, set_depth_axis
@@ -39,7 +40,9 @@ def draw(data: FigureData) -> Figure:
         known = curve[curve["height"].notna()]
         draw_curve(axes, known, "depth", cycled(index), label(values), ("accelerating",))
     set_depth_axis(axes, data.rows["depth"])
-    axes.set_ylim(bottom=0)
+    # Intervals over two replicates may be wider than all the heights.
+    highest = rows["height"].max()
+    axes.set_ylim(0, min(axes.get_ylim()[1], 1.5 * highest) if highest > 0 else 1)
     axes.set_ylabel("height of the shearing layer $δ_s$ (σ)")
     place_legend(figure, axes)
     return figure
@@ -49,7 +52,14 @@ def measured(data: FigureData) -> pd.DataFrame:
     """Return the points with ``height`` δ_s (σ) and the half width of its 95 % interval.
 
     It is the mean over the completed replicates in which it is known; a single one has no interval.
+
+    Raises
+    ------
+    InputError
+        When the dataset has no such measure.
     """
+    if "shear_depth" not in data.results.dataset:
+        raise InputError("no shear_depth in the dataset")
     values = data.results.dataset["shear_depth"].sel(point=data.rows["point"].values).values
     values = values / data.rows["diameter"].to_numpy()[:, None]
     known = [each[np.isfinite(each)] for each in values]

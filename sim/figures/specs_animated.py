@@ -7,6 +7,9 @@ from sim.figures.specs_chute import PAPER_FLOW
 
 _BELT = {"amplitude": 1, "vibration_angle": 45, "damping": 50, "shear_damping": 50}
 
+#: Friction coefficients above twice tan 17°.
+_ROUGH = (0.65, 0.8, 1, 1.2)
+
 
 def _chute(kind: str, title: str, place: str, **where: Any) -> FigureSpec:
     return FigureSpec(
@@ -41,7 +44,7 @@ ANIMATED = (
     _chute("rolling", "A thin rolling layer", "Fig. 1.1", depth=1.24),
     _chute("sheared", "A flow that shears throughout", "Fig. 1.3", depth=5),
     _chute("plug", "A plug over a layer that shears", "Fig. 1.4", depth=10),
-    _chute("arrested", "A flow that has come to rest", "Sec. 3", depth=5, friction=0.8),
+    _chute("arrested", "Friction beyond twice the slope", "Sec. 3", depth=5, friction=_ROUGH),
     _belt("block", "Beads that move as a block", "Fig. 4a", frequency=10),
     _belt("onset", "Beads at the onset of the flow", "Fig. 4c", frequency=20),
     _belt("stream", "Beads in a stream", "Fig. 4d", frequency=80),

@@ -1,7 +1,7 @@
 """Measures of the beads on a vibrating belt, from one replicate of a run file.
 
 A run file holds series over ``time``, a field over ``column`` and ``level`` in the laboratory, the
-last state, and the path of the beads over the cycle that follows.
+path of the beads over the cycle that follows, and their state at its end.
 """
 
 from math import atan2, cos, pi, radians, tan
@@ -34,10 +34,9 @@ def measure(run: xr.Dataset) -> dict[str, float]:
     found = {}
     if "base_occupancy" in run:
         found |= _of_series(run)
-    if "particle_velocity" in run and "belt_phase" in run:
-        found["relative_agitation"] = _agitation(run)
     if "path" in run:
         found |= path_measures(run["path"].values)
+        found["relative_agitation"] = _agitation(run)
     if "field_velocity" in run:
         found["backflow"] = backflow(run["field_velocity"].values, run["field_density"].values)
     return found
@@ -85,10 +84,12 @@ def _of_series(run: xr.Dataset) -> dict[str, float]:
 
 
 def _agitation(run: xr.Dataset) -> float:
-    """Return the rms velocity (m/s) of the beads against the belt in the last state."""
-    phases = run["belt_phase"].values
-    phase = phases[np.isfinite(phases)][-1]
+    """Return the rms velocity (m/s) of the beads against the belt in the last state.
+
+    That is the end of a whole cycle.
+    """
     amplitude = run["amplitude"].item() * run["diameter"].item()
+    phase = radians(run["phase"].item())
     speed = 2 * pi * run["frequency"].item() * amplitude * cos(phase)
     belt = speed / tan(radians(run["vibration_angle"].item())), speed
     velocity = run["particle_velocity"].isel(frame=-1).values

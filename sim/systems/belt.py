@@ -1,6 +1,6 @@
 """The vibrating belt of Gallas, Herrmann and Sokolowski: beads on a line that shakes."""
 
-from math import ceil, pi, radians, sqrt, tan
+from math import pi, radians, sqrt, tan
 
 import numpy as np
 
@@ -14,12 +14,12 @@ from sim.dynamics.disks import make_disks, make_work, stored_in_pairs
 from sim.dynamics.gear import Gear, Verlet, restarted
 from sim.dynamics.neighbors import empty_pair_list, grown
 from sim.dynamics.status import LIST_FULL, BlowUp, require_motion
-from sim.observe.field import Field, sampled
-from sim.observe.ledger import Ledger
+from sim.observe.field import Field, squares, wave_power
 from sim.observe.profiles import AREA, CENTRE, Profile, add_sample, empty_profile
 from sim.observe.regime import Scales
 from sim.parameters import BeltParameters
 from sim.systems.packing import random_packing
+from sim.systems.series import BELT_LEDGER, BELT_SERIES
 
 #: Skin of the neighbor list in mean diameters.
 SKIN = 0.3
@@ -30,14 +30,8 @@ INITIAL_PACKING = 0.3
 #: Slices of the profiles, one mean diameter each.
 SLICES = 80
 
-#: Levels of the field of velocity, one mean diameter each, from below the belt's lowest position.
-LEVELS = 60
-
 #: Intervals of the path over the cycle that ends a run: the paper plots every 50th of 2000 steps.
 PATH_INTERVALS = 40
-
-#: Longest waves of the density along the belt whose power is added up.
-WAVES = 5
 
 #: Simulated time (s) after which a bed that still moves is given up.
 SETTLING_LIMIT = 30.0
@@ -46,46 +40,8 @@ SETTLING_LIMIT = 30.0
 class Belt:
     """One replicate of beads on the belt in motion."""
 
-    series = {
-        "mean_velocity": ("m s-1", "mean velocity of the beads along the belt"),
-        "mass_flux": ("kg s-1", "mass flux along the belt"),
-        "kinetic_energy": ("J", "kinetic energy of the beads"),
-        "potential_energy": ("J", "potential energy above the mean belt position"),
-        "stored_energy": ("J", "energy in the springs of the contacts"),
-        "normal_loss": ("J", "energy dissipated by the normal damping since the start"),
-        "shear_loss": ("J", "energy dissipated by the shear friction since the start"),
-        "belt_work": ("J", "work of the belt on the beads since the start"),
-        "height_of_mass": ("m", "height of the centre of mass above the mean belt position"),
-        "contact_number": ("1", "contacts per bead, those with belt and obstacle included"),
-        "largest_overlap": (
-            "1",
-            "largest overlap since the last sample, per sum of radii (belt: per diameter)",
-        ),
-        "belt_phase": ("rad", "phase of the belt's vibration"),
-        "base_occupancy": ("1", "share of beads with centres within A_z of the mean belt position"),
-        "wave_power": (
-            "1",
-            "power of the five longest waves of the density along the belt, relative to beads at "
-            "random",
-        ),
-    }
-
-    ledger = Ledger(
-        terms={
-            "kinetic_energy": 1,
-            "potential_energy": 1,
-            "stored_energy": 1,
-            "normal_loss": 1,
-            "shear_loss": 1,
-            "belt_work": -1,
-        },
-        turnover=("belt_work",),
-        powers={
-            "normal_loss": "normal_power",
-            "shear_loss": "shear_power",
-            "belt_work": "belt_power",
-        },
-    )
+    series = BELT_SERIES
+    ledger = BELT_LEDGER
 
     def __init__(self, parameters: BeltParameters, replicate: int, refinement: int = 1):
         self.parameters = p = parameters
@@ -129,20 +85,8 @@ class Belt:
         self.period = p.samples_per_cycle
         self.profile_height = (np.arange(SLICES) + 0.5) * p.diameter
         self.normal_loss, self.shear_loss, self.belt_work = 0.0, 0.0, 0.0
-        columns = max(1, round(p.width))
-        self.column_width = width / columns
-        self.lowest_level = -ceil(p.amplitude) * p.diameter
-        self.coordinates = {
-            "column": (
-                "m",
-                "centre of the column along the belt",
-                (np.arange(columns) + 0.5) * self.column_width,
-            ),
-            "level": (
-                "m",
-                "height of the level above the mean belt position",
-                self.lowest_level + (np.arange(LEVELS) + 0.5) * p.diameter,
-            ),
+        self.squares = squares(width, p.diameter, p.amplitude)
+        self.coordinates = self.squares.coordinates() | {
             "path_time": (
                 "s",
                 "time since the path began, at phase zero of the belt",
@@ -272,10 +216,8 @@ class Belt:
     def _places(self) -> dict[str, float]:
         """Return measures of where the beads are: near the belt, and in waves along it."""
         x, z = self.disks.taylor[0]
-        wave = np.exp(2j * pi / self.box.length[0] * x)
-        power = sum(abs((wave**k).sum()) ** 2 for k in range(1, WAVES + 1))
         near = np.abs(z) < self.parameters.amplitude * self.parameters.diameter
-        return {"base_occupancy": near.mean(), "wave_power": power / (WAVES * len(x))}
+        return {"base_occupancy": near.mean(), "wave_power": wave_power(x, self.box.length[0])}
 
     def _ledger(self) -> dict[str, float]:
         """Return where the energy is, where it has gone and where it came from."""
@@ -311,17 +253,7 @@ class Belt:
                 self._velocity(),
             )
             profiles.append(profile)
-        return (*profiles, self._field())
-
-    def _field(self) -> Field:
-        x, z = self.disks.taylor[0]
-        columns = len(self.coordinates["column"][2])
-        return sampled(
-            np.floor(x / self.column_width).astype(int) % columns,
-            np.floor((z - self.lowest_level) / self.parameters.diameter).astype(int),
-            self._velocity()[0],
-            (columns, LEVELS),
-        )
+        return (*profiles, self.squares.sample(*self.disks.taylor[0], self._velocity()[0]))
 
     def profiles(self, sums: tuple[Profile, Profile, Field]) -> dict[str, np.ndarray]:
         """Return velocity, densities and granular temperature per slice."""
@@ -338,12 +270,7 @@ class Belt:
 
     def tables(self, sums: tuple[Profile, Profile, Field]) -> dict[str, np.ndarray]:
         """Return mean velocity and density in squares of the laboratory."""
-        field = sums[2]
-        square = self.column_width * self.parameters.diameter
-        return {
-            "field_velocity": field.velocity(),
-            "field_density": field.count / (field.samples[0] * square),
-        }
+        return self.squares.tables(sums[2])
 
     def trace(self) -> np.ndarray:
         """Finish the cycle and return the path of every bead (S, N, 2) in m over one more."""

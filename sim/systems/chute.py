@@ -22,12 +22,12 @@ from sim.dynamics.spheres import (
 )
 from sim.dynamics.status import LIST_FULL, require_motion
 from sim.dynamics.team import Team
-from sim.observe.ledger import Ledger
 from sim.observe.overlaps import EDGES, Overlaps, count_overlaps, no_overlaps
 from sim.observe.profiles import VOLUME, Profile, add_sample, empty_profile
 from sim.observe.regime import Scales
 from sim.parameters import ChuteParameters
 from sim.systems.chute_start import start
+from sim.systems.series import CHUTE_LEDGER, CHUTE_SERIES
 
 #: Skin of the neighbor list in diameters.
 SKIN = 0.2
@@ -39,37 +39,8 @@ PATH_STATES, PATH_INTERVAL = 41, 0.1
 class Chute:
     """One replicate of a chute flow in motion."""
 
-    series = {
-        "mean_velocity": ("m s-1", "mean velocity down the slope, weighted by mass"),
-        "mass_flux": ("kg m-1 s-1", "mass flux per unit width of the chute"),
-        "kinetic_energy": ("J", "kinetic energy of translation"),
-        "rotational_energy": ("J", "kinetic energy of rotation"),
-        "potential_energy": ("J", "potential energy, of the way down the slope too"),
-        "stored_energy": ("J", "energy in the springs of the contacts"),
-        "normal_loss": ("J", "energy dissipated by normal forces since the start"),
-        "frictional_loss": ("J", "energy dissipated by friction since the start"),
-        "height_of_mass": ("m", "height of the centre of mass above the plane"),
-        "contact_number": ("1", "contacts per particle, those with the plane included"),
-        "largest_overlap": ("1", "largest overlap since the last sample, in diameters"),
-        "base_normal_force": ("N", "mean force of the flow on the plane, normal to it"),
-        "base_shear_force": ("N", "mean force of the flow on the plane, down the slope"),
-    }
-
-    ledger = Ledger(
-        terms=dict.fromkeys(
-            (
-                "kinetic_energy",
-                "rotational_energy",
-                "potential_energy",
-                "stored_energy",
-                "normal_loss",
-                "frictional_loss",
-            ),
-            1,
-        ),
-        turnover=("normal_loss", "frictional_loss"),
-        powers={"normal_loss": "normal_power", "frictional_loss": "frictional_power"},
-    )
+    series = CHUTE_SERIES
+    ledger = CHUTE_LEDGER
 
     def __init__(self, parameters: ChuteParameters, replicate: int, refinement: int = 1):
         self.parameters = p = parameters
@@ -87,8 +58,8 @@ class Chute:
         self.memory = make_memory(len(self.pairs.touching))
         self.team = Team(p.threads)
         self.work = [make_work() for _ in range(p.threads)]
-        self.flow = leap_frog.make_flow(number, p.threads)
         self.glued = number - p.particles
+        self.flow = leap_frog.make_flow(number, p.threads, fixed=self.glued > 0)
         self.laws = (self._law(p.friction, 0.5 * p.mass), self._law(p.friction_plane, p.mass))
         angle = radians(p.angle)
         self.gravity = (p.gravity * sin(angle), 0.0, -p.gravity * cos(angle))

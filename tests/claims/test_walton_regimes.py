@@ -121,6 +121,11 @@ def test_flows_in_the_wrong_regime_fail():
     assert failed(rest) == ["V/√(gσ), μ = 0.4, n = 5"]
 
 
+def test_a_base_flow_that_runs_away_fails():
+    runaway = accelerating(0.9, speed=110, depth=40)
+    assert failed(checks_on(w19, [*swept(), runaway])) == ["dV/dt over g sin θ, μ = 0.4, n = 40"]
+
+
 def test_flows_without_a_regime_decide_nothing():
     unknown = flow(3, {"regime": "undetermined"}, friction=0.9, depth=5)
     assert verdict_on(w19, [*swept(), unknown]) == INCONCLUSIVE

@@ -1,12 +1,17 @@
-"""The made-up study of the belt, built once."""
+"""The made-up studies of the belt and of the chute, built once."""
 
 from pathlib import Path
 
 import pytest
 
-from tests.figures.made_belt import make_dataset
+from tests.figures import made_belt, made_chute
 
 
 @pytest.fixture(scope="session")
 def belt_dataset(tmp_path_factory) -> Path:
-    return make_dataset(tmp_path_factory.mktemp("made-belt"))
+    return made_belt.make_dataset(tmp_path_factory.mktemp("made-belt"))
+
+
+@pytest.fixture(scope="session")
+def chute_dataset(tmp_path_factory) -> Path:
+    return made_chute.make_dataset(tmp_path_factory.mktemp("made-chute"))

@@ -14,7 +14,7 @@ STUDY = """\
 study: made-chute
 title: A made-up study of the chute
 defaults:
-  chute: {cell: 4, replicates: 3}
+  chute: {cell: 3, replicates: 3}
   belt: {beads: 12, width: 5, replicates: 1}
 series:
   - name: rows
@@ -39,7 +39,7 @@ series:
     figures: [shear_depth]
   - name: frictions
     system: chute
-    grid: {friction: [0.2, 0.8]}
+    grid: {friction: [0.2, 0.65, 0.8]}
     figures: [animation_accelerating, animation_arrested]
   - name: belt
     system: belt
@@ -57,12 +57,12 @@ def speed(parameters: Parameters) -> float:
     """Return the mean velocity that is made up, m/s."""
     if parameters.system == "belt":
         return 1e-3 * parameters.frequency
-    return 0.1 if parameters.friction < 0.7 else 0.0
+    return 0.1 if parameters.friction < 0.7 else 0.01
 
 
-def shear_depth(parameters: ChuteParameters) -> float:
-    """Return the height of the shearing layer that is made up, m."""
-    return 10.0 * parameters.diameter / parameters.depth
+def shear_depth(depth: float) -> float:
+    """Return the height of the shearing layer that is made up, m, for spheres of 1 mm."""
+    return 1e-2 / depth
 
 
 def made_profiles(parameters: ChuteParameters) -> dict[str, tuple]:
@@ -128,4 +128,13 @@ def make_dataset(folder: Path) -> Path:
             made = made_profiles(parameters) | made_particles(parameters)
             run = run.drop_dims("height").assign(made)
         run.to_netcdf(path)
-    return build(study_path, results)
+    path = build(study_path, results)
+    with xr.open_dataset(path) as opened:
+        dataset = opened.load()
+    depth = [[shear_depth(point)] for point in dataset["depth"].values]
+    spread = np.resize(1 + SPREAD, dataset.sizes["replicate"])
+    completed = dataset["status"].values == "completed"
+    depths = np.where(completed, depth * spread, np.nan)
+    dataset["shear_depth"] = (("point", "replicate"), depths)
+    dataset.to_netcdf(path, mode="a")
+    return path

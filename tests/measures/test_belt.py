@@ -50,15 +50,13 @@ def test_backflow_counts_beads_not_squares():
 def run(velocity, phase=0.0, **parameters):
     """Return one replicate of 30 cycles at 20 Hz with 4 samples each, averaged from cycle 20 on."""
     usual = {"frequency": 20.0, "amplitude": 1.0, "vibration_angle": 30.0, "diameter": BEAD}
-    usual |= {"samples_per_cycle": 4, "average_start": 1.0}
+    usual |= {"samples_per_cycle": 4, "average_start": 1.0, "phase": np.degrees(phase)}
     time = np.arange(1, 121) / 80
-    phases = np.full(120, phase)
-    phases[-5:] = np.nan
     return xr.Dataset(
         {
             "base_occupancy": ("time", np.where(time > 1.0, 0.25, 0.75)),
             "wave_power": ("time", np.where(time <= 0.5, 5.0, np.where(time > 1.0, 2.0, 3.0))),
-            "belt_phase": ("time", phases),
+            "path": (("path_time", "particle", "axis"), ellipse(0.5, beads=5)),
             "particle_velocity": (("frame", "particle", "axis"), np.array([velocity, velocity])),
             **{name: ((), value) for name, value in (usual | parameters).items()},
         },

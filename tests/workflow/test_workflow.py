@@ -17,6 +17,7 @@ import xarray as xr
 from sim.figures import FIGURES
 from sim.study import estimate, load_study
 from tests.project_tree import (
+    ROOT,
     STUDY,
     command,
     copy_project,
@@ -24,6 +25,17 @@ from tests.project_tree import (
     planned_points,
     snakemake,
 )
+
+TINY = load_study(ROOT / "tests" / "data" / STUDY)
+POINTS = len(TINY.points)
+
+#: Jobs of each rule that a new dataset entails.
+AFTER_IT = {
+    "figure": sum(not FIGURES[name].animated for name in TINY.figures),
+    "animation": sum(FIGURES[name].animated for name in TINY.figures),
+    "claims": 1,
+    "report": 1,
+}
 
 
 @pytest.fixture(scope="module")
@@ -57,7 +69,7 @@ def test_everything_is_made(tree):
     assert runs == set(study.points)
     assert list(study.figures) == [name for name, spec in FIGURES.items() if not spec.regimes]
     for name in study.figures:
-        for suffix in (".png", ".svg", ".csv", ".caption.txt"):
+        for suffix in FIGURES[name].suffixes:
             assert (results / "figures" / f"{name}{suffix}").stat().st_size > 0
     for made in (*(f"runs/{point}" for point in runs), "dataset", "figures/walton_2", "report"):
         assert (results / "logs" / f"{made}.log").is_file()
@@ -75,12 +87,12 @@ def test_a_failed_point_is_recorded_and_leaves_the_rest_standing(tree):
     caption = (tree / "results" / "tiny" / "figures" / "gallas_1a.caption.txt").read_text()
     assert "Left out because the run failed: belt-frequency80" in caption
     report = (tree / "results" / "tiny" / "report.html").read_text()
-    assert "1 of 14 points failed" in report
+    assert f"1 of {POINTS} points failed" in report
 
 
 def test_logs_of_runs_say_how_they_went(tree):
     logs = list((tree / "results" / "tiny" / "logs" / "runs").glob("*.log"))
-    assert len(logs) == 14
+    assert len(logs) == POINTS
     for log in logs:
         first, *_, closing, written = log.read_text().splitlines()
         assert first.startswith(f"{log.stem}: ") and first.endswith("steps")
@@ -91,10 +103,10 @@ def test_logs_of_runs_say_how_they_went(tree):
 def test_a_workflow_ends_with_a_summary_and_a_dry_run_does_not(tree):
     made = snakemake(tree, "report", "--forcerun", "report")
     assert made.returncode == 0, made.stderr
-    assert "14 points: 13 done, 1 failed" in made.stderr
+    assert f"{POINTS} points: {POINTS - 1} done, 1 failed" in made.stderr
     dry = snakemake(tree, "-n", "report", "--forcerun", "report")
     assert dry.returncode == 0
-    assert "14 points" not in dry.stdout + dry.stderr
+    assert f"{POINTS} points" not in dry.stdout + dry.stderr
 
 
 def test_a_workflow_that_fails_ends_with_a_summary(tree):
@@ -105,7 +117,7 @@ def test_a_workflow_that_fails_ends_with_a_summary(tree):
     broken.write_bytes(content)
     made = snakemake(tree, "report")
     assert failed.returncode != 0 and made.returncode == 0
-    assert "14 points: 13 done, 1 failed" in failed.stderr
+    assert f"{POINTS} points: {POINTS - 1} done, 1 failed" in failed.stderr
 
 
 def test_nothing_is_left_to_do(tree):
@@ -121,7 +133,7 @@ def test_an_added_grid_value_runs_the_new_points_alone(tree):
     text = (tree / STUDY).read_text().replace("depth: [0.5, 1]", "depth: [0.5, 1, 2]")
     (tree / "wider.yaml").write_text(text)
     jobs = planned(tree, study="wider.yaml")
-    assert jobs == {"run": 2, "dataset": 1, "figure": 4, "report": 1}
+    assert jobs == {"run": 2, "dataset": 1, **AFTER_IT}
     points = planned_points(tree, study="wider.yaml")
     assert {point.split("-")[1] for point in points} == {"depth2"}
 
@@ -137,7 +149,7 @@ def test_a_changed_parameter_runs_the_points_it_touches(tree):
 
 def test_an_edit_of_the_engine_runs_everything(tree, edited):
     edited("sim/contact/damping.py")
-    assert planned(tree) == {"warm": 1, "run": 14, "dataset": 1, "figure": 4, "report": 1}
+    assert planned(tree) == {"warm": 1, "run": POINTS, "dataset": 1, **AFTER_IT}
 
 
 def test_an_edit_of_a_figure_redraws_that_figure(tree, edited):

@@ -1,0 +1,97 @@
+"""Animations: frames and size of the files, slow motion, one cycle of the belt, captions."""
+
+from importlib import import_module
+
+import matplotlib as mpl
+import numpy as np
+import pandas as pd
+import pytest
+from PIL import Image
+
+from sim.figures import FIGURES, animation, draw, moving_belt, moving_chute
+from sim.figures.style import SETTINGS
+from sim.figures.summary import figure_data
+from sim.results import load_results
+
+ANIMATIONS = [name for name, spec in FIGURES.items() if spec.animated]
+LARGEST = 1.5e6
+
+
+@pytest.fixture(scope="module")
+def results(chute_dataset):
+    return load_results(chute_dataset)
+
+
+@pytest.fixture(autouse=True)
+def small(monkeypatch):
+    monkeypatch.setattr(moving_chute, "PIXELS", 50)
+    monkeypatch.setattr(moving_belt, "WIDTH_IN_PIXELS", 50)
+
+
+def shown(name: str, results):
+    """Return the animation as its module draws it, and the point."""
+    module = import_module(f"sim.figures.{name}")
+    data = module.select(figure_data(results, FIGURES[name]))
+    with mpl.rc_context(SETTINGS):
+        return module.draw(data), data
+
+
+@pytest.mark.parametrize("name", ANIMATIONS)
+def test_an_animation_has_frames_that_differ(results, name):
+    moving, data = shown(name, results)
+    assert len(data.rows) == 1
+    assert 20 <= moving.frames <= 40
+    images = [image for axes in moving.figure.axes for image in axes.get_images()]
+    moving.show(0)
+    first = images[0].get_array().copy()
+    moving.show(moving.frames - 1)
+    assert (images[0].get_array() != first).any()
+
+
+@pytest.mark.parametrize("name", ["animation_rolling", "animation_obstacle"])
+def test_files_are_an_endless_gif_a_poster_data_and_a_caption(chute_dataset, tmp_path, name):
+    files = {path.suffix: path for path in draw(name, chute_dataset, tmp_path)}
+    assert set(files) == {".gif", ".png", ".csv", ".txt"}
+    assert files[".gif"].stat().st_size < LARGEST
+    with Image.open(files[".gif"]) as gif, Image.open(files[".png"]) as poster:
+        assert 20 <= gif.n_frames <= 40
+        assert gif.info["loop"] == 0
+        assert poster.width > 2 * gif.width
+    assert len(pd.read_csv(files[".csv"])) == 1
+    caption = files[".txt"].read_text()
+    assert "Parameters: " in caption
+    assert "The paper: " in caption
+
+
+def test_no_sphere_goes_further_than_the_eye_follows(results):
+    _, data = shown("animation_sheared", results)
+    (row,) = data.rows.to_dict("records")
+    time, position, speed = moving_chute.motion(results.particles(row["point"]), row["diameter"])
+    steps = np.diff(position[..., 0], axis=0) / row["diameter"]
+    assert len(time) == moving_chute.FRAMES
+    assert steps.max() <= 1.01 * moving_chute.STRIDE
+    assert speed == pytest.approx(np.full(speed.shape, 0.1), rel=1e-3)
+
+
+def test_a_belt_goes_once_up_and_down_along_the_angle_of_vibration(results):
+    moving, data = shown("animation_onset", results)
+    (row,) = data.rows.to_dict("records")
+    belt = moving_belt.Belt(row, results.particles(row["point"]))
+    levels = [belt.line(number)[1] for number in range(moving.frames + 1)]
+    marks = [belt.line(number)[0][0] for number in range(moving.frames + 1)]
+    assert [levels[0], levels[10], levels[30], levels[40]] == pytest.approx([0, 1, -1, 0], abs=1e-6)
+    assert np.diff(marks) == pytest.approx(np.diff(levels), abs=1e-6)
+
+
+def test_the_slowest_of_the_rough_flows_is_shown(results):
+    _, data = shown("animation_arrested", results)
+    assert list(data.rows["friction"]) == [0.8]
+
+
+def test_a_point_without_a_path_says_so(results):
+    data = figure_data(results, FIGURES["animation_block"])
+    without = type(results)(results.dataset, results.profiles, results.boundaries)
+    chosen = animation.select(type(data)(data.rows, data.boundaries, without))
+    moving = moving_belt.draw(chosen)
+    assert moving.frames == 1
+    assert [text.get_text() for text in moving.figure.axes[0].texts] == ["no motion stored"]

@@ -1,0 +1,122 @@
+"""Walton's Figs. 1.1-1.6: profiles as the caption draws them, bands, a configuration, data."""
+
+import matplotlib as mpl
+import numpy as np
+import pandas as pd
+import pytest
+
+from sim.figures import FIGURES, chute_row, draw
+from sim.figures.style import DOTTED, SETTINGS
+from sim.figures.summary import figure_data
+from sim.outcome import student_half_width
+from sim.results import load_results
+from tests.figures.made_belt import dashes
+from tests.figures.made_chute import SPREAD
+
+ROWS = {f"walton_1_{number}": depth for number, depth in enumerate((1.24, 2.5, 5, 10, 20, 40), 1)}
+
+
+@pytest.fixture(scope="module")
+def results(chute_dataset):
+    return load_results(chute_dataset)
+
+
+@pytest.fixture(autouse=True)
+def small(monkeypatch):
+    monkeypatch.setattr(chute_row, "PIXELS", 60)
+
+
+def drawn(name: str, results):
+    data = figure_data(results, FIGURES[name])
+    with mpl.rc_context(SETTINGS):
+        return chute_row.draw(data), data
+
+
+def lines(axes) -> dict[str, mpl.lines.Line2D]:
+    return {line.get_label(): line for line in axes.get_lines()}
+
+
+@pytest.mark.parametrize(("name", "depth"), ROWS.items())
+def test_a_row_shows_the_flow_of_its_depth(results, name, depth):
+    _, data = drawn(name, results)
+    assert set(data.rows["depth"]) == {depth}
+    assert set(data.rows["friction"]) == {0.4}
+
+
+@pytest.mark.parametrize("name", ["walton_1_1", "walton_1_6"])
+def test_instantaneous_profiles_are_solid_and_averages_dotted(results, name):
+    figure, _ = drawn(name, results)
+    for axes, mean in zip(figure.axes[:2], (None, 0.5), strict=True):
+        found = lines(axes)
+        assert dashes(found["instantaneous"]) == "-"
+        assert dashes(found["cumulative average"]) == (0, DOTTED[1])
+        ratio = found["instantaneous"].get_xdata() / found["cumulative average"].get_xdata()
+        assert ratio == pytest.approx(1.5 * (1 + SPREAD[0]))
+        if mean:
+            assert found["cumulative average"].get_xdata() == pytest.approx(mean)
+
+
+def test_heights_are_in_diameters_and_velocities_in_two_units(results):
+    figure, _ = drawn("walton_1_4", results)
+    velocity = figure.axes[0]
+    line = lines(velocity)["cumulative average"]
+    assert line.get_xdata() == pytest.approx(0.1 * line.get_ydata())
+    assert line.get_ydata().max() == pytest.approx(np.pi / 3 * 10, abs=0.25)
+    (top,) = velocity.child_axes
+    figure.draw_without_rendering()
+    assert top.get_xlim()[1] == pytest.approx(velocity.get_xlim()[1] / (9.8e-3) ** 0.5)
+
+
+def test_bands_are_students_interval_over_the_replicates(results):
+    figure, _ = drawn("walton_1_2", results)
+    (band,) = figure.axes[1].collections
+    edges = band.get_paths()[0].vertices[:, 0]
+    half_width = student_half_width(0.5 * (1 + SPREAD))
+    assert [edges.min(), edges.max()] == pytest.approx([0.5 - half_width, 0.5 + half_width])
+
+
+def test_the_converged_protocol_lies_beside_the_published_one(results):
+    figure, _ = drawn("walton_1_3", results)
+    labels = [line.get_label() for line in figure.axes[0].get_lines()]
+    assert labels == [
+        "instantaneous",
+        "cumulative average, published protocol",
+        "cumulative average, converged protocol",
+    ]
+
+
+@pytest.mark.parametrize(("name", "share"), [("walton_1_4", 0.5), ("walton_1_5", 1.0)])
+def test_deep_flows_show_the_whole_cell_and_others_a_portion(results, name, share):
+    row = figure_data(results, FIGURES[name]).rows.to_dict("records")[0]
+    state = results.particles(row["point"])
+    scene = chute_row.Scene(row, state, np.array([1e-2]), np.array([0.0, 1.0]), 60)
+    assert scene.shown == pytest.approx(np.array([3e-3, share * 3e-3]))
+
+
+def test_files_tell_units_bands_protocols_and_the_paper(chute_dataset, tmp_path):
+    files = {path.name: path for path in draw("walton_1_3", chute_dataset, tmp_path)}
+    assert set(files) == {f"walton_1_3{end}" for end in (".png", ".svg", ".csv", ".caption.txt")}
+    caption = files["walton_1_3.caption.txt"].read_text()
+    for text in (
+        "Fig. 1.3",
+        "n = 5",
+        "K1 = 100 N/m",
+        "Published protocol: mean velocity 0.1 ±",
+        "over 3 replicates",
+        "over 2 replicates",
+        "The paper: ",
+    ):
+        assert text in caption
+    table = pd.read_csv(files["walton_1_3.csv"])
+    assert set(table["flow"]) == {"published protocol", "converged protocol"}
+    velocity = table["velocity, cumulative average [m s-1]"]
+    assert velocity[table["flow"] == "published protocol"].to_numpy() == pytest.approx(
+        0.1 * table["height [σ]"][table["flow"] == "published protocol"].to_numpy()
+    )
+
+
+def test_a_flow_without_stored_particles_still_has_its_profiles(results):
+    data = figure_data(results, FIGURES["walton_1_1"])
+    results_without = type(results)(results.dataset, results.profiles, results.boundaries)
+    figure = chute_row.draw(type(data)(data.rows, data.boundaries, results_without))
+    assert "no configuration stored" in [text.get_text() for text in figure.axes[2].texts]

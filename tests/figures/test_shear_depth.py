@@ -1,0 +1,56 @@
+"""Height of the shearing layer: a curve per material, error bars, lines, data and caption."""
+
+import matplotlib as mpl
+import pandas as pd
+import pytest
+import xarray as xr
+
+from sim.errors import InputError
+from sim.figures import FIGURES, draw, shear_depth
+from sim.figures.style import SETTINGS
+from sim.figures.summary import figure_data
+from sim.outcome import student_half_width
+from sim.results import load_results
+from tests.figures.made_chute import SPREAD
+
+
+@pytest.fixture(scope="module")
+def data(chute_dataset):
+    return figure_data(load_results(chute_dataset), FIGURES["shear_depth"])
+
+
+def test_every_material_is_a_curve_over_the_depths(data):
+    with mpl.rc_context(SETTINGS):
+        axes = shear_depth.draw(data).axes[0]
+    labels = {line.get_label() for line in axes.get_lines() if "=" in line.get_label()}
+    assert labels == {
+        "e = 0.7, K1 = 100 N/m",
+        "e = 0.85, K1 = 100 N/m",
+        "e = 0.85, K1 = 1000 N/m",
+    }
+    curve = max(axes.get_lines(), key=lambda line: len(line.get_xdata()))
+    assert list(curve.get_xdata()) == [1.24, 2.5, 5, 10, 20, 40]
+    assert list(curve.get_ydata()) == pytest.approx([10 / depth for depth in curve.get_xdata()])
+
+
+def test_heights_have_students_interval_over_replicates(data):
+    rows = shear_depth.measured(data).set_index(["restitution", "stiffness", "depth"])
+    several, single = rows.loc[(0.85, 100, 5)], rows.loc[(0.7, 100, 5)]
+    assert several["height_half_width"] == pytest.approx(student_half_width(2 * (1 + SPREAD)))
+    assert pd.isna(single["height_half_width"])
+
+
+def test_files_tell_units_and_the_claims(chute_dataset, tmp_path):
+    draw("shear_depth", chute_dataset, tmp_path)
+    table = pd.read_csv(tmp_path / "shear_depth.csv")
+    assert {"height of the shearing layer [σ]", "half width of 95 % interval [σ]"} <= set(table)
+    caption = (tmp_path / "shear_depth.caption.txt").read_text()
+    assert "Error bars: Student's 95 % interval" in caption
+    assert "more elastic spheres have a deeper shearing layer" in caption
+
+
+def test_a_dataset_without_the_measure_is_refused(chute_dataset, tmp_path):
+    with xr.open_dataset(chute_dataset) as opened:
+        opened.load().drop_vars("shear_depth").to_netcdf(tmp_path / "dataset.nc")
+    with pytest.raises(InputError, match="shear_depth"):
+        draw("shear_depth", tmp_path / "dataset.nc", tmp_path)
