@@ -30,9 +30,10 @@ NAMED = (
     "average",
 )
 
-#: Inches per ⟨d⟩ in one panel and in each of two, and the room that labels and legend take.
+#: Inches per ⟨d⟩ in one panel and in each of two, the room that labels and legend take, and the
+#: width that a legend needs.
 _SCALES = {1: 0.25, 2: 0.19}
-_LABELS, _ABOVE = 0.75, 1.0
+_LABELS, _ABOVE, _NARROWEST = 0.75, 1.0, 4.6
 
 _OBSTACLE = "#e69f00"
 
@@ -102,10 +103,8 @@ def cells(points: Sequence[Shown], top: float) -> tuple[Figure, list[Axes]]:
     low, high = -max(row["amplitude"] for row, _ in points) - 0.7, min(top, TALLEST)
     widths = [row["width"] for row, _ in points]
     scale = _SCALES[len(points)]
-    figure = Figure(
-        figsize=(sum(widths) * scale + _LABELS * len(points), (high - low) * scale + _ABOVE),
-        layout="constrained",
-    )
+    wide = max(_NARROWEST, sum(widths) * scale + _LABELS * len(points))
+    figure = Figure(figsize=(wide, (high - low) * scale + _ABOVE), layout="constrained")
     panels = figure.subplots(1, len(points), squeeze=False, sharey=True, width_ratios=widths)[0]
     for axes, (row, _) in zip(panels, points, strict=True):
         axes.set(xlim=(0, row["width"]), ylim=(low, high), aspect="equal")
