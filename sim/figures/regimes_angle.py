@@ -21,7 +21,10 @@ NAMED = (
     "transient",
     "average",
 )
-PAPER = "The paper announces the range of angles of steady flow as further work."
+PAPER = (
+    "The paper expects a significant range of inclinations with steady flows for a given set of "
+    "properties, and leaves it to further work."
+)
 
 
 def draw(data: FigureData) -> Figure:

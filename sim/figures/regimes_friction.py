@@ -22,8 +22,9 @@ NAMED = (
     "average",
 )
 PAPER = (
-    "The paper: flows accelerate without bound wherever μ < tan θ, and where single spheres "
-    "roll (half a particle per diameter squared)."
+    "The paper: flows accelerate without bound wherever μ < tan θ, and at half a sphere per σ² "
+    "too, as spheres then roll alone; flows with μ somewhat greater than tan θ are steady at a "
+    "variety of depths; those with μ more than twice tan θ come to rest."
 )
 
 
