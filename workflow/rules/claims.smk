@@ -18,6 +18,6 @@ rule claims:
     conda:
         "../envs/talus.yaml"
     params:
-        code=code("outcome.py", "results.py", "claims/*"),
+        code=code("outcome.py", "results.py", "measures/*.py", "claims/*.py", "claims/*.yaml"),
     shell:
         'python -m sim claims "$TALUS_STUDY" > {log} 2>&1'
