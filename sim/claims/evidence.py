@@ -26,9 +26,6 @@ READINGS = {
     "belt": ("damping_mass", "attraction", "belt_ghost", "integrator"),
 }
 
-#: With fewer replicates Student's interval says next to nothing.
-REPLICATES_FOR_STUDENT = 3
-
 
 def measured(value: float, half_width: float) -> UFloat:
     """Return a number whose standard deviation stands for the half width of its 95 % interval."""
@@ -98,20 +95,21 @@ class Place:
             raise Untestable(f"{self.id} has no {name}")
         return self._completed[name].values
 
-    def value(self, name: str, error: str = "") -> UFloat:
+    def value(self, name: str, error: str = "", half_width: str = "") -> UFloat:
         """Return a scalar with its interval over replicates.
 
-        ``error`` names the scalar with its standard error within a replicate; it counts where there
-        are fewer than three replicates, and is the least otherwise.
+        ``error`` names the scalar with its standard error within a replicate, ``half_width`` that
+        with half of its 95 % interval: what replicates know of themselves counts where there is a
+        single one, and is the least that their scatter can give otherwise.
         """
         values = self.values(name)
         over = joined(values)
-        if not error:
+        if not (error or half_width):
             return over
-        own = float(np.sqrt((self.values(error) ** 2).sum())) / max(1, values.size)
-        if values.size < REPLICATES_FOR_STUDENT:
-            return ufloat(over.nominal_value, own)
-        return ufloat(over.nominal_value, max(own, over.std_dev))
+        own = self.values(error) if error else self.values(half_width) / SIGMAS
+        least = float(np.sqrt((own**2).sum())) / max(1, values.size)
+        scatter = over.std_dev if values.size > 1 else 0.0
+        return ufloat(over.nominal_value, max(least, scatter))
 
     def profile(self, name: str) -> tuple[np.ndarray, np.ndarray]:
         """Return a profile (R, H) of all completed replicates and its heights (H,) in m."""

@@ -1,7 +1,7 @@
 """From a dataset to verdicts: every claim under every protocol and reading that was run."""
 
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -16,10 +16,9 @@ from sim.claims.verdict import (
     NOT_REPRODUCED,
     REPRODUCED,
     UNTESTABLE,
-    VERDICTS,
     Check,
     Untestable,
-    worst,
+    together,
 )
 from sim.figures.caption import setting
 from sim.files import replacing
@@ -32,6 +31,14 @@ PROTOCOLS = ("converged", "published")
 
 #: What stands for the protocol of claims that need no runs, and for the papers' own reading.
 MODEL, DEFAULT = "model", "default"
+
+#: Readings of the contact law under which claims on the model are judged.
+MODEL_READINGS: tuple[dict[str, Any], ...] = (
+    {},
+    {"overlap_memory": "shrink"},
+    {"overlap_memory": "reset"},
+    {"friction_cap": "after"},
+)
 
 
 @dataclass(frozen=True)
@@ -48,8 +55,8 @@ class Variant:
 
     @property
     def verdict(self) -> str:
-        """The worst of the checks."""
-        return UNTESTABLE if self.reason else worst([check.verdict for check in self.checks])
+        """That of all checks together."""
+        return UNTESTABLE if self.reason else together(self.checks)
 
 
 @dataclass(frozen=True)
@@ -62,27 +69,37 @@ class Judgement:
     @property
     def verdict(self) -> str:
         """The first decided verdict at the default reading; else inconclusive or untestable."""
-        found = [one.verdict for one in self.variants if one.reading == DEFAULT]
+        found = [one.verdict for one in self._default]
         decided = [verdict for verdict in found if verdict in (REPRODUCED, NOT_REPRODUCED)]
         if decided:
             return decided[0]
         return INCONCLUSIVE if INCONCLUSIVE in found else UNTESTABLE
 
     @property
+    def decided_by(self) -> str:
+        """Protocol whose runs give the verdict, empty where none decides."""
+        decided = [one for one in self._default if one.verdict in (REPRODUCED, NOT_REPRODUCED)]
+        return decided[0].protocol if decided else ""
+
+    @property
+    def _default(self) -> list[Variant]:
+        return [one for one in self.variants if one.reading == DEFAULT]
+
+    @property
     def protocol_dependent(self) -> bool:
         """Whether two protocols decide it differently at the default reading."""
-        return _contradicted(one for one in self.variants if one.reading == DEFAULT)
+        return _contradicted(self._default)
 
     @property
     def reading_dependent(self) -> bool:
         """Whether two readings decide it differently under one protocol."""
         return any(
             _contradicted(one for one in self.variants if one.protocol == protocol)
-            for protocol in PROTOCOLS
+            for protocol in (*PROTOCOLS, MODEL)
         )
 
 
-def _contradicted(variants: Iterator[Variant]) -> bool:
+def _contradicted(variants: Iterable[Variant]) -> bool:
     return {one.verdict for one in variants} >= {REPRODUCED, NOT_REPRODUCED}
 
 
@@ -106,29 +123,42 @@ def build(study_path: str | Path, results: str | Path = "results") -> Path:
         as_table(judgements).to_csv(temporary, index=False, float_format="%.6g")
     output = folder / "claims.json"
     with replacing(output) as temporary:
-        text = json.dumps(as_mapping(judgements, study.name), indent=1, ensure_ascii=False)
+        found = as_mapping(judgements, study.name)
+        text = json.dumps(found, indent=1, ensure_ascii=False, allow_nan=False)
         temporary.write_text(text + "\n", encoding="utf-8")
     return output
 
 
 def judge(results: Results) -> list[Judgement]:
-    """Judge all claims on the runs of a study."""
-    return [Judgement(claim, tuple(_variants(claim, results))) for claim in claims()]
+    """Judge the claims of the papers whose systems a study has runs of."""
+    systems = set(results.dataset["system"].values)
+    found = [claim for claim in claims() if claim.system in systems]
+    every = {system: list(_evidence(results, system)) for system in systems}
+    return [Judgement(claim, tuple(_variants(claim, every[claim.system]))) for claim in found]
 
 
-def _variants(claim: Claim, results: Results) -> Iterator[Variant]:
+def _evidence(results: Results, system: str) -> Iterator[tuple[str, Evidence]]:
+    """Yield what each protocol and reading offers, the reading in words, the default one first."""
+    for reading in ({}, *readings(results, system)):
+        for protocol in PROTOCOLS:
+            yield _in_words(system, reading), Evidence(results, protocol, reading)
+
+
+def _in_words(system: str, reading: Mapping[str, Any]) -> str:
+    return "; ".join(setting(system, name, value) for name, value in reading.items()) or DEFAULT
+
+
+def _variants(claim: Claim, every: list[tuple[str, Evidence]]) -> Iterator[Variant]:
     """Yield the verdicts at the default reading, then those of readings that have the runs."""
     if claim.kind == "model":
-        yield Variant(MODEL, DEFAULT, tuple(claim.judging()()))
+        for reading in MODEL_READINGS:
+            checks = tuple(claim.judging()(reading))
+            yield Variant(MODEL, _in_words(claim.system, reading), checks)
         return
-    for protocol in PROTOCOLS:
-        yield _judged(claim, Evidence(results, protocol), DEFAULT)
-    for reading in readings(results, claim.system):
-        text = "; ".join(setting(claim.system, name, value) for name, value in reading.items())
-        for protocol in PROTOCOLS:
-            variant = _judged(claim, Evidence(results, protocol, reading), text)
-            if not variant.reason:
-                yield variant
+    for reading, evidence in every:
+        variant = _judged(claim, evidence, reading)
+        if reading == DEFAULT or not variant.reason:
+            yield variant
 
 
 def _judged(claim: Claim, evidence: Evidence, reading: str) -> Variant:
@@ -136,6 +166,9 @@ def _judged(claim: Claim, evidence: Evidence, reading: str) -> Variant:
         checks = tuple(claim.judging()(evidence))
     except Untestable as error:
         return Variant(evidence.protocol, reading, reason=str(error))
+    except ZeroDivisionError:
+        reason = "a quantity that the claim divides by is exactly zero"
+        return Variant(evidence.protocol, reading, reason=reason)
     if not checks:
         raise ValueError(f"{claim.id}: the judge checked nothing")
     return Variant(evidence.protocol, reading, checks)
@@ -159,13 +192,13 @@ def as_mapping(judgements: list[Judgement], study: str) -> dict[str, Any]:
     """Return the verdicts as what the JSON file holds; endless numbers become ``null``."""
     return {
         "study": study,
-        "counts": counts(judgements),
         "claims": [
             {
                 **one.claim.model_dump(exclude={"judge", "needs"}),
                 "paper": one.claim.paper,
                 "needs": one.claim.needs,
                 "verdict": one.verdict,
+                "decided_by": one.decided_by,
                 "protocol_dependent": one.protocol_dependent,
                 "reading_dependent": one.reading_dependent,
                 "variants": [
@@ -189,11 +222,6 @@ def _check(check: Check) -> dict[str, Any]:
         name: None if isinstance(value, float) and not np.isfinite(value) else value
         for name, value in (asdict(check) | {"verdict": check.verdict}).items()
     }
-
-
-def counts(judgements: list[Judgement]) -> dict[str, int]:
-    """Return how many claims have each verdict."""
-    return {verdict: sum(one.verdict == verdict for one in judgements) for verdict in VERDICTS}
 
 
 def as_table(judgements: list[Judgement]) -> pd.DataFrame:

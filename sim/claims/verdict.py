@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from math import inf, isfinite
 from typing import TYPE_CHECKING
 
+from scipy.special import ndtri
 from uncertainties import UFloat
 
 if TYPE_CHECKING:
@@ -14,6 +15,9 @@ REPRODUCED = "reproduced"
 NOT_REPRODUCED = "not reproduced"
 INCONCLUSIVE = "inconclusive"
 UNTESTABLE = "untestable"
+
+#: Of a check without thresholds, which decides nothing.
+REPORTED = "reported"
 
 VERDICTS = (REPRODUCED, NOT_REPRODUCED, INCONCLUSIVE, UNTESTABLE)
 
@@ -39,7 +43,8 @@ class Check:
     value, half_width : float
         Measured value and half width of its 95 % interval, in ``unit``.
     low, high : float
-        The claim holds strictly between them; one of them may be infinite.
+        The claim holds strictly between them; one of them may be infinite. A quantity that is
+        only reported has no finite one.
     unit : str
         Unit of all four, empty for pure numbers.
     points : tuple of str
@@ -60,12 +65,23 @@ class Check:
     @property
     def verdict(self) -> str:
         """The interval lies between the thresholds, beyond one of them, or across."""
+        if self.low == -inf and self.high == inf:
+            return REPORTED
         low, high = self.value - self.half_width, self.value + self.half_width
         if not (isfinite(low) and isfinite(high)) or not self.samples >= TOO_FEW:
             return INCONCLUSIVE
         if self.low < low and high < self.high:
             return REPRODUCED
-        return NOT_REPRODUCED if high <= self.low or low >= self.high else INCONCLUSIVE
+        return NOT_REPRODUCED if self.fails_among(1) else INCONCLUSIVE
+
+    def fails_among(self, number: int) -> bool:
+        """Return whether the quantity is clear of the allowed range as one of several checks.
+
+        One of many checks fails by chance more often than a single one, so the interval widens
+        with their number (Bonferroni).
+        """
+        half_width = self.half_width * ndtri(1 - 0.025 / number) / ndtri(1 - 0.025)
+        return self.value + half_width <= self.low or self.value - half_width >= self.high
 
 
 def within(
@@ -116,8 +132,15 @@ def below(
     return within(what, measured, -inf, threshold, places, unit)
 
 
-def worst(verdicts: Sequence[str]) -> str:
-    """Return the verdict on all: one failure fails them all, none at all is inconclusive."""
-    if NOT_REPRODUCED in verdicts:
+def together(checks: Sequence[Check]) -> str:
+    """Return the verdict on a claim: all of its checks must hold, and one that fails is enough.
+
+    That one must fail as one of so many. Checks that only report are left out; none at all is
+    inconclusive.
+    """
+    deciding = [check for check in checks if check.verdict != REPORTED]
+    found = {check.verdict for check in deciding}
+    failing = [check for check in deciding if check.verdict == NOT_REPRODUCED]
+    if any(check.fails_among(len(deciding)) for check in failing):
         return NOT_REPRODUCED
-    return REPRODUCED if verdicts and set(verdicts) == {REPRODUCED} else INCONCLUSIVE
+    return REPRODUCED if found == {REPRODUCED} else INCONCLUSIVE

@@ -1,7 +1,8 @@
 """Judges of Walton's claims about the model: small experiments, done when they are judged."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from uncertainties import ufloat
@@ -40,16 +41,21 @@ SAMPLES = 40
 
 Change = Callable[[Chute], None]
 Path = Callable[..., tuple[np.ndarray, ...]]
+Reading = Mapping[str, Any]
+
+#: The defaults of all readings.
+NO_READING: Reading = {}
 
 
-def w1(change: Change | None = None) -> list[Check]:
+def w1(reading: Reading = NO_READING, change: Change | None = None) -> list[Check]:
     """Impacts of pairs and on the plane at three decades of speed: error and trend of e.
 
-    ``change`` changes the chute in which they happen.
+    ``reading`` are parameters of the law that differ from their defaults, here as in all judges of
+    this module; ``change`` changes the chute in which the impacts happen.
     """
     checks = []
     for partner in ("pairs", "plane"):
-        errors = np.array([_restitutions(e, partner, change) - e for e in RESTITUTIONS])
+        errors = np.array([_restitutions(e, partner, reading, change) - e for e in RESTITUTIONS])
         largest = float(np.abs(errors).max())
         checks.append(below(f"largest |e - √(K1/K2)|, {partner}", largest, NEGLIGIBLE))
         decades = np.broadcast_to(np.log10(SPEEDS)[:, None], errors.shape)
@@ -60,14 +66,14 @@ def w1(change: Change | None = None) -> list[Check]:
     return checks
 
 
-def w2(path: Path = contact_path) -> list[Check]:
+def w2(reading: Reading = NO_READING, path: Path = contact_path) -> list[Check]:
     """Friction of one contact under a fixed normal force: first slip to sliding, then loops.
 
     ``path`` takes a contact along a path as `sim.claims.contacts.contact_path` does.
     """
     checks = []
     for exponent in EXPONENTS:
-        law, at = _law(tangential_exponent=exponent), f"γ = {exponent:.3g}"
+        law, at = _law(reading, tangential_exponent=exponent), f"γ = {exponent:.3g}"
         friction, stiffness = _first_slip(law, path)
         error = np.abs(stiffness - (1 - friction) ** exponent).max()
         checks.append(below(f"largest |K_T/K0 - (1 - T/μF_N)^γ|, {at}", float(error), NEGLIGIBLE))
@@ -79,24 +85,27 @@ def w2(path: Path = contact_path) -> list[Check]:
     return checks
 
 
-def w3(path: Path = contact_path) -> list[Check]:
+def w3(reading: Reading = NO_READING, path: Path = contact_path) -> list[Check]:
     """γ = 0 and the spring of Cundall and Strack on random paths; ``path`` as for `w2`."""
     checks = []
     for force, steps, swing in FORCES:
-        differences = [_from_spring(seed, steps, swing, path) for seed in range(PATHS)]
+        differences = [_from_spring(seed, steps, swing, reading, path) for seed in range(PATHS)]
         what = f"largest difference over μF_N on {PATHS} paths, {force} F_N"
         checks.append(below(what, max(differences), NEGLIGIBLE))
     return checks
 
 
-def w4(chute: Callable[[ChuteParameters, int], Chute] = Chute) -> list[Check]:
+def w4(
+    reading: Reading = NO_READING, chute: Callable[[ChuteParameters, int], Chute] = Chute
+) -> list[Check]:
     """One flow with and without orientations: every number of its last state, and how it moved.
 
     ``chute`` makes the system.
     """
     states = []
     for orientations in (True, False):
-        flow = chute(ChuteParameters(depth=2.5, cell=5, orientations=orientations), 0)
+        p = ChuteParameters(depth=2.5, cell=5, orientations=orientations, **reading)
+        flow = chute(p, 0)
         for _ in range(SAMPLES):
             flow.advance()
         states.append(flow.snapshot())
@@ -113,12 +122,16 @@ def w4(chute: Callable[[ChuteParameters, int], Chute] = Chute) -> list[Check]:
     ]
 
 
-def _restitutions(restitution: float, partner: str, change: Change | None) -> np.ndarray:
+def _restitutions(
+    restitution: float, partner: str, reading: Reading, change: Change | None
+) -> np.ndarray:
     """Return the restitutions (speed, phase) of impacts, all of them in one cell without weight."""
     speed, phase = (each.ravel() for each in np.meshgrid(SPEEDS, PHASES, indexing="ij"))
     number, cell = speed.size, WIDTH * SPACING
     particles = 2 * number if partner == "pairs" else number
-    chute = Chute(ChuteParameters(depth=particles / cell**2, cell=cell, restitution=restitution), 0)
+    depth = particles / cell**2
+    p = ChuteParameters(depth=depth, cell=cell, restitution=restitution, **reading)
+    chute = Chute(p, 0)
     chute.gravity = (0.0, 0.0, 0.0)
     if change:
         change(chute)
@@ -149,11 +162,17 @@ def _before_impact(partner: str, speed: np.ndarray, gap: np.ndarray) -> tuple[np
     return axis, np.vstack([center + half, center - half]), np.vstack([-velocity, velocity])
 
 
-def _law(**changes: float) -> WaltonBraun:
+def _law(reading: Reading, **changes: float) -> WaltonBraun:
     """Return the law between the chute's spheres, changed."""
-    p = ChuteParameters(**changes)
+    p = ChuteParameters(**changes, **reading)
     return walton_braun(
-        p.stiffness, p.restitution, p.friction, p.tangential_ratio, p.tangential_exponent
+        p.stiffness,
+        p.restitution,
+        p.friction,
+        p.tangential_ratio,
+        p.tangential_exponent,
+        p.overlap_memory,
+        p.friction_cap,
     )
 
 
@@ -194,12 +213,12 @@ def _distance(law: WaltonBraun, drop: float, available: float) -> float:
     return -available * np.log(rest) if power == 0 else available / power * (1 - rest**power)
 
 
-def _from_spring(seed: int, steps: int, swing: float, path: Path) -> float:
+def _from_spring(seed: int, steps: int, swing: float, reading: Reading, path: Path) -> float:
     """Return the largest difference from the spring over μF_N along a random path.
 
     An elastic law makes the normal force proportional to the overlap, so any F_N can be had.
     """
-    law = _law(restitution=1.0, tangential_exponent=0.0)
+    law = _law(reading, restitution=1.0, tangential_exponent=0.0)
     force, friction = law.loading * OVERLAP, law.limit.friction
     place = 3.0 * friction * force / law.tangential * random_curve(seed, steps)
     slip = np.zeros((steps, 3))

@@ -17,6 +17,9 @@ VERDICTS = {
     "untestable": ("none", "–"),
 }
 
+#: What a check may be besides.
+REPORTED = {"reported": ("none", "i")}
+
 PAPERS = {"walton": "Walton", "gallas": "Gallas et al."}
 
 _PROTOCOLS = {

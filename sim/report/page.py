@@ -11,7 +11,7 @@ import xarray as xr
 from sim import __version__
 from sim.cost import duration
 from sim.files import replacing
-from sim.report.claims import VERDICTS, claim_rows, counts, read_claims
+from sim.report.claims import REPORTED, VERDICTS, claim_rows, counts, read_claims
 from sim.report.gallery import figure_entries, headline
 from sim.report.runs import boundary_rows, parameter_rows, run_rows
 from sim.results import Results, load_results
@@ -91,6 +91,7 @@ def render(
         study_files=study_files(study.path),
         summary=_summary(dataset, runs),
         verdicts=VERDICTS,
+        outcomes=VERDICTS | REPORTED,
         claims=rows,
         counts=counts(rows),
         figures=entries,

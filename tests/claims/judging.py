@@ -1,7 +1,7 @@
 """What tests of judges share: the verdict on made-up points."""
 
 from sim.claims.evidence import Evidence
-from sim.claims.verdict import NOT_REPRODUCED, worst
+from sim.claims.verdict import NOT_REPRODUCED, together
 from tests.claims.made import made_results
 
 
@@ -12,7 +12,7 @@ def checks_on(judge, points, boundaries=()) -> list:
 
 def verdict_on(judge, points, boundaries=()) -> str:
     """The verdict of a judge on points of the published protocol."""
-    return worst([check.verdict for check in checks_on(judge, points, boundaries)])
+    return together(checks_on(judge, points, boundaries))
 
 
 def failed(checks) -> list[str]:

@@ -5,7 +5,7 @@ from collections.abc import Callable, Mapping, Sequence
 import numpy as np
 
 from sim.claims.evidence import Evidence
-from sim.claims.verdict import Check, worst
+from sim.claims.verdict import Check, together
 from sim.parameters import BeltParameters, parse_point
 from tests.claims.made import MadePoint, made_point, made_results
 
@@ -138,4 +138,4 @@ def checks_of(
 
 def verdict_of(judge: Callable, points: Sequence[MadePoint], **rest: object) -> str:
     """Return the verdict of a judge on made-up points."""
-    return worst([check.verdict for check in checks_of(judge, points, **rest)])
+    return together(checks_of(judge, points, **rest))

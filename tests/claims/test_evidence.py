@@ -77,6 +77,17 @@ def test_intervals_are_students_and_never_below_the_own_error():
     assert joined(np.array([1.0])).std_dev == np.inf
 
 
+def test_two_replicates_that_disagree_are_uncertain_whatever_each_thinks_of_itself():
+    scalars = {"velocity": 0.1, "acceleration": [0.2, -0.2], "acceleration_half_width": 0.01}
+    pair = evidence(made_point("belt", scalars, replicates=2)).at("belt")
+    half_width = SIGMAS * pair.value("acceleration", half_width="acceleration_half_width").std_dev
+    assert half_width == pytest.approx(12.706 * 0.2, rel=1e-3)
+    single = made_point("belt", {**scalars, "acceleration": 0.2}, replicates=1, frequency=30)
+    alone = evidence(single).at("belt", frequency=30)
+    half_width = SIGMAS * alone.value("acceleration", half_width="acceleration_half_width").std_dev
+    assert half_width == pytest.approx(0.01)
+
+
 def test_samples_are_those_of_all_replicates_and_those_of_the_poorest_place_count():
     rich = made_point("belt", {"velocity": 0.2, "independent_samples": 10.0}, frequency=30)
     poor = made_point("belt", {"velocity": 0.1, "independent_samples": 1.0}, frequency=20)

@@ -8,12 +8,13 @@ from uncertainties import ufloat
 from sim.claims.verdict import (
     INCONCLUSIVE,
     NOT_REPRODUCED,
+    REPORTED,
     REPRODUCED,
     Check,
     above,
     below,
+    together,
     within,
-    worst,
 )
 
 
@@ -55,14 +56,27 @@ def test_helpers_turn_standard_deviations_into_intervals():
     assert below("x", 2, 1.5).verdict == NOT_REPRODUCED
 
 
+HOLDS, FAILS, OPEN = (Check("x", value, 0.1, 0.0, 1.0) for value in (0.5, 2.0, 1.0))
+BARELY = Check("x", 1.11, 0.1, 0.0, 1.0)
+TOLD = Check("x", 1.0, inf, -inf, inf)
+
+
 @pytest.mark.parametrize(
-    ("verdicts", "verdict"),
+    ("checks", "verdict"),
     [
-        ([REPRODUCED, REPRODUCED], REPRODUCED),
-        ([REPRODUCED, INCONCLUSIVE], INCONCLUSIVE),
-        ([REPRODUCED, INCONCLUSIVE, NOT_REPRODUCED], NOT_REPRODUCED),
+        ([HOLDS, HOLDS], REPRODUCED),
+        ([HOLDS, OPEN], INCONCLUSIVE),
+        ([HOLDS, OPEN, FAILS], NOT_REPRODUCED),
+        ([HOLDS, TOLD], REPRODUCED),
+        ([BARELY], NOT_REPRODUCED),
+        ([BARELY, *[HOLDS] * 9], INCONCLUSIVE),
+        ([TOLD], INCONCLUSIVE),
         ([], INCONCLUSIVE),
     ],
 )
-def test_one_failure_fails_them_all(verdicts, verdict):
-    assert worst(verdicts) == verdict
+def test_all_checks_must_hold_and_one_must_fail_as_one_of_so_many(checks, verdict):
+    assert together(checks) == verdict
+
+
+def test_what_is_only_reported_decides_nothing():
+    assert TOLD.verdict == REPORTED

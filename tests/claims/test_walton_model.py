@@ -4,14 +4,14 @@ import numpy as np
 import pytest
 
 from sim.claims.contacts import contact_path
-from sim.claims.verdict import NOT_REPRODUCED, REPRODUCED, worst
+from sim.claims.verdict import NOT_REPRODUCED, REPRODUCED, together
 from sim.claims.walton_model import w1, w2, w3, w4
 from sim.contact.walton_braun import walton_braun
 from sim.systems.chute import Chute
 
 
 def verdict(checks) -> str:
-    return worst([check.verdict for check in checks])
+    return together(checks)
 
 
 def failed(checks) -> list[str]:
@@ -30,7 +30,7 @@ def test_a_restitution_off_by_little_more_than_a_thousandth_is_found_whatever_th
         p = chute.parameters
         chute.laws = (walton_braun(p.stiffness, 1.002 * p.restitution, p.friction),) * 2
 
-    assert [what.split(", ")[-1] for what in failed(w1(elastic))] == ["pairs", "plane"]
+    assert [what.split(", ")[-1] for what in failed(w1(change=elastic))] == ["pairs", "plane"]
 
 
 def test_a_restitution_that_depends_on_the_speed_is_found():
@@ -39,7 +39,7 @@ def test_a_restitution_that_depends_on_the_speed_is_found():
     def heavy(chute):
         chute.gravity = (0.0, 0.0, -0.1)
 
-    found = failed(w1(heavy))
+    found = failed(w1(change=heavy))
     assert "change of e over three decades of speed, plane" in found
     assert not any("pairs" in what for what in found)
 
@@ -64,20 +64,20 @@ def drifting(law, overlap, normal, slip):
 
 
 def test_a_stiffness_that_does_not_fall_is_found():
-    assert any("(1 - T/μF_N)^γ" in what for what in failed(w2(linear)))
+    assert any("(1 - T/μF_N)^γ" in what for what in failed(w2(path=linear)))
 
 
 def test_a_loop_with_a_corner_is_found():
-    assert any("jump" in what for what in failed(w2(kinked)))
+    assert any("jump" in what for what in failed(w2(path=kinked)))
 
 
 def test_a_loop_that_does_not_close_is_found():
-    assert any("opening" in what for what in failed(w2(drifting)))
+    assert any("opening" in what for what in failed(w2(path=drifting)))
 
 
 @pytest.mark.parametrize("path", [kinked, drifting])
 def test_a_friction_that_is_not_the_linear_spring_is_found(path):
-    assert len(failed(w3(path))) >= 1
+    assert len(failed(w3(path=path))) >= 1
 
 
 def test_a_flow_that_feels_its_orientations_is_found():
@@ -87,4 +87,4 @@ def test_a_flow_that_feels_its_orientations_is_found():
             if parameters.orientations:
                 self.spheres.velocity[0, 0] *= 1 + 1e-14
 
-    assert failed(w4(Turned)) == ["numbers of the last state that differ"]
+    assert failed(w4(chute=Turned)) == ["numbers of the last state that differ"]
