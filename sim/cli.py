@@ -159,7 +159,7 @@ def _add_result_commands(commands: _Commands) -> None:
     publish.add_argument(
         "--to",
         type=Path,
-        default=Path("results/published"),
+        default=None,
         metavar="FOLDER",
         help="folder of all published studies (default: results/published)",
     )
@@ -264,9 +264,9 @@ def _dataset(options: argparse.Namespace) -> None:
 
 
 def _publish(options: argparse.Namespace) -> None:
-    from sim.publish import publish
+    from sim.publish import PUBLISHED, publish
 
-    print(publish(options.study, options.results, options.to))
+    print(publish(options.study, options.results, options.to or PUBLISHED))
 
 
 def _boundaries(options: argparse.Namespace) -> None:

@@ -93,7 +93,7 @@ def _groups(
     yield None, root
     for system in SYSTEMS:
         own = [run for run in runs if run.scalars.attrs["system"] == system]
-        if any(run.profiles.sizes for run in own):
+        if own:
             yield system, profiles(own, root.sizes["replicate"])
     for run in runs:
         if run.state is not None:

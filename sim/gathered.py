@@ -69,15 +69,13 @@ def read_run(path: Path, shown: bool = False) -> Gathered:
         if run.attrs["point_id"] != path.stem:
             raise ValueError(f"holds point {run.attrs['point_id']}")
         kept = [
-            name
-            for name, values in run.variables.items()
-            if values.dims == () or name in {*NUMBERS, *WORDS}
+            name for name, values in run.variables.items() if values.dims == () or name in SCALARS
         ]
         made = {
             name: ("replicate", values, _described(name)) for name, values in measures(run).items()
         }
         return Gathered(
-            run[kept].load().drop_vars(list(made), errors="ignore").assign(made),
+            run[kept].load().assign(made),
             run[[name for name in OVER_HEIGHT if name in run]].assign(columns(run)).load(),
             _state(run) if shown else None,
         )

@@ -7,15 +7,15 @@ from pathlib import Path
 import xarray as xr
 
 from sim.errors import InputError
+from sim.figures import FIGURES
 from sim.stored import reading
 from sim.study import load_study
 
 #: Where published studies lie, beside the results of everybody's own.
 PUBLISHED = Path("results/published")
 
-#: What a published study consists of, and what it may have.
-NEEDED = ("report.html", "dataset.nc", "claims.json", "claims.csv", "figures")
-FURTHER = ("boundaries.csv",)
+#: What a published study consists of besides its figures.
+NEEDED = ("report.html", "dataset.nc", "claims.json", "claims.csv")
 
 #: Largest size of all published studies together, bytes.
 LARGEST = 25_000_000
@@ -26,8 +26,9 @@ def publish(
 ) -> Path:
     """Copy report, figures, dataset and verdicts of a study to ``<target>/<study>``.
 
-    The study file goes with them, and ``provenance.json``: versions, hash of the engine's sources,
-    dates and cost. What was published of the study before is replaced at once, after all is copied.
+    The study file and those of its parts go with them, and ``provenance.json``: versions, hash of
+    the engine's sources, dates and cost. What was published of the study before is replaced after
+    all is copied.
 
     Returns
     -------
@@ -41,33 +42,42 @@ def publish(
     """
     study = load_study(study_path, results)
     folder = Path(results) / study.name
-    for name in NEEDED:
-        if not (folder / name).exists():
+    names = [*NEEDED, *(["boundaries.csv"] if study.boundaries else [])]
+    names += [f"figures/{name}{end}" for name in study.figures for end in FIGURES[name].suffixes]
+    for name in names:
+        if not (folder / name).is_file():
             raise InputError(f"{folder / name}: missing; run the study to its end first")
     output, draft = target / study.name, target / f".{study.name}.part"
     shutil.rmtree(draft, ignore_errors=True)
-    draft.mkdir(parents=True)
-    for name in (*NEEDED, *FURTHER):
-        _copy(folder / name, draft / name)
-    shutil.copyfile(study.path, draft / "study.yaml")
+    (draft / "figures").mkdir(parents=True)
+    for name in names:
+        shutil.copyfile(folder / name, draft / name)
+    for file in study.files:
+        shutil.copyfile(file, draft / file.name)
     text = json.dumps(provenance(folder / "dataset.nc"), indent=1, ensure_ascii=False)
     (draft / "provenance.json").write_text(text + "\n", encoding="utf-8")
-    others = [path for path in target.iterdir() if path.is_dir() and path not in (output, draft)]
+    others = [
+        path
+        for path in target.iterdir()
+        if path.is_dir() and path != output and not path.name.startswith(".")
+    ]
     total = sum(map(size, [draft, *others]))
     if total > LARGEST:
         shutil.rmtree(draft)
         allowed = f"at most {LARGEST / 1e6:g} MB"
         raise InputError.of_value(target, "", f"{total / 1e6:.1f} MB", allowed)
-    shutil.rmtree(output, ignore_errors=True)
-    draft.replace(output)
+    _replace(draft, output)
     return output
 
 
-def _copy(source: Path, copy: Path) -> None:
-    if source.is_dir():
-        shutil.copytree(source, copy, copy_function=shutil.copyfile)
-    elif source.exists():
-        shutil.copyfile(source, copy)
+def _replace(draft: Path, output: Path) -> None:
+    """Put a folder in the place of another, which is gone only when the new one is there."""
+    aside = output.with_name(f".{output.name}.old")
+    shutil.rmtree(aside, ignore_errors=True)
+    if output.exists():
+        output.replace(aside)
+    draft.replace(output)
+    shutil.rmtree(aside, ignore_errors=True)
 
 
 def size(folder: Path) -> int:

@@ -79,8 +79,8 @@ class Study:
     ----------
     name, title : str
         Name of the folder of results; one line for the report.
-    path : Path
-        The study file.
+    files : tuple of Path
+        The study file, then those of its parts.
     points : dict
         Points by id, in the order of the file; equal points of several series appear once. Of the
         boundaries, the first round.
@@ -92,11 +92,16 @@ class Study:
 
     name: str
     title: str
-    path: Path
+    files: tuple[Path, ...]
     points: dict[str, Point]
     series: dict[str, tuple[str, ...]]
     figures: dict[str, tuple[str, ...]]
     boundaries: tuple[Boundary, ...]
+
+    @property
+    def path(self) -> Path:
+        """The study file."""
+        return self.files[0]
 
     @property
     def rounds(self) -> int:
@@ -127,6 +132,26 @@ def parse_study(mapping: Any, path: str | Path, results: str | Path = "results")
 
     See `load_study`.
     """
+    source, folder = str(path), Path(path).parent
+    file, study, fed = _collected(mapping, Path(path))
+    for index, name in enumerate(file.parts or []):
+        _, part, also = _collected(_part(folder / name, source, index), folder / name)
+        study = _joined(study, part, f"{source}: parts[{index}]")
+        fed = also | fed
+    if len(study.points) > MAX_POINTS:
+        allowed = f"at most {MAX_POINTS:,} points in the study"
+        raise InputError.of_value(source, "parts", f"{len(study.points):,} points", allowed)
+    figures = _figures(file, study.points, fed, source)
+    require_writable(Path(results) / file.study, f"{source}: study")
+    return replace(study, figures=figures)
+
+
+#: Where each figure is fed: name -> (study file, key).
+Fed = dict[str, tuple[str, str]]
+
+
+def _collected(mapping: Any, path: Path) -> tuple[StudyFile, Study, Fed]:
+    """Return a study file, the study without its parts and figures, and where it feeds those."""
     source = str(path)
     file = validated(mapping, source)
     _require_distinct_names(file, source)
@@ -136,41 +161,48 @@ def parse_study(mapping: Any, path: str | Path, results: str | Path = "results")
     for place, one in _entries(file, "series"):
         parameters = [finished(one, draft, place, source) for draft in starts(file, one, place)]
         series[one.name] = _add(points, one, parameters, source)
-    boundaries = []
+    boundaries: list[Boundary] = []
     for place, one in _entries(file, "boundaries"):
         found = list(_boundaries(file, one, place, source))
         first = [each.at(value) for each in found for value in divided(each.low, each.high)]
         series[one.name] = _add(points, one, first, source)
         boundaries += found
-    figures = _figures(file, points, source)
-    for index, part in enumerate(_parts(file, path, source, results)):
-        _refuse_namesakes(series, part, f"{source}: parts[{index}]")
-        series |= part.series
-        boundaries += part.boundaries
-        for one in part.points.values():
-            for name in one.series:
-                points[one.id] = joined(points, one.parameters, name, one.figures)
-        for name, members in part.figures.items():
-            figures[name] = tuple(dict.fromkeys((*figures.get(name, ()), *members)))
-    require_writable(Path(results) / file.study, f"{source}: study")
-    return Study(file.study, file.title, Path(path), points, series, figures, tuple(boundaries))
+    fed = {
+        name: (source, f"{place}.figures[{index}]")
+        for place, one in reversed(_entries(file, "series") + _entries(file, "boundaries"))
+        for index, name in enumerate(one.figures)
+    }
+    study = Study(file.study, file.title, (path,), points, series, {}, tuple(boundaries))
+    return file, study, fed
 
 
-def _parts(file: StudyFile, path: str | Path, source: str, results: str | Path) -> Iterator[Study]:
-    """Yield the studies that are parts of this one; a part has no parts of its own."""
-    for index, name in enumerate(file.parts or []):
-        mapping = read_yaml(Path(path).parent / name)
-        if isinstance(mapping, dict) and "parts" in mapping:
-            allowed = "a study without parts of its own"
-            raise InputError.of_value(source, f"parts[{index}]", name, allowed)
-        yield parse_study(mapping, Path(path).parent / name, results)
+def _part(path: Path, source: str, index: int) -> Any:
+    """Return the contents of a part, which has no parts of its own."""
+    mapping = read_yaml(path)
+    if isinstance(mapping, dict) and "parts" in mapping:
+        allowed = "a study without parts of its own"
+        raise InputError.of_value(source, f"parts[{index}]", path.name, allowed)
+    return mapping
 
 
-def _refuse_namesakes(series: Iterable[str], part: Study, source: str) -> None:
-    for name in series:
-        if name in part.series:
+def _joined(study: Study, part: Study, source: str) -> Study:
+    """Return a study with the points, series, boundaries and figures of a part as well."""
+    for name in part.series:
+        if name in study.series:
             allowed = "a part without a series of a name that another has"
             raise InputError.of_value(source, f"series {name}", part.path.name, allowed)
+    points = dict(study.points)
+    for one in part.points.values():
+        for name in one.series:
+            points[one.id] = joined(points, one.parameters, name, one.figures)
+        _require_same(points[one.id], one.parameters, source)
+    return replace(
+        study,
+        files=study.files + part.files,
+        points=points,
+        series=study.series | part.series,
+        boundaries=study.boundaries + part.boundaries,
+    )
 
 
 def _entries(file: StudyFile, key: str) -> list[tuple[str, Any]]:
@@ -242,12 +274,16 @@ def _add(
     keys = {}
     for each in parameters:
         point = joined(points, each, one.name, one.figures)
-        if point.parameters != each:
-            raise InputError(
-                f"{source}: two different points have the id {point.id}; change either's seed"
-            )
+        _require_same(point, each, source)
         keys[point.id] = points[point.id] = point
     return tuple(keys)
+
+
+def _require_same(point: Point, parameters: Parameters, source: str) -> None:
+    if point.parameters != parameters:
+        raise InputError(
+            f"{source}: two different points have the id {point.id}; change either's seed"
+        )
 
 
 def joined(
@@ -267,26 +303,23 @@ def joined(
     )
 
 
-def _figures(file: StudyFile, points: dict[str, Point], source: str) -> dict[str, tuple[str, ...]]:
+def _figures(
+    file: StudyFile, points: dict[str, Point], fed: Fed, source: str
+) -> dict[str, tuple[str, ...]]:
     """Collect the points of each figure, and refuse a figure that misses its series."""
-    feeding = {
-        name: f"{path}.figures[{place}]"
-        for path, one in reversed(_entries(file, "series") + _entries(file, "boundaries"))
-        for place, name in enumerate(one.figures)
-    }
     for place, name in enumerate(file.figures or []):
-        if name not in feeding:
+        if name not in fed:
             allowed = "a figure that a series of the study feeds"
             raise InputError.of_value(source, f"figures[{place}]", name, allowed)
     figures = {}
     for name in FIGURES:
-        if name not in feeding:
+        if name not in fed:
             continue
         if file.figures is not None and name not in file.figures:
             allowed = "a figure that the study lists under figures"
-            raise InputError.of_value(source, feeding[name], name, allowed)
+            raise InputError.of_value(*fed[name], name, allowed)
         members = [point for point in points.values() if name in point.figures]
-        _require_members(name, members, source, feeding[name])
+        _require_members(name, members, *fed[name])
         figures[name] = tuple(point.id for point in members)
     return figures
 

@@ -237,7 +237,9 @@ class StudyFile(_Strict):
         _optional("boundaries between regimes, found by refinement", min_length=1)
     )
 
-    parts: list[Annotated[str, Field(min_length=1)]] = _optional(
+    parts: list[
+        Annotated[str, Field(pattern=r"^[^/\\]+$", json_schema_extra={"allowed": "a file's name"})]
+    ] = _optional(
         "study files in the same folder whose points, boundaries and figures this one has too",
         min_length=1,
     )
@@ -245,7 +247,7 @@ class StudyFile(_Strict):
     @model_validator(mode="after")
     def _of_some_points(self) -> Self:
         if not self.series and not self.boundaries and not self.parts:
-            raise broken_rule("series", None, "at least one series, or boundaries")
+            raise broken_rule("series", None, "at least one series, boundaries, or parts")
         return self
 
 

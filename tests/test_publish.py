@@ -7,6 +7,7 @@ import pytest
 from sim import publish
 from sim.cli import main
 from sim.errors import InputError
+from sim.figures import FIGURES
 from tests.factories import make_study
 
 
@@ -16,10 +17,15 @@ def finished(tmp_path):
     study, results = make_study(tmp_path)
     folder = results / "made"
     (folder / "figures").mkdir()
-    for name in ("report.html", "claims.json", "claims.csv", "figures/gallas_1a.svg"):
+    for name in ("report.html", "claims.json", "claims.csv", *pictures(), "figures/old.svg"):
         (folder / name).write_text(name)
     assert main(["dataset", str(study), "--results", str(results)]) == 0
     return study, results
+
+
+def pictures() -> list[str]:
+    drawn = ("walton_2", "gallas_1a", "gallas_1b", "gallas_1c")
+    return [f"figures/{name}{suffix}" for name in drawn for suffix in FIGURES[name].suffixes]
 
 
 def test_everything_a_reader_needs_is_there(finished, tmp_path):
@@ -31,11 +37,11 @@ def test_everything_a_reader_needs_is_there(finished, tmp_path):
         "dataset.nc",
         "claims.json",
         "claims.csv",
-        "figures/gallas_1a.svg",
-        "study.yaml",
+        *pictures(),
+        "made.yaml",
         "provenance.json",
     }
-    assert (output / "study.yaml").read_text() == study.read_text()
+    assert (output / "made.yaml").read_text() == study.read_text()
     origin = json.loads((output / "provenance.json").read_text())
     assert origin["study"] == "made" and origin["points"] > 10 and origin["failed runs"] == 3
     assert origin["from"] <= origin["to"] and origin["core hours"] > 0

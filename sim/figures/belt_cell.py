@@ -12,6 +12,7 @@ from matplotlib.patches import Circle
 from matplotlib.ticker import MultipleLocator
 
 from sim.errors import InputError
+from sim.figures.caption import velocity_text
 from sim.figures.summary import FigureData
 from sim.parameters import NUMERICAL, BeltParameters, field_info
 
@@ -65,13 +66,13 @@ def select(data: FigureData) -> FigureData:
 def notes(data: FigureData) -> list[str]:
     """Return what the caption says of the runs that are shown."""
     sentences = []
-    for row in data.rows[data.rows["completed"] > 0].itertuples():
-        interval = f" ± {row.half_width:.2g} m/s" if np.isfinite(row.half_width) else " m/s"
-        over = f"{row.completed} replicates" if row.completed > 1 else "this replicate"
+    for row in data.rows[data.rows["completed"] > 0].to_dict("records"):
+        count = row["completed"]
+        over = f"{count} replicates" if count > 1 else "this replicate"
         sentences.append(
-            f"{row.protocol.capitalize()} protocol: first replicate that completed of point "
-            f"{row.point}, regime {row.regime}; the mean velocity of {over} is "
-            f"{row.velocity:.3g}{interval} (95 % interval)."
+            f"{row['protocol'].capitalize()} protocol: first replicate that completed of point "
+            f"{row['point']}, regime {row['regime']}; the mean velocity of {over} is "
+            f"{velocity_text(row)} (95 % interval)."
         )
     return sentences
 

@@ -1,6 +1,8 @@
 """Sentences of captions: parameters, intervals, regimes and what is missing."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from math import isfinite
+from typing import Any
 
 import pandas as pd
 
@@ -28,6 +30,12 @@ def quantity(system: str, name: str, values: Sequence[object]) -> str:
     unit = _UNITS.get(row.unit, f" {row.unit}")
     scale = "g" if row.scale == "g" else f" {row.scale}" if row.scale else ""
     return f"{row.symbol} = {numbers}{unit}{scale}"
+
+
+def velocity_text(row: Mapping[str, Any]) -> str:
+    """Write the mean velocity of a point with its 95 % interval, if there is one."""
+    interval = f" ± {row['half_width']:.2g}" if isfinite(row["half_width"]) else ""
+    return f"{row['velocity']:.3g}{interval} m/s"
 
 
 def setting(system: str, name: str, value: object) -> str:

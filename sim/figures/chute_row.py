@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from sim.errors import InputError
-from sim.figures.caption import setting
+from sim.figures.caption import setting, velocity_text
 from sim.figures.configuration import LARGEST_PORTION, Scene
 from sim.figures.style import COLOURS, DOTTED, place_legend
 from sim.figures.summary import FigureData, split_curves
@@ -66,8 +66,8 @@ def notes(data: FigureData) -> list[str]:
             else "one replicate and no band"
         )
         sentences.append(
-            f"{label.capitalize()}: mean velocity {row['velocity']:.4g} ± "
-            f"{row['half_width']:.2g} m/s, {row['regime']}; {band}."
+            f"{label[0].upper()}{label[1:]}: mean velocity {velocity_text(row)}, "
+            f"{row['regime']}; {band}."
         )
     return sentences
 

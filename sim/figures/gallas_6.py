@@ -3,7 +3,7 @@
 from matplotlib.figure import Figure
 
 from sim.figures import transport
-from sim.figures.style import LONG_DASH, CurveStyle, cycled
+from sim.figures.style import LONG_DASH, CurveStyle
 from sim.figures.summary import FigureData
 
 NAMED = ("frequency", *transport.NAMED)
@@ -13,19 +13,16 @@ LEAD = (
 )
 PAPER = "The paper: even a rather small obstacle rapidly slows down the flow."
 
-_STYLES = {
-    80.0: CurveStyle("#000000", "-", "o"),
-    20.0: CurveStyle("#0072b2", LONG_DASH, "s"),
-}
+_LOOK = transport.by_frequency(
+    {
+        80.0: CurveStyle("#000000", "-", "o"),
+        20.0: CurveStyle("#0072b2", LONG_DASH, "s"),
+    }
+)
 
 
 def draw(data: FigureData) -> Figure:
     """Draw the figure."""
-    figure, axes = transport.draw_panel(data.rows, "obstacle", ("frequency",), _look)
+    figure, axes = transport.draw_panel(data.rows, "obstacle", ("frequency",), _LOOK)
     axes.set_xlabel("diameter of the obstacle $d_o$ (⟨d⟩)")
     return figure
-
-
-def _look(names: dict[str, object], index: int) -> tuple[CurveStyle, str]:
-    frequency = names["frequency"]
-    return _STYLES.get(frequency, cycled(index + len(_STYLES))), f"f = {frequency:g} Hz"

@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 
 from sim.figures.animation import Animation, select, still
+from sim.figures.caption import velocity_text
 from sim.figures.configuration import COLOURS, DARK
 from sim.figures.spheres import Frame, picture, view_from
 from sim.figures.style import SHORT_DASH
@@ -59,10 +60,7 @@ def notes(data: FigureData) -> list[str]:
     (row,) = data.rows.to_dict("records")
     if not row["completed"]:
         return []
-    return [
-        f"Transport velocity of the averaging window {row['velocity']:.3g} ± "
-        f"{row['half_width']:.1g} m/s ({row['regime']})."
-    ]
+    return [f"Transport velocity of the averaging window {velocity_text(row)} ({row['regime']})."]
 
 
 class Belt:
@@ -93,7 +91,8 @@ class Belt:
 
     def line(self, number: int) -> tuple[np.ndarray, float]:
         """Return where the marks on the belt are (M,), and its height."""
-        phase = np.sin(2 * np.pi * self.row["frequency"] * self.time[number])
+        angle = 2 * np.pi * self.row["frequency"] * self.time[number]
+        phase = np.sin(angle + np.radians(self.row["phase"]))
         slope = np.tan(np.radians(self.row["vibration_angle"]))
         marks = np.arange(-2 * _MARKS, self.width + 2 * _MARKS, _MARKS)
         return marks + self.amplitude / slope * phase, self.amplitude * phase

@@ -2,7 +2,7 @@
 
 from matplotlib.figure import Figure
 
-from sim.figures import gallas_1c, transport
+from sim.figures import transport
 from sim.figures.style import place_legend
 from sim.figures.summary import FigureData
 
@@ -13,8 +13,9 @@ LEAD = (
     "until the mean velocity has converged."
 )
 PAPER = (
-    f"{gallas_1c.PAPER} Where the panels differ, runs of the published length were too short, and "
-    "what they show is protocol-dependent."
+    "The paper: the flux rises rapidly up to γ_s = 10g and only gently from there on. Where the "
+    "panels differ, runs of the published length were too short, and what they show is "
+    "protocol-dependent."
 )
 
 
@@ -22,9 +23,10 @@ def draw(data: FigureData) -> Figure:
     """Draw the figure: a panel per protocol, with common axes."""
     figure = Figure(figsize=(8.0, 3.9), layout="constrained")
     panels = figure.subplots(1, 2, sharex=True, sharey=True)
+    look = transport.AGAINST_FRICTION
     for axes, protocol in zip(panels, ("published", "converged"), strict=True):
         rows = data.rows[data.rows["protocol"] == protocol]
-        transport.draw_curves(axes, rows, "shear_damping", ("frequency",), gallas_1c.look)
+        transport.draw_curves(axes, rows, "shear_damping", ("frequency",), look)
         axes.set_xlabel("shear friction coefficient $γ_s$ (g)")
         axes.set_title(f"{protocol} protocol", fontsize=9)
         axes.label_outer()

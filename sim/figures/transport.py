@@ -1,13 +1,21 @@
 """What the three panels of Gallas' Fig. 1 share: one curve per set of parameters of the belt."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from sim.figures.caption import setting
-from sim.figures.style import MARKERS, CurveStyle, canvas, cycled, draw_curve, place_legend
+from sim.figures.style import (
+    LONG_DASH,
+    MARKERS,
+    CurveStyle,
+    canvas,
+    cycled,
+    draw_curve,
+    place_legend,
+)
 from sim.figures.summary import split_curves
 from sim.parameters import BeltParameters
 
@@ -74,6 +82,25 @@ def draw_curves(
 def describe(names: dict[str, object]) -> str:
     """Spell out further parameters of a curve for its entry in the legend."""
     return "".join(f", {setting('belt', name, value)}" for name, value in names.items())
+
+
+def by_frequency(styles: Mapping[float, CurveStyle]) -> Look:
+    """Return how curves look that differ in frequency, given the styles of the paper's."""
+
+    def look(names: dict[str, object], index: int) -> tuple[CurveStyle, str]:
+        frequency = names["frequency"]
+        return styles.get(frequency, cycled(index + len(styles))), f"f = {frequency:g} Hz"
+
+    return look
+
+
+#: Fig. 1c: 50 Hz solid, 20 Hz dashed.
+AGAINST_FRICTION = by_frequency(
+    {
+        50.0: CurveStyle("#000000", "-", "o"),
+        20.0: CurveStyle("#0072b2", LONG_DASH, "s"),
+    }
+)
 
 
 def pair(damping: float, shear_damping: float) -> str:

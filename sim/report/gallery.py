@@ -14,9 +14,6 @@ from sim.stored import reading
 #: Figures of the first screen, where a study has them.
 HEADLINE = ("walton_2", "gallas_1a", "gallas_1b", "gallas_1c")
 
-#: Names of animations begin with this.
-ANIMATION = "animation_"
-
 _MEDIA = {
     ".svg": "image/svg+xml",
     ".png": "image/png",
@@ -83,7 +80,7 @@ def figure_entry(name: str, folder: Path) -> dict[str, Any]:
         "caption": caption,
         "data": data_uri(files[".csv"]),
     }
-    if name.startswith(ANIMATION):
+    if spec.animated:
         return entry | {
             "group": "Animations",
             "alt": f"{spec.title}: first picture of an animation, {held}.",

@@ -16,7 +16,6 @@ from sim.report.gallery import figure_entries, headline
 from sim.report.runs import boundary_rows, parameter_rows, run_rows
 from sim.results import Results, load_results
 from sim.study import Study, load_study
-from sim.yaml_input import read_yaml
 
 TEMPLATES = Path(__file__).parents[1] / "templates"
 
@@ -88,7 +87,7 @@ def render(
     entries = figure_entries(study.figures, figures, rows)
     return environment.get_template("report.html.j2").render(
         study=study,
-        study_files=study_files(study.path),
+        study_files={file.name: file.read_text(encoding="utf-8") for file in study.files},
         summary=_summary(dataset, runs),
         verdicts=VERDICTS,
         outcomes=VERDICTS | REPORTED,
@@ -102,12 +101,6 @@ def render(
         energy_limit=ENERGY_LIMIT,
         provenance=_provenance(dataset),
     )
-
-
-def study_files(path: Path) -> dict[str, str]:
-    """Return the text of a study file and of its parts by their names."""
-    files = [path, *(path.parent / name for name in read_yaml(path).get("parts", []))]
-    return {file.name: file.read_text(encoding="utf-8") for file in files}
 
 
 def _summary(dataset: xr.Dataset, runs: list[dict[str, Any]]) -> dict[str, Any]:

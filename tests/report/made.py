@@ -130,7 +130,9 @@ def animated(folder: Path) -> Iterator[str]:
     )
     (folder / f"{ANIMATION}.csv").write_text("point,x [m]\na,1\na,2\n")
     (folder / f"{ANIMATION}.caption.txt").write_text("A made-up animation.\n")
-    spec = FigureSpec(ANIMATION, "Walton (1993), Sec. 3", "chute", (), (), "A flow that moves")
+    spec = FigureSpec(
+        ANIMATION, "Walton (1993), Sec. 3", "chute", (), (), "A flow that moves", animated=True
+    )
     with patch.dict(FIGURES, {ANIMATION: spec}):
         yield ANIMATION
 

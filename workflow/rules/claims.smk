@@ -8,7 +8,7 @@ rule claims:
         json=f"{RESULTS}/claims.json",
         csv=report(
             f"{RESULTS}/claims.csv",
-            caption="../report/data.rst",
+            caption="../report/claims.rst",
             category="Claims",
         ),
     log:
@@ -18,6 +18,13 @@ rule claims:
     conda:
         "../envs/talus.yaml"
     params:
-        code=code("outcome.py", "results.py", "measures/*.py", "claims/*.py", "claims/*.yaml"),
+        code=code(
+            "outcome.py",
+            "results.py",
+            "figures/caption.py",
+            "measures/*.py",
+            "claims/*.py",
+            "claims/*.yaml",
+        ),
     shell:
         'python -m sim claims "$TALUS_STUDY" > {log} 2>&1'

@@ -17,7 +17,12 @@ rule dataset:
         boundaries=asked(),
         title=STUDY.title,
         code=code(
-            "dataset.py", "gathered.py", "measures/*.py", *(REFINEMENT if STUDY.boundaries else ())
+            "dataset.py",
+            "gathered.py",
+            "outcome.py",
+            "measures/*.py",
+            "figures/spec*.py",
+            *(REFINEMENT if STUDY.boundaries else ()),
         ),
     shell:
         'python -m sim dataset "$TALUS_STUDY" > {log} 2>&1'

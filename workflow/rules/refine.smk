@@ -30,7 +30,7 @@ rule boundaries:
     output:
         report(
             f"{RESULTS}/boundaries.csv",
-            caption="../report/data.rst",
+            caption="../report/boundaries.rst",
             category="Boundaries",
         ),
     log:

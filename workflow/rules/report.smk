@@ -6,7 +6,7 @@ rule report:
         dataset=rules.dataset.output,
         figures=rules.figures.input,
         claims=rules.claims.output.json,
-        study=STUDY.path,
+        study=STUDY.files,
     output:
         report(
             f"{RESULTS}/report.html",
@@ -20,6 +20,14 @@ rule report:
     conda:
         "../envs/talus.yaml"
     params:
-        code=code("report/*.py", "templates/*", "outcome.py", "figures/__init__.py"),
+        code=code(
+            "report/*.py",
+            "templates/*",
+            "cost.py",
+            "outcome.py",
+            "results.py",
+            "figures/caption.py",
+            "figures/spec*.py",
+        ),
     shell:
         'python -m sim report "$TALUS_STUDY" > {log} 2>&1'
