@@ -1,0 +1,145 @@
+"""From one validated study file to its points and boundaries."""
+
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
+from functools import partial
+from math import prod
+from pathlib import Path
+from typing import Any
+
+from sim.drafts import BoundaryFile, Draft, SeriesFile, finished, starts
+from sim.errors import InputError
+from sim.figures import FIGURES
+from sim.parameters import Parameters, point_id
+from sim.refine import PARTS, divided, further_rounds
+from sim.study_file import StudyFile, validated
+from sim.study_model import Boundary, Point, Study
+
+MAX_POINTS = 100_000
+
+#: Where each figure is fed: name -> (study file, key).
+Fed = dict[str, tuple[str, str]]
+
+
+def collected(mapping: Any, path: Path) -> tuple[StudyFile, Study, Fed]:
+    """Return a study file, the study without its parts and figures, and where it feeds those."""
+    source = str(path)
+    file = validated(mapping, source)
+    _require_distinct_names(file, source)
+    _require_feasible_number(file, source)
+    points: dict[str, Point] = {}
+    series: dict[str, tuple[str, ...]] = {}
+    for place, one in _entries(file, "series"):
+        parameters = [finished(one, draft, place, source) for draft in starts(file, one, place)]
+        series[one.name] = _add(points, one, parameters, source)
+    boundaries: list[Boundary] = []
+    for place, one in _entries(file, "boundaries"):
+        found = list(_boundaries(file, one, place, source))
+        first = [each.at(value) for each in found for value in divided(each.low, each.high)]
+        series[one.name] = _add(points, one, first, source)
+        boundaries += found
+    fed = {
+        name: (source, f"{place}.figures[{index}]")
+        for place, one in reversed(_entries(file, "series") + _entries(file, "boundaries"))
+        for index, name in enumerate(one.figures)
+    }
+    study = Study(file.study, file.title, (path,), points, series, {}, tuple(boundaries))
+    return file, study, fed
+
+
+def _entries(file: StudyFile, key: str) -> list[tuple[str, Any]]:
+    """Return the series or the boundaries of a study with their places in the file."""
+    return [(f"{key}[{index}]", one) for index, one in enumerate(getattr(file, key) or [])]
+
+
+def _require_distinct_names(file: StudyFile, source: str) -> None:
+    seen: set[str] = set()
+    for path, one in _entries(file, "series") + _entries(file, "boundaries"):
+        if one.name in seen:
+            allowed = "a name that no other series has"
+            raise InputError.of_value(source, f"{path}.name", one.name, allowed)
+        seen.add(one.name)
+
+
+def _require_feasible_number(file: StudyFile, source: str) -> None:
+    """Refuse too many points before a single one is made."""
+    total = 0
+    for path, one in _entries(file, "series") + _entries(file, "boundaries"):
+        lists = one.grid.given().values() if one.grid else []
+        if isinstance(one, SeriesFile):
+            total += (prod(map(len, lists)) if lists else 0) + len(one.cases or [])
+        else:
+            total += prod(map(len, lists)) * _most_points(one)
+        if total > MAX_POINTS:
+            allowed = f"at most {MAX_POINTS:,} points in the study"
+            raise InputError.of_value(source, f"{path}.grid", f"{total:,} points", allowed)
+
+
+def _most_points(one: BoundaryFile) -> int:
+    """Return how many points a boundary takes at most: two gaps are divided in every round."""
+    return PARTS + 1 + 2 * (PARTS - 1) * further_rounds(*one.range, one.tolerance)
+
+
+def _boundaries(file: StudyFile, one: BoundaryFile, path: str, source: str) -> Iterator[Boundary]:
+    """Yield the boundaries of one entry, both ends of their ranges validated."""
+
+    def point(start: Draft, value: float, place: str = "range") -> Parameters:
+        there = Draft(
+            start.values | {one.along: value}, start.paths | {one.along: f"{path}.{place}"}
+        )
+        return finished(one, there, path, source)
+
+    for start in starts(file, one, path):
+        for index, value in enumerate(one.range):
+            point(start, value, f"range[{index}]")
+        grid = {name: start.values[name] for name in one.grid.given()} if one.grid else {}
+        yield Boundary(
+            name=one.name,
+            of=one.of,
+            along=one.along,
+            low=one.range[0],
+            high=one.range[1],
+            tolerance=one.tolerance,
+            grid=grid,
+            figures=tuple(one.figures),
+            at=partial(point, start),
+        )
+
+
+def _add(
+    points: dict[str, Point],
+    one: SeriesFile | BoundaryFile,
+    parameters: Iterable[Parameters],
+    source: str,
+) -> tuple[str, ...]:
+    """Add points, or their series and figures, to ``points``; return their ids."""
+    keys = {}
+    for each in parameters:
+        point = joined(points, each, one.name, one.figures)
+        require_same(point, each, source)
+        keys[point.id] = points[point.id] = point
+    return tuple(keys)
+
+
+def require_same(point: Point, parameters: Parameters, source: str) -> None:
+    if point.parameters != parameters:
+        raise InputError(
+            f"{source}: two different points have the id {point.id}; change either's seed"
+        )
+
+
+def joined(
+    points: dict[str, Point], parameters: Parameters, series: str, figures: Iterable[str]
+) -> Point:
+    """Return the point among ``points``, or a new one, as a member of a series and of figures.
+
+    Of the figures it joins those that show it.
+    """
+    key = point_id(parameters)
+    figures = [name for name in figures if FIGURES[name].shows(parameters)]
+    known = points.get(key, Point(key, parameters, (), ()))
+    return replace(
+        known,
+        series=tuple(dict.fromkeys((*known.series, series))),
+        figures=tuple(dict.fromkeys((*known.figures, *figures))),
+    )

@@ -1,0 +1,93 @@
+"""What a study is: points, boundaries to be found, figures."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from sim.parameters import Parameters
+from sim.refine import further_rounds
+
+
+@dataclass(frozen=True)
+class Point:
+    """One run of a study, however many series and figures it serves."""
+
+    id: str
+    parameters: Parameters
+    series: tuple[str, ...]
+    figures: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Boundary:
+    """One boundary to be found, all parameters but one fixed.
+
+    Attributes
+    ----------
+    name : str
+        Shared by the boundaries of one entry of the study file, which its ``grid`` tells apart.
+    of, along : str
+        What changes at the boundary; the parameter along which it is looked for.
+    low, high, tolerance : float
+        Range of that parameter and width of the interval wanted.
+    grid : dict
+        Values of the grid that this boundary is for.
+    figures : tuple of str
+        Figures that it feeds.
+    at : callable
+        Gives the parameters of the point at a value of ``along``.
+    """
+
+    name: str
+    of: str
+    along: str
+    low: float
+    high: float
+    tolerance: float
+    grid: dict[str, Any]
+    figures: tuple[str, ...]
+    at: Callable[[float], Parameters]
+
+    @property
+    def rounds(self) -> int:
+        """Rounds of refinement after the first."""
+        return further_rounds(self.low, self.high, self.tolerance)
+
+
+@dataclass(frozen=True)
+class Study:
+    """A validated study.
+
+    Attributes
+    ----------
+    name, title : str
+        Name of the folder of results; one line for the report.
+    files : tuple of Path
+        The study file, then those of its parts.
+    points : dict
+        Points by id, in the order of the file; equal points of several series appear once. Of the
+        boundaries, the first round.
+    series, figures : dict
+        Ids of the points of each series (or boundary) and of each figure, in order.
+    boundaries : tuple of Boundary
+        Boundaries to be found.
+    """
+
+    name: str
+    title: str
+    files: tuple[Path, ...]
+    points: dict[str, Point]
+    series: dict[str, tuple[str, ...]]
+    figures: dict[str, tuple[str, ...]]
+    boundaries: tuple[Boundary, ...]
+
+    @property
+    def path(self) -> Path:
+        """The study file."""
+        return self.files[0]
+
+    @property
+    def rounds(self) -> int:
+        """Rounds of refinement after the first that the boundaries may take."""
+        return max((boundary.rounds for boundary in self.boundaries), default=0)
