@@ -157,12 +157,17 @@ def chi_squared(density: np.ndarray) -> float:
 def largest_difference(density: np.ndarray) -> UFloat:
     """Return the largest difference of mean densities (A, R, S) between two angles in a slice.
 
-    Its interval is that of the differences bed by bed.
+    Which angles and slice differ most is told by all beds but one, and by how much by that one, for
+    each of them in turn. So chance, which makes the largest of many differences, adds nothing, and
+    the sizes of a bed's beads, which are the same at all angles, do not count as scatter.
     """
-    mean = density.mean(axis=1)
-    at = int(np.ptp(mean, axis=0).argmax())
-    high, low = int(mean[:, at].argmax()), int(mean[:, at].argmin())
-    return joined(density[high, :, at] - density[low, :, at])
+    differences = []
+    for bed in range(density.shape[1]):
+        mean = np.delete(density, bed, axis=1).mean(axis=1)
+        at = int(np.ptp(mean, axis=0).argmax())
+        high, low = int(mean[:, at].argmax()), int(mean[:, at].argmin())
+        differences.append(density[high, bed, at] - density[low, bed, at])
+    return joined(np.array(differences))
 
 
 def g20(evidence: Evidence) -> list[Check]:

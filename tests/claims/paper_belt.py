@@ -77,6 +77,7 @@ def paths(belt: BeltParameters) -> dict[str, float]:
     drift = 1e-6 if free else velocity(belt) / belt.frequency
     flat = 100 / (belt.damping + belt.shear_damping + 1) * belt.vibration_angle / 45
     height = (0.5 if belt.frequency < 50 or belt.obstacle else 0.1 * flat) * drift
+    height *= (1 + belt.obstacle) ** 1.2
     vertical = 7e-4 if belt.frequency < 15 else 5e-4 if free else height
     return {
         "path_drift": drift,
