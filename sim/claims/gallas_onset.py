@@ -1,7 +1,7 @@
 """Judges of Gallas' claims about the onset of transport, and where it lies in the runs.
 
-A bed is transported where its velocity exceeds five of its standard errors and 2 % of the belt's
-velocity amplitude along x.
+In scans a bed is transported where its velocity exceeds five of its standard errors and 2 % of the
+belt's velocity amplitude along x; for boundaries see `sim.sides`.
 """
 
 from collections.abc import Callable
