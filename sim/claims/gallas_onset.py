@@ -81,7 +81,10 @@ def _bed_by_bed(line: dict[float, Place], measure: Callable[[Place], np.ndarray]
             for frequency, place in line.items()
         }
     )
-    return table[table.notna().sum(axis=1) > 0.5 * len(line)]
+    known = table[table.notna().sum(axis=1) > 0.5 * len(line)]
+    if known.empty:
+        raise Untestable("no bed is known at most frequencies of the scan")
+    return known
 
 
 def _bracket(moving: pd.Series) -> tuple[float, float]:

@@ -77,6 +77,15 @@ def test_a_bed_that_failed_is_left_out_by_its_number():
     assert value == pytest.approx((16.25 + 15.5 + 3 * 15.75) / 5)
 
 
+def test_beds_that_nowhere_meet_are_no_scan():
+    points = []
+    for frequency, known in ((15, (0, 1)), (17, (2, 3))):
+        status = ["completed" if bed in known else "failed" for bed in range(4)]
+        points.append(published({"status": status}, frequency=frequency, replicates=4))
+    with pytest.raises(Untestable, match="no bed is known"):
+        found(points)
+
+
 def test_single_beds_of_a_refinement_are_no_scan():
     refined = [published(frequency=each, replicates=1) for each in (15.25, 15.75, 16.25, 17.5)]
     assert found([*scan(), *refined]) == pytest.approx((15.75, 0.25))
