@@ -11,7 +11,7 @@ import pandas as pd
 from uncertainties import UFloat, ufloat
 
 from sim.claims.starts import over_seeds
-from sim.claims.verdict import SIGMAS, Untestable
+from sim.claims.verdict import SIGMAS, Unbounded, Untestable
 from sim.errors import InputError
 from sim.outcome import outcome, student_half_width
 from sim.parameters import NUMERICAL, SYSTEMS, field_info
@@ -175,18 +175,26 @@ class Evidence:
         """Return a boundary found by refinement; its interval is the bracket.
 
         Boundaries that differ in nothing but the seed are joined, see `sim.claims.starts`. Raises
-        `Untestable` when the study looks for no such boundary or none was found.
+        `Untestable` when the study looks for no such boundary, and `Unbounded` when it does but one
+        seed at least has none: without those beyond the range the others would agree too well.
         """
         rows = self._results.boundaries
         if len(rows):
             same = (rows["system"] == system) & (rows["of"] == of) & (rows["along"] == along)
-            found = rows[["low", "high"]].notna().all(axis=1)
-            rows = rows[same & found & (rows["protocol"] == self.protocol)]
+            rows = rows[same & (rows["protocol"] == self.protocol)]
         chosen = rows[self._matching(rows, system, where, along)] if len(rows) else rows
         if chosen.empty:
             raise Untestable(f"no boundary of {of} along {along} at {_text(where)}")
         settings = [name for name in SYSTEMS[system].model_fields if name not in ("seed", along)]
-        return measured(*over_seeds(rows, chosen, settings))
+        found = rows[["low", "high"]].notna().all(axis=1)
+        complete = found.groupby([rows[name] for name in settings], dropna=False).transform("all")
+        bounded = chosen[complete[chosen.index]]
+        if bounded.empty:
+            lacking = chosen.loc[~found[chosen.index], "seed"]
+            seeds = ", ".join(f"{seed:g}" for seed in sorted(set(lacking)))
+            what = f"boundary of {of} along {along} at {_text(where)}"
+            raise Unbounded(f"no {what} found from seed {seeds}")
+        return measured(*over_seeds(rows[found], bounded, settings))
 
     @cached_property
     def _table(self) -> pd.DataFrame:

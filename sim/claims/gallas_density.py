@@ -9,7 +9,7 @@ from uncertainties import UFloat
 
 from sim.claims.bed import half_height, peak, spread
 from sim.claims.evidence import Evidence, Place, joined, measured
-from sim.claims.lines import FLOWING, along, replicated
+from sim.claims.lines import FLOWING, along, common_beds, replicated
 from sim.claims.verdict import SIGMAS, Check, Untestable, above, below, within
 
 DENSITY = "number_density"
@@ -115,10 +115,11 @@ def g19(evidence: Evidence) -> list[Check]:
     """
     places = list(along(evidence, "vibration_angle", (30, 45, 60, 90), frequency=60).values())
     profiles = [place.profile(DENSITY)[0] for place in places]
-    beds = min(len(each) for each in profiles)
+    shared = common_beds(places)
+    beds = len(shared[0])
     if beds < 3:
-        raise Untestable("fewer than three beds at 60 Hz and 30, 45, 60 or 90 degrees")
-    density = np.array([each[:beds] for each in profiles])
+        raise Untestable("fewer than three beds that are known at 60 Hz and 30, 45, 60, 90 degrees")
+    density = np.array([each[which] for each, which in zip(profiles, shared, strict=True)])
     mean = density.mean(axis=1)
     dense = mean.mean(axis=0) > 0.01 * mean.max()
     density = density[:, :, dense] / mean.max()
@@ -154,11 +155,19 @@ def chi_squared(density: np.ndarray) -> float:
 
 
 def largest_difference(density: np.ndarray) -> UFloat:
-    """Return the largest difference of mean densities (A, R, S) between two angles in a slice."""
-    mean = density.mean(axis=1)
-    at = int(np.ptp(mean, axis=0).argmax())
-    high, low = int(mean[:, at].argmax()), int(mean[:, at].argmin())
-    return joined(density[high, :, at]) - joined(density[low, :, at])
+    """Return the largest difference of mean densities (A, R, S) between two angles in a slice.
+
+    Which angles and slice differ most is told by all beds but one, and by how much by that one, for
+    each of them in turn. So chance, which makes the largest of many differences, adds nothing, and
+    the sizes of a bed's beads, which are the same at all angles, do not count as scatter.
+    """
+    differences = []
+    for bed in range(density.shape[1]):
+        mean = np.delete(density, bed, axis=1).mean(axis=1)
+        at = int(np.ptp(mean, axis=0).argmax())
+        high, low = int(mean[:, at].argmax()), int(mean[:, at].argmin())
+        differences.append(density[high, bed, at] - density[low, bed, at])
+    return joined(np.array(differences))
 
 
 def g20(evidence: Evidence) -> list[Check]:

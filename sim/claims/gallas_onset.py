@@ -1,18 +1,20 @@
 """Judges of Gallas' claims about the onset of transport, and where it lies in the runs.
 
-A bed is transported where its velocity exceeds five of its standard errors and 2 % of the belt's
-velocity amplitude along x.
+In scans a bed is transported where its velocity exceeds five of its standard errors and 2 % of the
+belt's velocity amplitude along x; for boundaries see `sim.sides`.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import pi, radians, tan
 
 import numpy as np
+import pandas as pd
 from uncertainties import UFloat
 
 from sim.claims.evidence import Evidence, Place, joined, measured
-from sim.claims.lines import FLOWING, MARKERS, NONE, along
-from sim.claims.verdict import SIGMAS, Check, Untestable, below, within
+from sim.claims.lines import FLOWING, MARKERS, NONE, along, replicated
+from sim.claims.verdict import SIGMAS, Check, Unbounded, Untestable, below, within
 
 #: Pairs of damping and shear damping (g) whose onsets are compared.
 PAIRS = ((50, 50), *MARKERS, (10, 50))
@@ -41,35 +43,56 @@ class Onset:
 def onset(evidence: Evidence, **where: object) -> Onset:
     """Return where transport begins: from a boundary found by refinement, else from a scan.
 
-    The interval over beds is Student's, not smaller than half a bracket.
+    The interval over beds is Student's, not smaller than half a bracket. A boundary that was looked
+    for in vain is not replaced by a scan.
     """
     try:
         return Onset(evidence.boundary("belt", "transport", "frequency", **where))
+    except Unbounded:
+        raise
     except Untestable as missing:
         line = _scanned(evidence, **where)
         if len(line) < 2:
             raise Untestable(f"{missing}, nor a scan of the frequency") from None
-    brackets = np.array([_bracket(line, bed) for bed in range(_beds(line))])
+    moving = _bed_by_bed(line, _transported)
+    brackets = np.array([_bracket(bed.dropna()) for _, bed in moving.iterrows()])
     over = SIGMAS * joined(brackets.mean(axis=1)).std_dev
     bracket = 0.5 * float(np.diff(brackets).mean())
     return Onset(measured(float(brackets.mean()), max(bracket, over)), tuple(line.values()))
 
 
 def _scanned(evidence: Evidence, **where: object) -> dict[float, Place]:
-    """Return the places along the frequency at which every bed is known."""
-    line = evidence.line("belt", "frequency", **where)
-    beds = _beds(line)
-    return {frequency: place for frequency, place in line.items() if place.completed == beds}
+    """Return the places along the frequency with several beds.
+
+    Those of a single bed were added by refinement.
+    """
+    return replicated(evidence.line("belt", "frequency", **where))
 
 
-def _beds(line: dict[float, Place]) -> int:
-    return max((place.completed for place in line.values()), default=0)
+def _bed_by_bed(line: dict[float, Place], measure: Callable[[Place], np.ndarray]) -> pd.DataFrame:
+    """Return a number of every bed (row) at every frequency (column), NaN where a bed is unknown.
+
+    Beds known at no more than half of the frequencies are left out: there are more beds where one
+    says little, and a bed may have failed.
+    """
+    table = pd.DataFrame(
+        {
+            frequency: pd.Series(measure(place), place.values("replicate_seed"), dtype=float)
+            for frequency, place in line.items()
+        }
+    )
+    known = table[table.notna().sum(axis=1) > 0.5 * len(line)]
+    if known.empty:
+        raise Untestable("no bed is known at most frequencies of the scan")
+    return known
 
 
-def _bracket(line: dict[float, Place], bed: int) -> tuple[float, float]:
-    """Return the frequencies between which a bed comes to flow at all that are higher."""
-    frequencies = list(line)
-    moving = [_transported(place)[bed] for place in line.values()]
+def _bracket(moving: pd.Series) -> tuple[float, float]:
+    """Return the frequencies between which a bed comes to flow at all that are higher.
+
+    ``moving`` says per frequency whether it does.
+    """
+    frequencies = moving.index
     last = max((index for index, flows in enumerate(moving) if not flows), default=-1)
     if not 0 <= last < len(moving) - 1:
         least, most = frequencies[0], frequencies[-1]
@@ -80,6 +103,7 @@ def _bracket(line: dict[float, Place], bed: int) -> tuple[float, float]:
 
 
 def _transported(place: Place) -> np.ndarray:
+    """Return which beds are transported."""
     velocity = place.values("velocity")
     return (velocity > ERRORS * place.values("velocity_error")) & (
         velocity > LEAST * belt_speed(place)
@@ -147,11 +171,13 @@ def g35(evidence: Evidence) -> list[Check]:
     line = _scanned(evidence)
     if not {15, 16, 18, 20} <= set(line):
         raise Untestable("no scan of the frequency with 15, 16, 18 and 20 Hz")
-    frequencies = np.array([*line])
-    share = np.array([place.values("velocity") / belt_speed(place) for place in line.values()])
+    shares = _bed_by_bed(line, lambda place: place.values("velocity") / belt_speed(place))
+    beds = [share.dropna() for _, share in shares.iterrows()]
     checks = []
     for part in RISE:
-        reached = joined(np.array([_reaches(frequencies, bed, part) for bed in share.T]))
+        reached = joined(
+            np.array([_reaches(bed.index.to_numpy(), bed.to_numpy(), part) for bed in beds])
+        )
         what = f"frequency at which V/(A_x ω) reaches {part:.0%} of its largest"
         checks.append(within(what, reached, *BAND, line.values(), "Hz"))
     up, down = onset(evidence), onset(evidence, prior_frequency=SWEPT_FROM)

@@ -13,23 +13,26 @@ from sim.claims.verdict import Check, above, below, within
 #: Share of the beads within A_z of the mean belt position below which there is a void.
 EMPTY = 0.02
 
+#: Velocity about the mean of all beads, over the belt's, below which they move as one.
+AS_ONE = 0.1
+
 
 def g26(evidence: Evidence) -> list[Check]:
     """Fig. 5: a block with the belt at 10 Hz, loose at 40 Hz, a void at the belt at 100 Hz.
 
     A block moves as one, and up and down as the belt does; its velocity along the belt lags behind,
-    as shear friction is viscous. Velocities are relative to the amplitude of the belt's.
+    as shear friction is viscous. A loose bed does not move as one: a block in flight would not be
+    loose. Velocities are relative to the amplitude of the belt's.
     """
     block = evidence.at("belt", frequency=10, vibration_angle=60)
     loose = evidence.at("belt", frequency=40, vibration_angle=30, damping=10, shear_damping=10)
     void = evidence.at("belt", frequency=100)
     lost = packing(block) - packing(loose)
     lift = block.value("path_vertical") / (block["amplitude"] * block["diameter"] / sqrt(2))
-    against = loose.value("relative_agitation") / belt_speed(loose)
     return [
-        below("rms velocity about the mean, 10 Hz", agitation(block), 0.1, (block,)),
+        below("rms velocity about the mean, 10 Hz", agitation(block), AS_ONE, (block,)),
         within("vertical rms of the paths over the belt's, 10 Hz", lift, 0.9, 1.1, (block,)),
-        above("rms velocity against the belt, 40 Hz", against, 0.5, (loose,)),
+        above("rms velocity about the mean, 40 Hz", agitation(loose), AS_ONE, (loose,)),
         above("packing lost from 10 to 40 Hz", lost, 0, (block, loose)),
         below("occupancy at 100 Hz", void.value("base_occupancy"), EMPTY, (void,)),
     ]

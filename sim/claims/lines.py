@@ -1,6 +1,7 @@
 """What judges of the belt share: places along a parameter and how their velocities compare."""
 
 from collections.abc import Sequence
+from functools import reduce
 from itertools import pairwise
 from math import nan
 from typing import Any
@@ -34,6 +35,13 @@ def along(
 def replicated(line: dict[float, Place]) -> dict[float, Place]:
     """Return the places of which at least two beds are known."""
     return {value: place for value, place in line.items() if place.completed > 1}
+
+
+def common_beds(places: Sequence[Place]) -> list[np.ndarray]:
+    """Return per place which of its completed beds are known at all places, in the same order."""
+    numbers = [place.values("replicate_seed") for place in places]
+    shared = reduce(np.intersect1d, numbers)
+    return [np.flatnonzero(np.isin(each, shared)) for each in numbers]
 
 
 def increases(line: dict[float, Place], what: str, sign: int = 1) -> list[Check]:

@@ -32,6 +32,10 @@ class Untestable(Exception):
     """The dataset lacks what a claim is about; the message says what."""
 
 
+class Unbounded(Untestable):
+    """A boundary was looked for and not found, beyond the range or among undecided runs."""
+
+
 @dataclass(frozen=True)
 class Check:
     """One measured quantity against its threshold.

@@ -1,10 +1,10 @@
 """Measures of the beads on a vibrating belt, from one replicate of a run file.
 
-A run file holds series over ``time``, a field over ``column`` and ``level`` in the laboratory, the
-path of the beads over the cycle that follows, and their state at its end.
+A run file holds series over ``time``, a field over ``column`` and ``level`` in the laboratory, and
+the path of the beads over the cycle that follows.
 """
 
-from math import atan2, cos, pi, radians, tan
+from math import atan2, nan, pi
 
 import numpy as np
 import xarray as xr
@@ -13,9 +13,12 @@ MEASURES = {
     "base_occupancy": ("1", "share of beads with centres within A_z of the mean belt position"),
     "wave_power": ("1", "power of the five longest density waves, relative to beads at random"),
     "early_wave_power": ("1", "the same over the first 10 cycles"),
-    "relative_agitation": ("m s-1", "rms velocity of the beads against the belt, last state"),
     "path_drift": ("m", "mean displacement of the beads along the belt in a cycle"),
     "path_vertical": ("m", "rms vertical distance of the beads from their mean places in a cycle"),
+    "path_vertical_far": (
+        "m",
+        "the same of beads more than 5 ⟨d⟩ along the belt from its middle, where obstacles stand",
+    ),
     "path_major": ("m", "rms extent of the mean path, less its drift, along its long axis"),
     "path_minor": ("m", "rms extent of the mean path, less its drift, along its short axis"),
     "path_tilt": ("rad", "angle of the long axis of the mean path with the horizontal, 0 to π"),
@@ -28,6 +31,9 @@ MEASURES = {
 #: Cycles after the start in which density waves are said to be strongest.
 EARLY_CYCLES = 10
 
+#: Distance (⟨d⟩) from an obstacle beyond which its effect is no longer local.
+FAR = 5
+
 
 def measure(run: xr.Dataset) -> dict[str, float]:
     """Return the measures that the arrays of a replicate allow."""
@@ -35,8 +41,9 @@ def measure(run: xr.Dataset) -> dict[str, float]:
     if "base_occupancy" in run:
         found |= _of_series(run)
     if "path" in run:
-        found |= path_measures(run["path"].values)
-        found["relative_agitation"] = _agitation(run)
+        path, diameter = run["path"].values, run["diameter"].item()
+        found |= path_measures(path)
+        found["path_vertical_far"] = far_height(path, run["width"].item() * diameter, diameter)
     if "field_velocity" in run:
         found["backflow"] = backflow(run["field_velocity"].values, run["field_density"].values)
     return found
@@ -83,19 +90,6 @@ def _of_series(run: xr.Dataset) -> dict[str, float]:
     }
 
 
-def _agitation(run: xr.Dataset) -> float:
-    """Return the rms velocity (m/s) of the beads against the belt in the last state.
-
-    That is the end of a whole cycle.
-    """
-    amplitude = run["amplitude"].item() * run["diameter"].item()
-    phase = radians(run["phase"].item())
-    speed = 2 * pi * run["frequency"].item() * amplitude * cos(phase)
-    belt = speed / tan(radians(run["vibration_angle"].item())), speed
-    velocity = run["particle_velocity"].isel(frame=-1).values
-    return float(np.sqrt(((velocity - belt) ** 2).sum(axis=1).mean()))
-
-
 def path_measures(path: np.ndarray) -> dict[str, float]:
     """Return the measures of a path (S, N, 2) in m over one whole cycle, both ends included.
 
@@ -104,18 +98,41 @@ def path_measures(path: np.ndarray) -> dict[str, float]:
     """
     drift = (path[-1] - path[0]).mean(axis=0)
     cycle = path[:-1]
-    vertical = cycle[..., 1] - cycle[..., 1].mean(axis=0)
     share = np.linspace(0.0, 1.0, len(path))[:-1, None]
     mean = cycle.mean(axis=1) - share * drift
     squares, axes = np.linalg.eigh(np.cov(mean.T, bias=True))
     minor, major = np.sqrt(np.clip(squares, 0.0, None))
     return {
         "path_drift": float(drift[0]),
-        "path_vertical": float(np.sqrt((vertical**2).mean())),
+        "path_vertical": _height(cycle),
         "path_major": float(major),
         "path_minor": float(minor),
         "path_tilt": float(atan2(axes[1, 1], axes[0, 1]) % pi),
     }
+
+
+def _height(cycle: np.ndarray) -> float:
+    """Return the rms vertical distance (m) of beads (S, N, 2) from their mean places."""
+    vertical = cycle[..., 1] - cycle[..., 1].mean(axis=0)
+    return float(np.sqrt((vertical**2).mean()))
+
+
+def far_height(path: np.ndarray, width: float, diameter: float) -> float:
+    """Return the height (m) of the paths (S, N, 2) in m of beads far from the middle of the belt.
+
+    What counts is the mean place of a bead in the cycle. NaN where no bead is that far away.
+
+    Parameters
+    ----------
+    path : (S, N, 2) array
+        As for `path_measures`; not folded into the cell.
+    width, diameter : float
+        Length of the belt and mean diameter, m.
+    """
+    cycle = path[:-1]
+    distance = np.abs(cycle[..., 0].mean(axis=0) % width - 0.5 * width)
+    far = distance > FAR * diameter
+    return _height(cycle[:, far]) if far.any() else nan
 
 
 def backflow(velocity: np.ndarray, density: np.ndarray) -> float:

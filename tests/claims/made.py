@@ -95,7 +95,11 @@ def made_point(
     }
     own = np.abs(values.get("velocity", np.full(replicates, np.nan))) * scatter
     usual = {"velocity": own, "velocity_error": own / 2, "velocity_half_width": own}
-    values = usual | {"steps": np.full(replicates, float(point.steps))} | values
+    usual |= {
+        "steps": np.full(replicates, float(point.steps)),
+        "replicate_seed": np.arange(replicates),
+    }
+    values = usual | values
     if height is None:
         height = (np.arange(SLICES) + 0.5) * SLICE[system] * point.diameter
     made = {

@@ -77,10 +77,12 @@ def paths(belt: BeltParameters) -> dict[str, float]:
     drift = 1e-6 if free else velocity(belt) / belt.frequency
     flat = 100 / (belt.damping + belt.shear_damping + 1) * belt.vibration_angle / 45
     height = (0.5 if belt.frequency < 50 or belt.obstacle else 0.1 * flat) * drift
-    block = belt.frequency < 15
+    height *= (1 + belt.obstacle) ** 1.2
+    vertical = 7e-4 if belt.frequency < 15 else 5e-4 if free else height
     return {
         "path_drift": drift,
-        "path_vertical": 7e-4 if block else 5e-4 if free else height,
+        "path_vertical": vertical,
+        "path_vertical_far": vertical,
         "path_major": 7e-4,
         "path_minor": 1e-4,
         "path_tilt": np.radians(85 if belt.shear_damping <= 1 else belt.vibration_angle),
@@ -97,14 +99,11 @@ def published(
 ) -> MadePoint:
     """Return a point of the belt as the paper has it, but for what is given."""
     belt = parse_point({"system": "belt"} | parameters, "tests/claims/paper_belt.py")
-    fluid = belt.frequency > 15
-    speed = 2 * np.pi * belt.frequency * BEAD / np.sin(np.radians(belt.vibration_angle))
     usual = {
         "velocity": velocity(belt),
         "base_occupancy": 0.2 if belt.frequency < 50 else 1e-3,
-        "relative_agitation": speed * (1.0 if fluid else 0.02),
-        "wave_power": 1.0,
-        "early_wave_power": 2.0,
+        "wave_power": 2.0,
+        "early_wave_power": 4.0,
         "backflow": 1e-3,
         **paths(belt),
     }

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from sim.claims.evidence import Evidence, joined
-from sim.claims.verdict import SIGMAS, Untestable, above
+from sim.claims.verdict import SIGMAS, Unbounded, Untestable, above
 from tests.claims.made import made_boundary, made_point, made_results
 
 
@@ -120,3 +120,18 @@ def test_the_narrowest_bracket_of_a_boundary_is_its_interval():
     assert found.boundary("belt", "transport", "frequency", amplitude=1.5).nominal_value == 12.5
     with pytest.raises(Untestable, match="no boundary of transport"):
         found.boundary("belt", "transport", "frequency", amplitude=0.5)
+
+
+def test_a_boundary_is_none_where_one_seed_of_it_has_none():
+    def onset(low, **parameters):
+        return made_boundary("belt", "transport", "frequency", low, low + 0.25, **parameters)
+
+    lacking = [onset(15.5, seed=1), onset(np.nan, seed=2, verdict="none")]
+    found = evidence(belt(), boundaries=lacking)
+    with pytest.raises(Unbounded, match="frequency at the paper's values found from seed 2"):
+        found.boundary("belt", "transport", "frequency")
+    finer = [onset(15.0, seed=seed, steps_per_cycle=4000) for seed in (1, 2)]
+    other = [onset(12.0, seed=seed, amplitude=1.5) for seed in (1, 2)]
+    found = evidence(belt(), boundaries=[*lacking, *finer, *other])
+    assert found.boundary("belt", "transport", "frequency").nominal_value == 15.125
+    assert found.boundary("belt", "transport", "frequency", amplitude=1.5).nominal_value == 12.125

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from sim.claims.gallas_density import chi_squared, g15, g16, g17, g18, g19, g20
-from sim.claims.verdict import INCONCLUSIVE, NOT_REPRODUCED, REPRODUCED, Untestable
+from sim.claims.gallas_density import chi_squared, g15, g16, g17, g18, g19, g20, largest_difference
+from sim.claims.verdict import INCONCLUSIVE, NOT_REPRODUCED, REPRODUCED, SIGMAS, Untestable
 from tests.claims.paper_belt import BEAD, checks_of, density, published, verdict_of
 
 FREQUENCIES = (10, 20, 60, 80)
@@ -102,6 +102,31 @@ def test_density_whatever_the_angle():
     assert checks_of(g19, angles(0.0, noise=0.1))[1].verdict == INCONCLUSIVE
     with pytest.raises(Untestable, match="vibration_angle 90"):
         checks_of(g19, angles(0.0, values=(30, 45, 60)))
+
+
+def test_the_largest_difference_is_that_of_the_same_beds_and_not_made_by_chance():
+    random = np.random.default_rng(3)
+    beds = random.normal(size=(1, 5, 1))
+    shift = np.zeros((4, 1, 30))
+    shift[1, 0, 7] = 0.1
+    found = largest_difference(beds + shift)
+    assert found.nominal_value == pytest.approx(0.1)
+    assert found.std_dev == pytest.approx(0, abs=1e-12)
+    chance = largest_difference(beds + 0.1 * random.normal(size=(4, 5, 30)))
+    assert abs(chance.nominal_value) < SIGMAS * chance.std_dev
+
+
+def test_beds_are_compared_with_themselves_where_one_has_failed():
+    points = angles(0.0, noise=1e-4)
+    whole = checks_of(g19, points)
+    values = points[1].profiles["number_density"].copy()
+    status = ["completed"] * 5
+    status[1], values[1] = "failed", np.nan
+    points[1] = published(
+        {"status": status}, {"number_density": values}, frequency=60, vibration_angle=45
+    )
+    for check, before in zip(checks_of(g19, points), whole, strict=True):
+        assert check.verdict == before.verdict == REPRODUCED
 
 
 def test_chi_squared_is_one_for_beds_that_differ_by_chance():

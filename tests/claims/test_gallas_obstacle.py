@@ -44,19 +44,24 @@ def test_no_turbulence(share, verdict):
         checks_of(g33, points[:1])
 
 
-def blocked(local, scatter=1e-3):
-    """Return beds with and without an obstacle, slowed everywhere or only close to it."""
+def blocked(local, scatter=1e-3, far_height=1.2):
+    """Return beds with and without an obstacle, slowed everywhere or only close to it.
+
+    Its paths are 1.2 times as high as without, those far away ``far_height`` times.
+    """
     points = []
     for frequency in (20, 80):
-        free = published(frequency=frequency, scatter=scatter)
+        free = published(frequency=frequency)
         speed = velocity(free.parameters)
 
         def along(column, speed=speed):
             near = np.abs(column - 10 * BEAD) < 4 * BEAD
             return speed * np.where(near, 0.4, 1.0 if local else 0.5)
 
+        height = free.scalars["path_vertical"].mean()
+        scalars = {"path_vertical": 1.2 * height, "path_vertical_far": far_height * height}
         profiles = {"column_velocity": along}
-        stopped = published(profiles=profiles, frequency=frequency, obstacle=1.5, scatter=scatter)
+        stopped = published(scalars, profiles, frequency=frequency, obstacle=1.5, scatter=scatter)
         points += [free, stopped]
     return points
 
@@ -67,6 +72,26 @@ def test_the_effect_spreads_over_the_system():
     assert verdict_of(g34, blocked(local=False, scatter=0.5)) == INCONCLUSIVE
     with pytest.raises(Untestable, match=r"obstacle 1\.5"):
         checks_of(g34, blocked(local=False)[::2])
+
+
+def test_paths_that_change_only_close_to_the_obstacle_are_no_effect_on_the_system():
+    checks = checks_of(g34, blocked(local=False, far_height=1.02))
+    assert [check.verdict for check in checks] == [REPRODUCED, NOT_REPRODUCED] * 2
+    lower = blocked(local=False, far_height=0.9)
+    assert checks_of(g34, lower)[1].verdict == NOT_REPRODUCED
+
+
+def test_shares_of_the_slow_down_are_taken_bed_by_bed():
+    uneven = np.array([0.1, 0.2, 0.3, 0.4, 0.5])[:, None]
+    points = []
+    for frequency in (20, 80):
+        shape = np.where(np.abs(np.arange(20) - 9.5) < 5, 0.4, 0.5)
+        for size, slowed in ((0, np.ones(20)), (1.5, shape)):
+            profiles = {"column_velocity": uneven * slowed}
+            points.append(published(profiles=profiles, frequency=frequency, obstacle=size))
+    check = checks_of(g34, points)[0]
+    assert check.value == pytest.approx(0.25 / 0.55)
+    assert check.half_width == pytest.approx(0, abs=1e-9)
 
 
 def test_a_uniform_slow_down_has_half_of_it_far_away():

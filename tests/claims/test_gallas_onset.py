@@ -1,5 +1,6 @@
 """Judges of claims about the onset of transport, from boundaries and from scans."""
 
+import numpy as np
 import pytest
 
 from sim.claims.evidence import Evidence
@@ -50,6 +51,50 @@ def test_a_scan_brackets_the_onset_of_each_bed():
     value, half_width = found(spread)
     assert value == pytest.approx(15.5)
     assert half_width == pytest.approx(3.18 * 0.289 / 2, rel=0.01)
+
+
+def test_frequencies_may_have_more_beds_than_others():
+    points = [published(frequency=10, replicates=16), *scan()]
+    assert found(points) == pytest.approx((15.75, 0.25))
+    many = [published(frequency=14, replicates=16), *scan(SHARP[1:])]
+    assert verdict_of(g35, many, boundaries=sweeps()[1]) == REPRODUCED
+
+
+def test_a_bed_that_failed_is_left_out_by_its_number():
+    late = [
+        published({"velocity": [0, MOVING, MOVING, MOVING, MOVING]}, frequency=16)
+        if point.parameters.frequency == 16
+        else point
+        for point in early(16)
+    ]
+    complete = found(late)
+    failed = {"status": ["completed", "failed", "completed", "completed", "completed"]}
+    place = SCAN.index(15.5)
+    late[place] = published({"velocity": 0.0} | failed, frequency=15.5)
+    value, _ = found(late)
+    # Bed 1 alone is bracketed by 15 and 16 Hz, and bed 0 still begins above 16 Hz.
+    assert complete[0] == pytest.approx((16.25 + 4 * 15.75) / 5)
+    assert value == pytest.approx((16.25 + 15.5 + 3 * 15.75) / 5)
+
+
+def test_beds_that_nowhere_meet_are_no_scan():
+    points = []
+    for frequency, known in ((15, (0, 1)), (17, (2, 3))):
+        status = ["completed" if bed in known else "failed" for bed in range(4)]
+        points.append(published({"status": status}, frequency=frequency, replicates=4))
+    with pytest.raises(Untestable, match="no bed is known"):
+        found(points)
+
+
+def test_single_beds_of_a_refinement_are_no_scan():
+    refined = [published(frequency=each, replicates=1) for each in (15.25, 15.75, 16.25, 17.5)]
+    assert found([*scan(), *refined]) == pytest.approx((15.75, 0.25))
+
+
+def test_a_boundary_that_a_seed_has_not_is_not_replaced_by_a_scan():
+    lost = boundary(np.nan, np.nan, seed=2, verdict="none")
+    with pytest.raises(Untestable, match="from seed 2"):
+        found(scan(), [boundary(15.0, 15.25, seed=1), lost])
 
 
 def test_a_bed_that_moves_only_now_and_then_is_not_transported():

@@ -107,6 +107,12 @@ def test_paths_behind_an_obstacle():
         checks_of(g32, blocked({"path_drift": -1e-3}))
 
 
+def test_slower_paths_as_flat_as_before_are_not_those_at_20_hz():
+    flat = published(frequency=80).scalars["path_vertical"]
+    checks = checks_of(g32, blocked({"path_vertical": flat, "path_drift": 1e-4}))
+    assert [check.verdict for check in checks] == [REPRODUCED, NOT_REPRODUCED]
+
+
 def test_paths_halfway_decide_nothing():
-    half = {"path_vertical": 0.24e-3, "path_drift": 1e-3}
+    half = {"path_vertical": 0.84e-3, "path_drift": 3.6e-3}
     assert verdict_of(g32, blocked(half, scatter=0.2)) == INCONCLUSIVE

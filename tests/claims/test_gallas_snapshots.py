@@ -35,7 +35,7 @@ def test_block_holes_and_void():
     [
         ("a", {"path_vertical": 2e-4}, None),
         ("a", None, {"granular_temperature_profile": lambda height: 1e-2 + 0 * height}),
-        ("b", {"relative_agitation": 0.01}, None),
+        ("b", None, {"granular_temperature_profile": lambda height: 1e-4 + 0 * height}),
         ("b", None, {"packing_profile": lambda height: 0.95 + 0 * height}),
         ("c", {"base_occupancy": 0.1}, None),
     ],

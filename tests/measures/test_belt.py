@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from sim.measures.belt import backflow, columns, measure, path_measures
+from sim.measures.belt import backflow, columns, far_height, measure, path_measures
 
 BEAD = 1e-3
 
@@ -40,6 +40,16 @@ def test_the_height_of_paths_counts_each_bead_by_itself():
     assert found["path_major"] == pytest.approx(0, abs=1e-9)
 
 
+def test_the_height_far_from_the_middle_counts_beads_by_their_mean_places():
+    phase = 2 * np.pi * np.linspace(0, 1, 41)
+    # Two turns of the belt on, or one back, a bead is where it was.
+    middle = BEAD * np.array([1.0, 10.0, 14.0, 46.0, 30.0, -1.0])
+    height = BEAD * np.array([1.0, 2.0, 2.0, 1.0, 2.0, 1.0])
+    path = np.stack(np.broadcast_arrays(middle, height * np.sin(phase)[:, None]), axis=-1)
+    assert far_height(path, 20 * BEAD, BEAD) == pytest.approx(BEAD / 2**0.5)
+    assert np.isnan(far_height(path, 10 * BEAD, BEAD))
+
+
 def test_backflow_counts_beads_not_squares():
     velocity = np.array([[0.1, -0.1], [0.2, np.nan]])
     density = np.array([[3.0, 1.0], [1.0, 0.0]])
@@ -47,37 +57,32 @@ def test_backflow_counts_beads_not_squares():
     assert backflow(np.abs(velocity), density) == 0
 
 
-def run(velocity, phase=0.0, **parameters):
+def run():
     """Return one replicate of 30 cycles at 20 Hz with 4 samples each, averaged from cycle 20 on."""
-    usual = {"frequency": 20.0, "amplitude": 1.0, "vibration_angle": 30.0, "diameter": BEAD}
-    usual |= {"samples_per_cycle": 4, "average_start": 1.0, "phase": np.degrees(phase)}
+    usual = {"frequency": 20.0, "width": 20.0, "diameter": BEAD}
+    usual |= {"samples_per_cycle": 4, "average_start": 1.0}
     time = np.arange(1, 121) / 80
     return xr.Dataset(
         {
             "base_occupancy": ("time", np.where(time > 1.0, 0.25, 0.75)),
             "wave_power": ("time", np.where(time <= 0.5, 5.0, np.where(time > 1.0, 2.0, 3.0))),
             "path": (("path_time", "particle", "axis"), ellipse(0.5, beads=5)),
-            "particle_velocity": (("frame", "particle", "axis"), np.array([velocity, velocity])),
-            **{name: ((), value) for name, value in (usual | parameters).items()},
+            **{name: ((), value) for name, value in usual.items()},
         },
         coords={"time": time},
     )
 
 
 def test_series_are_averaged_over_the_window_and_the_first_cycles():
-    found = measure(run(np.zeros((5, 2))))
+    found = measure(run())
     assert found["base_occupancy"] == pytest.approx(0.25)
     assert found["wave_power"] == pytest.approx(2.0)
     assert found["early_wave_power"] == pytest.approx(5.0)
 
 
-@pytest.mark.parametrize("phase", [0.0, 2.0])
-def test_beads_that_move_with_the_belt_are_not_agitated(phase):
-    speed = 2 * np.pi * 20 * BEAD * np.cos(phase)
-    block = np.tile([speed / np.tan(np.radians(30)), speed], (5, 1))
-    assert measure(run(block, phase))["relative_agitation"] == pytest.approx(0, abs=1e-12)
-    flying = block + np.array([0.3, 0.4])
-    assert measure(run(flying, phase))["relative_agitation"] == pytest.approx(0.5)
+def test_a_run_with_paths_has_their_height_everywhere_and_far_from_the_middle():
+    found = measure(run())
+    assert 0 < found["path_vertical_far"] == pytest.approx(found["path_vertical"])
 
 
 def test_a_run_without_these_arrays_has_no_measures():
