@@ -26,8 +26,7 @@ def name(folder: Path) -> str:
     return folder.name
 
 
-def test_both_papers_are_published_and_small():
-    assert [study.name for study in STUDIES] == ["paper_gallas", "paper_walton"]
+def test_what_is_published_is_small():
     assert sum(map(size, STUDIES)) <= LARGEST
 
 
