@@ -66,7 +66,7 @@ def g8(evidence: Evidence) -> list[Check]:
         for frequency, place in replicated(line).items():
             if frequency >= 25 and frequency in usual:
                 ratio = place.velocity / usual[frequency].velocity
-                what = f"reported: V at (γ, γ_s) = ({damping}g, {shear}g) over (50g, 50g)"
+                what = f"V at (γ, γ_s) = ({damping}g, {shear}g) over (50g, 50g)"
                 places = place, usual[frequency]
                 checks.append(within(f"{what}, {frequency:g} Hz", ratio, -inf, inf, places))
     return checks

@@ -3,7 +3,7 @@
 import pytest
 
 from sim.claims.gallas_flux import g1, g2, g8, g13, g14
-from sim.claims.verdict import INCONCLUSIVE, NOT_REPRODUCED, REPRODUCED, Untestable
+from sim.claims.verdict import INCONCLUSIVE, NOT_REPRODUCED, REPORTED, REPRODUCED, Untestable
 from tests.claims.paper_belt import checks_of, published, verdict_of
 
 FREQUENCIES = (10, 15, 16, 18, 20, 25, 30, 40, 50, 60, 80, 100)
@@ -75,8 +75,7 @@ def test_large_amplitudes_are_faster_and_other_damping_is_reported():
     points = rows("amplitude", (0.5, 1, 1.5), (25, 50))
     marker = published(frequency=50, damping=10, shear_damping=10)
     checks = checks_of(g8, [*points, marker])
-    assert [check.verdict for check in checks] == [REPRODUCED] * 5
-    assert "reported" in checks[-1].what
+    assert [check.verdict for check in checks] == [REPRODUCED] * 4 + [REPORTED]
     equal = replaced(points, {"velocity": 0.1}, frequency=50, amplitude=1.5)
     assert verdict_of(g8, equal) == NOT_REPRODUCED
     with pytest.raises(Untestable, match="amplitudes"):
