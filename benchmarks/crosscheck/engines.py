@@ -59,7 +59,7 @@ def _ours(p: ChuteParameters, replicate: int, lengths: list[int]) -> Iterator[St
         for s in range(samples):
             sample = system.advance()
             velocity[s], contacts[s] = sample["mean_velocity"], sample["contact_number"]
-            (present,) = system.sample_profiles()
+            present, _ = system.sample_profiles()
             profile = present if profile is None else profile.plus(present)
         yield Stretch(velocity, contacts, profile)
 
