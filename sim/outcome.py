@@ -86,6 +86,11 @@ def velocity_interval(velocities: np.ndarray, half_widths: np.ndarray) -> tuple[
 
 
 def student_half_width(values: np.ndarray) -> np.ndarray:
-    """Return the half width of Student's 95 % interval of the mean, along the first axis (≥ 2)."""
+    """Return the half width of Student's 95 % interval of the mean, along the first axis.
+
+    Not-a-number for fewer than two values.
+    """
+    if len(values) < 2:
+        return np.full(values.shape[1:], np.nan)
     quantile = stdtrit(len(values) - 1, (1 + CONFIDENCE) / 2)
     return quantile * values.std(axis=0, ddof=1) / np.sqrt(len(values))

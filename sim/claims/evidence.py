@@ -37,8 +37,7 @@ def joined(values: np.ndarray) -> UFloat:
     values = np.asarray(values, float)
     if values.size == 0:
         return measured(nan, inf)
-    half_width = student_half_width(values) if values.size > 1 else inf
-    return measured(float(values.mean()), half_width)
+    return measured(float(values.mean()), float(student_half_width(values)))
 
 
 class Place:

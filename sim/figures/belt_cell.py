@@ -36,7 +36,7 @@ NAMED = (
 _SCALES = {1: 0.25, 2: 0.19}
 _LABELS, _ABOVE, _NARROWEST = 0.75, 1.0, 4.6
 
-_OBSTACLE = "#e69f00"
+OBSTACLE = "#e69f00"
 
 #: Tallest cell that is shown (⟨d⟩).
 TALLEST = 30.0
@@ -124,9 +124,9 @@ def draw_surroundings(axes: Axes, point: Shown) -> None:
     row = point.row
     if row["obstacle"] > 0:
         place = row["width"] / 2, row["amplitude"]
-        look = {"facecolor": _OBSTACLE, "edgecolor": "black", "linewidth": 0.8, "zorder": 3}
+        look = {"facecolor": OBSTACLE, "edgecolor": "black", "linewidth": 0.8, "zorder": 3}
         axes.add_patch(Circle(place, row["obstacle"] / 2, **look))
-        axes.plot([], [], "o", color=_OBSTACLE, markeredgecolor="black", label="obstacle")
+        axes.plot([], [], "o", color=OBSTACLE, markeredgecolor="black", label="obstacle")
     axes.axhline(0, color="black", linewidth=1.3, label="average position of the belt")
 
 

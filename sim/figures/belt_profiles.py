@@ -167,7 +167,7 @@ def profiles(data: FigureData, quantity: Quantity) -> pd.DataFrame:
         dense = np.flatnonzero(density.mean(axis=0) * row["diameter"] ** 2 >= THIN)
         end = dense.max(initial=-1) + 1
         values = values[:, :end] * row["diameter"] ** quantity.power
-        half_width = student_half_width(values) if len(values) > 1 else np.nan
+        half_width = student_half_width(values)
         parts.append(
             pd.DataFrame(
                 {

@@ -120,8 +120,7 @@ def profile(data: FigureData, row: Mapping[str, Any]) -> pd.DataFrame:
         values, height = data.results.profile(row["point"], f"{name}_profile")
         columns["z"] = height / row["diameter"]
         columns[name] = values.mean(axis=0)
-        several = len(values) > 1
-        columns[f"{name}_half_width"] = student_half_width(values) if several else np.nan
+        columns[f"{name}_half_width"] = student_half_width(values)
         latest, _ = data.results.profile(row["point"], f"{name}_profile_instantaneous")
         columns[f"{name}_instantaneous"] = latest[0]
     filled = np.cumsum(columns["packing"]) / columns["packing"].sum()

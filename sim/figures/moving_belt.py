@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 
 from sim.figures.animation import Animation, select, still
+from sim.figures.belt_cell import OBSTACLE
 from sim.figures.caption import velocity_text
 from sim.figures.configuration import COLOURS, DARK
 from sim.figures.spheres import Frame, picture, view_from
@@ -145,7 +146,7 @@ def _draw_surroundings(axes: Axes, belt: Belt) -> None:
         axes.axhline(level, color="#888888", linestyle=SHORT_DASH, linewidth=0.8, zorder=1)
     if belt.row["obstacle"]:
         centre, radius = (belt.width / 2, belt.amplitude), belt.row["obstacle"] / 2
-        axes.add_patch(Circle(centre, radius, facecolor="#e69f00", edgecolor=DARK, zorder=3))
+        axes.add_patch(Circle(centre, radius, facecolor=OBSTACLE, edgecolor=DARK, zorder=3))
     axes.set_xlim(belt.frame.left, belt.frame.right)
     axes.set_ylim(belt.frame.bottom, belt.frame.top)
     axes.grid(visible=False)

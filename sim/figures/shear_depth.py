@@ -65,7 +65,7 @@ def measured(data: FigureData) -> pd.DataFrame:
     known = [each[np.isfinite(each)] for each in values]
     return data.rows.assign(
         height=[each.mean() if each.size else np.nan for each in known],
-        height_half_width=[student_half_width(each) if each.size > 1 else np.nan for each in known],
+        height_half_width=[float(student_half_width(each)) for each in known],
     )
 
 

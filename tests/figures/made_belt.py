@@ -120,8 +120,8 @@ def made_particles(parameters: BeltParameters) -> dict[str, tuple]:
         return np.stack([values] * parameters.replicates)
 
     return {
-        "path": (("replicate", "step", "particle", "axis"), alike(path)),
-        "path_time": ("step", phase / parameters.frequency, {"units": "s"}),
+        "path": (("replicate", "path_time", "particle", "axis"), alike(path)),
+        "path_time": ("path_time", phase / parameters.frequency, {"units": "s"}),
         "position": (("replicate", "frame", "particle", "axis"), alike(frames)),
         "particle_velocity": (
             ("replicate", "frame", "particle", "axis"),

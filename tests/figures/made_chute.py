@@ -104,8 +104,8 @@ def made_particles(parameters: Parameters) -> dict[str, tuple]:
         return np.stack([values] * parameters.replicates)
 
     return {
-        "path": (("replicate", "step", "particle", "axis"), alike(path)),
-        "path_time": ("step", time, {"units": "s"}),
+        "path": (("replicate", "path_time", "particle", "axis"), alike(path)),
+        "path_time": ("path_time", time, {"units": "s"}),
         "position": (("replicate", "frame", "particle", "axis"), alike(path[[0, -1]])),
         "particle_velocity": (("replicate", "frame", "particle", "axis"), alike(velocity)),
         "radius": (("replicate", "particle"), np.full((parameters.replicates, count), size / 2)),
