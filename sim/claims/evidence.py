@@ -80,10 +80,9 @@ class Place:
     def samples(self) -> float:
         """Independent samples behind the mean velocity, of all completed replicates together.
 
-        Endless for flows that do not fluctuate about a mean (arrested, accelerating): their verdict
-        rests on the interval alone.
+        Endless for flows at rest: they do not fluctuate, their verdict rests on the interval alone.
         """
-        if self.regime in ("arrested", "accelerating"):
+        if self.regime == "arrested":
             return inf if self.completed else 0.0
         return float(np.nansum(self._completed["independent_samples"].values))
 
@@ -98,17 +97,20 @@ class Place:
             raise Untestable(f"{self.id} has no {name}")
         return self._completed[name].values
 
-    def value(self, name: str, error: str = "") -> UFloat:
+    def value(self, name: str, error: str = "", half_width: str = "") -> UFloat:
         """Return a scalar with its interval over replicates.
 
-        ``error`` names the scalar with its standard error within a replicate; it counts where there
-        are fewer than three replicates, and is the least otherwise.
+        ``error`` names the scalar with its standard error within a replicate, ``half_width`` that
+        with half its 95 % interval there; it counts where there are fewer than three replicates,
+        and is the least otherwise.
         """
         values = self.values(name)
         over = joined(values)
-        if not error:
+        if not (error or half_width):
             return over
-        own = float(np.sqrt((self.values(error) ** 2).sum())) / max(1, values.size)
+        own = float(np.sqrt((self.values(error or half_width) ** 2).sum())) / max(1, values.size)
+        if half_width:
+            own /= SIGMAS
         if values.size < REPLICATES_FOR_STUDENT:
             return ufloat(over.nominal_value, own)
         return ufloat(over.nominal_value, max(own, over.std_dev))
@@ -173,11 +175,14 @@ class Evidence:
             for value, rows in found.groupby(along, sort=True)
         }
 
-    def boundary(self, system: str, of: str, along: str, **where: Any) -> UFloat:
+    def boundary(
+        self, system: str, of: str, along: str, *, seeds: bool = False, **where: Any
+    ) -> UFloat:
         """Return a boundary found by refinement; its interval is the bracket.
 
-        Boundaries that differ in nothing but the seed are joined, see `sim.claims.starts`. Raises
-        `Untestable` when the study looks for no such boundary or none was found.
+        Boundaries that differ in nothing but the seed are joined, see `sim.claims.starts`. With
+        ``seeds`` the interval is endless where none of the kind was looked for from two seeds.
+        Raises `Untestable` when the study looks for no such boundary or none was found.
         """
         rows = self._results.boundaries
         if len(rows):
@@ -188,7 +193,8 @@ class Evidence:
         if chosen.empty:
             raise Untestable(f"no boundary of {of} along {along} at {_text(where)}")
         settings = [name for name in SYSTEMS[system].model_fields if name not in ("seed", along)]
-        return measured(*over_seeds(rows, chosen, settings))
+        value, half_width, freedom = over_seeds(rows, chosen, settings)
+        return measured(value, inf if seeds and not freedom else half_width)
 
     @cached_property
     def _table(self) -> pd.DataFrame:
