@@ -77,6 +77,21 @@ def test_intervals_are_students_and_never_below_the_own_error():
     assert joined(np.array([1.0])).std_dev == np.inf
 
 
+def test_what_single_runs_know_of_themselves_are_errors_or_half_widths():
+    own = {"base_shear": 1.0, "base_shear_error": 0.1, "acceleration": 1.0}
+    made = made_point("chute", own | {"acceleration_half_width": 0.3}, replicates=1)
+    place = evidence(made).at("chute")
+    assert place.value("base_shear", "base_shear_error").std_dev == pytest.approx(0.1)
+    found = place.value("acceleration", half_width="acceleration_half_width")
+    assert SIGMAS * found.std_dev == pytest.approx(0.3)
+
+
+@pytest.mark.parametrize(("regime", "samples"), [("arrested", np.inf), ("accelerating", 15)])
+def test_flows_at_rest_alone_need_no_samples(regime, samples):
+    said = {"velocity": 1.0, "regime": regime, "independent_samples": [3.0] * 5}
+    assert evidence(made_point("chute", said)).at("chute").samples == samples
+
+
 def test_samples_are_those_of_all_replicates_and_those_of_the_poorest_place_count():
     rich = made_point("belt", {"velocity": 0.2, "independent_samples": 10.0}, frequency=30)
     poor = made_point("belt", {"velocity": 0.1, "independent_samples": 1.0}, frequency=20)
@@ -109,3 +124,16 @@ def test_the_narrowest_bracket_of_a_boundary_is_its_interval():
     assert found.boundary("belt", "transport", "frequency", amplitude=1.5).nominal_value == 12.5
     with pytest.raises(Untestable, match="no boundary of transport"):
         found.boundary("belt", "transport", "frequency", amplitude=0.5)
+
+
+def test_a_boundary_may_be_required_to_know_how_much_seeds_differ():
+    def half_width(*depths_and_seeds) -> float:
+        brackets = [
+            made_boundary("chute", "flow", "angle", 13, 13.25, depth=n, seed=seed)
+            for n, seed in depths_and_seeds
+        ]
+        found = evidence(made_point("chute"), boundaries=brackets)
+        return SIGMAS * found.boundary("chute", "flow", "angle", seeds=True, depth=5).std_dev
+
+    assert half_width((5, 1), (10, 1)) == np.inf
+    assert half_width((5, 1), (10, 1), (10, 2)) == pytest.approx(0.125)
