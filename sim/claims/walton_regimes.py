@@ -70,6 +70,7 @@ def w7(evidence: Evidence) -> list[Check]:
         within("dV/dt over (5/7) g sin θ, n = 0.5", rolling, 0.9, 1.1, [place]),
         above("V at which it still does so, n = 0.5", reached, 50, [place], "√(gσ)"),
     ]
+    # The velocity is that of the window, whose trend is what counts.
     return [of_trend(check, place) for check in checks]
 
 

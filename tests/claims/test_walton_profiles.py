@@ -209,7 +209,10 @@ def test_slowest_flow_of_uncertain_shape_decides_nothing():
 @pytest.mark.parametrize("judge", [w10, w12, w13, w18])
 def test_a_flow_that_drifts_decides_nothing_on_profiles(judge):
     drift = {"regime": "undetermined", "acceleration": 0.1 * SLOPE}
-    flows = [shaped(n, replicates=8, scalars=drift) for n in (1, 1.24, 2, 3.5, 5, 10)]
+    flows = [
+        shaped(n, packing=filled_to(n + 3), replicates=8, scalars=drift)
+        for n in (1, 1.24, 2, 3.5, 5, 10)
+    ]
     assert {check.verdict for check in checks_on(judge, flows)} == {INCONCLUSIVE}
 
 
