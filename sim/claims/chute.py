@@ -1,13 +1,14 @@
 """What judges of chute flows share: units, the flows of the base case, which of them are steady."""
 
-from collections.abc import Mapping
-from math import hypot, radians, sin
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
+from math import hypot, inf, radians, sin
 
 import numpy as np
 from uncertainties import UFloat
 
 from sim.claims.evidence import Evidence, Place, measured
-from sim.claims.verdict import SIGMAS, Untestable
+from sim.claims.verdict import SIGMAS, Check, Untestable
 
 #: Largest change of the velocity over the window, relative to it, of a flow that has settled.
 DRIFT = 0.1
@@ -28,7 +29,7 @@ def driving(place: Place) -> float:
 
 def acceleration(place: Place) -> UFloat:
     """Return dV/dt over g sin θ."""
-    return place.value("acceleration", "acceleration_error") / driving(place)
+    return place.value("acceleration", half_width="acceleration_half_width") / driving(place)
 
 
 def base(evidence: Evidence, least: float = 0.0) -> dict[float, Place]:
@@ -46,12 +47,12 @@ def steady(evidence: Evidence) -> dict[float, Place]:
 
 
 def speed(place: Place) -> UFloat:
-    """Return the mean velocity (m/s); of a flow that drifts, its change over the window is added.
+    """Return the mean velocity (m/s), of flows that are not steady ± its change over the window.
 
-    So a velocity of a flow that runs away counts with all that it may have been at other times.
+    All replicates share that change, so it does not average out over them.
     """
     velocity = place.velocity
-    if place.regime in ("steady", "undetermined"):
+    if place.regime == "steady":
         return velocity
     half_width = hypot(SIGMAS * velocity.std_dev, _change(place))
     return measured(velocity.nominal_value, half_width)
@@ -63,8 +64,26 @@ def is_flowing(place: Place) -> bool:
 
 
 def is_settled(place: Place) -> bool:
-    """Return whether a flow moves and its velocity changes by less than 10 % over the window."""
-    return is_flowing(place) and _change(place) < DRIFT * abs(place.velocity.nominal_value)
+    """Return whether a flow moves, does not accelerate, and changes V by < 10 % over the window."""
+    if not is_flowing(place) or place.regime == "accelerating":
+        return False
+    return _change(place) < DRIFT * abs(place.velocity.nominal_value)
+
+
+def of_settled(checks: Iterable[Check], places: Iterable[Place]) -> list[Check]:
+    """Return checks on means over the window; those on a flow that has not settled decide nothing.
+
+    ``places`` are all that the checks are on.
+    """
+    unsettled = {place.id for place in places if not is_settled(place)}
+    return [
+        replace(check, samples=0.0) if unsettled & set(check.points) else check for check in checks
+    ]
+
+
+def of_trend(check: Check, place: Place) -> Check:
+    """Return a check on dV/dt of a flow: one that accelerates evidently needs no more samples."""
+    return replace(check, samples=inf) if place.regime == "accelerating" else check
 
 
 def _change(place: Place) -> float:
@@ -75,8 +94,4 @@ def _change(place: Place) -> float:
 
 def repeated(line: Mapping[float, Place], replicates: int = 2) -> dict[float, Place]:
     """Return the flows of a line with at least so many completed replicates."""
-    return {
-        value: place
-        for value, place in line.items()
-        if place.completed >= replicates and is_flowing(place)
-    }
+    return {value: place for value, place in line.items() if place.completed >= replicates}

@@ -76,10 +76,9 @@ class Place:
     def samples(self) -> float:
         """Independent samples behind the mean velocity, of all completed replicates together.
 
-        Endless for flows that do not fluctuate about a mean (arrested, accelerating): their verdict
-        rests on the interval alone.
+        Endless for flows at rest: they do not fluctuate, their verdict rests on the interval alone.
         """
-        if self.regime in ("arrested", "accelerating"):
+        if self.regime == "arrested":
             return inf if self.completed else 0.0
         return float(np.nansum(self._completed["independent_samples"].values))
 
@@ -170,12 +169,16 @@ class Evidence:
             for value, rows in found.groupby(along, sort=True)
         }
 
-    def boundary(self, system: str, of: str, along: str, **where: Any) -> UFloat:
+    def boundary(
+        self, system: str, of: str, along: str, *, seeds: bool = False, **where: Any
+    ) -> UFloat:
         """Return a boundary found by refinement; its interval is the bracket.
 
-        Boundaries that differ in nothing but the seed are joined, see `sim.claims.starts`. Raises
-        `Untestable` when the study looks for no such boundary, and `Unbounded` when it does but one
-        seed at least has none: without those beyond the range the others would agree too well.
+        Boundaries that differ in nothing but the seed are joined, see `sim.claims.starts`. With
+        ``seeds`` the interval is endless where none of the kind was looked for from two seeds.
+        Raises `Untestable` when the study looks for no such boundary, and `Unbounded` when it does
+        but one seed at least has none: without those beyond the range the others would agree too
+        well.
         """
         rows = self._results.boundaries
         if len(rows):
@@ -189,11 +192,12 @@ class Evidence:
         complete = found.groupby([rows[name] for name in settings], dropna=False).transform("all")
         bounded = chosen[complete[chosen.index]]
         if bounded.empty:
-            lacking = chosen.loc[~found[chosen.index], "seed"]
-            seeds = ", ".join(f"{seed:g}" for seed in sorted(set(lacking)))
+            lacking = sorted(set(chosen.loc[~found[chosen.index], "seed"]))
+            listed = ", ".join(f"{seed:g}" for seed in lacking)
             what = f"boundary of {of} along {along} at {_text(where)}"
-            raise Unbounded(f"no {what} found from seed {seeds}")
-        return measured(*over_seeds(rows[found], bounded, settings))
+            raise Unbounded(f"no {what} found from seed {listed}")
+        value, half_width, freedom = over_seeds(rows[found], bounded, settings)
+        return measured(value, inf if seeds and not freedom else half_width)
 
     @cached_property
     def _table(self) -> pd.DataFrame:

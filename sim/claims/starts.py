@@ -11,8 +11,10 @@ from sim.outcome import CONFIDENCE
 
 def over_seeds(
     rows: pd.DataFrame, chosen: pd.DataFrame, settings: Sequence[str]
-) -> tuple[float, float]:
+) -> tuple[float, float, int]:
     """Return value and half width of the 95 % interval of the boundary with the least bracket.
+
+    Then how many boundaries of the kind repeat one with another seed.
 
     How much one start differs from another is pooled over all boundaries of a kind that were looked
     for from several seeds, and goes into the interval of those with a single one too. Without any,
@@ -38,4 +40,4 @@ def over_seeds(
         variance = ((middle - groups.transform("mean")) ** 2).sum() / freedom
         quantile = stdtrit(freedom, (1 + CONFIDENCE) / 2)
         half_width = max(half_width, float(quantile * np.sqrt(variance / len(starts))))
-    return float(middle[starts].mean()), half_width
+    return float(middle[starts].mean()), half_width, freedom

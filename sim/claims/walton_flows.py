@@ -1,13 +1,13 @@
 """Judges of Walton's claims about flows as a whole: velocity and depth, energy, forces."""
 
 from dataclasses import replace
-from math import inf, radians, tan
+from math import inf, nan, radians, tan
 
 import numpy as np
 from scipy.special import stdtrit
 from scipy.stats import rankdata
 
-from sim.claims.chute import base, driving, is_flowing, speed, steady
+from sim.claims.chute import base, driving, is_settled, repeated, speed, steady
 from sim.claims.evidence import Evidence, joined
 from sim.claims.trends import pooled
 from sim.claims.verdict import Check, Untestable, above, below, within
@@ -27,19 +27,27 @@ RATIO, NORMAL, POWER = 0.005, 0.002, 0.02
 
 
 def w5(evidence: Evidence) -> list[Check]:
-    """The worst energy ledger of all replicates of all flows along any parameter of the paper."""
+    """The worst energy ledger of all replicates of all flows along any parameter of the paper.
+
+    Points where a replicate has none leave the claim open.
+    """
     lines = [base(evidence)]
     for along in ("friction", "restitution", "stiffness"):
         lines += [evidence.line("chute", along, depth=depth) for depth in lines[0]]
     places = {place.id: place for line in lines for place in line.values()}
     lacking = {key: np.abs(place.values("energy_residual")) for key, place in places.items()}
-    lacking = {key: values.max() for key, values in lacking.items() if np.isfinite(values).all()}
-    if not lacking:
+    known = {key: np.nanmax(values) for key, values in lacking.items() if np.isfinite(values).any()}
+    if not known:
         raise Untestable(f"no {evidence.protocol} flow with a ledger")
-    worst = max(lacking, key=lacking.get)
-    what = f"largest share of the energy that a ledger lacks, {len(lacking)} points"
+    worst = max(known, key=known.get)
+    what = f"largest share of the energy that a ledger lacks, {len(known)} points"
+    checks = [below(what, known[worst], LEDGER, [places[worst]])]
+    unknown = [places[key] for key, values in lacking.items() if not np.isfinite(values).all()]
+    if unknown:
+        what = f"share of the energy where a replicate has no ledger, {len(unknown)} points"
+        checks.append(below(what, nan, LEDGER, unknown))
     # A ledger is exact bookkeeping: it needs no independent samples.
-    return [replace(below(what, lacking[worst], LEDGER, [places[worst]]), samples=inf)]
+    return [replace(check, samples=inf) for check in checks]
 
 
 def w9(evidence: Evidence) -> list[Check]:
@@ -47,9 +55,9 @@ def w9(evidence: Evidence) -> list[Check]:
 
     The threshold is the correlation that two-sided chance exceeds in one of twenty cases.
     """
-    flows = {n: place for n, place in base(evidence, 1.24).items() if is_flowing(place)}
+    flows = {n: place for n, place in base(evidence, 1.24).items() if is_settled(place)}
     if len(flows) < 6 or max(flows) < 40:
-        raise Untestable("fewer than six depths from 1.24 to 40")
+        raise Untestable("fewer than six settled flows of depths from 1.24 to 40")
     speeds = [speed(place) for place in flows.values()]
     means, errors = zip(*((each.nominal_value, each.std_dev) for each in speeds), strict=True)
     drawn = np.random.default_rng(1).normal(means, errors, (DRAWS, len(speeds)))
@@ -75,8 +83,11 @@ def _chance(number: int) -> float:
 
 def w24(evidence: Evidence) -> list[Check]:
     """Power lost by friction and by normal forces over that of the weight, and both shares."""
+    flows = repeated(steady(evidence))
+    if not flows:
+        raise Untestable(f"no steady {evidence.protocol} flow of the base case with replicates")
     checks = []
-    for n, place in steady(evidence).items():
+    for n, place in flows.items():
         rubbed, struck = place.values("frictional_power"), place.values("normal_power")
         weight = place["particles"] * place["mass"] * driving(place)
         total = joined((rubbed + struck) / (weight * place.values("velocity")))

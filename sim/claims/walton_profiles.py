@@ -6,7 +6,7 @@ from itertools import pairwise
 import numpy as np
 from uncertainties import UFloat
 
-from sim.claims.chute import base, repeated
+from sim.claims.chute import base, of_settled, repeated
 from sim.claims.evidence import Evidence, Place, joined
 from sim.claims.trends import least
 from sim.claims.verdict import Check, Untestable, above, below
@@ -24,7 +24,7 @@ SHALLOW, SHALLOWEST, MIDDLE, DEEP, DEEPEST = 5, 2.5, (3.5, 5, 10), (10, 20, 40),
 #: Least share of the depth that a plug takes.
 PLUG = 0.3
 
-#: Least packing of the plug, its largest relative scatter, least difference from the shear layer.
+#: Least packing of the plug, its largest relative spread, least difference from the shear layer.
 DENSE, UNIFORM, LOOSER = 0.60, 0.05, 0.05
 
 #: Least share of the largest du/dz that a flow which shears throughout has everywhere.
@@ -33,67 +33,72 @@ THROUGHOUT = 0.2
 
 def w10(evidence: Evidence) -> list[Check]:
     """Steps of the velocity from each slice with 1 % of the mass to the next; all bins at once."""
-    return [
+    flows = _thin(evidence, SHALLOW)
+    checks = (
         above(
             f"least du/dz, n = {n:g}", least(_steps(place, "velocity_profile")), 0, [place], "1/s"
         )
-        for n, place in _thin(evidence, SHALLOW).items()
-    ]
+        for n, place in flows.items()
+    )
+    return of_settled(checks, flows.values())
 
 
 def w11(evidence: Evidence) -> list[Check]:
-    """Share of the depth above the height where mean du/dz falls below 5 % of that below it."""
-    names = ("velocity_profile", "packing_profile")
-    return [
+    """Share of the depth above the height where du/dz falls below 5 % of that below it."""
+    names, flows = ("velocity_profile", "packing_profile"), _deep(evidence, DEEP)
+    checks = (
         above(
             f"plug over depth, n = {n:g}", place.measure(_plug_share(place), *names), PLUG, [place]
         )
-        for n, place in _deep(evidence, DEEP).items()
-    ]
+        for n, place in flows.items()
+    )
+    return of_settled(checks, flows.values())
 
 
 def w12(evidence: Evidence) -> list[Check]:
     """Steps of the packing from the slice over the first centres upwards; all bins at once."""
-    return [
+    flows = _thin(evidence, SHALLOWEST)
+    checks = (
         below(
             f"largest rise of the packing with height, n = {n:g}",
             -least(-_steps(place, "packing_profile", 0.5 * place["diameter"], 1.0)),
             0,
             [place],
         )
-        for n, place in _thin(evidence, SHALLOWEST).items()
-    ]
+        for n, place in flows.items()
+    )
+    return of_settled(checks, flows.values())
 
 
 def w13(evidence: Evidence) -> list[Check]:
     """Packing by layers of a diameter: the densest inner one against the lowest and the highest."""
-    flows = base(evidence)
+    flows = {n: place for n, place in repeated(base(evidence)).items() if n in MIDDLE}
+    if len(flows) < len(MIDDLE):
+        raise Untestable("no flows at n = 3.5, 5 and 10 that have replicates")
     checks = []
-    for n, place in repeated({n: flows[n] for n in MIDDLE if n in flows}).items():
+    for n, place in flows.items():
         rows = _by_layers(place)
         inner = 1 + int(rows.mean(axis=0)[1:-1].argmax())
         for name, end in (("lowest", 0), ("highest", -1)):
             what = f"packing of layer {inner + 1} less that of the {name}, n = {n:g}"
             checks.append(above(what, joined(rows[:, inner] - rows[:, end]), 0, [place]))
-    if not checks:
-        raise Untestable("no flow with 2.5 < n ≤ 10 that has replicates")
-    return checks
+    return of_settled(checks, flows.values())
 
 
 def w14(evidence: Evidence) -> list[Check]:
-    """The deepest flow above and below its shear depth: packing, its scatter, the difference."""
+    """The deepest flow above and below its shear depth: packing, its spread, the difference."""
     ((n, place),) = _deep(evidence, (DEEPEST,)).items()
 
     def measured(function: Callable[[np.ndarray, float], float]) -> UFloat:
         return place.measure(_of_plug(place, function), "velocity_profile", "packing_profile")
 
-    return [
+    checks = [
         above(
             f"packing of the plug, n = {n:g}", measured(lambda plug, _: plug.mean()), DENSE, [place]
         ),
         below(
-            f"relative scatter of its packing, n = {n:g}",
-            measured(lambda plug, _: plug.std(ddof=1) / plug.mean()),
+            f"relative spread of its packing, n = {n:g}",
+            measured(lambda plug, _: np.ptp(plug) / plug.mean()),
             UNIFORM,
             [place],
         ),
@@ -104,13 +109,14 @@ def w14(evidence: Evidence) -> list[Check]:
             [place],
         ),
     ]
+    return of_settled(checks, [place])
 
 
 def w17(evidence: Evidence) -> list[Check]:
     """Shear depths of successive deep flows, the deeper over the shallower."""
     flows = _deep(evidence, DEEP)
     depths = {n: place.value("shear_depth") for n, place in flows.items()}
-    return [
+    checks = (
         below(
             f"shear depth at n = {high:g} over that at n = {low:g}",
             depths[high] / depths[low],
@@ -118,7 +124,8 @@ def w17(evidence: Evidence) -> list[Check]:
             [flows[low], flows[high]],
         )
         for low, high in pairwise(DEEP)
-    ]
+    )
+    return of_settled(checks, flows.values())
 
 
 def w18(evidence: Evidence) -> list[Check]:
@@ -127,9 +134,9 @@ def w18(evidence: Evidence) -> list[Check]:
     if len(flows) < 3:
         raise Untestable("fewer than three flows with n ≥ 1 that have replicates")
     n, place = min(flows.items(), key=lambda flow: flow[1].velocity.nominal_value)
-
     ratio = place.measure(_evenness(place), "velocity_profile", "packing_profile")
-    return [above(f"least over largest du/dz, n = {n:g}", ratio, THROUGHOUT, [place])]
+    check = above(f"least over largest du/dz, n = {n:g}", ratio, THROUGHOUT, [place])
+    return of_settled([check], [place])
 
 
 def _thin(evidence: Evidence, below_depth: float) -> dict[float, Place]:
@@ -174,7 +181,8 @@ def _evenness(place: Place) -> Callable[..., float]:
         across = round(place["diameter"] / (height[1] - height[0]))
         counted = velocity[packing > THIN * packing.sum()]
         slopes = counted[across:] - counted[:-across]
-        return slopes.min() / slopes.max() if slopes.size > 1 else np.nan
+        rises = slopes.size > 1 and slopes.max() > 0
+        return slopes.min() / slopes.max() if rises else np.nan
 
     return evenness
 
@@ -192,7 +200,8 @@ def _plug_share(place: Place) -> Callable[..., float]:
 def _of_plug(place: Place, function: Callable[[np.ndarray, float], float]) -> Callable[..., float]:
     """Return a function of profiles: of the packing by layers of the plug, and of what it rides on.
 
-    Layers of two diameters, because those of a crystal are no diameter apart.
+    Layers of two diameters, because those of a crystal are no diameter apart. The gap under the
+    centres of the lowest spheres belongs to no layer.
     """
     diameter = place["diameter"]
 
@@ -200,6 +209,7 @@ def _of_plug(place: Place, function: Callable[[np.ndarray, float], float]) -> Ca
         depth = layers.shear_depth(height, velocity, packing, diameter)
         rows = layers.packing_by_diameters(height, packing, diameter, layers=2)
         plug = rows[2 * diameter * np.arange(len(rows)) >= depth]
-        return function(plug, packing[height < depth].mean())
+        sheared = packing[(height >= 0.5 * diameter) & (height < depth)]
+        return function(plug, sheared.mean()) if plug.size and sheared.size else np.nan
 
     return measure

@@ -2,7 +2,7 @@
 
 from uncertainties import UFloat
 
-from sim.claims.chute import CELLS, repeated, speed
+from sim.claims.chute import CELLS, of_settled, repeated, speed
 from sim.claims.evidence import Evidence, Place
 from sim.claims.trends import ordered
 from sim.claims.verdict import Check, Untestable, above, below, within
@@ -34,18 +34,18 @@ def w15(evidence: Evidence) -> list[Check]:
 
     Controls: unequal spheres, spheres glued to the plane, and a wider cell, all at one depth.
     """
+    deep = {n: evidence.at("chute", depth=n) for n in CRYSTALLINE}
     checks = []
-    for n in CRYSTALLINE:
-        place = evidence.at("chute", depth=n)
+    for n, place in deep.items():
         share, order = place.value("crystalline_share"), place.value("layer_order")
         checks.append(above(f"crystalline share of the plug, n = {n:g}", share, SHARE, [place]))
         checks.append(above(f"amplitude of its layers, n = {n:g}", order, LAYERED, [place]))
-    usual = evidence.at("chute", **CONTROLLED)
-    for name, place in _controls(evidence).items():
+    usual, controls = evidence.at("chute", **CONTROLLED), _controls(evidence)
+    for name, place in controls.items():
         change = place.value("crystalline_share") - usual.value("crystalline_share")
         what = f"change of the crystalline share with {name}, n = {CONTROLLED['depth']:g}"
         checks.append(below(what, change, 0, [place, usual]))
-    return checks
+    return of_settled(checks, [*deep.values(), usual, *controls.values()])
 
 
 def _controls(evidence: Evidence) -> dict[str, Place]:
@@ -78,8 +78,9 @@ def w16(evidence: Evidence) -> list[Check]:
         at = f"n = {n:g}, e"
         speeds = {e: speed(place) for e, place in line.items()}
         depths = {e: place.value("shear_depth") for e, place in line.items()}
-        checks += ordered("V", at, speeds, line, rising=False)
-        checks += ordered("shear depth", at, depths, line, rising=True)
+        found = ordered("V", at, speeds, line, rising=False)
+        found += ordered("shear depth", at, depths, line, rising=True)
+        checks += of_settled(found, line.values())
     if not checks:
         raise Untestable("no depth with three coefficients of restitution that have replicates")
     return checks
@@ -94,14 +95,13 @@ def w20(evidence: Evidence) -> list[Check]:
         bounds = 100 * size / ORDER, 100 * size * ORDER
         return within(f"{what}, n = {place['depth']:g}", percent, *bounds, [place], "% of σ")
 
+    thin = [evidence.at("chute", depth=n, stiffness=SOFT) for n in INSENSITIVE]
     checks = [
         check("median overlap", deep, "median_overlap", STATIC),
         check("99.9th percentile of the overlaps", deep, "overlap_999", DYNAMIC),
+        *(check("99.9th percentile of the overlaps", one, "overlap_999", SLIGHT) for one in thin),
     ]
-    for n in INSENSITIVE:
-        place = evidence.at("chute", depth=n, stiffness=SOFT)
-        checks.append(check("99.9th percentile of the overlaps", place, "overlap_999", SLIGHT))
-    return checks
+    return of_settled(checks, [deep, *thin])
 
 
 def w21(evidence: Evidence) -> list[Check]:
@@ -112,13 +112,17 @@ def w21(evidence: Evidence) -> list[Check]:
             at, places = f"K1 = {stiffness:g} N/m over {SOFT} N/m, n = {n:g}", [soft, stiff]
             ratio = speed(stiff) / speed(soft)
             deeper = stiff.value("shear_depth") / soft.value("shear_depth")
-            checks.append(below(f"V at {at}", ratio, SLOWER, places))
-            checks.append(above(f"shear depth at {at}", deeper, 1, places))
+            found = [
+                below(f"V at {at}", ratio, SLOWER, places),
+                above(f"shear depth at {at}", deeper, 1, places),
+            ]
+            checks += of_settled(found, places)
     for n in INSENSITIVE:
         for stiffness, soft, stiff in _stiffer(evidence, n):
             what = f"V at K1 = {stiffness:g} N/m over {SOFT} N/m, n = {n:g}"
             ratio = speed(stiff) / speed(soft)
-            checks.append(within(what, ratio, 1 - EQUAL, 1 + EQUAL, [soft, stiff]))
+            check = within(what, ratio, 1 - EQUAL, 1 + EQUAL, [soft, stiff])
+            checks += of_settled([check], [soft, stiff])
     return checks
 
 
@@ -129,7 +133,7 @@ def w22(evidence: Evidence) -> list[Check]:
         for stiffness, soft, stiff in _stiffer(evidence, n):
             ratio = _agitation(stiff) / _agitation(soft)
             what = f"vertical temperature at K1 = {stiffness:g} N/m over {SOFT} N/m, n = {n:g}"
-            checks.append(above(what, ratio, 1, [soft, stiff]))
+            checks += of_settled([above(what, ratio, 1, [soft, stiff])], [soft, stiff])
     return checks
 
 

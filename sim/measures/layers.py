@@ -14,7 +14,7 @@ BELOW_SURFACE = 0.99
 #: Share of the surface's velocity that ends the shear layer.
 SHEARED = 0.9
 
-#: A plug shears less than this, relative to what is below it.
+#: A plug shears less than this over any of its diameters, relative to what is below it.
 UNSHEARED = 0.05
 
 
@@ -61,8 +61,9 @@ def plug_base(
 ) -> float:
     """Return the lowest height (m) above which the flow shears less than 5 % of what it does below.
 
-    Mean du/dz above it, up to the surface, is compared with that from the centres of the lowest
-    spheres to it. A plug is at least a diameter thick; without one the surface is returned.
+    Mean du/dz above it, up to the surface, and that over each diameter there are compared with that
+    from the centres of the lowest spheres to it. So a bulge of the velocity is no plug, though its
+    sides cancel. A plug is at least a diameter thick; without one the surface is returned.
     """
     top, bottom = surface(height, packing), 0.5 * diameter
     places = height[(height > bottom) & (height < top - diameter) & np.isfinite(velocity)]
@@ -72,8 +73,11 @@ def plug_base(
         return np.interp(place, height[known], velocity[known])
 
     below = (at(places) - at(bottom)) / (places - bottom)
-    above = (at(top) - at(places)) / (top - places)
-    rigid = np.abs(above) < UNSHEARED * below
+    mean = np.abs(at(top) - at(places)) / (top - places)
+    local = np.abs(at(places + diameter) - at(places)) / diameter
+    # The largest of all diameters from a place on.
+    local = np.maximum.accumulate(local[::-1])[::-1]
+    rigid = np.maximum(mean, local) < UNSHEARED * below
     return float(places[rigid][0]) if rigid.any() else top
 
 

@@ -88,6 +88,21 @@ def test_two_replicates_that_disagree_are_uncertain_whatever_each_thinks_of_itse
     assert half_width == pytest.approx(0.01)
 
 
+def test_what_single_runs_know_of_themselves_are_errors_or_half_widths():
+    own = {"base_shear": 1.0, "base_shear_error": 0.1, "acceleration": 1.0}
+    made = made_point("chute", own | {"acceleration_half_width": 0.3}, replicates=1)
+    place = evidence(made).at("chute")
+    assert place.value("base_shear", "base_shear_error").std_dev == pytest.approx(0.1)
+    found = place.value("acceleration", half_width="acceleration_half_width")
+    assert SIGMAS * found.std_dev == pytest.approx(0.3)
+
+
+@pytest.mark.parametrize(("regime", "samples"), [("arrested", np.inf), ("accelerating", 15)])
+def test_flows_at_rest_alone_need_no_samples(regime, samples):
+    said = {"velocity": 1.0, "regime": regime, "independent_samples": [3.0] * 5}
+    assert evidence(made_point("chute", said)).at("chute").samples == samples
+
+
 def test_samples_are_those_of_all_replicates_and_those_of_the_poorest_place_count():
     rich = made_point("belt", {"velocity": 0.2, "independent_samples": 10.0}, frequency=30)
     poor = made_point("belt", {"velocity": 0.1, "independent_samples": 1.0}, frequency=20)
@@ -135,3 +150,16 @@ def test_a_boundary_is_none_where_one_seed_of_it_has_none():
     found = evidence(belt(), boundaries=[*lacking, *finer, *other])
     assert found.boundary("belt", "transport", "frequency").nominal_value == 15.125
     assert found.boundary("belt", "transport", "frequency", amplitude=1.5).nominal_value == 12.125
+
+
+def test_a_boundary_may_be_required_to_know_how_much_seeds_differ():
+    def half_width(*depths_and_seeds) -> float:
+        brackets = [
+            made_boundary("chute", "flow", "angle", 13, 13.25, depth=n, seed=seed)
+            for n, seed in depths_and_seeds
+        ]
+        found = evidence(made_point("chute"), boundaries=brackets)
+        return SIGMAS * found.boundary("chute", "flow", "angle", seeds=True, depth=5).std_dev
+
+    assert half_width((5, 1), (10, 1)) == np.inf
+    assert half_width((5, 1), (10, 1), (10, 2)) == pytest.approx(0.125)

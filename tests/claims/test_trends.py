@@ -22,13 +22,14 @@ def found(values, error=0.01, rising=True) -> list[str]:
     return [check.verdict for check in checks]
 
 
-def test_order_is_that_of_the_ends_unless_a_step_is_clearly_reversed():
-    assert found([1, 2, 3]) == [REPRODUCED]
-    assert found([3, 2, 1], rising=False) == [REPRODUCED]
-    assert found([1, 2, 1.99]) == [REPRODUCED]
-    assert found([1, 2, 1.5]) == [REPRODUCED, NOT_REPRODUCED]
-    assert found([3, 2, 1]) == [NOT_REPRODUCED, NOT_REPRODUCED, NOT_REPRODUCED]
-    assert found([1, 2, 3], error=2.0) == [INCONCLUSIVE]
+def test_order_is_that_of_the_ends_and_of_every_step():
+    assert found([1, 2]) == [REPRODUCED]
+    assert found([1, 2, 3]) == [REPRODUCED] * 3
+    assert found([3, 2, 1], rising=False) == [REPRODUCED] * 3
+    assert found([1, 2, 1.99]) == [REPRODUCED, REPRODUCED, INCONCLUSIVE]
+    assert found([1, 2, 1.5]) == [REPRODUCED, REPRODUCED, NOT_REPRODUCED]
+    assert found([3, 2, 1]) == [NOT_REPRODUCED] * 3
+    assert found([1, 2, 3], error=2.0) == [INCONCLUSIVE] * 3
 
 
 def interval(rows) -> tuple[float, float]:

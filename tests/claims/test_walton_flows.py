@@ -1,5 +1,6 @@
 """Judges of flows as a whole: verdicts on made-up flows that are right, wrong, few or scattered."""
 
+import numpy as np
 import pytest
 
 from sim.claims.verdict import INCONCLUSIVE, NOT_REPRODUCED, REPRODUCED, Untestable
@@ -48,6 +49,14 @@ def test_one_leaking_replicate_fails_the_ledger_wherever_it_is():
     assert failed(checks) == ["largest share of the energy that a ledger lacks, 11 points"]
 
 
+def test_a_replicate_without_a_ledger_leaves_the_claim_open():
+    lacking = {"energy_residual": [1e-5, np.nan, 1e-5, 1e-5, 1e-5]}
+    unknown = flow(8, lacking, depth=5, friction=0.5)
+    leaking = flow(8, {"energy_residual": 0.006}, depth=5, friction=0.6)
+    assert verdict_on(w5, [*base_flows(), unknown]) == INCONCLUSIVE
+    assert verdict_on(w5, [*base_flows(), unknown, leaking]) == NOT_REPRODUCED
+
+
 def test_velocities_without_order_fail_and_close_ones_decide_nothing():
     depths = list(SPEEDS)
     shuffled = dict(zip(depths, [9, 4, 12, 3, 8, 15, 5, 10, 4.5, 7], strict=True))
@@ -60,11 +69,23 @@ def test_velocities_without_order_fail_and_close_ones_decide_nothing():
 
 def test_a_drift_counts_as_uncertainty():
     flows = base_flows({n: speed for n, speed in SPEEDS.items() if n < 40})
-    # 0.05 g sin θ over 200 √(σ/g) is 2.9 √(gσ): more than there is between depths 20 and 40 here.
-    trend = {"regime": "accelerating", "acceleration": 0.05 * SLOPE}
+    # 0.04 g sin θ over 200 √(σ/g) is 2.3 √(gσ): more than there is between depths 20 and 40 here.
+    trend = {"regime": "undetermined", "acceleration": -0.04 * SLOPE}
     steady, drifting = flow(26, depth=40), flow(26, trend, depth=40)
     assert checks_on(w9, [*flows, steady])[0].half_width == 0
     assert checks_on(w9, [*flows, drifting])[0].half_width > 0
+
+
+def test_flows_that_accelerate_have_no_place_in_the_order():
+    trend = {"regime": "accelerating", "acceleration": 0.02 * SLOPE}
+    fast = flow(60, trend, depth=5)
+    points = [one for one in base_flows() if one.parameters.depth != 5]
+    assert checks_on(w9, [*points, fast])[0].what.endswith("8 depths")
+    with pytest.raises(Untestable, match="settled"):
+        checks_on(
+            w9,
+            [*base_flows({n: v for n, v in SPEEDS.items() if n < 40}), flow(60, trend, depth=40)],
+        )
 
 
 def test_order_needs_the_deepest_flow():
@@ -77,6 +98,13 @@ def test_dissipated_power_off_by_three_percent_fails(change):
     right = flow(8, depth=5)
     power = {name: change * right.scalars[name] for name in ("normal_power", "frictional_power")}
     assert verdict_on(w24, [flow(8, power, depth=5)]) == NOT_REPRODUCED
+
+
+def test_single_runs_do_not_decide_on_the_power():
+    wrong = flow(4.5, {"normal_power": 1.0}, depth=1.7, replicates=1)
+    assert verdict_on(w24, [*base_flows(), wrong]) == REPRODUCED
+    with pytest.raises(Untestable, match="replicates"):
+        checks_on(w24, [wrong])
 
 
 def test_dissipation_by_collisions_alone_fails():

@@ -7,7 +7,7 @@ from sim.claims.verdict import INCONCLUSIVE, NOT_REPRODUCED, REPRODUCED, Untesta
 from sim.claims.walton_profiles import w10, w11, w12, w13, w14, w17, w18
 from tests.claims.judging import checks_on, failed, verdict_on
 from tests.claims.made import SCATTER
-from tests.claims.walton_made import PACKING, SIZE, SPEEDS, UNIT, base_flows, bent, flow
+from tests.claims.walton_made import PACKING, SIZE, SLOPE, SPEEDS, UNIT, base_flows, bent, flow
 
 
 def shaped(depth, velocity=lambda z: UNIT * z, packing=None, scalars=None, **options):
@@ -113,22 +113,29 @@ def domed(z, peak: float, depth: float):
 )
 def test_maximum_of_the_packing_inside(peak, scatter, verdict):
     flows = [
-        shaped(n, packing=lambda z, n=n: domed(z, peak, 1.8 * n), scatter=scatter) for n in (5, 10)
+        shaped(n, packing=lambda z, n=n: domed(z, peak, 1.8 * n), scatter=scatter)
+        for n in (3.5, 5, 10)
     ]
     assert verdict_on(w13, flows) == verdict
 
 
-def test_maximum_inside_needs_an_intermediate_flow_with_replicates():
+@pytest.mark.parametrize("missing", [3.5, 5, 10])
+def test_maximum_inside_needs_all_intermediate_flows_with_replicates(missing):
+    flows = [shaped(n, replicates=1 if n == missing else 5) for n in (3.5, 5, 10)]
     with pytest.raises(Untestable, match="replicates"):
-        checks_on(w13, [shaped(5, replicates=1), shaped(2.5)])
+        checks_on(w13, flows)
 
 
-def block(plug: float = 0.62, sheared: float = 0.5, ripple: float = 0.0, **options):
-    """A flow at depth 40 with a shear layer of four diameters under a plug."""
+def block(plug: float = 0.62, sheared: float = 0.5, ripple: float = 0.0, gap: float = 1, **options):
+    """A flow at depth 40 with a shear layer of four diameters under a plug.
+
+    ``gap`` is the packing under the lowest centres over that of the shear layer.
+    """
 
     def packing(z):
         rippled = plug * (1 + ripple * np.sign(np.sin(np.pi * z / 2)))
-        return np.where(z < 4, sheared, np.where(z < 60, rippled, 0))
+        layer = sheared * np.where(z < 0.5, gap, 1)
+        return np.where(z < 4, layer, np.where(z < 60, rippled, 0))
 
     velocity = np.tile(bent(4.2, 40, replicates=1), (5, 1))
     return [shaped(40, velocity, packing, **options)]
@@ -140,7 +147,10 @@ def block(plug: float = 0.62, sheared: float = 0.5, ripple: float = 0.0, **optio
         ({}, []),
         ({"plug": 0.58}, ["packing of the plug"]),
         ({"sheared": 0.6}, ["packing of the plug less that of the shear layer"]),
-        ({"plug": 0.7, "ripple": 0.1}, ["relative scatter of its packing"]),
+        ({"sheared": 0.6, "gap": 0}, ["packing of the plug less that of the shear layer"]),
+        ({"plug": 0.7, "ripple": 0.02}, []),
+        # Densest and loosest layer lie 6 % apart, their standard deviation is 3 %.
+        ({"plug": 0.7, "ripple": 0.03}, ["relative spread of its packing"]),
     ],
 )
 def test_block_over_a_looser_layer(options, wrong):
@@ -151,6 +161,16 @@ def test_block_over_a_looser_layer(options, wrong):
 
 def test_block_of_uncertain_packing_decides_nothing():
     assert verdict_on(w14, block(scatter=0.2)) == INCONCLUSIVE
+
+
+@pytest.mark.parametrize("drift", [{"regime": "accelerating"}, {"acceleration": -0.1 * SLOPE}])
+def test_a_deep_flow_that_has_not_settled_decides_nothing(drift):
+    flows = [shaped(n, bent(n / 5, n)) for n in (10, 20)]
+    assert verdict_on(w11, [*flows, shaped(40, bent(8, 40))]) == REPRODUCED
+    assert verdict_on(w11, [*flows, shaped(40, bent(8, 40), scalars=drift)]) == INCONCLUSIVE
+    assert verdict_on(w14, block(scalars=drift)) == INCONCLUSIVE
+    moving = shaped(40, scalars={"shear_depth": 1.5 * SIZE} | drift)
+    assert verdict_on(w17, [*with_depths(3, 2, 1.5)[:2], moving]) == INCONCLUSIVE
 
 
 def with_depths(*depths, scatter=SCATTER):
@@ -186,6 +206,21 @@ def test_slowest_flow_of_uncertain_shape_decides_nothing():
         checks_on(w18, [slowest, shaped(1.24)])
 
 
+@pytest.mark.parametrize("judge", [w10, w12, w13, w18])
+def test_a_flow_that_drifts_decides_nothing_on_profiles(judge):
+    drift = {"regime": "undetermined", "acceleration": 0.1 * SLOPE}
+    flows = [
+        shaped(n, packing=filled_to(n + 3), replicates=8, scalars=drift)
+        for n in (1, 1.24, 2, 3.5, 5, 10)
+    ]
+    assert {check.verdict for check in checks_on(judge, flows)} == {INCONCLUSIVE}
+
+
+def test_a_flow_slower_with_height_everywhere_does_not_shear_evenly():
+    falling = shaped(1, lambda z: UNIT * (30 - z), filled_to(4))
+    assert verdict_on(w18, [falling, shaped(1.24), shaped(2.5)]) == INCONCLUSIVE
+
+
 def test_flows_without_profiles_are_untestable():
     with pytest.raises(Untestable, match="no packing_profile"):
-        checks_on(w13, base_flows({5: 8}))
+        checks_on(w13, base_flows())

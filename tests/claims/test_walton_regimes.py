@@ -4,11 +4,12 @@ from math import radians, tan
 
 import pytest
 
+from sim.claims.chute import CELLS
 from sim.claims.verdict import INCONCLUSIVE, NOT_REPRODUCED, REPRODUCED, Untestable
-from sim.claims.walton_regimes import SLIPPERY, w6, w7, w8, w19, w23, w25
+from sim.claims.walton_regimes import SLIPPERY, STARTED, w6, w7, w8, w19, w23, w25
 from tests.claims.judging import checks_on, failed, verdict_on
 from tests.claims.made import made_boundary
-from tests.claims.walton_made import PAPER, SLOPE, SPEEDS, base_flows, flow
+from tests.claims.walton_made import PAPER, SLOPE, SPEEDS, WIDE, base_flows, flow
 
 TANGENT = tan(radians(PAPER.angle))
 
@@ -18,6 +19,7 @@ def accelerating(gain: float, error: float = 1e-3, speed: float = 60, **options)
     trend = {
         "acceleration": gain * SLOPE,
         "acceleration_error": error * SLOPE,
+        "acceleration_half_width": WIDE * error * SLOPE,
         "regime": "accelerating",
     }
     return flow(speed, trend, **options)
@@ -38,7 +40,7 @@ def test_flows_that_slide_as_a_block_are_reproduced():
 
 def test_flows_that_gain_less_than_a_block_fail():
     assert verdict_on(w6, slippery(0.8)) == NOT_REPRODUCED
-    plateau = [flow(20, friction=0.3, depth=n) for n in (0.5, 2.5)]
+    plateau = [flow(20, friction=0.3, depth=n) for n in (0.5, 40)]
     wrong = [point for point in slippery() if point.parameters.friction < 0.3]
     assert verdict_on(w6, [*wrong, *plateau]) == NOT_REPRODUCED
 
@@ -52,6 +54,25 @@ def test_sweeps_of_low_friction_must_be_complete():
         checks_on(w6, [point for point in slippery() if point.parameters.friction != 0.3])
     with pytest.raises(Untestable, match="40"):
         checks_on(w6, slippery(depths=(0.5, 10)))
+    # Another friction at that depth does not stand in for it.
+    lacking = [point for point in slippery() if point.id != slippery()[2].id]
+    with pytest.raises(Untestable, match=r"friction 0$"):
+        checks_on(w6, lacking)
+
+
+@pytest.mark.parametrize(("half_width", "verdict"), [(0.06, REPRODUCED), (0.08, INCONCLUSIVE)])
+def test_a_single_run_has_the_interval_that_its_few_samples_leave(half_width, verdict):
+    trend = {"acceleration_error": 0.02 * SLOPE, "acceleration_half_width": half_width * SLOPE}
+    rolling = {"regime": "accelerating", "acceleration": 5 / 7 * SLOPE} | trend
+    assert verdict_on(w7, [flow(60, rolling, depth=0.5, replicates=1)]) == verdict
+
+
+def test_an_evident_acceleration_needs_few_samples_and_a_drift_many():
+    few = {"independent_samples": 1.0}
+    rolling = {"regime": "accelerating", "acceleration": 5 / 7 * SLOPE} | few
+    assert verdict_on(w7, [flow(60, rolling, depth=0.5)]) == REPRODUCED
+    others = [point for point in base_flows() if point.parameters.depth != 1.5]
+    assert verdict_on(w8, [*others, flow(4.5, few, depth=1.5)]) == INCONCLUSIVE
 
 
 @pytest.mark.parametrize(
@@ -75,10 +96,18 @@ def test_half_a_layer_must_be_there():
 
 
 def test_thin_flows_that_are_steady_and_slowest_are_reproduced():
-    found = made_boundary("chute", "acceleration", "depth", 0.7, 0.8)
-    assert verdict_on(w8, base_flows(), [found]) == REPRODUCED
-    outside = made_boundary("chute", "acceleration", "depth", 1.1, 1.2)
-    assert failed(checks_on(w8, base_flows(), [outside])) == ["least depth of a steady flow"]
+    assert verdict_on(w8, base_flows(), from_two_seeds(0.7)) == REPRODUCED
+    outside = checks_on(w8, base_flows(), from_two_seeds(1.1))
+    assert failed(outside) == ["least depth of a steady flow"]
+    # One seed does not tell how much starts differ.
+    assert verdict_on(w8, base_flows(), from_two_seeds(0.7)[:1]) == INCONCLUSIVE
+
+
+def from_two_seeds(low: float) -> list[dict[str, object]]:
+    return [
+        made_boundary("chute", "acceleration", "depth", low, low + 0.1, seed=seed)
+        for seed in (1, 2)
+    ]
 
 
 def test_thin_flows_that_drift_or_are_fast_fail():
@@ -88,7 +117,7 @@ def test_thin_flows_that_drift_or_are_fast_fail():
     assert failed(checks_on(w8, [*others, flow(5.2, depth=1.5)])) == [
         "V at n = 1.5 over that at n = 2.5"
     ]
-    unsure = flow(4.5, {"acceleration_error": 0.01 * SLOPE * 3}, depth=1.5)
+    unsure = flow(4.5, {"acceleration_half_width": 0.03 * SLOPE}, depth=1.5)
     assert verdict_on(w8, [*others, unsure]) == INCONCLUSIVE
     assert verdict_on(w8, base_flows(scatter=0.2)) == INCONCLUSIVE
 
@@ -98,6 +127,25 @@ def test_thin_flows_must_be_three_and_long():
         checks_on(w8, base_flows({1: 4.2, 1.24: 4.4, 2.5: 5, 5: 8, 10: 15}))
     with pytest.raises(Untestable, match="1 ≤ n ≤ 2"):
         checks_on(w8, base_flows(average=50))
+
+
+def test_points_that_a_bisection_leaves_do_not_count():
+    left = [
+        accelerating(0.5, speed=40, depth=1.1, replicates=1),
+        flow(3, depth=3, replicates=1),
+    ]
+    assert verdict_on(w8, [*base_flows(), *left]) == REPRODUCED
+    assert verdict_on(w19, [*swept(), left[0]]) == REPRODUCED
+    with pytest.raises(Untestable, match="replicates"):
+        checks_on(w8, base_flows(replicates=1))
+
+
+def test_thin_flows_that_drift_may_have_been_faster():
+    # 0.009 g sin θ over 200 √(σ/g) is 0.5 √(gσ).
+    drift = {"regime": "undetermined", "acceleration": -0.009 * SLOPE}
+    others = [point for point in base_flows() if point.parameters.depth != 1.5]
+    assert verdict_on(w8, [*others, flow(4.5, depth=1.5)]) == REPRODUCED
+    assert verdict_on(w8, [*others, flow(4.5, drift, depth=1.5)]) == INCONCLUSIVE
 
 
 def swept(steady=(0.32, 0.4), arrested=(0.65, 0.8), moving=(), depth=5):
@@ -133,11 +181,18 @@ def test_flows_without_a_regime_decide_nothing():
         checks_on(w19, swept(arrested=(0.8,)))
 
 
-def started(late: float = 1.0, scatter: float = 1e-3, depths=(2.5, 5)):
-    """Flows after three starts, the fast one with another velocity."""
+def started(late: float = 1.0, scatter: float = 1e-3, depths=STARTED, scalars=None):
+    """Flows after three starts, the fast one with another velocity and what ``scalars`` say."""
     return [
-        flow(v * (late if start == 2 else 1), depth=n, initial_velocity=start * v, scatter=scatter)
-        for n, v in ((n, SPEEDS[n]) for n in depths)
+        flow(
+            SPEEDS[n] * (late if start == 2 else 1),
+            scalars if start == 2 else None,
+            depth=n,
+            cell=CELLS[n],
+            initial_velocity=start * SPEEDS[n],
+            scatter=scatter,
+        )
+        for n in depths
         for start in (0.5, 1, 2)
     ]
 
@@ -150,17 +205,36 @@ def test_the_start_is_forgotten_or_not(late, scatter, verdict):
     assert verdict_on(w23, started(late, scatter)) == verdict
 
 
+@pytest.mark.parametrize(
+    ("late", "gain", "verdict"),
+    [(1.6, -0.02, NOT_REPRODUCED), (1.6, 0.02, NOT_REPRODUCED), (1.0, -0.02, INCONCLUSIVE)],
+)
+def test_a_start_that_is_not_forgotten_yet_counts_with_its_drift(late, gain, verdict):
+    # 0.02 g sin θ over 200 √(σ/g) is 1.2 √(gσ), 16 % of 1.6 times the velocity at depth 2.5.
+    regime = "accelerating" if gain > 0 else "undetermined"
+    drift = {"acceleration": gain * SLOPE, "regime": regime}
+    points = [*started(depths=(5, 10)), *started(late, depths=(2.5,), scalars=drift)]
+    assert verdict_on(w23, points) == verdict
+
+
+def test_a_start_that_comes_to_rest_is_not_forgotten():
+    rest = {"velocity": 1e-9, "regime": "arrested", "quality": "jammed"}
+    points = [*started(depths=(5, 10)), *started(depths=(2.5,), scalars=rest)]
+    assert verdict_on(w23, points) == NOT_REPRODUCED
+
+
 def test_starts_must_be_far_from_the_steady_velocity():
     with pytest.raises(Untestable, match="starts"):
         checks_on(w23, base_flows())
-    with pytest.raises(Untestable, match=r"5, 10"):
-        checks_on(w23, started(depths=(2.5,)))
+    with pytest.raises(Untestable, match=r"n = 10"):
+        checks_on(w23, started(depths=(2.5, 5)))
 
 
-def windows(rest: float, runaway: float, width: float = 0.25, depths=(5, 10)):
+def windows(rest: float, runaway: float, width: float = 0.25, depths=(5, 10), seeds=(1, 2)):
     return [
-        made_boundary("chute", of, "angle", low, low + width, depth=n)
+        made_boundary("chute", of, "angle", low, low + width, depth=n, seed=seed)
         for n in depths
+        for seed in seeds
         for of, low in (("flow", rest), ("acceleration", runaway))
     ]
 
@@ -172,6 +246,8 @@ def windows(rest: float, runaway: float, width: float = 0.25, depths=(5, 10)):
         (windows(16, 16.25), NOT_REPRODUCED),
         (windows(18, 17), NOT_REPRODUCED),
         (windows(16, 17.5, width=1.0), INCONCLUSIVE),
+        # How much starts differ is not known.
+        (windows(13, 20, seeds=(1,)), INCONCLUSIVE),
     ],
 )
 def test_window_of_angles(bounds, verdict):

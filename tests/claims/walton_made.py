@@ -18,6 +18,9 @@ SPEEDS = {1: 4.2, 1.24: 4.4, 1.5: 4.5, 2: 4.6, 2.5: 4.8, 3.5: 6, 5: 8.2, 10: 15,
 #: What a flow says that gains a tenth of its weight along the slope.
 RUNAWAY = {"regime": "accelerating", "acceleration": 0.1 * SLOPE}
 
+#: Half widths of 95 % intervals of few samples in standard errors.
+WIDE = 2.5
+
 #: Packing of a bed that is filled evenly.
 PACKING = 0.6
 
@@ -42,6 +45,7 @@ def flow(
         "velocity": velocity if velocity.ndim else float(velocity),
         "acceleration": 0.0,
         "acceleration_error": 1e-4 * SLOPE,
+        "acceleration_half_width": WIDE * 1e-4 * SLOPE,
         "energy_residual": 1e-5,
         "base_normal": weight * across,
         "base_normal_error": 1e-4 * weight,

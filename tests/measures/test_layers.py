@@ -57,6 +57,12 @@ def test_flow_that_shears_throughout_has_no_plug():
     assert layers.plug_base(HEIGHT, shearing, packing, SIZE) == base
 
 
+def test_a_bulge_of_the_velocity_is_no_plug_though_its_sides_cancel():
+    bulge = 0.3 * np.clip(1 - np.abs(HEIGHT / SIZE - 7) / 3, 0, None)
+    base = layers.plug_base(HEIGHT, bent(2, 1.0) + bulge, filled(12), SIZE)
+    assert base > 9 * SIZE
+
+
 def test_layers_of_diameters_average_what_is_within():
     packing = filled(8) * (1 + 0.3 * np.cos(2 * np.pi * HEIGHT / SIZE))
     assert layers.packing_by_diameters(HEIGHT, packing, SIZE) == pytest.approx([0.6] * 7)
