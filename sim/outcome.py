@@ -79,7 +79,8 @@ def velocity_interval(velocities: np.ndarray, half_widths: np.ndarray) -> tuple[
     """
     own = float(np.sqrt((half_widths**2).sum())) / max(1, velocities.size)
     if velocities.size >= 2:
-        return float(np.nanmax([student_half_width(velocities), own])), "replicates"
+        known = filter(np.isfinite, (float(student_half_width(velocities)), own))
+        return max(known, default=np.nan), "replicates"
     if velocities.size == 1 and np.isfinite(own):
         return own, "within run"
     return np.nan, "none"

@@ -7,7 +7,8 @@ from math import hypot, inf, radians, sin
 import numpy as np
 from uncertainties import UFloat
 
-from sim.claims.evidence import Evidence, Place, measured
+from sim.claims.evidence import Evidence
+from sim.claims.place import Place, measured
 from sim.claims.verdict import SIGMAS, Check, Untestable
 
 #: Largest change of the velocity over the window, relative to it, of a flow that has settled.

@@ -1,24 +1,18 @@
 """What judges ask for: places of a study under one protocol and one reading, with intervals."""
 
-import warnings
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from functools import cached_property
-from math import inf, isfinite, nan
+from math import inf
 from typing import Any
 
-import numpy as np
 import pandas as pd
-from uncertainties import UFloat, ufloat
+from uncertainties import UFloat
 
+from sim.claims.place import Place, measured
 from sim.claims.starts import over_seeds
-from sim.claims.verdict import SIGMAS, Unbounded, Untestable
-from sim.errors import InputError
-from sim.outcome import outcome, student_half_width
+from sim.claims.verdict import Unbounded, Untestable
 from sim.parameters import NUMERICAL, SYSTEMS, field_info
 from sim.results import Results
-
-# Beds at rest and exact experiments do have no error at all.
-warnings.filterwarnings("ignore", message="Using UFloat objects with std_dev==0")
 
 #: Parameters that tell readings of the papers apart, besides the published default of each.
 READINGS = {
@@ -27,104 +21,9 @@ READINGS = {
 }
 
 
-def measured(value: float, half_width: float) -> UFloat:
-    """Return a number whose standard deviation stands for the half width of its 95 % interval."""
-    return ufloat(value, half_width / SIGMAS if isfinite(half_width) else inf)
-
-
-def joined(values: np.ndarray) -> UFloat:
-    """Return the mean over replicates with Student's interval; endless for fewer than two."""
-    values = np.asarray(values, float)
-    if values.size == 0:
-        return measured(nan, inf)
-    return measured(float(values.mean()), float(student_half_width(values)))
-
-
-class Place:
-    """One point of a study as a judge sees it: its completed replicates together.
-
-    ``place["frequency"]`` is a parameter.
-    """
-
-    def __init__(self, results: Results, point: str):
-        self.id = point
-        self._results = results
-        self._row = results.dataset.sel(point=point)
-        self._outcome = outcome(self._row)
-        done = self._row["status"].values == "completed"
-        self._completed = self._row.isel(replicate=np.flatnonzero(done))
-
-    def __getitem__(self, parameter: str) -> Any:
-        return self._row[parameter].values.item()
-
-    @property
-    def completed(self) -> int:
-        """Completed replicates."""
-        return self._outcome["completed"]
-
-    @property
-    def regime(self) -> str:
-        """Regime of all replicates together, as in `sim.outcome`."""
-        return self._outcome["regime"]
-
-    @property
-    def quality(self) -> str:
-        """What the means are worth, as in `sim.outcome`."""
-        return self._outcome["quality"]
-
-    @cached_property
-    def samples(self) -> float:
-        """Independent samples behind the mean velocity, of all completed replicates together.
-
-        Endless for flows at rest: they do not fluctuate, their verdict rests on the interval alone.
-        """
-        if self.regime == "arrested":
-            return inf if self.completed else 0.0
-        return float(np.nansum(self._completed["independent_samples"].values))
-
-    @cached_property
-    def velocity(self) -> UFloat:
-        """Mean velocity (m/s)."""
-        return measured(self._outcome["velocity"], self._outcome["half_width"])
-
-    def values(self, name: str) -> np.ndarray:
-        """Return a scalar of all completed replicates."""
-        if name not in self._completed:
-            raise Untestable(f"{self.id} has no {name}")
-        return self._completed[name].values
-
-    def value(self, name: str, error: str = "", half_width: str = "") -> UFloat:
-        """Return a scalar with its interval over replicates.
-
-        ``error`` names the scalar with its standard error within a replicate, ``half_width`` that
-        with half of its 95 % interval: what replicates know of themselves counts where there is a
-        single one, and is the least that their scatter can give otherwise.
-        """
-        values = self.values(name)
-        over = joined(values)
-        if not (error or half_width):
-            return over
-        own = self.values(error) if error else self.values(half_width) / SIGMAS
-        least = float(np.sqrt((own**2).sum())) / max(1, values.size)
-        scatter = over.std_dev if values.size > 1 else 0.0
-        return ufloat(over.nominal_value, max(least, scatter))
-
-    def profile(self, name: str) -> tuple[np.ndarray, np.ndarray]:
-        """Return a profile (R, H) of all completed replicates and its heights (H,) in m."""
-        try:
-            return self._results.profile(self.id, name)
-        except InputError as error:
-            raise Untestable(str(error)) from None
-
-    def measure(self, function: Callable[..., float], *names: str) -> UFloat:
-        """Return a measure of profiles with its interval over replicates.
-
-        ``function(height, *profiles)`` is called per replicate with one profile (H,) per name.
-        """
-        columns = [self.profile(name) for name in names]
-        height = columns[0][1]
-        rows = zip(*(values for values, _ in columns), strict=True)
-        return joined(np.array([function(height, *row) for row in rows]))
+#: Numerical settings that an answer may depend on after all: unless a judge names them, places with
+#: their defaults come first.
+_CHANGES_START = {"cell", "initial_velocity"}
 
 
 class Evidence:
@@ -244,11 +143,6 @@ class Evidence:
         if point not in self._places:
             self._places[point] = Place(self._results, point)
         return self._places[point]
-
-
-#: Numerical settings that an answer may depend on after all: unless a judge names them, places with
-#: their defaults come first.
-_CHANGES_START = {"cell", "initial_velocity"}
 
 
 def _text(where: Mapping[str, Any]) -> str:

@@ -8,8 +8,9 @@ import numpy as np
 from uncertainties import UFloat
 
 from sim.claims.bed import half_height, peak, spread
-from sim.claims.evidence import Evidence, Place, joined, measured
+from sim.claims.evidence import Evidence
 from sim.claims.lines import FLOWING, along, common_beds, replicated
+from sim.claims.place import Place, joined, measured
 from sim.claims.verdict import SIGMAS, Check, Untestable, above, below, within
 
 DENSITY = "number_density"

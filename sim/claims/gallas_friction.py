@@ -5,8 +5,9 @@ from math import log, nan, sqrt
 
 from uncertainties import ufloat
 
-from sim.claims.evidence import Evidence, Place
+from sim.claims.evidence import Evidence
 from sim.claims.lines import along, elasticity
+from sim.claims.place import Place
 from sim.claims.verdict import Check, Untestable, above, below, within
 
 

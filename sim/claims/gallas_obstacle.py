@@ -3,8 +3,9 @@
 import numpy as np
 from uncertainties import UFloat
 
-from sim.claims.evidence import Evidence, Place, joined
+from sim.claims.evidence import Evidence
 from sim.claims.lines import along, common_beds, increases
+from sim.claims.place import Place, joined
 from sim.claims.verdict import Check, above, below
 from sim.measures.belt import FAR
 

@@ -12,8 +12,9 @@ import numpy as np
 import pandas as pd
 from uncertainties import UFloat
 
-from sim.claims.evidence import Evidence, Place, joined, measured
+from sim.claims.evidence import Evidence
 from sim.claims.lines import FLOWING, MARKERS, NONE, along, replicated
+from sim.claims.place import Place, joined, measured
 from sim.claims.verdict import SIGMAS, Check, Unbounded, Untestable, below, within
 
 #: Pairs of damping and shear damping (g) whose onsets are compared.

@@ -5,8 +5,9 @@ from math import pi
 
 from uncertainties import UFloat, umath
 
-from sim.claims.evidence import Evidence, Place
+from sim.claims.evidence import Evidence
 from sim.claims.lines import along
+from sim.claims.place import Place
 from sim.claims.verdict import Check, Untestable, above, within
 
 #: Diameter (⟨d⟩) of the obstacle of Fig. 7.

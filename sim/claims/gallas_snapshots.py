@@ -6,8 +6,9 @@ import numpy as np
 from uncertainties import UFloat
 
 from sim.claims.bed import level, mean_between
-from sim.claims.evidence import Evidence, Place
+from sim.claims.evidence import Evidence
 from sim.claims.lines import along
+from sim.claims.place import Place
 from sim.claims.verdict import Check, above, below, within
 
 #: Share of the beads within A_z of the mean belt position below which there is a void.

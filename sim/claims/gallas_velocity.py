@@ -6,8 +6,9 @@ import numpy as np
 from uncertainties import UFloat
 
 from sim.claims.bed import beads_between, mean_between
-from sim.claims.evidence import Evidence, Place, joined
+from sim.claims.evidence import Evidence
 from sim.claims.lines import along
+from sim.claims.place import Place, joined
 from sim.claims.verdict import Check, Untestable, above, below, within
 
 PROFILES = ("velocity_profile", "number_density")

@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 from uncertainties import UFloat, ufloat, umath
 
-from sim.claims.evidence import Evidence, Place
+from sim.claims.evidence import Evidence
+from sim.claims.place import Place
 from sim.claims.verdict import Check, above
 
 #: Lowest frequency (Hz) at which the bed certainly flows.

@@ -7,7 +7,7 @@ import numpy as np
 from scipy.special import stdtrit
 from uncertainties import UFloat
 
-from sim.claims.evidence import Place, measured
+from sim.claims.place import Place, measured
 from sim.claims.verdict import NOT_REPRODUCED, Check, above, within
 from sim.outcome import CONFIDENCE
 

@@ -9,7 +9,7 @@ from scipy.special import ndtri
 from uncertainties import UFloat
 
 if TYPE_CHECKING:
-    from sim.claims.evidence import Place
+    from sim.claims.place import Place
 
 REPRODUCED = "reproduced"
 NOT_REPRODUCED = "not reproduced"

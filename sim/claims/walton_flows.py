@@ -8,7 +8,8 @@ from scipy.special import stdtrit
 from scipy.stats import rankdata
 
 from sim.claims.chute import base, driving, is_settled, repeated, speed, steady
-from sim.claims.evidence import Evidence, joined
+from sim.claims.evidence import Evidence
+from sim.claims.place import joined
 from sim.claims.trends import pooled
 from sim.claims.verdict import Check, Untestable, above, below, within
 

@@ -7,7 +7,8 @@ import numpy as np
 from uncertainties import UFloat
 
 from sim.claims.chute import base, of_settled, repeated
-from sim.claims.evidence import Evidence, Place, joined
+from sim.claims.evidence import Evidence
+from sim.claims.place import Place, joined
 from sim.claims.trends import least
 from sim.claims.verdict import Check, Untestable, above, below
 from sim.measures import layers

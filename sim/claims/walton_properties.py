@@ -3,7 +3,8 @@
 from uncertainties import UFloat
 
 from sim.claims.chute import CELLS, of_settled, repeated, speed
-from sim.claims.evidence import Evidence, Place
+from sim.claims.evidence import Evidence
+from sim.claims.place import Place
 from sim.claims.trends import ordered
 from sim.claims.verdict import Check, Untestable, above, below, within
 from sim.measures import layers

@@ -1,8 +1,9 @@
 """Judges of Walton's claims about regimes: which flows accelerate, are steady, come to rest."""
 
 from collections.abc import Iterator, Mapping
-from contextlib import suppress
-from math import nan, radians, tan
+from math import inf, nan, radians, tan
+
+from uncertainties import UFloat
 
 from sim.claims.chute import (
     CELLS,
@@ -16,8 +17,9 @@ from sim.claims.chute import (
     repeated,
     speed,
 )
-from sim.claims.evidence import Evidence, Place, measured
-from sim.claims.verdict import Check, Untestable, above, below, within
+from sim.claims.evidence import Evidence
+from sim.claims.place import Place, measured
+from sim.claims.verdict import Check, Unbounded, Untestable, above, below, within
 
 #: Largest acceleration over g sin θ that counts as none, and the shortest time in √(σ/g).
 STEADY, LONG = 0.01, 100
@@ -92,10 +94,22 @@ def w8(evidence: Evidence) -> list[Check]:
         checks.append(of_trend(check, place))
         what = f"V at n = {n:g} over that at n = {slowest['depth']:g}"
         checks.append(below(what, ratio, 1, [place, slowest]))
-    with suppress(Untestable):
-        least = evidence.boundary("chute", "acceleration", "depth", seeds=True)
+    least = _boundary(evidence, "acceleration", "depth")
+    if least is not None:
         checks.append(within("least depth of a steady flow", least, 0.5, 1))
     return checks
+
+
+def _boundary(evidence: Evidence, of: str, along: str, **where: float) -> UFloat | None:
+    """Return a boundary, nothing where none was looked for, and an endless interval where a start
+    has none in the range.
+    """
+    try:
+        return evidence.boundary("chute", of, along, seeds=True, **where)
+    except Unbounded:
+        return measured(nan, inf)
+    except Untestable:
+        return None
 
 
 def w19(evidence: Evidence) -> list[Check]:
@@ -184,9 +198,9 @@ def w25(evidence: Evidence) -> list[Check]:
     """Width of the window between the angles at which flows come to rest and run away."""
     checks = []
     for n in TILTED:
-        with suppress(Untestable):
-            runaway = evidence.boundary("chute", "acceleration", "angle", seeds=True, depth=n)
-            rest = evidence.boundary("chute", "flow", "angle", seeds=True, depth=n)
+        runaway = _boundary(evidence, "acceleration", "angle", depth=n)
+        rest = _boundary(evidence, "flow", "angle", depth=n)
+        if runaway is not None and rest is not None:
             what = f"window from {rest.nominal_value:.3g}° on, n = {n:g}"
             checks.append(above(what, runaway - rest, WINDOW, unit="°"))
     if len(checks) < 2:

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from sim.claims.evidence import Evidence, joined
+from sim.claims.evidence import Evidence
+from sim.claims.place import joined
 from sim.claims.verdict import SIGMAS, Unbounded, Untestable, above
 from tests.claims.made import made_boundary, made_point, made_results
 
