@@ -20,12 +20,6 @@ def mean_between(values: np.ndarray, number: np.ndarray, low: float, high: float
     return float(np.average(values[occupied], weights=weight[occupied]))
 
 
-def level(height: np.ndarray, number: np.ndarray, share: float) -> float:
-    """Return the height (m) below which a share of the beads lies."""
-    tops = height + 0.5 * (height[1] - height[0])
-    return float(np.interp(share, np.cumsum(number) / number.sum(), tops))
-
-
 def spread(height: np.ndarray, number: np.ndarray) -> float:
     """Return the standard deviation (m) of the beads' heights."""
     mean = np.average(height, weights=number)

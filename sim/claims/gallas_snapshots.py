@@ -5,11 +5,12 @@ from math import pi, radians, sin, sqrt
 import numpy as np
 from uncertainties import UFloat
 
-from sim.claims.bed import level, mean_between
+from sim.claims.bed import mean_between
 from sim.claims.evidence import Evidence
 from sim.claims.lines import along
 from sim.claims.place import Place
 from sim.claims.verdict import Check, above, below, within
+from sim.measures.layers import level
 
 #: Share of the beads within A_z of the mean belt position below which there is a void.
 EMPTY = 0.02

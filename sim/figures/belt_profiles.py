@@ -1,6 +1,7 @@
 """What Gallas' Figs. 2 and 3 share: a profile over the height above the belt, a curve per flow."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -95,6 +96,26 @@ def by_damping(names: dict[str, object], index: int) -> tuple[CurveStyle, str]:
     if not names.get("initial_velocity", 0):
         return style, label
     return CurveStyle(style.colour, LONG_DASH), f"{label}, fast start"
+
+
+class Panel(NamedTuple):
+    """What the module of a panel offers: functions of its `FigureData`."""
+
+    draw: Callable[[FigureData], Figure]
+    table: Callable[[FigureData], pd.DataFrame]
+    notes: Callable[[FigureData], list[str]]
+
+
+def panel(quantity: Quantity, keys: Sequence[str], look: Look) -> Panel:
+    """Return how a panel is drawn, what its table holds and what its caption says.
+
+    Arguments as for `draw_panel`.
+    """
+    return Panel(
+        partial(draw_panel, quantity=quantity, keys=keys, look=look),
+        partial(table, quantity=quantity),
+        partial(notes, quantity=quantity),
+    )
 
 
 def draw_panel(data: FigureData, quantity: Quantity, keys: Sequence[str], look: Look) -> Figure:

@@ -1,11 +1,6 @@
 """Gallas et al. (1992), Fig. 2a: number density above the belt for several frequencies."""
 
-import pandas as pd
-from matplotlib.figure import Figure
-
 from sim.figures import belt_profiles
-from sim.figures.belt_profiles import DENSITY
-from sim.figures.summary import FigureData
 
 NAMED = belt_profiles.NAMED
 LEAD = (
@@ -18,17 +13,6 @@ PAPER = (
     "appears above the bed; close to the belt the density is very small."
 )
 
-
-def draw(data: FigureData) -> Figure:
-    """Draw the figure."""
-    return belt_profiles.draw_panel(data, DENSITY, ("frequency",), belt_profiles.by_frequency)
-
-
-def table(data: FigureData) -> pd.DataFrame:
-    """Return the profiles."""
-    return belt_profiles.table(data, DENSITY)
-
-
-def notes(data: FigureData) -> list[str]:
-    """Return what the caption says of heights, bands and regimes."""
-    return belt_profiles.notes(data, DENSITY)
+draw, table, notes = belt_profiles.panel(
+    belt_profiles.DENSITY, ("frequency",), belt_profiles.by_frequency
+)

@@ -1,11 +1,6 @@
 """Gallas et al. (1992), Fig. 3c: velocity above the belt for several damping coefficients."""
 
-import pandas as pd
-from matplotlib.figure import Figure
-
 from sim.figures import belt_profiles
-from sim.figures.belt_profiles import VELOCITY
-from sim.figures.summary import FigureData
 
 NAMED = (*belt_profiles.NAMED, "initial_velocity")
 LEAD = (
@@ -19,19 +14,6 @@ PAPER = (
     "(dashed)."
 )
 
+_KEYS = ("damping", "shear_damping", "initial_velocity")
 
-def draw(data: FigureData) -> Figure:
-    """Draw the figure."""
-    return belt_profiles.draw_panel(
-        data, VELOCITY, ("damping", "shear_damping", "initial_velocity"), belt_profiles.by_damping
-    )
-
-
-def table(data: FigureData) -> pd.DataFrame:
-    """Return the profiles."""
-    return belt_profiles.table(data, VELOCITY)
-
-
-def notes(data: FigureData) -> list[str]:
-    """Return what the caption says of heights, bands and regimes."""
-    return belt_profiles.notes(data, VELOCITY)
+draw, table, notes = belt_profiles.panel(belt_profiles.VELOCITY, _KEYS, belt_profiles.by_damping)

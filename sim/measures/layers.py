@@ -18,10 +18,15 @@ SHEARED = 0.9
 UNSHEARED = 0.05
 
 
+def level(height: np.ndarray, density: np.ndarray, share: float) -> float:
+    """Return the height (m) below which a share of what a density counts lies."""
+    tops = height + 0.5 * (height[1] - height[0])
+    return float(np.interp(share, np.cumsum(density) / density.sum(), tops))
+
+
 def surface(height: np.ndarray, packing: np.ndarray) -> float:
     """Return the height (m) below which 99 % of the mass lies."""
-    top = height + 0.5 * (height[1] - height[0])
-    return float(np.interp(BELOW_SURFACE, np.cumsum(packing) / packing.sum(), top))
+    return level(height, packing, BELOW_SURFACE)
 
 
 def surface_velocity(
