@@ -107,11 +107,11 @@ def _transported(place: Place) -> np.ndarray:
     """Return which beds are transported."""
     velocity = place.values("velocity")
     return (velocity > ERRORS * place.values("velocity_error")) & (
-        velocity > LEAST * belt_speed(place)
+        velocity > LEAST * belt_speed_along_x(place)
     )
 
 
-def belt_speed(place: Place) -> float:
+def belt_speed_along_x(place: Place) -> float:
     """Return the amplitude of the belt's velocity along x, A_x 2πf (m/s)."""
     amplitude = place["amplitude"] * place["diameter"] / tan(radians(place["vibration_angle"]))
     return amplitude * 2 * pi * place["frequency"]
@@ -172,7 +172,7 @@ def g35(evidence: Evidence) -> list[Check]:
     line = _scanned(evidence)
     if not {15, 16, 18, 20} <= set(line):
         raise Untestable("no scan of the frequency with 15, 16, 18 and 20 Hz")
-    shares = _bed_by_bed(line, lambda place: place.values("velocity") / belt_speed(place))
+    shares = _bed_by_bed(line, lambda place: place.values("velocity") / belt_speed_along_x(place))
     beds = [share.dropna() for _, share in shares.iterrows()]
     checks = []
     for part in RISE:
