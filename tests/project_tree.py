@@ -51,7 +51,7 @@ def command(*arguments: str, study: str = STUDY) -> list[str]:
 def snakemake(tree: Path, *arguments: str, study: str = STUDY) -> subprocess.CompletedProcess:
     arguments = ("--snakefile", str(snakefile(tree)), *arguments)
     return subprocess.run(
-        command(*arguments, study=study), cwd=tree, capture_output=True, text=True, timeout=300
+        command(*arguments, study=study), cwd=tree, capture_output=True, text=True, timeout=900
     )
 
 

@@ -1,7 +1,8 @@
 """Judges of Gallas' claims about the onset of transport, and where it lies in the runs.
 
-In scans a bed is transported where its velocity exceeds five of its standard errors and 2 % of the
-belt's velocity amplitude along x; for boundaries see `sim.sides`.
+Transport begins where the mean velocity of the beds comes to exceed five of its standard errors and
+2 % of the belt's velocity amplitude along x. Single beds creep by more than that far below, to and
+fro.
 """
 
 from collections.abc import Callable
@@ -10,12 +11,14 @@ from math import pi, radians, tan
 
 import numpy as np
 import pandas as pd
+from scipy.special import stdtrit
 from uncertainties import UFloat
 
 from sim.claims.evidence import Evidence
 from sim.claims.lines import FLOWING, MARKERS, NONE, along, replicated
-from sim.claims.place import Place, joined, measured
-from sim.claims.verdict import SIGMAS, Check, Unbounded, Untestable, below, within
+from sim.claims.place import Place, measured
+from sim.claims.verdict import Check, Untestable, below, within
+from sim.outcome import CONFIDENCE
 
 #: Pairs of damping and shear damping (g) whose onsets are compared.
 PAIRS = ((50, 50), *MARKERS, (10, 50))
@@ -42,73 +45,83 @@ class Onset:
 
 
 def onset(evidence: Evidence, **where: object) -> Onset:
-    """Return where transport begins: from a boundary found by refinement, else from a scan.
+    """Return where transport begins: from a scan or a boundary, whichever tells it better.
 
-    The interval over beds is Student's, not smaller than half a bracket. A boundary that was looked
-    for in vain is not replaced by a scan.
+    The interval of a scan is that of the mean over beds, not smaller than half a step.
     """
-    try:
-        return Onset(evidence.boundary("belt", "transport", "frequency", **where))
-    except Unbounded:
-        raise
-    except Untestable as missing:
-        line = _scanned(evidence, **where)
-        if len(line) < 2:
-            raise Untestable(f"{missing}, nor a scan of the frequency") from None
-    moving = _bed_by_bed(line, _transported)
-    brackets = np.array([_bracket(bed.dropna()) for _, bed in moving.iterrows()])
-    over = SIGMAS * joined(brackets.mean(axis=1)).std_dev
-    bracket = 0.5 * float(np.diff(brackets).mean())
-    return Onset(measured(float(brackets.mean()), max(bracket, over)), tuple(line.values()))
+    found, missing = [], []
+    for source in (_from_scan, _from_boundary):
+        try:
+            found.append(source(evidence, **where))
+        except Untestable as error:
+            missing.append(str(error))
+    if not found:
+        raise Untestable("; ".join(missing))
+    return min(found, key=lambda each: each.frequency.std_dev)
 
 
-def _scanned(evidence: Evidence, **where: object) -> dict[float, Place]:
-    """Return the places along the frequency with several beds.
-
-    Those of a single bed were added by refinement.
-    """
-    return replicated(evidence.line("belt", "frequency", **where))
+def _from_scan(evidence: Evidence, **where: object) -> Onset:
+    shares, line = _scan(evidence, **where)
+    return Onset(_joined(shares, _begins), tuple(line.values()))
 
 
-def _bed_by_bed(line: dict[float, Place], measure: Callable[[Place], np.ndarray]) -> pd.DataFrame:
-    """Return a number of every bed (row) at every frequency (column), NaN where a bed is unknown.
+def _from_boundary(evidence: Evidence, **where: object) -> Onset:
+    return Onset(evidence.boundary("belt", "transport", "frequency", **where))
+
+
+def _scan(evidence: Evidence, **where: object) -> tuple[pd.DataFrame, dict[float, Place]]:
+    """Return V/(A_x ω) of every bed (row) at every frequency (column), and the places.
 
     Beds known at no more than half of the frequencies are left out: there are more beds where one
-    says little, and a bed may have failed.
+    says little, and a bed may have failed. Places of a single bed were added by refinement.
     """
+    line = replicated(evidence.line("belt", "frequency", **where))
     table = pd.DataFrame(
         {
-            frequency: pd.Series(measure(place), place.values("replicate_seed"), dtype=float)
+            frequency: pd.Series(
+                place.values("velocity") / belt_speed_along_x(place),
+                place.values("replicate_seed"),
+                dtype=float,
+            )
             for frequency, place in line.items()
         }
     )
     known = table[table.notna().sum(axis=1) > 0.5 * len(line)]
-    if known.empty:
-        raise Untestable("no bed is known at most frequencies of the scan")
-    return known
+    if len(line) < 2 or len(known) < 2:
+        settings = ", ".join(f"{name} {value}" for name, value in where.items())
+        raise Untestable(f"no scan of the frequency with two beds {settings}".rstrip())
+    return known, line
 
 
-def _bracket(moving: pd.Series) -> tuple[float, float]:
-    """Return the frequencies between which a bed comes to flow at all that are higher.
+def _joined(shares: pd.DataFrame, place: Callable[[pd.DataFrame], tuple[float, float]]) -> UFloat:
+    """Return a frequency of the mean over beds with its 95 % interval.
 
-    ``moving`` says per frequency whether it does.
+    ``place`` gives the frequency and the step of the scan there. How much it changes as each bed
+    is left out tells the interval (jackknife).
     """
-    frequencies = moving.index
-    last = max((index for index, flows in enumerate(moving) if not flows), default=-1)
-    if not 0 <= last < len(moving) - 1:
-        least, most = frequencies[0], frequencies[-1]
-        state = "flows" if last < 0 else "does not flow"
-        end = f"lowest, {least:g}" if last < 0 else f"highest, {most:g}"
-        raise Untestable(f"a bed {state} at the {end} Hz of the scan")
-    return frequencies[last], frequencies[last + 1]
+    value, step = place(shares)
+    beds = len(shares)
+    without = [place(shares.drop(bed))[0] for bed in shares.index]
+    error = np.sqrt((beds - 1) * np.var(without))
+    quantile = stdtrit(beds - 1, (1 + CONFIDENCE) / 2)
+    return measured(value, float(max(quantile * error, 0.5 * step)))
 
 
-def _transported(place: Place) -> np.ndarray:
-    """Return which beds are transported."""
-    velocity = place.values("velocity")
-    return (velocity > ERRORS * place.values("velocity_error")) & (
-        velocity > LEAST * belt_speed_along_x(place)
-    )
+def _begins(shares: pd.DataFrame) -> tuple[float, float]:
+    """Return the frequency from which on beds are transported, and the step of the scan there."""
+    mean, errors = shares.mean(), shares.std(ddof=1) / np.sqrt(shares.notna().sum())
+    moves = ((mean > LEAST) & (mean > ERRORS * errors.fillna(0))).to_numpy()
+    frequencies, still = mean.index.to_numpy(), np.flatnonzero(~moves)
+    if not still.size or still[-1] == len(moves) - 1:
+        end = "lowest" if not still.size else "highest"
+        state = "flow" if not still.size else "do not flow"
+        edge = frequencies[0 if not still.size else -1]
+        raise Untestable(f"beds {state} at the {end}, {edge:g} Hz of the scan")
+    before = still[-1]
+    low, high = frequencies[before : before + 2]
+    under, over = mean.iloc[before], mean.iloc[before + 1]
+    share = (LEAST - under) / (over - under) if under < LEAST else 0.5
+    return float(low + share * (high - low)), float(high - low)
 
 
 def belt_speed_along_x(place: Place) -> float:
@@ -169,16 +182,12 @@ def g35(evidence: Evidence) -> list[Check]:
 
     The same onset must be found coming from rest and coming down from a flow at 25 Hz.
     """
-    line = _scanned(evidence)
+    shares, line = _scan(evidence)
     if not {15, 16, 18, 20} <= set(line):
         raise Untestable("no scan of the frequency with 15, 16, 18 and 20 Hz")
-    shares = _bed_by_bed(line, lambda place: place.values("velocity") / belt_speed_along_x(place))
-    beds = [share.dropna() for _, share in shares.iterrows()]
     checks = []
     for part in RISE:
-        reached = joined(
-            np.array([_reaches(bed.index.to_numpy(), bed.to_numpy(), part) for bed in beds])
-        )
+        reached = _joined(shares, lambda beds, part=part: _reaches(beds.mean(), part))
         what = f"frequency at which V/(A_x ω) reaches {part:.0%} of its largest"
         checks.append(within(what, reached, *BAND, line.values(), "Hz"))
     up, down = onset(evidence), onset(evidence, prior_frequency=SWEPT_FROM)
@@ -187,12 +196,14 @@ def g35(evidence: Evidence) -> list[Check]:
     return [*checks, within("onset from rest less that from the flow", shift, -1, 1, places, "Hz")]
 
 
-def _reaches(frequencies: np.ndarray, share: np.ndarray, part: float) -> float:
-    """Return where a curve first stays above a part of its largest value on the way up."""
+def _reaches(mean: pd.Series, part: float) -> tuple[float, float]:
+    """Return where a curve comes to stay above a part of its largest value, and no step."""
+    frequencies, share = mean.index.to_numpy(), mean.to_numpy()
     top = int(share.argmax())
     threshold = part * share[top]
     under = np.flatnonzero(share[:top] < threshold)
     if not under.size:
-        return float(frequencies[0])
+        return float(frequencies[0]), 0.0
     last = under[-1]
-    return float(np.interp(threshold, share[last : last + 2], frequencies[last : last + 2]))
+    place = np.interp(threshold, share[last : last + 2], frequencies[last : last + 2])
+    return float(place), 0.0

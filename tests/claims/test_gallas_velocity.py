@@ -124,11 +124,6 @@ def test_density_waves_at_the_start(early, scatter, verdict):
     assert verdict_of(g30, waves(early, scatter=scatter)) == verdict
 
 
-def test_a_density_more_even_than_beads_at_random_has_no_waves():
-    checks = checks_of(g30, waves(0.8, later=0.5))
-    assert [check.verdict for check in checks] == [NOT_REPRODUCED, REPRODUCED] * 2
-
-
 def test_density_waves_need_both_beds():
     with pytest.raises(Untestable, match="vibration_angle 30"):
         checks_of(g30, waves(4.0)[:1])
