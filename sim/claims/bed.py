@@ -31,6 +31,23 @@ def peak(height: np.ndarray, number: np.ndarray) -> float:
     return float(number.max())
 
 
+def layer_width(height: np.ndarray, number: np.ndarray) -> float:
+    """Return the width (m) of the layer: where the density exceeds half of its largest value.
+
+    A layer that does so in the lowest slice begins at the belt.
+    """
+    half = 0.5 * number.max()
+    inside = np.flatnonzero(number >= half)
+    first, last = int(inside[0]), int(inside[-1])
+    begin = height[0] - 0.5 * (height[1] - height[0])
+    if first:
+        begin = np.interp(half, number[first - 1 : first + 1], height[first - 1 : first + 1])
+    end = height[-1]
+    if last < height.size - 1:
+        end = np.interp(-half, -number[last : last + 2], height[last : last + 2])
+    return float(end - begin)
+
+
 def half_height(height: np.ndarray, number: np.ndarray) -> float:
     """Return the height (m) at which the density falls to half of its mean over the bed.
 

@@ -10,7 +10,9 @@ from matplotlib.figure import Figure
 
 from sim.figures.caption import counted, points_text
 from sim.figures.columns import parameter_columns
+from sim.figures.family import Look
 from sim.figures.style import (
+    BESIDE,
     DASH_DOT,
     DOTTED,
     LONG_DASH,
@@ -18,10 +20,11 @@ from sim.figures.style import (
     CurveStyle,
     canvas,
     cycled,
+    name_protocols,
     place_legend,
 )
 from sim.figures.summary import FigureData, split_curves
-from sim.figures.transport import Look, describe, pair
+from sim.figures.transport import describe, pair
 from sim.outcome import student_half_width
 from sim.parameters import BeltParameters
 
@@ -40,9 +43,6 @@ NAMED = (
 
 #: Number density (1/⟨d⟩²) of the emptiest slice at the top of a profile.
 THIN = 0.01
-
-#: How a curve of the converged protocol differs from the published one beside it.
-BESIDE = {"linewidth": 3.4, "alpha": 0.4, "zorder": 1.9}
 
 
 class Quantity(NamedTuple):
@@ -154,8 +154,7 @@ def draw_panel(data: FigureData, quantity: Quantity, keys: Sequence[str], look: 
     for label, style in styles.items():
         axes.plot([], [], color=style.colour, linestyle=style.dashes, label=label)
     if beside:
-        axes.plot([], [], color="#666666", label="published protocol")
-        axes.plot([], [], color="#666666", label="converged protocol", **BESIDE)
+        name_protocols(axes)
     axes.set_xlim(left=0)
     axes.set_ylim(*_range(table["mean"]))
     axes.set_xlabel("height above the belt z (⟨d⟩)")

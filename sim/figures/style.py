@@ -43,6 +43,9 @@ SETTINGS = {
 #: Opacity of the pale markers.
 PALE = 0.3
 
+#: How a line of the converged protocol differs from the published one beside it.
+BESIDE = {"linewidth": 3.4, "alpha": 0.4, "zorder": 1.9}
+
 
 @dataclass(frozen=True)
 class CurveStyle:
@@ -94,6 +97,7 @@ def draw_curve(
     style: CurveStyle,
     label: str,
     unjoined: Sequence[str] = (),
+    pale: bool = False,
 ) -> None:
     """Draw mean velocity against a parameter, with 95 % intervals.
 
@@ -113,13 +117,16 @@ def draw_curve(
         Its entry in the legend.
     unjoined : sequence of str
         Regimes at whose points the line is interrupted.
+    pale : bool
+        Draw it beside another curve of the same style, which has the entry in the legend.
     """
     shown = rows[rows["completed"] > 0]
     if shown.empty:
         return
     if style.dashes != "none":
         line = shown["velocity"].mask(shown["regime"].isin(unjoined))
-        axes.plot(shown[along], line, color=style.colour, linestyle=style.dashes)
+        beside = BESIDE if pale else {}
+        axes.plot(shown[along], line, color=style.colour, linestyle=style.dashes, **beside)
     unknown = undecided(shown)
     steady = (shown["regime"] == "steady") & ~unknown
     for chosen, face in (
@@ -138,13 +145,21 @@ def draw_curve(
             markerfacecolor=face,
             markeredgewidth=1.0,
             elinewidth=0.9,
+            alpha=BESIDE["alpha"] if pale else None,
             zorder=3,
         )
-    axes.plot(
-        [],
-        [],
-        color=style.colour,
-        linestyle=style.dashes,
-        marker=style.marker,
-        label=label,
-    )
+    if not pale:
+        axes.plot(
+            [],
+            [],
+            color=style.colour,
+            linestyle=style.dashes,
+            marker=style.marker,
+            label=label,
+        )
+
+
+def name_protocols(axes: Axes) -> None:
+    """Add entries to the legend that tell pale curves from the others."""
+    axes.plot([], [], color="#666666", label="published protocol")
+    axes.plot([], [], color="#666666", label="converged protocol", **BESIDE)

@@ -1,22 +1,14 @@
 """What the three panels of Gallas' Fig. 1 share: one curve per set of parameters of the belt."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from sim.figures.caption import setting
-from sim.figures.style import (
-    LONG_DASH,
-    MARKERS,
-    CurveStyle,
-    canvas,
-    cycled,
-    draw_curve,
-    place_legend,
-)
-from sim.figures.summary import split_curves
+from sim.figures.family import Look, draw_family
+from sim.figures.style import LONG_DASH, CurveStyle, canvas, cycled, place_legend
 from sim.parameters import BeltParameters
 
 #: Parameters that the captions of all three panels give.
@@ -30,9 +22,6 @@ NAMED = (
     "transient",
     "average",
 )
-
-#: Gives style and legend entry of a curve from the values that name it and its number.
-Look = Callable[[dict[str, object], int], tuple[CurveStyle, str]]
 
 
 def draw_panel(
@@ -64,16 +53,12 @@ def draw_curves(
     axes: Axes, rows: pd.DataFrame, along: str, keys: Sequence[str], look: Look
 ) -> None:
     """Draw the curves of a panel, see `draw_panel`."""
-    curves = split_curves(rows, along, keys, tuple(BeltParameters.model_fields))
-    seen: set[CurveStyle] = set()
-    for index, (names, curve) in enumerate(curves):
+
+    def look_and_extra(names: dict[str, object], index: int) -> tuple[CurveStyle, str]:
         style, label = look(names, index)
-        if style in seen:
-            # Another parameter tells these curves apart, which the paper's styles do not know.
-            style = cycled(index + len(MARKERS) // 2)
-        seen.add(style)
-        extra = {name: value for name, value in names.items() if name not in keys}
-        draw_curve(axes, curve, along, style, label + describe(extra))
+        return style, label + describe({name: names[name] for name in names if name not in keys})
+
+    draw_family(axes, rows, along, keys, tuple(BeltParameters.model_fields), look_and_extra)
     axes.axhline(0, color="#888888", linewidth=0.7, zorder=1)
     axes.set_xlim(left=-0.02 * rows[along].max())
     axes.set_ylabel("transport velocity $V_x$ (m/s)")

@@ -5,9 +5,10 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from sim.figures.family import draw_family
 from sim.figures.over_depth import NAMED, label, set_depth_axis
-from sim.figures.style import canvas, cycled, draw_curve, place_legend
-from sim.figures.summary import FigureData, split_curves
+from sim.figures.style import canvas, cycled, place_legend
+from sim.figures.summary import FigureData
 from sim.parameters import ChuteParameters
 
 __all__ = ["LEAD", "NAMED", "PAPER", "draw"]
@@ -32,13 +33,16 @@ def draw(data: FigureData) -> Figure:
     """Draw the figure."""
     rows = data.rows
     figure, axes = canvas()
-    curves = split_curves(
-        rows, "depth", ("restitution", "friction"), tuple(ChuteParameters.model_fields)
-    )
     ceiling = _ceiling(rows)
-    for index, (names, curve) in enumerate(curves):
-        inside = curve[~(curve["velocity"] > ceiling)]
-        draw_curve(axes, inside, "depth", cycled(index), label(names), ("accelerating",))
+    draw_family(
+        axes,
+        rows[~(rows["velocity"] > ceiling)],
+        "depth",
+        ("restitution", "friction"),
+        tuple(ChuteParameters.model_fields),
+        lambda names, index: (cycled(index), label(names)),
+        ("accelerating",),
+    )
     above = rows[rows["velocity"] > ceiling]
     set_depth_axis(axes, rows["depth"])
     axes.set_ylim(0, ceiling if above.empty else _BAND * ceiling)

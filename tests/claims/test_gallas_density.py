@@ -4,7 +4,14 @@ import numpy as np
 import pytest
 
 from sim.claims.gallas_density import chi_squared, g15, g16, g17, g18, g19, g20, largest_difference
-from sim.claims.verdict import INCONCLUSIVE, NOT_REPRODUCED, REPRODUCED, SIGMAS, Untestable
+from sim.claims.verdict import (
+    INCONCLUSIVE,
+    NOT_REPRODUCED,
+    REPORTED,
+    REPRODUCED,
+    SIGMAS,
+    Untestable,
+)
 from tests.claims.paper_belt import BEAD, checks_of, density, published, verdict_of
 
 FREQUENCIES = (10, 20, 60, 80)
@@ -161,4 +168,14 @@ def test_fewer_beads_at_the_belt_are_not_the_claim():
     loose = density(friction()[0].parameters)
     fewer = {(10, 10): lambda height: loose(height) * np.where(height < 2 * BEAD, 0.5, 1)}
     checks = checks_of(g20, friction(fewer))
-    assert [check.verdict for check in checks] == [REPRODUCED] * 3 + [NOT_REPRODUCED, REPRODUCED]
+    found = [check.verdict for check in checks]
+    assert found == [REPRODUCED, REPORTED] * 3 + [NOT_REPRODUCED, REPRODUCED]
+
+
+def test_a_gas_above_does_not_widen_the_layer():
+    gas = {(50, 100): lambda height: block(height) + 5e3 * (height < 60 * BEAD)}
+    checks = checks_of(g20, friction(gas))
+    widths = [check for check in checks if check.what.startswith("width of the layer")]
+    spreads = [check for check in checks if check.what.startswith("standard deviation")]
+    assert all(check.value > 0 for check in widths)
+    assert min(check.value for check in spreads) < 0
