@@ -173,7 +173,7 @@ def test_fewer_beads_at_the_belt_are_not_the_claim():
 
 
 def test_a_gas_above_does_not_widen_the_layer():
-    gas = {(50, 100): lambda height: block(height) + 5e3 * (height < 60 * BEAD)}
+    gas = {(50, 100): lambda height: block(height) + 5e4 * (height < 60 * BEAD)}
     checks = checks_of(g20, friction(gas))
     widths = [check for check in checks if check.what.startswith("width of the layer")]
     spreads = [check for check in checks if check.what.startswith("standard deviation")]
