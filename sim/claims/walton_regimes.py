@@ -145,10 +145,13 @@ def _arrested(place: Place) -> Check:
     """Return the check that a flow has come to rest.
 
     By the definition of that regime V/√(gσ) then stays below 1e-3 over half of the window, which is
-    50 √(σ/g) at least. A flow whose regime is not known is undecided.
+    50 √(σ/g) at least. One that flows without much change will not; one that slows is undecided.
     """
-    regimes = {"arrested": 1.0, "steady": 0.0, "accelerating": 0.0}
-    rests = regimes.get(place.regime, nan) if place["average"] >= LONG else nan
+    rests = nan
+    if place["average"] >= LONG and place.regime == "arrested":
+        rests = 1.0
+    elif place.regime == "accelerating" or is_settled(place):
+        rests = 0.0
     return above(f"at rest (1) or not (0), {_named(place)}", rests, 0.5, [place])
 
 

@@ -174,9 +174,11 @@ def test_a_base_flow_that_runs_away_fails():
     assert failed(checks_on(w19, [*swept(), runaway])) == ["dV/dt over g sin θ, μ = 0.4, n = 40"]
 
 
-def test_flows_without_a_regime_decide_nothing():
-    unknown = flow(3, {"regime": "undetermined"}, friction=0.9, depth=5)
-    assert verdict_on(w19, [*swept(), unknown]) == INCONCLUSIVE
+def test_flows_that_slow_decide_nothing_and_those_that_go_on_fail():
+    slowing = {"regime": "undetermined", "acceleration": -0.05}
+    assert verdict_on(w19, [*swept(), flow(3, slowing, friction=0.9, depth=5)]) == INCONCLUSIVE
+    going = {"regime": "undetermined", "acceleration": 1e-4}
+    assert verdict_on(w19, [*swept(), flow(3, going, friction=0.9, depth=5)]) == NOT_REPRODUCED
     with pytest.raises(Untestable, match="two frictions"):
         checks_on(w19, swept(arrested=(0.8,)))
 
