@@ -17,7 +17,7 @@ from uncertainties import UFloat
 from sim.claims.evidence import Evidence
 from sim.claims.lines import FLOWING, MARKERS, NONE, along, replicated
 from sim.claims.place import Place, measured
-from sim.claims.verdict import Check, Untestable, below, within
+from sim.claims.verdict import SIGMAS, Check, Untestable, below, within
 from sim.outcome import CONFIDENCE
 
 #: Pairs of damping and shear damping (g) whose onsets are compared.
@@ -61,8 +61,21 @@ def onset(evidence: Evidence, **where: object) -> Onset:
 
 
 def _from_scan(evidence: Evidence, **where: object) -> Onset:
+    """Return where the mean over beds passes 2 % of the belt's velocity for good.
+
+    The interval reaches as far as the frequency from which on it exceeds five standard errors.
+    """
     shares, line = _scan(evidence, **where)
-    return Onset(_joined(shares, _begins), tuple(line.values()))
+    found = _joined(shares, _begins)
+    mean, errors = shares.mean(), shares.std(ddof=1) / np.sqrt(shares.notna().sum())
+    unsure = mean.index[(mean <= ERRORS * errors.fillna(0)).to_numpy()]
+    clear = mean.index[mean.index > unsure.max()] if len(unsure) else mean.index
+    if not len(clear):
+        raise Untestable(f"beds are nowhere clear of rest up to {mean.index[-1]:g} Hz of the scan")
+    begins, half_width = found.nominal_value, SIGMAS * found.std_dev
+    if clear[0] > mean.index[mean.index > begins][0]:
+        half_width = max(half_width, float(clear[0]) - begins)
+    return Onset(measured(begins, half_width), tuple(line.values()))
 
 
 def _from_boundary(evidence: Evidence, **where: object) -> Onset:
@@ -109,8 +122,8 @@ def _joined(shares: pd.DataFrame, place: Callable[[pd.DataFrame], tuple[float, f
 
 def _begins(shares: pd.DataFrame) -> tuple[float, float]:
     """Return the frequency from which on beds are transported, and the step of the scan there."""
-    mean, errors = shares.mean(), shares.std(ddof=1) / np.sqrt(shares.notna().sum())
-    moves = ((mean > LEAST) & (mean > ERRORS * errors.fillna(0))).to_numpy()
+    mean = shares.mean()
+    moves = (mean > LEAST).to_numpy()
     frequencies, still = mean.index.to_numpy(), np.flatnonzero(~moves)
     if not still.size or still[-1] == len(moves) - 1:
         end = "lowest" if not still.size else "highest"
@@ -120,8 +133,7 @@ def _begins(shares: pd.DataFrame) -> tuple[float, float]:
     before = still[-1]
     low, high = frequencies[before : before + 2]
     under, over = mean.iloc[before], mean.iloc[before + 1]
-    share = (LEAST - under) / (over - under) if under < LEAST else 0.5
-    return float(low + share * (high - low)), float(high - low)
+    return float(low + (LEAST - under) / (over - under) * (high - low)), float(high - low)
 
 
 def belt_speed_along_x(place: Place) -> float:
@@ -133,12 +145,12 @@ def belt_speed_along_x(place: Place) -> float:
 def g3(evidence: Evidence) -> list[Check]:
     """The onset lies between 15 and 17 Hz at each of three angles."""
     return [
-        _onset_within(evidence, f"onset at {angle} degrees", 15, 17, vibration_angle=angle)
+        _beginswithin(evidence, f"onset at {angle} degrees", 15, 17, vibration_angle=angle)
         for angle in (30, 45, 60)
     ]
 
 
-def _onset_within(evidence: Evidence, what: str, low: float, high: float, **where: object) -> Check:
+def _beginswithin(evidence: Evidence, what: str, low: float, high: float, **where: object) -> Check:
     found = onset(evidence, **where)
     return within(what, found.frequency, low, high, found.places, "Hz")
 
@@ -158,14 +170,14 @@ def g5(evidence: Evidence) -> list[Check]:
     still, flowing = along(evidence, "frequency", (15, 20), amplitude=1.5).values()
     ratio = still.velocity / flowing.velocity
     return [
-        _onset_within(evidence, "onset at A_z = 1.5⟨d⟩", 15, 17, amplitude=1.5),
+        _beginswithin(evidence, "onset at A_z = 1.5⟨d⟩", 15, 17, amplitude=1.5),
         within("V(15 Hz)/V(20 Hz) at A_z = 1.5⟨d⟩", ratio, -NONE, NONE, (still, flowing)),
     ]
 
 
 def g6(evidence: Evidence) -> list[Check]:
     """At A_z = 0.5⟨d⟩ the onset lies between 17 and 19 Hz."""
-    return [_onset_within(evidence, "onset at A_z = 0.5⟨d⟩", 17, 19, amplitude=0.5)]
+    return [_beginswithin(evidence, "onset at A_z = 0.5⟨d⟩", 17, 19, amplitude=0.5)]
 
 
 def g7(evidence: Evidence) -> list[Check]:

@@ -61,7 +61,7 @@ def test_beds_that_differ_widen_the_interval():
         for point in early(16, replicates=4)
     ]
     value, half_width = found(spread)
-    assert 15.5 <= value < 16 and half_width >= 0.25
+    assert 15 < value < 15.5 and value + half_width >= 16
 
 
 def test_single_beds_that_creep_to_and_fro_are_no_transport():
@@ -99,14 +99,14 @@ def test_single_beds_of_a_refinement_are_no_scan():
     assert found([*early(16), *refined]) == found(early(16))
 
 
-def test_a_mean_that_is_not_clear_of_zero_is_no_transport():
+def test_a_mean_that_is_not_clear_of_rest_widens_the_interval():
     unsure = [0.1, -0.05, 0.1, -0.05, 0.1]
     points = [
         published({"velocity": unsure}, frequency=16) if point.parameters.frequency == 16 else point
         for point in early(16)
     ]
     value, half_width = found(points)
-    assert value == pytest.approx(16.25) and half_width >= 0.25
+    assert 15.5 < value < 16.5 and half_width >= 16.5 - value
 
 
 def test_boundaries_serve_where_they_tell_it_better():
