@@ -11,6 +11,7 @@ from benchmarks.peers.chute_input import chute_request, chute_state, frame_veloc
 from benchmarks.peers.client import Client
 from benchmarks.peers.settings import Settings
 from sim.observe.profiles import VOLUME, Profile, add_sample, empty_profile
+from sim.observe.sums import plus
 from sim.parameters import ChuteParameters
 from sim.systems import build
 
@@ -60,7 +61,7 @@ def _ours(p: ChuteParameters, replicate: int, lengths: list[int]) -> Iterator[St
             sample = system.advance()
             velocity[s], contacts[s] = sample["mean_velocity"], sample["contact_number"]
             present, _ = system.sample_profiles()
-            profile = present if profile is None else profile.plus(present)
+            profile = present if profile is None else plus(profile, present)
         yield Stretch(velocity, contacts, profile)
 
 

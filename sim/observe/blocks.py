@@ -1,8 +1,6 @@
 """Sums of profiles over successive blocks of samples: where to start can be decided later."""
 
-from sim.observe.profiles import Profile
-
-Profiles = tuple[Profile, ...]
+from sim.observe.sums import Sums, plus
 
 #: Blocks kept; when there are as many, each two become one.
 MOST = 64
@@ -15,12 +13,12 @@ class ProfileBlocks:
     """
 
     def __init__(self):
-        self.latest: Profiles | None = None
-        self._blocks: list[Profiles] = []
+        self.latest: Sums | None = None
+        self._blocks: list[Sums] = []
         self._length = 1
         self._filled = 0
 
-    def add(self, profiles: Profiles) -> None:
+    def add(self, profiles: Sums) -> None:
         """Add the profiles of one sample."""
         self.latest = profiles
         if self._filled == 0:
@@ -33,7 +31,7 @@ class ProfileBlocks:
             self._blocks = [_plus(first, second) for first, second in pairs]
             self._length *= 2
 
-    def since(self, start: int) -> Profiles | None:
+    def since(self, start: int) -> Sums | None:
         """Return the sums over all blocks that begin at sample ``start`` or later.
 
         At least the last block counts; ``None`` before the first sample.
@@ -47,5 +45,5 @@ class ProfileBlocks:
         return total
 
 
-def _plus(first: Profiles, second: Profiles) -> Profiles:
-    return tuple(mine.plus(theirs) for mine, theirs in zip(first, second, strict=True))
+def _plus(first: Sums, second: Sums) -> Sums:
+    return tuple(plus(mine, theirs) for mine, theirs in zip(first, second, strict=True))

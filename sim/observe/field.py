@@ -22,14 +22,6 @@ class Field(NamedTuple):
     count: np.ndarray
     moved: np.ndarray
 
-    def plus(self, other: "Field") -> "Field":
-        """Return the sums of both."""
-        return Field(*(mine + theirs for mine, theirs in zip(self, other, strict=True)))
-
-    def zeros(self) -> "Field":
-        """Return sums of the same shape without any sample."""
-        return Field(*(np.zeros_like(mine) for mine in self))
-
 
 class Squares(NamedTuple):
     """The squares: ``columns`` of ``width`` (m) along the belt, levels of ``height`` (m).

@@ -22,14 +22,6 @@ class Overlaps(NamedTuple):
 
     counts: np.ndarray
 
-    def plus(self, other: "Overlaps") -> "Overlaps":
-        """Return the counts of both together."""
-        return Overlaps(self.counts + other.counts)
-
-    def zeros(self) -> "Overlaps":
-        """Return counts of the same shape without any contact."""
-        return Overlaps(np.zeros_like(self.counts))
-
 
 def no_overlaps() -> Overlaps:
     """Return counts of zero."""

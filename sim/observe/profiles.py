@@ -25,14 +25,6 @@ class Profile(NamedTuple):
     relative: np.ndarray
     squared: np.ndarray
 
-    def plus(self, other: "Profile") -> "Profile":
-        """Return the sums of both."""
-        return Profile(*(mine + theirs for mine, theirs in zip(self, other, strict=True)))
-
-    def zeros(self) -> "Profile":
-        """Return sums of the same shape without any sample."""
-        return Profile(*(np.zeros_like(mine) for mine in self))
-
     def velocity(self) -> np.ndarray:
         """Return the mean velocity along x (m/s), not-a-number where there is no particle."""
         return _ratio(self.moved, self.weight)

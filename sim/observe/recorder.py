@@ -8,6 +8,7 @@ from sim.observe import stopping
 from sim.observe.blocks import ProfileBlocks
 from sim.observe.force_balance import base_forces
 from sim.observe.regime import FAILED, Trend, analyse
+from sim.observe.sums import zeros
 from sim.systems import System
 
 
@@ -147,15 +148,11 @@ class Recorder:
 
     def _add_profiles(self, record: Record) -> None:
         """Turn the sums into profiles; without a sample past the transient they are undefined."""
-        empty = tuple(profile.zeros() for profile in self.system.sample_profiles())
-        offset = self._start - self.system.parameters.transient_samples
-        for suffix, sums in (
-            ("", self._profiles.since(offset)),
-            ("_instantaneous", self._profiles.latest),
-        ):
-            with np.errstate(invalid="ignore", divide="ignore"):
-                profiles = self.system.profiles(sums or empty)
-            for name, values in profiles.items():
-                record.profiles[name + suffix] = values
+        empty = tuple(map(zeros, self.system.sample_profiles()))
+        window = self._profiles.since(self._start - self.system.parameters.transient_samples)
+        latest = self._profiles.latest
         with np.errstate(invalid="ignore", divide="ignore"):
-            record.tables = self.system.tables(self._profiles.since(offset) or empty)
+            for suffix, sums in (("", window), ("_instantaneous", latest)):
+                for name, values in self.system.profiles(sums or empty).items():
+                    record.profiles[name + suffix] = values
+            record.tables = self.system.tables(window or empty)

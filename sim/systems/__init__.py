@@ -5,8 +5,8 @@ from typing import Protocol
 import numpy as np
 
 from sim.observe.ledger import Ledger
-from sim.observe.profiles import Profile
 from sim.observe.regime import Scales
+from sim.observe.sums import Sums
 from sim.parameters import BeltParameters, Parameters
 
 
@@ -38,13 +38,13 @@ class System(Protocol):
     def advance(self) -> dict[str, float]:
         """Advance to the next sample and return a value per time series; may raise ``BlowUp``."""
 
-    def sample_profiles(self) -> tuple[Profile, ...]:
+    def sample_profiles(self) -> Sums:
         """Return the profiles of the present state as sums that can be added up."""
 
-    def profiles(self, sums: tuple[Profile, ...]) -> dict[str, np.ndarray]:
+    def profiles(self, sums: Sums) -> dict[str, np.ndarray]:
         """Turn sums of profiles into named arrays (H,)."""
 
-    def tables(self, sums: tuple[Profile, ...]) -> dict[str, np.ndarray]:
+    def tables(self, sums: Sums) -> dict[str, np.ndarray]:
         """Turn sums of profiles into what has other dimensions than height."""
 
     def trace(self) -> np.ndarray:

@@ -1,10 +1,9 @@
 """The vibrating belt of Gallas, Herrmann and Sokolowski: beads on a line that shakes."""
 
-from math import pi, radians, sqrt, tan
+from math import pi, radians, sqrt
 
 import numpy as np
 
-from sim.boundary.belt import Belt as BeltMotion
 from sim.boundary.belt import belt_state, stored_in_belt
 from sim.boundary.obstacle import Obstacle, stored_in_obstacle
 from sim.contact.spring_damping import spring_damping
@@ -18,14 +17,11 @@ from sim.observe.field import Field, squares, wave_power
 from sim.observe.profiles import AREA, CENTRE, Profile, add_sample, empty_profile
 from sim.observe.regime import Scales
 from sim.parameters import BeltParameters
-from sim.systems.packing import random_packing
+from sim.systems.belt_start import motion, start
 from sim.systems.series import BELT_LEDGER, BELT_SERIES
 
 #: Skin of the neighbor list in mean diameters.
 SKIN = 0.3
-
-#: Area fraction of the random initial state; random sequential addition saturates near 0.55.
-INITIAL_PACKING = 0.3
 
 #: Slices of the profiles, one mean diameter each.
 SLICES = 80
@@ -49,21 +45,14 @@ class Belt:
         self.settling_step = p.settling_step / refinement
         self.steps_per_cycle = p.steps_per_cycle * refinement
         self.sample_steps = p.sample_steps * refinement
-        rng = np.random.default_rng([p.seed, replicate])
-        spread = p.diameter_spread * p.diameter
-        diameter = rng.uniform(p.diameter - spread, p.diameter + spread, p.beads)
-        mass = p.mass * (diameter / p.diameter) ** 2
         width = p.width * p.diameter
         self.box = make_box(width)
-        layer = (pi / 4.0 * diameter**2).sum() / (INITIAL_PACKING * width)
-        height = max(layer, p.diameter + spread)
-        position = random_packing(self.box, height, 0.5 * diameter, rng)
-        self.fall_time = sqrt(2.0 * (height + p.diameter) / p.gravity)
-        position[:, 1] += self._lift()
+        bed = start(p, self.box, replicate)
+        self.fall_time = sqrt(2.0 * (bed.height + p.diameter) / p.gravity)
         self.disks = make_disks(
-            position, np.zeros_like(position), 0.5 * diameter, mass, self.settling_step
+            bed.position, np.zeros_like(bed.position), bed.radius, bed.mass, self.settling_step
         )
-        self.pairs = empty_pair_list(0.5 * diameter, 2, SKIN * p.diameter)
+        self.pairs = empty_pair_list(bed.radius, 2, SKIN * p.diameter)
         self.work = make_work(p.beads)
         self.law = spring_damping(
             p.stiffness * p.gravity * p.mass / p.diameter,
@@ -77,11 +66,11 @@ class Belt:
             z=p.amplitude * p.diameter,
             radius=0.5 * p.obstacle * p.diameter,
         )
-        self.motion = self._motion(2.0 * pi * p.frequency)
+        self.motion = motion(p, p.frequency)
         self.integrator = self._integrator(self.time_step)
         self.loop = shaking.make_shaking()
         self.scales = Scales(p.least_transport, acceleration=np.inf, drift=p.drift, target=p.target)
-        self.mass = float(mass.sum())
+        self.mass = float(bed.mass.sum())
         self.period = p.samples_per_cycle
         self.profile_height = (np.arange(SLICES) + 0.5) * p.diameter
         self.normal_loss, self.shear_loss, self.belt_work = 0.0, 0.0, 0.0
@@ -89,30 +78,10 @@ class Belt:
         self.coordinates = self.squares.coordinates() | {
             "path_time": (
                 "s",
-                "time since the path began, at phase zero of the belt",
+                "time since the path began, at the initial phase of the belt",
                 np.linspace(0.0, p.time_unit, PATH_INTERVALS + 1),
             ),
         }
-
-    def _lift(self) -> float:
-        """Return how far to raise the beads so that none overlaps the belt or the obstacle."""
-        p = self.parameters
-        belt = self._motion(0.0)
-        lift = belt_state(belt, 0.0)[0] + belt.surface
-        if p.obstacle > 0.0:
-            lift = max(lift, (p.amplitude + 0.5 * p.obstacle) * p.diameter)
-        return lift
-
-    def _motion(self, angular_frequency: float) -> BeltMotion:
-        """Return the belt vibrating at this frequency (1/s), or at rest in its initial phase."""
-        p = self.parameters
-        amplitude = p.amplitude * p.diameter
-        # Not tan(90°), which rounds to a finite number: a vertical vibration has A_x = 0.
-        slope = tan(radians(p.vibration_angle)) if p.vibration_angle < 90.0 else np.inf
-        surface = 0.5 * p.diameter if p.belt_ghost == "centred" else 0.0
-        return BeltMotion(
-            amplitude / slope, amplitude, float(angular_frequency), radians(p.phase), surface
-        )
 
     def _integrator(self, time_step: float):
         kind = {"gear": Gear, "verlet": Verlet}[self.parameters.integrator]
@@ -121,7 +90,7 @@ class Belt:
     def settle(self) -> None:
         """Let the beads fall onto the resting belt until their mean squared velocity is small."""
         p, step = self.parameters, self.settling_step
-        belt, integrator = self._motion(0.0), self._integrator(step)
+        belt, integrator = motion(self.parameters, 0.0), self._integrator(step)
         stretch = max(1, int(self.fall_time / step))
         squared = np.inf
         while squared >= p.settle_velocity_squared:
@@ -146,10 +115,10 @@ class Belt:
         prior_step = 1.0 / (p.prior_frequency * self.steps_per_cycle)
         restarted(self.disks.taylor, step, prior_step)
         self.loop = shaking.make_shaking()
-        motion = self._motion(2.0 * pi * p.prior_frequency)
+        before = motion(p, p.prior_frequency)
         for _ in range(p.prior_cycles):
             where = "of the shaking at the prior frequency"
-            self._run(self._integrator(prior_step), motion, self.steps_per_cycle, where)
+            self._run(self._integrator(prior_step), before, self.steps_per_cycle, where)
         return prior_step
 
     def _stop_free_drift(self) -> None:

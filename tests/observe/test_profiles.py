@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from sim.observe.profiles import AREA, CENTRE, VOLUME, add_sample, empty_profile
+from sim.observe.sums import plus, zeros
 
 SLICE = 0.25e-3
 TOTAL = {
@@ -100,7 +101,7 @@ def test_a_mean_velocity_that_changes_between_samples_is_no_temperature():
     height, radius, velocity = random_state()
     still = profile_of(VOLUME, height, radius, velocity)
     faster = profile_of(VOLUME, height, radius, velocity + np.array([7.0, 0, 0]))
-    both = still.plus(faster)
+    both = plus(still, faster)
     assert both.temperature() == pytest.approx(still.temperature(), rel=1e-9, nan_ok=True)
     assert both.samples[0] == 2.0
     mean = 0.5 * (still.velocity() + faster.velocity())
@@ -109,8 +110,8 @@ def test_a_mean_velocity_that_changes_between_samples_is_no_temperature():
 
 def test_zeros_of_a_profile_keep_its_shape():
     profile = profile_of(AREA, *random_state(dimension=2))
-    empty = profile.zeros()
+    empty = zeros(profile)
     assert all(
         not new.any() and new.shape == old.shape for new, old in zip(empty, profile, strict=True)
     )
-    assert all(np.array_equal(a, b) for a, b in zip(profile.plus(empty), profile, strict=True))
+    assert all(np.array_equal(a, b) for a, b in zip(plus(profile, empty), profile, strict=True))
