@@ -122,6 +122,7 @@ def _add(
 
 
 def require_same(point: Point, parameters: Parameters, source: str) -> None:
+    """Refuse parameters that have the id of another point; raises `InputError`."""
     if point.parameters != parameters:
         raise InputError(
             f"{source}: two different points have the id {point.id}; change either's seed"

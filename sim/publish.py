@@ -54,7 +54,9 @@ def publish(
         shutil.copyfile(folder / name, draft / name)
     for file in study.files:
         shutil.copyfile(file, draft / file.name)
-    text = json.dumps(provenance(folder / "dataset.nc"), indent=1, ensure_ascii=False)
+    text = json.dumps(
+        provenance(folder / "dataset.nc"), indent=1, ensure_ascii=False, allow_nan=False
+    )
     (draft / "provenance.json").write_text(text + "\n", encoding="utf-8")
     others = [
         path

@@ -69,21 +69,23 @@ class Judgement:
     @property
     def verdict(self) -> str:
         """The first decided verdict at the default reading; else inconclusive or untestable."""
+        if self._decided:
+            return self._decided[0].verdict
         found = [one.verdict for one in self._default]
-        decided = [verdict for verdict in found if verdict in (REPRODUCED, NOT_REPRODUCED)]
-        if decided:
-            return decided[0]
         return INCONCLUSIVE if INCONCLUSIVE in found else UNTESTABLE
 
     @property
     def decided_by(self) -> str:
         """Protocol whose runs give the verdict, empty where none decides."""
-        decided = [one for one in self._default if one.verdict in (REPRODUCED, NOT_REPRODUCED)]
-        return decided[0].protocol if decided else ""
+        return self._decided[0].protocol if self._decided else ""
 
     @property
     def _default(self) -> list[Variant]:
         return [one for one in self.variants if one.reading == DEFAULT]
+
+    @property
+    def _decided(self) -> list[Variant]:
+        return [one for one in self._default if one.verdict in (REPRODUCED, NOT_REPRODUCED)]
 
     @property
     def protocol_dependent(self) -> bool:
@@ -194,9 +196,8 @@ def as_mapping(judgements: list[Judgement], study: str) -> dict[str, Any]:
         "study": study,
         "claims": [
             {
-                **one.claim.model_dump(exclude={"judge", "needs"}),
+                **one.claim.model_dump(exclude={"judge"}),
                 "paper": one.claim.paper,
-                "needs": one.claim.needs,
                 "verdict": one.verdict,
                 "decided_by": one.decided_by,
                 "protocol_dependent": one.protocol_dependent,

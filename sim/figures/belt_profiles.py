@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
+from sim.figures import transport
 from sim.figures.caption import counted, points_text
 from sim.figures.columns import parameter_columns
 from sim.figures.family import Look
@@ -29,17 +30,7 @@ from sim.outcome import student_half_width
 from sim.parameters import BeltParameters
 
 #: Parameters that the captions of all six panels give.
-NAMED = (
-    "frequency",
-    "vibration_angle",
-    "amplitude",
-    "damping",
-    "shear_damping",
-    "beads",
-    "width",
-    "transient",
-    "average",
-)
+NAMED = ("frequency", *transport.NAMED)
 
 #: Number density (1/⟨d⟩²) of the emptiest slice at the top of a profile.
 THIN = 0.01
