@@ -3,7 +3,7 @@
 from matplotlib.figure import Figure
 
 from sim.figures import transport
-from sim.figures.style import DASH_DOT, SHORT_DASH, CurveStyle, cycled
+from sim.figures.style import CurveStyle, cycled
 from sim.figures.summary import FigureData
 
 NAMED = transport.NAMED
@@ -17,11 +17,6 @@ PAPER = (
     "for half a diameter); other damping coefficients give similar curves."
 )
 
-_AMPLITUDES = {
-    1.5: CurveStyle("#d55e00", DASH_DOT),
-    1.0: CurveStyle("#000000", "-"),
-    0.5: CurveStyle("#0072b2", SHORT_DASH),
-}
 _DAMPINGS = {
     (0.0, 50.0): CurveStyle("#009e73", "none", "^"),
     (10.0, 10.0): CurveStyle("#cc79a7", "none", "X"),
@@ -42,7 +37,7 @@ def _look(names: dict[str, object], index: int) -> tuple[CurveStyle, str]:
     damping = (names["damping"], names["shear_damping"])
     if damping == (50.0, 50.0):
         label = f"$A_z$ = {amplitude:g} ⟨d⟩"
-        return _AMPLITUDES.get(amplitude, cycled(index)), label
+        return transport.AMPLITUDES.get(amplitude, cycled(index)), label
     style = _DAMPINGS.get(damping, CurveStyle(cycled(index).colour, "none", cycled(index).marker))
     label = transport.pair(*damping)
     return style, label if amplitude == 1 else f"{label}, $A_z$ = {amplitude:g} ⟨d⟩"

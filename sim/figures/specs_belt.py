@@ -68,6 +68,22 @@ def _particles(panel: str, title: str, **where: Any) -> FigureSpec:
     return _figure(panel, title, where=_USUAL | where, particles=True)
 
 
+def _found(
+    name: str, place: str, title: str, axes: str, curves: str = "", **where: Any
+) -> FigureSpec:
+    """Return a figure that the paper describes but does not show."""
+    keys = {*axes.split(), *curves.split()}
+    return FigureSpec(
+        name=name,
+        paper=f"Gallas et al. (1992), {place}",
+        system="belt",
+        axes=tuple(axes.split()),
+        curves=tuple(curves.split()),
+        title=title,
+        where={key: value for key, value in _USUAL.items() if key not in keys} | where,
+    )
+
+
 BELT = (
     _flux("1a", "frequency for three angles of vibration", "frequency", "vibration_angle"),
     _flux(
@@ -117,6 +133,34 @@ BELT = (
         axes=("shear_damping", "protocol"),
         curves=("frequency",),
         title="Transport velocity against the shear friction coefficient under both protocols",
+    ),
+    _found(
+        "onset_acceleration",
+        "onset of the flow",
+        "Onset of transport against the acceleration of the belt",
+        "frequency",
+        "amplitude vibration_angle",
+    ),
+    _found(
+        "belt_void",
+        "void at the belt",
+        "Share of the beads within the belt's reach against frequency",
+        "frequency",
+        "amplitude",
+    ),
+    _found(
+        "belt_stiffness",
+        "stiffness of the beads",
+        "Transport velocity against the stiffness of the beads",
+        "stiffness",
+        "frequency",
+        frequency=(20, 50, 80),
+    ),
+    _found(
+        "density_waves",
+        "density waves",
+        "Density waves right after the start and later against frequency",
+        "frequency",
     ),
     FigureSpec(
         name="belt_onset",

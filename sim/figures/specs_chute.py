@@ -52,6 +52,14 @@ CHUTE = (
         where={"angle": 17, "friction": 0.4},
     ),
     _figure(
+        "overlaps",
+        "overlap of spheres",
+        "Overlap of touching spheres against depth of the flow",
+        "depth",
+        "stiffness",
+        where={"angle": 17, "friction": 0.4, "restitution": 0.85},
+    ),
+    _figure(
         "regimes_friction",
         "flow regimes",
         "Regimes over depth and friction",

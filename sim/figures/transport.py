@@ -8,7 +8,15 @@ from matplotlib.figure import Figure
 
 from sim.figures.caption import setting
 from sim.figures.family import Look, draw_family
-from sim.figures.style import LONG_DASH, CurveStyle, canvas, cycled, place_legend
+from sim.figures.style import (
+    DASH_DOT,
+    LONG_DASH,
+    SHORT_DASH,
+    CurveStyle,
+    canvas,
+    cycled,
+    place_legend,
+)
 from sim.parameters import BeltParameters
 
 #: Parameters that the captions of all three panels give.
@@ -22,6 +30,14 @@ NAMED = (
     "transient",
     "average",
 )
+
+
+#: Fig. 1b, and wherever else amplitudes are told apart.
+AMPLITUDES = {
+    1.5: CurveStyle("#d55e00", DASH_DOT),
+    1.0: CurveStyle("#000000", "-"),
+    0.5: CurveStyle("#0072b2", SHORT_DASH),
+}
 
 
 def draw_panel(

@@ -16,7 +16,7 @@ from sim.figures.summary import FigureData, figure_data
 from sim.parameters import BeltParameters
 from sim.results import load_results
 from sim.study import load_study
-from tests.factories import write_run
+from tests.factories import SAMPLES, write_run
 
 STUDY = """\
 study: made-belt
@@ -71,6 +71,14 @@ series:
     system: belt
     grid: {shear_damping: [0, 10, 50], frequency: [20, 50], protocol: [published, converged]}
     figures: [protocols_1c]
+  - name: onsets
+    system: belt
+    grid: {amplitude: [0.5, 1], frequency: [15, 20, 80]}
+    figures: [onset_acceleration, belt_void, density_waves]
+  - name: stiffness
+    system: belt
+    grid: {stiffness: [500, 1000, 2000], frequency: [20, 80]}
+    figures: [belt_stiffness]
 """
 
 SLICES = 30
@@ -100,6 +108,23 @@ def made_profiles(parameters: BeltParameters) -> dict[str, tuple]:
         "height": ("height", height, {"units": "m"}),
         "number_density": (dims, np.outer(1 + SPREAD, density * filled)),
         "velocity_profile": (dims, np.outer(1 + SPREAD, velocity)),
+    }
+
+
+def made_series(parameters: BeltParameters) -> dict[str, tuple]:
+    """Return a share of the beads near the belt, and waves twice as strong in the first 10 cycles.
+
+    Both are 1/f of the frequency f in Hz.
+    """
+    cycles = np.linspace(0, parameters.transient + parameters.average, SAMPLES + 1)[1:]
+    power = np.where(cycles <= 10, 2, 1) / parameters.frequency
+    dims = ("replicate", "time")
+    return {
+        "base_occupancy": (
+            dims,
+            np.outer(1 + SPREAD, np.full(SAMPLES, 1 / parameters.frequency)),
+        ),
+        "wave_power": (dims, np.outer(1 + SPREAD, power)),
     }
 
 
@@ -142,7 +167,7 @@ def make_dataset(folder: Path) -> Path:
     for point in study.points.values():
         parameters = point.parameters
         velocity = transport(parameters) / (1 + parameters.obstacle) * (1 + SPREAD)
-        arrays = made_profiles(parameters)
+        arrays = made_profiles(parameters) | made_series(parameters)
         if any(FIGURES[name].particles for name in point.figures):
             arrays |= made_particles(parameters)
         write_run(results / study.name / "runs", parameters, velocity, arrays=arrays)

@@ -22,7 +22,7 @@ series:
     grid: {depth: [1.24, 2.5, 5, 10, 20, 40]}
     figures:
       [walton_1_1, walton_1_2, walton_1_3, walton_1_4, walton_1_5, walton_1_6, shear_depth,
-       animation_rolling, animation_sheared, animation_plug]
+       overlaps, animation_rolling, animation_sheared, animation_plug]
   - name: longer
     system: chute
     base: {protocol: converged, replicates: 2}
@@ -36,7 +36,7 @@ series:
   - name: stiff
     system: chute
     grid: {stiffness: [1000], depth: [5, 10]}
-    figures: [shear_depth]
+    figures: [shear_depth, overlaps]
   - name: frictions
     system: chute
     grid: {friction: [0.2, 0.65, 0.8]}
@@ -63,6 +63,11 @@ def speed(parameters: Parameters) -> float:
 def shear_depth(depth: float) -> float:
     """Return the height of the shearing layer that is made up, m, for spheres of 1 mm."""
     return 1e-2 / depth
+
+
+def overlap(parameters: dict[str, float]) -> float:
+    """Return the median overlap that is made up, σ; one of a thousand contacts has ten times it."""
+    return 1e-4 * parameters["depth"] * 100 / parameters["stiffness"]
 
 
 def made_profiles(parameters: ChuteParameters) -> dict[str, tuple]:
@@ -131,10 +136,17 @@ def make_dataset(folder: Path) -> Path:
     path = build(study_path, results)
     with xr.open_dataset(path) as opened:
         dataset = opened.load()
-    depth = [[shear_depth(point)] for point in dataset["depth"].values]
+    rows = dataset[["depth", "stiffness"]].to_dataframe().to_dict("records")
+    median = np.array([overlap(row) for row in rows])
+    made = {
+        "shear_depth": np.array([shear_depth(row["depth"]) for row in rows]),
+        "median_overlap": median,
+        "overlap_999": 10 * median,
+    }
     spread = np.resize(1 + SPREAD, dataset.sizes["replicate"])
     completed = dataset["status"].values == "completed"
-    depths = np.where(completed, depth * spread, np.nan)
-    dataset["shear_depth"] = (("point", "replicate"), depths)
+    for name, values in made.items():
+        measure = np.where(completed, values[:, None] * spread, np.nan)
+        dataset[name] = (("point", "replicate"), measure)
     dataset.to_netcdf(path, mode="a")
     return path

@@ -7,6 +7,7 @@ import xarray as xr
 
 from sim.errors import InputError
 from sim.figures import FIGURES, draw, shear_depth
+from sim.figures.measures import measured
 from sim.figures.style import SETTINGS
 from sim.figures.summary import figure_data
 from sim.outcome import student_half_width
@@ -34,10 +35,11 @@ def test_every_material_is_a_curve_over_the_depths(data):
 
 
 def test_heights_have_students_interval_over_replicates(data):
-    rows = shear_depth.measured(data).set_index(["restitution", "stiffness", "depth"])
+    rows = measured(data, "shear_depth", "diameter")
+    rows = rows.set_index(["restitution", "stiffness", "depth"])
     several, single = rows.loc[(0.85, 100, 5)], rows.loc[(0.7, 100, 5)]
-    assert several["height_half_width"] == pytest.approx(student_half_width(2 * (1 + SPREAD)))
-    assert pd.isna(single["height_half_width"])
+    assert several["half_width"] == pytest.approx(student_half_width(2 * (1 + SPREAD)))
+    assert pd.isna(single["half_width"])
 
 
 def test_files_tell_units_and_the_claims(chute_dataset, tmp_path):
