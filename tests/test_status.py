@@ -3,81 +3,22 @@
 import json
 import os
 import signal
-import socket
 import subprocess
 import sys
 import time
-from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
 import pytest
 
-from sim.cli import main
 from sim.cost import PROCESS_TIME, estimate
 from sim.parameters import canonical, parse_point, point_id
-from sim.progress import Progress, progress_file, read_progress
-from sim.provenance import source_hash
-from sim.status import PointStatus, StudyStatus, survey
-from sim.status_table import as_json, as_text
-from sim.study import load_study
+from sim.progress import read_progress
+from sim.status_table import as_text
 from sim.warm import warm
-from tests.factories import FAILURE, write_run
+from tests.factories import FAILURE
+from tests.made_study import BOUNDED, EARLIER, LATER, STUDY, Folder
 
 ROOT = Path(__file__).parents[1]
-
-STUDY = """\
-study: made
-title: A made-up study
-series:
-  - {name: flows, system: chute, grid: {depth: [1, 2, 3]}}
-  - {name: beds, system: belt, grid: {frequency: [20, 30]}}
-"""
-NOW = datetime.now(UTC)
-EARLIER = NOW - timedelta(days=400)
-LATER = NOW + timedelta(days=400)
-
-
-class Folder:
-    """A study without results, and ways to give it some."""
-
-    def __init__(self, root: Path, text: str = STUDY):
-        self.file = root / "made.yaml"
-        self.file.write_text(text)
-        self.results = root / "results"
-        self.runs = self.results / "made" / "runs"
-        self.study = load_study(self.file, self.results)
-        self.ids = list(self.study.points)
-
-    def finish(self, key: str, **how) -> Path:
-        how = {"source_hash": source_hash()} | how
-        return write_run(self.runs, self.study.points[key].parameters, **how)
-
-    def say(self, key: str, **changes) -> Path:
-        """Write the progress file of a run of this process that is halfway."""
-        said = {
-            "point": key,
-            "done": 500,
-            "total": 1000,
-            "at_most": False,
-            "particles": 100,
-            "rate": 5e3,
-            "elapsed": 10.0,
-            "started": NOW,
-            "updated": datetime.now(UTC),
-            "expires": datetime.now(UTC) + timedelta(seconds=100),
-            "pid": os.getpid(),
-            "host": socket.gethostname(),
-        }
-        self.runs.mkdir(parents=True, exist_ok=True)
-        path = progress_file(self.runs / f"{key}.nc")
-        path.write_text(Progress(**said | changes).model_dump_json())
-        return path
-
-    def survey(self) -> StudyStatus:
-        return survey(self.study, self.results)
-
-    def state(self, key: str) -> str:
-        return self.survey().points[key].state
 
 
 @pytest.fixture
@@ -239,13 +180,6 @@ def test_time_left_of_runs_that_may_end_early_is_a_bound(tmp_path):
     assert "time left at most" in text and "at most 10.0 s" in text
 
 
-#: A study with rounds of refinement.
-BOUNDED = (
-    "study: made\nboundaries: [{name: b, system: chute, of: flow, along: friction, "
-    "range: [0.3, 0.8], tolerance: 0.05}]"
-)
-
-
 def test_points_of_later_rounds_belong_to_the_study(tmp_path):
     folder = Folder(tmp_path, BOUNDED)
     extra = parse_point({"system": "chute", "depth": 2.5}, "test")
@@ -254,95 +188,6 @@ def test_points_of_later_rounds_belong_to_the_study(tmp_path):
     (rounds / "1.json").write_text(json.dumps({point_id(extra): canonical(extra)}))
     (rounds / "9.json").write_text("of another study")
     assert list(folder.survey().points) == [*folder.ids, point_id(extra)]
-
-
-def screenful(points: int) -> StudyStatus:
-    said = {"at_most": True, "particles": 1000, "rate": 45e6, "elapsed": 4000.0, "pid": 1}
-    said |= {"done": 1, "total": 10**12, "started": NOW, "updated": NOW, "expires": NOW}
-    name = "chute-depth5-friction0.4-restitution0.85-stiffness100-tangential_exponent0.5-{:08x}"
-    made = {}
-    for index in range(points):
-        key = name.format(index)
-        progress = Progress(point=key, host="here", **said)
-        made[f"{key[:-8]}a{key[-7:]}"] = PointStatus("running", 1, progress=progress)
-        made[f"{key[:-8]}b{key[-7:]}"] = PointStatus("failed", 1, reason=f"{FAILURE} " * 5)
-    return StudyStatus("made", "A made-up study", made, 1e6, 1e4, True)
-
-
-def test_text_is_one_aligned_screenful():
-    status = screenful(100)
-    lines = as_text(status, 80).splitlines()
-    assert len(lines) <= 24
-    assert max(map(len, lines)) <= 80
-    table = [line for line in lines if " running " in line and "points" not in line]
-    assert len(table) == 8
-    assert len({len(line) for line in table}) == 1
-    assert "and 92 more" in lines and "and 95 more" in lines
-    assert table[0].split("  ")[0].endswith("-a0000000")
-    assert "45.0" in table[0]
-    assert next(iter(status.points)) in as_text(status)
-
-
-def test_a_study_that_is_over_says_what_it_took(folder):
-    for key in folder.ids:
-        folder.finish(key)
-    status = folder.survey()
-    assert status.is_over and status.left == 0.0
-    assert as_text(status) == "made: A made-up study\n5 points: 5 done\n\ncore time 7.5 s"
-
-
-def test_json_holds_every_point(folder):
-    folder.finish(folder.ids[0])
-    folder.finish(folder.ids[1], failed=[0])
-    folder.say(folder.ids[2])
-    document = json.loads(as_json(folder.survey()))
-    assert document["counts"]["waiting"] == 2
-    assert [point["id"] for point in document["points"]] == folder.ids
-    _, failed, running, *_ = document["points"]
-    assert failed["reason"] == FAILURE
-    assert (running["done"], running["total"], running["seconds_left"]) == (500, 1000, 10.0)
-    assert document["seconds_left"] > 0
-
-
-def test_the_command_shows_a_study_until_it_is_over(folder, capsys):
-    for key in folder.ids:
-        folder.finish(key)
-    options = ["--results", str(folder.results)]
-    assert main(["status", str(folder.file), *options, "--watch", "5"]) == 0
-    assert "5 points: 5 done" in capsys.readouterr().out
-    assert main(["status", str(folder.file), *options, "--format", "json"]) == 0
-    assert json.loads(capsys.readouterr().out)["counts"]["done"] == 5
-
-
-def test_the_study_is_the_default_one_when_none_is_named(tmp_path, capsys):
-    assert main(["status", "--results", str(tmp_path)]) == 0
-    assert capsys.readouterr().out.startswith("quick: ")
-
-
-@pytest.mark.parametrize(
-    ("arguments", "words"),
-    [
-        (["none.yaml"], "none.yaml: no such file"),
-        (["--watch", "0"], "--watch: got 0; allowed: a number in [1, 86400]"),
-        (["--watch", "nan"], "--watch: got nan; allowed: a number in [1, 86400]"),
-        (["--results", "README.md"], "README.md is not a folder"),
-    ],
-)
-def test_mistakes_give_one_line(arguments, words, capsys):
-    assert main(["status", *arguments]) == 2
-    (line,) = capsys.readouterr().err.splitlines()
-    assert line.startswith("error: ") and words in line
-
-
-@pytest.mark.parametrize("content", ["[", "[1]", '{"extra": {"system": "chute", "depth": -1}}'])
-def test_an_unreadable_round_gives_one_line(tmp_path, capsys, content):
-    folder = Folder(tmp_path, BOUNDED)
-    rounds = folder.results / "made" / "rounds"
-    rounds.mkdir(parents=True)
-    (rounds / "1.json").write_text(content)
-    assert main(["status", str(folder.file), "--results", str(folder.results)]) == 2
-    (line,) = capsys.readouterr().err.splitlines()
-    assert "1.json" in line
 
 
 def test_a_killed_run_was_interrupted(tmp_path):

@@ -1,0 +1,104 @@
+"""The study files in config/, and studies made of parts."""
+
+import re
+from pathlib import Path
+
+import pytest
+import yaml
+
+from sim.errors import InputError
+from sim.figures import FIGURES
+from sim.study import load_study, parse_study
+
+CONFIG = Path(__file__).parents[1] / "config"
+
+HEADLINES = ["walton_2", "gallas_1a", "gallas_1b", "gallas_1c"]
+REGIMES = [name for name, spec in FIGURES.items() if spec.regimes]
+
+
+@pytest.mark.parametrize(
+    ("name", "figures"), [("quick", HEADLINES), ("paper", list(FIGURES)), ("regimes", REGIMES)]
+)
+def test_shipped_studies_feed_their_figures(name, figures, tmp_path):
+    study = load_study(CONFIG / f"{name}.yaml", tmp_path)
+    assert study.name == name
+    assert set(study.figures) >= set(figures)
+    if name != "paper":  # whose controls of claims feed none
+        assert set().union(*study.figures.values()) == set(study.points)
+
+
+def test_shipped_studies_share_points_between_figures(tmp_path):
+    study = load_study(CONFIG / "quick.yaml", tmp_path)
+    a, b, c = (set(study.figures[f"gallas_1{panel}"]) for panel in "abc")
+    assert a & b and b & c
+    assert len(study.points) < sum(map(len, study.series.values()))
+
+
+def test_the_paper_study_has_the_papers_sizes(tmp_path):
+    study = load_study(CONFIG / "paper.yaml", tmp_path)
+    points = [p.parameters for p in study.points.values()]
+    bracketing = {name for name in study.series if name.startswith("onset")}
+    belts = [
+        p.parameters
+        for p in study.points.values()
+        if p.parameters.system == "belt" and not bracketing & set(p.series)
+    ]
+    assert all(p.replicates >= 3 and p.transient >= 45 and p.average >= 45 for p in belts)
+    figured = [p for p in belts if (p.beads, p.width) == (200, 20)]
+    assert len(figured) > 250 and sum(p.replicates >= 5 for p in figured) > 200
+    chutes = [p for p in points if p.system == "chute"]
+    assert {(p.depth, p.cell) for p in chutes} >= {(10, 10), (20, 5), (40, 5)}
+    assert {p.stiffness for p in chutes} == {100, 1000, 10_000}
+    base = [study.points[key].parameters for key in study.series["base"]]
+    assert all(p.replicates >= 3 for p in base if p.depth <= 10)
+
+
+def test_a_study_has_the_points_of_its_parts(tmp_path):
+    whole = load_study(CONFIG / "paper.yaml", tmp_path)
+    halves = [
+        load_study(CONFIG / f"paper_{paper}.yaml", tmp_path) for paper in ("walton", "gallas")
+    ]
+    assert whole.points == halves[0].points | halves[1].points
+    assert whole.series == halves[0].series | halves[1].series
+    assert whole.figures == halves[0].figures | halves[1].figures
+    assert len(whole.boundaries) == sum(len(half.boundaries) for half in halves)
+
+
+def test_points_and_figures_of_parts_join_those_of_the_study(tmp_path):
+    series = (
+        "series: [{name: NAME, system: belt, grid: {frequency: [20, 30]}, figures: [gallas_1a]}]"
+    )
+    (tmp_path / "one.yaml").write_text("study: one\n" + series.replace("NAME", "a"))
+    path = tmp_path / "two.yaml"
+    path.write_text("study: two\nparts: [one.yaml]\n" + series.replace("NAME", "b"))
+    study = load_study(path, tmp_path)
+    assert len(study.points) == 2 and set(study.series) == {"a", "b"}
+    assert all(point.series == ("b", "a") for point in study.points.values())
+    assert study.figures == {"gallas_1a": tuple(study.points)}
+
+
+@pytest.mark.parametrize(
+    ("part", "message"),
+    [
+        ("absent.yaml", "absent.yaml"),
+        ("nested.yaml", "parts[0]: got 'nested.yaml'; allowed: a study without parts of its own"),
+        ("same.yaml", "series b: got 'same.yaml'; allowed: a part without a series of a name"),
+        ("bad.yaml", "bad.yaml: series[0].base.frequency: got -1"),
+    ],
+)
+def test_a_part_that_cannot_be_used_is_named(part, message, tmp_path):
+    one = "series: [{name: b, system: belt, base: {frequency: FREQUENCY}}]"
+    (tmp_path / "nested.yaml").write_text("study: n\nparts: [same.yaml]")
+    (tmp_path / "same.yaml").write_text("study: s\n" + one.replace("FREQUENCY", "20"))
+    (tmp_path / "bad.yaml").write_text("study: s\n" + one.replace("FREQUENCY", "-1"))
+    path = tmp_path / "study.yaml"
+    path.write_text(f"study: x\nparts: [{part}]\n" + one.replace("FREQUENCY", "30"))
+    with pytest.raises(InputError, match=re.escape(message)):
+        load_study(path, tmp_path)
+
+
+@pytest.mark.parametrize("name", ["quick", "paper", "paper_walton", "paper_gallas", "regimes"])
+def test_shipped_studies_mean_the_same_to_any_yaml_reader(name, tmp_path):
+    path = CONFIG / f"{name}.yaml"
+    plain = parse_study(yaml.safe_load(path.read_text()), path, tmp_path)
+    assert plain.points == load_study(path, tmp_path).points
