@@ -76,9 +76,14 @@ def read_run(path: Path, shown: bool = False) -> Gathered:
         }
         return Gathered(
             run[kept].load().assign(made),
-            run[[name for name in OVER_HEIGHT if name in run]].assign(columns(run)).load(),
+            _single(run[[name for name in OVER_HEIGHT if name in run]].assign(columns(run))),
             _state(run) if shown else None,
         )
+
+
+def _single(arrays: xr.Dataset) -> xr.Dataset:
+    """Return arrays in single precision: seven digits, of which statistics know three."""
+    return arrays.load().astype(np.float32)
 
 
 def _described(name: str) -> dict[str, str]:
@@ -92,7 +97,7 @@ def _state(run: xr.Dataset) -> xr.Dataset | None:
     if not completed.size or "position" not in run:
         return None
     one = run[[name for name in STATE if name in run]].isel(replicate=completed[0])
-    return one.isel(frame=-1).load().astype(np.float32).reset_coords(drop=True)
+    return _single(one.isel(frame=-1)).reset_coords(drop=True)
 
 
 def profiles(runs: Sequence[Gathered], replicates: int) -> xr.Dataset:

@@ -8,6 +8,8 @@ import xarray as xr
 
 from sim.errors import InputError
 from sim.figures import FIGURES
+from sim.report.gallery import beside
+from sim.report.page import write
 from sim.stored import reading
 from sim.study import load_study
 
@@ -15,7 +17,7 @@ from sim.study import load_study
 PUBLISHED = Path("results/published")
 
 #: What a published study consists of besides its figures.
-NEEDED = ("report.html", "dataset.nc", "claims.json", "claims.csv")
+NEEDED = ("dataset.nc", "claims.json", "claims.csv")
 
 #: Largest size of all published studies together, bytes.
 LARGEST = 25_000_000
@@ -27,8 +29,8 @@ def publish(
     """Copy report, figures, dataset and verdicts of a study to ``<target>/<study>``.
 
     The study file and those of its parts go with them, and ``provenance.json``: versions, hash of
-    the engine's sources, dates and cost. What was published of the study before is replaced after
-    all is copied.
+    the engine's sources, dates and cost. The report links its figures, which would be there twice
+    otherwise. What was published of the study before is replaced after all is copied.
 
     Returns
     -------
@@ -58,6 +60,7 @@ def publish(
         provenance(folder / "dataset.nc"), indent=1, ensure_ascii=False, allow_nan=False
     )
     (draft / "provenance.json").write_text(text + "\n", encoding="utf-8")
+    write(study, draft, beside)
     others = [
         path
         for path in target.iterdir()

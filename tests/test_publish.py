@@ -1,6 +1,8 @@
 """Publishing: what readers need, whole, and small enough for a repository."""
 
 import json
+import re
+from pathlib import Path
 
 import pytest
 
@@ -8,7 +10,9 @@ from sim import publish
 from sim.cli import main
 from sim.errors import InputError
 from sim.figures import FIGURES
+from sim.study import load_study
 from tests.factories import make_study
+from tests.report.made import write_claims
 
 
 @pytest.fixture
@@ -17,8 +21,10 @@ def finished(tmp_path):
     study, results = make_study(tmp_path)
     folder = results / "made"
     (folder / "figures").mkdir()
-    for name in ("report.html", "claims.json", "claims.csv", *pictures(), "figures/old.svg"):
-        (folder / name).write_text(name)
+    made = {".svg": '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 4 3"/>', ".csv": "a\n1\n"}
+    for name in ("report.html", "claims.csv", *pictures(), "figures/old.svg"):
+        (folder / name).write_text(made.get(Path(name).suffix, name))
+    write_claims(folder / "claims.json", list(load_study(study, results).points))
     assert main(["dataset", str(study), "--results", str(results)]) == 0
     return study, results
 
@@ -47,13 +53,25 @@ def test_everything_a_reader_needs_is_there(finished, tmp_path):
     assert origin["from"] <= origin["to"] and origin["core hours"] > 0
 
 
+def test_the_report_links_its_figures_and_holds_everything_else(finished, tmp_path):
+    output = publish.publish(*finished, tmp_path / "published")
+    page = (output / "report.html").read_text()
+    linked = set(re.findall(r'(?:src|href)="(?!#|data:)([^"]*)"', page))
+    assert linked == {f"figures/{name}" for name in shown()}
+    assert all((output / name).is_file() for name in linked)
+
+
+def shown() -> list[str]:
+    return [Path(name).name for name in pictures() if Path(name).suffix in (".svg", ".csv")]
+
+
 def test_publishing_again_replaces_all_of_it(finished, tmp_path):
     study, results = finished
     output = publish.publish(study, results, tmp_path / "published")
     (output / "figures" / "old.svg").write_text("old")
-    (results / "made" / "report.html").write_text("new")
+    (results / "made" / "claims.csv").write_text("new")
     publish.publish(study, results, tmp_path / "published")
-    assert (output / "report.html").read_text() == "new"
+    assert (output / "claims.csv").read_text() == "new"
     assert not (output / "figures" / "old.svg").exists()
     assert [path.name for path in (tmp_path / "published").iterdir()] == ["made"]
 
@@ -74,8 +92,8 @@ def test_too_much_is_refused_and_what_was_published_stays(finished, tmp_path, mo
     (target / "other").mkdir()
     (target / "other" / "report.html").write_bytes(bytes(2000))
     monkeypatch.setattr(publish, "LARGEST", publish.size(target / "made") + 1500)
-    (results / "made" / "report.html").write_text("new")
+    (results / "made" / "claims.csv").write_text("new")
     assert main(options) == 2
     assert "allowed: at most" in capsys.readouterr().err
-    assert (target / "made" / "report.html").read_text() == "report.html"
+    assert (target / "made" / "claims.csv").read_text() == "a\n1\n"
     assert {path.name for path in target.iterdir()} == {"made", "other"}

@@ -1,4 +1,4 @@
-"""The report of a study: one HTML file that needs nothing beside it."""
+"""The report of a study: one HTML file."""
 
 from sim.report.page import build, render
 

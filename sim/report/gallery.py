@@ -1,7 +1,7 @@
-"""Figures and animations as the report embeds them."""
+"""Figures and animations as the report shows them."""
 
 import base64
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -30,8 +30,15 @@ _BROAD = 1.8
 _TOLD = 3
 
 
+#: Gives the address under which a page finds a file.
+Address = Callable[[Path], str]
+
+
 def figure_entries(
-    names: Iterable[str], folder: Path, claims: Sequence[Mapping[str, Any]]
+    names: Iterable[str],
+    folder: Path,
+    claims: Sequence[Mapping[str, Any]],
+    address: Address,
 ) -> list[dict[str, Any]]:
     """Return what the report shows of figures, in their order, each with the claims it belongs to.
 
@@ -43,6 +50,8 @@ def figure_entries(
         Folder of their files.
     claims : sequence of mapping
         Claims with their ``id`` and the names of their ``figures``.
+    address : callable
+        `data_uri`, which puts the files into the page, or `beside`, which links them.
 
     Raises
     ------
@@ -51,7 +60,7 @@ def figure_entries(
     """
     return [
         {
-            **figure_entry(name, folder),
+            **figure_entry(name, folder, address),
             "claims": [
                 claim["id"]
                 for claim in claims
@@ -62,8 +71,8 @@ def figure_entries(
     ]
 
 
-def figure_entry(name: str, folder: Path) -> dict[str, Any]:
-    """Return what the report shows of one figure, its files as data URIs.
+def figure_entry(name: str, folder: Path, address: Address) -> dict[str, Any]:
+    """Return what the report shows of one figure, its files by their addresses.
 
     An animation has its first picture in place of the figure, and ``animation`` beside it.
     """
@@ -78,21 +87,21 @@ def figure_entry(name: str, folder: Path) -> dict[str, Any]:
         "title": spec.title,
         "paper": spec.paper,
         "caption": caption,
-        "data": data_uri(files[".csv"]),
+        "data": address(files[".csv"]),
     }
     if spec.animated:
         return entry | {
             "group": "Animations",
             "alt": f"{spec.title}: first picture of an animation, {held}.",
             "broad": False,
-            "picture": data_uri(files[".png"]),
-            "animation": data_uri(files[".gif"]),
+            "picture": address(files[".png"]),
+            "animation": address(files[".gif"]),
         }
     return entry | {
         "group": spec.paper.partition(",")[0],
         "alt": f"{spec.title}: {held}.",
         "broad": _is_broad(files[".svg"]),
-        "picture": data_uri(files[".svg"]),
+        "picture": address(files[".svg"]),
     }
 
 
@@ -129,3 +138,8 @@ def data_uri(path: Path) -> str:
     with reading(path, _KINDS[path.suffix], replaceable=True):
         content = base64.b64encode(path.read_bytes()).decode("ascii")
     return f"data:{_MEDIA[path.suffix]};base64,{content}"
+
+
+def beside(path: Path) -> str:
+    """Return where a page finds a file of a figure in the folder ``figures`` beside it."""
+    return f"figures/{path.name}"

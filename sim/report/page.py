@@ -12,7 +12,7 @@ from sim import __version__
 from sim.cost import duration
 from sim.files import replacing
 from sim.report.claims import REPORTED, VERDICTS, claim_rows, counts, read_claims
-from sim.report.gallery import figure_entries, headline
+from sim.report.gallery import Address, data_uri, figure_entries, headline
 from sim.report.runs import boundary_rows, parameter_rows, run_rows
 from sim.results import Results, load_results
 from sim.study import Study, load_study
@@ -45,12 +45,28 @@ def build(study_path: str | Path, results: str | Path = "results") -> Path:
         When the dataset or a file of a figure is missing or damaged, naming it.
     """
     study = load_study(study_path, results)
-    folder = Path(results) / study.name
+    return write(study, Path(results) / study.name, data_uri)
+
+
+def write(study: Study, folder: Path, address: Address) -> Path:
+    """Write ``report.html`` into a folder with what it shows.
+
+    Parameters
+    ----------
+    study : Study
+        The study.
+    folder : Path
+        Holds its dataset, its verdicts and its ``figures``.
+    address : callable
+        Puts figures into the page or links them, see `sim.report.gallery.figure_entries`.
+    """
     found = load_results(folder / "dataset.nc")
-    page = render(study, found, folder / "figures", read_claims(folder / "claims.json"))
+    claims = read_claims(folder / "claims.json")
     output = folder / "report.html"
     with replacing(output) as temporary:
-        temporary.write_text(page, encoding="utf-8")
+        temporary.write_text(
+            render(study, found, folder / "figures", claims, address), encoding="utf-8"
+        )
     return output
 
 
@@ -59,6 +75,7 @@ def render(
     results: Results,
     figures: Path,
     claims: list[dict[str, Any]],
+    address: Address,
 ) -> str:
     """Return the report as HTML text.
 
@@ -72,6 +89,8 @@ def render(
         Folder of its figures.
     claims : list of dict
         Its claims with their verdicts, as `sim.claims.judge` writes them; empty if not judged.
+    address : callable
+        As for `write`.
     """
     environment = jinja2.Environment(
         loader=jinja2.FileSystemLoader(TEMPLATES),
@@ -84,7 +103,7 @@ def render(
     dataset = results.dataset
     runs = run_rows(dataset)
     rows = claim_rows(claims, {run["point"]: run["number"] for run in runs}, study.figures)
-    entries = figure_entries(study.figures, figures, rows)
+    entries = figure_entries(study.figures, figures, rows, address)
     return environment.get_template("report.html.j2").render(
         study=study,
         study_files={file.name: file.read_text(encoding="utf-8") for file in study.files},

@@ -17,6 +17,7 @@ from sim.dataset import build as build_dataset
 from sim.figures import FIGURES, FigureSpec, draw
 from sim.report import render
 from sim.report.claims import read_claims
+from sim.report.gallery import data_uri
 from sim.results import load_results
 from sim.study import load_study
 from tests.factories import make_study
@@ -152,6 +153,7 @@ def make_page(folder: Path) -> Path:
             replace(load_results(made / "dataset.nc"), boundaries=pd.DataFrame([FOUND])),
             made / "figures",
             read_claims(made / "claims.json"),
+            data_uri,
         )
     path = made / "report.html"
     path.write_text(page, encoding="utf-8")
