@@ -1,6 +1,7 @@
 """What is published: its verdicts follow from its dataset, and its flows can be had again."""
 
 import json
+import re
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +13,7 @@ from sim.gathered import read_run
 from sim.outcome import outcome
 from sim.parameters import SYSTEMS, parse_point, point_id
 from sim.publish import LARGEST, PUBLISHED, size
+from sim.report.claims import VERDICTS, counts, read_claims
 from sim.results import load_results
 from sim.run import run_point
 
@@ -38,6 +40,30 @@ def test_verdicts_follow_from_the_dataset(study):
         {one["id"]: one["verdict"] for one in each["claims"]} for each in (published, again)
     ]
     assert verdicts[0] == verdicts[1]
+
+
+@pytest.mark.parametrize("study", STUDIES, ids=name)
+def test_the_readme_counts_the_verdicts(study):
+    claims = read_claims(study / "claims.json")
+    ((paper, found),) = counts(claims).items()
+    numbers = " | ".join(str(found[verdict]) for verdict in VERDICTS)
+    line = f"]({study.relative_to(ROOT)}/report.html) | {numbers} |"
+    assert line in (ROOT / "README.md").read_text(encoding="utf-8"), f"{paper}: {line}"
+
+
+@pytest.mark.parametrize("study", STUDIES, ids=name)
+def test_claims_that_do_not_simply_hold_are_explained(study):
+    """Each has a heading or a line of a table in docs/findings.md."""
+    text = (ROOT / "docs" / "findings.md").read_text(encoding="utf-8")
+    explained = set(re.findall(r"\b([WG]\d+)\b", text))
+    open_ = {
+        claim["id"]
+        for claim in read_claims(study / "claims.json")
+        if claim["verdict"] != "reproduced"
+        or claim["protocol_dependent"]
+        or claim["reading_dependent"]
+    }
+    assert open_ <= explained, sorted(open_ - explained)
 
 
 @pytest.mark.long
