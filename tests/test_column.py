@@ -1,4 +1,4 @@
-"""The column of beads that explains the belt's onset: at rest, above the onset, in the limit of one bead."""
+"""The column of beads that explains the onset on the belt, in its limits."""
 
 from math import pi, sqrt
 
