@@ -65,8 +65,11 @@ def is_flowing(place: Place) -> bool:
 
 
 def is_settled(place: Place) -> bool:
-    """Return whether a flow moves, does not accelerate, and changes V by < 10 % over the window."""
-    if not is_flowing(place) or place.regime == "accelerating":
+    """Return whether a flow moves, does not accelerate, and changes V by < 10 % over the window.
+
+    All of its replicates do: regimes that contradict each other are none.
+    """
+    if not is_flowing(place) or place.regime in ("accelerating", "mixed"):
         return False
     return _change(place) < DRIFT * abs(place.velocity.nominal_value)
 
@@ -88,9 +91,10 @@ def of_trend(check: Check, place: Place) -> Check:
 
 
 def _change(place: Place) -> float:
-    """Return by how much the mean velocity (m/s) changes over the shortest window."""
-    window = place["average"] * (place["diameter"] / place["gravity"]) ** 0.5
-    return abs(float(np.mean(place.values("acceleration")))) * window
+    """Return by how much the velocity (m/s) changes over the window, root mean square over runs."""
+    end = place.values("steps") * place.values("time_step_used")
+    change = place.values("acceleration") * (end - place.values("average_start"))
+    return float(np.sqrt(np.mean(change**2)))
 
 
 def repeated(line: Mapping[float, Place], replicates: int = 2) -> dict[float, Place]:

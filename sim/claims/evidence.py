@@ -69,12 +69,20 @@ class Evidence:
         }
 
     def boundary(
-        self, system: str, of: str, along: str, *, seeds: bool = False, **where: Any
+        self,
+        system: str,
+        of: str,
+        along: str,
+        *,
+        seeds: bool = False,
+        any_protocol: bool = False,
+        **where: Any,
     ) -> UFloat:
         """Return a boundary found by refinement; its interval is the bracket.
 
         Boundaries that differ in nothing but the seed are joined, see `sim.claims.starts`. With
-        ``seeds`` the interval is endless where none of the kind was looked for from two seeds.
+        ``seeds`` the interval is endless where none of the kind was looked for from two seeds. With
+        ``any_protocol`` it may be one of the other protocol.
         Raises `Untestable` when the study looks for no such boundary, and `Unbounded` when it does
         but one seed at least has none: without those beyond the range the others would agree too
         well.
@@ -82,7 +90,9 @@ class Evidence:
         rows = self._results.boundaries
         if len(rows):
             same = (rows["system"] == system) & (rows["of"] == of) & (rows["along"] == along)
-            rows = rows[same & (rows["protocol"] == self.protocol)]
+            rows = rows[same & (any_protocol | (rows["protocol"] == self.protocol))]
+        if any_protocol and len(rows):
+            where = {"protocol": rows["protocol"].iloc[0]} | where
         chosen = rows[self._matching(rows, system, where, along)] if len(rows) else rows
         if chosen.empty:
             raise Untestable(f"no boundary of {of} along {along} at {_text(where)}")

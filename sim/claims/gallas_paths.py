@@ -1,7 +1,7 @@
 """Judges of Gallas' claims about the paths of the beads over one cycle."""
 
 from itertools import pairwise
-from math import pi
+from math import pi, sqrt
 
 from uncertainties import UFloat, umath
 
@@ -13,8 +13,11 @@ from sim.claims.verdict import Check, Untestable, above, within
 #: Diameter (⟨d⟩) of the obstacle of Fig. 7.
 OBSTACLE = 1.5
 
-#: A path that comes round has a drift below this share of its extent.
+#: A path that comes round has a drift below this share of its long axis, or of its height.
 CLOSED = 0.1
+
+#: Length of the axis of an ellipse over the rms extent along it.
+FULL = 2 * sqrt(2)
 
 #: Short over long axis of a path that can be told from a line.
 OVAL = 0.05
@@ -46,16 +49,16 @@ def more_tilted(one: Place, other: Place, what: str) -> Check:
 def g24(evidence: Evidence) -> list[Check]:
     """Fig. 4, panel by panel, from drift, axes, tilt and height of the paths.
 
-    a: closed, not a line, and more tilted with a steeper vibration; b: still more tilted, by more
-    than 75 degrees; c: drifting, and higher for their drift than d; e: no drift to speak of,
-    vertical.
+    a: closed (the drift against the whole long axis), not a line, and more tilted with a steeper
+    vibration; b: still more tilted, by more than 75 degrees; c: drifting, and higher for their
+    drift than d; e: no drift to speak of, vertical.
     """
     ellipse, sinusoid, stream = along(evidence, "frequency", (10, 20, 80)).values()
     steeper = evidence.at("belt", frequency=10, vibration_angle=60)
     sliding = evidence.at("belt", frequency=10, shear_damping=1)
     vertical = evidence.at("belt", frequency=80, shear_damping=0)
     drift = {place: place.value("path_drift") for place in (ellipse, sinusoid, vertical)}
-    closed = drift[ellipse] / ellipse.value("path_major")
+    closed = drift[ellipse] / (FULL * ellipse.value("path_major"))
     axes = ellipse.value("path_minor") / ellipse.value("path_major")
     flatter = height_over_drift(sinusoid) - height_over_drift(stream)
     still = drift[vertical] / vertical.value("path_vertical")
@@ -68,7 +71,11 @@ def g24(evidence: Evidence) -> list[Check]:
         above("c: drift per cycle", drift[sinusoid] * 1e3, 0, (sinusoid,), "mm"),
         above("c less d: height of the paths over their drift", flatter, 0, (sinusoid, stream)),
         within(
-            "e: drift per cycle over the height of the paths", still, -CLOSED, CLOSED, (vertical,)
+            "e: drift per cycle over the rms height of the paths",
+            still,
+            -CLOSED,
+            CLOSED,
+            (vertical,),
         ),
         steep(vertical, "e: tilt"),
     ]

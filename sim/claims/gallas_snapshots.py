@@ -10,10 +10,8 @@ from sim.claims.evidence import Evidence
 from sim.claims.lines import along
 from sim.claims.place import Place
 from sim.claims.verdict import Check, above, below, within
+from sim.measures.belt import EMPTY
 from sim.measures.layers import level
-
-#: Share of the beads within A_z of the mean belt position below which there is a void.
-EMPTY = 0.02
 
 #: Velocity about the mean of all beads, over the belt's, below which they move as one.
 AS_ONE = 0.1

@@ -20,11 +20,11 @@ from sim.claims.verdict import (
     Untestable,
     together,
 )
-from sim.figures.caption import setting
 from sim.files import replacing
 from sim.parameters import SYSTEMS
 from sim.results import Results, load_results
 from sim.study import load_study
+from sim.wording import setting
 
 #: Protocols in the order in which a decided one sets the verdict on a claim.
 PROTOCOLS = ("converged", "published")

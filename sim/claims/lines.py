@@ -39,7 +39,12 @@ def replicated(line: dict[float, Place]) -> dict[float, Place]:
 
 
 def common_beds(places: Sequence[Place]) -> list[np.ndarray]:
-    """Return per place which of its completed beds are known at all places, in the same order."""
+    """Return per place which of its completed beds are known at all places, in the same order.
+
+    Beds of places that start from different seeds are different ones.
+    """
+    if len({place["seed"] for place in places}) > 1:
+        return [np.arange(0) for _ in places]
     numbers = [place.values("replicate_seed") for place in places]
     shared = reduce(np.intersect1d, numbers)
     return [np.flatnonzero(np.isin(each, shared)) for each in numbers]

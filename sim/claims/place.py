@@ -73,6 +73,11 @@ class Place:
             return inf if self.completed else 0.0
         return float(np.nansum(self._completed["independent_samples"].values))
 
+    @property
+    def freedom(self) -> float:
+        """Degrees of freedom of intervals: those over replicates, or within a single one."""
+        return max(1.0, self.samples - 1) if self.completed == 1 else self.completed - 1.0
+
     @cached_property
     def velocity(self) -> UFloat:
         """Mean velocity (m/s)."""

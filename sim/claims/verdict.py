@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from math import inf, isfinite
 from typing import TYPE_CHECKING
 
-from scipy.special import ndtri
+from scipy.special import stdtrit
 from uncertainties import UFloat
 
 if TYPE_CHECKING:
@@ -26,6 +26,9 @@ SIGMAS = 1.96
 
 #: Fewer independent samples than this decide nothing.
 TOO_FEW = 8
+
+#: Degrees of freedom from which on Student's distribution is the normal one.
+_MANY = 1e6
 
 
 class Untestable(Exception):
@@ -55,6 +58,8 @@ class Check:
         Points measured.
     samples : float
         Independent samples behind the poorest of these points; infinite for exact experiments.
+    freedom : float
+        Degrees of freedom of the interval, those of the poorest of these points.
     """
 
     what: str
@@ -65,6 +70,7 @@ class Check:
     unit: str = ""
     points: tuple[str, ...] = ()
     samples: float = inf
+    freedom: float = inf
 
     @property
     def verdict(self) -> str:
@@ -82,9 +88,11 @@ class Check:
         """Return whether the quantity is clear of the allowed range as one of several checks.
 
         One of many checks fails by chance more often than a single one, so the interval widens
-        with their number (Bonferroni).
+        with their number (Bonferroni), the more the fewer replicates it comes from.
         """
-        half_width = self.half_width * ndtri(1 - 0.025 / number) / ndtri(1 - 0.025)
+        freedom = min(self.freedom, _MANY)
+        wider = stdtrit(freedom, 1 - 0.025 / number) / stdtrit(freedom, 1 - 0.025)
+        half_width = self.half_width * float(wider)
         return self.value + half_width <= self.low or self.value - half_width >= self.high
 
 
@@ -99,7 +107,7 @@ def within(
     """Return the check that a quantity lies between two thresholds.
 
     ``measured`` has a standard deviation that stands for its 95 % interval, see
-    `sim.claims.evidence.Place`; a plain number is exact.
+    `sim.claims.place.Place`; a plain number is exact.
     """
     places = tuple(places)
     return Check(
@@ -111,6 +119,7 @@ def within(
         unit=unit,
         points=tuple(dict.fromkeys(place.id for place in places)),
         samples=min((place.samples for place in places), default=inf),
+        freedom=min((place.freedom for place in places), default=inf),
     )
 
 

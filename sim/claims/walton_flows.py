@@ -1,6 +1,8 @@
 """Judges of Walton's claims about flows as a whole: velocity and depth, energy, forces."""
 
 from dataclasses import replace
+from functools import cache
+from itertools import permutations
 from math import inf, nan, radians, tan
 
 import numpy as np
@@ -15,6 +17,9 @@ from sim.claims.verdict import Check, Untestable, above, below, within
 
 #: Largest energy that a ledger may lack, relative to what was turned over.
 LEDGER = 0.005
+
+#: Largest number of values of which all orders are counted.
+COUNTED = 9
 
 #: Samples of the velocities from which the interval of a rank correlation is taken.
 DRAWS = 4000
@@ -76,10 +81,19 @@ def _rank_correlation(rows: np.ndarray) -> np.ndarray:
     return 1 - 6 * (apart**2).sum(axis=1) / (number * (number**2 - 1))
 
 
+@cache
 def _chance(number: int) -> float:
-    """Return the least rank correlation of this many pairs with p < 0.05."""
-    t = stdtrit(number - 2, 0.975)
-    return float(t / np.sqrt(number - 2 + t**2))
+    """Return a threshold above which a rank correlation of this many pairs has p < 0.05.
+
+    Two-sided, of all orders where they can be counted.
+    """
+    if number > COUNTED:
+        t = stdtrit(number - 2, 0.975)
+        return float(t / np.sqrt(number - 2 + t**2))
+    found = _rank_correlation(np.array(list(permutations(range(number)))))
+    values, times = np.unique(np.round(found, 9), return_counts=True)
+    above_or_at = times[::-1].cumsum()[::-1] / len(found)
+    return float(values[2 * above_or_at >= 0.05].max() + 1e-6)
 
 
 def w24(evidence: Evidence) -> list[Check]:

@@ -10,8 +10,9 @@ from sim.figures.summary import FigureData
 LEAD = (
     "Frequency f at which transport begins on the vibrating belt against the vertical amplitude "
     "A_z: intervals found by refinement, joined by a line. Dotted: the acceleration of the belt "
-    "reaches that of gravity, Γ = 4π²f²A_z/g = 1. Transport is a mean velocity above 2 % of the "
-    "velocity amplitude of the belt and above 5 standard errors."
+    "reaches that of gravity, Γ = 4π²f²A_z/g = 1. Transport is where the 95 % interval of every "
+    "bed's mean velocity lies above 2 % of the velocity amplitude of the belt along x, no "
+    "transport where it lies below."
 )
 NAMED = (
     "vibration_angle",

@@ -3,13 +3,13 @@
 import pandas as pd
 from matplotlib.figure import Figure
 
-from sim.claims.gallas_snapshots import EMPTY
 from sim.figures import transport
-from sim.figures.caption import setting
 from sim.figures.measures import measure_notes as notes
 from sim.figures.measures import measure_table, measured
 from sim.figures.style import CurveStyle, canvas, cycled, place_legend
 from sim.figures.summary import FigureData
+from sim.measures.belt import EMPTY
+from sim.wording import setting
 
 __all__ = ["LEAD", "NAMED", "PAPER", "draw", "notes", "table"]
 

@@ -7,9 +7,7 @@ from typing import Any
 import pandas as pd
 
 from sim.figures.style import undecided
-from sim.parameters import SYSTEMS, field_info
-
-_UNITS = {"1": "", "degree": "°", "N m-1": " N/m", "m s-2": " m/s²", "Hz": " Hz"}
+from sim.wording import quantity
 
 _REGIMES = {
     "accelerating": "still accelerating",
@@ -19,28 +17,10 @@ _REGIMES = {
 }
 
 
-def quantity(system: str, name: str, values: Sequence[object]) -> str:
-    """Write ``symbol = value unit`` for one or several values of a parameter.
-
-    >>> quantity("belt", "frequency", [20.0, 50.0])
-    'f = 20, 50 Hz'
-    """
-    row = field_info(SYSTEMS[system])[name]
-    numbers = ", ".join(f"{value:.4g}" for value in sorted(set(values)))
-    unit = _UNITS.get(row.unit, f" {row.unit}")
-    scale = "g" if row.scale == "g" else f" {row.scale}" if row.scale else ""
-    return f"{row.symbol} = {numbers}{unit}{scale}"
-
-
 def velocity_text(row: Mapping[str, Any]) -> str:
     """Write the mean velocity of a point with its 95 % interval, if there is one."""
     interval = f" ± {row['half_width']:.2g}" if isfinite(row["half_width"]) else ""
     return f"{row['velocity']:.3g}{interval} m/s"
-
-
-def setting(system: str, name: str, value: object) -> str:
-    """Write one value of a parameter, choices by name: ``θ = 16°``, ``integrator verlet``."""
-    return f"{name} {value}" if isinstance(value, str) else quantity(system, name, [value])
 
 
 def parameters_sentence(rows: pd.DataFrame, system: str, names: Sequence[str]) -> str:

@@ -9,12 +9,13 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from sim.errors import InputError
-from sim.figures.caption import setting, velocity_text
+from sim.figures.caption import velocity_text
 from sim.figures.configuration import LARGEST_PORTION, Scene
 from sim.figures.style import COLOURS, DOTTED, place_legend
 from sim.figures.summary import FigureData, split_curves
 from sim.outcome import student_half_width
 from sim.parameters import ChuteParameters
+from sim.wording import setting
 
 #: Parameters that all six captions give.
 NAMED = (

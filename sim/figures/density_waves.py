@@ -1,13 +1,17 @@
 """Density waves on the belt against frequency: right after the start, and later."""
 
+from functools import partial
+
 import pandas as pd
 from matplotlib.figure import Figure
 
 from sim.figures import transport
+from sim.figures.family import draw_family
 from sim.figures.measures import measure_notes as notes
 from sim.figures.measures import measure_table, measured
-from sim.figures.style import LONG_DASH, CurveStyle, canvas, draw_curve, place_legend
+from sim.figures.style import LONG_DASH, CurveStyle, canvas, place_legend
 from sim.figures.summary import FigureData
+from sim.parameters import BeltParameters
 
 __all__ = ["LEAD", "NAMED", "PAPER", "draw", "notes", "table"]
 
@@ -37,12 +41,25 @@ def draw(data: FigureData) -> Figure:
     """Draw the figure."""
     figure, axes = canvas()
     for name, (style, entry, _) in _MEASURES.items():
-        draw_curve(axes, measured(data, name).sort_values("frequency"), "frequency", style, entry)
+        draw_family(
+            axes,
+            measured(data, name),
+            "frequency",
+            ("protocol",),
+            tuple(BeltParameters.model_fields),
+            partial(_look, style, entry),
+        )
     axes.set_ylim(bottom=0)
     axes.set_xlabel("frequency f (Hz)")
     axes.set_ylabel("power of long density waves")
     place_legend(figure, axes)
     return figure
+
+
+def _look(
+    style: CurveStyle, entry: str, names: dict[str, object], _: int
+) -> tuple[CurveStyle, str]:
+    return style, entry + transport.describe(names)
 
 
 def table(data: FigureData) -> pd.DataFrame:

@@ -13,8 +13,8 @@ LEAD = (
     "coefficients (γ, γ_s)."
 )
 PAPER = (
-    "The paper: larger amplitudes transport faster and start at about the same 16 Hz (18 Hz "
-    "for half a diameter); other damping coefficients give similar curves."
+    "The paper: all curves jump up and then grow monotonically; beads start to flow at about 16 Hz "
+    "for amplitudes of 1 and 1.5 ⟨d⟩, at about 18 Hz for half a diameter, whatever the damping."
 )
 
 _DAMPINGS = {

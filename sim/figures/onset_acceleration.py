@@ -4,14 +4,14 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from sim.claims.gallas_onset import LEAST
 from sim.figures import transport
-from sim.figures.caption import setting
 from sim.figures.columns import parameter_columns
 from sim.figures.family import draw_family
 from sim.figures.style import CurveStyle, canvas, cycled, place_legend
 from sim.figures.summary import FigureData
+from sim.measures.belt import LEAST_TRANSPORT
 from sim.parameters import BeltParameters
+from sim.wording import setting
 
 NAMED = ("frequency", *transport.NAMED)
 LEAD = (
@@ -55,7 +55,7 @@ def draw(data: FigureData) -> Figure:
     keys = ("amplitude", "vibration_angle")
     draw_family(axes, data.rows, "acceleration_ratio", keys, names, _look)
     axes.axvline(1, color="#888888", linestyle=":", linewidth=0.9, zorder=1)
-    axes.axhline(LEAST, color="#888888", linestyle=":", linewidth=0.9, zorder=1)
+    axes.axhline(LEAST_TRANSPORT, color="#888888", linestyle=":", linewidth=0.9, zorder=1)
     axes.set_xlabel("acceleration of the belt Γ = $4π^2 f^2 A_z/g$")
     axes.set_ylabel("$V_x / (A_x 2πf)$")
     place_legend(figure, axes)

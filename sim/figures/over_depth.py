@@ -5,7 +5,7 @@ from collections.abc import Iterable, Mapping
 from matplotlib.axes import Axes
 from matplotlib.ticker import FixedLocator, NullLocator
 
-from sim.figures.caption import setting
+from sim.wording import setting
 
 #: Parameters that their captions give.
 NAMED = (

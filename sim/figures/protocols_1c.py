@@ -10,13 +10,10 @@ NAMED = transport.NAMED
 LEAD = (
     "Transport velocity V_x of the beads against the shear friction coefficient γ_s, for several "
     "frequencies f of the belt: left from runs of the published length, right from runs that go on "
-    "until the mean velocity has converged."
+    "until the mean velocity has converged. Where the panels differ, runs of the published length "
+    "are too short."
 )
-PAPER = (
-    "The paper: the flux rises rapidly up to γ_s = 10g and only gently from there on. Where the "
-    "panels differ, runs of the published length were too short, and what they show is "
-    "protocol-dependent."
-)
+PAPER = "The paper: the flux rises rapidly up to γ_s = 10g and only gently from there on."
 
 
 def draw(data: FigureData) -> Figure:

@@ -7,10 +7,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullLocator
 
-from sim.figures.caption import setting
 from sim.figures.style import DASHES, canvas
 from sim.figures.summary import split_curves
 from sim.parameters import SYSTEMS
+from sim.wording import setting
 
 #: Marker, colour and whether it is filled, of the regimes in the order of the legend.
 MARKS = {

@@ -6,7 +6,6 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from sim.figures.caption import setting
 from sim.figures.family import Look, draw_family
 from sim.figures.style import (
     DASH_DOT,
@@ -18,6 +17,7 @@ from sim.figures.style import (
     place_legend,
 )
 from sim.parameters import BeltParameters
+from sim.wording import setting
 
 #: Parameters that the captions of all three panels give.
 NAMED = (

@@ -6,7 +6,7 @@ LEAD = chute_row.lead(20)
 NAMED = chute_row.NAMED
 PAPER = (
     "The paper: an almost uniformly dense, crystalline region without shear rides over a thin "
-    "layer that shears and is less dense; the layer is thinner than at depth 10."
+    "layer that shears and is less dense; the layer tends to be thinner the deeper the flow."
 )
 
 draw, table, notes = chute_row.draw, chute_row.table, chute_row.notes

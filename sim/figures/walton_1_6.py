@@ -6,8 +6,8 @@ LEAD = chute_row.lead(40)
 NAMED = chute_row.NAMED
 PAPER = (
     "The paper: an almost uniformly dense, crystalline region without shear rides over a layer "
-    "that shears and is less dense, the thinnest of all; the flow is the fastest and depends "
-    "most on the stiffness of the spheres."
+    "that shears and is less dense. Layers tend to be thinner, and flows faster, the deeper they "
+    "are; flows deeper than 10 depend much on the stiffness of the spheres."
 )
 
 draw, table, notes = chute_row.draw, chute_row.table, chute_row.notes

@@ -22,8 +22,7 @@ LEAD = (
 PAPER = (
     "The paper: the mean velocity tends to increase with depth; flows of one to two particles per "
     "σ² are the slowest, and those of half a particle per σ² accelerate without bound; the more "
-    "elastic spheres flow slower and have a deeper shearing layer at the bottom; stiffer spheres "
-    "flow slower in flows deeper than 10 per σ², and alike in flows of less than 5."
+    "elastic spheres flow slower and have a deeper shearing layer at the bottom."
 )
 _HEADROOM = 1.05
 _BAND = 1.14

@@ -7,11 +7,11 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from sim.figures.caption import setting
 from sim.outcome import outcome
 from sim.parameters import SYSTEMS, field_info
 from sim.report.numbers import finite, measured
 from sim.study import Study
+from sim.wording import setting
 
 
 def run_rows(dataset: xr.Dataset) -> list[dict[str, Any]]:

@@ -97,6 +97,8 @@ def made_point(
     usual = {"velocity": own, "velocity_error": own / 2, "velocity_half_width": own}
     usual |= {
         "steps": np.full(replicates, float(point.steps)),
+        "time_step_used": np.full(replicates, point.time_step),
+        "average_start": np.full(replicates, point.transient * point.time_unit),
         "replicate_seed": np.arange(replicates),
     }
     values = usual | values

@@ -102,6 +102,7 @@ def test_what_is_written_is_plain_json_and_one_row_per_check():
         "unit": "",
         "points": ["p"],
         "samples": 50.0,
+        "freedom": None,
         "verdict": REPRODUCED,
     }
     assert first["variants"][1]["checks"][0]["samples"] is None

@@ -12,7 +12,7 @@ from tests.claims.made import spread
 class Somewhere:
     """A place with samples enough."""
 
-    id, samples = "somewhere", 100.0
+    id, samples, freedom = "somewhere", 100.0, 4.0
 
 
 def found(values, error=0.01, rising=True) -> list[str]:

@@ -1,8 +1,11 @@
 """Checks: which verdict follows from a value, its interval, its thresholds and its samples."""
 
+from dataclasses import replace
 from math import inf, nan
 
+import numpy as np
 import pytest
+from scipy.special import stdtrit
 from uncertainties import ufloat
 
 from sim.claims.verdict import (
@@ -58,6 +61,7 @@ def test_helpers_turn_standard_deviations_into_intervals():
 
 HOLDS, FAILS, OPEN = (Check("x", value, 0.1, 0.0, 1.0) for value in (0.5, 2.0, 1.0))
 BARELY = Check("x", 1.11, 0.1, 0.0, 1.0)
+CLEARLY = Check("x", 1.3, 0.1, 0.0, 1.0)
 TOLD = Check("x", 1.0, inf, -inf, inf)
 
 
@@ -70,6 +74,8 @@ TOLD = Check("x", 1.0, inf, -inf, inf)
         ([HOLDS, TOLD], REPRODUCED),
         ([BARELY], NOT_REPRODUCED),
         ([BARELY, *[HOLDS] * 9], INCONCLUSIVE),
+        ([CLEARLY, *[HOLDS] * 9], NOT_REPRODUCED),
+        ([replace(CLEARLY, freedom=1), *[HOLDS] * 9], INCONCLUSIVE),
         ([TOLD], INCONCLUSIVE),
         ([], INCONCLUSIVE),
     ],
@@ -80,3 +86,17 @@ def test_all_checks_must_hold_and_one_must_fail_as_one_of_so_many(checks, verdic
 
 def test_what_is_only_reported_decides_nothing():
     assert TOLD.verdict == REPORTED
+
+
+def test_few_replicates_seldom_fail_by_chance_however_many_checks_there_are():
+    """Of twenty quantities that are all at the edge, one in twenty claims fails at most."""
+    rng, claims = np.random.default_rng(5), 400
+    values = rng.normal(size=(claims, 20, 3))
+    means, errors = values.mean(axis=2), values.std(axis=2, ddof=1) / np.sqrt(3)
+    widths = stdtrit(2, 0.975) * errors
+    failed = 0
+    for mean, width in zip(means, widths, strict=True):
+        pairs = zip(mean, width, strict=True)
+        checks = [Check("x", each, half, 0.0, inf, freedom=2.0) for each, half in pairs]
+        failed += together(checks) == NOT_REPRODUCED
+    assert failed / claims < 0.05

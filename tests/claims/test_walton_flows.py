@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from sim.claims.verdict import INCONCLUSIVE, NOT_REPRODUCED, REPRODUCED, Untestable
-from sim.claims.walton_flows import w5, w9, w24, w26
+from sim.claims.walton_flows import _chance, w5, w9, w24, w26
 from tests.claims.judging import checks_on, failed, verdict_on
 from tests.claims.made import made_point
 from tests.claims.walton_made import SLOPE, SPEEDS, base_flows, flow
@@ -65,6 +65,12 @@ def test_velocities_without_order_fail_and_close_ones_decide_nothing():
     assert verdict_on(w9, base_flows(falling)) == NOT_REPRODUCED
     close = dict(zip(depths, [8, 8.2, 8.1, 8.3, 8.2, 8.5, 8.4, 8.6, 8.3, 8.7], strict=True))
     assert verdict_on(w9, base_flows(close, scatter=0.1)) == INCONCLUSIVE
+
+
+@pytest.mark.parametrize(("number", "least"), [(6, 0.886), (7, 0.786), (8, 0.738), (9, 0.700)])
+def test_chance_is_counted_among_all_orders(number, least):
+    """Tables of Spearman's rank correlation give the least value with p ≤ 0.05."""
+    assert _chance(number) < least < _chance(number) + 0.06
 
 
 def test_a_drift_counts_as_uncertainty():

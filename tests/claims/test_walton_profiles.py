@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
+from sim.claims.place import joined
 from sim.claims.verdict import INCONCLUSIVE, NOT_REPRODUCED, REPRODUCED, Untestable
-from sim.claims.walton_profiles import w10, w11, w12, w13, w14, w17, w18
+from sim.claims.walton_profiles import _densest_inner, w10, w11, w12, w13, w14, w17, w18
 from tests.claims.judging import checks_on, failed, verdict_on
 from tests.claims.made import SCATTER
 from tests.claims.walton_made import PACKING, SIZE, SLOPE, SPEEDS, UNIT, base_flows, bent, flow
@@ -117,6 +118,23 @@ def test_maximum_of_the_packing_inside(peak, scatter, verdict):
         for n in (3.5, 5, 10)
     ]
     assert verdict_on(w13, flows) == verdict
+
+
+def test_the_densest_of_even_layers_is_not_clear_of_them():
+    rng = np.random.default_rng(2)
+    gained = []
+    for _ in range(2000):
+        rows = rng.normal(size=(3, 8))
+        differences = _densest_inner(rows) - rows[:, 0]
+        gained.append(joined(differences).nominal_value > 1.96 * joined(differences).std_dev)
+    assert np.mean(gained) == pytest.approx(0.025, abs=0.012)
+
+
+def test_a_maximum_inside_needs_three_layers():
+    flat = np.where(np.arange(200) < 6, 0.5, 0.0)
+    flows = [shaped(n, packing=lambda z: flat) for n in (3.5, 5, 10)]
+    with pytest.raises(Untestable, match="three layers"):
+        checks_on(w13, flows)
 
 
 @pytest.mark.parametrize("missing", [3.5, 5, 10])

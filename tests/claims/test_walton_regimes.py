@@ -9,7 +9,7 @@ from sim.claims.verdict import INCONCLUSIVE, NOT_REPRODUCED, REPRODUCED, Untesta
 from sim.claims.walton_regimes import SLIPPERY, STARTED, w6, w7, w8, w19, w23, w25
 from tests.claims.judging import checks_on, failed, verdict_on
 from tests.claims.made import made_boundary
-from tests.claims.walton_made import PAPER, SLOPE, SPEEDS, WIDE, base_flows, flow
+from tests.claims.walton_made import PAPER, SLOPE, SPEEDS, UNIT, WIDE, base_flows, flow
 
 TANGENT = tan(radians(PAPER.angle))
 
@@ -122,6 +122,16 @@ def test_thin_flows_that_drift_or_are_fast_fail():
     assert verdict_on(w8, base_flows(scatter=0.2)) == INCONCLUSIVE
 
 
+def test_a_least_depth_of_the_other_protocol_counts():
+    outside = [one | {"protocol": "converged"} for one in from_two_seeds(1.5)]
+    assert failed(checks_on(w8, base_flows(), outside)) == ["least depth of a steady flow"]
+
+
+def test_thin_flows_must_be_slower_than_every_deeper_one():
+    unsure = flow(6, depth=7, scatter=0.6)
+    assert verdict_on(w8, [*base_flows(), unsure]) == INCONCLUSIVE
+
+
 def test_thin_flows_must_be_three_and_long():
     with pytest.raises(Untestable, match="1 ≤ n ≤ 2"):
         checks_on(w8, base_flows({1: 4.2, 1.24: 4.4, 2.5: 5, 5: 8, 10: 15}))
@@ -183,6 +193,21 @@ def test_flows_that_slow_decide_nothing_and_those_that_go_on_fail():
         checks_on(w19, swept(arrested=(0.8,)))
 
 
+@pytest.mark.parametrize("other", ["undetermined", "steady"])
+def test_replicates_that_do_not_all_rest_decide_nothing(other):
+    regimes = ["arrested", "arrested", "arrested", other]
+    halting = flow([0, 0, 0, 0.3], {"regime": regimes}, friction=0.9, depth=5, replicates=4)
+    assert verdict_on(w19, [*swept(), halting]) == INCONCLUSIVE
+
+
+def test_drifts_of_replicates_do_not_cancel():
+    """Each changes its velocity by 12 % over the window, half of them up and half of them down."""
+    change = 0.12 * 8 / 200 * UNIT / PAPER.time_unit
+    drift = {"regime": "undetermined", "acceleration": [change, -change] * 2}
+    going = flow(8, drift, friction=0.9, depth=5, replicates=4)
+    assert verdict_on(w19, [*swept(), going]) == INCONCLUSIVE
+
+
 def started(late: float = 1.0, scatter: float = 1e-3, depths=STARTED, scalars=None):
     """Flows after three starts, the fast one with another velocity and what ``scalars`` say."""
     return [
@@ -232,6 +257,12 @@ def test_starts_must_be_far_from_the_steady_velocity():
         checks_on(w23, started(depths=(2.5, 5)))
 
 
+def test_a_start_must_be_near_the_steady_velocity():
+    far = [one for one in started() if one.parameters.initial_velocity != SPEEDS[5]]
+    with pytest.raises(Untestable, match="n = 5"):
+        checks_on(w23, far)
+
+
 def windows(rest: float, runaway: float, width: float = 0.25, depths=(5, 10), seeds=(1, 2)):
     return [
         made_boundary("chute", of, "angle", low, low + width, depth=n, seed=seed)
@@ -259,4 +290,4 @@ def test_window_of_angles(bounds, verdict):
 
 def test_windows_need_both_bounds_at_two_depths():
     with pytest.raises(Untestable, match="bounds"):
-        checks_on(w25, base_flows({5: 8}), windows(13, 20, depths=(5,)))
+        checks_on(w25, base_flows({5: 8}), windows(13, 20, depths=(5, 20)))

@@ -1,0 +1,25 @@
+"""Parameters and their values in words."""
+
+from collections.abc import Sequence
+
+from sim.parameters import SYSTEMS, field_info
+
+_UNITS = {"1": "", "degree": "°", "N m-1": " N/m", "m s-2": " m/s²", "Hz": " Hz"}
+
+
+def quantity(system: str, name: str, values: Sequence[object]) -> str:
+    """Write ``symbol = value unit`` for one or several values of a parameter.
+
+    >>> quantity("belt", "frequency", [20.0, 50.0])
+    'f = 20, 50 Hz'
+    """
+    row = field_info(SYSTEMS[system])[name]
+    numbers = ", ".join(f"{value:.4g}" for value in sorted(set(values)))
+    unit = _UNITS.get(row.unit, f" {row.unit}")
+    scale = "g" if row.scale == "g" else f" {row.scale}" if row.scale else ""
+    return f"{row.symbol} = {numbers}{unit}{scale}"
+
+
+def setting(system: str, name: str, value: object) -> str:
+    """Write one value of a parameter, choices by name: ``θ = 16°``, ``integrator verlet``."""
+    return f"{name} {value}" if isinstance(value, str) else quantity(system, name, [value])
