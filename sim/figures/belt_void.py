@@ -9,7 +9,6 @@ from sim.figures.measures import measure_table, measured
 from sim.figures.style import CurveStyle, canvas, cycled, place_legend
 from sim.figures.summary import FigureData
 from sim.measures.belt import EMPTY
-from sim.wording import setting
 
 __all__ = ["LEAD", "NAMED", "PAPER", "draw", "notes", "table"]
 
@@ -35,7 +34,7 @@ def draw(data: FigureData) -> Figure:
 def _look(names: dict[str, object], index: int) -> tuple[CurveStyle, str]:
     amplitude = names["amplitude"]
     style = transport.AMPLITUDES.get(amplitude, cycled(index + len(transport.AMPLITUDES)))
-    return style, setting("belt", "amplitude", amplitude)
+    return style, f"$A_z$ = {amplitude:g} ⟨d⟩"
 
 
 def _shares(data: FigureData) -> pd.DataFrame:

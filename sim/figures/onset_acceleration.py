@@ -11,7 +11,6 @@ from sim.figures.style import CurveStyle, canvas, cycled, place_legend
 from sim.figures.summary import FigureData
 from sim.measures.belt import LEAST_TRANSPORT
 from sim.parameters import BeltParameters
-from sim.wording import setting
 
 NAMED = ("frequency", *transport.NAMED)
 LEAD = (
@@ -25,6 +24,9 @@ PAPER = (
     "near 18 Hz for 0.5 ⟨d⟩; at A_z = ⟨d⟩ that is Γ ≈ 1. An onset at the same Γ for all amplitudes "
     "is one at frequencies in proportion to 1/√A_z."
 )
+
+#: Parameters that name a curve.
+_KEYS = ("amplitude", "vibration_angle")
 
 #: Largest acceleration drawn: well within the flow.
 _LARGEST = 3.0
@@ -52,8 +54,7 @@ def draw(data: FigureData) -> Figure:
     """Draw the figure."""
     figure, axes = canvas()
     names = tuple(name for name in BeltParameters.model_fields if name != "frequency")
-    keys = ("amplitude", "vibration_angle")
-    draw_family(axes, data.rows, "acceleration_ratio", keys, names, _look)
+    draw_family(axes, data.rows, "acceleration_ratio", _KEYS, names, _look)
     axes.axvline(1, color="#888888", linestyle=":", linewidth=0.9, zorder=1)
     axes.axhline(LEAST_TRANSPORT, color="#888888", linestyle=":", linewidth=0.9, zorder=1)
     axes.set_xlabel("acceleration of the belt Γ = $4π^2 f^2 A_z/g$")
@@ -63,8 +64,9 @@ def draw(data: FigureData) -> Figure:
 
 
 def _look(names: dict[str, object], index: int) -> tuple[CurveStyle, str]:
-    label = ", ".join(setting("belt", name, value) for name, value in names.items())
-    return cycled(index), label
+    further = {name: value for name, value in names.items() if name not in _KEYS}
+    label = f"$A_z$ = {names['amplitude']:g} ⟨d⟩, α = {names['vibration_angle']:g}°"
+    return cycled(index), label + transport.describe(further)
 
 
 def table(data: FigureData) -> pd.DataFrame:

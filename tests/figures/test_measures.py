@@ -56,7 +56,7 @@ def test_onset_is_drawn_against_the_acceleration_and_relative_to_the_belt(belt_d
     belt = 2 * np.pi * rows["frequency"] * vertical
     assert rows["velocity"].to_numpy() == pytest.approx((speed / belt).to_numpy())
     labels = {line.get_label() for line in axes.get_lines() if "=" in line.get_label()}
-    assert labels == {"A_z = 0.5 ⟨d⟩, α = 45°", "A_z = 1 ⟨d⟩, α = 45°"}
+    assert labels == {"$A_z$ = 0.5 ⟨d⟩, α = 45°", "$A_z$ = 1 ⟨d⟩, α = 45°"}
 
 
 def test_void_is_the_share_of_beads_near_the_belt(belt_dataset):
