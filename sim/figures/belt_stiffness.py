@@ -1,6 +1,7 @@
 """Transport velocity on the belt against the stiffness of the beads."""
 
 from matplotlib.figure import Figure
+from matplotlib.ticker import FixedLocator, NullLocator
 
 from sim.figures import transport
 from sim.figures.style import LONG_DASH, SHORT_DASH, CurveStyle
@@ -27,5 +28,8 @@ def draw(data: FigureData) -> Figure:
     figure, axes = transport.draw_panel(data.rows, "stiffness", ("frequency",), _LOOK)
     axes.set_xscale("log")
     axes.set_xlim(0.8 * data.rows["stiffness"].min(), 1.25 * data.rows["stiffness"].max())
+    axes.xaxis.set_major_locator(FixedLocator(sorted(set(data.rows["stiffness"]))))
+    axes.xaxis.set_minor_locator(NullLocator())
+    axes.xaxis.set_major_formatter("{x:g}")
     axes.set_xlabel("stiffness Y (g⟨m⟩/⟨d⟩)")
     return figure

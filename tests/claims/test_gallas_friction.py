@@ -1,8 +1,9 @@
 """Judges of claims about the shear friction coefficient."""
 
+import numpy as np
 import pytest
 
-from sim.claims.gallas_friction import g9, g10, g11, g12, g36
+from sim.claims.gallas_friction import _errors_from_zero, g9, g10, g11, g12, g36
 from sim.claims.verdict import INCONCLUSIVE, NOT_REPRODUCED, REPRODUCED, Untestable
 from tests.claims.paper_belt import checks_of, published, verdict_of
 
@@ -53,6 +54,14 @@ def still(velocities, frequencies=(20, 50)):
 )
 def test_no_shear_friction_no_transport(velocities, verdict):
     assert verdict_of(g10, still(velocities)) == verdict
+
+
+def test_errors_of_few_beds_are_uncertain_themselves():
+    """Three beds are as seldom two errors from zero as many are."""
+    rng = np.random.default_rng(3)
+    few = [_errors_from_zero(rng.normal(size=3)) for _ in range(20_000)]
+    assert np.mean(np.array(few) > 2) == pytest.approx(0.0455, abs=0.005)
+    assert _errors_from_zero(np.array([0.02, 0.021, 0.019, 0.02, 0.02])) > 3
 
 
 def test_no_transport_needs_runs_without_shear_friction():
