@@ -26,6 +26,9 @@ from sim.study import Point, Study, load_study
 #: How arrays are stored.
 COMPRESSION = {"zlib": True, "complevel": 4, "shuffle": True}
 
+#: How arrays in single precision are besides: what they do not know is not kept.
+ROUNDED = {"significant_digits": 5, "quantize_mode": "GranularBitRound"}
+
 _CAVEAT = {"long_name": "what to know before trusting the point"}
 
 
@@ -74,10 +77,20 @@ def build(study_path: str | Path, results: str | Path = "results") -> Path:
                 mode="a" if group else "w",
                 group=group,
                 engine="netcdf4",
-                encoding={name: COMPRESSION for name in dataset if dataset[name].ndim > 1},
+                encoding={name: _stored(dataset[name]) for name in dataset.data_vars},
             )
         seal(temporary)
     return output
+
+
+def _stored(values: xr.DataArray) -> dict[str, Any]:
+    """Return how a variable is stored."""
+    if values.ndim < 2:
+        return {}
+    if values.dtype.kind in "OUT":
+        # As characters words are compressed, unlike strings.
+        return COMPRESSION | {"dtype": "S1"}
+    return COMPRESSION | (ROUNDED if values.dtype == np.float32 else {})
 
 
 def _is_shown(point: Point) -> bool:

@@ -28,9 +28,10 @@ def publish(
 ) -> Path:
     """Copy report, figures, dataset and verdicts of a study to ``<target>/<study>``.
 
-    The study file and those of its parts go with them, and ``provenance.json``: versions, hash of
-    the engine's sources, dates and cost. The report links its figures, which would be there twice
-    otherwise. What was published of the study before is replaced after all is copied.
+    Of figures that do not move only the pictures that scale are published. The study file and
+    those of its parts go with them, and ``provenance.json``: versions, hash of the engine's
+    sources, dates and cost. The report links its figures, which would be there twice otherwise.
+    What was published of the study before is replaced after all is copied.
 
     Returns
     -------
@@ -45,7 +46,12 @@ def publish(
     study = load_study(study_path, results)
     folder = Path(results) / study.name
     names = [*NEEDED, *(["boundaries.csv"] if study.boundaries else [])]
-    names += [f"figures/{name}{end}" for name in study.figures for end in FIGURES[name].suffixes]
+    names += [
+        f"figures/{name}{end}"
+        for name in study.figures
+        for end in FIGURES[name].suffixes
+        if FIGURES[name].animated or end != ".png"
+    ]
     for name in names:
         if not (folder / name).is_file():
             raise InputError(f"{folder / name}: missing; run the study to its end first")

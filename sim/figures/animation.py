@@ -12,8 +12,8 @@ from PIL import Image
 from sim.figures.summary import FigureData
 
 #: Resolution of the frames of a GIF, dots per inch, and how many colours they share.
-DPI = 78
-PALETTE = 80
+DPI = 72
+PALETTE = 64
 
 
 @dataclass(frozen=True)

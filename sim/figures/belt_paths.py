@@ -43,7 +43,7 @@ def table(data: FigureData) -> pd.DataFrame:
     """Return the paths: a row per bead and time, positions along the belt not wrapped."""
     parts = []
     for point in shown(data, "path", "path_time"):
-        path = np.round(_path(point), 4)
+        path = np.round(_path(point), 3)
         steps, beads, _ = path.shape
         columns = {
             "protocol": point.row["protocol"],

@@ -36,6 +36,10 @@ NAMED = (
 )
 
 WIDTH_IN_PIXELS = 400
+
+#: A frame shows one state of so many of the path, for so long (ms).
+EVERY, DURATION = 2, 130
+
 _VIEW = view_from(0, 0)
 
 #: Greatest height that is shown, in mean diameters; few beads of a gas fly higher.
@@ -128,7 +132,8 @@ def draw(data: FigureData) -> Animation:
     )
     clock = axes.set_title(" ", loc="left", fontsize=8.5)
 
-    def show(number: int) -> None:
+    def show(frame: int) -> None:
+        number = EVERY * frame
         image.set_data(belt.picture(number))
         places, level = belt.line(number)
         line.set_data([0, belt.width], [level, level])
@@ -137,7 +142,7 @@ def draw(data: FigureData) -> Animation:
         share = belt.time[number] * row["frequency"]
         clock.set_text(f"f = {row['frequency']:g} Hz, t = {share:.2f} cycles")
 
-    return Animation(figure, len(belt.time) - 1, show)
+    return Animation(figure, (len(belt.time) - 1) // EVERY, show, DURATION)
 
 
 def _draw_surroundings(axes: Axes, belt: Belt) -> None:

@@ -22,7 +22,7 @@ NAMED = (
     "average",
 )
 
-FRAMES = 36
+FRAMES = 24
 
 #: How far the fastest spheres may go from frame to frame, in diameters, for the eye to follow them.
 STRIDE = 0.35

@@ -28,6 +28,9 @@ from sim.figures.summary import FigureData, figure_data
 from sim.files import replacing
 from sim.results import load_results
 
+#: Resolution of the first picture of an animation, dots per inch.
+POSTER = 150
+
 #: Parameters that every table of data tells beside those of its figure.
 PROTOCOL = ("protocol", "target", "limit")
 
@@ -67,7 +70,7 @@ def render(spec: FigureSpec, dataset_path: Path, folder: Path) -> list[Path]:
             save_gif(drawn, other)
         else:
             figure.savefig(other, format="svg", metadata={"Title": spec.title, "Date": None})
-        figure.savefig(still, format="png")
+        figure.savefig(still, format="png", dpi=POSTER if spec.animated else None)
         _save_small(still, spec.title)
         table = module.table(data) if hasattr(module, "table") else velocities(data, spec, module)
         table.to_csv(csv, index=False, float_format="%.10g")

@@ -77,8 +77,9 @@ def test_a_belt_goes_once_up_and_down_along_the_angle_of_vibration(results):
     moving, data = shown("animation_onset", results)
     (row,) = data.rows.to_dict("records")
     belt = moving_belt.Belt(row, results.particles(row["point"]))
-    levels = [belt.line(number)[1] for number in range(moving.frames + 1)]
-    marks = [belt.line(number)[0][0] for number in range(moving.frames + 1)]
+    assert moving_belt.EVERY * moving.frames == 40
+    levels = [belt.line(number)[1] for number in range(41)]
+    marks = [belt.line(number)[0][0] for number in range(41)]
     assert [levels[0], levels[10], levels[30], levels[40]] == pytest.approx([0, 1, -1, 0], abs=1e-6)
     assert np.diff(marks) == pytest.approx(np.diff(levels), abs=1e-6)
 
