@@ -29,6 +29,13 @@ COMPRESSION = {"zlib": True, "complevel": 4, "shuffle": True}
 #: How arrays in single precision are besides: what they do not know is not kept.
 ROUNDED = {"significant_digits": 5, "quantize_mode": "GranularBitRound"}
 
+#: Share of the energy turned over that the ledger of a sound run does not lack by far.
+UNSOUND = 0.05
+
+_LEAKING = (
+    "energy does not add up within 5 % of what is turned over, so the run is numerically unsound "
+    "or its model makes energy"
+)
 _CAVEAT = {"long_name": "what to know before trusting the point"}
 
 
@@ -196,10 +203,18 @@ def _labels(runs: Sequence[xr.Dataset], study: Study) -> dict[str, Any]:
         "point": ("point", [point.id for point in points], {"long_name": "point id"}),
         "series": _words(" ".join(point.series) for point in points),
         "figures": _words(" ".join(point.figures) for point in points),
-        "caveat": _words((run.attrs.get("caveat", "") for run in runs), _CAVEAT),
+        "caveat": _words(map(_caveat, runs), _CAVEAT),
         "run_source_hash": _words(run.attrs["source_hash"] for run in runs),
         "particles": ("point", [int(run["particles"]) for run in runs], {"units": "1"}),
     }
+
+
+def _caveat(run: xr.Dataset) -> str:
+    """Return what the run says of itself, and whether its energy does not add up."""
+    said = [run.attrs.get("caveat", "")]
+    if "energy_residual" in run and (np.abs(run["energy_residual"].values) > UNSOUND).any():
+        said.append(_LEAKING)
+    return "; ".join(filter(None, said))
 
 
 def _parameters(runs: Sequence[xr.Dataset]) -> dict[str, Any]:

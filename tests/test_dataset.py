@@ -67,6 +67,20 @@ def test_failures_keep_their_whole_reason(made, dataset):
     assert np.isnan(row["velocity"].values).all()
 
 
+def test_a_run_whose_energy_does_not_add_up_says_so(tmp_path):
+    study_path, results = make_study(tmp_path)
+    key = next(iter(load_study(study_path, results).points))
+    path = results / "made" / "runs" / f"{key}.nc"
+    with xr.open_dataset(path) as opened:
+        run = opened.load()
+    run["energy_residual"][0] = -0.06
+    run.to_netcdf(path)
+    with xr.open_dataset(build(study_path, results)) as found:
+        caveats = found["caveat"].to_series()
+    assert "energy does not add up" in caveats[key]
+    assert not caveats.drop(key).str.contains("energy").any()
+
+
 def test_parameters_are_coordinates_with_units(dataset):
     chute, belt = dataset["system"] == "chute", dataset["system"] == "belt"
     assert set(ChuteParameters.model_fields) | set(BeltParameters.model_fields) <= {*dataset.coords}

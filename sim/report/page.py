@@ -125,6 +125,7 @@ def render(
 def _summary(dataset: xr.Dataset, runs: list[dict[str, Any]]) -> dict[str, Any]:
     """Return the numbers of the first screen: what was run, and what it took."""
     completed = dataset["status"] == "completed"
+    sound = dataset["caveat"] == ""
     return {
         "points": len(runs),
         "failed": sum(run["regime"] == "failed" for run in runs),
@@ -133,7 +134,8 @@ def _summary(dataset: xr.Dataset, runs: list[dict[str, Any]]) -> dict[str, Any]:
         "regimes": Counter(run["regime"] for run in runs).most_common(),
         "steps": int(dataset["steps"].sum()),
         "wall_time": float(dataset["wall_time"].sum()),
-        "energy_residual": float(np.abs(dataset["energy_residual"]).where(completed).max()),
+        "energy_residual": float(np.abs(dataset["energy_residual"]).where(completed & sound).max()),
+        "caveats": Counter(str(text) for text in dataset["caveat"].values if text).most_common(),
         "dates": _dates(dataset.attrs["first_run"], dataset.attrs["last_run"]),
         "talus": __version__,
         "source_hash": dataset.attrs["source_hash"],

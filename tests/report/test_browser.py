@@ -8,7 +8,9 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Browser, Locator, Page, expect, sync_playwright
 
-from tests.report.made import ANIMATION, make_page
+from sim.publish import publish
+from sim.study import load_study
+from tests.report.made import ANIMATION, make_figures, make_page, write_claims
 
 CHROMIUM = shutil.which("chromium") or shutil.which("google-chrome")
 
@@ -308,4 +310,24 @@ def test_without_scripts_nothing_is_out_of_reach(browser, report):
     expect(page.locator("#runs-table tbody tr").first).to_be_visible()
     expect(page.locator("#claims form")).to_be_hidden()
     expect(page.locator("#picture-walton_2")).to_be_visible()
+    page.close()
+
+
+def test_a_published_report_shows_the_figures_beside_it(browser, tmp_path):
+    study_path, results = make_figures(tmp_path)
+    write_claims(results / "made" / "claims.json", list(load_study(study_path, results).points))
+    (results / "made" / "claims.csv").write_text("claim\n")
+    published = publish(study_path, results, tmp_path / "published") / "report.html"
+    page = browser.new_page()
+    complaints = []
+    page.on("console", lambda message: complaints.append(message.text))
+    page.goto(published.as_uri())
+    widths = page.evaluate(
+        """async () => {
+          await Promise.all([...document.images].map((image) => image.decode()));
+          return [...document.images].map((one) => one.naturalWidth);
+        }"""
+    )
+    assert len(widths) >= 4 and all(width > 0 for width in widths)
+    assert complaints == []
     page.close()
