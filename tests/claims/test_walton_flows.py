@@ -57,6 +57,16 @@ def test_a_replicate_without_a_ledger_leaves_the_claim_open():
     assert verdict_on(w5, [*base_flows(), unknown, leaking]) == NOT_REPRODUCED
 
 
+def test_what_a_flow_gains_is_turned_over_as_well():
+    gaining = {"regime": "accelerating", "acceleration": SLOPE, "energy_residual": 0.009}
+    still = {"energy_residual": 0.009}
+    small = {"normal_power": 1e-9, "frictional_power": 1e-9}
+    sliding = flow(30, gaining | small, depth=5, friction=0)
+    assert verdict_on(w5, [*base_flows(), sliding]) == REPRODUCED
+    sliding = flow(30, still | small, depth=5, friction=0)
+    assert verdict_on(w5, [*base_flows(), sliding]) == NOT_REPRODUCED
+
+
 def test_velocities_without_order_fail_and_close_ones_decide_nothing():
     depths = list(SPEEDS)
     shuffled = dict(zip(depths, [9, 4, 12, 3, 8, 15, 5, 10, 4.5, 7], strict=True))
