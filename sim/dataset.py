@@ -26,14 +26,11 @@ from sim.study import Point, Study, load_study
 #: How arrays are stored.
 COMPRESSION = {"zlib": True, "complevel": 4, "shuffle": True}
 
-#: How arrays in single precision are besides: what they do not know is not kept.
-ROUNDED = {"significant_digits": 5, "quantize_mode": "GranularBitRound"}
-
 #: Share of the energy turned over that the ledger of a sound run does not lack by far.
-UNSOUND = 0.05
+UNSOUND = 0.01
 
 _LEAKING = (
-    "energy does not add up within 5 % of what is turned over, so the run is numerically unsound "
+    "energy does not add up within 1 % of what is turned over, so the run is numerically unsound "
     "or its model makes energy"
 )
 _CAVEAT = {"long_name": "what to know before trusting the point"}
@@ -97,7 +94,7 @@ def _stored(values: xr.DataArray) -> dict[str, Any]:
     if values.dtype.kind in "OUT":
         # As characters words are compressed, unlike strings.
         return COMPRESSION | {"dtype": "S1"}
-    return COMPRESSION | (ROUNDED if values.dtype == np.float32 else {})
+    return COMPRESSION
 
 
 def _is_shown(point: Point) -> bool:
