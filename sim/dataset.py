@@ -30,8 +30,8 @@ COMPRESSION = {"zlib": True, "complevel": 4, "shuffle": True}
 UNSOUND = 0.01
 
 _LEAKING = (
-    "energy does not add up within 1 % of what is turned over, so the run is numerically unsound "
-    "or its model makes energy"
+    f"energy does not add up within {100 * UNSOUND:g} % of what is turned over, so the run is "
+    "numerically unsound or its model makes energy"
 )
 _CAVEAT = {"long_name": "what to know before trusting the point"}
 

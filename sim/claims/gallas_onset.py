@@ -8,7 +8,7 @@ fro.
 from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import combinations
-from math import pi, radians, tan
+from math import pi
 
 import numpy as np
 import pandas as pd
@@ -19,7 +19,7 @@ from sim.claims.evidence import Evidence
 from sim.claims.lines import FLOWING, MARKERS, NONE, along, replicated
 from sim.claims.place import Place, measured
 from sim.claims.verdict import SIGMAS, Check, Untestable, within
-from sim.measures.belt import LEAST_TRANSPORT
+from sim.measures.belt import LEAST_TRANSPORT, speed_along_x
 from sim.outcome import CONFIDENCE
 
 #: Pairs of damping and shear damping (g) whose onsets are compared.
@@ -93,7 +93,7 @@ def _scan(evidence: Evidence, **where: object) -> tuple[pd.DataFrame, dict[float
     table = pd.DataFrame(
         {
             frequency: pd.Series(
-                place.values("velocity") / belt_speed_along_x(place),
+                place.values("velocity") / speed_along_x(place),
                 place.values("replicate_seed"),
                 dtype=float,
             )
@@ -135,12 +135,6 @@ def _begins(shares: pd.DataFrame) -> tuple[float, float]:
     low, high = frequencies[before : before + 2]
     under, over = mean.iloc[before], mean.iloc[before + 1]
     return float(low + (LEAST_TRANSPORT - under) / (over - under) * (high - low)), float(high - low)
-
-
-def belt_speed_along_x(place: Place) -> float:
-    """Return the amplitude of the belt's velocity along x, A_x 2πf (m/s)."""
-    amplitude = place["amplitude"] * place["diameter"] / tan(radians(place["vibration_angle"]))
-    return amplitude * 2 * pi * place["frequency"]
 
 
 def g3(evidence: Evidence) -> list[Check]:

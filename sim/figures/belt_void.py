@@ -6,7 +6,7 @@ from matplotlib.figure import Figure
 from sim.figures import transport
 from sim.figures.measures import measure_notes as notes
 from sim.figures.measures import measure_table, measured
-from sim.figures.style import CurveStyle, canvas, cycled, place_legend
+from sim.figures.style import LEVEL, CurveStyle, canvas, cycled, place_legend
 from sim.figures.summary import FigureData
 from sim.measures.belt import EMPTY
 
@@ -24,7 +24,7 @@ def draw(data: FigureData) -> Figure:
     """Draw the figure."""
     figure, axes = canvas()
     transport.draw_curves(axes, _shares(data), "frequency", ("amplitude",), _look)
-    axes.axhline(EMPTY, color="#888888", linestyle=":", linewidth=0.9, zorder=1)
+    axes.axhline(EMPTY, **LEVEL)
     axes.set_xlabel("frequency f (Hz)")
     axes.set_ylabel("share of the beads within the belt's reach")
     place_legend(figure, axes)

@@ -7,9 +7,9 @@ from matplotlib.figure import Figure
 from sim.figures import transport
 from sim.figures.columns import parameter_columns
 from sim.figures.family import draw_family
-from sim.figures.style import CurveStyle, canvas, cycled, place_legend
+from sim.figures.style import LEVEL, CurveStyle, canvas, cycled, place_legend
 from sim.figures.summary import FigureData
-from sim.measures.belt import LEAST_TRANSPORT
+from sim.measures.belt import LEAST_TRANSPORT, speed_along_x
 from sim.parameters import BeltParameters
 
 NAMED = ("frequency", *transport.NAMED)
@@ -40,7 +40,7 @@ def select(data: FigureData) -> FigureData:
     rows = data.rows
     vertical = rows["amplitude"] * rows["diameter"]
     rate = 2 * np.pi * rows["frequency"]
-    along = rate * vertical / np.tan(np.radians(rows["vibration_angle"]))
+    along = speed_along_x(rows)
     relative = rows.assign(
         acceleration_ratio=rate**2 * vertical / rows["gravity"],
         velocity=rows["velocity"] / along,
@@ -55,8 +55,8 @@ def draw(data: FigureData) -> Figure:
     figure, axes = canvas()
     names = tuple(name for name in BeltParameters.model_fields if name != "frequency")
     draw_family(axes, data.rows, "acceleration_ratio", _KEYS, names, _look)
-    axes.axvline(1, color="#888888", linestyle=":", linewidth=0.9, zorder=1)
-    axes.axhline(LEAST_TRANSPORT, color="#888888", linestyle=":", linewidth=0.9, zorder=1)
+    axes.axvline(1, **LEVEL)
+    axes.axhline(LEAST_TRANSPORT, **LEVEL)
     axes.set_xlabel("acceleration of the belt Γ = $4π^2 f^2 A_z/g$")
     axes.set_ylabel("$V_x / (A_x 2πf)$")
     place_legend(figure, axes)

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from sim.figures.measures import measure_notes as notes
 from sim.figures.measures import measure_table, measured
 from sim.figures.over_depth import NAMED, label, set_depth_axis
-from sim.figures.style import LONG_DASH, canvas, cycled, draw_curve, place_legend
+from sim.figures.style import LEVEL, LONG_DASH, canvas, cycled, draw_curve, place_legend
 from sim.figures.summary import FigureData, split_curves
 from sim.parameters import ChuteParameters
 
@@ -43,7 +43,7 @@ def draw(data: FigureData) -> Figure:
             style = replace(cycled(index), dashes=dashes)
             draw_curve(axes, curve, "depth", style, f"{label(values)}, {what}", ("accelerating",))
     for level in _NAMED_BY_PAPER:
-        axes.axhline(level, color="#888888", linestyle=":", linewidth=0.9, zorder=1)
+        axes.axhline(level, **LEVEL)
     set_depth_axis(axes, data.rows["depth"])
     axes.set_yscale("log")
     axes.set_ylabel("overlap (σ)")

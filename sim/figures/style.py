@@ -47,6 +47,10 @@ PALE = 0.3
 BESIDE = {"linewidth": 3.4, "alpha": 0.4, "zorder": 1.9}
 
 
+#: How a level is drawn that values are compared with.
+LEVEL = {"color": "#888888", "linestyle": ":", "linewidth": 0.9, "zorder": 1}
+
+
 @dataclass(frozen=True)
 class CurveStyle:
     """Colour, dash pattern (``"none"`` for points alone) and marker of one curve."""

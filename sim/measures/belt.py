@@ -4,7 +4,9 @@ A run file holds series over ``time``, a field over ``column`` and ``level`` in 
 the path of the beads over the cycle that follows.
 """
 
+from collections.abc import Mapping
 from math import atan2, nan, pi
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -39,6 +41,12 @@ EARLY_CYCLES = 10
 
 #: Distance (⟨d⟩) from an obstacle beyond which its effect is no longer local.
 FAR = 5
+
+
+def speed_along_x(belt: Mapping[str, Any]) -> Any:
+    """Return the amplitude of the belt's velocity along x, A_x 2πf (m/s), of one point or many."""
+    amplitude = belt["amplitude"] * belt["diameter"] / np.tan(np.radians(belt["vibration_angle"]))
+    return amplitude * 2 * pi * belt["frequency"]
 
 
 def measure(run: xr.Dataset) -> dict[str, float]:
