@@ -12,6 +12,7 @@ from sim.claims.bed import half_height, layer_width, peak, spread
 from sim.claims.evidence import Evidence
 from sim.claims.lines import FLOWING, along, common_beds, replicated
 from sim.claims.place import Place, joined, measured
+from sim.claims.trends import mean_of_others
 from sim.claims.verdict import Check, Untestable, above, below, within
 from sim.outcome import CONFIDENCE
 
@@ -176,8 +177,7 @@ def largest_difference(density: np.ndarray) -> UFloat:
     the sizes of a bed's beads, which are the same at all angles, do not count as scatter.
     """
     differences = []
-    for bed in range(density.shape[1]):
-        mean = np.delete(density, bed, axis=1).mean(axis=1)
+    for bed, mean in enumerate(mean_of_others(density, axis=1).swapaxes(0, 1)):
         at = int(np.ptp(mean, axis=0).argmax())
         high, low = int(mean[:, at].argmax()), int(mean[:, at].argmin())
         differences.append(density[high, bed, at] - density[low, bed, at])

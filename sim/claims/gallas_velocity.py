@@ -9,6 +9,7 @@ from sim.claims.bed import beads_between, mean_between
 from sim.claims.evidence import Evidence
 from sim.claims.lines import along
 from sim.claims.place import Place, joined
+from sim.claims.trends import mean_of_others
 from sim.claims.verdict import Check, Untestable, above, below, within
 
 PROFILES = ("velocity_profile", "number_density")
@@ -52,18 +53,13 @@ def g21(evidence: Evidence) -> list[Check]:
 def plateau(place: Place) -> UFloat:
     """Return the spread of the velocity over the slices of the middle, relative to their mean.
 
-    Which slices are fastest and slowest is told by all beds but one, and their difference by that
-    one, for each of them in turn, so that chance, which makes the largest of many, adds nothing.
+    Which slices are fastest and slowest is told by all other beds, see `mean_of_others`.
     """
     (velocity, _), (number, _) = (place.profile(name) for name in PROFILES)
     middle = beads_between(number.mean(axis=0), *MIDDLE) > 0
     relative = velocity[:, middle] / velocity[:, middle].mean(axis=1, keepdims=True)
-    spreads = []
-    for bed, own in enumerate(relative):
-        others = np.delete(relative, bed, axis=0)
-        mean = others.mean(axis=0) if len(others) else own
-        spreads.append(own[mean.argmax()] - own[mean.argmin()])
-    return joined(np.array(spreads))
+    others, beds = mean_of_others(relative), np.arange(len(relative))
+    return joined(relative[beds, others.argmax(axis=1)] - relative[beds, others.argmin(axis=1)])
 
 
 def g22(evidence: Evidence) -> list[Check]:

@@ -57,6 +57,16 @@ def pooled(
     return checks
 
 
+def mean_of_others(rows: np.ndarray, axis: int = 0) -> np.ndarray:
+    """Return for each replicate along an axis the mean of all others; a single one its own.
+
+    What is largest among many quantities is told by the others, and how large by the replicate
+    itself, so that chance, which makes the largest of many, adds nothing.
+    """
+    number = rows.shape[axis]
+    return (rows.sum(axis=axis, keepdims=True) - rows) / (number - 1) if number > 1 else rows
+
+
 def least(rows: np.ndarray) -> UFloat:
     """Return the least of the means of many quantities, with an interval that holds for all.
 

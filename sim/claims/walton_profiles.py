@@ -9,7 +9,7 @@ from uncertainties import UFloat
 from sim.claims.chute import base, of_settled, repeated
 from sim.claims.evidence import Evidence
 from sim.claims.place import Place, joined
-from sim.claims.trends import least
+from sim.claims.trends import least, mean_of_others
 from sim.claims.verdict import Check, Untestable, above, below
 from sim.measures import layers
 
@@ -90,13 +90,9 @@ def w13(evidence: Evidence) -> list[Check]:
 def _densest_inner(rows: np.ndarray) -> np.ndarray:
     """Return the packing (R) of the densest inner layer of layers (R, L).
 
-    Which one it is, is told by all other replicates, so that chance, which makes the largest of
-    many, adds nothing.
+    Which one it is, is told by all other replicates, see `mean_of_others`.
     """
-    chosen = [
-        1 + int(np.delete(rows, own, axis=0).mean(axis=0)[1:-1].argmax())
-        for own in range(len(rows))
-    ]
+    chosen = 1 + mean_of_others(rows)[:, 1:-1].argmax(axis=1)
     return rows[np.arange(len(rows)), chosen]
 
 
