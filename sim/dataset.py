@@ -209,7 +209,7 @@ def _labels(runs: Sequence[xr.Dataset], study: Study) -> dict[str, Any]:
 def _caveat(run: xr.Dataset) -> str:
     """Return what the run says of itself, and whether its energy does not add up."""
     said = [run.attrs.get("caveat", "")]
-    if "energy_residual" in run and (np.abs(run["energy_residual"].values) > UNSOUND).any():
+    if (run["missing_energy"].values > UNSOUND).any():
         said.append(_LEAKING)
     return "; ".join(filter(None, said))
 

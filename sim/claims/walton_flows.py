@@ -11,7 +11,7 @@ from scipy.stats import rankdata
 
 from sim.claims.chute import base, driving, is_settled, repeated, speed, steady
 from sim.claims.evidence import Evidence
-from sim.claims.place import Place, joined
+from sim.claims.place import joined
 from sim.claims.trends import pooled
 from sim.claims.verdict import Check, Untestable, above, below, within
 
@@ -41,7 +41,7 @@ def w5(evidence: Evidence) -> list[Check]:
     for along in ("friction", "restitution", "stiffness"):
         lines += [evidence.line("chute", along, depth=depth) for depth in lines[0]]
     places = {place.id: place for line in lines for place in line.values()}
-    lacking = {key: _lacking(place) for key, place in places.items()}
+    lacking = {key: place.values("missing_energy") for key, place in places.items()}
     known = {key: np.nanmax(values) for key, values in lacking.items() if np.isfinite(values).any()}
     if not known:
         raise Untestable(f"no {evidence.protocol} flow with a ledger")
@@ -54,19 +54,6 @@ def w5(evidence: Evidence) -> list[Check]:
         checks.append(below(what, nan, LEDGER, unknown))
     # A ledger is exact bookkeeping: it needs no independent samples.
     return [replace(check, samples=inf) for check in checks]
-
-
-def _lacking(place: Place) -> np.ndarray:
-    """Return the share of the energy turned over that the ledger of each replicate lacks.
-
-    Files tell it relative to what was dissipated. Flows that accelerate, most of all those without
-    friction, turn over more: what they gain counts too, from the means over the window.
-    """
-    lost = place.values("frictional_power") + place.values("normal_power")
-    mass = place["particles"] * place["mass"]
-    gained = mass * place.values("velocity") * place.values("acceleration")
-    share = lost / (lost + np.clip(gained, 0, None))
-    return np.abs(place.values("energy_residual")) * share
 
 
 def w9(evidence: Evidence) -> list[Check]:

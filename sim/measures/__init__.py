@@ -3,12 +3,12 @@
 import numpy as np
 import xarray as xr
 
-from sim.measures import belt, chute
+from sim.measures import belt, chute, energy
 
 _OF_SYSTEM = {"chute": chute, "belt": belt}
 
 #: Unit and long name of every measure.
-MEASURES: dict[str, tuple[str, str]] = chute.MEASURES | belt.MEASURES
+MEASURES: dict[str, tuple[str, str]] = energy.MEASURES | chute.MEASURES | belt.MEASURES
 
 
 def measures(run: xr.Dataset) -> dict[str, np.ndarray]:
@@ -22,8 +22,12 @@ def measures(run: xr.Dataset) -> dict[str, np.ndarray]:
     """
     system = _OF_SYSTEM[run.attrs["system"]]
     completed = run["status"].values == "completed"
-    table = {name: np.full(run.sizes["replicate"], np.nan) for name in system.MEASURES}
+    table = {
+        name: np.full(run.sizes["replicate"], np.nan) for name in energy.MEASURES | system.MEASURES
+    }
     for index in np.flatnonzero(completed):
-        for name, value in system.measure(run.isel(replicate=index)).items():
+        replicate = run.isel(replicate=index)
+        found = energy.measure(replicate) | system.measure(replicate)
+        for name, value in found.items():
             table[name][index] = value
     return table

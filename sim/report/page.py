@@ -5,7 +5,6 @@ from pathlib import Path
 from typing import Any
 
 import jinja2
-import numpy as np
 import xarray as xr
 
 from sim import __version__
@@ -134,7 +133,7 @@ def _summary(dataset: xr.Dataset, runs: list[dict[str, Any]]) -> dict[str, Any]:
         "regimes": Counter(run["regime"] for run in runs).most_common(),
         "steps": int(dataset["steps"].sum()),
         "wall_time": float(dataset["wall_time"].sum()),
-        "energy_residual": float(np.abs(dataset["energy_residual"]).where(completed & sound).max()),
+        "missing_energy": float(dataset["missing_energy"].where(completed & sound).max()),
         "caveats": Counter(str(text) for text in dataset["caveat"].values if text).most_common(),
         "dates": _dates(dataset.attrs["first_run"], dataset.attrs["last_run"]),
         "talus": __version__,

@@ -46,7 +46,7 @@ def flow(
         "acceleration": 0.0,
         "acceleration_error": 1e-4 * SLOPE,
         "acceleration_half_width": WIDE * 1e-4 * SLOPE,
-        "energy_residual": 1e-5,
+        "missing_energy": 1e-5,
         "base_normal": weight * across,
         "base_normal_error": 1e-4 * weight,
         "base_shear": weight * down,
