@@ -8,7 +8,7 @@ import numpy as np
 from sim.parameters import BeltParameters, Parameters, point_id
 from sim.stored import reading
 
-#: Sides of the boundaries that regimes tell, by regime; an undetermined one tells nothing.
+#: Sides of the boundaries that regimes tell, by regime.
 REGIMES = {
     "flow": {"arrested": "arrested", "steady": "flowing", "accelerating": "flowing"},
     "acceleration": {
@@ -22,7 +22,8 @@ REGIMES = {
 def side_of_run(path: Path, of: str, parameters: Parameters) -> str | None:
     """Return the side that a run is on, ``None`` where it does not tell.
 
-    Replicates that failed are left out; the others must agree.
+    Replicates that failed are left out; the others must agree. A flow whose trend is unknown flows
+    if the whole 95 % interval of its velocity is above zero and it is not shown to slow down.
 
     Parameters
     ----------
@@ -43,18 +44,33 @@ def side_of_run(path: Path, of: str, parameters: Parameters) -> str | None:
             raise ValueError(f"holds point {run.point_id}")
         run.set_auto_mask(False)
         status, regime = run["status"][:], run["regime"][:]
-        velocity, half_width = run["velocity"][:], run["velocity_half_width"][:]
+        slowest, fastest = _interval(run, "velocity")
+        _, gain = _interval(run, "acceleration")
     done = np.flatnonzero(status == "completed")
     if of == "transport":
-        sides = {_transport(parameters, velocity[index], half_width[index]) for index in done}
+        sides = {_transport(parameters, slowest[index], fastest[index]) for index in done}
     else:
-        sides = {REGIMES[of].get(regime[index]) for index in done}
+        moving = (slowest > 0) & (gain >= 0)
+        sides = {_of_regime(of, regime[index], moving[index]) for index in done}
     return sides.pop() if len(sides) == 1 else None
 
 
-def _transport(parameters: BeltParameters, velocity: float, half_width: float) -> str | None:
+def _interval(run: netCDF4.Dataset, name: str) -> tuple[np.ndarray, np.ndarray]:
+    """Return the ends of the 95 % intervals of a quantity of all replicates."""
+    middle, half_width = run[name][:], run[f"{name}_half_width"][:]
+    return middle - half_width, middle + half_width
+
+
+def _of_regime(of: str, regime: str, moving: bool) -> str | None:
+    """Return the side that a regime is on; an undetermined one flows if it is surely moving."""
+    if of == "flow" and regime == "undetermined" and moving:
+        return "flowing"
+    return REGIMES[of].get(regime)
+
+
+def _transport(parameters: BeltParameters, slowest: float, fastest: float) -> str | None:
     """Return the side that the whole 95 % interval of a mean velocity (m/s) is on."""
     least = parameters.least_transport
-    if velocity + half_width <= least:
+    if fastest <= least:
         return "no transport"
-    return "transport" if velocity - half_width > least else None
+    return "transport" if slowest > least else None

@@ -25,9 +25,25 @@ BELT = BeltParameters(replicates=2, frequency=20)
     ],
 )
 def test_regimes_tell_the_side(regime, flow, acceleration, tmp_path):
-    path = write_run(tmp_path, CHUTE, regime=regime)
+    path = write_run(tmp_path, CHUTE, 0.0, regime=regime)
     assert side_of_run(path, "flow", CHUTE) == flow
     assert side_of_run(path, "acceleration", CHUTE) == acceleration
+
+
+@pytest.mark.parametrize(
+    ("velocity", "gain", "side"),
+    [(0.1, 0.0, "flowing"), (0.1, 1.0, "flowing"), (0.1, -1.0, None), (5e-4, 0.0, None)],
+)
+def test_an_undetermined_flow_flows_if_it_surely_moves_and_does_not_slow_down(
+    velocity, gain, side, tmp_path
+):
+    path = write_run(tmp_path, CHUTE, velocity, regime="undetermined")
+    with xr.open_dataset(path) as opened:
+        run = opened.load()
+    run["acceleration"][:] = gain
+    run.to_netcdf(path)
+    assert side_of_run(path, "flow", CHUTE) == side
+    assert side_of_run(path, "acceleration", CHUTE) is None
 
 
 def test_replicates_must_agree_on_the_side_not_on_the_regime(tmp_path):

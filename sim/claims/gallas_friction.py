@@ -9,7 +9,7 @@ from uncertainties import ufloat
 
 from sim.claims.evidence import Evidence
 from sim.claims.lines import along, elasticity
-from sim.claims.place import Place
+from sim.claims.place import Place, quotient
 from sim.claims.verdict import Check, Untestable, above, below, within
 
 
@@ -40,7 +40,7 @@ def g10(evidence: Evidence) -> list[Check]:
         usual = evidence.at("belt", frequency=frequency)
         what = f"|V|/SE at γ_s = 0, {frequency} Hz"
         checks.append(below(what, _errors_from_zero(still.values("velocity")), 3, (still,)))
-        ratio = still.velocity / usual.velocity
+        ratio = quotient(still.velocity, usual.velocity)
         what = f"V(γ_s = 0)/V(50g) at {frequency} Hz"
         checks.append(within(what, ratio, -0.1, 0.1, (still, usual)))
     return checks
@@ -91,7 +91,7 @@ def relative_scatter(places: Sequence[Place]) -> tuple[float, float]:
 def g12(evidence: Evidence) -> list[Check]:
     """From γ_s = 50g to 100g the velocity at 80 Hz changes by less than 10 %."""
     places = evidence.at("belt", frequency=80, shear_damping=100), evidence.at("belt", frequency=80)
-    change = places[0].velocity / places[1].velocity - 1
+    change = quotient(places[0].velocity, places[1].velocity) - 1
     return [within("V(100g)/V(50g) - 1 at 80 Hz", change, -0.1, 0.1, places)]
 
 

@@ -5,7 +5,7 @@ from uncertainties import UFloat
 
 from sim.claims.evidence import Evidence
 from sim.claims.lines import along, common_beds, increases
-from sim.claims.place import Place, joined
+from sim.claims.place import Place, joined, quotient
 from sim.claims.verdict import Check, above, below
 from sim.measures.belt import FAR
 
@@ -22,7 +22,7 @@ def g31(evidence: Evidence) -> list[Check]:
     for frequency in FREQUENCIES:
         line = along(evidence, "obstacle", (0, 0.5, 1.5, 2.5), frequency=frequency)
         checks += increases(line, f"{frequency} Hz, d_o (⟨d⟩)", -1)
-        ratio = line[0.5].velocity / line[0].velocity
+        ratio = quotient(line[0.5].velocity, line[0].velocity)
         places = line[0.5], line[0]
         checks.append(below(f"V(d_o = 0.5⟨d⟩)/V(0) at {frequency} Hz", ratio, 0.7, places))
     return checks

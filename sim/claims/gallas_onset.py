@@ -17,7 +17,7 @@ from uncertainties import UFloat
 
 from sim.claims.evidence import Evidence
 from sim.claims.lines import FLOWING, MARKERS, NONE, along, replicated
-from sim.claims.place import Place, measured
+from sim.claims.place import Place, measured, quotient
 from sim.claims.verdict import SIGMAS, Check, Untestable, within
 from sim.measures.belt import LEAST_TRANSPORT, speed_along_x
 from sim.outcome import CONFIDENCE
@@ -165,7 +165,7 @@ def g4(evidence: Evidence) -> list[Check]:
 def g5(evidence: Evidence) -> list[Check]:
     """At A_z = 1.5⟨d⟩ the onset is still that of ⟨d⟩, and nothing moves at 15 Hz."""
     still, flowing = along(evidence, "frequency", (15, 20), amplitude=1.5).values()
-    ratio = still.velocity / flowing.velocity
+    ratio = quotient(still.velocity, flowing.velocity)
     return [
         _beginswithin(evidence, "onset at A_z = 1.5⟨d⟩", 15, 17, amplitude=1.5),
         within("V(15 Hz)/V(20 Hz) at A_z = 1.5⟨d⟩", ratio, -NONE, NONE, (still, flowing)),

@@ -3,7 +3,7 @@
 import warnings
 from collections.abc import Callable
 from functools import cached_property
-from math import inf, isfinite, nan
+from math import inf, isfinite, nan, sqrt
 from typing import Any
 
 import numpy as np
@@ -29,6 +29,21 @@ def joined(values: np.ndarray) -> UFloat:
     if values.size == 0:
         return measured(nan, inf)
     return measured(float(values.mean()), float(student_half_width(values)))
+
+
+def quotient(over: UFloat, under: UFloat) -> UFloat:
+    """Return a ratio whose 95 % interval holds even where the divisor is hardly known.
+
+    It reaches as far to both sides as Fieller's interval does to the farther one, without an end
+    where the divisor's own interval holds zero.
+    """
+    value = over.nominal_value / under.nominal_value
+    unsure = (SIGMAS * under.std_dev / under.nominal_value) ** 2
+    if not unsure < 1:
+        return measured(value, inf)
+    above = (SIGMAS * over.std_dev / under.nominal_value) ** 2
+    spread = sqrt(above * (1 - unsure) + value**2 * unsure)
+    return measured(value, (abs(value) * unsure + spread) / (1 - unsure))
 
 
 class Place:

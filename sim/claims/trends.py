@@ -7,7 +7,7 @@ import numpy as np
 from scipy.special import stdtrit
 from uncertainties import UFloat
 
-from sim.claims.place import Place, measured
+from sim.claims.place import Place, measured, quotient
 from sim.claims.verdict import NOT_REPRODUCED, Check, above, within
 from sim.outcome import CONFIDENCE
 
@@ -24,14 +24,11 @@ def ordered(
     ``values`` are positive, in the order of the parameter ``along``.
     """
     steps = sorted(values)
-    sign = 1 if rising else -1
 
     def check(low, high):
-        ratio = (values[high] / values[low]) ** sign
-        name = f"{what} at {along} = {high:g} over that at {low:g}"
-        if not rising:
-            name = f"{what} at {along} = {low:g} over that at {high:g}"
-        return above(name, ratio, 1, [places[low], places[high]])
+        large, small = (high, low) if rising else (low, high)
+        name = f"{what} at {along} = {large:g} over that at {small:g}"
+        return above(name, quotient(values[large], values[small]), 1, [places[low], places[high]])
 
     pairs = pairwise(steps) if len(steps) > 2 else ()
     return [check(low, high) for low, high in [(steps[0], steps[-1]), *pairs]]

@@ -145,6 +145,11 @@ def below(
     return within(what, measured, -inf, threshold, places, unit)
 
 
+def reported(what: str, measured: UFloat | float, places: "Iterable[Place]" = ()) -> Check:
+    """Return a check without thresholds, which decides nothing; arguments as for `within`."""
+    return within(what, measured, -inf, inf, places)
+
+
 def together(checks: Sequence[Check]) -> str:
     """Return the verdict on a claim: all of its checks must hold, and one that fails is enough.
 

@@ -8,9 +8,9 @@ from uncertainties import UFloat
 
 from sim.claims.chute import base, of_settled, repeated
 from sim.claims.evidence import Evidence
-from sim.claims.place import Place, joined
+from sim.claims.place import Place, joined, quotient
 from sim.claims.trends import least, mean_of_others
-from sim.claims.verdict import Check, Untestable, above, below
+from sim.claims.verdict import Check, Untestable, above, below, reported
 from sim.measures import layers
 
 #: Bins with less than this share of the mass do not count.
@@ -57,17 +57,23 @@ def w11(evidence: Evidence) -> list[Check]:
 
 
 def w12(evidence: Evidence) -> list[Check]:
-    """Steps of the packing from the slice over the first centres upwards; all bins at once."""
+    """Steps of the packing from each layer of a diameter to the next; all of them at once.
+
+    Slices thinner than a sphere show the gap between layers as well; their largest step from the
+    first centres upwards is reported.
+    """
     flows = _thin(evidence, SHALLOWEST)
-    checks = (
-        below(
-            f"largest rise of the packing with height, n = {n:g}",
-            -least(-_steps(place, "packing_profile", 0.5 * place["diameter"], 1.0)),
-            0,
-            [place],
-        )
-        for n, place in flows.items()
-    )
+    checks = []
+    for n, place in flows.items():
+        layered = np.diff(_by_layers(place), axis=1)
+        sliced = _steps(place, "packing_profile", 0.5 * place["diameter"], 1.0)
+        if not layered.size:
+            raise Untestable(f"fewer than two layers at n = {n:g}")
+        what = "largest rise of the packing with height"
+        checks += [
+            below(f"{what}, by layers, n = {n:g}", -least(-layered), 0, [place]),
+            reported(f"{what}, by slices, n = {n:g}", -least(-sliced), [place]),
+        ]
     return of_settled(checks, flows.values())
 
 
@@ -130,7 +136,7 @@ def w17(evidence: Evidence) -> list[Check]:
     checks = (
         below(
             f"shear depth at n = {high:g} over that at n = {low:g}",
-            depths[high] / depths[low],
+            quotient(depths[high], depths[low]),
             1,
             [flows[low], flows[high]],
         )
@@ -145,8 +151,8 @@ def w18(evidence: Evidence) -> list[Check]:
     if len(flows) < 3:
         raise Untestable("fewer than three flows with n ≥ 1 that have replicates")
     n, place = min(flows.items(), key=lambda flow: flow[1].velocity.nominal_value)
-    ratio = place.measure(_evenness(place), "velocity_profile", "packing_profile")
-    check = above(f"least over largest du/dz, n = {n:g}", ratio, THROUGHOUT, [place])
+    evenness = place.measure(_evenness(place), "velocity_profile", "packing_profile")
+    check = above(f"least over largest du/dz, n = {n:g}", evenness, THROUGHOUT, [place])
     return of_settled([check], [place])
 
 

@@ -4,7 +4,7 @@ from uncertainties import UFloat
 
 from sim.claims.chute import CELLS, of_settled, repeated, speed
 from sim.claims.evidence import Evidence
-from sim.claims.place import Place
+from sim.claims.place import Place, quotient
 from sim.claims.trends import ordered
 from sim.claims.verdict import Check, Untestable, above, below, within
 from sim.measures import layers
@@ -111,8 +111,8 @@ def w21(evidence: Evidence) -> list[Check]:
     for n in SENSITIVE:
         for stiffness, soft, stiff in _stiffer(evidence, n):
             at, places = f"K1 = {stiffness:g} N/m over {SOFT} N/m, n = {n:g}", [soft, stiff]
-            ratio = speed(stiff) / speed(soft)
-            deeper = stiff.value("shear_depth") / soft.value("shear_depth")
+            ratio = quotient(speed(stiff), speed(soft))
+            deeper = quotient(stiff.value("shear_depth"), soft.value("shear_depth"))
             found = [
                 below(f"V at {at}", ratio, SLOWER, places),
                 above(f"shear depth at {at}", deeper, 1, places),
@@ -121,7 +121,7 @@ def w21(evidence: Evidence) -> list[Check]:
     for n in INSENSITIVE:
         for stiffness, soft, stiff in _stiffer(evidence, n):
             what = f"V at K1 = {stiffness:g} N/m over {SOFT} N/m, n = {n:g}"
-            ratio = speed(stiff) / speed(soft)
+            ratio = quotient(speed(stiff), speed(soft))
             check = within(what, ratio, 1 - EQUAL, 1 + EQUAL, [soft, stiff])
             checks += of_settled([check], [soft, stiff])
     return checks
@@ -132,7 +132,7 @@ def w22(evidence: Evidence) -> list[Check]:
     checks = []
     for n in SENSITIVE:
         for stiffness, soft, stiff in _stiffer(evidence, n):
-            ratio = _agitation(stiff) / _agitation(soft)
+            ratio = quotient(_agitation(stiff), _agitation(soft))
             what = f"vertical temperature at K1 = {stiffness:g} N/m over {SOFT} N/m, n = {n:g}"
             checks += of_settled([above(what, ratio, 1, [soft, stiff])], [soft, stiff])
     return checks

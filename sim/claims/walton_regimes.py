@@ -18,7 +18,7 @@ from sim.claims.chute import (
     speed,
 )
 from sim.claims.evidence import Evidence
-from sim.claims.place import Place, measured
+from sim.claims.place import Place, measured, quotient
 from sim.claims.verdict import Check, Unbounded, Untestable, above, below, within
 
 #: Largest acceleration over g sin θ that counts as none, and the shortest time in √(σ/g).
@@ -97,7 +97,7 @@ def w8(evidence: Evidence) -> list[Check]:
         checks.append(of_trend(check, place))
         for other in deep:
             what = f"V at n = {n:g} over that at n = {other['depth']:g}"
-            checks.append(below(what, speed(place) / speed(other), 1, [place, other]))
+            checks.append(below(what, quotient(speed(place), speed(other)), 1, [place, other]))
     least = _boundary(evidence, "acceleration", "depth", any_protocol=True)
     if least is not None:
         checks.append(within("least depth of a steady flow", least, 0.5, 1))
@@ -186,7 +186,7 @@ def w23(evidence: Evidence) -> list[Check]:
             missing.append(f"{n:g}")
             continue
         for start, place in line.items():
-            ratio = speed(place) / speed(steady)
+            ratio = quotient(speed(place), speed(steady))
             what = f"V after a start at {relative[start]:.2g} V, n = {n:g}, over the usual V"
             bounds = 1 - FORGOTTEN, 1 + FORGOTTEN
             checks.append(within(what, ratio, *bounds, [place, steady]))

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from sim.claims.place import joined
-from sim.claims.verdict import INCONCLUSIVE, NOT_REPRODUCED, REPRODUCED, Untestable
+from sim.claims.verdict import INCONCLUSIVE, NOT_REPRODUCED, REPORTED, REPRODUCED, Untestable
 from sim.claims.walton_profiles import _densest_inner, w10, w11, w12, w13, w14, w17, w18
 from tests.claims.judging import checks_on, failed, verdict_on
 from tests.claims.made import SCATTER
@@ -75,26 +75,43 @@ def test_deep_flows_must_be_there(judge):
 
 
 def thinning(z, bump: float):
-    """Packing that falls with height, but for a bump one diameter up."""
-    return np.clip(0.5 - 0.15 * z + bump * ((z > 1) & (z < 1.5)), 0, None)
+    """Packing that falls with height, but for a bump in the upper half of the second layer."""
+    return np.clip(0.5 - 0.15 * z + bump * ((z > 1.5) & (z < 2)), 0, None)
 
 
 @pytest.mark.parametrize(
     ("bump", "scatter", "verdict"),
     [
         (0.0, SCATTER, REPRODUCED),
-        (0.1, SCATTER, NOT_REPRODUCED),
+        # A rise between slices, not between layers.
+        (0.2, SCATTER, REPRODUCED),
+        (0.4, SCATTER, NOT_REPRODUCED),
         (0.0, 1.5, INCONCLUSIVE),
     ],
 )
-def test_packing_that_falls_from_the_first_centers_on(bump, scatter, verdict):
+def test_packing_that_falls_from_layer_to_layer(bump, scatter, verdict):
     options = {"replicates": 8, "scatter": scatter}
-    # Below the first centers packing rises in any flow.
     flows = [
-        shaped(1.24, packing=lambda z: thinning(z, bump) * np.where(z < 0.4, 0.5, 1.0), **options),
-        shaped(2.5, packing=lambda z: thinning(z, 0.1), **options),
+        shaped(1.24, packing=lambda z: thinning(z, bump), **options),
+        shaped(2.5, packing=lambda z: thinning(z, 0.5), **options),
     ]
     assert verdict_on(w12, flows) == verdict
+
+
+def test_rises_of_the_packing_between_slices_are_reported():
+    (sliced,) = (
+        check
+        for check in checks_on(
+            w12, [shaped(1.24, packing=lambda z: thinning(z, 0.2), replicates=8)]
+        )
+        if check.verdict == REPORTED
+    )
+    assert sliced.value == pytest.approx(0.2 - 0.15 / 4, abs=0.01)
+
+
+def test_a_single_layer_cannot_thin_out():
+    with pytest.raises(Untestable, match="two layers"):
+        checks_on(w12, [shaped(1.24, packing=filled_to(1.5), replicates=8)])
 
 
 def domed(z, peak: float, depth: float):
@@ -231,7 +248,8 @@ def test_a_flow_that_drifts_decides_nothing_on_profiles(judge):
         shaped(n, packing=filled_to(n + 3), replicates=8, scalars=drift)
         for n in (1, 1.24, 2, 3.5, 5, 10)
     ]
-    assert {check.verdict for check in checks_on(judge, flows)} == {INCONCLUSIVE}
+    found = {check.verdict for check in checks_on(judge, flows)}
+    assert found - {REPORTED} == {INCONCLUSIVE}
 
 
 def test_a_flow_slower_with_height_everywhere_does_not_shear_evenly():
