@@ -14,7 +14,7 @@ def half_width(over, under) -> float:
 def test_a_well_known_divisor_gives_the_propagated_error():
     found = quotient(measured(3.0, 0.3), measured(2.0, 0.02))
     assert found.nominal_value == 1.5
-    assert SIGMAS * found.std_dev == pytest.approx(1.5 * np.hypot(0.1, 0.01), rel=1e-3)
+    assert SIGMAS * found.std_dev == pytest.approx(1.5 * np.hypot(0.1, 0.01), rel=5e-3)
 
 
 def test_the_interval_holds_a_threshold_where_the_difference_is_not_sure():
