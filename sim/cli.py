@@ -8,6 +8,7 @@ import argparse
 import logging
 import os
 import shutil
+import signal
 import sys
 import time
 from collections.abc import Callable, Sequence
@@ -39,7 +40,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     -------
     int
         0 on success, 2 after a one-line message on standard error for unusable input, 3 from
-        ``run`` for a run that failed, 130 after an interrupt.
+        ``run`` for a run that failed, 130 after an interrupt; 143 from a ``run`` that saved its
+        state first.
     """
     options = _parser().parse_args(arguments)
     try:
@@ -224,9 +226,18 @@ def _run(options: argparse.Namespace) -> int:
 
     from sim.run import run_point
 
+    signal.signal(signal.SIGINT, save_and_end)
     return run_point(
         parameters, options.output, quiet=options.quiet, record_failure=options.record_failure
     )
+
+
+def save_and_end(*_: object) -> None:
+    """Answer an interrupt as a running computation answers SIGTERM; the second one ends at once."""
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    if signal.getsignal(signal.SIGTERM) is signal.SIG_DFL:
+        raise KeyboardInterrupt
+    signal.raise_signal(signal.SIGTERM)
 
 
 def _info(options: argparse.Namespace) -> None:

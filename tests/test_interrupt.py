@@ -1,4 +1,4 @@
-"""A run that is interrupted from the keyboard says so and leaves nothing half-written."""
+"""An interrupted run keeps its state; before there is any, it just ends."""
 
 import signal
 import subprocess
@@ -6,13 +6,19 @@ import sys
 import time
 from pathlib import Path
 
+import pytest
+
+from sim.cli import save_and_end
 from sim.parameters import parse_point
+from sim.progress import progress_file
 from sim.warm import warm
 
 ROOT = Path(__file__).parents[1]
 
 
-def test_interrupt_ends_a_run_cleanly(tmp_path):
+@pytest.fixture
+def process(tmp_path):
+    """A long run that has started."""
     warm([parse_point({"system": "belt"}, "test")])
     process = subprocess.Popen(
         [sys.executable, "-m", "sim", "run", "-", "-o", str(tmp_path / "run.nc")],
@@ -21,15 +27,51 @@ def test_interrupt_ends_a_run_cleanly(tmp_path):
         stderr=subprocess.PIPE,
         text=True,
     )
-    # The first log line says that the run has started, so it tells when to interrupt.
     process.stdin.write("{system: belt, frequency: 20, average: 1.0e+5}")
     process.stdin.close()
+    deadline = time.monotonic() + 60
+    while not progress_file(tmp_path / "run.nc").exists() and time.monotonic() < deadline:
+        time.sleep(0.05)
+    yield process
+    process.kill()
+    process.wait()
 
-    assert "200 particles" in process.stderr.readline()
-    time.sleep(1.0)
+
+def test_an_interrupt_saves_the_state_of_a_run(process, tmp_path):
     process.send_signal(signal.SIGINT)
     code = process.wait(timeout=60)
-    errors = process.stderr.read()
-    assert code == 130, errors
-    assert errors.splitlines()[-1] == "interrupted"
-    assert list(tmp_path.iterdir()) == []
+    last = process.stderr.read().splitlines()[-1]
+    assert (code, last.partition(": ")[2]) == (
+        143,
+        "terminated; the next start continues from here",
+    )
+    assert not (tmp_path / "run.nc").exists()
+    assert (tmp_path / ".run.nc.checkpoint").stat().st_size > 0
+    # `status` takes it for interrupted by this file.
+    assert progress_file(tmp_path / "run.nc").exists()
+
+
+@pytest.fixture
+def signals():
+    """What the two signals do, put back afterwards."""
+    before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
+    yield
+    for number, handler in before.items():
+        signal.signal(number, handler)
+
+
+def test_without_anything_to_save_an_interrupt_ends_at_once(signals):
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)
+    with pytest.raises(KeyboardInterrupt):
+        save_and_end(signal.SIGINT, None)
+
+
+def test_the_second_interrupt_ends_at_once(signals):
+    told = []
+    signal.signal(signal.SIGTERM, lambda *_: told.append("save"))
+    signal.signal(signal.SIGINT, save_and_end)
+    signal.raise_signal(signal.SIGINT)
+    assert told == ["save"]
+    with pytest.raises(KeyboardInterrupt):
+        signal.raise_signal(signal.SIGINT)
+    assert told == ["save"]

@@ -18,7 +18,7 @@ def test_a_well_known_divisor_gives_the_propagated_error():
 
 
 def test_the_interval_holds_a_threshold_where_the_difference_is_not_sure():
-    """At its farther end ``over − t · under`` is just as far from zero as its own interval."""
+    """At its farther end ``over - t · under`` is just as far from zero as its own interval."""
     over, under = measured(1.0, 0.2), measured(2.0, 1.0)
     end = 0.5 + half_width(over, under)
     assert abs(1.0 - end * 2.0) == pytest.approx(np.hypot(0.2, end * 1.0))
