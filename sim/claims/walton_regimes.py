@@ -1,6 +1,7 @@
 """Judges of Walton's claims about regimes: which flows accelerate, are steady, come to rest."""
 
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from math import inf, nan, radians, tan
 
 from uncertainties import UFloat
@@ -19,7 +20,16 @@ from sim.claims.chute import (
 )
 from sim.claims.evidence import Evidence
 from sim.claims.place import Place, measured, quotient
-from sim.claims.verdict import Check, Unbounded, Untestable, above, below, within
+from sim.claims.verdict import (
+    NOT_REPRODUCED,
+    REPRODUCED,
+    Check,
+    Unbounded,
+    Untestable,
+    above,
+    below,
+    within,
+)
 
 #: Largest acceleration over g sin θ that counts as none, and the shortest time in √(σ/g).
 STEADY, LONG = 0.01, 100
@@ -76,8 +86,13 @@ def w7(evidence: Evidence) -> list[Check]:
         within("dV/dt over (5/7) g sin θ, n = 0.5", rolling, 0.9, 1.1, [place]),
         above("V at which it still does so, n = 0.5", reached, 50, [place], "√(gσ)"),
     ]
-    # The velocity is that of the window, whose trend is what counts.
-    return [of_trend(check, place) for check in checks]
+    if place.regime in ("undetermined", "mixed"):
+        return [replace(check, samples=0.0) for check in checks]
+    # The velocity is that of the window, whose trend is what counts. One that still grows at too low
+    # a velocity has been watched for too short a time; a plateau has another trend.
+    rolls, fast = (of_trend(check, place) for check in checks)
+    short = rolls.verdict == REPRODUCED and fast.verdict == NOT_REPRODUCED
+    return [rolls, replace(fast, samples=0.0) if short else fast]
 
 
 def w8(evidence: Evidence) -> list[Check]:

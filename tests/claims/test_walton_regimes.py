@@ -81,13 +81,19 @@ def test_an_evident_acceleration_needs_few_samples_and_a_drift_many():
         (5 / 7, 60, {}, REPRODUCED),
         (0.6, 60, {}, NOT_REPRODUCED),
         (0.85, 60, {}, NOT_REPRODUCED),
-        (5 / 7, 40, {}, NOT_REPRODUCED),
+        # Watched for too short a time.
+        (5 / 7, 40, {}, INCONCLUSIVE),
         (5 / 7, 60, {"scatter": 0.3}, INCONCLUSIVE),
         (5 / 7, 52, {"scatter": 0.05}, INCONCLUSIVE),
     ],
 )
 def test_half_a_layer_rolls(gain, speed, options, verdict):
     assert verdict_on(w7, [accelerating(gain, speed=speed, depth=0.5, **options)]) == verdict
+
+
+def test_a_plateau_of_half_a_layer_fails_and_a_flow_without_a_trend_decides_nothing():
+    assert verdict_on(w7, [flow(40, depth=0.5)]) == NOT_REPRODUCED
+    assert verdict_on(w7, [flow(2, {"regime": "undetermined"}, depth=0.5)]) == INCONCLUSIVE
 
 
 def test_half_a_layer_must_be_there():
