@@ -88,8 +88,8 @@ def w7(evidence: Evidence) -> list[Check]:
     ]
     if place.regime in ("undetermined", "mixed"):
         return [replace(check, samples=0.0) for check in checks]
-    # The velocity is that of the window, whose trend is what counts. One that still grows at too low
-    # a velocity has been watched for too short a time; a plateau has another trend.
+    # The velocity is that of the window, whose trend is what counts. One that still grows at too
+    # low a velocity has been watched for too short a time; a plateau has another trend.
     rolls, fast = (of_trend(check, place) for check in checks)
     short = rolls.verdict == REPRODUCED and fast.verdict == NOT_REPRODUCED
     return [rolls, replace(fast, samples=0.0) if short else fast]
