@@ -67,8 +67,8 @@ def cycled(index: int) -> CurveStyle:
     )
 
 
-#: Characters of legend that fit side by side above a figure, six of them the sample of each entry.
-CHARACTERS_ABOVE = 75
+#: Characters of legend that fit side by side in an inch above a figure, six per entry its sample.
+CHARACTERS_PER_INCH = 13.5
 
 
 def canvas(width: float = 5.6, height: float = 3.9) -> tuple[Figure, Axes]:
@@ -85,7 +85,8 @@ def place_legend(figure: Figure, axes: Axes) -> None:
     entries = list(zip(*axes.get_legend_handles_labels(), strict=True))
     entries.sort(key=lambda entry: entry[0].get_linestyle() == "None")
     handles, labels = [handle for handle, _ in entries], [label for _, label in entries]
-    columns = max(1, min(4, CHARACTERS_ABOVE // (max(map(len, labels), default=0) + 6)))
+    room = CHARACTERS_PER_INCH * figure.get_figwidth()
+    columns = max(1, min(4, int(room / (max(map(len, labels), default=0) + 6))))
     figure.legend(handles, labels, loc="outside upper center", ncols=columns)
 
 
