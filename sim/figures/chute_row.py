@@ -1,5 +1,6 @@
 """What Walton's Figs. 1.1 to 1.6 share: profiles of velocity and packing, and a configuration."""
 
+from collections import Counter
 from collections.abc import Mapping
 from typing import Any
 
@@ -67,7 +68,7 @@ def notes(data: FigureData) -> list[str]:
     ]
     for label, row in flows:
         count = int(row["completed"])
-        replicates = f"{count} replicates, {_regimes(data, row)}" if count > 1 else "one replicate"
+        replicates = f"{count} replicates, {_regimes(row)}" if count > 1 else "one replicate"
         sentences.append(
             f"{label[0].upper()}{label[1:]}: mean velocity {velocity_text(row)} (95 % interval), "
             f"{row['regime']}; {replicates}."
@@ -75,11 +76,10 @@ def notes(data: FigureData) -> list[str]:
     return sentences
 
 
-def _regimes(data: FigureData, row: Mapping[str, Any]) -> str:
+def _regimes(row: Mapping[str, Any]) -> str:
     """Return how many replicates of a point are in which regime."""
-    each = data.results.dataset["regime"].sel(point=row["point"]).values
-    counts = pd.Series(each[each != ""]).value_counts()
-    return ", ".join(f"{count} {regime}" for regime, count in counts.items())
+    counts = Counter(row["regimes"]).most_common()
+    return ", ".join(f"{count} {regime}" for regime, count in counts)
 
 
 def _flows(data: FigureData) -> list[tuple[str, dict[str, Any]]]:

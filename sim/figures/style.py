@@ -4,9 +4,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import pandas as pd
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
+from matplotlib.markers import CARETDOWN, CARETUP
+from matplotlib.transforms import offset_copy
 
 #: Okabe and Ito's colours, told apart by colour-blind readers, darkest first.
 COLOURS = ("#000000", "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00")
@@ -103,6 +106,7 @@ def draw_curve(
     label: str,
     unjoined: Sequence[str] = (),
     pale: bool = False,
+    shift: float = 0,
 ) -> None:
     """Draw mean velocity against a parameter, with 95 % intervals.
 
@@ -121,17 +125,22 @@ def draw_curve(
     label : str
         Its entry in the legend.
     unjoined : sequence of str
-        Regimes at whose points the line is interrupted.
+        The line is interrupted at points of which a replicate is in one of these regimes.
     pale : bool
         Draw it beside another curve of the same style, which has the entry in the legend.
+    shift : float
+        How far to the right of its place it is drawn, in points of print.
     """
     shown = rows[rows["completed"] > 0]
     if shown.empty:
         return
+    artists: list[Artist] = []
     if style.dashes != "none":
-        line = shown["velocity"].mask(shown["regime"].isin(unjoined))
+        line = shown["velocity"].mask([not set(unjoined).isdisjoint(r) for r in shown["regimes"]])
         beside = BESIDE if pale else {}
-        axes.plot(shown[along], line, color=style.colour, linestyle=style.dashes, **beside)
+        artists += axes.plot(
+            shown[along], line, color=style.colour, linestyle=style.dashes, **beside
+        )
     unknown = undecided(shown)
     steady = (shown["regime"] == "steady") & ~unknown
     for chosen, face in (
@@ -140,7 +149,7 @@ def draw_curve(
         (~(steady | unknown), "white"),
     ):
         part = shown[chosen]
-        axes.errorbar(
+        bars = axes.errorbar(
             part[along],
             part["velocity"],
             yerr=part["half_width"].fillna(0),
@@ -153,6 +162,11 @@ def draw_curve(
             alpha=BESIDE["alpha"] if pale else None,
             zorder=3,
         )
+        artists += bars.get_children()
+    # Given to axes.plot, an offset would count among the data that set the limits.
+    place = offset_copy(axes.transData, axes.figure, x=shift, units="points")
+    for artist in artists:
+        artist.set_transform(place)
     if not pale:
         axes.plot(
             [],
@@ -162,6 +176,18 @@ def draw_curve(
             marker=style.marker,
             label=label,
         )
+
+
+def mark_cut_bars(axes: Axes) -> None:
+    """Put a caret on the edge where an error bar leaves the axes, whose limits are then final."""
+    bottom, top = axes.get_ylim()
+    for points, _, bars in (bar.lines for bar in axes.containers):
+        for (x, low), (_, high) in (ends for part in bars for ends in part.get_segments()):
+            for cut, edge, caret in ((low < bottom, bottom, CARETDOWN), (high > top, top, CARETUP)):
+                if cut:
+                    look = {"marker": caret, "color": points.get_color()}
+                    (mark,) = axes.plot(x, edge, **look, scalex=False, scaley=False)
+                    mark.set_transform(points.get_transform())
 
 
 def name_protocols(axes: Axes) -> None:

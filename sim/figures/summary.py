@@ -46,13 +46,17 @@ def summarize(dataset: xr.Dataset, spec: FigureSpec) -> pd.DataFrame:
     Returns
     -------
     pandas.DataFrame
-        All coordinates of the points, and the columns of `sim.outcome.outcome`.
+        All coordinates of the points, the columns of `sim.outcome.outcome`, and ``regimes``: those
+        of the completed replicates.
     """
     fed = np.array([spec.name in names.split() for names in dataset["figures"].values], dtype=bool)
     points = dataset.isel(point=np.flatnonzero(fed))
     names = [name for name, values in points.coords.items() if values.dims == ("point",)]
     rows = pd.DataFrame({name: points[name].values for name in names})
     outcomes = [outcome(points.isel(point=index)) for index in range(points.sizes["point"])]
+    done = points["status"].values == "completed"
+    regimes = [tuple(each[kept]) for each, kept in zip(points["regime"].values, done, strict=True)]
+    rows["regimes"] = pd.Series(regimes, dtype=object)
     return pd.concat([rows, pd.DataFrame(outcomes, columns=list(OUTCOME))], axis=1)
 
 

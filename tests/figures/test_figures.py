@@ -7,6 +7,7 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 import matplotlib as mpl
+import numpy as np
 import pytest
 import xarray as xr
 
@@ -154,8 +155,47 @@ def test_accelerating_flows_do_not_set_the_scale(dataset_path):
     axes, rows = drawn("walton_2", dataset_path)
     bounded = rows[rows["regime"] == "steady"]
     assert axes.get_ylim()[1] < 2 * (bounded["velocity"] + bounded["half_width"]).max()
-    notes = [text.get_text() for text in axes.texts]
-    assert notes == ["4"]
+    assert [(text.get_text(), text.xy) for text in axes.texts] == [("↑ 4", (0.5, 1))]
+    held = {
+        line.get_color(): line.get_ydata()[0]
+        for line in axes.get_lines()
+        if 0.5 in line.get_xdata()
+    }
+    assert set(held) == {"#000000", "#0072b2"}, "a marker in the colour of each of two series"
+    assert all(bounded["velocity"].max() < value < axes.get_ylim()[1] for value in held.values())
+
+
+def test_a_flow_of_which_a_replicate_accelerates_is_not_joined(dataset_path, tmp_path):
+    with xr.open_dataset(dataset_path) as opened:
+        dataset = opened.load()
+    series = (dataset["depth"] == 5) & (dataset["restitution"] == 0.85)
+    point = np.flatnonzero(series & (dataset["friction"] == 0.4))[0]
+    regime = dataset["regime"].values
+    regime[point, :2] = "accelerating", "undetermined"
+    dataset["regime"] = dataset["regime"].dims, regime
+    dataset.to_netcdf(tmp_path / "dataset.nc")
+    axes, rows = drawn("walton_2", tmp_path / "dataset.nc")
+    row = rows[rows["point"] == dataset["point"].values[point]].iloc[0]
+    assert row["regimes"] == ("accelerating", "undetermined")
+    joined = {
+        line.get_color(): np.isfinite(line.get_ydata()[list(line.get_xdata()).index(5)])
+        for line in axes.get_lines()
+        if line.get_linestyle() != "None" and 5 in line.get_xdata()
+    }
+    assert joined == {"#000000": True, "#0072b2": False, "#d55e00": True}
+
+
+def test_points_that_coincide_stand_side_by_side(dataset_path):
+    axes, _ = drawn("walton_2", dataset_path)
+    places = [
+        line.get_transform().transform((2.5, 0))[0]
+        for line in axes.get_lines()
+        if line.get_linestyle() == "None" and 2.5 in line.get_xdata() and line.get_marker() != "_"
+    ]
+    assert len(places) == 3
+    apart = np.diff(sorted(places)) * 72 / axes.figure.dpi
+    assert (apart > 2).all()
+    assert (apart < 4).all()
 
 
 def test_natural_units_stand_on_the_right(dataset_path):
