@@ -1,6 +1,6 @@
 """How all figures look: fonts, colours, and a curve with its interval and its regimes."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import pandas as pd
@@ -163,10 +163,7 @@ def draw_curve(
             zorder=3,
         )
         artists += bars.get_children()
-    # Given to axes.plot, an offset would count among the data that set the limits.
-    place = offset_copy(axes.transData, axes.figure, x=shift, units="points")
-    for artist in artists:
-        artist.set_transform(place)
+    move_aside(axes, artists, x=shift)
     if not pale:
         axes.plot(
             [],
@@ -176,6 +173,12 @@ def draw_curve(
             marker=style.marker,
             label=label,
         )
+
+
+def move_aside(axes: Axes, artists: Iterable[Artist], x: float = 0, y: float = 0) -> None:
+    """Move what is drawn aside (points of print), which leaves the limits of the axes alone."""
+    for artist in artists:
+        artist.set_transform(offset_copy(axes.transData, axes.figure, x=x, y=y, units="points"))
 
 
 def mark_cut_bars(axes: Axes) -> None:

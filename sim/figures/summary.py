@@ -82,13 +82,7 @@ def split_curves(
     list of (dict, pandas.DataFrame)
         The values that name each curve, and its points in the order of ``along``.
     """
-    varied = [
-        name
-        for name in parameters
-        if name not in NUMERICAL and name != along and rows[name].nunique() > 1
-    ]
-    if _follows(rows, "friction_plane", "friction", varied):
-        varied.remove("friction_plane")
+    varied = varying(rows, [name for name in parameters if name != along])
     names = list(dict.fromkeys([*keys, *varied]))
     return [
         (dict(zip(names, values, strict=True)), curve.sort_values(along))
@@ -96,5 +90,10 @@ def split_curves(
     ]
 
 
-def _follows(rows: pd.DataFrame, name: str, leader: str, varied: Sequence[str]) -> bool:
-    return name in varied and rows[name].equals(rows[leader].rename(name))
+def varying(rows: pd.DataFrame, parameters: Sequence[str]) -> list[str]:
+    """Return which parameters vary and change the flow; a plane as rough as the particles aside."""
+    varied = [name for name in parameters if name not in NUMERICAL and rows[name].nunique() > 1]
+    plane = "friction_plane"
+    if plane in varied and rows[plane].equals(rows["friction"].rename(plane)):
+        varied.remove(plane)
+    return varied
