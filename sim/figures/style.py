@@ -49,6 +49,9 @@ PALE = 0.3
 #: How a line of the converged protocol differs from the published one beside it.
 BESIDE = {"linewidth": 3.4, "alpha": 0.4, "zorder": 1.9}
 
+#: Size of its markers where no line joins them.
+LONE_BESIDE = 7.0
+
 
 #: How a level is drawn that values are compared with.
 LEVEL = {"color": "#888888", "linestyle": ":", "linewidth": 0.9, "zorder": 1}
@@ -141,6 +144,7 @@ def draw_curve(
         artists += axes.plot(
             shown[along], line, color=style.colour, linestyle=style.dashes, **beside
         )
+    lone = pale and style.dashes == "none"
     unknown = undecided(shown)
     steady = (shown["regime"] == "steady") & ~unknown
     for chosen, face in (
@@ -157,6 +161,7 @@ def draw_curve(
             color=style.colour,
             marker=style.marker,
             markerfacecolor=face,
+            markersize=LONE_BESIDE if lone else None,
             markeredgewidth=1.0,
             elinewidth=0.9,
             alpha=BESIDE["alpha"] if pale else None,

@@ -2,19 +2,21 @@
 
 import csv
 import struct
+from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
 from xml.etree import ElementTree
 
 import matplotlib as mpl
 import numpy as np
+import pandas as pd
 import pytest
 import xarray as xr
 
 from sim.dataset import build
 from sim.errors import InputError
 from sim.figures import FIGURES, draw, gallas_1a, gallas_1b, gallas_1c, walton_2
-from sim.figures.style import DASH_DOT, SETTINGS, SHORT_DASH
+from sim.figures.style import DASH_DOT, LONE_BESIDE, SETTINGS, SHORT_DASH
 from sim.figures.summary import figure_data
 from sim.parameters import SYSTEMS
 from sim.results import load_results
@@ -132,6 +134,24 @@ def test_dampings_of_fig_1b_are_markers_without_lines(dataset_path):
         "(γ, γ$_s$) = (10g, 10g)": "X",
         "(γ, γ$_s$) = (50g, 100g)": "s",
     }
+
+
+def test_converged_dampings_of_fig_1b_are_large_pale_markers_of_the_same_look(dataset_path):
+    data = figure_data(load_results(dataset_path), FIGURES["gallas_1b"])
+    converged = data.rows.assign(protocol="converged")
+    both = replace(data, rows=pd.concat([data.rows, converged], ignore_index=True))
+    with mpl.rc_context(SETTINGS):
+        axes = gallas_1b.draw(both).axes[0]
+    markers = [line for line in axes.get_lines() if len(line.get_xdata())]
+    pale = {
+        (line.get_marker(), line.get_color())
+        for line in markers
+        if line.get_alpha() and line.get_markersize() == LONE_BESIDE
+    }
+    assert pale == {("^", "#009e73"), ("X", "#cc79a7"), ("s", "#e69f00")}
+    plain = {(line.get_marker(), line.get_color()) for line in markers if not line.get_alpha()}
+    assert pale < plain
+    assert {"published protocol", "converged protocol"} < {x.get_label() for x in axes.get_lines()}
 
 
 def marked(axes, face: str) -> int:
