@@ -31,10 +31,10 @@ UNJOINED = ("accelerating",)
 
 #: What captions say of lines and of error bars.
 JOINED = (
-    "Lines join flows of which no replicate accelerates; where some do, the mean is that of "
+    "Lines join flows of which no replicate accelerates; where only some do, the mean is that of "
     "different flows. Error bars that end in a caret go on beyond the axes."
 )
-APART = "Curves are set apart sideways by the width of a line or two."
+APART = "Curves are drawn a little aside of each other, about the depth that the axis names."
 
 #: Points of print between two curves.
 _PITCH = 2.4
