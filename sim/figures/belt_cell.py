@@ -105,7 +105,7 @@ def cells(points: Sequence[Shown], top: float) -> tuple[Figure, list[Axes]]:
     widths = [row["width"] for row, _ in points]
     scale = _SCALES[len(points)]
     wide = max(_NARROWEST, sum(widths) * scale + _LABELS * len(points))
-    figure = Figure(figsize=(wide, (high - low) * scale + _ABOVE), layout="constrained")
+    figure = Figure(figsize=(wide, (high - low) * scale + _ABOVE), layout="compressed")
     panels = figure.subplots(1, len(points), squeeze=False, sharey=True, width_ratios=widths)[0]
     for axes, (row, _) in zip(panels, points, strict=True):
         axes.set(xlim=(0, row["width"]), ylim=(low, high), aspect="equal")

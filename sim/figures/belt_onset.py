@@ -9,7 +9,7 @@ from sim.figures.summary import FigureData
 
 LEAD = (
     "Frequency f at which transport begins on the vibrating belt against the vertical amplitude "
-    "A_z: intervals found by refinement, joined by a line. Dotted: the acceleration of the belt "
+    "A_z: intervals found by refinement. Dotted: the acceleration of the belt "
     "reaches that of gravity, Γ = 4π²f²A_z/g = 1. Transport is where the 95 % interval of every "
     "bed's mean velocity lies above 2 % of the velocity amplitude of the belt along x, no "
     "transport where it lies below."
@@ -34,7 +34,7 @@ def draw(data: FigureData) -> Figure:
     """Draw the figure."""
     rows = data.rows
     figure, axes = canvas()
-    draw_boundaries(axes, data.boundaries, "amplitude", "frequency")
+    draw_boundaries(axes, data.boundaries, ("amplitude", "frequency"))
     smallest, largest = rows["amplitude"][rows["amplitude"] > 0].agg(["min", "max"])
     amplitude = np.linspace(0.9 * smallest, 1.05 * largest, 200)
     for (gravity, diameter), _ in rows.groupby(["gravity", "diameter"]):

@@ -66,6 +66,8 @@ _DAMPINGS = {
     (50.0, 100.0): CurveStyle("#000000", "-"),
 }
 
+_FAST_START = CurveStyle("#009e73", LONG_DASH)
+
 
 def by_frequency(names: dict[str, object], index: int) -> tuple[CurveStyle, str]:
     """Return style and legend entry of a flow in Figs. 2a and 3a."""
@@ -86,7 +88,7 @@ def by_damping(names: dict[str, object], index: int) -> tuple[CurveStyle, str]:
     label = pair(damping, shear_damping)
     if not names.get("initial_velocity", 0):
         return style, label
-    return CurveStyle(style.colour, LONG_DASH), f"{label}, fast start"
+    return _FAST_START, f"{label}, fast start"
 
 
 class Panel(NamedTuple):

@@ -1,5 +1,6 @@
 """What Walton's Figs. 1.1 to 1.6 share: profiles of velocity and packing, and a configuration."""
 
+from collections import Counter
 from collections.abc import Mapping
 from typing import Any
 
@@ -11,9 +12,8 @@ from matplotlib.figure import Figure
 from sim.errors import InputError
 from sim.figures.caption import velocity_text
 from sim.figures.configuration import LARGEST_PORTION, Scene
-from sim.figures.style import COLOURS, DOTTED, place_legend
+from sim.figures.style import COLOURS, DOTTED, PALE, place_legend
 from sim.figures.summary import FigureData, split_curves
-from sim.outcome import student_half_width
 from sim.parameters import ChuteParameters
 from sim.wording import setting
 
@@ -38,6 +38,9 @@ SHARE = 0.995
 
 PIXELS = 640
 
+#: How the profile of a replicate is drawn.
+_REPLICATE = {"alpha": PALE, "linewidth": 0.7, "zorder": 1.5}
+
 
 def lead(depth: float) -> str:
     """Return what the figure of a depth shows."""
@@ -50,27 +53,33 @@ def lead(depth: float) -> str:
         f"Flow of depth n = N/σ² = {depth:g} down a frictional plane: (a) velocity u down the "
         "slope (top: in units of √(gσ)) and (b) packing fraction against the height z above the "
         "plane in sphere diameters σ: solid, instantaneous at the end of the first replicate; "
-        "dotted, time average of the averaging window, mean of the replicates with a band; up to "
-        f"the height below which {100 * SHARE:g} % of the solid volume lies. (c) Configuration at "
-        f"the end of the first replicate, {part}, coloured by the velocity of each sphere."
+        "pale, time average of the averaging window of each replicate; dotted, mean of these; up "
+        f"to the height below which {100 * SHARE:g} % of the solid volume lies. (c) Configuration "
+        f"at the end of the first replicate, {part}, coloured by the velocity of each sphere."
     )
 
 
 def notes(data: FigureData) -> list[str]:
     """Return what the caption says of each flow that is drawn."""
-    sentences = []
-    for label, row in _flows(data):
+    flows = _flows(data)
+    sentences = [
+        f"The instantaneous profiles and the configuration are of the {label}."
+        for label, _ in flows[:1]
+    ]
+    for label, row in flows:
         count = int(row["completed"])
-        band = (
-            f"band: Student's 95 % interval of the mean over {count} replicates"
-            if count > 1
-            else "one replicate and no band"
-        )
+        replicates = f"{count} replicates, {_regimes(row)}" if count > 1 else "one replicate"
         sentences.append(
-            f"{label[0].upper()}{label[1:]}: mean velocity {velocity_text(row)}, "
-            f"{row['regime']}; {band}."
+            f"{label[0].upper()}{label[1:]}: mean velocity {velocity_text(row)} (95 % interval), "
+            f"{row['regime']}; {replicates}."
         )
     return sentences
+
+
+def _regimes(row: Mapping[str, Any]) -> str:
+    """Return how many replicates of a point are in which regime."""
+    counts = Counter(row["regimes"]).most_common()
+    return ", ".join(f"{count} {regime}" for regime, count in counts)
 
 
 def _flows(data: FigureData) -> list[tuple[str, dict[str, Any]]]:
@@ -102,26 +111,28 @@ def draw(data: FigureData) -> Figure:
         for axes, name in zip(panels, ("velocity", "packing"), strict=True):
             if index == 0:
                 _draw_instantaneous(axes, values, name)
-            _draw_average(axes, values, name, colour, suffix)
+            _draw_averages(axes, values, name, colour, suffix)
     _finish(panels, data.rows.iloc[0])
     if flows:
+        panels[0].plot([], [], label="each replicate", color=COLOURS[0], **_REPLICATE)
         _draw_configuration(right.subplots(), data, flows[0][1])
-        place_legend(left, panels[0])
+        place_legend(figure, panels[0])
     return figure
 
 
 def profile(data: FigureData, row: Mapping[str, Any]) -> pd.DataFrame:
     """Return the profiles of a point, a row per slice, up to the height of its last spheres.
 
-    Columns ``z`` (σ) and, of ``velocity`` (m/s) and ``packing``, the cumulative average with its
-    ``_half_width`` and the ``_instantaneous`` value of the first completed replicate.
+    Columns ``z`` (σ) and, of ``velocity`` (m/s) and ``packing``, the cumulative average, that of
+    each completed replicate (``_0``, ``_1`` and so on) and the ``_instantaneous`` value of the
+    first one.
     """
     columns: dict[str, Any] = {}
     for name in ("packing", "velocity"):
         values, height = data.results.profile(row["point"], f"{name}_profile")
         columns["z"] = height / row["diameter"]
         columns[name] = values.mean(axis=0)
-        columns[f"{name}_half_width"] = student_half_width(values)
+        columns |= {f"{name}_{index}": one for index, one in enumerate(values)}
         latest, _ = data.results.profile(row["point"], f"{name}_profile_instantaneous")
         columns[f"{name}_instantaneous"] = latest[0]
     filled = np.cumsum(columns["packing"]) / columns["packing"].sum()
@@ -133,14 +144,17 @@ def _draw_instantaneous(axes: Axes, values: pd.DataFrame, name: str) -> None:
     axes.plot(latest, values["z"], color=COLOURS[0], linewidth=1.0, label="instantaneous")
 
 
-def _draw_average(axes: Axes, values: pd.DataFrame, name: str, colour: str, suffix: str) -> None:
-    mean, half_width, z = values[name], values[f"{name}_half_width"], values["z"]
-    label = f"cumulative average{suffix}"
-    axes.plot(mean, z, color=colour, linestyle=DOTTED, linewidth=1.8, label=label)
-    # The lines set the scale: a band over two replicates may be wider than all of it.
-    scale = axes.dataLim.frozen()
-    axes.fill_betweenx(z, mean - half_width, mean + half_width, color=colour, alpha=0.18, lw=0)
-    axes.dataLim.set(scale)
+def _draw_averages(axes: Axes, values: pd.DataFrame, name: str, colour: str, suffix: str) -> None:
+    """Draw the time averages of the replicates and their mean; its suffix names one of several."""
+    for each in _replicates(values, name):
+        axes.plot(values[each], values["z"], color=colour, **_REPLICATE)
+    label, z = f"cumulative average{suffix}", values["z"]
+    axes.plot(values[name], z, color=colour, linestyle=DOTTED, linewidth=1.8, label=label)
+
+
+def _replicates(values: pd.DataFrame, name: str) -> list[str]:
+    """Return the columns of a profile that hold the replicates'."""
+    return [column for column in values if column.removeprefix(f"{name}_").isdigit()]
 
 
 def _finish(panels: np.ndarray, row: Mapping[str, Any]) -> None:
@@ -195,6 +209,9 @@ def table(data: FigureData) -> pd.DataFrame:
 def _headed(values: pd.DataFrame, name: str, unit: str) -> dict[str, pd.Series]:
     return {
         f"{name}, cumulative average [{unit}]": values[name],
-        f"{name}, half width of 95 % interval [{unit}]": values[f"{name}_half_width"],
         f"{name}, instantaneous [{unit}]": values[f"{name}_instantaneous"],
+        **{
+            f"{name}, replicate {index + 1} [{unit}]": values[each]
+            for index, each in enumerate(_replicates(values, name))
+        },
     }

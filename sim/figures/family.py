@@ -20,6 +20,7 @@ def draw_family(
     parameters: Sequence[str],
     look: Look,
     unjoined: Sequence[str] = (),
+    pitch: float = 0,
 ) -> None:
     """Draw one curve per set of parameters.
 
@@ -39,12 +40,15 @@ def draw_family(
     look : callable
         Gives style and legend entry from all values that name a curve but its protocol.
     unjoined : sequence of str
-        Regimes at whose points lines are interrupted.
+        Lines are interrupted at points of which a replicate is in one of these regimes.
+    pitch : float
+        How far each curve is drawn to the right of the one before, in points of print, so that
+        points that coincide can be told apart.
     """
     curves = split_curves(rows, along, keys, parameters)
     curves.sort(key=lambda curve: curve[1]["protocol"].iloc[0] != "published")
     styles: dict[str, CurveStyle] = {}
-    beside = False
+    drawn = []
     for names, curve in curves:
         named = {name: value for name, value in names.items() if name != "protocol"}
         style, label = look(named, len(styles))
@@ -52,8 +56,10 @@ def draw_family(
         if not pale and style in styles.values():
             # Another parameter tells these curves apart, which the paper's styles do not know.
             style = cycled(len(styles) + len(MARKERS) // 2)
-        style = styles.setdefault(label, style)
-        draw_curve(axes, curve, along, style, label, unjoined, pale)
-        beside |= pale
-    if beside:
+        styles.setdefault(label, style)
+        drawn.append((curve, label, pale))
+    shifts = {label: pitch * (n - (len(styles) - 1) / 2) for n, label in enumerate(styles)}
+    for curve, label, pale in drawn:
+        draw_curve(axes, curve, along, styles[label], label, unjoined, pale, shifts[label])
+    if any(pale for _, _, pale in drawn):
         name_protocols(axes)

@@ -10,7 +10,7 @@ NAMED = transport.NAMED
 LEAD = (
     "Transport velocity V_x of the beads against the frequency f of the belt: lines for several "
     "amplitudes A_z of the vibration at γ = γ_s = 50g, markers alone for other damping "
-    "coefficients (γ, γ_s)."
+    "coefficients (γ, γ_s), large and pale those of the converged protocol."
 )
 PAPER = (
     "The paper: all curves jump up and then grow monotonically; beads start to flow at about 16 Hz "

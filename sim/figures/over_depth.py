@@ -1,10 +1,14 @@
-"""What figures over the depth of chute flows share: parameters, a logarithmic axis, labels."""
+"""What figures over the depth of chute flows share: parameters, curves, a logarithmic axis."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 
+import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.ticker import FixedLocator, NullFormatter
 
+from sim.figures.family import draw_family
+from sim.figures.style import CurveStyle, cycled
+from sim.parameters import ChuteParameters
 from sim.wording import setting
 
 #: Parameters that their captions give.
@@ -22,11 +26,34 @@ NAMED = (
 )
 
 
+#: Lines are interrupted at flows of which a replicate is in one of these regimes.
+UNJOINED = ("accelerating",)
+
+#: What captions say of lines and of error bars.
+JOINED = (
+    "Lines join flows of which no replicate accelerates; where only some do, the mean is that of "
+    "different flows. Error bars that end in a caret go on beyond the axes."
+)
+APART = "Curves are drawn a little aside of each other, about the depth that the axis names."
+
+#: Points of print between two curves.
+_PITCH = 2.4
+
 #: Depths of the paper's figures, named on the axis wherever they are.
 _OF_PAPER = (0.5, 1.24, 2.5, 5, 10, 20, 40)
 
 #: Factor between two depths that both have room for a number.
 _ROOM = 1.35
+
+
+def draw_curves(axes: Axes, rows: pd.DataFrame, keys: Sequence[str]) -> None:
+    """Draw a curve over the depth for each set of the parameters ``keys``, see `draw_family`."""
+    names = tuple(ChuteParameters.model_fields)
+    draw_family(axes, rows, "depth", keys, names, _look, UNJOINED, _PITCH)
+
+
+def _look(names: dict[str, object], index: int) -> tuple[CurveStyle, str]:
+    return cycled(index), label(names)
 
 
 def set_depth_axis(axes: Axes, depths: Iterable[float]) -> None:

@@ -7,8 +7,16 @@ from matplotlib.figure import Figure
 
 from sim.figures.measures import measure_notes as notes
 from sim.figures.measures import measure_table, measured
-from sim.figures.over_depth import NAMED, label, set_depth_axis
-from sim.figures.style import LEVEL, LONG_DASH, canvas, cycled, draw_curve, place_legend
+from sim.figures.over_depth import JOINED, NAMED, UNJOINED, label, set_depth_axis
+from sim.figures.style import (
+    LEVEL,
+    LONG_DASH,
+    canvas,
+    cycled,
+    draw_curve,
+    mark_cut_bars,
+    place_legend,
+)
 from sim.figures.summary import FigureData, split_curves
 from sim.parameters import ChuteParameters
 
@@ -17,7 +25,8 @@ __all__ = ["LEAD", "NAMED", "PAPER", "draw", "notes", "table"]
 LEAD = (
     "Overlap of touching spheres, in diameters σ, against the depth n = N/σ² of the flow for "
     "several stiffnesses K1: median of all contacts at the samples of the averaging window "
-    "(dashed) and the overlap that one of a thousand exceeds (lines). Dotted: 0.5 % and 5 %."
+    "(dashed) and the overlap that one of a thousand exceeds (lines). Dotted: 0.5 % and 5 %. "
+    f"{JOINED}"
 )
 PAPER = (
     "The paper: the softest spheres overlap by the order of half a percent at rest and by up to "
@@ -41,12 +50,13 @@ def draw(data: FigureData) -> Figure:
         curves = split_curves(rows, "depth", ("stiffness",), tuple(ChuteParameters.model_fields))
         for index, (values, curve) in enumerate(curves):
             style = replace(cycled(index), dashes=dashes)
-            draw_curve(axes, curve, "depth", style, f"{label(values)}, {what}", ("accelerating",))
+            draw_curve(axes, curve, "depth", style, f"{label(values)}, {what}", UNJOINED)
     for level in _NAMED_BY_PAPER:
         axes.axhline(level, **LEVEL)
     set_depth_axis(axes, data.rows["depth"])
     axes.set_yscale("log")
     axes.set_ylabel("overlap (σ)")
+    mark_cut_bars(axes)
     place_legend(figure, axes)
     return figure
 

@@ -4,14 +4,15 @@ from math import atan, degrees
 
 from matplotlib.figure import Figure
 
-from sim.figures.regime_map import THEORY, draw_map
+from sim.figures.regime_map import CREEP_SENTENCE, THEORY, draw_map
 from sim.figures.style import place_legend
 from sim.figures.summary import FigureData
 
 LEAD = (
     "Regimes of monodisperse spheres on a frictional inclined plane over the inclination θ and the "
-    "depth n = N/σ² of the flow: one marker per point, boundaries between regimes as bars joined "
-    "by lines, and tan θ = μ, above which friction cannot hold the weight (dotted)."
+    "depth n = N/σ² of the flow: one marker per point, boundaries between regimes as bars beside "
+    "the points, and tan θ = μ, above which friction cannot hold the weight (dotted). "
+    f"{CREEP_SENTENCE}"
 )
 NAMED = (
     "friction",

@@ -6,7 +6,9 @@ from pathlib import Path
 from types import ModuleType
 
 import matplotlib as mpl
+import numpy as np
 import pandas as pd
+from matplotlib.figure import Figure
 from PIL import Image
 from PIL.PngImagePlugin import PngInfo
 
@@ -30,6 +32,9 @@ from sim.results import load_results
 
 #: Resolution of the first picture of an animation, dots per inch.
 POSTER = 150
+
+#: Passes of the layout at most.
+PASSES = 6
 
 #: Parameters that every table of data tells beside those of its figure.
 PROTOCOL = ("protocol", "target", "limit")
@@ -65,6 +70,7 @@ def render(spec: FigureSpec, dataset_path: Path, folder: Path) -> list[Path]:
             figure.axes[0].text(
                 0.5, 0.5, "no point completed", ha="center", transform=figure.axes[0].transAxes
             )
+        settle(figure)
         # Without a date in them, the same data gives the same bytes.
         if spec.animated:
             save_gif(drawn, other)
@@ -76,6 +82,20 @@ def render(spec: FigureSpec, dataset_path: Path, folder: Path) -> list[Path]:
         table.to_csv(csv, index=False, float_format="%.10g")
         text.write_text(caption(data, spec, module) + "\n", encoding="utf-8")
     return files
+
+
+def settle(figure: Figure) -> None:
+    """Lay out a figure until its axes stay where they are.
+
+    The first pass does not know yet how large axes to scale become, and may leave their labels
+    beyond the edges.
+    """
+    places = None
+    for _ in range(PASSES):
+        before, places = places, [axes.get_position().bounds for axes in figure.axes]
+        if before is not None and np.allclose(before, places, atol=1e-3):
+            break
+        figure.draw_without_rendering()
 
 
 def _save_small(picture: Path, title: str) -> None:

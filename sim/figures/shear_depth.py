@@ -5,17 +5,17 @@ from matplotlib.figure import Figure
 
 from sim.figures.measures import measure_notes as notes
 from sim.figures.measures import measure_table, measured
-from sim.figures.over_depth import NAMED, label, set_depth_axis
-from sim.figures.style import canvas, cycled, draw_curve, place_legend
-from sim.figures.summary import FigureData, split_curves
-from sim.parameters import ChuteParameters
+from sim.figures.over_depth import APART, JOINED, NAMED, draw_curves, set_depth_axis
+from sim.figures.style import canvas, mark_cut_bars, place_legend
+from sim.figures.summary import FigureData
 
 __all__ = ["LEAD", "NAMED", "PAPER", "draw", "notes", "table"]
 
 LEAD = (
     "Height δ_s of the shearing layer, in diameters σ, against the depth n = N/σ² of the flow for "
     "several coefficients of restitution e and stiffnesses K1. δ_s is where the time-averaged "
-    "velocity reaches 90 % of that at the surface. Lines join flows that do not accelerate."
+    "velocity reaches 90 % of that at the surface. "
+    f"{JOINED} {APART}"
 )
 PAPER = (
     "The paper: more elastic spheres have a deeper shearing layer (Fig. 2); the thickness of the "
@@ -29,14 +29,12 @@ def draw(data: FigureData) -> Figure:
     """Draw the figure."""
     figure, axes = canvas()
     rows = _heights(data)
-    names = ("restitution", "stiffness")
-    curves = split_curves(rows, "depth", names, tuple(ChuteParameters.model_fields))
-    for index, (values, curve) in enumerate(curves):
-        draw_curve(axes, curve, "depth", cycled(index), label(values), ("accelerating",))
+    draw_curves(axes, rows, ("restitution", "stiffness"))
     set_depth_axis(axes, data.rows["depth"])
     # Intervals over two replicates may be wider than all the heights.
     highest = rows["velocity"].max()
     axes.set_ylim(0, min(axes.get_ylim()[1], 1.5 * highest) if highest > 0 else 1)
+    mark_cut_bars(axes)
     axes.set_ylabel("height of the shearing layer $δ_s$ (σ)")
     place_legend(figure, axes)
     return figure

@@ -91,6 +91,7 @@ BELT = (
         "frequency for amplitudes and damping coefficients",
         "frequency",
         "amplitude damping shear_damping",
+        **_FROM_REST,
     ),
     _flux("1c", "the shear friction coefficient", "shear_damping", "frequency"),
     *_profiles("2", "Number density"),

@@ -1,12 +1,15 @@
 """How all figures look: fonts, colours, and a curve with its interval and its regimes."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import pandas as pd
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
+from matplotlib.markers import CARETDOWN, CARETUP
+from matplotlib.transforms import offset_copy
 
 #: Okabe and Ito's colours, told apart by colour-blind readers, darkest first.
 COLOURS = ("#000000", "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00")
@@ -46,6 +49,9 @@ PALE = 0.3
 #: How a line of the converged protocol differs from the published one beside it.
 BESIDE = {"linewidth": 3.4, "alpha": 0.4, "zorder": 1.9}
 
+#: Size of its markers where no line joins them.
+LONE_BESIDE = 7.0
+
 
 #: How a level is drawn that values are compared with.
 LEVEL = {"color": "#888888", "linestyle": ":", "linewidth": 0.9, "zorder": 1}
@@ -67,8 +73,8 @@ def cycled(index: int) -> CurveStyle:
     )
 
 
-#: Characters of legend that fit side by side above a figure, six of them the sample of each entry.
-CHARACTERS_ABOVE = 75
+#: Characters of legend that fit side by side in an inch above a figure, six per entry its sample.
+CHARACTERS_PER_INCH = 13.5
 
 
 def canvas(width: float = 5.6, height: float = 3.9) -> tuple[Figure, Axes]:
@@ -85,7 +91,8 @@ def place_legend(figure: Figure, axes: Axes) -> None:
     entries = list(zip(*axes.get_legend_handles_labels(), strict=True))
     entries.sort(key=lambda entry: entry[0].get_linestyle() == "None")
     handles, labels = [handle for handle, _ in entries], [label for _, label in entries]
-    columns = max(1, min(4, CHARACTERS_ABOVE // (max(map(len, labels), default=0) + 6)))
+    room = CHARACTERS_PER_INCH * figure.get_figwidth()
+    columns = max(1, min(4, int(room / (max(map(len, labels), default=0) + 6))))
     figure.legend(handles, labels, loc="outside upper center", ncols=columns)
 
 
@@ -102,6 +109,7 @@ def draw_curve(
     label: str,
     unjoined: Sequence[str] = (),
     pale: bool = False,
+    shift: float = 0,
 ) -> None:
     """Draw mean velocity against a parameter, with 95 % intervals.
 
@@ -120,17 +128,23 @@ def draw_curve(
     label : str
         Its entry in the legend.
     unjoined : sequence of str
-        Regimes at whose points the line is interrupted.
+        The line is interrupted at points of which a replicate is in one of these regimes.
     pale : bool
         Draw it beside another curve of the same style, which has the entry in the legend.
+    shift : float
+        How far to the right of its place it is drawn, in points of print.
     """
     shown = rows[rows["completed"] > 0]
     if shown.empty:
         return
+    artists: list[Artist] = []
     if style.dashes != "none":
-        line = shown["velocity"].mask(shown["regime"].isin(unjoined))
+        line = shown["velocity"].mask([not set(unjoined).isdisjoint(r) for r in shown["regimes"]])
         beside = BESIDE if pale else {}
-        axes.plot(shown[along], line, color=style.colour, linestyle=style.dashes, **beside)
+        artists += axes.plot(
+            shown[along], line, color=style.colour, linestyle=style.dashes, **beside
+        )
+    lone = pale and style.dashes == "none"
     unknown = undecided(shown)
     steady = (shown["regime"] == "steady") & ~unknown
     for chosen, face in (
@@ -139,7 +153,7 @@ def draw_curve(
         (~(steady | unknown), "white"),
     ):
         part = shown[chosen]
-        axes.errorbar(
+        bars = axes.errorbar(
             part[along],
             part["velocity"],
             yerr=part["half_width"].fillna(0),
@@ -147,11 +161,14 @@ def draw_curve(
             color=style.colour,
             marker=style.marker,
             markerfacecolor=face,
+            markersize=LONE_BESIDE if lone else None,
             markeredgewidth=1.0,
             elinewidth=0.9,
             alpha=BESIDE["alpha"] if pale else None,
             zorder=3,
         )
+        artists += bars.get_children()
+    move_aside(axes, artists, x=shift)
     if not pale:
         axes.plot(
             [],
@@ -161,6 +178,24 @@ def draw_curve(
             marker=style.marker,
             label=label,
         )
+
+
+def move_aside(axes: Axes, artists: Iterable[Artist], x: float = 0, y: float = 0) -> None:
+    """Move what is drawn aside (points of print), which leaves the limits of the axes alone."""
+    for artist in artists:
+        artist.set_transform(offset_copy(axes.transData, axes.figure, x=x, y=y, units="points"))
+
+
+def mark_cut_bars(axes: Axes) -> None:
+    """Put a caret on the edge where an error bar leaves the axes, whose limits are then final."""
+    bottom, top = axes.get_ylim()
+    for points, _, bars in (bar.lines for bar in axes.containers):
+        for (x, low), (_, high) in (ends for part in bars for ends in part.get_segments()):
+            for cut, edge, caret in ((low < bottom, bottom, CARETDOWN), (high > top, top, CARETUP)):
+                if cut:
+                    look = {"marker": caret, "color": points.get_color()}
+                    (mark,) = axes.plot(x, edge, **look, scalex=False, scaley=False)
+                    mark.set_transform(points.get_transform())
 
 
 def name_protocols(axes: Axes) -> None:

@@ -46,13 +46,17 @@ def summarize(dataset: xr.Dataset, spec: FigureSpec) -> pd.DataFrame:
     Returns
     -------
     pandas.DataFrame
-        All coordinates of the points, and the columns of `sim.outcome.outcome`.
+        All coordinates of the points, the columns of `sim.outcome.outcome`, and ``regimes``: those
+        of the completed replicates.
     """
     fed = np.array([spec.name in names.split() for names in dataset["figures"].values], dtype=bool)
     points = dataset.isel(point=np.flatnonzero(fed))
     names = [name for name, values in points.coords.items() if values.dims == ("point",)]
     rows = pd.DataFrame({name: points[name].values for name in names})
     outcomes = [outcome(points.isel(point=index)) for index in range(points.sizes["point"])]
+    done = points["status"].values == "completed"
+    regimes = [tuple(each[kept]) for each, kept in zip(points["regime"].values, done, strict=True)]
+    rows["regimes"] = pd.Series(regimes, dtype=object)
     return pd.concat([rows, pd.DataFrame(outcomes, columns=list(OUTCOME))], axis=1)
 
 
@@ -78,13 +82,7 @@ def split_curves(
     list of (dict, pandas.DataFrame)
         The values that name each curve, and its points in the order of ``along``.
     """
-    varied = [
-        name
-        for name in parameters
-        if name not in NUMERICAL and name != along and rows[name].nunique() > 1
-    ]
-    if _follows(rows, "friction_plane", "friction", varied):
-        varied.remove("friction_plane")
+    varied = varying(rows, [name for name in parameters if name != along])
     names = list(dict.fromkeys([*keys, *varied]))
     return [
         (dict(zip(names, values, strict=True)), curve.sort_values(along))
@@ -92,5 +90,10 @@ def split_curves(
     ]
 
 
-def _follows(rows: pd.DataFrame, name: str, leader: str, varied: Sequence[str]) -> bool:
-    return name in varied and rows[name].equals(rows[leader].rename(name))
+def varying(rows: pd.DataFrame, parameters: Sequence[str]) -> list[str]:
+    """Return which parameters vary and change the flow; a plane as rough as the particles aside."""
+    varied = [name for name in parameters if name not in NUMERICAL and rows[name].nunique() > 1]
+    plane = "friction_plane"
+    if plane in varied and rows[plane].equals(rows["friction"].rename(plane)):
+        varied.remove(plane)
+    return varied

@@ -55,6 +55,11 @@ series:
     system: belt
     cases: [{frequency: 10, shear_damping: 1}, {frequency: 80, shear_damping: 0}]
     figures: [gallas_4b, gallas_4e]
+  - name: finer
+    system: belt
+    base: {protocol: converged, steps_per_cycle: 5000}
+    cases: [{frequency: 10, vibration_angle: 60}]
+    figures: [gallas_5a]
   - name: snapshots
     system: belt
     cases:

@@ -1,6 +1,7 @@
 """Gallas' Figs. 4, 5 and 7: every bead and its path, the belt, the obstacle, data and caption."""
 
 from dataclasses import replace
+from importlib import import_module
 
 import numpy as np
 import pandas as pd
@@ -13,6 +14,7 @@ from sim.errors import InputError
 from sim.figures import FIGURES, draw, gallas_4a
 from sim.figures.belt_cell import TALLEST, select
 from sim.figures.belt_snapshots import round_speed
+from sim.figures.render import settle
 from sim.figures.style import DOTTED
 from sim.figures.summary import figure_data
 from sim.results import load_results
@@ -20,6 +22,7 @@ from tests.figures.made_belt import dashes, drawn
 
 PATHS = ("gallas_4a", "gallas_4b", "gallas_4c", "gallas_4d", "gallas_4e", "gallas_7a", "gallas_7c")
 SNAPSHOTS = ("gallas_5a", "gallas_5b", "gallas_5c", "gallas_5d", "gallas_7b")
+TWO_PANELS = {"gallas_4d": 2000, "gallas_5a": 5000}
 BEADS, WIDTH = 12, 5
 
 
@@ -58,7 +61,7 @@ def test_a_path_has_a_dot_per_bead_and_step_within_the_cell(name, belt_dataset):
 @pytest.mark.parametrize("name", SNAPSHOTS)
 def test_a_snapshot_has_circles_and_velocities_from_their_centres(name, belt_dataset):
     figure, data = drawn(name, belt_dataset)
-    (axes,) = figure.axes
+    axes = figure.axes[0]
     circles = [one for one in axes.collections if isinstance(one, EllipseCollection)]
     sticks = [one for one in axes.collections if isinstance(one, LineCollection)]
     centres = np.concatenate([one.get_offsets() for one in circles])
@@ -88,7 +91,7 @@ def test_data_and_caption(name, belt_dataset, tmp_path):
     assert png.stat().st_size > 0
     assert svg.stat().st_size < 200_000
     data = pd.read_csv(csv)
-    panels = 1 + (name == "gallas_4d")
+    panels = 1 + (name in TWO_PANELS)
     assert len(data) == panels * (41 * BEADS if name in PATHS else BEADS)
     assert data["protocol"].nunique() == panels
     assert {"x [⟨d⟩]", "z [⟨d⟩]"} < set(data)
@@ -110,11 +113,24 @@ def test_data_and_caption(name, belt_dataset, tmp_path):
     assert "Error bars" not in text
 
 
-def test_the_protocols_stand_side_by_side_where_both_are_in_the_data(belt_dataset):
-    figure, data = drawn("gallas_4d", belt_dataset)
+@pytest.mark.parametrize(("name", "steps"), TWO_PANELS.items())
+def test_the_protocols_stand_side_by_side_where_both_are_in_the_data(name, steps, belt_dataset):
+    figure, data = drawn(name, belt_dataset)
     assert list(data.rows["protocol"]) == ["published", "converged"]
-    titles = ["published, 2000 steps a cycle", "converged, 2000 steps a cycle"]
+    titles = ["published, 2000 steps a cycle", f"converged, {steps} steps a cycle"]
     assert [axes.get_title() for axes in figure.axes] == titles
+
+
+@pytest.mark.parametrize("name", TWO_PANELS)
+def test_labels_are_in_the_picture_and_the_legend_is_above_the_titles(name, belt_dataset):
+    _, data = drawn(name, belt_dataset)
+    wide = replace(data, rows=data.rows.assign(width=20.0))
+    figure = import_module(f"sim.figures.{name}").draw(wide)
+    settle(figure)
+    legend = figure.legends[0].get_window_extent()
+    for axes in figure.axes:
+        assert axes.xaxis.label.get_window_extent().y0 >= 0
+        assert axes.title.get_window_extent().y1 <= legend.y0
 
 
 def test_of_several_points_the_one_nearest_to_the_paper_is_shown(belt_dataset):

@@ -53,6 +53,13 @@ def test_lines_have_the_dashes_of_the_paper(name, belt_dataset):
 
 
 @pytest.mark.parametrize("name", STYLES)
+def test_every_flow_has_a_colour_of_its_own(name, belt_dataset):
+    figure, _ = drawn(name, belt_dataset)
+    entries = [line for line in figure.axes[0].get_lines() if "=" in line.get_label()]
+    assert len({line.get_color() for line in entries}) == len(STYLES[name])
+
+
+@pytest.mark.parametrize("name", STYLES)
 def test_the_profiles_are_those_of_the_dataset_in_the_units_of_the_axes(name, belt_dataset):
     _, data = drawn(name, belt_dataset)
     quantity = QUANTITIES[name[-2]]

@@ -1,4 +1,4 @@
-"""Walton's Figs. 1.1-1.6: profiles as the caption draws them, bands, a configuration, data."""
+"""Walton's Figs. 1.1-1.6: profiles as the caption draws them, replicates, a configuration, data."""
 
 import matplotlib as mpl
 import numpy as np
@@ -6,9 +6,8 @@ import pandas as pd
 import pytest
 
 from sim.figures import FIGURES, chute_row, draw
-from sim.figures.style import DOTTED, SETTINGS
+from sim.figures.style import DOTTED, PALE, SETTINGS
 from sim.figures.summary import figure_data
-from sim.outcome import student_half_width
 from sim.results import load_results
 from tests.figures.made_belt import dashes
 from tests.figures.made_chute import SPREAD
@@ -67,21 +66,29 @@ def test_heights_are_in_diameters_and_velocities_in_two_units(results):
     assert top.get_xlim()[1] == pytest.approx(velocity.get_xlim()[1] / (9.8e-3) ** 0.5)
 
 
-def test_bands_are_students_interval_over_the_replicates(results):
+def test_every_replicate_is_a_pale_line_within_the_panel_and_there_is_no_band(results):
     figure, _ = drawn("walton_1_2", results)
-    (band,) = figure.axes[1].collections
-    edges = band.get_paths()[0].vertices[:, 0]
-    half_width = student_half_width(0.5 * (1 + SPREAD))
-    assert [edges.min(), edges.max()] == pytest.approx([0.5 - half_width, 0.5 + half_width])
+    for axes, mean in zip(figure.axes[:2], (None, 0.5), strict=True):
+        assert not axes.collections
+        pale = [
+            line for line in axes.get_lines() if line.get_alpha() == PALE and line.get_xdata().size
+        ]
+        average = lines(axes)["cumulative average"].get_xdata()
+        ratios = np.array([line.get_xdata() for line in pale]) / average
+        assert ratios == pytest.approx(np.outer(1 + SPREAD, np.ones(len(average))))
+        assert max(line.get_xdata().max() for line in pale) < axes.get_xlim()[1]
+        if mean:
+            assert average == pytest.approx(mean)
 
 
 def test_the_converged_protocol_lies_beside_the_published_one(results):
     figure, _ = drawn("walton_1_3", results)
     labels = [line.get_label() for line in figure.axes[0].get_lines()]
-    assert labels == [
+    assert [label for label in labels if not label.startswith("_")] == [
         "instantaneous",
         "cumulative average, published protocol",
         "cumulative average, converged protocol",
+        "each replicate",
     ]
 
 
@@ -93,7 +100,7 @@ def test_deep_flows_show_the_whole_cell_and_others_a_portion(results, name, shar
     assert scene.shown == pytest.approx(np.array([3e-3, share * 3e-3]))
 
 
-def test_files_tell_units_bands_protocols_and_the_paper(chute_dataset, tmp_path):
+def test_files_tell_units_replicates_protocols_and_the_paper(chute_dataset, tmp_path):
     files = {path.name: path for path in draw("walton_1_3", chute_dataset, tmp_path)}
     assert set(files) == {f"walton_1_3{end}" for end in (".png", ".svg", ".csv", ".caption.txt")}
     caption = files["walton_1_3.caption.txt"].read_text()
@@ -102,8 +109,9 @@ def test_files_tell_units_bands_protocols_and_the_paper(chute_dataset, tmp_path)
         "n = 5",
         "K1 = 100 N/m",
         "Published protocol: mean velocity 0.1 ±",
-        "over 3 replicates",
-        "over 2 replicates",
+        "The instantaneous profiles and the configuration are of the published protocol.",
+        "steady; 3 replicates, 3 steady.",
+        "steady; 2 replicates, 2 steady.",
         "The paper: ",
     ):
         assert text in caption
@@ -112,6 +120,11 @@ def test_files_tell_units_bands_protocols_and_the_paper(chute_dataset, tmp_path)
     velocity = table["velocity, cumulative average [m s-1]"]
     assert velocity[table["flow"] == "published protocol"].to_numpy() == pytest.approx(
         0.1 * table["height [σ]"][table["flow"] == "published protocol"].to_numpy()
+    )
+    second = table["velocity, replicate 2 [m s-1]"] / velocity
+    assert second.to_numpy() == pytest.approx(1 + SPREAD[1], rel=0.06)
+    assert (
+        table["velocity, replicate 3 [m s-1]"].isna().equals(table["flow"] != "published protocol")
     )
 
 

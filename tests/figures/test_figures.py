@@ -2,18 +2,21 @@
 
 import csv
 import struct
+from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
 from xml.etree import ElementTree
 
 import matplotlib as mpl
+import numpy as np
+import pandas as pd
 import pytest
 import xarray as xr
 
 from sim.dataset import build
 from sim.errors import InputError
 from sim.figures import FIGURES, draw, gallas_1a, gallas_1b, gallas_1c, walton_2
-from sim.figures.style import DASH_DOT, SETTINGS, SHORT_DASH
+from sim.figures.style import DASH_DOT, LONE_BESIDE, SETTINGS, SHORT_DASH
 from sim.figures.summary import figure_data
 from sim.parameters import SYSTEMS
 from sim.results import load_results
@@ -133,6 +136,24 @@ def test_dampings_of_fig_1b_are_markers_without_lines(dataset_path):
     }
 
 
+def test_converged_dampings_of_fig_1b_are_large_pale_markers_of_the_same_look(dataset_path):
+    data = figure_data(load_results(dataset_path), FIGURES["gallas_1b"])
+    converged = data.rows.assign(protocol="converged")
+    both = replace(data, rows=pd.concat([data.rows, converged], ignore_index=True))
+    with mpl.rc_context(SETTINGS):
+        axes = gallas_1b.draw(both).axes[0]
+    markers = [line for line in axes.get_lines() if len(line.get_xdata())]
+    pale = {
+        (line.get_marker(), line.get_color())
+        for line in markers
+        if line.get_alpha() and line.get_markersize() == LONE_BESIDE
+    }
+    assert pale == {("^", "#009e73"), ("X", "#cc79a7"), ("s", "#e69f00")}
+    plain = {(line.get_marker(), line.get_color()) for line in markers if not line.get_alpha()}
+    assert pale < plain
+    assert {"published protocol", "converged protocol"} < {x.get_label() for x in axes.get_lines()}
+
+
 def marked(axes, face: str) -> int:
     """Return the number of data points with filled or with open markers."""
     return sum(
@@ -154,8 +175,47 @@ def test_accelerating_flows_do_not_set_the_scale(dataset_path):
     axes, rows = drawn("walton_2", dataset_path)
     bounded = rows[rows["regime"] == "steady"]
     assert axes.get_ylim()[1] < 2 * (bounded["velocity"] + bounded["half_width"]).max()
-    notes = [text.get_text() for text in axes.texts]
-    assert notes == ["4"]
+    assert [(text.get_text(), text.xy) for text in axes.texts] == [("↑ 4", (0.5, 1))]
+    held = {
+        line.get_color(): line.get_ydata()[0]
+        for line in axes.get_lines()
+        if 0.5 in line.get_xdata()
+    }
+    assert set(held) == {"#000000", "#0072b2"}, "a marker in the colour of each of two series"
+    assert all(bounded["velocity"].max() < value < axes.get_ylim()[1] for value in held.values())
+
+
+def test_a_flow_of_which_a_replicate_accelerates_is_not_joined(dataset_path, tmp_path):
+    with xr.open_dataset(dataset_path) as opened:
+        dataset = opened.load()
+    series = (dataset["depth"] == 5) & (dataset["restitution"] == 0.85)
+    point = np.flatnonzero(series & (dataset["friction"] == 0.4))[0]
+    regime = dataset["regime"].values
+    regime[point, :2] = "accelerating", "undetermined"
+    dataset["regime"] = dataset["regime"].dims, regime
+    dataset.to_netcdf(tmp_path / "dataset.nc")
+    axes, rows = drawn("walton_2", tmp_path / "dataset.nc")
+    row = rows[rows["point"] == dataset["point"].values[point]].iloc[0]
+    assert row["regimes"] == ("accelerating", "undetermined")
+    joined = {
+        line.get_color(): np.isfinite(line.get_ydata()[list(line.get_xdata()).index(5)])
+        for line in axes.get_lines()
+        if line.get_linestyle() != "None" and 5 in line.get_xdata()
+    }
+    assert joined == {"#000000": True, "#0072b2": False, "#d55e00": True}
+
+
+def test_points_that_coincide_stand_side_by_side(dataset_path):
+    axes, _ = drawn("walton_2", dataset_path)
+    places = [
+        line.get_transform().transform((2.5, 0))[0]
+        for line in axes.get_lines()
+        if line.get_linestyle() == "None" and 2.5 in line.get_xdata() and line.get_marker() != "_"
+    ]
+    assert len(places) == 3
+    apart = np.diff(sorted(places)) * 72 / axes.figure.dpi
+    assert (apart > 2).all()
+    assert (apart < 4).all()
 
 
 def test_natural_units_stand_on_the_right(dataset_path):

@@ -1,17 +1,19 @@
 """Figures of regimes: a marker per point and regime, boundaries as bars, lines of theory."""
 
 import struct
+from dataclasses import replace
 from math import atan, degrees, pi, radians, sqrt, tan
 from pathlib import Path
 
 import matplotlib as mpl
 import numpy as np
+import pandas as pd
 import pytest
 import xarray as xr
 
 from sim.dataset import build
 from sim.figures import FIGURES, belt_onset, draw, regimes_angle, regimes_friction
-from sim.figures.regime_map import BOUNDARIES, MARKS, boundary_sentence
+from sim.figures.regime_map import BOUNDARIES, MARKS, boundary_sentence, creeping
 from sim.figures.style import SETTINGS
 from sim.figures.summary import figure_data
 from sim.results import load_results
@@ -90,6 +92,53 @@ def test_bars_span_the_intervals(name, dataset_path):
     } <= bars
 
 
+def test_nothing_joins_the_bars(dataset_path):
+    for name, of in (("regimes_friction", "flow"), ("regimes_angle", "acceleration")):
+        axes, _, found = drawn(name, dataset_path)
+        assert (found["of"] == of).sum() > 1
+        lines = [one for one in axes.get_lines() if one.get_color() == BOUNDARIES[of][1].colour]
+        assert lines
+        assert all(len(one.get_xdata()) < 2 for one in lines)
+
+
+def test_bars_of_one_place_stand_side_by_side_and_kinds_differ_in_colour_and_marker(dataset_path):
+    data = figure_data(load_results(dataset_path), FIGURES["belt_onset"])
+    other = data.boundaries.assign(vibration_angle=60.0)
+    both = replace(data, boundaries=pd.concat([data.boundaries, other]))
+    with mpl.rc_context(SETTINGS):
+        axes = belt_onset.draw(both).axes[0]
+    looks = {
+        (one.get_color(), one.get_marker())
+        for one in (
+            line(axes, "onset of transport, α = 45°"),
+            line(axes, "onset of transport, α = 60°"),
+        )
+    }
+    assert {len(set(each)) for each in zip(*looks, strict=True)} == {2}
+    places = [
+        one.get_transform().transform((1, 15))[0] * 72 / axes.figure.dpi
+        for one in (container.lines[0] for container in axes.containers)
+        if list(one.get_xdata()) == [1]
+    ]
+    assert np.diff(sorted(places)) == pytest.approx([5])
+
+
+def test_flows_that_creep_are_told_from_those_that_flow(dataset_path):
+    data = figure_data(load_results(dataset_path), FIGURES["regimes_friction"])
+    unit = sqrt(9.8e-3)
+    rows = data.rows.assign(velocity=data.rows["velocity"].where(data.rows.index > 2, 0.09 * unit))
+    rows.loc[:2, "regime"] = ["accelerating", "undetermined", "arrested"]
+    assert list(np.flatnonzero(creeping(rows))) == [0, 1]
+    assert not creeping(rows.assign(velocity=0.11 * unit)).any()
+    with mpl.rc_context(SETTINGS):
+        axes = regimes_friction.draw(replace(data, rows=rows)).axes[0]
+    shown = line(axes, "creeps: |V| < 0.1 √(gσ)")
+    assert list(shown.get_xdata()) == list(rows["depth"][:2])
+    assert shown.get_markerfacecolor() == "white"
+    together = sum(len(line(axes, regime).get_xdata()) for regime in ("accelerating", "arrested"))
+    assert together == rows["regime"][2:].isin(("accelerating", "arrested")).sum()
+
+
 def test_lines_of_one_boundary_share_an_entry_of_the_legend(dataset_path):
     axes, _, _ = drawn("regimes_friction", dataset_path)
     labels = [one.get_label() for one in axes.get_lines()]
@@ -112,8 +161,14 @@ def test_the_caption_says_what_was_not_found(dataset_path):
     verdicts = found.assign(verdict=["found", "wide", "none", "none"])
     assert boundary_sentence(verdicts, ("depth", "angle")) == (
         "Bars: intervals that hold a boundary, of 4 looked for: 1 wider than asked for, as "
-        "undecided or contradictory points lie in between; 2 not within the range searched."
+        "undecided or contradictory points lie in between; 2 not within the range searched. "
+        "Shown: limit of acceleration (2); limit of arrest (2)."
     )
+    verdicts.loc[verdicts["verdict"] == "none", ["low", "high"]] = np.nan
+    said = boundary_sentence(verdicts, ("depth", "angle"))
+    missing = verdicts[verdicts["verdict"] == "none"]
+    named = "; ".join(f"limit of arrest, n = {depth:g}" for depth in missing["depth"])
+    assert f"2 not within the range searched ({named}). Shown: limit of acceleration (2)." in said
 
 
 @pytest.mark.parametrize("name", MODULES)

@@ -1,9 +1,12 @@
 """Height of the shearing layer: a curve per material, error bars, lines, data and caption."""
 
+from dataclasses import replace
+
 import matplotlib as mpl
 import pandas as pd
 import pytest
 import xarray as xr
+from matplotlib.markers import CARETDOWN, CARETUP
 
 from sim.errors import InputError
 from sim.figures import FIGURES, draw, shear_depth
@@ -40,6 +43,19 @@ def test_heights_have_students_interval_over_replicates(data):
     several, single = rows.loc[(0.85, 100, 5)], rows.loc[(0.7, 100, 5)]
     assert several["half_width"] == pytest.approx(student_half_width(2 * (1 + SPREAD)))
     assert pd.isna(single["half_width"])
+
+
+def test_an_interval_wider_than_the_axes_ends_in_carets(data):
+    dataset = data.results.dataset.copy(deep=True)
+    deep = (dataset["depth"] == 20).values
+    dataset["shear_depth"].values[deep, :2] = 1e-3, 9e-3
+    wide = replace(data, results=replace(data.results, dataset=dataset))
+    with mpl.rc_context(SETTINGS):
+        axes = shear_depth.draw(wide).axes[0]
+    carets = [line for line in axes.get_lines() if line.get_marker() in (CARETUP, CARETDOWN)]
+    bottom, top = axes.get_ylim()
+    places = {(line.get_xdata()[0], line.get_ydata()[0]) for line in carets}
+    assert places == {(20, bottom), (20, top)}
 
 
 def test_files_tell_units_and_the_claims(chute_dataset, tmp_path):
