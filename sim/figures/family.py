@@ -5,7 +5,7 @@ from collections.abc import Callable, Sequence
 import pandas as pd
 from matplotlib.axes import Axes
 
-from sim.figures.style import MARKERS, CurveStyle, cycled, draw_curve, name_protocols
+from sim.figures.style import MARKERS, CurveStyle, Unjoined, cycled, draw_curve, name_protocols
 from sim.figures.summary import split_curves
 
 #: Gives style and legend entry of a curve from the values that name it and its number.
@@ -19,7 +19,7 @@ def draw_family(
     keys: Sequence[str],
     parameters: Sequence[str],
     look: Look,
-    unjoined: Sequence[str] = (),
+    unjoined: Unjoined | None = None,
     pitch: float = 0,
 ) -> None:
     """Draw one curve per set of parameters.
@@ -39,8 +39,8 @@ def draw_family(
         As for `sim.figures.summary.split_curves`.
     look : callable
         Gives style and legend entry from all values that name a curve but its protocol.
-    unjoined : sequence of str
-        Lines are interrupted at points of which a replicate is in one of these regimes.
+    unjoined : callable, optional
+        Says of rows at which of them lines are interrupted.
     pitch : float
         How far each curve is drawn to the right of the one before, in points of print, so that
         points that coincide can be told apart.

@@ -26,13 +26,13 @@ NAMED = (
 )
 
 
-#: Lines are interrupted at flows of which a replicate is in one of these regimes.
-UNJOINED = ("accelerating",)
+#: Largest half width of an interval, relative to the mean, of flows that a line joins.
+_UNKNOWN = 0.5
 
 #: What captions say of lines and of error bars.
 JOINED = (
-    "Lines join flows of which no replicate accelerates; where only some do, the mean is that of "
-    "different flows. Error bars that end in a caret go on beyond the axes."
+    "Lines join flows that do not accelerate and whose mean is known within "
+    f"{100 * _UNKNOWN:g} %. Error bars that end in a caret go on beyond the axes."
 )
 APART = "Curves are drawn a little aside of each other, about the depth that the axis names."
 
@@ -49,7 +49,13 @@ _ROOM = 1.35
 def draw_curves(axes: Axes, rows: pd.DataFrame, keys: Sequence[str]) -> None:
     """Draw a curve over the depth for each set of the parameters ``keys``, see `draw_family`."""
     names = tuple(ChuteParameters.model_fields)
-    draw_family(axes, rows, "depth", keys, names, _look, UNJOINED, _PITCH)
+    draw_family(axes, rows, "depth", keys, names, _look, unjoined, _PITCH)
+
+
+def unjoined(rows: pd.DataFrame) -> pd.Series:
+    """Return which flows no line joins: those that accelerate, and those of unknown mean."""
+    known = rows["half_width"] <= _UNKNOWN * rows["velocity"].abs()
+    return (rows["regime"] == "accelerating") | ~known
 
 
 def _look(names: dict[str, object], index: int) -> tuple[CurveStyle, str]:

@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 
 from sim.figures.measures import measure_notes as notes
 from sim.figures.measures import measure_table, measured
-from sim.figures.over_depth import JOINED, NAMED, UNJOINED, label, set_depth_axis
+from sim.figures.over_depth import JOINED, NAMED, label, set_depth_axis, unjoined
 from sim.figures.style import (
     LEVEL,
     LONG_DASH,
@@ -50,7 +50,7 @@ def draw(data: FigureData) -> Figure:
         curves = split_curves(rows, "depth", ("stiffness",), tuple(ChuteParameters.model_fields))
         for index, (values, curve) in enumerate(curves):
             style = replace(cycled(index), dashes=dashes)
-            draw_curve(axes, curve, "depth", style, f"{label(values)}, {what}", UNJOINED)
+            draw_curve(axes, curve, "depth", style, f"{label(values)}, {what}", unjoined)
     for level in _NAMED_BY_PAPER:
         axes.axhline(level, **LEVEL)
     set_depth_axis(axes, data.rows["depth"])

@@ -24,13 +24,14 @@ CREEP_SENTENCE = (
     "regime."
 )
 
-#: Marker, colour and whether it is filled, of regimes and creeping flows as in the legend.
+#: Marker, colour and whether it is filled, of regimes and creeping flows as in the legend. The
+#: later lie over the earlier where several runs are in one place.
 MARKS = {
+    "undetermined": ("D", "#666666", False),
+    "mixed": ("p", "#666666", False),
     "steady": ("o", "#0072b2", True),
     "accelerating": ("^", "#d55e00", True),
     "arrested": ("s", "#000000", True),
-    "undetermined": ("D", "#666666", False),
-    "mixed": ("p", "#666666", False),
     CREEPING: ("v", "#000000", False),
     "failed": ("x", "#666666", True),
 }

@@ -1,6 +1,6 @@
 """How all figures look: fonts, colours, and a curve with its interval and its regimes."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
 import pandas as pd
@@ -101,13 +101,17 @@ def undecided(rows: pd.DataFrame) -> pd.Series:
     return rows["regime"].isin(("steady", "undetermined")) & (rows["quality"] == "short")
 
 
+#: Which rows no line joins.
+Unjoined = Callable[[pd.DataFrame], pd.Series]
+
+
 def draw_curve(
     axes: Axes,
     rows: pd.DataFrame,
     along: str,
     style: CurveStyle,
     label: str,
-    unjoined: Sequence[str] = (),
+    unjoined: Unjoined | None = None,
     pale: bool = False,
     shift: float = 0,
 ) -> None:
@@ -127,8 +131,8 @@ def draw_curve(
         Look of the curve.
     label : str
         Its entry in the legend.
-    unjoined : sequence of str
-        The line is interrupted at points of which a replicate is in one of these regimes.
+    unjoined : callable, optional
+        Says of rows at which of them the line is interrupted.
     pale : bool
         Draw it beside another curve of the same style, which has the entry in the legend.
     shift : float
@@ -139,7 +143,7 @@ def draw_curve(
         return
     artists: list[Artist] = []
     if style.dashes != "none":
-        line = shown["velocity"].mask([not set(unjoined).isdisjoint(r) for r in shown["regimes"]])
+        line = shown["velocity"].mask(unjoined(shown)) if unjoined else shown["velocity"]
         beside = BESIDE if pale else {}
         artists += axes.plot(
             shown[along], line, color=style.colour, linestyle=style.dashes, **beside

@@ -5,7 +5,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from sim.figures.over_depth import APART, JOINED, NAMED, UNJOINED, draw_curves, set_depth_axis
+from sim.figures.over_depth import APART, JOINED, NAMED, draw_curves, set_depth_axis, unjoined
 from sim.figures.style import canvas, mark_cut_bars, place_legend
 from sim.figures.summary import FigureData
 
@@ -53,7 +53,7 @@ def draw(data: FigureData) -> Figure:
 
 def _ceiling(rows: pd.DataFrame) -> float:
     """Return the top of the vertical axis: the flows that do not accelerate fill it."""
-    bounded = rows[[not set(UNJOINED) & set(regimes) for regimes in rows["regimes"]]]
+    bounded = rows[~unjoined(rows)]
     bounded = bounded[bounded["completed"] > 0]
     if bounded.empty:
         bounded = rows[rows["completed"] > 0]
