@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import FixedLocator, NullFormatter
 
 from sim.figures.family import draw_family
-from sim.figures.style import CurveStyle, cycled
+from sim.figures.style import CurveStyle, Unjoined, cycled
 from sim.parameters import ChuteParameters
 from sim.wording import setting
 
@@ -31,7 +31,7 @@ _UNKNOWN = 0.5
 
 #: What captions say of lines and of error bars.
 JOINED = (
-    "Lines join flows that do not accelerate and whose mean is known within "
+    "Lines join flows that do not accelerate and whose replicates agree on the mean within "
     f"{100 * _UNKNOWN:g} %. Error bars that end in a caret go on beyond the axes."
 )
 APART = "Curves are drawn a little aside of each other, about the depth that the axis names."
@@ -46,16 +46,18 @@ _OF_PAPER = (0.5, 1.24, 2.5, 5, 10, 20, 40)
 _ROOM = 1.35
 
 
-def draw_curves(axes: Axes, rows: pd.DataFrame, keys: Sequence[str]) -> None:
+def unjoined(rows: pd.DataFrame) -> pd.Series:
+    """Return which flows no line joins: those that accelerate, and means of different flows."""
+    unknown = rows["half_width"] > _UNKNOWN * rows["velocity"].abs()
+    return (rows["regime"] == "accelerating") | unknown
+
+
+def draw_curves(
+    axes: Axes, rows: pd.DataFrame, keys: Sequence[str], unjoined: Unjoined = unjoined
+) -> None:
     """Draw a curve over the depth for each set of the parameters ``keys``, see `draw_family`."""
     names = tuple(ChuteParameters.model_fields)
     draw_family(axes, rows, "depth", keys, names, _look, unjoined, _PITCH)
-
-
-def unjoined(rows: pd.DataFrame) -> pd.Series:
-    """Return which flows no line joins: those that accelerate, and those of unknown mean."""
-    known = rows["half_width"] <= _UNKNOWN * rows["velocity"].abs()
-    return (rows["regime"] == "accelerating") | ~known
 
 
 def _look(names: dict[str, object], index: int) -> tuple[CurveStyle, str]:

@@ -37,6 +37,7 @@ def draw(data: FigureData) -> Figure:
         axes,
         rows.assign(**held, half_width=rows["half_width"].mask(above)),
         ("restitution", "friction"),
+        lambda part: unjoined(rows.loc[part.index]) | above.loc[part.index],
     )
     set_depth_axis(axes, rows["depth"])
     axes.set_ylim(0, _EDGE * ceiling if above.any() else ceiling)
