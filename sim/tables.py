@@ -43,6 +43,8 @@ def as_json(study: Study) -> str:
             "system": point.parameters.system,
             "series": point.series,
             "figures": point.figures,
+            "left_out": point.left_out,
+            "caveat": point.parameters.caveat,
             "particles": costs[point.id].particles,
             "steps": costs[point.id].steps,
             "core_seconds": round(costs[point.id].core_seconds, 3),
