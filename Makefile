@@ -22,6 +22,7 @@ $(STAMP): requirements.lock
 	  echo "'$(PYTHON) -m venv' failed: install the venv module of this Python (python3-venv on Debian)" >&2; exit 2; }
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --requirement requirements.lock
 	@touch $(STAMP)
+	@echo 'ready: . $(VENV)/bin/activate'
 
 figures: setup  ## the quick study: figures and report into results/quick
 	$(BIN)/snakemake --cores $(CORES)

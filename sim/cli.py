@@ -212,9 +212,14 @@ def _schema(options: argparse.Namespace) -> None:
 
 def _run(options: argparse.Namespace) -> int:
     from sim.folders import require_writable
-    from sim.parameters import load_point
+    from sim.parameters import parse_point
+    from sim.yaml_input import read_yaml
 
-    parameters = load_point(options.point)
+    mapping = read_yaml(options.point)
+    source = "<stdin>" if options.point == "-" else options.point
+    if isinstance(mapping, dict) and "study" in mapping and "system" not in mapping:
+        raise InputError(f"{source}: a study, not a point; snakemake --configfile {source} runs it")
+    parameters = parse_point(mapping, source)
     require_writable(options.output.parent, "--output")
     if options.output.exists() and not options.output.is_file():
         raise InputError.of_value("--output", "", str(options.output), "the name of a plain file")

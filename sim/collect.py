@@ -134,13 +134,15 @@ def joined(
 ) -> Point:
     """Return the point among ``points``, or a new one, as a member of a series and of figures.
 
-    Of the figures it joins those that show it.
+    Of the figures it joins those that show it; the others leave it out.
     """
     key = point_id(parameters)
-    figures = [name for name in figures if FIGURES[name].shows(parameters)]
     known = points.get(key, Point(key, parameters, (), ()))
+    asked = dict.fromkeys((*known.figures, *known.left_out, *figures))
+    shown = {name: FIGURES[name].shows(parameters) for name in asked}
     return replace(
         known,
         series=tuple(dict.fromkeys((*known.series, series))),
-        figures=tuple(dict.fromkeys((*known.figures, *figures))),
+        figures=tuple(name for name in asked if shown[name]),
+        left_out=tuple(name for name in asked if not shown[name]),
     )

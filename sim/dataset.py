@@ -12,6 +12,7 @@ import dask
 import numpy as np
 import xarray as xr
 
+from sim.caveats import caveat
 from sim.errors import InputError
 from sim.figures import FIGURES
 from sim.files import replacing, seal
@@ -26,13 +27,6 @@ from sim.study import Point, Study, load_study
 #: How arrays are stored.
 COMPRESSION = {"zlib": True, "complevel": 4, "shuffle": True}
 
-#: Share of the energy turned over that the ledger of a sound run does not lack by far.
-UNSOUND = 0.01
-
-_LEAKING = (
-    f"energy does not add up within {100 * UNSOUND:g} % of what is turned over, so the run is "
-    "numerically unsound or its model makes energy"
-)
 _CAVEAT = {"long_name": "what to know before trusting the point"}
 
 
@@ -207,11 +201,7 @@ def _labels(runs: Sequence[xr.Dataset], study: Study) -> dict[str, Any]:
 
 
 def _caveat(run: xr.Dataset) -> str:
-    """Return what the run says of itself, and whether its energy does not add up."""
-    said = [run.attrs.get("caveat", "")]
-    if (run["missing_energy"].values > UNSOUND).any():
-        said.append(_LEAKING)
-    return "; ".join(filter(None, said))
+    return caveat(run.attrs.get("caveat", ""), run["missing_energy"].values)
 
 
 def _parameters(runs: Sequence[xr.Dataset]) -> dict[str, Any]:

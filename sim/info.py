@@ -6,6 +6,7 @@ from pathlib import Path
 import netCDF4
 import numpy as np
 
+from sim.errors import InputError
 from sim.observe.scalars import SCALARS
 from sim.parameters import SYSTEMS, Parameters, as_yaml, canonical, field_info, parse_point
 from sim.stored import reading
@@ -32,6 +33,8 @@ def describe(path: str | Path, as_point: bool = False) -> str:
     path = Path(path)
     with reading(path, "run file", replaceable=False), netCDF4.Dataset(path) as file:
         file.set_auto_mask(False)
+        if "study" in file.ncattrs():
+            raise InputError(f"{path}: the dataset of study {file.study}, not a run file")
         if not {"point_id", "system", "status"} <= set(file.ncattrs()):
             raise ValueError("no point in it")
         parameters = _parameters(file, path)

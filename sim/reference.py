@@ -110,7 +110,15 @@ def _keys_table(model: type[BaseModel]) -> str:
 
 def _figures_table() -> str:
     return _table(
-        ("figure", "shows", "of", "system", "its points must vary", "its curves vary"),
+        (
+            "figure",
+            "shows",
+            "of",
+            "system",
+            "its points must vary",
+            "its curves vary",
+            "it takes only",
+        ),
         [
             (
                 f"`{one.name}`",
@@ -119,6 +127,7 @@ def _figures_table() -> str:
                 one.system,
                 ", ".join(one.axes),
                 ", ".join(one.curves),
+                "; ".join(f"{name} {listed}" for name, listed in one.taken.items()),
             )
             for one in FIGURES.values()
         ],

@@ -10,6 +10,7 @@ from pathlib import Path
 import netCDF4
 import psutil
 
+from sim.caveats import caveat_of_file
 from sim.cost import PROCESS_TIME, estimate
 from sim.files import is_damaged
 from sim.parameters import Parameters
@@ -44,6 +45,8 @@ class PointStatus:
         What its run took, while that is known: of a point that is done or failed.
     outdated : bool
         Whether other sources of the engine made its run file.
+    caveat : str
+        What to know before trusting its run file, empty if nothing.
     """
 
     state: str
@@ -52,6 +55,7 @@ class PointStatus:
     progress: Progress | None = None
     core_seconds: float = 0.0
     outdated: bool = False
+    caveat: str = ""
 
 
 @dataclass(frozen=True)
@@ -87,6 +91,11 @@ class StudyStatus:
         """Number of points in each of `STATES`."""
         found = [point.state for point in self.points.values()]
         return {state: found.count(state) for state in STATES}
+
+    @property
+    def caveats(self) -> int:
+        """Number of points whose run files carry a caveat."""
+        return sum(bool(point.caveat) for point in self.points.values())
 
     @property
     def is_over(self) -> bool:
@@ -199,6 +208,7 @@ def _finished(path: Path, changed: int, threads: int, engine: str) -> PointStatu
             raise OSError("the checksum is wrong")
         with netCDF4.Dataset(path) as file:
             held = {name: file.getncattr(name) for name in file.ncattrs()}
+            caveat = caveat_of_file(file)
         wall_time = float(held.get("wall_time", 0.0))
     except FileNotFoundError:
         raise
@@ -213,6 +223,7 @@ def _finished(path: Path, changed: int, threads: int, engine: str) -> PointStatu
         reason=str(held.get("reason", "")),
         core_seconds=max(0.0, wall_time) * threads,
         outdated=held.get("source_hash") != engine,
+        caveat=caveat,
     )
 
 

@@ -30,6 +30,8 @@ def as_text(status: StudyStatus, width: int | None = None) -> str:
         Columns of the screen; names and reasons are shortened to fit. Whole when omitted.
     """
     counts = ", ".join(f"{count:,} {state}" for state, count in status.counts.items() if count)
+    if status.caveats:
+        counts += f"; {status.caveats:,} with a caveat"
     name = f"{status.name}: {status.title}" if status.title else status.name
     sections = [
         [name, f"{len(status.points):,} points: {counts}"],
@@ -46,6 +48,7 @@ def as_json(status: StudyStatus) -> str:
         "study": status.name,
         "title": status.title,
         "counts": status.counts,
+        "caveats": status.caveats,
         "points": [_point(key, point) for key, point in status.points.items()],
         "cores": status.cores,
         "core_seconds": round(status.core_seconds, 3),
@@ -149,6 +152,7 @@ def _point(key: str, point: PointStatus) -> dict[str, Any]:
     if point.state in ("done", "failed"):
         entry |= {"core_seconds": round(point.core_seconds, 3), "outdated": point.outdated}
         entry |= {"reason": point.reason} if point.reason else {}
+        entry |= {"caveat": point.caveat} if point.caveat else {}
     return entry
 
 

@@ -4,12 +4,11 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from sim.collect import MAX_POINTS, Fed, collected, joined, require_same
+from sim.collect import MAX_POINTS, collected, joined, require_same
 from sim.cost import Estimate, estimate
 from sim.errors import InputError
-from sim.figures import FIGURES
+from sim.figure_points import points_of_figures
 from sim.folders import require_writable
-from sim.study_file import StudyFile
 from sim.study_model import Boundary, Point, Study
 from sim.yaml_input import read_yaml
 
@@ -60,7 +59,7 @@ def parse_study(mapping: Any, path: str | Path, results: str | Path = "results")
     if len(study.points) > MAX_POINTS:
         allowed = f"at most {MAX_POINTS:,} points in the study"
         raise InputError.of_value(source, "parts", f"{len(study.points):,} points", allowed)
-    figures = _figures(file, study.points, fed, source)
+    figures = points_of_figures(file, study.points.values(), fed, source)
     require_writable(Path(results) / file.study, f"{source}: study")
     return replace(study, figures=figures)
 
@@ -83,7 +82,7 @@ def _joined(study: Study, part: Study, source: str) -> Study:
     points = dict(study.points)
     for one in part.points.values():
         for name in one.series:
-            points[one.id] = joined(points, one.parameters, name, one.figures)
+            points[one.id] = joined(points, one.parameters, name, one.figures + one.left_out)
         require_same(points[one.id], one.parameters, source)
     return replace(
         study,
@@ -92,46 +91,3 @@ def _joined(study: Study, part: Study, source: str) -> Study:
         series=study.series | part.series,
         boundaries=study.boundaries + part.boundaries,
     )
-
-
-def _figures(
-    file: StudyFile, points: dict[str, Point], fed: Fed, source: str
-) -> dict[str, tuple[str, ...]]:
-    """Collect the points of each figure, and refuse a figure that misses its series."""
-    for place, name in enumerate(file.figures or []):
-        if name not in fed:
-            allowed = "a figure that a series of the study feeds"
-            raise InputError.of_value(source, f"figures[{place}]", name, allowed)
-    figures = {}
-    for name in FIGURES:
-        if name not in fed:
-            continue
-        if file.figures is not None and name not in file.figures:
-            allowed = "a figure that the study lists under figures"
-            raise InputError.of_value(*fed[name], name, allowed)
-        members = [point for point in points.values() if name in point.figures]
-        _require_members(name, members, *fed[name])
-        figures[name] = tuple(point.id for point in members)
-    return figures
-
-
-def _require_members(name: str, members: list[Point], source: str, path: str) -> None:
-    """Refuse a figure whose points are not those that it shows, or do not vary its axes."""
-    spec = FIGURES[name]
-    if not members:
-        wanted = ", ".join(f"{key} {_written(value)}" for key, value in spec.where.items())
-        raise InputError.of_value(source, path, name, f"series with a point at {wanted}")
-    for axis in spec.axes:
-        values = {getattr(point.parameters, axis) for point in members}
-        if len(values) < 2:
-            got = f"{name} with {axis} = {_written(values.pop())} alone"
-            axes = ", ".join(spec.axes)
-            allowed = f"series that feed {name} and together vary {axes}"
-            raise InputError.of_value(source, path, got, allowed)
-
-
-def _written(value: Any) -> str:
-    """Write a value of a parameter, or the values that it may have."""
-    if isinstance(value, tuple):
-        return " or ".join(_written(one) for one in value)
-    return value if isinstance(value, str) else f"{value:g}"

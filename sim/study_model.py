@@ -11,12 +11,16 @@ from sim.refine import further_rounds
 
 @dataclass(frozen=True)
 class Point:
-    """One run of a study, however many series and figures it serves."""
+    """One run of a study, however many series and figures it serves.
+
+    ``left_out`` are figures that its series feed and that do not show it.
+    """
 
     id: str
     parameters: Parameters
     series: tuple[str, ...]
     figures: tuple[str, ...]
+    left_out: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)

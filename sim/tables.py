@@ -4,24 +4,34 @@ import json
 from collections.abc import Container, Sequence
 
 from sim.cost import Estimate, duration, estimate
+from sim.figure_points import left_out
 from sim.parameters import canonical
 from sim.refine import PARTS, divided
 from sim.study import Point, Study
 
 CORES = 2
+
+#: Most points that the line of a caveat names.
+MOST_NAMED = 3
+
 _HEADINGS = ("id", "system", "particles", "steps", "core time", "figures", "series")
 _RIGHT = {"particles", "steps", "core time"}
 
 
 def as_table(study: Study) -> str:
-    """Return one aligned line per point, and the totals below.
+    """Return one aligned line per point; below, what figures leave out, caveats, and the totals.
 
     ``steps`` and ``core time`` are over all replicates of a point.
     """
     costs = _costs(study)
     rows = [_row(point, costs[point.id]) for point in study.points.values()]
-    lines = [*aligned(_HEADINGS, rows, _RIGHT), "", _totals(list(costs.values()))]
-    return "\n".join([*lines, _refinement(study)] if study.rounds else lines)
+    sections = [
+        aligned(_HEADINGS, rows, _RIGHT),
+        left_out(study),
+        _caveats(study),
+        [_totals(list(costs.values())), *([_refinement(study)] if study.rounds else [])],
+    ]
+    return "\n\n".join("\n".join(lines) for lines in sections if lines)
 
 
 def as_json(study: Study) -> str:
@@ -33,6 +43,8 @@ def as_json(study: Study) -> str:
             "system": point.parameters.system,
             "series": point.series,
             "figures": point.figures,
+            "left_out": point.left_out,
+            "caveat": point.parameters.caveat,
             "particles": costs[point.id].particles,
             "steps": costs[point.id].steps,
             "core_seconds": round(costs[point.id].core_seconds, 3),
@@ -81,13 +93,28 @@ def aligned(
     return lines
 
 
+def _caveats(study: Study) -> list[str]:
+    """Return a line per caveat that is known before any run, with the first points it is of."""
+    found: dict[str, list[str]] = {}
+    for point in study.points.values():
+        if point.parameters.caveat:
+            found.setdefault(point.parameters.caveat, []).append(point.id)
+    return [
+        f"caveat for {len(ids):,} of {len(study.points):,} points: {text} "
+        f"({', '.join(ids[:MOST_NAMED])}"
+        + (f" and {len(ids) - MOST_NAMED:,} more)" if len(ids) > MOST_NAMED else ")")
+        for text, ids in found.items()
+    ]
+
+
 def _totals(costs: Sequence[Estimate]) -> str:
     steps = sum(cost.steps for cost in costs)
     total = sum(cost.core_seconds for cost in costs)
     longest = max(cost.core_seconds for cost in costs)
     return (
         f"{len(costs):,} points, {steps:,} steps, estimated core time {duration(total)}, "
-        f"on {CORES} cores {duration(max(total / CORES, longest))}"
+        f"on {CORES} cores {duration(max(total / CORES, longest))}; computing alone, without "
+        "compilation, Snakemake and figures"
     )
 
 

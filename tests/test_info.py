@@ -6,9 +6,10 @@ import pytest
 import yaml
 
 from sim.cli import main
+from sim.dataset import build
 from sim.info import describe
 from sim.parameters import BeltParameters, ChuteParameters, load_point
-from tests.factories import FAILURE, write_run
+from tests.factories import FAILURE, make_study, write_run
 
 POINTS = [
     ChuteParameters(depth=2.5, friction=0.3, friction_plane=0.5, orientations=False, replicates=2),
@@ -44,3 +45,11 @@ def test_a_file_that_is_no_run_gives_one_line(tmp_path, capsys, content):
     error = capsys.readouterr().err
     assert error.count("\n") == 1
     assert "odd.nc" in error
+
+
+def test_a_dataset_is_called_one(tmp_path, capsys):
+    path = build(*make_study(tmp_path))
+    assert main(["info", str(path)]) == 2
+    error = capsys.readouterr().err
+    assert error == f"error: {path}: the dataset of study made, not a run file\n"
+    assert path.exists()

@@ -2,6 +2,7 @@
 
 import json
 
+import netCDF4
 import pytest
 
 from sim.cli import main
@@ -50,6 +51,22 @@ def test_a_study_that_is_over_says_what_it_took(folder):
     status = folder.survey()
     assert status.is_over and status.left == 0.0
     assert as_text(status) == "made: A made-up study\n5 points: 5 done\n\ncore time 7.5 s"
+
+
+def test_points_with_a_caveat_are_counted(folder):
+    leaking = {"energy_residual": ("replicate", [-0.012], {"units": "1"})}
+    folder.finish(folder.ids[0], arrays=leaking)
+    path = folder.finish(folder.ids[3])
+    with netCDF4.Dataset(path, "a") as run:
+        run.caveat = "the time step is long"
+    folder.finish(folder.ids[4])
+    status = folder.survey()
+    assert "5 points: 3 done, 2 waiting; 2 with a caveat" in as_text(status)
+    document = json.loads(as_json(status))
+    assert document["caveats"] == 2
+    told = [point.get("caveat", "") for point in document["points"]]
+    assert "energy does not add up" in told[0]
+    assert told[1:] == ["", "", "the time step is long", ""]
 
 
 def test_json_holds_every_point(folder):

@@ -252,6 +252,14 @@ def test_a_boundary_alone_is_a_study_of_its_first_round(parse):
     assert "2 boundaries: about 6 further points" in as_table(study)
 
 
+def test_the_json_has_what_figures_leave_out_and_caveats(parse):
+    series = {"name": "a", "system": "belt", "grid": {"frequency": [10, 15, 60]}}
+    study = parse({"study": "s", "series": [series | {"figures": ["gallas_2a"]}]})
+    points = json.loads(as_json(study))["points"]
+    assert [point["left_out"] for point in points] == [[], ["gallas_2a"], []]
+    assert [bool(point["caveat"]) for point in points] == [True, False, False]
+
+
 def test_a_study_without_boundaries_has_no_rounds(example, parse):
     study = parse(example)
     assert (study.boundaries, study.rounds) == ((), 0)

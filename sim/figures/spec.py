@@ -4,6 +4,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from sim.parameters import NUMERICAL, Parameters
+
 
 @dataclass(frozen=True)
 class FigureSpec:
@@ -45,14 +47,44 @@ class FigureSpec:
     particles: bool = False
     animated: bool = False
 
-    def shows(self, parameters: Any) -> bool:
+    @property
+    def draws_curves(self) -> bool:
+        """Whether points are joined to curves, on which each has a place of its own."""
+        return bool(self.axes) and not self.regimes
+
+    @property
+    def taken(self) -> dict[str, str]:
+        """Values in ``where`` in words, by parameter."""
+        return {name: ", ".join(map(_written, _tuple(value))) for name, value in self.where.items()}
+
+    def shows(self, parameters: Parameters) -> bool:
         """Return whether a point with these parameters is among those drawn."""
-        return all(
-            getattr(parameters, name) in (value if isinstance(value, tuple) else (value,))
-            for name, value in self.where.items()
+        return all(self.takes(name, parameters) for name in self.where)
+
+    def takes(self, name: str, parameters: Parameters) -> bool:
+        """Return whether a point is not left out for the parameter ``name`` of ``where``."""
+        return getattr(parameters, name) in _tuple(self.where[name])
+
+    def place(self, parameters: Parameters) -> tuple[Any, ...]:
+        """Return what tells a point from others on the curves: equal ones lie on each other.
+
+        Parameters that set how a point is computed do so only where the figure is about them.
+        """
+        own = {*self.axes, *self.curves}
+        names = type(parameters).model_fields
+        return tuple(
+            getattr(parameters, name) for name in names if name in own or name not in NUMERICAL
         )
 
     @property
     def suffixes(self) -> tuple[str, str, str, str]:
         """Of its files: picture, picture that scales or moves, data behind it, caption."""
         return ".png", ".gif" if self.animated else ".svg", ".csv", ".caption.txt"
+
+
+def _tuple(value: Any) -> tuple[Any, ...]:
+    return value if isinstance(value, tuple) else (value,)
+
+
+def _written(value: Any) -> str:
+    return value if isinstance(value, str) else f"{value:g}"

@@ -55,6 +55,11 @@ def counts(claims: Sequence[Mapping[str, Any]]) -> dict[str, dict[str, int]]:
     }
 
 
+def judged_by_runs(claims: Iterable[Mapping[str, Any]]) -> bool:
+    """Return whether there is a claim, not on the contact model alone, that was tested."""
+    return any(one["kind"] != "model" and one["verdict"] != "untestable" for one in claims)
+
+
 def claim_rows(
     claims: Iterable[Mapping[str, Any]], numbers: Mapping[str, int], drawn: Iterable[str]
 ) -> list[dict[str, Any]]:

@@ -40,6 +40,15 @@ def measured(value: float | None, half_width: float | None) -> str:
     return f"{ufloat(value, half_width):.2uP}".replace("±", " ± ")
 
 
+def percent(share: float) -> str:
+    """Write a share in percent to two digits, one that is not known as a dash.
+
+    >>> percent(0.0031), percent(340.04), percent(float("nan"))
+    ('0.31', '34,000', '–')
+    """
+    return f"{float(f'{100 * share:.2g}'):,g}" if isfinite(share) else "–"
+
+
 def threshold(low: float | None, high: float | None) -> str:
     """Write what a value must be: ``> low``, ``< high`` or ``low to high``.
 

@@ -10,8 +10,9 @@ import xarray as xr
 from sim import __version__
 from sim.cost import duration
 from sim.files import replacing
-from sim.report.claims import REPORTED, VERDICTS, claim_rows, counts, read_claims
+from sim.report.claims import REPORTED, VERDICTS, claim_rows, counts, judged_by_runs, read_claims
 from sim.report.gallery import Address, data_uri, figure_entries, headline
+from sim.report.numbers import percent
 from sim.report.runs import boundary_rows, parameter_rows, run_rows
 from sim.results import Results, load_results
 from sim.study import Study, load_study
@@ -98,19 +99,22 @@ def render(
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters["duration"] = duration
+    environment.filters |= {"duration": duration, "percent": percent}
     dataset = results.dataset
-    runs = run_rows(dataset)
+    caveats = Counter(str(text) for text in dataset["caveat"].values if text).most_common()
+    runs = run_rows(dataset, [text for text, _ in caveats])
     rows = claim_rows(claims, {run["point"]: run["number"] for run in runs}, study.figures)
     entries = figure_entries(study.figures, figures, rows, address)
     return environment.get_template("report.html.j2").render(
         study=study,
         study_files={file.name: file.read_text(encoding="utf-8") for file in study.files},
         summary=_summary(dataset, runs),
+        caveats=caveats,
         verdicts=VERDICTS,
         outcomes=VERDICTS | REPORTED,
         claims=rows,
         counts=counts(rows),
+        judged_by_runs=judged_by_runs(rows),
         figures=entries,
         headline=headline(entries),
         runs=runs,
@@ -123,8 +127,8 @@ def render(
 
 def _summary(dataset: xr.Dataset, runs: list[dict[str, Any]]) -> dict[str, Any]:
     """Return the numbers of the first screen: what was run, and what it took."""
-    completed = dataset["status"] == "completed"
-    sound = dataset["caveat"] == ""
+    completed, sound = dataset["status"] == "completed", dataset["caveat"] == ""
+    missing = dataset["missing_energy"].where(completed)
     return {
         "points": len(runs),
         "failed": sum(run["regime"] == "failed" for run in runs),
@@ -133,8 +137,9 @@ def _summary(dataset: xr.Dataset, runs: list[dict[str, Any]]) -> dict[str, Any]:
         "regimes": Counter(run["regime"] for run in runs).most_common(),
         "steps": int(dataset["steps"].sum()),
         "wall_time": float(dataset["wall_time"].sum()),
-        "missing_energy": float(dataset["missing_energy"].where(completed & sound).max()),
-        "caveats": Counter(str(text) for text in dataset["caveat"].values if text).most_common(),
+        "missing_energy": float(missing.where(sound).max()),
+        "missing_with_caveat": float(missing.where(~sound).max()),
+        "with_caveat": int((~sound).sum()),
         "dates": _dates(dataset.attrs["first_run"], dataset.attrs["last_run"]),
         "talus": __version__,
         "source_hash": dataset.attrs["source_hash"],

@@ -13,16 +13,17 @@ from sim.study import Study
 from sim.wording import setting
 
 
-def run_rows(dataset: xr.Dataset) -> list[dict[str, Any]]:
+def run_rows(dataset: xr.Dataset, caveats: Sequence[str]) -> list[dict[str, Any]]:
     """Return one row per point: how long it ran, what came out, what it took.
 
-    ``number`` counts the points from 1. ``start`` (s, mean over replicates) is where averaging
-    begins, ``samples`` are all independent ones behind the mean velocity; NaN where not known.
+    ``number`` counts the points from 1, ``caveat`` the texts in ``caveats``; 0 without one.
+    ``start`` (s, mean over replicates) is where averaging begins, ``samples`` are all independent
+    ones behind the mean velocity; NaN where not known.
     """
     rows = []
     for index in range(dataset.sizes["point"]):
         point = dataset.isel(point=index)
-        found = outcome(point)
+        found, caveat = outcome(point), str(point["caveat"].values)
         rows.append(
             {
                 "number": index + 1,
@@ -36,6 +37,7 @@ def run_rows(dataset: xr.Dataset) -> list[dict[str, Any]]:
                 "wall_time": float(point["wall_time"].sum()),
                 "max_overlap": float(point["max_overlap"].max()),
                 "missing_energy": float(point["missing_energy"].max()),
+                "caveat": caveats.index(caveat) + 1 if caveat else 0,
                 "measured": measured(*map(finite, (found["velocity"], found["half_width"]))),
                 **found,
             }

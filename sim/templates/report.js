@@ -89,18 +89,18 @@ for (const form of all("form.filters")) {
   form.addEventListener("input", () => applyFilters(form));
   // The fields are empty only after the event.
   form.addEventListener("reset", () => setTimeout(() => applyFilters(form)));
-  applyFilters(form);
+  setFilters(form, form.dataset.initial);
 }
 
-function setFilters(section, query) {
-  const form = document.querySelector(`${section} form.filters`);
+function setFilters(form, query) {
   form.reset();
   for (const [name, value] of new URLSearchParams(query)) form.elements[name].value = value;
   applyFilters(form);
 }
 
 for (const link of all("a[data-filter]")) {
-  link.addEventListener("click", () => setFilters(link.hash, link.dataset.filter));
+  const form = document.querySelector(`${link.hash} form.filters`);
+  link.addEventListener("click", () => setFilters(form, link.dataset.filter));
 }
 
 // Evidence below its claim.

@@ -120,7 +120,24 @@ def test_claims_open_their_evidence_by_keyboard(page):
     press(page, opener, "Space")
     expect(evidence).to_be_hidden()
     press(page, page.locator("[data-toggle-all]"))
-    assert page.locator("tr.evidence:visible").count() == 5
+    assert page.locator("tr.evidence:visible").count() == 4
+
+
+def test_untestable_claims_are_hidden_until_asked_for(page):
+    assert shown(page, "claims-table") == ["W1", "W9", "G3", "G4"]
+    expect(page.locator("#claims output")).to_have_text("4 of 5 shown")
+    expect(page.locator("#claims select[name=verdict]")).to_have_value("tested")
+    press(page, page.locator("#claims p a[data-filter]"))
+    assert shown(page, "claims-table") == ["G31"]
+    press(page, page.locator("#claims button[type=reset]"))
+    expect(page.locator("#claims output")).to_have_text("5 of 5 shown")
+
+
+def test_a_link_to_an_untestable_claim_shows_it(page, report):
+    page.goto("about:blank")
+    page.goto(f"{report}#claim-G31")
+    expect(page.locator("#claim-G31")).to_be_visible()
+    expect(page.locator("#evidence-G31")).to_be_visible()
 
 
 def test_claims_are_filtered_by_keyboard(page):
@@ -157,6 +174,8 @@ def test_a_number_of_the_summary_lists_its_claims(page):
 
 
 def test_claims_are_sorted_by_keyboard(page):
+    page.locator("#claims button[type=reset]").click()
+    expect(page.locator("#claims output")).to_have_text("5 of 5 shown")
     header = page.locator("#claims-table th[aria-sort]", has_text="Verdict")
     press(page, header.locator("button"))
     expect(header).to_have_attribute("aria-sort", "ascending")
@@ -248,7 +267,7 @@ def test_nothing_is_wider_than_a_phone(browser, report):
     )
     assert len(ends) == 5 and max(ends) <= PHONE["width"]
     page.locator("#claims select[name=paper]").select_option("gallas")
-    assert page.locator(".opener:visible").count() == 3
+    assert page.locator(".opener:visible").count() == 2
     page.close()
 
 
@@ -307,6 +326,7 @@ def test_without_scripts_nothing_is_out_of_reach(browser, report):
     page = browser.new_context(java_script_enabled=False).new_page()
     page.goto(report)
     expect(page.locator("#evidence-W9")).to_be_visible()
+    expect(page.locator("#claim-G31")).to_be_visible()
     expect(page.locator("#runs-table tbody tr").first).to_be_visible()
     expect(page.locator("#claims form")).to_be_hidden()
     expect(page.locator("#picture-walton_2")).to_be_visible()

@@ -4,7 +4,7 @@ import pytest
 
 from sim.claims.judge import as_mapping
 from sim.claims.verdict import VERDICTS as JUDGED
-from sim.report.claims import VERDICTS, claim_rows, counts, read_claims
+from sim.report.claims import VERDICTS, claim_rows, counts, judged_by_runs, read_claims
 from sim.report.numbers import strip
 from tests.report.made import DEPTH, FREQUENCY, made_claims
 
@@ -73,3 +73,10 @@ def test_a_strip_of_a_single_number_has_a_place_for_it():
 
 def test_no_file_is_no_claims(tmp_path):
     assert read_claims(tmp_path / "claims.json") == []
+
+
+def test_claims_on_the_model_are_not_judged_by_runs(rows):
+    assert judged_by_runs(rows.values())
+    assert judged_by_runs([rows["G3"]])
+    assert not judged_by_runs([rows["W1"], rows["G31"]])
+    assert not judged_by_runs([])

@@ -1,11 +1,13 @@
 """The report as a browser sees it: everything inside, nothing loaded, nothing hidden."""
 
 import base64
+import json
 import re
 from html.parser import HTMLParser
 from pathlib import Path
 
 import pytest
+import xarray as xr
 
 from sim.dataset import build as build_dataset
 from sim.errors import InputError
@@ -120,13 +122,72 @@ def test_the_study_file_is_shown_with_its_parts(tmp_path, page):
 def test_a_study_not_judged_says_so(unjudged):
     text = " ".join(unjudged.text.split())
     assert "have not been judged on this study" in text
-    assert "claims hold" not in text
+    assert "claims hold" not in text and "claims tested" not in text
 
 
 def test_verdicts_are_counted(page):
     text = " ".join(page.text.split())
-    assert "2 of 5 claims hold" in text
+    assert "2 of 4 claims tested hold; 1 is not tested by this study" in text
     assert "1 depends on the protocol, 1 on how the paper is read" in text
+
+
+def test_a_study_that_tests_no_claim_says_so_once_and_shows_its_figures_first(made, page):
+    path = made[1] / "made" / "claims.json"
+    content = path.read_text(encoding="utf-8")
+    document = json.loads(content)
+    kept = [one for one in document["claims"] if one["id"] in ("W1", "G31")]
+    path.write_text(json.dumps(document | {"claims": kept}), encoding="utf-8")
+    found = read(made)
+    path.write_text(content, encoding="utf-8")
+    text = " ".join(found.text.split())
+    assert "test none of the papers' claims; of the 1 on the contact model" in text
+    assert "claims tested hold" not in text
+    sections = [one.get("id") for one in found.all("section")]
+    assert sections.index("figures") < sections.index("claims")
+    links = [one["href"] for one in found.all("a") if one.get("href") in ("#figures", "#claims")]
+    assert links[:2] == ["#figures", "#claims"]
+    usual = [one.get("id") for one in page.all("section")]
+    assert usual.index("claims") < usual.index("figures")
+
+
+@pytest.fixture(scope="module")
+def doubtful(tmp_path_factory) -> Page:
+    """Return a report with two runs that leak energy."""
+    study_path, results = make_figures(tmp_path_factory.mktemp("doubtful"))
+    belts = [
+        point.id
+        for point in load_study(study_path, results).points.values()
+        if point.parameters.system == "belt"
+    ]
+    for key, share in zip(belts[:2], (0.05, 340.0), strict=True):
+        path = results / "made" / "runs" / f"{key}.nc"
+        with xr.open_dataset(path) as opened:
+            run = opened.load()
+        run["energy_residual"][0] = share
+        run.to_netcdf(path)
+    build_dataset(study_path, results)
+    return read((study_path, results))
+
+
+def test_points_with_a_caveat_are_marked_with_its_text(doubtful, page):
+    marks = [one for one in doubtful.all("a") if "caveat-1" in one.get("aria-describedby", "")]
+    assert len(marks) == 2
+    assert all("energy does not add up" in one["title"] for one in marks)
+    assert [one.get("data-caveat") for one in doubtful.all("tr")].count("with") == 2
+    assert doubtful.text.count("⚠ caveat") == 2
+    assert "Caveat for 2 of" in " ".join(doubtful.text.split())
+    assert "⚠" not in page.text
+
+
+def test_the_ledger_is_not_said_to_be_good_when_points_have_a_caveat(doubtful, page):
+    text = " ".join(doubtful.text.split())
+    assert "but for 2 points with a caveat, at worst 34,000 %" in text
+
+    def tone(one: Page) -> str:
+        return next(tag["class"] for tag in one.all("dd") if "class" in tag)
+
+    assert tone(doubtful) == "open"
+    assert tone(page) == "good"
 
 
 def test_a_claim_shows_its_evidence(page):

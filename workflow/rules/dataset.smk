@@ -17,6 +17,7 @@ rule dataset:
         boundaries=asked(),
         title=STUDY.title,
         code=code(
+            "caveats.py",
             "dataset.py",
             "gathered.py",
             "outcome.py",

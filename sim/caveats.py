@@ -1,0 +1,69 @@
+"""What to know before trusting a run: what it says of itself, and whether its energy adds up."""
+
+from collections.abc import Iterable, Mapping
+from typing import TYPE_CHECKING, SupportsFloat
+
+if TYPE_CHECKING:
+    import netCDF4
+
+#: Share of the energy turned over that the ledger of a sound run does not lack by far.
+UNSOUND = 0.01
+
+_LEAKING = (
+    f"energy does not add up within {100 * UNSOUND:g} % of what is turned over, so the run is "
+    "numerically unsound or its model makes energy"
+)
+
+#: What the ledger of a replicate is read from: scalars per replicate, and of the whole run.
+_PER_REPLICATE = (
+    "energy_residual",
+    "frictional_power",
+    "normal_power",
+    "velocity",
+    "acceleration",
+)
+_OF_RUN = ("particles", "mass")
+
+
+def missing_energy(replicate: Mapping[str, SupportsFloat]) -> float:
+    """Return the share of the energy turned over that the ledger of a replicate lacks.
+
+    A run file tells it relative to what was dissipated. Flows that accelerate, most of all those
+    without friction, turn over more: what they gain counts too, from the means over the window.
+
+    Parameters
+    ----------
+    replicate : mapping
+        Scalars of a run file by name, ``energy_residual`` among them; without ``frictional_power``
+        (belt) that is the share.
+    """
+    lacking = abs(float(replicate["energy_residual"]))
+    if "frictional_power" not in replicate:
+        return lacking
+    lost = float(replicate["frictional_power"]) + float(replicate["normal_power"])
+    mass = float(replicate["particles"]) * float(replicate["mass"])
+    gained = mass * float(replicate["velocity"]) * float(replicate["acceleration"])
+    return lacking * (lost / (lost + gained) if gained > 0 else 1.0)
+
+
+def caveat(said: str, missing: Iterable[float]) -> str:
+    """Join what a run says of itself and whether the energy of a replicate does not add up.
+
+    ``missing`` are the shares of all replicates, NaN where not known. Empty for a sound run.
+    """
+    leaking = any(share > UNSOUND for share in missing)
+    return "; ".join(filter(None, (said, _LEAKING if leaking else "")))
+
+
+def caveat_of_file(run: "netCDF4.Dataset") -> str:
+    """Return the caveat of an open run file."""
+    said = getattr(run, "caveat", "")
+    if "energy_residual" not in run.variables:
+        return said
+    run.set_auto_mask(False)
+    shared = {name: run[name][...] for name in _OF_RUN}
+    columns = {name: run[name][:] for name in _PER_REPLICATE if name in run.variables}
+    replicates = (
+        dict(zip(columns, values, strict=True)) for values in zip(*columns.values(), strict=True)
+    )
+    return caveat(said, [missing_energy(shared | each) for each in replicates])

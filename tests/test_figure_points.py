@@ -1,0 +1,193 @@
+"""Which points figures take: one at each place of a curve, and what is left out is said."""
+
+from dataclasses import replace
+
+import pandas as pd
+import pytest
+
+from sim.errors import InputError
+from sim.figure_points import left_out
+from sim.figures import FIGURES
+from sim.figures.summary import split_curves
+from sim.parameters import SYSTEMS, BeltParameters, ChuteParameters
+from sim.study import Study, load_study, parse_study
+from sim.tables import as_table
+
+
+@pytest.fixture
+def parse(tmp_path):
+    def parse(*series: dict, **others) -> Study:
+        entries = [{"name": "a", "system": "belt"} | one for one in series]
+        return parse_study(
+            {"study": "s", "series": entries} | others, "study.yaml", tmp_path / "results"
+        )
+
+    return parse
+
+
+NUMERICS = {
+    "grid": {
+        "frequency": [10, 15, 25],
+        "steps_per_cycle": [2000, 8000],
+        "integrator": ["gear", "verlet"],
+    },
+    "figures": ["gallas_1b"],
+}
+
+
+def test_two_points_at_one_place_of_a_curve_are_refused(parse):
+    with pytest.raises(InputError) as refused:
+        parse(NUMERICS)
+    message = str(refused.value)
+    assert message.startswith("study.yaml: series[0].figures[0]: got gallas_1b with two points at ")
+    assert "frequency = 10" in message
+    assert "that differ in steps_per_cycle (2000, 8000), which" in message
+    assert "\n" not in message and "integrator" not in message
+
+
+def test_points_that_feed_no_curve_may_differ_in_anything(parse):
+    assert len(parse(NUMERICS | {"figures": []}).points) == 12
+
+
+@pytest.mark.parametrize(
+    ("name", "values"),
+    [
+        ("seed", [1, 2]),
+        ("replicates", [1, 2]),
+        ("transient", [20, 45]),
+        ("initial_velocity", [0, 4]),
+        ("samples_per_cycle", [10, 20]),
+    ],
+)
+def test_what_no_curve_shows_tells_no_points_apart(parse, name, values):
+    series = {"grid": {"frequency": [20, 30], name: values}, "figures": ["gallas_1a"]}
+    with pytest.raises(InputError, match=rf"differ in {name} \({values[0]}, {values[1]}\)"):
+        parse(series)
+
+
+@pytest.mark.parametrize(
+    ("name", "values"),
+    [
+        ("integrator", ["gear", "verlet"]),
+        ("stiffness", [500, 1000]),
+        ("protocol", ["published", "converged"]),
+        ("beads", [100, 200]),
+        ("prior_frequency", [0, 25]),
+    ],
+)
+def test_what_tells_curves_apart_is_shown(parse, name, values):
+    study = parse({"grid": {"frequency": [20, 30], name: values}, "figures": ["gallas_1a"]})
+    assert len(study.figures["gallas_1a"]) == 4
+
+
+def test_what_goes_along_with_something_shown_is_no_second_point(parse):
+    overrides = [{"when": {"frequency": [20]}, "set": {"steps_per_cycle": 4000}}]
+    series = {"grid": {"frequency": [20, 30]}, "overrides": overrides, "figures": ["gallas_1a"]}
+    assert len(parse(series).figures["gallas_1a"]) == 2
+
+
+def test_a_figure_about_starts_tells_them_apart(parse):
+    series = {
+        "base": {"frequency": 80},
+        "grid": {"shear_damping": [50, 100], "initial_velocity": [0, 4]},
+        "figures": ["gallas_3c"],
+    }
+    assert len(parse(series).figures["gallas_3c"]) == 4
+
+
+def test_both_series_of_two_points_at_one_place_are_named(parse):
+    one = {"grid": {"frequency": [20, 30]}, "figures": ["gallas_1a"]}
+    other = one | {"name": "b", "base": {"seed": 2}}
+    with pytest.raises(InputError, match=r"seed \(1, 2\) \(series a and b\)"):
+        parse(one, other)
+
+
+def test_maps_of_regimes_have_a_marker_for_every_point(parse):
+    series = {
+        "system": "chute",
+        "grid": {"depth": [2, 5], "angle": [15, 17], "seed": [1, 2]},
+        "figures": ["regimes_angle"],
+    }
+    assert len(parse(series).figures["regimes_angle"]) == 8
+
+
+def test_points_of_parts_are_compared_too(tmp_path):
+    text = "series: [{name: N, system: belt, base: {seed: S}, grid: {frequency: [20, 30]}, "
+    text = "study: N\n" + text + "figures: [gallas_1a]}]\n"
+    (tmp_path / "one.yaml").write_text(text.replace("N", "one").replace("S", "1"))
+    path = tmp_path / "two.yaml"
+    path.write_text(text.replace("N", "two").replace("S", "2") + "parts: [one.yaml]\n")
+    with pytest.raises(InputError, match=r"differ in seed .*series two and one"):
+        load_study(path, tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("figure", "name"),
+    [
+        (figure, name)
+        for figure, model in {"walton_2": ChuteParameters, "gallas_1b": BeltParameters}.items()
+        for name in model.model_fields
+        if name not in ("system", "depth", "frequency")
+    ],
+)
+def test_the_study_tells_apart_what_the_curves_do(figure, name):
+    spec = FIGURES[figure]
+    (along,) = spec.axes
+    one = SYSTEMS[spec.system]()
+    value = getattr(one, name)
+    kinds = {str: "other", bool: not value}
+    other = one.model_copy(update={name: kinds[type(value)] if type(value) in kinds else value + 1})
+    rows = pd.DataFrame([one.model_dump(), other.model_dump()])
+    curves = split_curves(rows, along, spec.curves, tuple(type(one).model_fields))
+    assert (spec.place(one) != spec.place(other)) == (len(curves) == 2)
+
+
+def test_points_left_out_are_counted_with_the_values_taken(parse):
+    study = parse({"grid": {"frequency": [10, 15, 25, 60]}, "figures": ["gallas_2a", "gallas_1a"]})
+    sentence = "gallas_2a leaves out 2 of 4 points: it takes frequency 10, 20, 60, 80"
+    assert left_out(study) == [sentence]
+    assert sentence in as_table(study).splitlines()
+
+
+def test_only_what_leaves_points_out_is_named(parse):
+    grid = {"frequency": [20, 80], "obstacle": [0, 1], "vibration_angle": [30, 45]}
+    study = parse({"grid": grid, "figures": ["gallas_6"]})
+    assert left_out(study) == ["gallas_6 leaves out 4 of 8 points: it takes vibration_angle 45"]
+
+
+def test_series_of_other_figures_count_nothing_as_left_out(parse):
+    one = {"grid": {"frequency": [10, 60]}, "figures": ["gallas_2a"]}
+    other = {"name": "b", "grid": {"frequency": [15, 25]}, "figures": ["gallas_1a"]}
+    assert left_out(parse(one, other)) == []
+
+
+def test_a_point_left_out_of_a_part_is_counted(tmp_path):
+    series = "series: [{name: N, system: belt, grid: {frequency: [F]}, figures: [gallas_2a]}]\n"
+    (tmp_path / "one.yaml").write_text(
+        "study: one\n" + series.replace("N", "one").replace("F", "10, 60, 15")
+    )
+    path = tmp_path / "two.yaml"
+    text = "study: two\nparts: [one.yaml]\n" + series.replace("N", "two").replace("F", "15, 25, 80")
+    path.write_text(text)
+    (sentence,) = left_out(load_study(path, tmp_path))
+    assert sentence.startswith("gallas_2a leaves out 2 of 5 points")
+
+
+def test_a_figure_without_enough_values_says_which_it_takes(parse):
+    allowed = r"together vary frequency, of which it takes frequency 10, 20, 60, 80 alone"
+    with pytest.raises(InputError, match=rf"frequency = 20 alone'; allowed: .*{allowed}$"):
+        parse({"grid": {"frequency": [12, 22, 20]}, "figures": ["gallas_2a"]})
+
+
+def test_the_table_warns_of_caveats_known_before_any_run(parse):
+    study = parse({"grid": {"frequency": [10, 11, 11.5, 12, 80]}})
+    (line,) = (line for line in as_table(study).splitlines() if line.startswith("caveat"))
+    ids = list(study.points)
+    assert line.startswith("caveat for 4 of 5 points: the time step is beyond the stability")
+    assert line.endswith(f"({', '.join(ids[:3])} and 1 more)")
+    sound = replace(study, points={ids[-1]: study.points[ids[-1]]})
+    assert "caveat" not in as_table(sound)
+
+
+def test_the_estimate_says_what_is_not_in_it(parse):
+    assert "computing alone, without compilation" in as_table(parse({})).splitlines()[-1]
