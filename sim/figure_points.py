@@ -42,9 +42,12 @@ def points_of_figures(
 
 
 def left_out(study: Study) -> list[str]:
-    """Say of each figure how many points of the series that feed it it leaves out, and why."""
+    """Say of each figure how many points of the series that feed it it leaves out, and why.
+
+    Pictures of a single point are passed over: what they leave out goes without saying.
+    """
     sentences = []
-    for name in study.figures:
+    for name in filter(lambda name: FIGURES[name].axes, study.figures):
         gone = [point for point in study.points.values() if name in point.left_out]
         if gone:
             every = len(gone) + len(study.figures[name])
