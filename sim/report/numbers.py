@@ -43,10 +43,10 @@ def measured(value: float | None, half_width: float | None) -> str:
 def percent(share: float) -> str:
     """Write a share in percent to two digits, one that is not known as a dash.
 
-    >>> percent(0.0031), percent(340.04), percent(float("nan"))
-    ('0.31', '34,000', '–')
+    >>> percent(0.0031), percent(24_012.0), percent(float("nan"))
+    ('0.31', '2,400,000', '–')
     """
-    return f"{float(f'{100 * share:.2g}'):,g}" if isfinite(share) else "–"
+    return f"{float(f'{100 * share:.2g}'):,.12g}" if isfinite(share) else "–"
 
 
 def threshold(low: float | None, high: float | None) -> str:
