@@ -165,10 +165,14 @@ def build(study_path: str | Path, results: str | Path = "results") -> Path:
     folder = Path(results) / study.name
     output = folder / "boundaries.csv"
     with replacing(output) as temporary:
-        shown(study, read_table(folder / "dataset.nc")).to_csv(
-            temporary, index=False, float_format="%.10g"
-        )
+        text = as_csv(study, read_table(folder / "dataset.nc"))
+        temporary.write_text(text, encoding="utf-8")
     return output
+
+
+def as_csv(study: Study, rows: pd.DataFrame) -> str:
+    """Return the text of ``boundaries.csv``."""
+    return shown(study, rows).to_csv(index=False, float_format="%.10g")
 
 
 def shown(study: Study, rows: pd.DataFrame) -> pd.DataFrame:

@@ -131,7 +131,7 @@ def test_all_damaged_runs_of_a_study_are_set_aside_at_once(made, capsys):
     runs[3].write_bytes(b"")
     assert main(["dataset", str(study), "--results", str(results)]) == 2
     (line,) = capsys.readouterr().err.splitlines()
-    assert line.startswith("error: ") and "rerun the same command" in line and "1 more" in line
+    assert line.startswith("error: ") and "rerun the study" in line and "1 more" in line
     assert not runs[0].exists() and not runs[3].exists()
     assert all(run.exists() for run in (*runs[1:3], *runs[4:]))
     assert (results / "made" / "dataset.nc").read_bytes() == before
@@ -156,7 +156,7 @@ def test_a_damaged_dataset_is_named_and_set_aside(made, damage, command, capsys)
     }
     assert main([command, *words[command]]) == 2
     (line,) = capsys.readouterr().err.splitlines()
-    assert line.startswith(f"error: {path}: damaged") and "rerun the same command" in line
+    assert line.startswith(f"error: {path}: damaged") and "rerun the study" in line
     assert not path.exists() and path.with_name("dataset.nc.damaged").exists()
 
 
@@ -173,7 +173,7 @@ def test_a_damaged_figure_is_named_and_set_aside(made, suffix):
     study, results = made
     path = results / "made" / "figures" / f"walton_2{suffix}"
     path.write_bytes(b"\xff\xfe\x00" + path.read_bytes()[:40])
-    with pytest.raises(DamagedError, match=r"rerun the same command"):
+    with pytest.raises(DamagedError, match=r"rerun the study"):
         report.build(study, results)
     assert not path.exists()
     assert not (results / "made" / "report.html").exists()
