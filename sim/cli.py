@@ -224,8 +224,12 @@ def _run(options: argparse.Namespace) -> int:
     level = logging.WARNING if options.quiet else logging.INFO
     logging.basicConfig(format="%(message)s", level=level, stream=sys.stderr)
 
-    from sim.run import run_point
+    from sim.kept import kept_status
+    from sim.run import BLOWN_UP, run_point
 
+    if status := kept_status(options.output, parameters):
+        logging.getLogger("talus").info("%s: already there", options.output)
+        return BLOWN_UP if status == "failed" and not options.record_failure else 0
     signal.signal(signal.SIGINT, save_and_end)
     return run_point(
         parameters, options.output, quiet=options.quiet, record_failure=options.record_failure
