@@ -47,7 +47,7 @@ def publish(
         When something is missing, damaged or not of the study as its file is now, when something
         else lies in the place, or when all published studies together would be too large.
     """
-    study = load_study(study_path, results)
+    study = load_study(study_path, None)
     folder = Path(results) / study.name
     names = [*NEEDED, *(["boundaries.csv"] if study.boundaries else [])]
     names += [
