@@ -23,6 +23,9 @@ INPUT_ERROR = 2
 INTERRUPTED = 130
 BROKEN_PIPE = 141
 
+#: What numpy says of an array that no address could reach.
+TOO_LARGE = "Maximum allowed dimension exceeded"
+
 #: What makes a terminal start a new screen, and the seconds of a day.
 CLEAR = "\x1b[H\x1b[2J"
 DAY = 86_400
@@ -169,9 +172,11 @@ def _add_result_commands(commands: _Commands) -> None:
 
 def _points(options: argparse.Namespace) -> None:
     from sim.study import load_study
-    from sim.tables import as_json, as_table
+    from sim.tables import as_json, as_table, warnings
 
-    study = load_study(options.study, options.results)
+    study = load_study(options.study, None)
+    for warning in warnings(study, options.results):
+        print(f"warning: {warning}", file=sys.stderr)
     print(as_json(study) if options.format == "json" else as_table(study))
 
 
@@ -183,7 +188,7 @@ def _status(options: argparse.Namespace) -> None:
     from sim.status_table import as_json, as_text
     from sim.study import DEFAULT_STUDY, load_study
 
-    study = load_study(options.study or DEFAULT_STUDY, options.results)
+    study = load_study(options.study or DEFAULT_STUDY, None)
     is_terminal = sys.stdout.isatty()
     width = shutil.get_terminal_size().columns if is_terminal else None
     while True:
@@ -212,7 +217,7 @@ def _schema(options: argparse.Namespace) -> None:
 
 def _run(options: argparse.Namespace) -> int:
     from sim.folders import require_writable
-    from sim.parameters import parse_point
+    from sim.parameters import parse_point, point_id
     from sim.yaml_input import read_yaml
 
     mapping = read_yaml(options.point)
@@ -229,12 +234,24 @@ def _run(options: argparse.Namespace) -> int:
     level = logging.WARNING if options.quiet else logging.INFO
     logging.basicConfig(format="%(message)s", level=level, stream=sys.stderr)
 
-    from sim.run import run_point
+    from sim.kept import kept_status
+    from sim.run import BLOWN_UP, run_point
 
+    if status := kept_status(options.output, parameters):
+        logging.getLogger("talus").info("%s: already there", options.output)
+        return BLOWN_UP if status == "failed" and not options.record_failure else 0
     signal.signal(signal.SIGINT, save_and_end)
-    return run_point(
-        parameters, options.output, quiet=options.quiet, record_failure=options.record_failure
-    )
+    try:
+        return run_point(
+            parameters, options.output, quiet=options.quiet, record_failure=options.record_failure
+        )
+    except (MemoryError, ArithmeticError, ValueError) as error:
+        # From values that are allowed one by one, and together beyond all memory or numbers.
+        if isinstance(error, ValueError) and TOO_LARGE not in str(error):
+            raise
+        said = " ".join(str(error).split()) or "out of memory"
+        print(f"error: {point_id(parameters)}: cannot be computed: {said}", file=sys.stderr)
+        return SYSTEM_ERROR
 
 
 def save_and_end(*_: object) -> None:
@@ -259,7 +276,7 @@ def _warm(options: argparse.Namespace) -> None:
     else:
         from sim.study import load_study
 
-        study = load_study(options.study)
+        study = load_study(options.study, None)
         points = [point.parameters for point in study.points.values()]
 
     from sim.warm import warm

@@ -42,6 +42,8 @@ def estimate(parameters: Parameters) -> Estimate:
     if isinstance(parameters, BeltParameters):
         rate, threads = BELT_RATE, 1
         steps += round(BELT_SETTLING / parameters.settling_step)
+        if parameters.prior_frequency > 0.0:
+            steps += parameters.prior_cycles * parameters.steps_per_cycle
     else:
         depth = max(CHUTE_RATE_DEPTH, parameters.depth)
         threads = parameters.threads

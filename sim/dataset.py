@@ -70,15 +70,20 @@ def build(study_path: str | Path, results: str | Path = "results") -> Path:
     output = folder / "dataset.nc"
     with replacing(output) as temporary:
         for group, dataset in _groups(runs, study, folder / "runs"):
-            dataset.to_netcdf(
-                temporary,
-                mode="a" if group else "w",
-                group=group,
-                engine="netcdf4",
-                encoding={name: _stored(dataset[name]) for name in dataset.data_vars},
-            )
+            _write(temporary, group, dataset, output)
         seal(temporary)
     return output
+
+
+def _write(temporary: Path, group: str | None, dataset: xr.Dataset, output: Path) -> None:
+    """Write a group to the draft of the file ``output``, the root first."""
+    encoding = {name: _stored(dataset[name]) for name in dataset.data_vars}
+    mode = "a" if group else "w"
+    try:
+        dataset.to_netcdf(temporary, mode=mode, group=group, engine="netcdf4", encoding=encoding)
+    except RuntimeError as error:
+        # What netCDF makes of a full disk.
+        raise OSError(f"{output}: cannot be written: {error}") from None
 
 
 def _stored(values: xr.DataArray) -> dict[str, Any]:

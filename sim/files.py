@@ -20,8 +20,8 @@ SEAL = b"\nSHA-256 %s\n"
 def replacing(path: Path) -> Iterator[Path]:
     """Give a temporary name beside ``path`` to write to; rename it when the block succeeds.
 
-    After an error ``path`` is as it was and nothing else stays behind. What a process that was
-    killed has left of an earlier attempt is removed.
+    After an error ``path`` is as it was and nothing else stays behind; an `OSError` names it. What
+    a process that was killed has left of an earlier attempt is removed.
     """
     remove_left(path)
     temporary = path.with_name(f".{path.name}.{os.getpid()}.part")
@@ -30,6 +30,11 @@ def replacing(path: Path) -> Iterator[Path]:
         _flush(temporary)
         temporary.replace(path)
         _flush(path.parent)
+    except OSError as error:
+        # A full disk does not say whose it is, and nobody knows the temporary name.
+        if error.errno and error.filename in (None, str(temporary)):
+            raise OSError(error.errno, error.strerror, str(path)) from error
+        raise
     finally:
         temporary.unlink(missing_ok=True)
 

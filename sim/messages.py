@@ -99,7 +99,11 @@ def input_error(
         kinds = _models_in(owner.model_fields[_name(entry)].annotation)
         allowed = "one of " + ", ".join(tag for kind in kinds for tag in _tags(kind))
         return InputError.of_value(source, f"{path}.{_TAG}", got.get(_TAG), allowed)
-    return InputError.of_value(source, path, got, _allowed(entry, owner))
+    allowed = _allowed(entry, owner)
+    if entry["type"] == "int_type" and isinstance(got, float):
+        # With its point, which is what is wrong with it.
+        return InputError(f"{source}: {path}: got {got!r}; allowed: {allowed}")
+    return InputError.of_value(source, path, got, allowed)
 
 
 def _resolve(
@@ -152,5 +156,8 @@ def _allowed(entry: ErrorDetails, owner: type[BaseModel]) -> str:
             return allowed_values(owner.model_fields[name])
         case "literal_error":
             return entry["ctx"]["expected"]
+        case "string_pattern_mismatch" if isinstance(entry["loc"][-1], int):
+            (item,) = typing.get_args(owner.model_fields[name].annotation)
+            return allowed_values(*item.__metadata__)
     allowed = allowed_values(fields[name]) if name in fields else entry["msg"]
     return f"finite, {allowed}" if entry["type"] == "finite_number" else allowed

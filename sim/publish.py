@@ -6,12 +6,15 @@ from pathlib import Path
 
 import xarray as xr
 
+from sim.agreement import require_agreement
 from sim.errors import InputError
 from sim.figures import FIGURES
+from sim.report.claims import read_claims
 from sim.report.gallery import beside
-from sim.report.page import write
-from sim.stored import reading
+from sim.report.page import render
+from sim.results import load_results
 from sim.study import load_study
+from sim.whole import require_whole
 
 #: Where published studies lie, beside the results of everybody's own.
 PUBLISHED = Path("results/published")
@@ -41,9 +44,10 @@ def publish(
     Raises
     ------
     InputError
-        When something is missing, or all published studies together would be too large.
+        When something is missing, damaged or not of the study as its file is now, when something
+        else lies in the place, or when all published studies together would be too large.
     """
-    study = load_study(study_path, results)
+    study = load_study(study_path, None)
     folder = Path(results) / study.name
     names = [*NEEDED, *(["boundaries.csv"] if study.boundaries else [])]
     names += [
@@ -56,17 +60,41 @@ def publish(
         if not (folder / name).is_file():
             raise InputError(f"{folder / name}: missing; run the study to its end first")
     output, draft = target / study.name, target / f".{study.name}.part"
+    _require_replaceable(output, folder, target)
+    found = load_results(folder / "dataset.nc")
+    require_agreement(study, found, folder / "dataset.nc")
+    require_whole(study, found, folder)
+    claims = read_claims(folder / "claims.json")
+    page = render(study, found, folder / "figures", claims, beside)
+    made = json.dumps(provenance(found.dataset), indent=1, ensure_ascii=False, allow_nan=False)
     shutil.rmtree(draft, ignore_errors=True)
-    (draft / "figures").mkdir(parents=True)
-    for name in names:
-        shutil.copyfile(folder / name, draft / name)
-    for file in study.files:
-        shutil.copyfile(file, draft / file.name)
-    text = json.dumps(
-        provenance(folder / "dataset.nc"), indent=1, ensure_ascii=False, allow_nan=False
-    )
-    (draft / "provenance.json").write_text(text + "\n", encoding="utf-8")
-    write(study, draft, beside)
+    try:
+        (draft / "figures").mkdir(parents=True)
+        for name in names:
+            shutil.copyfile(folder / name, draft / name)
+        for file in study.files:
+            shutil.copyfile(file, draft / file.name)
+        (draft / "provenance.json").write_text(made + "\n", encoding="utf-8")
+        (draft / "report.html").write_text(page, encoding="utf-8")
+        _require_small(draft, output, target)
+        _replace(draft, output)
+    finally:
+        shutil.rmtree(draft, ignore_errors=True)
+    return output
+
+
+def _require_replaceable(output: Path, folder: Path, target: Path) -> None:
+    """Refuse to put a published study in the place of results, or of anything but another one."""
+    own, place = folder.resolve(), output.resolve()
+    apart = not (place.is_relative_to(own) or own.is_relative_to(place))
+    published = not output.exists() or (output / "provenance.json").is_file()
+    if not (apart and published):
+        allowed = f"a folder whose {output.name} is new or an earlier publication, not results"
+        raise InputError.of_value("--to", "", str(target), allowed)
+
+
+def _require_small(draft: Path, output: Path, target: Path) -> None:
+    """Refuse a draft that makes all published studies together too large."""
     others = [
         path
         for path in target.iterdir()
@@ -74,11 +102,8 @@ def publish(
     ]
     total = sum(map(size, [draft, *others]))
     if total > LARGEST:
-        shutil.rmtree(draft)
         allowed = f"at most {LARGEST / 1e6:g} MB"
         raise InputError.of_value(target, "", f"{total / 1e6:.1f} MB", allowed)
-    _replace(draft, output)
-    return output
 
 
 def _replace(draft: Path, output: Path) -> None:
@@ -96,23 +121,19 @@ def size(folder: Path) -> int:
     return sum(path.stat().st_size for path in folder.rglob("*") if path.is_file())
 
 
-def provenance(dataset: Path) -> dict[str, object]:
+def provenance(data: xr.Dataset) -> dict[str, object]:
     """Return what a reader wants to know of how a dataset was made."""
-    with (
-        reading(dataset, "dataset", replaceable=False),
-        xr.open_dataset(dataset, engine="netcdf4") as data,
-    ):
-        return {
-            "study": data.attrs["study"],
-            "title": data.attrs["title"],
-            "points": data.sizes["point"],
-            "runs": int((data["status"] != "").sum()),
-            "failed runs": int((data["status"] == "failed").sum()),
-            "time steps": int(data["steps"].sum()),
-            "core hours": round(float(data["wall_time"].sum()) / 3600, 2),
-            "from": data.attrs["first_run"],
-            "to": data.attrs["last_run"],
-            "engine": data.attrs["engine_version"],
-            "hash of the engine's sources": data.attrs["source_hash"],
-            "libraries": data.attrs["versions"],
-        }
+    return {
+        "study": data.attrs["study"],
+        "title": data.attrs["title"],
+        "points": data.sizes["point"],
+        "runs": int((data["status"] != "").sum()),
+        "failed runs": int((data["status"] == "failed").sum()),
+        "time steps": int(data["steps"].sum()),
+        "core hours": round(float(data["wall_time"].sum()) / 3600, 2),
+        "from": data.attrs["first_run"],
+        "to": data.attrs["last_run"],
+        "engine": data.attrs["engine_version"],
+        "hash of the engine's sources": data.attrs["source_hash"],
+        "libraries": data.attrs["versions"],
+    }

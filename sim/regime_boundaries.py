@@ -135,14 +135,19 @@ def read_table(dataset: Path) -> pd.DataFrame:
     Raises
     ------
     InputError
-        When there is no dataset, or it is damaged: it is then set aside.
+        When there is no dataset, or it is damaged. That of a study is then set aside.
     """
-    with reading(dataset, "dataset", replaceable=True):
+    with reading(dataset, "dataset", replaceable=is_of_study(dataset)):
         with netCDF4.Dataset(dataset) as file:
             if GROUP not in file.groups:
                 return pd.DataFrame(columns=_COLUMNS)
         with xr.open_dataset(dataset, engine="netcdf4", group=GROUP) as found:
             return found.to_dataframe()
+
+
+def is_of_study(dataset: Path) -> bool:
+    """Return whether a dataset lies where the workflow makes it, beside its runs."""
+    return dataset.name == "dataset.nc" and (dataset.parent / "runs").is_dir()
 
 
 def build(study_path: str | Path, results: str | Path = "results") -> Path:
@@ -165,10 +170,14 @@ def build(study_path: str | Path, results: str | Path = "results") -> Path:
     folder = Path(results) / study.name
     output = folder / "boundaries.csv"
     with replacing(output) as temporary:
-        shown(study, read_table(folder / "dataset.nc")).to_csv(
-            temporary, index=False, float_format="%.10g"
-        )
+        text = as_csv(study, read_table(folder / "dataset.nc"))
+        temporary.write_text(text, encoding="utf-8")
     return output
+
+
+def as_csv(study: Study, rows: pd.DataFrame) -> str:
+    """Return the text of ``boundaries.csv``."""
+    return shown(study, rows).to_csv(index=False, float_format="%.10g")
 
 
 def shown(study: Study, rows: pd.DataFrame) -> pd.DataFrame:

@@ -1,6 +1,5 @@
 """What a study has found, as figures and judges read it: its dataset with all groups."""
 
-from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -11,7 +10,7 @@ import xarray as xr
 
 from sim.errors import InputError
 from sim.parameters import SYSTEMS
-from sim.regime_boundaries import read_table
+from sim.regime_boundaries import is_of_study, read_table
 from sim.stored import reading
 
 #: Group of the dataset with one subgroup per point whose particles are kept.
@@ -76,11 +75,10 @@ def load_results(path: str | Path) -> Results:
     Raises
     ------
     InputError
-        When it is missing or damaged, naming it. A damaged one is set aside.
+        When it is missing or damaged, naming it. A damaged one of a study is set aside.
     """
     path = Path(path)
-    # What is no netCDF-4 file at all is hardly a damaged dataset, but one named by mistake.
-    with reading(path, "dataset", replaceable=_is_netcdf(path)):
+    with reading(path, "dataset", replaceable=is_of_study(path)):
         with netCDF4.Dataset(path) as file:
             groups = set(file.groups)
             points = list(file.groups[PARTICLES].groups) if PARTICLES in groups else []
@@ -95,10 +93,3 @@ def load_results(path: str | Path) -> Results:
 def _loaded(path: Path, group: str | None) -> xr.Dataset:
     with xr.open_dataset(path, engine="netcdf4", group=group) as opened:
         return opened.load()
-
-
-def _is_netcdf(path: Path) -> bool:
-    """Return whether a file begins as netCDF-4 files do, or has lost all its contents."""
-    with suppress(OSError), path.open("rb") as file:
-        return file.read(4) in (b"", b"\x89HDF")
-    return False

@@ -179,7 +179,7 @@ def _look(
         try:
             return _finished(path, path.stat().st_mtime_ns, threads, engine)
         except FileNotFoundError:
-            # Snakemake removes a file that it is about to make again.
+            # Damaged, it has been set aside in between.
             pass
     return PointStatus("interrupted" if said else "waiting", threads, progress=said)
 

@@ -57,5 +57,5 @@ def reading(path: Path, kind: str, replaceable: bool) -> Iterator[None]:
         message = f"{path}: damaged or not a {kind} ({error})"
         if replaceable:
             aside = set_aside(path).name
-            message += f"; now {aside}: rerun the same command to make it again"
+            message += f"; now {aside}: rerun the study to make it again"
         raise DamagedError(message) from None

@@ -27,15 +27,16 @@ __all__ = [
 DEFAULT_STUDY = Path("config/quick.yaml")
 
 
-def load_study(path: str | Path, results: str | Path = "results") -> Study:
+def load_study(path: str | Path, results: str | Path | None = "results") -> Study:
     """Read a study file and work out its points.
 
     Parameters
     ----------
     path : str or Path
         The study file.
-    results : str or Path
-        Folder that the study's own folder of results is, or will be, in.
+    results : str, Path or None
+        Folder that the study's own folder of results is, or will be, in; it must be writable.
+        Nothing, where nothing will be written.
 
     Raises
     ------
@@ -45,7 +46,7 @@ def load_study(path: str | Path, results: str | Path = "results") -> Study:
     return parse_study(read_yaml(path), path, results)
 
 
-def parse_study(mapping: Any, path: str | Path, results: str | Path = "results") -> Study:
+def parse_study(mapping: Any, path: str | Path, results: str | Path | None = "results") -> Study:
     """Work out the points of the study that ``mapping``, read from ``path``, describes.
 
     See `load_study`.
@@ -60,13 +61,17 @@ def parse_study(mapping: Any, path: str | Path, results: str | Path = "results")
         allowed = f"at most {MAX_POINTS:,} points in the study"
         raise InputError.of_value(source, "parts", f"{len(study.points):,} points", allowed)
     figures = points_of_figures(file, study.points.values(), fed, source)
-    require_writable(Path(results) / file.study, f"{source}: study")
+    if results is not None:
+        require_writable(Path(results) / file.study, f"{source}: study")
     return replace(study, figures=figures)
 
 
 def _part(path: Path, source: str, index: int) -> Any:
     """Return the contents of a part, which has no parts of its own."""
-    mapping = read_yaml(path)
+    try:
+        mapping = read_yaml(path)
+    except InputError as error:
+        raise InputError(f"{source}: parts[{index}]: {error}") from None
     if isinstance(mapping, dict) and "parts" in mapping:
         allowed = "a study without parts of its own"
         raise InputError.of_value(source, f"parts[{index}]", path.name, allowed)

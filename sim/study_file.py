@@ -91,6 +91,8 @@ class BeltOverride(_Override[BeltSome, BeltLists]):
 
 
 _NAME = r"^[A-Za-z0-9][A-Za-z0-9_-]*$"
+#: Names of folders of results that are no study's: where published studies lie.
+_RESERVED = ("published",)
 _ALLOWED_NAME = {"allowed": "up to 60 letters, digits, '-' and '_', a letter or digit first"}
 
 
@@ -222,8 +224,8 @@ class StudyFile(_Strict):
     study: str = Field(
         pattern=_NAME,
         max_length=60,
-        description="name of the study and of its folder of results",
-        json_schema_extra=_ALLOWED_NAME,
+        description="name of the study and of its folder of results, not published",
+        json_schema_extra=_ALLOWED_NAME | {"not": {"enum": list(_RESERVED)}},
     )
     title: str = Field("", description="one line for the report")
     figures: list[_figures_of(*SYSTEMS)] = _optional(
@@ -238,11 +240,24 @@ class StudyFile(_Strict):
     )
 
     parts: list[
-        Annotated[str, Field(pattern=r"^[^/\\]+$", json_schema_extra={"allowed": "a file's name"})]
+        # A lone hyphen would be standard input.
+        Annotated[
+            str,
+            Field(
+                pattern=r"^([^/\\-]|[^/\\]{2,})$", json_schema_extra={"allowed": "a file's name"}
+            ),
+        ]
     ] = _optional(
         "study files in the same folder whose points, boundaries and figures this one has too",
         min_length=1,
     )
+
+    @model_validator(mode="after")
+    def _of_a_name_of_its_own(self) -> Self:
+        if self.study in _RESERVED:
+            allowed = f"a name other than {', '.join(_RESERVED)}, where published studies lie"
+            raise broken_rule("study", self.study, allowed)
+        return self
 
     @model_validator(mode="after")
     def _of_some_points(self) -> Self:

@@ -1,15 +1,21 @@
 """The points of a study as a table to read and as JSON for other programs."""
 
 import json
-from collections.abc import Container, Sequence
+from collections.abc import Container, Iterator, Sequence
+from pathlib import Path
+
+import psutil
 
 from sim.cost import Estimate, duration, estimate
+from sim.errors import InputError
 from sim.figure_points import left_out
+from sim.folders import require_writable
 from sim.parameters import canonical
 from sim.refine import PARTS, divided
 from sim.study import Point, Study
 
 CORES = 2
+MEGABYTE = 1e6
 
 #: Most points that the line of a caveat names.
 MOST_NAMED = 3
@@ -59,6 +65,18 @@ def as_json(study: Study) -> str:
     }
     document = {"study": study.name, "title": study.title, "points": points, "totals": totals}
     return json.dumps(document, indent=2, ensure_ascii=False)
+
+
+def warnings(study: Study, results: Path) -> Iterator[str]:
+    """Yield what would keep the study from being run here: too little memory, no place to write."""
+    here = psutil.virtual_memory().total / MEGABYTE
+    for key, cost in _costs(study).items():
+        if cost.memory > here:
+            yield f"{key}: needs about {cost.memory:,} MB of memory, this machine has {here:,.0f}"
+    try:
+        require_writable(results / study.name, f"{study.path}: study")
+    except InputError as error:
+        yield str(error)
 
 
 def _costs(study: Study) -> dict[str, Estimate]:

@@ -64,6 +64,26 @@ MISTAKES = {
     ),
     "two series of one name": ("name: second", "name: first", "series[1].name", "'first'"),
     "word for a number": ("0.7,", "high,", "series[0].grid.restitution[0]", "'high'", "[0.001, 1]"),
+    "point in an integer": (
+        "{frequency: 20}",
+        "{beads: 10.0}",
+        "series[1].cases[0].beads",
+        "got 10.0;",
+        "an integer in [1, 10000000]",
+    ),
+    "name of another folder": ("study: mine", "study: published", "study", "'published'"),
+    "standard input as a part": (
+        "study: mine",
+        "study: mine\nparts: ['-']",
+        "parts[0]",
+        "got '-'; allowed: a file's name",
+    ),
+    "part that is not there": (
+        "study: mine",
+        "study: mine\nparts: [nope.yaml]",
+        "parts[0]",
+        "nope.yaml: no such file",
+    ),
     "number in quotes": ("0.7,", "'0.7',", "series[0].grid.restitution[0]", "'0.7'", "[0.001, 1]"),
     "true for a number": ("0.7,", "true,", "series[0].grid.restitution[0]", "got true"),
     "nothing for a number": ("0.7,", "null,", "series[0].grid.restitution[0]", "got nothing"),
@@ -260,17 +280,44 @@ def test_files_that_are_not_there(command, tmp_path, refuse):
 def test_permissions_are_respected(tmp_path, refuse):
     (tmp_path / "mine.yaml").write_text(STUDY)
     (tmp_path / "results").mkdir(mode=0o500)
-    assert "study: got 'results/mine'; allowed: a folder" in refuse("points", "mine.yaml")
+    assert "study: got 'results/mine'; allowed: a folder" in refuse("dataset", "mine.yaml")
     (tmp_path / "mine.yaml").chmod(0)
     assert "mine.yaml: cannot be read" in refuse("points", "mine.yaml")
 
 
-def test_results_that_cannot_be_written(tmp_path, refuse):
+@pytest.mark.parametrize("command", ["dataset", "boundaries", "claims", "report"])
+def test_results_that_cannot_be_written(command, tmp_path, refuse):
     (tmp_path / "mine.yaml").write_text(STUDY)
     (tmp_path / "results").write_text("in the way")
-    assert "mine.yaml: study: got 'results/mine'; allowed: a folder" in refuse(
-        "points", "mine.yaml"
-    )
+    assert "mine.yaml: study: got 'results/mine'; allowed: a folder" in refuse(command, "mine.yaml")
+
+
+def test_what_only_reads_needs_no_place_to_write(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    Path("mine.yaml").write_text(STUDY)
+    Path("results").write_text("in the way")
+    assert main(["status", "mine.yaml"]) == 0
+    assert capsys.readouterr().err == ""
+    assert main(["points", "mine.yaml"]) == 0
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith("warning: mine.yaml: study: got 'results/mine'; allowed: a folder")
+
+
+@pytest.mark.parametrize(
+    ("point", "word"),
+    [
+        ("{system: belt, width: 1.0e+13}", "allocate"),
+        ("{system: chute, bumps: 1.0e-7}", "allocate"),
+        ("{system: chute, bumps: 1.0e-15}", "dimension"),
+    ],
+)
+def test_what_no_machine_can_compute_ends_in_one_line(point, word, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    Path("point.yaml").write_text(point)
+    assert main(["run", "point.yaml", "-o", "run.nc", "--quiet"]) == 1
+    *_, line = capsys.readouterr().err.splitlines()
+    assert line.startswith("error: ") and "cannot be computed" in line and word in line
+    assert not Path("run.nc").exists()
 
 
 @pytest.mark.parametrize("output", ["file/run.nc", "folder"])

@@ -131,7 +131,7 @@ def test_all_damaged_runs_of_a_study_are_set_aside_at_once(made, capsys):
     runs[3].write_bytes(b"")
     assert main(["dataset", str(study), "--results", str(results)]) == 2
     (line,) = capsys.readouterr().err.splitlines()
-    assert line.startswith("error: ") and "rerun the same command" in line and "1 more" in line
+    assert line.startswith("error: ") and "rerun the study" in line and "1 more" in line
     assert not runs[0].exists() and not runs[3].exists()
     assert all(run.exists() for run in (*runs[1:3], *runs[4:]))
     assert (results / "made" / "dataset.nc").read_bytes() == before
@@ -156,12 +156,13 @@ def test_a_damaged_dataset_is_named_and_set_aside(made, damage, command, capsys)
     }
     assert main([command, *words[command]]) == 2
     (line,) = capsys.readouterr().err.splitlines()
-    assert line.startswith(f"error: {path}: damaged") and "rerun the same command" in line
+    assert line.startswith(f"error: {path}: damaged") and "rerun the study" in line
     assert not path.exists() and path.with_name("dataset.nc.damaged").exists()
 
 
 def test_a_file_named_by_mistake_is_left_where_it_is(tmp_path, content):
-    for name, text in (("notes.txt", b"mine"), ("run.nc", content)):
+    half = content[: len(content) // 2]
+    for name, text in (("notes.txt", b"mine"), ("run.nc", content), ("dataset.nc", half)):
         (tmp_path / name).write_bytes(text)
         with pytest.raises(InputError, match="not "):
             draw("walton_2", tmp_path / name, tmp_path)
@@ -173,7 +174,7 @@ def test_a_damaged_figure_is_named_and_set_aside(made, suffix):
     study, results = made
     path = results / "made" / "figures" / f"walton_2{suffix}"
     path.write_bytes(b"\xff\xfe\x00" + path.read_bytes()[:40])
-    with pytest.raises(DamagedError, match=r"rerun the same command"):
+    with pytest.raises(DamagedError, match=r"rerun the study"):
         report.build(study, results)
     assert not path.exists()
     assert not (results / "made" / "report.html").exists()
@@ -206,6 +207,31 @@ def test_a_full_disk_ends_in_one_line_and_a_rerun_repairs_it(tmp_path):
     again = limited(output, None)
     assert (again.returncode, again.stderr) == (0, "")
     assert [path.name for path in tmp_path.iterdir()] == ["run.nc"]
+
+
+@pytest.mark.parametrize(
+    ("command", "name", "size"),
+    [("dataset", "dataset.nc", 20_000), ("figure", "figures/walton_2", 3000)],
+)
+def test_a_full_disk_is_told_with_the_name_of_the_file(made, command, name, size):
+    study, results = made
+    path = results / "made" / name
+    words = {
+        "dataset": [str(study), "--results", str(results)],
+        "figure": ["walton_2", str(results / "made/dataset.nc"), "--output", str(path.parent)],
+    }
+    before = {file: file.read_bytes() for file in results.rglob("*") if file.is_file()}
+    done = subprocess.run(
+        [sys.executable, "-m", "sim", command, *words[command]],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (size, size)),
+    )
+    assert done.returncode == 1
+    assert done.stderr.splitlines()[-1].startswith("error: ")
+    assert str(path) in done.stderr.splitlines()[-1], done.stderr
+    assert {file: file.read_bytes() for file in results.rglob("*") if file.is_file()} == before
 
 
 def test_an_old_result_outlives_a_full_disk(tmp_path, content):

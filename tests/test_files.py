@@ -1,5 +1,6 @@
 """Files appear complete or not at all."""
 
+import errno
 import os
 import subprocess
 import sys
@@ -40,3 +41,13 @@ def test_what_a_killed_process_left_is_removed_and_what_a_living_one_writes_is_n
     with replacing(path) as temporary:
         temporary.write_text("new")
     assert sorted(tmp_path.iterdir()) == sorted([path, written, other])
+
+
+@pytest.mark.parametrize("name", [None, "temporary", "other"])
+def test_what_keeps_a_file_from_being_written_names_it(name, tmp_path):
+    path = tmp_path / "made.txt"
+    with pytest.raises(OSError) as caught, replacing(path) as temporary:
+        names = {None: (), "temporary": (str(temporary),), "other": ("other",)}
+        raise OSError(errno.ENOSPC, "No space left on device", *names[name])
+    assert (caught.value.errno, caught.value.strerror) == (errno.ENOSPC, "No space left on device")
+    assert caught.value.filename == ("other" if name == "other" else str(path))

@@ -9,8 +9,9 @@ import netCDF4
 import numpy as np
 import pytest
 
+from sim.cli import main
 from sim.observe import estimate
-from sim.parameters import canonical, field_info, parse_point, point_id
+from sim.parameters import as_yaml, canonical, field_info, parse_point, point_id
 from sim.provenance import source_hash
 from sim.run import BLOWN_UP, run_point
 from tests.motions import belt_point, chute_point
@@ -258,3 +259,30 @@ def test_command_line_gives_exit_code_three_or_none_if_the_failure_is_wanted(tmp
         [*command, "--record-failure", "--quiet"], cwd=ROOT, capture_output=True
     )
     assert recorded.returncode == 0
+
+
+def test_a_run_file_of_the_same_point_is_kept_and_no_other(tmp_path, capsys):
+    point, other = (belt_point(**BELT | {"seed": seed}) for seed in (1, 2))
+    output = tmp_path / "run.nc"
+
+    def made_anew(point) -> bool:
+        before = output.stat().st_ino if output.exists() else None
+        (tmp_path / "point.yaml").write_text(as_yaml(point))
+        assert main(["run", str(tmp_path / "point.yaml"), "-o", str(output), "--quiet"]) == 0
+        return output.stat().st_ino != before
+
+    assert made_anew(point)
+    assert not made_anew(point)
+    assert made_anew(other)
+    whole = output.read_bytes()
+    output.write_bytes(whole[: len(whole) // 2])
+    assert made_anew(other)
+    with netCDF4.Dataset(output, "a") as file:
+        file.source_hash = "0123456789ab"
+    assert made_anew(other)
+
+
+def test_a_run_file_of_a_failure_that_is_kept_keeps_its_exit_code(tmp_path):
+    (tmp_path / "point.yaml").write_text(as_yaml(chute_point(**SOFT)))
+    command = ["run", str(tmp_path / "point.yaml"), "-o", str(tmp_path / "run.nc"), "--quiet"]
+    assert [main(command), main(command), main([*command, "--record-failure"])] == [3, 3, 0]

@@ -3,6 +3,7 @@
 import copy
 import json
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 from hypothesis import given, settings
@@ -11,9 +12,9 @@ from hypothesis import strategies as st
 from sim.cost import duration
 from sim.errors import InputError
 from sim.figures import FIGURES
-from sim.parameters import ChuteParameters, parse_point, point_id
+from sim.parameters import BeltParameters, ChuteParameters, parse_point, point_id
 from sim.study import MAX_POINTS, Study, estimate, parse_study
-from sim.tables import as_json, as_table
+from sim.tables import as_json, as_table, warnings
 
 CONFIG = Path(__file__).parents[1] / "config"
 
@@ -376,3 +377,17 @@ def test_the_json_has_everything_to_run_the_points(example, parse):
 @pytest.mark.parametrize(("seconds", "text"), [(4.51, "4.5 s"), (90, "1.5 min"), (7200, "2.0 h")])
 def test_durations_are_written_in_the_unit_that_suits(seconds, text):
     assert duration(seconds) == text
+
+
+def test_what_went_before_counts():
+    alone = estimate(BeltParameters())
+    shaken = estimate(BeltParameters(prior_frequency=30, prior_cycles=7, replicates=2))
+    assert shaken.steps == 2 * (alone.steps + 7 * BeltParameters().steps_per_cycle)
+    assert estimate(BeltParameters(prior_cycles=7)).steps == alone.steps
+
+
+def test_points_that_need_more_memory_than_there_is_are_pointed_out(parse, tmp_path, monkeypatch):
+    monkeypatch.setattr("psutil.virtual_memory", lambda: SimpleNamespace(total=8e9))
+    study = parse(chute_study(base={"cell": 3}, grid={"depth": [5, 1e6]}))
+    (line,) = warnings(study, tmp_path)
+    assert line.startswith("chute-depth1e06-") and "MB of memory" in line

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from sim.agreement import require_agreement
 from sim.claims.evidence import READINGS, Evidence
 from sim.claims.table import Claim, claims
 from sim.claims.verdict import (
@@ -116,17 +117,20 @@ def build(study_path: str | Path, results: str | Path = "results") -> Path:
     Raises
     ------
     InputError
-        When the dataset is missing or damaged, naming it.
+        When the dataset is missing or damaged, naming it, or the study has changed since it was
+        made.
     """
     study = load_study(study_path, results)
     folder = Path(results) / study.name
-    judgements = judge(load_results(folder / "dataset.nc"))
+    found = load_results(folder / "dataset.nc")
+    require_agreement(study, found, folder / "dataset.nc")
+    judgements = judge(found)
     with replacing(folder / "claims.csv") as temporary:
         as_table(judgements).to_csv(temporary, index=False, float_format="%.6g")
     output = folder / "claims.json"
     with replacing(output) as temporary:
-        found = as_mapping(judgements, study.name)
-        text = json.dumps(found, indent=1, ensure_ascii=False, allow_nan=False)
+        mapping = as_mapping(judgements, study.name)
+        text = json.dumps(mapping, indent=1, ensure_ascii=False, allow_nan=False)
         temporary.write_text(text + "\n", encoding="utf-8")
     return output
 

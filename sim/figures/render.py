@@ -28,7 +28,7 @@ from sim.figures.regime_map import boundary_sentence
 from sim.figures.style import SETTINGS
 from sim.figures.summary import FigureData, figure_data
 from sim.files import replacing
-from sim.results import load_results
+from sim.results import Results, load_results
 
 #: Resolution of the first picture of an animation, dots per inch.
 POSTER = 150
@@ -51,14 +51,11 @@ def render(spec: FigureSpec, dataset_path: Path, folder: Path) -> list[Path]:
     """
     results = load_results(dataset_path)
     try:
-        data = figure_data(results, spec)
+        data, module = _drawn(spec, results)
     except KeyError as error:
         raise InputError(f"{dataset_path}: not the dataset of a study: {error}") from None
     if data.rows.empty:
         raise InputError(f"{dataset_path}: figures: no point feeds {spec.name}")
-    module = importlib.import_module(f"sim.figures.{spec.name}")
-    if hasattr(module, "select"):
-        data = module.select(data)
     folder.mkdir(parents=True, exist_ok=True)
     files = [folder / f"{spec.name}{suffix}" for suffix in spec.suffixes]
     with ExitStack() as stack:
@@ -78,9 +75,8 @@ def render(spec: FigureSpec, dataset_path: Path, folder: Path) -> list[Path]:
             figure.savefig(other, format="svg", metadata={"Title": spec.title, "Date": None})
         figure.savefig(still, format="png", dpi=POSTER if spec.animated else None)
         _save_small(still, spec.title)
-        table = module.table(data) if hasattr(module, "table") else velocities(data, spec, module)
-        table.to_csv(csv, index=False, float_format="%.10g")
-        text.write_text(caption(data, spec, module) + "\n", encoding="utf-8")
+        for file, content in zip((csv, text), _texts(data, spec, module), strict=True):
+            file.write_text(content, encoding="utf-8")
     return files
 
 
@@ -96,6 +92,27 @@ def settle(figure: Figure) -> None:
         if before is not None and np.allclose(before, places, atol=1e-3):
             break
         figure.draw_without_rendering()
+
+
+def derived(spec: FigureSpec, results: Results) -> tuple[str, str]:
+    """Return what the files of a figure's data (CSV) and caption hold, without drawing it."""
+    data, module = _drawn(spec, results)
+    return _texts(data, spec, module)
+
+
+def _drawn(spec: FigureSpec, results: Results) -> tuple[FigureData, ModuleType]:
+    """Return the data that a figure shows, and its module."""
+    data = figure_data(results, spec)
+    module = importlib.import_module(f"sim.figures.{spec.name}")
+    if hasattr(module, "select") and not data.rows.empty:
+        data = module.select(data)
+    return data, module
+
+
+def _texts(data: FigureData, spec: FigureSpec, module: ModuleType) -> tuple[str, str]:
+    """Return the data behind a figure as CSV, and its caption."""
+    table = module.table(data) if hasattr(module, "table") else velocities(data, spec, module)
+    return table.to_csv(index=False, float_format="%.10g"), caption(data, spec, module) + "\n"
 
 
 def _save_small(picture: Path, title: str) -> None:

@@ -8,6 +8,7 @@ import jinja2
 import xarray as xr
 
 from sim import __version__
+from sim.agreement import require_agreement
 from sim.cost import duration
 from sim.files import replacing
 from sim.report.claims import REPORTED, VERDICTS, claim_rows, counts, judged_by_runs, read_claims
@@ -42,31 +43,18 @@ def build(study_path: str | Path, results: str | Path = "results") -> Path:
     Raises
     ------
     InputError
-        When the dataset or a file of a figure is missing or damaged, naming it.
+        When the dataset or a file of a figure is missing or damaged, naming it, or the study has
+        changed since the dataset was made.
     """
     study = load_study(study_path, results)
-    return write(study, Path(results) / study.name, data_uri)
-
-
-def write(study: Study, folder: Path, address: Address) -> Path:
-    """Write ``report.html`` into a folder with what it shows.
-
-    Parameters
-    ----------
-    study : Study
-        The study.
-    folder : Path
-        Holds its dataset, its verdicts and its ``figures``.
-    address : callable
-        Puts figures into the page or links them, see `sim.report.gallery.figure_entries`.
-    """
+    folder = Path(results) / study.name
     found = load_results(folder / "dataset.nc")
-    claims = read_claims(folder / "claims.json")
+    require_agreement(study, found, folder / "dataset.nc")
     output = folder / "report.html"
     with replacing(output) as temporary:
-        temporary.write_text(
-            render(study, found, folder / "figures", claims, address), encoding="utf-8"
-        )
+        claims = read_claims(folder / "claims.json")
+        page = render(study, found, folder / "figures", claims, data_uri)
+        temporary.write_text(page, encoding="utf-8")
     return output
 
 
@@ -90,7 +78,7 @@ def render(
     claims : list of dict
         Its claims with their verdicts, as `sim.claims.judge` writes them; empty if not judged.
     address : callable
-        As for `write`.
+        Puts figures into the page or links them, see `sim.report.gallery.figure_entries`.
     """
     environment = jinja2.Environment(
         loader=jinja2.FileSystemLoader(TEMPLATES),

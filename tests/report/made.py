@@ -10,7 +10,7 @@ from unittest.mock import patch
 import pandas as pd
 from PIL import Image
 
-from sim.claims.judge import Judgement, Variant, as_mapping
+from sim.claims.judge import Judgement, Variant, as_mapping, as_table
 from sim.claims.table import Claim
 from sim.claims.verdict import Check
 from sim.dataset import build as build_dataset
@@ -108,8 +108,10 @@ def _claim(name: str, title: str, **others) -> Claim:
 
 
 def write_claims(path: Path, points: list[str]) -> None:
-    """Write what the judge would write about the made-up claims."""
-    path.write_text(json.dumps(as_mapping(made_claims(points), "made")), encoding="utf-8")
+    """Write what the judge would write about the made-up claims, as JSON and as CSV."""
+    judgements = made_claims(points)
+    path.write_text(json.dumps(as_mapping(judgements, "made")), encoding="utf-8")
+    as_table(judgements).to_csv(path.with_suffix(".csv"), index=False, float_format="%.6g")
 
 
 def make_figures(folder: Path) -> tuple[Path, Path]:

@@ -336,7 +336,6 @@ def test_without_scripts_nothing_is_out_of_reach(browser, report):
 def test_a_published_report_shows_the_figures_beside_it(browser, tmp_path):
     study_path, results = make_figures(tmp_path)
     write_claims(results / "made" / "claims.json", list(load_study(study_path, results).points))
-    (results / "made" / "claims.csv").write_text("claim\n")
     published = publish(study_path, results, tmp_path / "published") / "report.html"
     page = browser.new_page()
     complaints = []

@@ -201,7 +201,7 @@ def test_damaged_verdicts_are_named_and_set_aside(made, page):
     path = made[1] / "made" / "claims.json"
     content = path.read_bytes()
     path.write_bytes(content[:100])
-    with pytest.raises(DamagedError, match=r"claims\.json.*rerun the same command"):
+    with pytest.raises(DamagedError, match=r"claims\.json.*rerun the study"):
         build(*made)
     assert not path.exists()
     path.write_bytes(content)

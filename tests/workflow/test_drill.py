@@ -175,3 +175,29 @@ def test_kills_at_random_moments_change_no_bit(undisturbed, tmp_path, request):
         shutil.rmtree(tree / "results")
     # A drill that hits nothing that computes would prove nothing.
     assert drill.kills["computing run"] >= KILLS / 3, drill.kills
+
+
+def test_a_run_that_outlives_its_workflow_is_kept(undisturbed, tmp_path):
+    text = (
+        "study: drill\nseries: [{name: a, system: belt, base: {beads: 200, transient: 10, "
+        "average: 250}}]\n"
+    )
+    (tmp_path / "drill.yaml").write_text(text)
+    (point,) = load_study(tmp_path / "drill.yaml", tmp_path).points
+    runs = tmp_path / "results" / "drill" / "runs"
+    process = snakemake(tmp_path)
+    wait_for(runs / f".{point}.nc.checkpoint")
+    process.kill()
+    process.wait()
+    assert not (runs / f"{point}.nc").exists()
+    wait_for(runs / f"{point}.nc")
+    before = (runs / f"{point}.nc").stat().st_ino
+    assert snakemake(tmp_path).wait(timeout=120) == 0, (tmp_path / "drill.log").read_text()
+    assert (runs / f"{point}.nc").stat().st_ino == before
+
+
+def wait_for(path: Path) -> None:
+    limit = time.monotonic() + 60
+    while not path.exists():
+        assert time.monotonic() < limit
+        time.sleep(0.02)

@@ -221,6 +221,23 @@ def test_single_values_cannot_be_overridden_behind_the_study(tree):
     assert "error: --config" in done.stderr
 
 
+def test_a_study_may_lie_anywhere(tree):
+    place = tree / "{point}" / "{x} y"
+    place.mkdir(parents=True)
+    shutil.copy(tree / STUDY, place / STUDY)
+    assert planned(tree, study=str(place / STUDY)) == {}
+    made = snakemake(tree, "report", "--forcerun", "report", study=str(place / STUDY))
+    assert made.returncode == 0, made.stderr
+
+
+def test_a_bad_environment_gives_one_line_and_no_work(tree, monkeypatch):
+    monkeypatch.setenv("TALUS_CHECKPOINT_SECONDS", "abc")
+    done = snakemake(tree)
+    assert done.returncode == 2
+    (line,) = (line for line in done.stderr.splitlines() if "profile" not in line)
+    assert line.startswith("error: environment: TALUS_CHECKPOINT_SECONDS: got 'abc'")
+
+
 def test_lint_finds_nothing(tree):
     lint = subprocess.run(
         [sys.executable, "-m", "snakemake", "--lint"], cwd=tree, capture_output=True, text=True

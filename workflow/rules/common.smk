@@ -15,6 +15,7 @@ from pathlib import Path
 ROOT = Path(workflow.current_basedir.get_path_or_uri(secret_free=True)).parents[1]
 sys.path.insert(0, str(ROOT))
 
+from sim.checkpoint import checkpoint_interval
 from sim.errors import InputError
 from sim.figures import FIGURES
 from sim.parameters import canonical_json
@@ -132,8 +133,13 @@ def warn_of_namesake():
 
 def code(*patterns):
     """Return a hash of files of the package, so that a rule reruns when they are edited."""
+    return hashed(sorted(file for pattern in patterns for file in (ROOT / "sim").glob(pattern)))
+
+
+def hashed(files):
+    """Return a hash of the names and contents of files, wherever they lie."""
     digest = hashlib.sha256()
-    for path in sorted(file for pattern in patterns for file in (ROOT / "sim").glob(pattern)):
+    for path in files:
         digest.update(path.name.encode() + path.read_bytes())
     return digest.hexdigest()[:12]
 
@@ -151,6 +157,8 @@ def summarize():
 
 
 try:
+    # What keeps every run from starting is said at once, not in the log of the first.
+    checkpoint_interval()
     STUDY = load_study(study_path())
 except InputError as error:
     print(f"error: {error}", file=sys.stderr)

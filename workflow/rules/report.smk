@@ -6,7 +6,6 @@ rule report:
         dataset=rules.dataset.output,
         figures=rules.figures.input,
         claims=rules.claims.output.json,
-        study=STUDY.files,
     output:
         report(
             f"{RESULTS}/report.html",
@@ -20,6 +19,8 @@ rule report:
     conda:
         "../envs/talus.yaml"
     params:
+        # No input: its path may hold braces, which are no wildcards, and must not matter.
+        study=hashed(STUDY.files),
         code=code(
             "report/*.py",
             "templates/*",

@@ -16,13 +16,16 @@ rule warm:
         'python -m sim warm "$TALUS_STUDY" > {log} 2>&1'
 
 
+# A run may outlive the Snakemake that has started it, and Snakemake takes what it then writes for
+# incomplete. `update` leaves the file to the job, which keeps it if it is whole and up to date.
+#
 # What makes a run file old is its point or the hash of the engine's sources. The input must not be
 # `ancient`: Snakemake does not look at the parameters of a job below one that is to run.
 rule run:
     input:
         rules.warm.output,
     output:
-        f"{RESULTS}/runs/{{point}}.nc",
+        update(f"{RESULTS}/runs/{{point}}.nc"),
     log:
         f"{RESULTS}/logs/runs/{{point}}.log",
     benchmark:
