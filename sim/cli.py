@@ -183,6 +183,8 @@ def _points(options: argparse.Namespace) -> None:
 def _status(options: argparse.Namespace) -> None:
     if options.watch is not None and not 1 <= options.watch <= DAY:
         raise InputError.of_value("--watch", "", options.watch, f"a number in [1, {DAY}]")
+    if options.results.exists() and not options.results.is_dir():
+        raise InputError.of_value("--results", "", str(options.results), "a folder")
 
     from sim.status import survey
     from sim.status_table import as_json, as_text

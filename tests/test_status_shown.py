@@ -103,7 +103,7 @@ def test_the_study_is_the_default_one_when_none_is_named(tmp_path, capsys):
         (["none.yaml"], "none.yaml: no such file"),
         (["--watch", "0"], "--watch: got 0; allowed: a number in [1, 86400]"),
         (["--watch", "nan"], "--watch: got nan; allowed: a number in [1, 86400]"),
-        (["--results", "README.md"], "README.md is not a folder"),
+        (["--results", "README.md"], "--results: got 'README.md'; allowed: a folder"),
     ],
 )
 def test_mistakes_give_one_line(arguments, words, capsys):
