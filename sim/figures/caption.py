@@ -75,7 +75,7 @@ def regime_sentence(rows: pd.DataFrame) -> str:
         )
     if len(counts):
         named = [f"{points_text(count)} {_REGIMES[regime]}" for regime, count in counts.items()]
-        parts.append("open ones are not: " + ", ".join(named))
+        parts.append("open ones are not shown to be: " + ", ".join(named))
     if not parts:
         return ""
     return (
