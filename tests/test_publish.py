@@ -116,7 +116,7 @@ def test_only_what_was_published_is_replaced(finished, tmp_path, place, capsys):
         ("replicates: 3", "replicates: 4", "point belt-"),
         ("title: A made-up", "title: Another", "title"),
         ("name: rough", "name: smooth", "series of chute-"),
-        ("figures: [walton_2]", "figures: [walton_2, shear_depth]", "figures of chute-"),
+        ("0.5]}\n    figures: [walton_2]", "0.5]}", "figures of chute-"),
     ],
 )
 def test_a_study_changed_since_its_runs_is_refused(finished, tmp_path, old, new, named, capsys):
