@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from sim.cli import save_and_end
+from sim.actions import save_and_end
 from sim.parameters import parse_point
 from sim.progress import progress_file
 from sim.warm import warm
