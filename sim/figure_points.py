@@ -6,6 +6,7 @@ from typing import Any
 from sim.collect import Fed
 from sim.errors import InputError
 from sim.figures import FIGURES, FigureSpec
+from sim.figures.spec import written
 from sim.parameters import Parameters
 from sim.study_file import StudyFile
 from sim.study_model import Point, Study
@@ -47,9 +48,9 @@ def left_out(study: Study) -> list[str]:
     Pictures of a single point are passed over: what they leave out goes without saying.
     """
     sentences = []
-    for name in filter(lambda name: FIGURES[name].axes, study.figures):
+    for name in study.figures:
         gone = [point for point in study.points.values() if name in point.left_out]
-        if gone:
+        if gone and FIGURES[name].axes:
             every = len(gone) + len(study.figures[name])
             points = f"{len(gone):,} of {every:,} point" + "s" * (every > 1)
             sentences.append(f"{name} leaves out {points}: it takes {_reasons(name, gone)}")
@@ -74,7 +75,7 @@ def _require_members(spec: FigureSpec, members: Sequence[Point], source: str, pa
     for axis in spec.axes:
         values = {getattr(point.parameters, axis) for point in members}
         if len(values) < 2:
-            got = f"{spec.name} with {axis} = {_written(values.pop())} alone"
+            got = f"{spec.name} with {axis} = {written(values.pop())} alone"
             allowed = f"series that feed {spec.name} and together vary {', '.join(spec.axes)}"
             if axis in spec.taken:
                 allowed += f", of which it takes {axis} {spec.taken[axis]} alone"
@@ -100,14 +101,14 @@ def _require_places(spec: FigureSpec, members: Sequence[Point], source: str, pat
 
 def _settings(spec: FigureSpec, parameters: Parameters) -> str:
     names = dict.fromkeys((*spec.axes, *spec.curves))
-    return ", ".join(f"{name} = {_written(getattr(parameters, name))}" for name in names)
+    return ", ".join(f"{name} = {written(getattr(parameters, name))}" for name in names)
 
 
 def _differences(one: Parameters, other: Parameters) -> str:
     """Name the parameters in which two points differ, with both values."""
     pairs = {name: (getattr(one, name), getattr(other, name)) for name in type(one).model_fields}
     return ", ".join(
-        f"{name} ({_written(first)}, {_written(second)})"
+        f"{name} ({written(first)}, {written(second)})"
         for name, (first, second) in pairs.items()
         if first != second
     )
@@ -117,7 +118,3 @@ def _in_series(one: Point, other: Point) -> str:
     """Name the series of two points, where these are not the same."""
     names = one.series[0], other.series[0]
     return f" (series {names[0]} and {names[1]})" if names[0] != names[1] else ""
-
-
-def _written(value: Any) -> str:
-    return value if isinstance(value, str) else f"{value:g}"

@@ -55,7 +55,7 @@ class FigureSpec:
     @property
     def taken(self) -> dict[str, str]:
         """Values in ``where`` in words, by parameter."""
-        return {name: ", ".join(map(_written, _tuple(value))) for name, value in self.where.items()}
+        return {name: ", ".join(map(written, _tuple(value))) for name, value in self.where.items()}
 
     def shows(self, parameters: Parameters) -> bool:
         """Return whether a point with these parameters is among those drawn."""
@@ -86,5 +86,6 @@ def _tuple(value: Any) -> tuple[Any, ...]:
     return value if isinstance(value, tuple) else (value,)
 
 
-def _written(value: Any) -> str:
+def written(value: Any) -> str:
+    """Write a value of a parameter for people."""
     return value if isinstance(value, str) else f"{value:g}"

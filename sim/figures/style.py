@@ -148,15 +148,33 @@ def draw_curve(
         artists += axes.plot(
             shown[along], line, color=style.colour, linestyle=style.dashes, **beside
         )
+    artists += _draw_points(axes, shown, along, style, pale)
+    move_aside(axes, artists, x=shift)
+    if not pale:
+        axes.plot(
+            [],
+            [],
+            color=style.colour,
+            linestyle=style.dashes,
+            marker=style.marker,
+            label=label,
+        )
+
+
+def _draw_points(
+    axes: Axes, rows: pd.DataFrame, along: str, style: CurveStyle, pale: bool
+) -> list[Artist]:
+    """Draw the markers of a curve, filled, pale or open, with their error bars; return them."""
+    artists: list[Artist] = []
     lone = pale and style.dashes == "none"
-    unknown = undecided(shown)
-    steady = (shown["regime"] == "steady") & ~unknown
+    unknown = undecided(rows)
+    steady = (rows["regime"] == "steady") & ~unknown
     for chosen, face in (
         (steady, style.colour),
         (unknown, (*to_rgb(style.colour), PALE)),
         (~(steady | unknown), "white"),
     ):
-        part = shown[chosen]
+        part = rows[chosen]
         bars = axes.errorbar(
             part[along],
             part["velocity"],
@@ -172,16 +190,7 @@ def draw_curve(
             zorder=3,
         )
         artists += bars.get_children()
-    move_aside(axes, artists, x=shift)
-    if not pale:
-        axes.plot(
-            [],
-            [],
-            color=style.colour,
-            linestyle=style.dashes,
-            marker=style.marker,
-            label=label,
-        )
+    return artists
 
 
 def move_aside(axes: Axes, artists: Iterable[Artist], x: float = 0, y: float = 0) -> None:
