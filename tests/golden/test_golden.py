@@ -1,0 +1,89 @@
+"""The numbers of the golden points, and that together they take every path that makes numbers."""
+
+import signal
+from typing import Literal, get_args, get_origin
+
+import pytest
+
+from sim.checkpoint import TERMINATED, Checkpoint
+from sim.parameters import SYSTEMS, canonical
+from tests.golden import (
+    BITS,
+    FAILING,
+    TOLERANCE,
+    VALUES,
+    computed,
+    contents,
+    digest,
+    early,
+    machine,
+    points,
+    stored,
+    worst_error,
+)
+
+POINTS = points()
+ADVICE = "the numbers of runs have changed: undo that, or raise NUMERICS (docs/architecture.md)"
+
+
+@pytest.mark.parametrize("name", POINTS)
+def test_bits_are_those_recorded_on_the_same_kind_of_machine(name, tmp_path):
+    recorded = stored(BITS).get(machine())
+    found = digest(computed(POINTS[name], tmp_path))
+    if recorded:
+        assert found == recorded[name], ADVICE
+    else:
+        assert found == digest(computed(POINTS[name], tmp_path))
+
+
+@pytest.mark.parametrize("name", [name for name in POINTS if name not in FAILING])
+def test_first_samples_are_those_recorded_on_any_machine(name):
+    error = worst_error(POINTS[name], early(POINTS[name]), stored(VALUES)[name])
+    assert error < TOLERANCE, ADVICE
+
+
+def test_recorded_are_the_points_there_are():
+    assert set(stored(VALUES)) == set(POINTS) - set(FAILING)
+    assert all(set(bits) == set(POINTS) for bits in stored(BITS).values())
+
+
+@pytest.mark.parametrize("name", ["chute_threads", "belt_shaken_before"])
+def test_a_run_that_goes_on_from_a_checkpoint_has_the_same_bits(name, tmp_path, monkeypatch):
+    whole = digest(computed(POINTS[name], tmp_path))
+    offers = iter(range(10**6))
+    offer = Checkpoint.offer
+
+    def terminated_now_and_then(self, state):
+        if next(offers) % 25 == 24:
+            signal.raise_signal(signal.SIGTERM)
+        offer(self, state)
+
+    monkeypatch.setattr(Checkpoint, "offer", terminated_now_and_then)
+    path, starts = tmp_path / "run.nc", 0
+    path.unlink()
+    while not path.exists():
+        starts += 1
+        try:
+            computed(POINTS[name], tmp_path)
+        except SystemExit as ended:
+            assert ended.code == TERMINATED
+    assert starts > 2
+    assert digest(path) == whole
+
+
+def test_a_blow_up_is_retried_in_one_point_of_each_system_and_final_in_another(tmp_path):
+    for name in ("chute_retried", "belt_retried", "chute_failed"):
+        held = contents(computed(POINTS[name], tmp_path))
+        assert (held["time_step_used"] == POINTS[name].time_step / 2).all()
+        assert (list(held["status"]) == ["failed"]) == (name in FAILING)
+
+
+@pytest.mark.parametrize("system", SYSTEMS)
+def test_every_option_and_two_values_of_every_number_occur(system):
+    taken = [canonical(point) for point in POINTS.values() if point.system == system]
+    for name, field in SYSTEMS[system].model_fields.items():
+        values = {point[name] for point in taken}
+        if get_origin(field.annotation) is Literal:
+            assert values == set(get_args(field.annotation)), name
+        else:
+            assert len(values) > 1, f"{name}: no golden point has another value than {values}"
