@@ -95,10 +95,10 @@ def run(options: Namespace) -> int:
     level = logging.WARNING if options.quiet else logging.INFO
     logging.basicConfig(format="%(message)s", level=level, stream=sys.stderr)
 
-    from sim.kept import kept_status
+    from sim.kept import current_status
     from sim.run import BLOWN_UP, run_point
 
-    if status := kept_status(options.output, parameters):
+    if status := current_status(options.output, parameters):
         logging.getLogger("talus").info("%s: already there", options.output)
         return BLOWN_UP if status == "failed" and not options.record_failure else 0
     signal.signal(signal.SIGINT, save_and_end)

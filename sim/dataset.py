@@ -155,6 +155,7 @@ def combine(runs: Sequence[xr.Dataset], study: Study) -> xr.Dataset:
             "title": study.title or study.name,
             "study": study.name,
             "engine_version": _distinct(runs, "engine_version"),
+            "numerics": _distinct(runs, "numerics"),
             "source_hash": _distinct(runs, "source_hash"),
             "versions": _distinct(runs, "versions"),
             "first_run": min(run.attrs["created"] for run in runs),

@@ -10,6 +10,7 @@ import xarray as xr
 from sim.measures import MEASURES, measures
 from sim.measures.belt import columns
 from sim.observe.scalars import SCALARS
+from sim.provenance import numerics_of
 from sim.stored import reading
 
 #: Without these attributes a file is no run file.
@@ -74,8 +75,11 @@ def read_run(path: Path, shown: bool = False) -> Gathered:
         made = {
             name: ("replicate", values, _described(name)) for name, values in measures(run).items()
         }
+        scalars = run[kept].load().assign(made)
+        number = numerics_of(run.attrs)
+        scalars.attrs["numerics"] = "unknown" if number is None else str(number)
         return Gathered(
-            run[kept].load().assign(made),
+            scalars,
             _single(run[[name for name in OVER_HEIGHT if name in run]].assign(columns(run))),
             _state(run) if shown else None,
         )

@@ -12,7 +12,15 @@ from sim.parameters import SYSTEMS, Parameters, as_yaml, canonical, field_info, 
 from sim.stored import reading
 
 _PER_REPLICATE = tuple(name for name in SCALARS if name != "replicate_seed")
-_PROVENANCE = ("engine_version", "source_hash", "created", "versions", "machine", "command")
+_PROVENANCE = (
+    "engine_version",
+    "numerics",
+    "source_hash",
+    "created",
+    "versions",
+    "machine",
+    "command",
+)
 
 
 def describe(path: str | Path, as_point: bool = False) -> str:

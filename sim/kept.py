@@ -5,27 +5,21 @@ from pathlib import Path
 
 import netCDF4
 
-from sim import __version__
 from sim.files import is_damaged
 from sim.parameters import Parameters, point_id
-from sim.provenance import library_versions, source_hash
+from sim.provenance import NUMERICS, numerics_of
 
 
-def kept_status(path: Path, parameters: Parameters) -> str:
-    """Return the status of a whole run file of the same point, code and libraries, or nothing.
+def current_status(path: Path, parameters: Parameters) -> str:
+    """Return the status of a run file if it is current, else an empty text.
 
-    The same code makes the same bits of the same point, so such a file need not be made again:
-    what started its run may have ended before the run did.
+    Current is a whole file of the same point and the same numerics: a run would write the same
+    numbers again. Other versions of libraries may round otherwise and make no file old.
     """
-    wanted = {
-        "point_id": point_id(parameters),
-        "engine_version": __version__,
-        "source_hash": source_hash(),
-        "versions": " ".join(f"{name} {number}" for name, number in library_versions().items()),
-    }
-    with suppress(OSError, AttributeError):
+    with suppress(OSError, LookupError, ValueError):
         if not is_damaged(path):
             with netCDF4.Dataset(path) as file:
-                if all(file.getncattr(name) == value for name, value in wanted.items()):
-                    return file.status
+                held = {name: file.getncattr(name) for name in file.ncattrs()}
+            if held["point_id"] == point_id(parameters) and numerics_of(held) == NUMERICS:
+                return held["status"]
     return ""

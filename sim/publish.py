@@ -134,6 +134,7 @@ def provenance(data: xr.Dataset) -> dict[str, object]:
         "from": data.attrs["first_run"],
         "to": data.attrs["last_run"],
         "engine": data.attrs["engine_version"],
+        "numerics": data.attrs["numerics"],
         "hash of the engine's sources": data.attrs["source_hash"],
         "libraries": data.attrs["versions"],
     }

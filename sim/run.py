@@ -8,17 +8,17 @@ from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 
-import netCDF4
 import numpy as np
 
 from sim import __version__, reproduction
 from sim.checkpoint import Checkpoint, checkpoint_interval
-from sim.files import alone, is_damaged
+from sim.files import alone
+from sim.kept import current_status
 from sim.observe.recorder import Record
 from sim.observe.run_file import write
 from sim.parameters import Parameters, point_id
 from sim.progress import length, progress
-from sim.provenance import library_versions, source_hash
+from sim.provenance import NUMERICS, library_versions, source_hash
 from sim.replicate import Replicate, Stopwatch
 from sim.systems import System
 
@@ -70,7 +70,7 @@ def run_point(
     if parameters.caveat:
         log.warning("%s: %s", name, parameters.caveat)
     with alone(output) as waited:
-        status = _status_by_another(output, parameters) if waited else ""
+        status = current_status(output, parameters) if waited else ""
         if not status:
             status = _compute(parameters, output, quiet)
             log.info("%s: written", output)
@@ -121,18 +121,6 @@ def _compute(parameters: Parameters, output: Path, quiet: bool) -> str:
     return attributes["status"]
 
 
-def _status_by_another(output: Path, parameters: Parameters) -> str:
-    """Return the status of the file if another process has just made it from the same sources."""
-    try:
-        if is_damaged(output):
-            return ""
-        with netCDF4.Dataset(output) as file:
-            same = (file.point_id, file.source_hash) == (point_id(parameters), source_hash())
-            return file.status if same else ""
-    except (OSError, AttributeError):
-        return ""
-
-
 def _closing_line(parameters: Parameters, record: Record) -> tuple[int, str]:
     """Return level and text of the line that says how a replicate ended."""
     name, values = point_id(parameters), record.scalars
@@ -171,6 +159,7 @@ def _attributes(parameters: Parameters, records: list[Record], wall: float) -> d
         "system": parameters.system,
         "point_id": point_id(parameters),
         "engine_version": __version__,
+        "numerics": NUMERICS,
         "source_hash": source_hash(),
         "created": datetime.now(UTC).isoformat(timespec="seconds"),
         "versions": versions,

@@ -15,7 +15,7 @@ from sim.cost import PROCESS_TIME, estimate
 from sim.files import is_damaged
 from sim.parameters import Parameters
 from sim.progress import CREDIT, Progress, may_end_early, progress_file, read_progress
-from sim.provenance import source_hash
+from sim.provenance import NUMERICS, numerics_of
 from sim.rounds import read_round
 from sim.stored import UNREADABLE
 from sim.study import Study
@@ -44,7 +44,7 @@ class PointStatus:
     core_seconds : float
         What its run took, while that is known: of a point that is done or failed.
     outdated : bool
-        Whether other sources of the engine made its run file.
+        Whether other numerics made its run file.
     caveat : str
         What to know before trusting its run file, empty if nothing.
     """
@@ -143,8 +143,7 @@ def survey(study: Study, results: str | Path = "results") -> StudyStatus:
         present = {path.name for path in runs.iterdir()}
     except OSError:
         present = set()
-    engine = source_hash()
-    points = {key: _look(key, value, runs, present, engine) for key, value in parameters.items()}
+    points = {key: _look(key, value, runs, present) for key, value in parameters.items()}
     known = len(_round_files(study, folder))
     left = _left(points, parameters)
     return StudyStatus(study.name, study.title, points, *left, study.rounds - known)
@@ -164,9 +163,7 @@ def _round_files(study: Study, folder: Path) -> list[Path]:
     return list(filter(Path.is_file, files))
 
 
-def _look(
-    key: str, parameters: Parameters, runs: Path, present: set[str], engine: str
-) -> PointStatus:
+def _look(key: str, parameters: Parameters, runs: Path, present: set[str]) -> PointStatus:
     """Find the state of one point. A run that goes on counts more than an earlier one's file."""
     threads = estimate(parameters).threads
     path = runs / f"{key}.nc"
@@ -177,7 +174,7 @@ def _look(
         return PointStatus("running", threads, progress=said)
     if path.name in present:
         try:
-            return _finished(path, path.stat().st_mtime_ns, threads, engine)
+            return _finished(path, path.stat().st_mtime_ns, threads)
         except FileNotFoundError:
             # Damaged, it has been set aside in between.
             pass
@@ -198,7 +195,7 @@ def _goes_on(said: Progress) -> bool:
 
 
 @cache
-def _finished(path: Path, changed: int, threads: int, engine: str) -> PointStatus:
+def _finished(path: Path, changed: int, threads: int) -> PointStatus:
     """Read from its file how a run ended.
 
     ``changed`` (ns) tells one file of a name from the next, so that a watch opens each file once.
@@ -222,7 +219,7 @@ def _finished(path: Path, changed: int, threads: int, engine: str) -> PointStatu
         threads,
         reason=str(held.get("reason", "")),
         core_seconds=max(0.0, wall_time) * threads,
-        outdated=held.get("source_hash") != engine,
+        outdated=numerics_of(held) != NUMERICS,
         caveat=caveat,
     )
 

@@ -123,7 +123,7 @@ def _closing(status: StudyStatus) -> list[str]:
         lines.append(f"rounds of refinement to come, not counted: {status.rounds_left}")
     outdated = sum(point.outdated for point in status.points.values())
     if outdated:
-        lines.append(f"of another version of the engine, to be run again: {outdated:,} points")
+        lines.append(f"of other numerics, to be run again: {outdated:,} points")
     return lines
 
 

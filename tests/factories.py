@@ -10,6 +10,7 @@ import xarray as xr
 
 from sim.observe.force_balance import base_forces
 from sim.parameters import Parameters, canonical, field_info, point_id
+from sim.provenance import NUMERICS
 from sim.regime_boundaries import added_points
 from sim.study import load_study
 
@@ -28,7 +29,7 @@ def write_run(
     shear_excess: float = 0.0,
     normal_excess: float = 0.0,
     gain: float = 0.0,
-    source_hash: str = "0123456789ab",
+    numerics: int = NUMERICS,
     arrays: Mapping[str, Any] | None = None,
 ) -> Path:
     """Write ``<folder>/<point id>.nc`` after the contract of a run file.
@@ -58,7 +59,7 @@ def write_run(
     data = _series(parameters, velocities, shear_excess, normal_excess, gain)
     data |= _scalars(parameters, velocities, regime, failed)
     data |= _parameters(parameters) | dict(arrays or {})
-    dataset = xr.Dataset(data, attrs=_attributes(parameters, failed, source_hash))
+    dataset = xr.Dataset(data, attrs=_attributes(parameters, failed, numerics))
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / f"{point_id(parameters)}.nc"
     dataset.to_netcdf(path)
@@ -166,7 +167,7 @@ def _parameters(parameters: Parameters) -> dict[str, Any]:
     return data
 
 
-def _attributes(parameters: Parameters, failed: Sequence[int], source_hash: str) -> dict[str, Any]:
+def _attributes(parameters: Parameters, failed: Sequence[int], numerics: int) -> dict[str, Any]:
     broken = len(failed) == parameters.replicates
     return {
         "Conventions": "CF-1.11",
@@ -174,7 +175,8 @@ def _attributes(parameters: Parameters, failed: Sequence[int], source_hash: str)
         "system": parameters.system,
         "point_id": point_id(parameters),
         "engine_version": "0.1.0",
-        "source_hash": source_hash,
+        "numerics": numerics,
+        "source_hash": "0123456789ab",
         "created": "2026-01-01T00:00:00Z",
         "versions": '{"python": "3.11.7", "numpy": "2.4.6"}',
         "status": "failed" if broken else "completed",

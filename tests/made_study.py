@@ -6,7 +6,6 @@ from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
 from sim.progress import Progress, progress_file
-from sim.provenance import source_hash
 from sim.status import StudyStatus, survey
 from sim.study import load_study
 from tests.factories import write_run
@@ -41,7 +40,6 @@ class Folder:
         self.ids = list(self.study.points)
 
     def finish(self, key: str, **how) -> Path:
-        how = {"source_hash": source_hash()} | how
         return write_run(self.runs, self.study.points[key].parameters, **how)
 
     def say(self, key: str, **changes) -> Path:

@@ -12,7 +12,7 @@ import pytest
 from sim.cli import main
 from sim.observe import estimate
 from sim.parameters import as_yaml, canonical, field_info, parse_point, point_id
-from sim.provenance import source_hash
+from sim.provenance import NUMERICS, source_hash
 from sim.run import BLOWN_UP, run_point
 from tests.motions import belt_point, chute_point
 
@@ -279,7 +279,18 @@ def test_a_run_file_of_the_same_point_is_kept_and_no_other(tmp_path, capsys):
     assert made_anew(other)
     with netCDF4.Dataset(output, "a") as file:
         file.source_hash = "0123456789ab"
+        file.versions = "numpy 1.0"
+    assert not made_anew(other)
+    with netCDF4.Dataset(output, "a") as file:
+        file.numerics = NUMERICS + 1
     assert made_anew(other)
+    # Engines before the first number are known by the hash of their sources.
+    for source, anew in (("0b14a980090c", False), ("0123456789ab", True)):
+        with netCDF4.Dataset(output, "a") as file:
+            if "numerics" in file.ncattrs():
+                file.delncattr("numerics")
+            file.source_hash = source
+        assert made_anew(other) == anew
 
 
 def test_a_run_file_of_a_failure_that_is_kept_keeps_its_exit_code(tmp_path):

@@ -13,6 +13,7 @@ import pytest
 from sim.cost import PROCESS_TIME, estimate
 from sim.parameters import canonical, parse_point, point_id
 from sim.progress import read_progress
+from sim.provenance import NUMERICS
 from sim.status_table import as_text
 from sim.warm import warm
 from tests.factories import FAILURE
@@ -128,8 +129,8 @@ def test_a_file_that_changes_is_read_again(folder):
     assert folder.state(key) == "failed"
 
 
-def test_runs_of_another_engine_are_counted(folder):
-    folder.finish(folder.ids[0], source_hash="another")
+def test_runs_of_other_numerics_are_counted(folder):
+    folder.finish(folder.ids[0], numerics=NUMERICS + 1)
     folder.finish(folder.ids[1])
     status = folder.survey()
     assert [point.outdated for point in status.points.values()] == [True, *[False] * 4]

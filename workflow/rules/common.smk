@@ -19,7 +19,7 @@ from sim.checkpoint import checkpoint_interval
 from sim.errors import InputError
 from sim.figures import FIGURES
 from sim.parameters import canonical_json
-from sim.provenance import source_hash
+from sim.provenance import numerics_mark
 from sim.rounds import read_round
 from sim.study import DEFAULT_STUDY, estimate, load_study
 

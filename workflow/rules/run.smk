@@ -11,7 +11,7 @@ rule warm:
     conda:
         "../envs/talus.yaml"
     params:
-        engine=source_hash(),
+        numerics=numerics_mark(),
     shell:
         'python -m sim warm "$TALUS_STUDY" > {log} 2>&1'
 
@@ -19,7 +19,7 @@ rule warm:
 # A run may outlive the Snakemake that has started it, and Snakemake takes what it then writes for
 # incomplete. `update` leaves the file to the job, which keeps it if it is whole and up to date.
 #
-# What makes a run file old is its point or the hash of the engine's sources. The input must not be
+# What makes a run file old is its point or the number of the numerics. The input must not be
 # `ancient`: Snakemake does not look at the parameters of a job below one that is to run.
 rule run:
     input:
@@ -39,7 +39,7 @@ rule run:
         runtime=lambda wildcards: 10 + int(cost(wildcards).core_seconds / 20),
     params:
         point=lambda wildcards: canonical_json(parameters(wildcards)),
-        engine=source_hash(),
+        numerics=numerics_mark(),
     shell:
         "python -m sim run - --output {output} --record-failure"
         " <<< {params.point:q} > {log} 2>&1"
