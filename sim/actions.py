@@ -12,7 +12,7 @@ import time
 from argparse import Namespace
 from pathlib import Path
 
-from sim.errors import InputError
+from sim.base.errors import InputError
 
 SYSTEM_ERROR = 1
 
@@ -77,9 +77,9 @@ def schema(options: Namespace) -> None:
 
 def run(options: Namespace) -> int:
     """Run one point and return the exit code."""
-    from sim.folders import require_writable
+    from sim.base.files import require_writable
+    from sim.base.yaml import read_yaml
     from sim.parameters import parse_point, point_id
-    from sim.yaml_input import read_yaml
 
     mapping = read_yaml(options.point)
     source = "<stdin>" if options.point == "-" else options.point

@@ -13,8 +13,8 @@ from pathlib import Path
 from typing import Any, BinaryIO, Self
 
 from sim import __version__
-from sim.errors import InputError
-from sim.files import checksum, remove_left, replacing, set_aside
+from sim.base.errors import InputError
+from sim.base.files import checksum, remove_left, replacing, set_aside
 from sim.parameters import Parameters, canonical
 from sim.provenance import library_versions, source_hash
 

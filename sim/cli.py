@@ -9,7 +9,7 @@ from typing import Any
 
 from sim import __version__, actions
 from sim.actions import SYSTEM_ERROR
-from sim.errors import InputError
+from sim.base.errors import InputError
 
 INPUT_ERROR = 2
 INTERRUPTED = 130

@@ -7,8 +7,8 @@ from math import prod
 from pathlib import Path
 from typing import Any
 
+from sim.base.errors import InputError
 from sim.drafts import BoundaryFile, Draft, SeriesFile, finished, starts
-from sim.errors import InputError
 from sim.figures import FIGURES
 from sim.parameters import Parameters, point_id
 from sim.refine import PARTS, divided, further_rounds

@@ -12,16 +12,16 @@ import dask
 import numpy as np
 import xarray as xr
 
+from sim.base.errors import InputError
+from sim.base.files import replacing, seal
+from sim.base.reading import DamagedError
 from sim.caveats import caveat
-from sim.errors import InputError
 from sim.figures import FIGURES
-from sim.files import replacing, seal
 from sim.gathered import NUMBERS, WORDS, Gathered, profiles, read_run
 from sim.outcome import outcome
 from sim.parameters import SYSTEMS, field_info
 from sim.regime_boundaries import GROUP, refined, table
 from sim.results import PARTICLES
-from sim.stored import DamagedError
 from sim.study import Point, Study, load_study
 
 #: How arrays are stored.

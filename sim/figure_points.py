@@ -3,8 +3,8 @@
 from collections.abc import Iterable, Sequence
 from typing import Any
 
+from sim.base.errors import InputError
 from sim.collect import Fed
-from sim.errors import InputError
 from sim.figures import FIGURES, FigureSpec
 from sim.figures.spec import written
 from sim.parameters import Parameters

@@ -6,10 +6,10 @@ from pathlib import Path
 import netCDF4
 import numpy as np
 
-from sim.errors import InputError
+from sim.base.errors import InputError
+from sim.base.reading import reading
 from sim.observe.scalars import SCALARS
 from sim.parameters import SYSTEMS, Parameters, as_yaml, canonical, field_info, parse_point
-from sim.stored import reading
 
 _PER_REPLICATE = tuple(name for name in SCALARS if name != "replicate_seed")
 _PROVENANCE = (

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import netCDF4
 
-from sim.files import is_damaged
+from sim.base.files import is_damaged
 from sim.parameters import Parameters, point_id
 from sim.provenance import NUMERICS, numerics_of
 

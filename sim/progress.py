@@ -13,7 +13,7 @@ from time import monotonic
 from pydantic import AwareDatetime, BaseModel, ConfigDict, Field, ValidationError
 from tqdm import tqdm
 
-from sim.cost import duration
+from sim.base.words import duration
 from sim.parameters import Parameters, point_id
 
 log = logging.getLogger("talus")

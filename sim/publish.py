@@ -7,7 +7,7 @@ from pathlib import Path
 import xarray as xr
 
 from sim.agreement import require_agreement
-from sim.errors import InputError
+from sim.base.errors import InputError
 from sim.figures import FIGURES
 from sim.report.claims import read_claims
 from sim.report.gallery import beside

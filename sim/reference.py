@@ -8,7 +8,7 @@ from typing import Any
 from pydantic import BaseModel
 from pydantic.json_schema import models_json_schema
 
-from sim.errors import InputError
+from sim.base.errors import InputError
 from sim.figures import FIGURES
 from sim.parameters import SYSTEMS, BeltParameters, ChuteParameters, FieldRow, field_info
 from sim.study_file import BeltSeries, ChuteBoundary, ChuteOverride, Defaults, StudyFile

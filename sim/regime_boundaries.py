@@ -9,12 +9,12 @@ import netCDF4
 import pandas as pd
 import xarray as xr
 
-from sim.errors import InputError
-from sim.files import replacing
+from sim.base.errors import InputError
+from sim.base.files import replacing
+from sim.base.reading import reading
 from sim.parameters import Parameters, canonical, field_info, point_id
 from sim.refine import Sides, divided, located, next_values
 from sim.sides import side_of_run
-from sim.stored import reading
 from sim.study import Boundary, Study, joined, load_study
 
 #: Group of the dataset that holds what was found, one row per boundary.

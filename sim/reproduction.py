@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from sim.files import replacing
+from sim.base.files import replacing
 from sim.parameters import Parameters, as_yaml, point_id
 
 FIRST_LINE = "# A point that failed; this file reproduces the failure:"

@@ -8,10 +8,10 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from sim.errors import InputError
+from sim.base.errors import InputError
+from sim.base.reading import reading
 from sim.parameters import SYSTEMS
 from sim.regime_boundaries import is_of_study, read_table
-from sim.stored import reading
 
 #: Group of the dataset with one subgroup per point whose particles are kept.
 PARTICLES = "states"

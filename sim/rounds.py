@@ -3,9 +3,9 @@
 import json
 from pathlib import Path
 
-from sim.errors import InputError
+from sim.base.errors import InputError
+from sim.base.reading import reading
 from sim.parameters import Parameters, parse_point, point_id
-from sim.stored import reading
 
 
 def read_round(path: Path) -> dict[str, Parameters]:

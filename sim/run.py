@@ -11,8 +11,8 @@ from pathlib import Path
 import numpy as np
 
 from sim import __version__, reproduction
+from sim.base.files import alone
 from sim.checkpoint import Checkpoint, checkpoint_interval
-from sim.files import alone
 from sim.kept import current_status
 from sim.observe.recorder import Record
 from sim.observe.run_file import write

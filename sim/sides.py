@@ -5,8 +5,8 @@ from pathlib import Path
 import netCDF4
 import numpy as np
 
+from sim.base.reading import reading
 from sim.parameters import BeltParameters, Parameters, point_id
-from sim.stored import reading
 
 #: Sides of the boundaries that regimes tell, by regime.
 REGIMES = {

@@ -10,14 +10,14 @@ from pathlib import Path
 import netCDF4
 import psutil
 
+from sim.base.files import is_damaged
+from sim.base.reading import UNREADABLE
 from sim.caveats import caveat_of_file
 from sim.cost import PROCESS_TIME, estimate
-from sim.files import is_damaged
 from sim.parameters import Parameters
 from sim.progress import CREDIT, Progress, may_end_early, progress_file, read_progress
 from sim.provenance import NUMERICS, numerics_of
 from sim.rounds import read_round
-from sim.stored import UNREADABLE
 from sim.study import Study
 
 STATES = ("done", "failed", "running", "interrupted", "waiting")

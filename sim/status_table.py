@@ -4,7 +4,7 @@ import json
 from collections.abc import Sequence
 from typing import Any
 
-from sim.cost import duration
+from sim.base.words import duration
 from sim.status import PointStatus, StudyStatus
 from sim.tables import aligned
 

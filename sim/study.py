@@ -4,13 +4,13 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from sim.base.errors import InputError
+from sim.base.files import require_writable
+from sim.base.yaml import read_yaml
 from sim.collect import MAX_POINTS, collected, joined, require_same
 from sim.cost import Estimate, estimate
-from sim.errors import InputError
 from sim.figure_points import points_of_figures
-from sim.folders import require_writable
 from sim.study_model import Boundary, Point, Study
-from sim.yaml_input import read_yaml
 
 __all__ = [
     "Boundary",

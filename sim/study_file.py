@@ -4,8 +4,8 @@ from typing import Annotated, Any, ClassVar, Generic, Literal, Self, TypeVar
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, create_model, model_validator
 
+from sim.base.messages import input_error
 from sim.figures import FIGURES
-from sim.messages import input_error
 from sim.parameters import SYSTEMS, BeltParameters, ChuteParameters, Parameters
 from sim.parameters.common import Real, broken_rule
 from sim.refine import MAX_ROUNDS, PARTS, further_rounds

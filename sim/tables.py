@@ -6,10 +6,11 @@ from pathlib import Path
 
 import psutil
 
-from sim.cost import Estimate, duration, estimate
-from sim.errors import InputError
+from sim.base.errors import InputError
+from sim.base.files import require_writable
+from sim.base.words import duration
+from sim.cost import Estimate, estimate
 from sim.figure_points import left_out
-from sim.folders import require_writable
 from sim.parameters import canonical
 from sim.refine import PARTS, divided
 from sim.study import Point, Study

@@ -15,8 +15,8 @@ import numpy as np
 import pytest
 
 from sim import checkpoint
+from sim.base.errors import InputError
 from sim.checkpoint import HEADER, Checkpoint, checkpoint_interval
-from sim.errors import InputError
 from sim.parameters import Parameters, canonical
 from sim.replicate import Replicate, Stopwatch
 from sim.run import run_point

@@ -9,8 +9,8 @@ import jsonschema
 import pytest
 import yaml
 
+from sim.base.errors import InputError
 from sim.cli import main
-from sim.errors import InputError
 from sim.figures import FIGURES
 from sim.parameters import SYSTEMS, canonical, parse_point
 from sim.reference import BEGIN, END, reference_text, schema, schema_text, with_reference

@@ -14,14 +14,14 @@ import netCDF4
 import pytest
 
 from sim import dataset, report
+from sim.base.errors import InputError
+from sim.base.files import alone, is_damaged, seal
+from sim.base.reading import DamagedError
 from sim.cli import main
-from sim.errors import InputError
 from sim.figures import draw
-from sim.files import alone, is_damaged, seal
 from sim.gathered import read_run
 from sim.parameters import canonical, point_id
 from sim.run import run_point
-from sim.stored import DamagedError
 from sim.study import load_study
 from sim.warm import warm
 from tests.factories import make_study

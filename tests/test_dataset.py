@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from sim.base.errors import InputError
 from sim.dataset import build
-from sim.errors import InputError
 from sim.gathered import read_run
 from sim.parameters import BeltParameters, ChuteParameters, point_id
 from sim.results import load_results

@@ -5,7 +5,7 @@ from dataclasses import replace
 import pandas as pd
 import pytest
 
-from sim.errors import InputError
+from sim.base.errors import InputError
 from sim.figure_points import left_out
 from sim.figures import FIGURES
 from sim.figures.summary import split_curves

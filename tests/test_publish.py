@@ -9,11 +9,11 @@ from pathlib import Path
 import pytest
 
 from sim import publish
+from sim.base.errors import InputError
+from sim.base.reading import DamagedError
 from sim.cli import main
-from sim.errors import InputError
 from sim.figures import FIGURES
 from sim.results import load_results
-from sim.stored import DamagedError
 from sim.study import load_study
 from sim.whole import require_whole
 from tests.report.made import animated, make_figures, write_claims

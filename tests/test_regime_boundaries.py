@@ -9,9 +9,9 @@ from pathlib import Path
 import pytest
 import xarray as xr
 
+from sim.base.errors import InputError
 from sim.cli import main
 from sim.dataset import build as build_dataset
-from sim.errors import InputError
 from sim.parameters import parse_point, point_id
 from sim.regime_boundaries import added_points, build, read_table, refined, write_round
 from sim.study import load_study

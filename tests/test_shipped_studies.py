@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 import yaml
 
-from sim.errors import InputError
+from sim.base.errors import InputError
 from sim.figures import FIGURES
 from sim.study import load_study, parse_study
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from sim.errors import InputError
+from sim.base.errors import InputError
 from sim.parameters import BeltParameters, ChuteParameters
 from sim.sides import side_of_run
 from tests.factories import write_run

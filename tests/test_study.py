@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from sim.cost import duration
-from sim.errors import InputError
+from sim.base.errors import InputError
+from sim.base.words import duration
 from sim.figures import FIGURES
 from sim.parameters import BeltParameters, ChuteParameters, parse_point, point_id
 from sim.study import MAX_POINTS, Study, estimate, parse_study

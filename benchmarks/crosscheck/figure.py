@@ -9,8 +9,8 @@ from matplotlib.figure import Figure
 
 from benchmarks.crosscheck.results import Comparison, Measured
 from benchmarks.crosscheck.statistics import TOLERANCE, Estimate
+from sim.base.files import replacing
 from sim.figures.style import COLOURS, DASHES, SETTINGS
-from sim.files import replacing
 
 #: Colour and dashes of each engine.
 STYLES = {"Talus": (COLOURS[1], DASHES[0]), "LAMMPS": (COLOURS[2], DASHES[1])}

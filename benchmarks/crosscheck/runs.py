@@ -14,7 +14,7 @@ from benchmarks.crosscheck.engines import Record, run
 from benchmarks.crosscheck.flows import Flow
 from benchmarks.peers import chute_input
 from benchmarks.peers.environment import PACKAGES
-from sim.files import replacing
+from sim.base.files import replacing
 from sim.parameters import point_id
 from sim.provenance import source_hash
 

@@ -10,6 +10,7 @@ import numpy as np
 import pandas as pd
 
 from sim.agreement import require_agreement
+from sim.base.files import replacing
 from sim.claims.evidence import READINGS, Evidence
 from sim.claims.table import Claim, claims
 from sim.claims.verdict import (
@@ -21,7 +22,6 @@ from sim.claims.verdict import (
     Untestable,
     together,
 )
-from sim.files import replacing
 from sim.parameters import SYSTEMS
 from sim.results import Results, load_results
 from sim.study import load_study

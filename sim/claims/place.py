@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 from uncertainties import UFloat, ufloat
 
+from sim.base.errors import InputError
 from sim.claims.verdict import SIGMAS, Untestable
-from sim.errors import InputError
 from sim.outcome import outcome, student_half_width
 from sim.results import Results
 

@@ -8,10 +8,10 @@ from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from sim.errors import InputError
+from sim.base.errors import InputError
+from sim.base.messages import input_error
+from sim.base.yaml import read_yaml
 from sim.figures import FIGURES
-from sim.messages import input_error
-from sim.yaml_input import read_yaml
 
 _TABLES = ("claims_walton.yaml", "claims_gallas.yaml")
 

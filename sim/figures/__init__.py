@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from sim.errors import InputError
+from sim.base.errors import InputError
 from sim.figures.spec import FigureSpec
 from sim.figures.specs_animated import ANIMATED
 from sim.figures.specs_belt import BELT

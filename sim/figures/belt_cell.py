@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 from matplotlib.ticker import MultipleLocator
 
-from sim.errors import InputError
+from sim.base.errors import InputError
 from sim.figures.caption import velocity_text
 from sim.figures.summary import FigureData
 from sim.parameters import NUMERICAL, BeltParameters, field_info

@@ -9,7 +9,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from sim.errors import InputError
+from sim.base.errors import InputError
 from sim.figures.caption import velocity_text
 from sim.figures.configuration import LARGEST_PORTION, Scene
 from sim.figures.style import COLOURS, DOTTED, PALE, place_legend

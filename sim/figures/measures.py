@@ -5,7 +5,7 @@ from collections.abc import Iterable, Mapping
 import numpy as np
 import pandas as pd
 
-from sim.errors import InputError
+from sim.base.errors import InputError
 from sim.figures.caption import regime_sentence
 from sim.figures.columns import parameter_columns
 from sim.figures.summary import FigureData

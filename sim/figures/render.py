@@ -12,7 +12,8 @@ from matplotlib.figure import Figure
 from PIL import Image
 from PIL.PngImagePlugin import PngInfo
 
-from sim.errors import InputError
+from sim.base.errors import InputError
+from sim.base.files import replacing
 from sim.figures import FigureSpec
 from sim.figures.animation import save_gif
 from sim.figures.caption import (
@@ -27,7 +28,6 @@ from sim.figures.columns import parameter_columns
 from sim.figures.regime_map import boundary_sentence
 from sim.figures.style import SETTINGS
 from sim.figures.summary import FigureData, figure_data
-from sim.files import replacing
 from sim.results import Results, load_results
 
 #: Resolution of the first picture of an animation, dots per inch.

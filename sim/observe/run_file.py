@@ -5,7 +5,7 @@ from pathlib import Path
 import netCDF4
 import numpy as np
 
-from sim.files import replacing, seal
+from sim.base.files import replacing, seal
 from sim.observe.recorder import Record
 from sim.observe.scalars import SCALARS
 from sim.parameters import Parameters, canonical, field_info

@@ -9,12 +9,12 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from sim.errors import InputError
-from sim.messages import allowed_values, input_error
+from sim.base.errors import InputError
+from sim.base.messages import allowed_values, input_error
+from sim.base.yaml import read_yaml
 from sim.parameters.belt import BeltParameters
 from sim.parameters.chute import ChuteParameters
 from sim.parameters.common import Parameters, canonical_number
-from sim.yaml_input import read_yaml
 
 SYSTEMS: dict[str, type[Parameters]] = {"chute": ChuteParameters, "belt": BeltParameters}
 

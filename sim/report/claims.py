@@ -5,9 +5,9 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from sim.base.reading import reading
 from sim.figures import FIGURES
 from sim.report.numbers import measured, strip, threshold
-from sim.stored import reading
 
 #: Verdicts from the best, each with its tone and its sign.
 VERDICTS = {

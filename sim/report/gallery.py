@@ -8,8 +8,8 @@ from xml.etree import ElementTree
 
 import pandas as pd
 
+from sim.base.reading import reading
 from sim.figures import FIGURES
-from sim.stored import reading
 
 #: Figures of the first screen, where a study has them.
 HEADLINE = ("walton_2", "gallas_1a", "gallas_1b", "gallas_1c")

@@ -9,8 +9,8 @@ import xarray as xr
 
 from sim import __version__
 from sim.agreement import require_agreement
-from sim.cost import duration
-from sim.files import replacing
+from sim.base.files import replacing
+from sim.base.words import duration
 from sim.report.claims import REPORTED, VERDICTS, claim_rows, counts, judged_by_runs, read_claims
 from sim.report.gallery import Address, data_uri, figure_entries, headline
 from sim.report.numbers import percent

@@ -10,7 +10,7 @@ import xarray as xr
 from matplotlib.collections import EllipseCollection, LineCollection
 from matplotlib.patches import Circle
 
-from sim.errors import InputError
+from sim.base.errors import InputError
 from sim.figures import FIGURES, draw, gallas_4a
 from sim.figures.belt_cell import TALLEST, select
 from sim.figures.belt_snapshots import round_speed

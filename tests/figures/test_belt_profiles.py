@@ -7,7 +7,7 @@ import xarray as xr
 from matplotlib.colors import to_rgb
 from scipy.stats import t
 
-from sim.errors import InputError
+from sim.base.errors import InputError
 from sim.figures import FIGURES, draw
 from sim.figures.belt_profiles import DENSITY, THIN, VELOCITY, profiles
 from sim.figures.style import DASH_DOT, DOTTED, LONG_DASH, SHORT_DASH

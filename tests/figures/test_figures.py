@@ -13,8 +13,8 @@ import pandas as pd
 import pytest
 import xarray as xr
 
+from sim.base.errors import InputError
 from sim.dataset import build
-from sim.errors import InputError
 from sim.figures import FIGURES, draw, gallas_1a, gallas_1b, gallas_1c, walton_2
 from sim.figures.style import DASH_DOT, LONE_BESIDE, SETTINGS, SHORT_DASH
 from sim.figures.summary import figure_data

@@ -8,7 +8,7 @@ import pytest
 import xarray as xr
 from matplotlib.markers import CARETDOWN, CARETUP
 
-from sim.errors import InputError
+from sim.base.errors import InputError
 from sim.figures import FIGURES, draw, shear_depth
 from sim.figures.measures import measured
 from sim.figures.style import SETTINGS

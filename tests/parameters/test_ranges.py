@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from sim.errors import InputError
+from sim.base.errors import InputError
 from sim.parameters import canonical, parse_point
 
 WALTON = {

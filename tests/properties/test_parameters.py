@@ -7,7 +7,8 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from sim.errors import InputError
+from sim.base.errors import InputError
+from sim.base.yaml import parse_yaml
 from sim.parameters import (
     SYSTEMS,
     Parameters,
@@ -18,7 +19,6 @@ from sim.parameters import (
     point_id,
 )
 from sim.study import estimate
-from sim.yaml_input import parse_yaml
 from tests.properties.values import ANYTHING, GIVEN, SCALARS, allowed
 
 NAMES = sorted({"system"}.union(*(model.model_fields for model in SYSTEMS.values())))

@@ -19,10 +19,10 @@ import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 
+from sim.base.errors import InputError
+from sim.base.yaml import MAX_BYTES, parse_yaml
 from sim.cli import main
-from sim.errors import InputError
 from sim.study import Study, load_study, parse_study
-from sim.yaml_input import MAX_BYTES, parse_yaml
 from tests.properties.values import ANYTHING, GIVEN, SCALARS
 
 ROOT = Path(__file__).parents[2]

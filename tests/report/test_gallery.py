@@ -3,7 +3,7 @@
 import pandas as pd
 import pytest
 
-from sim.errors import InputError
+from sim.base.errors import InputError
 from sim.report.gallery import beside, data_uri, figure_entry, headline, ranges
 from tests.report.made import animated
 

@@ -9,11 +9,11 @@ from pathlib import Path
 import pytest
 import xarray as xr
 
+from sim.base.errors import InputError
+from sim.base.reading import DamagedError
 from sim.dataset import build as build_dataset
-from sim.errors import InputError
 from sim.figures import draw
 from sim.report import build
-from sim.stored import DamagedError
 from sim.study import load_study
 from tests.factories import FAILURE, make_regimes, make_study
 from tests.report.made import make_figures, write_claims

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from sim.errors import InputError
+from sim.base.errors import InputError
 from sim.systems import build
 from tests.engine_helpers import wrapped
 from tests.motions import belt_point, chute_point

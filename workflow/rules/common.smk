@@ -16,7 +16,7 @@ ROOT = Path(workflow.current_basedir.get_path_or_uri(secret_free=True)).parents[
 sys.path.insert(0, str(ROOT))
 
 from sim.checkpoint import checkpoint_interval
-from sim.errors import InputError
+from sim.base.errors import InputError
 from sim.figures import FIGURES
 from sim.parameters import canonical_json
 from sim.provenance import numerics_mark

@@ -7,7 +7,7 @@ import sys
 
 import pytest
 
-from sim.files import replacing
+from sim.base.files import replacing
 
 
 def test_a_finished_file_takes_its_name(tmp_path):

@@ -4,11 +4,14 @@ import fcntl
 import hashlib
 import logging
 import os
+import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from glob import escape
 from pathlib import Path
 from typing import BinaryIO, TextIO
+
+from sim.base.errors import InputError
 
 log = logging.getLogger("talus")
 
@@ -144,3 +147,36 @@ def _flush(path: Path) -> None:
             raise
     finally:
         os.close(number)
+
+
+def require_writable(folder: Path, key: str) -> None:
+    """Make sure that files can be created in ``folder``, now or once it has been made.
+
+    Nothing stays behind: the folder itself is not made.
+
+    Parameters
+    ----------
+    folder : Path
+        The folder; it and its parents need not exist.
+    key : str
+        What named it, for the message.
+
+    Raises
+    ------
+    InputError
+        When it, or the nearest of its parents that exists, is no folder or refuses a file.
+    """
+    nearest = folder.absolute()
+    while not (nearest.exists() or nearest.is_symlink()) and nearest != nearest.parent:
+        nearest = nearest.parent
+    try:
+        # Permission bits do not tell: root ignores them, read-only and full file systems too.
+        with tempfile.TemporaryFile(dir=nearest):
+            pass
+    except NotADirectoryError:
+        reason = f"{nearest} is not a folder"
+    except OSError as error:
+        reason = f"{nearest}: {error.strerror or error}"
+    else:
+        return
+    raise InputError.of_value(key, "", str(folder), f"a folder that can be written ({reason})")

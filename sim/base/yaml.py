@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 
 import yaml
 
-from sim.errors import InputError, key_path
+from sim.base.errors import InputError, key_path
 
 _Base = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 _Path = tuple[str | int, ...]

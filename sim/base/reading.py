@@ -5,8 +5,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from xml.etree.ElementTree import ParseError
 
-from sim.errors import InputError
-from sim.files import is_damaged, set_aside
+from sim.base.errors import InputError
+from sim.base.files import is_damaged, set_aside
 
 #: What libraries raise on files with a hole or a flipped bit.
 UNREADABLE = (

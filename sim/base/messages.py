@@ -10,7 +10,7 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails, ValidationError
 
-from sim.errors import InputError, key_path, shown
+from sim.base.errors import InputError, key_path, shown
 
 _UNKNOWN = {"extra_forbidden", "invalid_key"}
 _TAG = "system"

@@ -1,0 +1,12 @@
+"""Quantities as people read them."""
+
+
+def duration(seconds: float) -> str:
+    """Write a time in the unit that suits it: ``4.5 s``, ``3.1 min``, ``2.0 h``.
+
+    >>> duration(90)
+    '1.5 min'
+    """
+    if seconds < 60:
+        return f"{seconds:.1f} s"
+    return f"{seconds / 60:.1f} min" if seconds < 3600 else f"{seconds / 3600:.1f} h"
