@@ -23,9 +23,9 @@ from sim.claims.verdict import (
     together,
 )
 from sim.parameters import SYSTEMS
+from sim.parameters.wording import setting
 from sim.results import Results, load_results
 from sim.study import load_study
-from sim.wording import setting
 
 #: Protocols in the order in which a decided one sets the verdict on a claim.
 PROTOCOLS = ("converged", "published")

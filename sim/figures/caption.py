@@ -7,7 +7,7 @@ from typing import Any
 import pandas as pd
 
 from sim.figures.style import undecided
-from sim.wording import quantity
+from sim.parameters.wording import quantity
 
 _REGIMES = {
     "accelerating": "still accelerating",

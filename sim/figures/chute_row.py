@@ -15,7 +15,7 @@ from sim.figures.configuration import LARGEST_PORTION, Scene
 from sim.figures.style import COLOURS, DOTTED, PALE, place_legend
 from sim.figures.summary import FigureData, split_curves
 from sim.parameters import ChuteParameters
-from sim.wording import setting
+from sim.parameters.wording import setting
 
 #: Parameters that all six captions give.
 NAMED = (

@@ -9,7 +9,7 @@ from matplotlib.ticker import FixedLocator, NullFormatter
 from sim.figures.family import draw_family
 from sim.figures.style import CurveStyle, Unjoined, cycled
 from sim.parameters import ChuteParameters
-from sim.wording import setting
+from sim.parameters.wording import setting
 
 #: Parameters that their captions give.
 NAMED = (

@@ -12,7 +12,7 @@ from matplotlib.ticker import LogLocator, NullLocator
 from sim.figures.style import DASHES, CurveStyle, canvas, cycled, move_aside
 from sim.figures.summary import split_curves, varying
 from sim.parameters import SYSTEMS
-from sim.wording import setting
+from sim.parameters.wording import setting
 
 #: Flows slower than this (√(gσ)) that are not at rest are said to creep.
 CREEP = 0.1

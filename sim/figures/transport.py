@@ -17,7 +17,7 @@ from sim.figures.style import (
     place_legend,
 )
 from sim.parameters import BeltParameters
-from sim.wording import setting
+from sim.parameters.wording import setting
 
 #: Parameters that the captions of all three panels give.
 NAMED = (
