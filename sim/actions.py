@@ -26,7 +26,7 @@ DAY = 86_400
 
 def points(options: Namespace) -> None:
     """Print the points of a study, and warnings before them."""
-    from sim.study import load_study
+    from sim.study.load import load_study
     from sim.tables import as_json, as_table, warnings
 
     study = load_study(options.study, None)
@@ -44,7 +44,7 @@ def status(options: Namespace) -> None:
 
     from sim.status import survey
     from sim.status_table import as_json, as_text
-    from sim.study import DEFAULT_STUDY, load_study
+    from sim.study.load import DEFAULT_STUDY, load_study
 
     study = load_study(options.study or DEFAULT_STUDY, None)
     is_terminal = sys.stdout.isatty()
@@ -67,7 +67,7 @@ def refine(options: Namespace) -> None:
 
 def schema(options: Namespace) -> None:
     """Print the schema of studies and points, or write it with the reference."""
-    from sim.reference import schema_text, write
+    from sim.study.reference import schema_text, write
 
     if options.write is None:
         print(schema_text(), end="")
@@ -137,7 +137,7 @@ def warm(options: Namespace) -> None:
     if options.study is None:
         points = [model() for model in SYSTEMS.values()]
     else:
-        from sim.study import load_study
+        from sim.study.load import load_study
 
         study = load_study(options.study, None)
         points = [point.parameters for point in study.points.values()]
@@ -177,7 +177,7 @@ def boundaries(options: Namespace) -> None:
 
 def figure(options: Namespace) -> None:
     """Write the files of a figure."""
-    from sim.figures import draw
+    from sim.figures.render import draw
 
     for path in draw(options.name, options.dataset, options.output):
         print(path)

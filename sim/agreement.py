@@ -6,7 +6,7 @@ from typing import Any
 
 from sim.base.errors import InputError
 from sim.results import Results
-from sim.study import Study
+from sim.study.load import Study
 
 #: What names a boundary in a study and in its dataset.
 _ASKED = ("name", "of", "along")

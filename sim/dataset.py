@@ -16,13 +16,13 @@ from sim.base.errors import InputError
 from sim.base.files import replacing, seal
 from sim.base.reading import DamagedError
 from sim.caveats import caveat
-from sim.figures import FIGURES
 from sim.gathered import NUMBERS, WORDS, Gathered, profiles, read_run
 from sim.outcome import outcome
 from sim.parameters import SYSTEMS, field_info
 from sim.regime_boundaries import GROUP, refined, table
 from sim.results import PARTICLES
-from sim.study import Point, Study, load_study
+from sim.study.catalogue import FIGURES
+from sim.study.load import Point, Study, load_study
 
 #: How arrays are stored.
 COMPRESSION = {"zlib": True, "complevel": 4, "shuffle": True}

@@ -8,12 +8,12 @@ import xarray as xr
 
 from sim.agreement import require_agreement
 from sim.base.errors import InputError
-from sim.figures import FIGURES
 from sim.report.claims import read_claims
 from sim.report.gallery import beside
 from sim.report.page import render
 from sim.results import load_results
-from sim.study import load_study
+from sim.study.catalogue import FIGURES
+from sim.study.load import load_study
 from sim.whole import require_whole
 
 #: Where published studies lie, beside the results of everybody's own.

@@ -13,9 +13,9 @@ from sim.base.errors import InputError
 from sim.base.files import replacing
 from sim.base.reading import reading
 from sim.parameters import Parameters, canonical, field_info, point_id
-from sim.refine import Sides, divided, located, next_values
 from sim.sides import side_of_run
-from sim.study import Boundary, Study, joined, load_study
+from sim.study.load import Boundary, Study, joined, load_study
+from sim.study.refine import Sides, divided, located, next_values
 
 #: Group of the dataset that holds what was found, one row per boundary.
 GROUP = "boundaries"
@@ -102,7 +102,7 @@ def table(study: Study, runs: Path) -> pd.DataFrame:
     pandas.DataFrame
         ``name``, ``system``, ``of``, ``along``, ``unit`` (of ``low`` and ``high``), ``figures``,
         ``low`` and ``high`` (NaN without a boundary in the range), ``below``, ``above``,
-        ``verdict`` (as in `sim.refine.Located`), ``points`` (their number), then the parameters of
+        ``verdict`` (see `sim.study.refine.Located`), ``points`` (their number), then the parameters of
         the point at the low end of the range; NaN or ``""`` for those of the other system.
     """
     rows = []

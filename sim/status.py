@@ -13,12 +13,12 @@ import psutil
 from sim.base.files import is_damaged
 from sim.base.reading import UNREADABLE
 from sim.caveats import caveat_of_file
-from sim.cost import PROCESS_TIME, estimate
 from sim.parameters import Parameters
 from sim.progress import CREDIT, Progress, may_end_early, progress_file, read_progress
 from sim.provenance import NUMERICS, numerics_of
 from sim.rounds import read_round
-from sim.study import Study
+from sim.study.cost import PROCESS_TIME, estimate
+from sim.study.load import Study
 
 STATES = ("done", "failed", "running", "interrupted", "waiting")
 

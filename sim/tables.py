@@ -9,11 +9,11 @@ import psutil
 from sim.base.errors import InputError
 from sim.base.files import require_writable
 from sim.base.words import duration
-from sim.cost import Estimate, estimate
-from sim.figure_points import left_out
 from sim.parameters import canonical
-from sim.refine import PARTS, divided
-from sim.study import Point, Study
+from sim.study.cost import Estimate, estimate
+from sim.study.figure_points import left_out
+from sim.study.load import Point, Study
+from sim.study.refine import PARTS, divided
 
 CORES = 2
 MEGABYTE = 1e6

@@ -6,12 +6,12 @@ from pathlib import Path
 from PIL import Image
 
 from sim.base.reading import reading
-from sim.figures import FIGURES
 from sim.figures.render import derived
 from sim.regime_boundaries import as_csv
 from sim.report.claims import read_claims
 from sim.results import Results
-from sim.study import Study
+from sim.study.catalogue import FIGURES
+from sim.study.load import Study
 
 #: The last byte of a GIF.
 _TRAILER = b";"

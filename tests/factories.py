@@ -12,7 +12,7 @@ from sim.observe.force_balance import base_forces
 from sim.parameters import Parameters, canonical, field_info, point_id
 from sim.provenance import NUMERICS
 from sim.regime_boundaries import added_points
-from sim.study import load_study
+from sim.study.load import load_study
 
 SAMPLES = 400
 HEIGHTS = 8

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from sim.progress import Progress, progress_file
 from sim.status import StudyStatus, survey
-from sim.study import load_study
+from sim.study.load import load_study
 from tests.factories import write_run
 
 STUDY = """\

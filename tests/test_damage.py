@@ -18,11 +18,11 @@ from sim.base.errors import InputError
 from sim.base.files import alone, is_damaged, seal
 from sim.base.reading import DamagedError
 from sim.cli import main
-from sim.figures import draw
+from sim.figures.render import draw
 from sim.gathered import read_run
 from sim.parameters import canonical, point_id
 from sim.run import run_point
-from sim.study import load_study
+from sim.study.load import load_study
 from sim.warm import warm
 from tests.factories import make_study
 from tests.motions import belt_point

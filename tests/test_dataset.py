@@ -11,7 +11,7 @@ from sim.dataset import build
 from sim.gathered import read_run
 from sim.parameters import BeltParameters, ChuteParameters, point_id
 from sim.results import load_results
-from sim.study import load_study
+from sim.study.load import load_study
 from tests.factories import FAILURE, HEIGHTS, is_hurt, is_lost, made_velocity, make_study, write_run
 
 

@@ -12,9 +12,9 @@ from sim import publish
 from sim.base.errors import InputError
 from sim.base.reading import DamagedError
 from sim.cli import main
-from sim.figures import FIGURES
 from sim.results import load_results
-from sim.study import load_study
+from sim.study.catalogue import FIGURES
+from sim.study.load import load_study
 from sim.whole import require_whole
 from tests.report.made import animated, make_figures, write_claims
 

@@ -14,7 +14,7 @@ from sim.cli import main
 from sim.dataset import build as build_dataset
 from sim.parameters import parse_point, point_id
 from sim.regime_boundaries import added_points, build, read_table, refined, write_round
-from sim.study import load_study
+from sim.study.load import load_study
 from tests.factories import make_regimes, make_study, write_run
 
 

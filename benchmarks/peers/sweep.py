@@ -17,7 +17,7 @@ from benchmarks.peers.client import Client
 from benchmarks.peers.environment import CACHE, peer_python
 from benchmarks.peers.settings import chosen
 from sim.parameters import BeltParameters, point_id
-from sim.study import load_study
+from sim.study.load import load_study
 from sim.systems import build
 
 #: Points of the figure at which the published time step is stable.

@@ -25,7 +25,7 @@ from sim.claims.verdict import (
 from sim.parameters import SYSTEMS
 from sim.parameters.wording import setting
 from sim.results import Results, load_results
-from sim.study import load_study
+from sim.study.load import load_study
 
 #: Protocols in the order in which a decided one sets the verdict on a claim.
 PROTOCOLS = ("converged", "published")

@@ -11,7 +11,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from sim.base.errors import InputError
 from sim.base.messages import input_error
 from sim.base.yaml import read_yaml
-from sim.figures import FIGURES
+from sim.study.catalogue import FIGURES
 
 _TABLES = ("claims_walton.yaml", "claims_gallas.yaml")
 

@@ -14,7 +14,6 @@ from PIL.PngImagePlugin import PngInfo
 
 from sim.base.errors import InputError
 from sim.base.files import replacing
-from sim.figures import FigureSpec
 from sim.figures.animation import save_gif
 from sim.figures.caption import (
     caveat_sentence,
@@ -29,6 +28,7 @@ from sim.figures.regime_map import boundary_sentence
 from sim.figures.style import SETTINGS
 from sim.figures.summary import FigureData, figure_data
 from sim.results import Results, load_results
+from sim.study.catalogue import FIGURES, FigureSpec
 
 #: Resolution of the first picture of an animation, dots per inch.
 POSTER = 150
@@ -38,6 +38,34 @@ PASSES = 6
 
 #: Parameters that every table of data tells beside those of its figure.
 PROTOCOL = ("protocol", "target", "limit")
+
+
+def draw(name: str, dataset_path: str | Path, out_folder: str | Path) -> list[Path]:
+    """Draw one figure of a study.
+
+    Parameters
+    ----------
+    name : str
+        One of `FIGURES`.
+    dataset_path : str or Path
+        The study's ``dataset.nc``.
+    out_folder : str or Path
+        Folder for the files; made if absent.
+
+    Returns
+    -------
+    list of Path
+        ``<name>.png``, ``.svg``, ``.csv`` (the data behind the picture) and ``.caption.txt``; of an
+        animation ``.gif`` instead of ``.svg``.
+
+    Raises
+    ------
+    InputError
+        For an unknown figure, a missing dataset, or one without points for the figure.
+    """
+    if name not in FIGURES:
+        raise InputError.of_value("figure", "name", name, "one of " + ", ".join(FIGURES))
+    return render(FIGURES[name], Path(dataset_path), Path(out_folder))
 
 
 def render(spec: FigureSpec, dataset_path: Path, folder: Path) -> list[Path]:

@@ -7,10 +7,10 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from sim.figures import FigureSpec
 from sim.outcome import OUTCOME, outcome
 from sim.parameters import NUMERICAL
 from sim.results import Results
+from sim.study.catalogue import FigureSpec
 
 
 @dataclass(frozen=True)

@@ -6,8 +6,8 @@ from pathlib import Path
 from typing import Any
 
 from sim.base.reading import reading
-from sim.figures import FIGURES
 from sim.report.numbers import measured, strip, threshold
+from sim.study.catalogue import FIGURES
 
 #: Verdicts from the best, each with its tone and its sign.
 VERDICTS = {

@@ -9,7 +9,7 @@ from xml.etree import ElementTree
 import pandas as pd
 
 from sim.base.reading import reading
-from sim.figures import FIGURES
+from sim.study.catalogue import FIGURES
 
 #: Figures of the first screen, where a study has them.
 HEADLINE = ("walton_2", "gallas_1a", "gallas_1b", "gallas_1c")

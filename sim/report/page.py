@@ -16,7 +16,7 @@ from sim.report.gallery import Address, data_uri, figure_entries, headline
 from sim.report.numbers import percent
 from sim.report.runs import boundary_rows, parameter_rows, run_rows
 from sim.results import Results, load_results
-from sim.study import Study, load_study
+from sim.study.load import Study, load_study
 
 TEMPLATES = Path(__file__).parents[1] / "templates"
 

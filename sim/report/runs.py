@@ -10,7 +10,7 @@ from sim.outcome import outcome
 from sim.parameters import SYSTEMS, field_info
 from sim.parameters.wording import setting
 from sim.report.numbers import finite, measured
-from sim.study import Study
+from sim.study.load import Study
 
 
 def run_rows(dataset: xr.Dataset, caveats: Sequence[str]) -> list[dict[str, Any]]:

@@ -8,8 +8,8 @@ from sim.claims import judge
 from sim.claims.judge import DEFAULT, Judgement, Variant, as_mapping, as_table
 from sim.claims.table import claims
 from sim.claims.verdict import INCONCLUSIVE, NOT_REPRODUCED, REPRODUCED, UNTESTABLE, Check
-from sim.figures import FIGURES
 from sim.parameters import SYSTEMS
+from sim.study.catalogue import FIGURES
 from tests.claims.made import made_point, made_results
 
 HOLDS = Check("x", 2.0, 0.1, 1.0, 3.0, points=("p",), samples=50.0)

@@ -7,7 +7,7 @@ import xarray as xr
 
 from sim.dataset import build
 from sim.parameters import BeltParameters, ChuteParameters, Parameters
-from sim.study import load_study
+from sim.study.load import load_study
 from tests.factories import write_run
 
 STUDY = """\

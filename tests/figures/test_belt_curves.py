@@ -3,7 +3,7 @@
 import pandas as pd
 import pytest
 
-from sim.figures import draw
+from sim.figures.render import draw
 from sim.figures.style import LONG_DASH
 from tests.figures.made_belt import dashes, drawn
 

@@ -8,12 +8,13 @@ from matplotlib.colors import to_rgb
 from scipy.stats import t
 
 from sim.base.errors import InputError
-from sim.figures import FIGURES, draw
 from sim.figures.belt_profiles import DENSITY, THIN, VELOCITY, profiles
+from sim.figures.render import draw
 from sim.figures.style import DASH_DOT, DOTTED, LONG_DASH, SHORT_DASH
 from sim.figures.summary import figure_data
 from sim.parameters import BeltParameters
 from sim.results import load_results
+from sim.study.catalogue import FIGURES
 from tests.figures.made_belt import SPREAD, dashes, drawn, plateau, transport
 
 FREQUENCIES = {"f = 10 Hz": "-", "f = 20 Hz": LONG_DASH, "f = 60 Hz": DASH_DOT, "f = 80 Hz": DOTTED}

@@ -15,12 +15,14 @@ import xarray as xr
 
 from sim.base.errors import InputError
 from sim.dataset import build
-from sim.figures import FIGURES, draw, gallas_1a, gallas_1b, gallas_1c, walton_2
+from sim.figures import gallas_1a, gallas_1b, gallas_1c, walton_2
+from sim.figures.render import draw
 from sim.figures.style import DASH_DOT, LONE_BESIDE, SETTINGS, SHORT_DASH
 from sim.figures.summary import figure_data
 from sim.parameters import SYSTEMS
 from sim.results import load_results
-from sim.study import load_study
+from sim.study.catalogue import FIGURES
+from sim.study.load import load_study
 from tests.factories import FAILURE, is_hurt, is_lost, make_study
 
 MODULES = {

@@ -4,7 +4,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from sim.figures import draw, overlaps
+from sim.figures import overlaps
+from sim.figures.render import draw
 from sim.figures.style import LONG_DASH
 from tests.figures.made_belt import dashes, drawn, transport
 from tests.figures.made_chute import overlap

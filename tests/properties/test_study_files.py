@@ -22,7 +22,7 @@ from hypothesis import strategies as st
 from sim.base.errors import InputError
 from sim.base.yaml import MAX_BYTES, parse_yaml
 from sim.cli import main
-from sim.study import Study, load_study, parse_study
+from sim.study.load import Study, load_study, parse_study
 from tests.properties.values import ANYTHING, GIVEN, SCALARS
 
 ROOT = Path(__file__).parents[2]

@@ -14,12 +14,13 @@ from sim.claims.judge import Judgement, Variant, as_mapping, as_table
 from sim.claims.table import Claim
 from sim.claims.verdict import Check
 from sim.dataset import build as build_dataset
-from sim.figures import FIGURES, FigureSpec, draw
+from sim.figures.render import draw
 from sim.report import render
 from sim.report.claims import read_claims
 from sim.report.gallery import data_uri
 from sim.results import load_results
-from sim.study import load_study
+from sim.study.catalogue import FIGURES, FigureSpec
+from sim.study.load import load_study
 from tests.factories import make_study
 
 ANIMATION = "animation_made"

@@ -9,7 +9,7 @@ import pytest
 from playwright.sync_api import Browser, Locator, Page, expect, sync_playwright
 
 from sim.publish import publish
-from sim.study import load_study
+from sim.study.load import load_study
 from tests.report.made import ANIMATION, make_figures, make_page, write_claims
 
 CHROMIUM = shutil.which("chromium") or shutil.which("google-chrome")

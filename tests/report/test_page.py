@@ -12,9 +12,9 @@ import xarray as xr
 from sim.base.errors import InputError
 from sim.base.reading import DamagedError
 from sim.dataset import build as build_dataset
-from sim.figures import draw
+from sim.figures.render import draw
 from sim.report import build
-from sim.study import load_study
+from sim.study.load import load_study
 from tests.factories import FAILURE, make_regimes, make_study
 from tests.report.made import make_figures, write_claims
 

@@ -17,7 +17,7 @@ import numpy as np
 import psutil
 import pytest
 
-from sim.study import load_study
+from sim.study.load import load_study
 from tests.project_tree import ROOT
 
 KILLS = int(os.environ.get("TALUS_DRILL_KILLS", "30"))

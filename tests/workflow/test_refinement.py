@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 import xarray as xr
 
-from sim.refine import further_rounds
-from sim.study import load_study
+from sim.study.load import load_study
+from sim.study.refine import further_rounds
 from tests.project_tree import bare_folder, planned, planned_points, snakemake
 
 STUDY = "onset.yaml"

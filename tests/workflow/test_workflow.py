@@ -14,8 +14,8 @@ from pathlib import Path
 import pytest
 import xarray as xr
 
-from sim.figures import FIGURES
-from sim.study import estimate, load_study
+from sim.study.catalogue import FIGURES
+from sim.study.load import estimate, load_study
 from tests.project_tree import (
     ROOT,
     STUDY,

@@ -17,11 +17,11 @@ sys.path.insert(0, str(ROOT))
 
 from sim.checkpoint import checkpoint_interval
 from sim.base.errors import InputError
-from sim.figures import FIGURES
+from sim.study.catalogue import FIGURES
 from sim.parameters import canonical_json
 from sim.provenance import numerics_mark
 from sim.rounds import read_round
-from sim.study import DEFAULT_STUDY, estimate, load_study
+from sim.study.load import DEFAULT_STUDY, estimate, load_study
 
 #: Seconds by which clocks of machines that share a folder may differ, and a time before all others.
 CLOCK_ERROR = 60.0

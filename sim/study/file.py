@@ -5,10 +5,10 @@ from typing import Annotated, Any, ClassVar, Generic, Literal, Self, TypeVar
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, create_model, model_validator
 
 from sim.base.messages import input_error
-from sim.figures import FIGURES
 from sim.parameters import SYSTEMS, BeltParameters, ChuteParameters, Parameters
 from sim.parameters.common import Real, broken_rule
-from sim.refine import MAX_ROUNDS, PARTS, further_rounds
+from sim.study.catalogue import FIGURES
+from sim.study.refine import MAX_ROUNDS, PARTS, further_rounds
 
 _SomeT = TypeVar("_SomeT")
 _ListsT = TypeVar("_ListsT")

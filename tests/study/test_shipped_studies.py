@@ -7,10 +7,10 @@ import pytest
 import yaml
 
 from sim.base.errors import InputError
-from sim.figures import FIGURES
-from sim.study import load_study, parse_study
+from sim.study.catalogue import FIGURES
+from sim.study.load import load_study, parse_study
 
-CONFIG = Path(__file__).parents[1] / "config"
+CONFIG = Path(__file__).parents[2] / "config"
 
 HEADLINES = ["walton_2", "gallas_1a", "gallas_1b", "gallas_1c"]
 REGIMES = [name for name, spec in FIGURES.items() if spec.regimes]

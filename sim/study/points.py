@@ -8,12 +8,12 @@ from pathlib import Path
 from typing import Any
 
 from sim.base.errors import InputError
-from sim.drafts import BoundaryFile, Draft, SeriesFile, finished, starts
-from sim.figures import FIGURES
 from sim.parameters import Parameters, point_id
-from sim.refine import PARTS, divided, further_rounds
-from sim.study_file import StudyFile, validated
-from sim.study_model import Boundary, Point, Study
+from sim.study.catalogue import FIGURES
+from sim.study.file import StudyFile, validated
+from sim.study.model import Boundary, Point, Study
+from sim.study.refine import PARTS, divided, further_rounds
+from sim.study.series import BoundaryFile, Draft, SeriesFile, finished, starts
 
 MAX_POINTS = 100_000
 

@@ -7,10 +7,10 @@ from typing import Any
 from sim.base.errors import InputError
 from sim.base.files import require_writable
 from sim.base.yaml import read_yaml
-from sim.collect import MAX_POINTS, collected, joined, require_same
-from sim.cost import Estimate, estimate
-from sim.figure_points import points_of_figures
-from sim.study_model import Boundary, Point, Study
+from sim.study.cost import Estimate, estimate
+from sim.study.figure_points import points_of_figures
+from sim.study.model import Boundary, Point, Study
+from sim.study.points import MAX_POINTS, collected, joined, require_same
 
 __all__ = [
     "Boundary",

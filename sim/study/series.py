@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from sim.parameters import Parameters, parse_point
-from sim.study_file import BeltBoundary, BeltSeries, ChuteBoundary, ChuteSeries, StudyFile
+from sim.study.file import BeltBoundary, BeltSeries, ChuteBoundary, ChuteSeries, StudyFile
 
 SeriesFile = ChuteSeries | BeltSeries
 BoundaryFile = ChuteBoundary | BeltBoundary

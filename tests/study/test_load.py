@@ -11,12 +11,12 @@ from hypothesis import strategies as st
 
 from sim.base.errors import InputError
 from sim.base.words import duration
-from sim.figures import FIGURES
 from sim.parameters import BeltParameters, ChuteParameters, parse_point, point_id
-from sim.study import MAX_POINTS, Study, estimate, parse_study
+from sim.study.catalogue import FIGURES
+from sim.study.load import MAX_POINTS, Study, estimate, parse_study
 from sim.tables import as_json, as_table, warnings
 
-CONFIG = Path(__file__).parents[1] / "config"
+CONFIG = Path(__file__).parents[2] / "config"
 
 EXAMPLE = {
     "study": "example",

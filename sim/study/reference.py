@@ -9,9 +9,9 @@ from pydantic import BaseModel
 from pydantic.json_schema import models_json_schema
 
 from sim.base.errors import InputError
-from sim.figures import FIGURES
 from sim.parameters import SYSTEMS, BeltParameters, ChuteParameters, FieldRow, field_info
-from sim.study_file import BeltSeries, ChuteBoundary, ChuteOverride, Defaults, StudyFile
+from sim.study.catalogue import FIGURES
+from sim.study.file import BeltSeries, ChuteBoundary, ChuteOverride, Defaults, StudyFile
 
 SCHEMA_NAME = "schema.json"
 GUIDE_NAME = "README.md"

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from sim.parameters import Parameters
-from sim.refine import further_rounds
+from sim.study.refine import further_rounds
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from sim.figures.spec import FigureSpec
+from sim.study.catalogue.spec import FigureSpec
 
 _DAMPED = {"damping": 50, "shear_damping": 50}
 _AT_45 = {"amplitude": 1, "vibration_angle": 45}

@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sim.refine import PARTS, Located, divided, further_rounds, located, next_values
+from sim.study.refine import PARTS, Located, divided, further_rounds, located, next_values
 
 
 def search(classify, low: float, high: float, tolerance: float) -> tuple[Located, dict]:

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from sim.figures.spec import FigureSpec
+from sim.study.catalogue.spec import FigureSpec
 
 #: The flows of Figs. 1.1 to 1.6; the paper leaves the stiffness open, these are the softest.
 PAPER_FLOW = {"angle": 17, "friction": 0.4, "restitution": 0.85, "stiffness": 100}

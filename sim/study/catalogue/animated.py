@@ -2,8 +2,8 @@
 
 from typing import Any
 
-from sim.figures.spec import FigureSpec
-from sim.figures.specs_chute import PAPER_FLOW
+from sim.study.catalogue.spec import FigureSpec
+from sim.study.catalogue.walton import PAPER_FLOW
 
 _BELT = {"amplitude": 1, "vibration_angle": 45, "damping": 50, "shear_damping": 50}
 

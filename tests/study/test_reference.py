@@ -11,12 +11,12 @@ import yaml
 
 from sim.base.errors import InputError
 from sim.cli import main
-from sim.figures import FIGURES
 from sim.parameters import SYSTEMS, canonical, parse_point
-from sim.reference import BEGIN, END, reference_text, schema, schema_text, with_reference
-from sim.study import load_study, parse_study
+from sim.study.catalogue import FIGURES
+from sim.study.load import load_study, parse_study
+from sim.study.reference import BEGIN, END, reference_text, schema, schema_text, with_reference
 
-CONFIG = Path(__file__).parents[1] / "config"
+CONFIG = Path(__file__).parents[2] / "config"
 GUIDE = (CONFIG / "README.md").read_text(encoding="utf-8")
 EXAMPLES = re.findall(r"```yaml\n(.*?)```", GUIDE, flags=re.DOTALL)
 REMEDY = "run: python -m sim schema --write"

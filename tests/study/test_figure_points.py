@@ -6,11 +6,11 @@ import pandas as pd
 import pytest
 
 from sim.base.errors import InputError
-from sim.figure_points import left_out
-from sim.figures import FIGURES
 from sim.figures.summary import split_curves
 from sim.parameters import SYSTEMS, BeltParameters, ChuteParameters
-from sim.study import Study, load_study, parse_study
+from sim.study.catalogue import FIGURES
+from sim.study.figure_points import left_out
+from sim.study.load import Study, load_study, parse_study
 from sim.tables import as_table
 
 

@@ -4,12 +4,12 @@ from collections.abc import Iterable, Sequence
 from typing import Any
 
 from sim.base.errors import InputError
-from sim.collect import Fed
-from sim.figures import FIGURES, FigureSpec
-from sim.figures.spec import written
 from sim.parameters import Parameters
-from sim.study_file import StudyFile
-from sim.study_model import Point, Study
+from sim.study.catalogue import FIGURES, FigureSpec
+from sim.study.catalogue.spec import written
+from sim.study.file import StudyFile
+from sim.study.model import Point, Study
+from sim.study.points import Fed
 
 
 def points_of_figures(
