@@ -95,8 +95,8 @@ def run(options: Namespace) -> int:
     level = logging.WARNING if options.quiet else logging.INFO
     logging.basicConfig(format="%(message)s", level=level, stream=sys.stderr)
 
-    from sim.kept import current_status
-    from sim.run import BLOWN_UP, run_point
+    from sim.engine.current import current_status
+    from sim.engine.run import BLOWN_UP, run_point
 
     if status := current_status(options.output, parameters):
         logging.getLogger("talus").info("%s: already there", options.output)
@@ -142,14 +142,14 @@ def warm(options: Namespace) -> None:
         study = load_study(options.study, None)
         points = [point.parameters for point in study.points.values()]
 
-    from sim.warm import warm
+    from sim.engine.warm import warm
 
     warm(points)
 
 
 def bench(_: Namespace) -> None:
     """Print speed, start-up and memory."""
-    from sim.bench import main as bench
+    from sim.engine.bench import main as bench
 
     bench()
 

@@ -8,10 +8,10 @@ import numpy as np
 import xarray as xr
 
 from sim.base.reading import reading
+from sim.engine.identity import numerics_of
+from sim.engine.observe.scalars import SCALARS
 from sim.measures import MEASURES, measures
 from sim.measures.belt import columns
-from sim.observe.scalars import SCALARS
-from sim.provenance import numerics_of
 
 #: Without these attributes a file is no run file.
 ATTRIBUTES = {"point_id", "system", "engine_version", "source_hash", "versions", "created"}

@@ -8,7 +8,7 @@ import numpy as np
 
 from sim.base.errors import InputError
 from sim.base.reading import reading
-from sim.observe.scalars import SCALARS
+from sim.engine.observe.scalars import SCALARS
 from sim.parameters import SYSTEMS, Parameters, as_yaml, canonical, field_info, parse_point
 
 _PER_REPLICATE = tuple(name for name in SCALARS if name != "replicate_seed")

@@ -102,8 +102,8 @@ def table(study: Study, runs: Path) -> pd.DataFrame:
     pandas.DataFrame
         ``name``, ``system``, ``of``, ``along``, ``unit`` (of ``low`` and ``high``), ``figures``,
         ``low`` and ``high`` (NaN without a boundary in the range), ``below``, ``above``,
-        ``verdict`` (see `sim.study.refine.Located`), ``points`` (their number), then the parameters of
-        the point at the low end of the range; NaN or ``""`` for those of the other system.
+        ``verdict`` (see `sim.study.refine.Located`), ``points`` (their number), then the parameters
+        of the point at the low end of the range; NaN or ``""`` for those of the other system.
     """
     rows = []
     for boundary in study.boundaries:

@@ -13,9 +13,9 @@ import psutil
 from sim.base.files import is_damaged
 from sim.base.reading import UNREADABLE
 from sim.caveats import caveat_of_file
+from sim.engine.identity import NUMERICS, numerics_of
+from sim.engine.progress import CREDIT, Progress, may_end_early, progress_file, read_progress
 from sim.parameters import Parameters
-from sim.progress import CREDIT, Progress, may_end_early, progress_file, read_progress
-from sim.provenance import NUMERICS, numerics_of
 from sim.rounds import read_round
 from sim.study.cost import PROCESS_TIME, estimate
 from sim.study.load import Study

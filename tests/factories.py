@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from sim.observe.force_balance import base_forces
+from sim.engine.identity import NUMERICS
+from sim.engine.observe.force_balance import base_forces
 from sim.parameters import Parameters, canonical, field_info, point_id
-from sim.provenance import NUMERICS
 from sim.regime_boundaries import added_points
 from sim.study.load import load_study
 

@@ -5,7 +5,7 @@ import socket
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
-from sim.progress import Progress, progress_file
+from sim.engine.progress import Progress, progress_file
 from sim.status import StudyStatus, survey
 from sim.study.load import load_study
 from tests.factories import write_run

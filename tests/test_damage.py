@@ -18,16 +18,16 @@ from sim.base.errors import InputError
 from sim.base.files import alone, is_damaged, seal
 from sim.base.reading import DamagedError
 from sim.cli import main
+from sim.engine.run import run_point
+from sim.engine.warm import warm
 from sim.figures.render import draw
 from sim.gathered import read_run
 from sim.parameters import canonical, point_id
-from sim.run import run_point
 from sim.study.load import load_study
-from sim.warm import warm
+from tests.engine.test_checkpoint import assert_same
+from tests.engine_motion.points import belt_point
 from tests.factories import make_study
-from tests.motions import belt_point
 from tests.project_tree import ROOT
-from tests.test_checkpoint import assert_same
 
 POINT = belt_point(beads=20, width=5, transient=1, average=3)
 LONG = belt_point(beads=200, transient=10, average=40)

@@ -10,12 +10,12 @@ from pathlib import Path
 
 import pytest
 
+from sim.engine.identity import NUMERICS
+from sim.engine.progress import read_progress
+from sim.engine.warm import warm
 from sim.parameters import canonical, parse_point, point_id
-from sim.progress import read_progress
-from sim.provenance import NUMERICS
 from sim.status_table import as_text
 from sim.study.cost import PROCESS_TIME, estimate
-from sim.warm import warm
 from tests.factories import FAILURE
 from tests.made_study import BOUNDED, EARLIER, LATER, STUDY, Folder
 

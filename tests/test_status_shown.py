@@ -6,7 +6,7 @@ import netCDF4
 import pytest
 
 from sim.cli import main
-from sim.progress import Progress
+from sim.engine.progress import Progress
 from sim.status import PointStatus, StudyStatus
 from sim.status_table import as_json, as_text
 from tests.factories import FAILURE

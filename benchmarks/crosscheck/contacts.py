@@ -9,8 +9,8 @@ from benchmarks.crosscheck.impact import impact
 from benchmarks.peers.chute_input import chute_request, chute_state
 from benchmarks.peers.client import Client
 from benchmarks.peers.settings import Settings
+from sim.engine.systems import build
 from sim.parameters import ChuteParameters, parse_point
-from sim.systems import build
 
 #: Gravity (m/s²) and speed (√(gσ)) of the test impacts, for the weight to matter little.
 GRAVITY, SPEED = 0.098, 50.0

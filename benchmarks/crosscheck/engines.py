@@ -10,10 +10,10 @@ from benchmarks.crosscheck.flows import BLOCKS, Flow
 from benchmarks.peers.chute_input import chute_request, chute_state, frame_velocity
 from benchmarks.peers.client import Client
 from benchmarks.peers.settings import Settings
-from sim.observe.profiles import VOLUME, Profile, add_sample, empty_profile
-from sim.observe.sums import plus
+from sim.engine.observe.profiles import VOLUME, Profile, add_sample, empty_profile
+from sim.engine.observe.sums import plus
+from sim.engine.systems import build
 from sim.parameters import ChuteParameters
-from sim.systems import build
 
 #: LAMMPS looks at its list in every step: slower than need be, but no contact is missed.
 SETTINGS = Settings(skin=0.2, every=1, frame="mean")

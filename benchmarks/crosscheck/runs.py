@@ -15,8 +15,8 @@ from benchmarks.crosscheck.flows import Flow
 from benchmarks.peers import chute_input
 from benchmarks.peers.environment import PACKAGES
 from sim.base.files import replacing
+from sim.engine.identity import source_hash
 from sim.parameters import point_id
-from sim.provenance import source_hash
 
 log = logging.getLogger(__name__)
 

@@ -6,8 +6,8 @@ from benchmarks.peers.belt_input import belt_request, belt_state
 from benchmarks.peers.chute_input import chute_request, chute_state
 from benchmarks.peers.client import Client
 from benchmarks.peers.settings import Settings
+from sim.engine.systems import build
 from sim.parameters import BeltParameters, ChuteParameters
-from sim.systems import build
 
 #: Speed of the test impacts in √(gσ), fast enough for weight to matter little.
 SPEED = 5.0

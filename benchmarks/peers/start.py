@@ -8,8 +8,8 @@ from statistics import median
 from benchmarks.peers.chute_input import chute_request, chute_state
 from benchmarks.peers.client import Client
 from benchmarks.peers.settings import Settings
+from sim.engine.systems import build
 from sim.parameters import Parameters, canonical_json, parse_point
-from sim.systems import build
 
 #: The flow that is started: 500 spheres.
 POINT = {"system": "chute", "depth": 5, "cell": 10, "stiffness": 117}
@@ -20,7 +20,7 @@ REPEATS = 5
 _OURS = """
 import json, sys
 from sim.parameters import parse_point
-from sim.systems import build
+from sim.engine.systems import build
 build(parse_point(json.loads(sys.argv[1]), "start"), 0).advance()
 print("ready", flush=True)
 """

@@ -16,9 +16,9 @@ from benchmarks.peers.belt_input import belt_state, resting_request, shaking
 from benchmarks.peers.client import Client
 from benchmarks.peers.environment import CACHE, peer_python
 from benchmarks.peers.settings import chosen
+from sim.engine.systems import build
 from sim.parameters import BeltParameters, point_id
 from sim.study.load import load_study
-from sim.systems import build
 
 #: Points of the figure at which the published time step is stable.
 ANGLES = [30, 45, 60]

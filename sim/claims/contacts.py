@@ -4,8 +4,8 @@ from math import sqrt
 
 import numpy as np
 
-from sim.compile import kernel
-from sim.contact.friction import MEMORY, contact_force
+from sim.engine.compile import kernel
+from sim.engine.contact.friction import MEMORY, contact_force
 
 
 @kernel

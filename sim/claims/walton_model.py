@@ -9,9 +9,9 @@ from uncertainties import ufloat
 
 from sim.claims.contacts import contact_path, random_curve, vector_spring
 from sim.claims.verdict import Check, above, below, within
-from sim.contact.walton_braun import WaltonBraun, walton_braun
+from sim.engine.contact.walton_braun import WaltonBraun, walton_braun
+from sim.engine.systems.chute import Chute
 from sim.parameters import ChuteParameters
-from sim.systems.chute import Chute
 
 #: Speeds of the impacts (m/s), and how many steps before the contact they start.
 SPEEDS = np.geomspace(1e-3, 1.0, 8)

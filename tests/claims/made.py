@@ -72,8 +72,8 @@ def made_point(
     ----------
     system : {'chute', 'belt'}
     scalars : mapping, optional
-        SI values by name of anything in `sim.observe.scalars.SCALARS` or of measures: one number
-        (replicates then scatter about it), one per replicate, or a word.
+        SI values by name of anything in `sim.engine.observe.scalars.SCALARS` or of measures: one
+        number (replicates then scatter about it), one per replicate, or a word.
     profiles : mapping, optional
         By name: a function of the heights (m), whose values then scatter over replicates as a
         whole, or an array (replicate, slice). Those named ``column_...`` run along the belt.

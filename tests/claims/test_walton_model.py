@@ -6,8 +6,8 @@ import pytest
 from sim.claims.contacts import contact_path
 from sim.claims.verdict import NOT_REPRODUCED, REPRODUCED, together
 from sim.claims.walton_model import w1, w2, w3, w4
-from sim.contact.walton_braun import walton_braun
-from sim.systems.chute import Chute
+from sim.engine.contact.walton_braun import walton_braun
+from sim.engine.systems.chute import Chute
 
 
 def verdict(checks) -> str:

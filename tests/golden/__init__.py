@@ -17,9 +17,9 @@ import netCDF4
 import numpy as np
 import yaml
 
+from sim.engine.run import run_point
+from sim.engine.systems import build
 from sim.parameters import Parameters, parse_point
-from sim.run import run_point
-from sim.systems import build
 
 FOLDER = Path(__file__).parent
 BITS, VALUES = FOLDER / "bits.json", FOLDER / "values.json"

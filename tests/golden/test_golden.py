@@ -5,7 +5,7 @@ from typing import Literal, get_args, get_origin
 
 import pytest
 
-from sim.checkpoint import TERMINATED, Checkpoint
+from sim.engine.checkpoint import TERMINATED, Checkpoint
 from sim.parameters import SYSTEMS, canonical
 from tests.golden import (
     BITS,

@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sim.contact.spring_damping import spring_damping
-from tests.engine_helpers import disk_forces
+from sim.engine.contact.spring_damping import spring_damping
+from tests.engine_motion.helpers import disk_forces
 from tests.properties.values import SEEDS, magnitudes, norms
 
 

@@ -8,8 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sim.claims.contacts import contact_path, vector_spring
-from sim.contact.walton_braun import walton_braun
-from tests.engine_helpers import CAPS, EXPONENTS, MEMORIES, rotation
+from sim.engine.contact.walton_braun import walton_braun
+from tests.engine_motion.helpers import CAPS, EXPONENTS, MEMORIES, rotation
 from tests.properties.values import SEEDS, magnitudes, norms
 
 STEPS = 200

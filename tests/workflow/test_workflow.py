@@ -148,12 +148,12 @@ def test_a_changed_parameter_runs_the_points_it_touches(tree):
 
 
 def test_an_edit_of_the_engine_runs_nothing_while_the_numerics_stay(tree, edited):
-    edited("sim/contact/damping.py")
+    edited("sim/engine/contact/damping.py")
     assert planned(tree) == {}
 
 
 def test_other_numerics_run_everything(tree, edited):
-    edited("sim/provenance.py", "NUMERICS = 2")
+    edited("sim/engine/identity.py", "NUMERICS = 2")
     assert planned(tree) == {"warm": 1, "run": POINTS, "dataset": 1, **AFTER_IT}
 
 

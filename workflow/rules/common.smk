@@ -15,11 +15,11 @@ from pathlib import Path
 ROOT = Path(workflow.current_basedir.get_path_or_uri(secret_free=True)).parents[1]
 sys.path.insert(0, str(ROOT))
 
-from sim.checkpoint import checkpoint_interval
+from sim.engine.checkpoint import checkpoint_interval
 from sim.base.errors import InputError
 from sim.study.catalogue import FIGURES
 from sim.parameters import canonical_json
-from sim.provenance import numerics_mark
+from sim.engine.identity import numerics_mark
 from sim.rounds import read_round
 from sim.study.load import DEFAULT_STUDY, estimate, load_study
 

@@ -1,0 +1,1 @@
+"""From a point to its run file: contact laws, motion, observables, and the runs themselves."""

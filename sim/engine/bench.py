@@ -1,0 +1,168 @@
+"""``python -m sim bench``: speed, threads, start-up and memory of the engine on this machine."""
+
+import os
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+from sim.engine.observe.system import System
+from sim.engine.systems import build
+from sim.engine.systems.chute import Chute
+from sim.parameters import Parameters, canonical_json, parse_point
+
+#: Depth and side of the cell (both in diameters) of the chute flows, and their stiffnesses (N/m).
+SIZES = [(5, 10), (10, 10), (40, 10), (20, 40)]
+STIFFNESSES = [117, 1170]
+
+#: Start velocity (√(gσ)) by depth, near that of the developed flow.
+START_VELOCITY = {5: 8.0, 10: 16.0, 20: 25.0, 40: 25.0}
+
+#: Time (√(σ/g)) that the spheres are given to fall and begin to shear before the clock starts.
+RELAXATION = 16.0
+SHORT_RELAXATION = 6.0
+
+#: Timed stretches per flow, of which the median counts, and particle-steps in each.
+REPEATS = 5
+STRETCH = 4e6
+
+_FIRST_STEP = """
+import json, sys, time
+from sim.parameters import parse_point
+from sim.engine.systems import build
+system = build(parse_point(json.loads(sys.argv[1]), "bench"), 0)
+system.advance()
+print(time.time())
+"""
+
+# VmHWM belongs to the interpreter alone; getrusage would count what its parent had before the fork.
+_PEAK_MEMORY = """
+import json, re, sys
+from pathlib import Path
+from sim.parameters import parse_point
+from sim.engine.run import run_point
+run_point(parse_point(json.loads(sys.argv[1]), "bench"), Path(sys.argv[2]), quiet=True)
+print(int(re.search(r"VmHWM:\\s+(\\d+)", Path("/proc/self/status").read_text())[1]) / 1024)
+"""
+
+
+def main() -> None:
+    """Print the tables of rates, then start-up times and peak memory."""
+    print("flow                          particles  contacts/particle  million particle-steps/s")
+    for stiffness in STIFFNESSES:
+        for depth, cell in SIZES:
+            _report_rate(
+                f"chute depth {depth}, K1 = {stiffness} N/m", _chute(depth, cell, stiffness)
+            )
+    _report_rate("belt, 50 Hz", _point("belt", {"frequency": 50, "transient": 10}))
+    print("flow, depth 10, K1 = 117 N/m, by size")
+    for cell in (10, 32, 100):
+        _report_rate(f"chute, cell {cell}", _chute(10, cell, 117), SHORT_RELAXATION)
+    for stiffness in STIFFNESSES:
+        for depth, cell in SIZES[2:]:
+            _report_threads(_chute(depth, cell, stiffness))
+    for system in ("chute", "belt"):
+        point = _point(system, {})
+        print(f"{system}: {_further_run(point) * 1e3:.1f} ms to set up a further run")
+        print(f"{system}: {_first_step(point):.2f} s from process start to first samples, warm")
+        with tempfile.TemporaryDirectory() as cache:
+            seconds = _first_step(point, TALUS_CACHE_DIR=cache)
+        print(f"{system}: {seconds:.1f} s from process start to first samples, cold cache")
+        print(f"{system}: {_peak_memory(point):.0f} MB peak memory of a run process")
+
+
+def _chute(depth: int, cell: int, stiffness: float) -> Parameters:
+    values = {"depth": depth, "cell": cell, "stiffness": stiffness}
+    return _point("chute", values | {"initial_velocity": START_VELOCITY[depth]})
+
+
+def _point(system: str, values: dict) -> Parameters:
+    return parse_point({"system": system, **values}, "bench")
+
+
+def _relaxed(point: Parameters, relaxation: float) -> System:
+    """Return the point's flow after the start; ``relaxation`` (√(σ/g)) is that of a chute."""
+    system = build(point, 0)
+    system.settle()
+    samples = point.transient_samples
+    if point.system == "chute":
+        samples = int(relaxation / (point.sample_steps * point.time_step / point.time_unit))
+    for _ in range(samples):
+        system.advance()
+    return system
+
+
+def _timed(system: System) -> tuple[float, float]:
+    """Return million particle-steps/s and contacts per particle over one stretch."""
+    point = system.parameters
+    samples = max(1, int(STRETCH / (point.sample_steps * point.particles)))
+    started = time.perf_counter()
+    contacts = [system.advance()["contact_number"] for _ in range(samples)]
+    elapsed = time.perf_counter() - started
+    rate = samples * point.sample_steps * point.particles / elapsed / 1e6
+    return rate, statistics.mean(contacts)
+
+
+def _report_rate(name: str, point: Parameters, relaxation: float = RELAXATION) -> None:
+    """Measure and print the speed of one flow, after it has relaxed."""
+    system = _relaxed(point, relaxation)
+    rates, contacts = zip(*(_timed(system) for _ in range(REPEATS)), strict=True)
+    rate, contact = statistics.median(rates), statistics.mean(contacts)
+    print(f"{name:30}{point.particles:9}{contact:19.2f}{rate:26.1f}", flush=True)
+
+
+def _with_threads(system: Chute, threads: int) -> Chute:
+    """Return a flow in the same state, but for the memory of its contacts, on so many threads."""
+    copy = Chute(system.parameters.model_copy(update={"threads": threads}), 0)
+    for name in ("position", "velocity", "rim", "label"):
+        getattr(copy.spheres, name)[:] = getattr(system.spheres, name)
+    copy.orientation[:] = system.orientation
+    copy.advance()
+    return copy
+
+
+def _report_threads(point: Parameters) -> None:
+    """Measure and print how much faster two threads are, in turns with one from the same state."""
+    system, ratios = _relaxed(point, RELAXATION), []
+    for _ in range(REPEATS):
+        (one, _), (two, _) = (_timed(_with_threads(system, threads)) for threads in (1, 2))
+        ratios.append(two / one)
+    ratio = statistics.median(ratios)
+    print(f"depth {point.depth:g}, {point.particles} particles: two threads {ratio:.2f} x one")
+
+
+def _further_run(point: Parameters) -> float:
+    """Return the seconds to set up a run in a process that has one behind it."""
+    seconds = []
+    for seed in range(1, 2 * REPEATS):
+        started = time.perf_counter()
+        build(point.model_copy(update={"seed": seed}), 0)
+        seconds.append(time.perf_counter() - started)
+    return statistics.median(seconds)
+
+
+def _first_step(point: Parameters, **environment: str) -> float:
+    """Return the seconds from the start of a process to the end of its first sample interval."""
+    started = time.time()
+    return float(_in_child(_FIRST_STEP, canonical_json(point), **environment)) - started
+
+
+def _peak_memory(point: Parameters) -> float:
+    """Return the largest resident memory (MB) of a process that runs this point for a while."""
+    short = point.model_copy(update={"transient": 1.0, "average": 4.0})
+    with tempfile.TemporaryDirectory() as folder:
+        return float(_in_child(_PEAK_MEMORY, canonical_json(short), f"{folder}/run.nc"))
+
+
+def _in_child(code: str, *arguments: str, **environment: str) -> str:
+    """Run a few lines in a fresh interpreter and return what they print."""
+    return subprocess.run(
+        [sys.executable, "-c", code, *arguments],
+        env=os.environ | environment,
+        cwd=Path(__file__).parent.parent,
+        check=True,
+        capture_output=True,
+        text=True,
+    ).stdout

@@ -1,0 +1,76 @@
+"""The vibrating belt: a rigid line that moves harmonically and carries a ghost disk per contact."""
+
+from math import cos, sin
+from typing import NamedTuple
+
+import numpy as np
+
+from sim.engine.compile import append_negative, inlined, kernel, vectorised
+from sim.engine.contact.damping import disk_force, dissipated, elastic_energy
+
+
+class Belt(NamedTuple):
+    """x = A_x sin(ωt + φ), z = A_z sin(ωt + φ) (Gallas et al., Eq. 1).
+
+    ``amplitude_x``, ``amplitude_z`` (m); ``angular_frequency`` ω (1/s), 0 for a belt at rest;
+    ``phase`` φ (rad); ``surface`` (m), height of the ghost's surface above the line: 0 for a ghost
+    below the line, half a mean diameter for one centred on it.
+    """
+
+    amplitude_x: float
+    amplitude_z: float
+    angular_frequency: float
+    phase: float
+    surface: float
+
+
+@inlined
+def belt_state(belt, time):
+    """Return height (m) and velocity (x, z) (m/s) of the belt."""
+    angle = belt.angular_frequency * time + belt.phase
+    speed = belt.angular_frequency * cos(angle)
+    return (
+        belt.amplitude_z * sin(angle),
+        (belt.amplitude_x * speed, belt.amplitude_z * speed),
+    )
+
+
+@inlined
+def belt_forces(law, disks, belt, work, time, time_step):
+    """Add the forces of the belt.
+
+    The ghost lies right below the bead and moves with the belt, so the normal is vertical. Returns
+    the number of contacts, the largest overlap per diameter, the powers (W) that normal and shear
+    damping take, and the power of the belt.
+    """
+    vectorised()
+    height, (belt_x, belt_z) = belt_state(belt, time)
+    largest, per_step, beads = 0.0, 1.0 / time_step, disks.radius.size
+    normal_loss, shear_loss, power = 0.0, 0.0, 0.0
+    for i in range(beads):
+        work.gap[i] = disks.taylor[0, 1, i] - disks.radius[i] - (belt.surface + height)
+    contacts = np.int64(append_negative(work.gap, beads, 0, work.touching, np.uint64(0)))
+    for k in range(contacts):
+        i = np.uint64(work.touching[k])
+        overlap = -work.gap[i]
+        vx = disks.taylor[1, 0, i] * per_step - belt_x
+        vz = disks.taylor[1, 1, i] * per_step - belt_z
+        fx, fz = disk_force(law, overlap, (0.0, -1.0), (vx, vz), disks.mass[i], 0.0)
+        disks.force[0, i] += fx
+        disks.force[1, i] += fz
+        pressed, sheared = dissipated(law, overlap, (0.0, -1.0), (vx, vz), (fx, fz))
+        normal_loss += pressed
+        shear_loss += sheared
+        power += fx * belt_x + fz * belt_z
+        largest = max(largest, 0.5 * overlap / disks.radius[i])
+    return contacts, largest, normal_loss, shear_loss, power
+
+
+@kernel
+def stored_in_belt(law, disks, belt, time):
+    """Return the energy (J) in the springs of all beads on the belt."""
+    height, energy = belt_state(belt, time)[0] + belt.surface, 0.0
+    for i in range(disks.radius.size):
+        overlap = disks.radius[i] + height - disks.taylor[0, 1, i]
+        energy += elastic_energy(law, overlap) if overlap > 0.0 else 0.0
+    return energy

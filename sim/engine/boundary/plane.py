@@ -1,0 +1,120 @@
+"""The inclined plane z = 0: a sphere of infinite radius and mass that obeys the spheres' law."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from sim.engine.compile import append_negative, inlined, kernel, vectorised
+from sim.engine.contact.friction import MEMORY, stored_energy
+from sim.engine.dynamics.spheres import (
+    BLOCK,
+    FX,
+    LANES,
+    LOST,
+    MX,
+    STRIDE,
+    WORK,
+    approach,
+    filled_up,
+    make_memory,
+    react,
+    recall,
+)
+
+
+class Plane(NamedTuple):
+    """``slot`` (1, N): where each particle's contact is in ``memory`` (2, 7, C), -1 for none."""
+
+    slot: np.ndarray
+    memory: np.ndarray
+
+
+def make_plane(particles: int, threads: int = 1) -> Plane:
+    """Return a plane that nothing has touched yet."""
+    return Plane(np.full((1, particles), -1, np.int32), make_memory(particles + LANES * threads))
+
+
+@inlined
+def _find_touching(spheres, start, size, work):
+    """Put those of ``size`` particles from ``start`` on that touch into ``work``.
+
+    Returns how many.
+    """
+    for k in range(size):
+        i = np.uint64(start + k)
+        work.gap[k] = spheres.position[2, i] - spheres.radius[i]
+    return np.int64(append_negative(work.gap, size, start, work.touching, np.uint64(0)))
+
+
+@inlined
+def _evaluate(law, spheres, slot, before, after, work, number, base, time_step):
+    """Apply the law to ``number`` touching particles of a block; the memory goes to base + k."""
+    x, v, w = spheres.position, spheres.velocity, spheres.rim
+    for k in range(number):
+        i = np.uint64(work.touching[k])
+        velocity, rim = (-v[0, i], -v[1, i], -v[2, i]), (w[0, i], w[1, i], w[2, i])
+        separation = (0.0, 0.0, -x[2, i])
+        approach(work.rows, k, separation, spheres.radius[i], velocity, rim, time_step)
+    for k in range(number):
+        i = np.uint64(work.touching[k])
+        memory = react(law, work.rows, k, recall(before, slot[0, i]))
+        for m in range(MEMORY):
+            after[m, np.uint64(base + k)] = memory[m]
+
+
+@inlined
+def plane_forces(law, spheres, slot, before, after, work, time_step, share):
+    """Add the forces of the plane on one thread's share of the particles.
+
+    Arguments as for ``pair_forces``. Returns the number of touching spheres, the largest overlap
+    relative to a diameter, the sum of the forces on the spheres along x and z (N), the energy
+    dissipated by normal forces and the work done against friction (J).
+    """
+    vectorised()
+    rank, begin, end = share
+    rows = work.rows
+    contacts, largest, along, upward, lost, work_done = 0, 0.0, 0.0, 0.0, 0.0, 0.0
+    for start in range(begin, end, BLOCK):
+        size = min(BLOCK, end - start)
+        touching = _find_touching(spheres, start, size, work)
+        base = begin + rank * LANES + contacts
+        if touching > 0:
+            whole = filled_up(work.touching, 0, touching)
+            _evaluate(law, spheres, slot, before, after, work, whole, base, time_step)
+        for i in range(start, start + size):
+            slot[0, np.uint64(i)] = -1
+        for k in range(touching):
+            i = np.uint64(work.touching[k])
+            slot[0, i] = base + k
+            for d in range(3):
+                spheres.force[rank, d, i] += rows[(FX + d) * STRIDE + k]
+                spheres.moment[rank, d, i] += rows[(MX + d) * STRIDE + k]
+            along += rows[FX * STRIDE + k]
+            upward += rows[(FX + 2) * STRIDE + k]
+            lost += rows[LOST * STRIDE + k]
+            work_done += rows[WORK * STRIDE + k]
+            # Not the overlap of the row, which is symmetric about the plane: a centre may be below.
+            overlap = spheres.radius[i] - spheres.position[2, i]
+            diameter = 2.0 * spheres.radius[i]
+            if overlap > largest * diameter:
+                largest = overlap / diameter
+        contacts += touching
+    return contacts, largest, along, upward, lost, work_done
+
+
+@kernel
+def stored_in_plane(law, spheres, plane, memory, time_step):
+    """Return the energy (J) in the normal and tangential springs of all contacts with the plane.
+
+    Arguments as for ``stored_in_pairs``.
+    """
+    normal, tangential = 0.0, 0.0
+    for i in range(spheres.radius.size):
+        if plane.slot[0, i] < 0:
+            continue
+        height = spheres.position[2, i] - spheres.velocity[2, i] * time_step
+        overlap = spheres.radius[i] - abs(height)
+        pressed, sheared = stored_energy(law, overlap, recall(memory, plane.slot[0, i]))
+        normal += pressed
+        tangential += sheared
+    return normal, tangential

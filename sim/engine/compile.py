@@ -1,0 +1,163 @@
+"""One place for numba's options and for where compiled code is kept.
+
+numba decides from a function's own file whether its cached machine code is still good, so an edit
+of an imported contact law would replay old code. Here the cache folder carries the hash of all
+kernels' sources instead: any edit starts a new folder.
+"""
+
+import os
+import sys
+import tempfile
+from functools import partial
+from pathlib import Path
+
+from sim.engine.identity import COMPILED, source_hash
+
+
+def cache_directory() -> Path:
+    """Return the folder of compiled code for the present sources.
+
+    ``TALUS_CACHE_DIR`` overrides the default ``~/.cache/talus`` (``XDG_CACHE_HOME`` is honoured);
+    where neither can be written, the system's temporary folder serves.
+    """
+    base = os.environ.get("TALUS_CACHE_DIR")
+    if not base:
+        base = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "talus"
+    path = Path(base) / source_hash(COMPILED)
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+    except OSError:
+        path = Path(tempfile.gettempdir()) / f"talus-{os.getuid()}" / path.name
+        path.mkdir(parents=True, exist_ok=True)
+    return path
+
+
+os.environ["NUMBA_CACHE_DIR"] = str(cache_directory())
+
+import numba  # noqa: E402  (the cache folder must be named before numba is imported)
+import numpy as np  # noqa: E402
+from llvmlite import ir  # noqa: E402
+from numba import types  # noqa: E402
+from numba.extending import intrinsic, overload  # noqa: E402
+
+# Whoever has imported numba before has made it read its settings before.
+numba.config.CACHE_DIR = os.environ["NUMBA_CACHE_DIR"]
+
+# numba would import scipy's linear algebra, a fifth of the start of a run, to see whether matrix
+# products can be compiled. No kernel has any.
+if "scipy.linalg" not in sys.modules:
+    sys.modules["scipy.linalg"] = None
+    import numba.np.arraymath
+
+    del sys.modules["scipy.linalg"]
+
+#: Reordering of sums and fused multiply-add are allowed; ``nnan`` and ``ninf`` are left out because
+#: the blow-up checks need honest comparisons with not-a-number.
+FASTMATH = {"nsz", "arcp", "contract", "afn", "reassoc"}
+
+_options = {"cache": True, "fastmath": FASTMATH, "error_model": "numpy", "nogil": True}
+
+#: What Python calls, and pieces that only move data. A kernel that is called by another one exists
+#: twice, compiled by itself and as part of the caller, and which copy runs depends on what else the
+#: process has loaded. The two may round differently, so no kernel called by another may round.
+kernel = numba.njit(**_options)
+
+#: All other pieces: always copied into the caller, so that the same bits come out in every process.
+inlined = numba.njit(**_options, forceinline=True)
+
+#: ``@implements(generic)`` gives ``generic`` a body that numba picks by the types of the arguments.
+implements = partial(
+    overload, jit_options={"fastmath": FASTMATH, "error_model": "numpy", "forceinline": True}
+)
+
+
+@intrinsic
+def vectorised(typingctx):
+    """Promise, as a piece's first line, that no two of its arrays of numbers overlap.
+
+    Without the promise LLVM must assume that every store changes what the next iteration loads
+    through an index, and computes the iterations one by one.
+    """
+
+    def codegen(context, builder, signature, args):
+        function = builder.function
+        byte = ir.IntType(8)
+        for argument in function.args:
+            # Pointers to bytes are numba's reference counts, which arrays may share.
+            if isinstance(argument.type, ir.PointerType) and argument.type.pointee != byte:
+                argument.add_attribute("noalias")
+        return context.get_dummy_value()
+
+    return types.none(), codegen
+
+
+@intrinsic
+def wide_vectors(typingctx):
+    """Ask, as the first line of a kernel that Python calls, for the widest vectors there are.
+
+    Some processors prefer shorter vectors than they have; here the long ones pay.
+    """
+
+    def codegen(context, builder, signature, args):
+        # llvmlite's own method knows only attributes without a value.
+        set.add(builder.function.attributes, '"prefer-vector-width"="512"')
+        return context.get_dummy_value()
+
+    return types.none(), codegen
+
+
+@intrinsic
+def _compress(typingctx, gap, k, first, out, free):
+    """Append those of 8 numbers ``first``... whose ``gap`` is negative to ``out``; return how many.
+
+    LLVM has an instruction for it that its vectoriser does not find by itself.
+    """
+
+    def codegen(context, builder, signature, args):
+        lanes, i32 = 8, ir.IntType(32)
+        gaps, numbers = (
+            context.make_array(kind)(context, builder, value).data
+            for kind, value in ((signature.args[0], args[0]), (signature.args[3], args[3]))
+        )
+        vector = ir.VectorType(ir.DoubleType(), lanes)
+        source = builder.bitcast(builder.gep(gaps, [args[1]]), vector.as_pointer())
+        loaded = builder.load(source)
+        loaded.align = 8
+        negative = builder.fcmp_ordered("<", loaded, ir.Constant(vector, [0.0] * lanes))
+        index = ir.VectorType(i32, lanes)
+        base = builder.insert_element(
+            ir.Constant(index, ir.Undefined), builder.trunc(args[2], i32), ir.Constant(i32, 0)
+        )
+        base = builder.shuffle_vector(
+            base, ir.Constant(index, ir.Undefined), ir.Constant(index, [0] * lanes)
+        )
+        number = builder.add(base, ir.Constant(index, list(range(lanes))))
+        target = builder.gep(numbers, [args[4]])
+        store = builder.module.declare_intrinsic(
+            f"llvm.masked.compressstore.v{lanes}i32",
+            (),
+            ir.FunctionType(
+                ir.VoidType(), [index, target.type, ir.VectorType(ir.IntType(1), lanes)]
+            ),
+        )
+        builder.call(store, [number, target, negative])
+        bits = builder.bitcast(negative, ir.IntType(lanes))
+        return builder.zext(builder.ctpop(bits), ir.IntType(64))
+
+    return types.uint64(gap, types.int64, types.int64, out, types.uint64), codegen
+
+
+@inlined
+def append_negative(gap, size, first, out, free):
+    """Append to ``out``, from ``free`` on, ``first + k`` of all k < size with a negative gap.
+
+    Returns how many. Up to 8 entries of ``out`` behind the last may be overwritten.
+    """
+    count = np.uint64(0)
+    whole = size - size % 8
+    for k in range(0, whole, 8):
+        count += _compress(gap, k, first + k, out, free + count)
+    for k in range(whole, size):
+        out[free + count] = first + k
+        count += np.uint64(1 if gap[k] < 0.0 else 0)
+    return count

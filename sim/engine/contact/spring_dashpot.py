@@ -1,0 +1,98 @@
+"""Linear spring and dashpot with the friction of Cundall and Strack: what most DEM codes use.
+
+Cundall and Strack, Géotechnique 29 (1979) 47. Normal force F_N = K α + c dα/dt, kept where it is
+attractive at the end of a contact, so that the restitution is exact; tangential spring K_t s, cut
+to μ |F_N|.
+"""
+
+from math import log, pi, sqrt
+from typing import NamedTuple
+
+from sim.engine.compile import implements
+from sim.engine.contact.friction import contact_force, stored_energy
+from sim.engine.contact.roots import SMALLEST, inverse_square_root
+from sim.engine.contact.tangential import friction_direction, work_against
+
+
+class SpringDashpot(NamedTuple):
+    """Parameters of the law for one kind of partners.
+
+    ``stiffness`` K and ``tangential`` stiffness K_t (N/m), ``damping`` c over the time step (N/m):
+    the damping force per approach during a step; ``friction`` μ.
+    """
+
+    stiffness: float
+    damping: float
+    tangential: float
+    friction: float
+
+
+def damping_ratio(restitution: float) -> float:
+    """Return the damping relative to the critical one that gives this restitution."""
+    lost = -log(restitution)
+    return lost / sqrt(pi**2 + lost**2)
+
+
+def spring_dashpot(
+    stiffness: float,
+    restitution: float,
+    friction: float,
+    mass: float,
+    time_step: float,
+    tangential_ratio: float = 0.8,
+) -> SpringDashpot:
+    """Return the law for K (N/m), e, μ, reduced mass (kg), time step (s) and K_t/K."""
+    damping = 2.0 * damping_ratio(restitution) * sqrt(stiffness * mass)
+    return SpringDashpot(
+        float(stiffness),
+        damping / time_step,
+        float(tangential_ratio * stiffness),
+        float(friction),
+    )
+
+
+@implements(contact_force)
+def _spring_dashpot(law, overlap, approach, normal, slip, memory):
+    if law.instance_class is not SpringDashpot:
+        return None
+
+    def body(law, overlap, approach, normal, slip, memory):
+        before, drag_before = memory[:3], memory[3]
+        drag = law.damping * approach
+        # The drag sets in at once and ends at once; what its first step has too much makes up for
+        # what is missing behind its last.
+        drag_before = drag if drag_before == 0.0 else drag_before
+        force = law.stiffness * overlap + drag
+        limit = law.friction * abs(force)
+
+        ux, uy, uz = friction_direction(normal, before)
+        square = before[0] ** 2 + before[1] ** 2 + before[2] ** 2
+        magnitude = square * inverse_square_root(square) if square > SMALLEST else 0.0
+        tx = magnitude * ux + law.tangential * slip[0]
+        ty = magnitude * uy + law.tangential * slip[1]
+        tz = magnitude * uz + law.tangential * slip[2]
+
+        square = tx * tx + ty * ty + tz * tz
+        inverse = inverse_square_root(square) if square > SMALLEST else 0.0
+        scale = min(square * inverse, limit) * inverse
+        tangential = (tx * scale, ty * scale, tz * scale)
+        return (
+            force,
+            tangential,
+            (*tangential, drag, 0.0, 0.0, 0.0),
+            (0.5 * (drag_before + drag) * approach, work_against(before, tangential, slip)),
+        )
+
+    return body
+
+
+@implements(stored_energy)
+def _stored_energy(law, overlap, memory):
+    if law.instance_class is not SpringDashpot:
+        return None
+
+    def body(law, overlap, memory):
+        square = memory[0] ** 2 + memory[1] ** 2 + memory[2] ** 2
+        return 0.5 * law.stiffness * overlap * overlap, 0.5 * square / law.tangential
+
+    return body

@@ -1,0 +1,247 @@
+"""Walton and Braun's contact: hysteretic normal spring, friction whose stiffness falls to zero.
+
+Equations: Walton, Mech. Mater. 16 (1993) 239, section 2; docs/physics.md lists the misprint in the
+surface displacement and the points that the paper leaves open.
+"""
+
+from typing import NamedTuple
+
+from sim.engine.compile import inlined
+from sim.engine.contact.friction import contact_force, implements, stored_energy
+from sim.engine.contact.roots import SMALLEST, cube_root, inverse_square_root
+from sim.engine.contact.tangential import friction_direction, work_against
+
+#: A friction this close to its limit, relative, is at it. Without the margin a friction just cut to
+#: the limit would keep a stiffness made of its rounding error, which the cube root turns into 5e-6.
+ROUNDING = 1e-12
+
+
+class Linear(NamedTuple):
+    """Exponent 0: the tangential spring of Cundall and Strack."""
+
+    exponent: float = 0.0
+
+
+class CubeRoot(NamedTuple):
+    """Exponent 1/3: Mindlin's elastic spheres under a constant normal force."""
+
+    exponent: float = 1.0 / 3.0
+
+
+class Power(NamedTuple):
+    """Any other exponent; 1 and 2 resemble plastic contacts."""
+
+    exponent: float
+
+
+class Separation(NamedTuple):
+    """The largest overlap is remembered until the spheres separate."""
+
+    slope: float
+
+
+class Shrink(NamedTuple):
+    """The dent recovers while the overlap is smaller than its depth."""
+
+    slope: float
+
+
+class Reset(NamedTuple):
+    """The largest overlap is forgotten as soon as the normal force is zero."""
+
+    slope: float
+
+
+class CapBefore(NamedTuple):
+    """A friction that exceeds the limit is cut before the stiffness is evaluated."""
+
+    friction: float
+
+
+class CapAfter(NamedTuple):
+    """A friction that exceeds the limit is cut at the end of the step only."""
+
+    friction: float
+
+
+class WaltonBraun(NamedTuple):
+    """Parameters of the law; the types of the last three select its readings.
+
+    Attributes: ``loading`` and ``unloading`` stiffness K1 and K2 = K1/e² (N/m), ``tangential``
+    stiffness K0 (N/m); ``stiffening`` (Linear, CubeRoot or Power), ``dent`` (Separation, Shrink or
+    Reset, holding 1 - K1/K2) and ``limit`` (CapBefore or CapAfter, holding the coefficient μ).
+    """
+
+    loading: float
+    unloading: float
+    tangential: float
+    stiffening: NamedTuple
+    dent: NamedTuple
+    limit: NamedTuple
+
+
+def walton_braun(
+    stiffness: float,
+    restitution: float,
+    friction: float,
+    tangential_ratio: float = 0.8,
+    tangential_exponent: float = 1.0 / 3.0,
+    overlap_memory: str = "separation",
+    friction_cap: str = "before",
+) -> WaltonBraun:
+    """Return the law for K1 (N/m), e, μ, K0/K1, γ and the two readings."""
+    special = {0.0: Linear(), round(1.0 / 3.0, 9): CubeRoot()}
+    slope = 1.0 - restitution**2
+    return WaltonBraun(
+        loading=float(stiffness),
+        unloading=stiffness / restitution**2,
+        tangential=float(tangential_ratio * stiffness),
+        stiffening=special.get(round(tangential_exponent, 9), Power(float(tangential_exponent))),
+        dent={"separation": Separation, "shrink": Shrink, "reset": Reset}[overlap_memory](slope),
+        limit={"before": CapBefore, "after": CapAfter}[friction_cap](float(friction)),
+    )
+
+
+def softening(kind, base):
+    """Return base**γ for base in [0, 1], with 0**0 = 1 (the bracket of Eq. 1)."""
+    raise NotImplementedError
+
+
+@implements(softening)
+def _softening(kind, base):
+    if kind.instance_class is Linear:
+        return lambda kind, base: 1.0
+    if kind.instance_class is CubeRoot:
+        return lambda kind, base: cube_root(base)
+    return lambda kind, base: base**kind.exponent
+
+
+def dent_overlap(kind, overlap, overlap_max, normal_force):
+    """Return the largest overlap to remember after a step."""
+    raise NotImplementedError
+
+
+@implements(dent_overlap)
+def _dent_overlap(kind, overlap, overlap_max, normal_force):
+    if kind.instance_class is Separation:
+        return lambda kind, overlap, overlap_max, normal_force: overlap_max
+    if kind.instance_class is Shrink:
+        return lambda kind, overlap, overlap_max, normal_force: (
+            overlap / kind.slope if overlap < kind.slope * overlap_max else overlap_max
+        )
+    return lambda kind, overlap, overlap_max, normal_force: (
+        overlap_max if normal_force > 0.0 else 0.0
+    )
+
+
+def cap(kind, magnitude, limit):
+    """Return the friction that enters the stiffness, cut to the limit or not."""
+    raise NotImplementedError
+
+
+@implements(cap)
+def _cap(kind, magnitude, limit):
+    if kind.instance_class is CapBefore:
+        return lambda kind, magnitude, limit: min(magnitude, limit)
+    return lambda kind, magnitude, limit: magnitude
+
+
+@inlined
+def normal_force(law, overlap, overlap_before):
+    """Return the normal force and the largest overlap, from the overlap and its largest so far.
+
+    F_N = max(0, min(K1 α, K2 (α - α0))) with α0 = (1 - K1/K2) α_max: loading along K1, unloading
+    and reloading along K2.
+    """
+    overlap_max = max(overlap, overlap_before)
+    rest = law.dent.slope * overlap_max
+    force = max(0.0, min(law.loading * overlap, law.unloading * (overlap - rest)))
+    return force, dent_overlap(law.dent, overlap, overlap_max, force)
+
+
+@inlined
+def hysteretic_loss(law, overlap, overlap_before):
+    """Return the energy (J) lost while the largest overlap grows.
+
+    Loading to α_max takes ½ K1 α_max², and unloading along K2 gives back e² = K1/K2 of it.
+    """
+    deepest = max(overlap, overlap_before)
+    return 0.5 * law.loading * law.dent.slope * (deepest * deepest - overlap_before**2)
+
+
+@inlined
+def parallel_friction(law, force, magnitude, displacement, turning_point, falling):
+    """Return friction along its old direction, turning point and sense (Eq. 1 and section 2.2).
+
+    ``falling`` is 0 while the friction grows and 1 while it falls; when it changes, the friction
+    becomes the new turning point. The turning point is kept as a share of the normal force, T*/F_N,
+    with which T* scales. The bracket of Eq. 1 is what is ``left`` of the way to sliding over what
+    was there at the turning point. A negative result means that the friction has reversed: the
+    turning point changes sign and, seen along the new direction, the friction grows.
+    """
+    friction = law.limit.friction
+    share = magnitude / force if force > 0.0 else 0.0
+    falling_now = 0.0 if displacement > 0.0 else (1.0 if displacement < 0.0 else falling)
+    turning_point = turning_point if falling_now == falling else share
+    sense = 1.0 - 2.0 * falling_now
+    left = friction - sense * share
+    whole = friction - sense * turning_point
+    base = 1.0 if left >= whole else left / whole
+    base = base if left > ROUNDING * friction else 0.0
+    parallel = magnitude + law.tangential * softening(law.stiffening, base) * displacement
+    reversed_ = parallel < 0.0 and displacement < 0.0
+    turning_point = -turning_point if reversed_ else turning_point
+    return parallel, turning_point, 0.0 if reversed_ else falling_now
+
+
+@implements(contact_force)
+def _walton_braun(law, overlap, approach, normal, slip, memory):
+    if law.instance_class is not WaltonBraun:
+        return None
+
+    def body(law, overlap, approach, normal, slip, memory):
+        before, magnitude, turning_point, falling, overlap_max = memory[:3], *memory[3:]
+        lost = hysteretic_loss(law, overlap, overlap_max)
+        force, overlap_max = normal_force(law, overlap, overlap_max)
+        limit = law.limit.friction * force
+
+        ux, uy, uz = friction_direction(normal, before)
+        magnitude = cap(law.limit, magnitude, limit)
+        sx, sy, sz = slip
+        along = sx * ux + sy * uy + sz * uz
+        parallel, turning_point, falling = parallel_friction(
+            law, force, magnitude, along, turning_point, falling
+        )
+        change = parallel - law.tangential * along
+        tx = change * ux + law.tangential * sx
+        ty = change * uy + law.tangential * sy
+        tz = change * uz + law.tangential * sz
+
+        square = tx * tx + ty * ty + tz * tz
+        inverse = inverse_square_root(square) if square > SMALLEST else 0.0
+        magnitude = min(square * inverse, limit)
+        scale = magnitude * inverse
+        tangential = (tx * scale, ty * scale, tz * scale)
+        pressed = force > 0.0
+        turning_point = turning_point if pressed else 0.0
+        falling = falling if pressed else 0.0
+        return (
+            force,
+            tangential,
+            (*tangential, magnitude, turning_point, falling, overlap_max),
+            (lost, work_against(before, tangential, slip)),
+        )
+
+    return body
+
+
+@implements(stored_energy)
+def _stored_energy(law, overlap, memory):
+    if law.instance_class is not WaltonBraun:
+        return None
+
+    def body(law, overlap, memory):
+        force, _ = normal_force(law, overlap, memory[6])
+        return 0.5 * force * force / law.unloading, 0.5 * memory[3] * memory[3] / law.tangential
+
+    return body

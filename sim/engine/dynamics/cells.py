@@ -1,0 +1,205 @@
+"""A grid of cells: particles sorted by place, and the pairs among neighboring cells.
+
+Cells form columns along the last direction, which is open; particles are sorted by column and, in
+it, by cell, so that the neighbors of a cell are a few contiguous ranges. Written once for two and
+three dimensions: the length of the tuples in ``Box`` fixes the dimension of a compiled kernel.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from sim.engine.compile import append_negative, inlined, kernel, vectorised
+
+#: Iterations that the compiler takes together in a short loop; the remainder is done one by one.
+UNROLLED = 8
+
+
+class Box(NamedTuple):
+    """The periodic cell: ``length`` (m) per direction and its ``inverse``; both 0 for the last
+    direction, which is open."""
+
+    length: tuple[float, ...]
+    inverse: tuple[float, ...]
+
+
+def make_box(*length: float) -> Box:
+    """Return the box that is periodic with these lengths (m) and open in one more direction."""
+    return Box(
+        (*(float(value) for value in length), 0.0),
+        (*(1.0 / value for value in length), 0.0),
+    )
+
+
+@inlined
+def nearest_image(difference, box, d):
+    """Return the shortest periodic image of a difference along direction d; the last is open."""
+    if d == len(box.length) - 1:
+        return difference
+    return difference - box.length[d] * np.rint(difference * box.inverse[d])
+
+
+@inlined
+def wrap(position, box):
+    """Move every particle into the periodic cell; ``position`` is (D, N)."""
+    for d in range(len(box.length) - 1):
+        for i in range(position.shape[1]):
+            position[d, i] -= box.length[d] * np.floor(position[d, i] * box.inverse[d])
+
+
+@inlined
+def assign_cells(position, box, size, cells):
+    """Return each particle's cell; fill ``cells`` (D,) with the number of cells per direction.
+
+    The open direction spans the particles; a few that fly far above the others share the last
+    cells, so that the number of cells stays of the order of the number of particles.
+    """
+    dimension, particles = position.shape
+    last = dimension - 1
+    cell = np.zeros(particles, np.int64)
+    columns = 1
+    for d in range(last):
+        cells[d] = max(1, int(box.length[d] / size))
+        columns *= cells[d]
+        for i in range(particles):
+            k = int(position[d, i] * (box.inverse[d] * cells[d]))
+            cell[i] = cell[i] * cells[d] + min(max(k, 0), cells[d] - 1)
+    lowest, highest = position[last].min(), position[last].max()
+    extent = min((highest - lowest) / size, 8.0 * particles / columns + 64.0)
+    cells[last] = int(extent) + 1
+    for i in range(particles):
+        k = int(min((position[last, i] - lowest) / size, extent))
+        cell[i] = cell[i] * cells[last] + k
+    return cell
+
+
+@inlined
+def rounded_up(number, size):
+    """Return the smallest multiple of ``size`` that is not below ``number``."""
+    return (number + size - 1) // size * size
+
+
+@kernel
+def sort_by_cell(cell, cells):
+    """Return the particles ordered by cell and where each cell begins (a counting sort).
+
+    ``cells`` (D,) is the number of cells per direction.
+    """
+    number = 1
+    for d in range(cells.size):
+        number *= cells[d]
+    begin = np.zeros(number + 1, np.int64)
+    for i in range(cell.size):
+        begin[cell[i] + 1] += 1
+    for c in range(number):
+        begin[c + 1] += begin[c]
+    order = np.empty(cell.size, np.int64)
+    fill = begin.copy()
+    for i in range(cell.size):
+        order[fill[cell[i]]] = i
+        fill[cell[i]] += 1
+    return order, begin
+
+
+@kernel
+def reorder(array, order):
+    """Sort the columns of ``array`` (K, N), or (K, 0), in place: column i becomes ``order[i]``."""
+    if array.shape[1] > 0:
+        for k in range(array.shape[0]):
+            old = array[k].copy()
+            for i in range(order.size):
+                array[k, i] = old[order[i]]
+
+
+@kernel
+def columns_ahead(cells, column, out):
+    """Fill ``out`` with the distinct neighbors of a column that have a larger number; return how
+    many. Taking only these finds each pair of columns once, also where the box is narrow."""
+    count = 0
+    directions = cells.size - 1
+    for stencil in range(3**directions):
+        rest, code, factor, neighbor = column, stencil, 1, 0
+        for d in range(directions - 1, -1, -1):
+            k = (rest % cells[d] + code % 3 - 1) % cells[d]
+            rest //= cells[d]
+            code //= 3
+            neighbor += k * factor
+            factor *= cells[d]
+        known = neighbor <= column
+        for c in range(count):
+            known |= out[c] == neighbor
+        if not known:
+            out[count] = neighbor
+            count += 1
+    return count
+
+
+class Candidates(NamedTuple):
+    """Scratch of the search: ``number`` of the particles around a cell, ``gap`` (m²), ``near``."""
+
+    number: np.ndarray
+    gap: np.ndarray
+    near: np.ndarray
+
+
+@inlined
+def _collect(number, first, last, count):
+    """Append the particles ``first``..``last`` to the candidates; return the new count."""
+    for n in range(last - first):
+        number[np.uint64(count + n)] = first + n
+    return count + last - first
+
+
+@inlined
+def _near(candidates, position, radius, box, own, count, skin, second, slot):
+    """Append to ``second`` the candidates behind number ``own`` within reach plus skin of it.
+
+    The gaps of a few entries behind the last candidate are computed, too, and not used.
+    """
+    i = np.uint64(candidates.number[own])
+    behind = count - own - 1
+    for n in range(rounded_up(behind, UNROLLED)):
+        j = np.uint64(candidates.number[np.uint64(own + 1 + n)])
+        square = 0.0
+        for d in range(len(box.length)):
+            square += nearest_image(position[d, j] - position[d, i], box, d) ** 2
+        candidates.gap[n] = square - (radius[j] + radius[i] + skin) ** 2
+    near = append_negative(candidates.gap, behind, own + 1, candidates.near, np.uint64(0))
+    for n in range(near):
+        second[np.uint64(slot + n)] = candidates.number[candidates.near[n]]
+    return slot + np.int64(near)
+
+
+@inlined
+def find_pairs(position, radius, box, skin, cells, begin, part, second, start, stop):
+    """Find the pairs of sorted particles within reach plus skin whose first is in some cells.
+
+    ``begin`` is where each cell begins; ``part`` holds the first and the last cell (exclusive), and
+    the room in ``second`` likewise. Pairs ``start``..``stop`` (N,) of ``second`` are those of a
+    particle. Returns how many there are, or -1 as soon as room may be short.
+    """
+    vectorised()
+    first_cell, last_cell, slot, room = part
+    count, layers = position.shape[1] + UNROLLED, cells[-1]
+    candidates = Candidates(np.zeros(count, np.uint32), np.zeros(count), np.zeros(count, np.uint32))
+    around, ahead, base = np.empty(9, np.int64), 0, slot
+    for cell in range(first_cell, last_cell):
+        column, layer = cell // layers, cell % layers
+        first, last = begin[cell], begin[cell + 1]
+        if layer == 0 or cell == first_cell:
+            ahead = columns_ahead(cells, column, around)
+        if first == last:
+            continue
+        behind = begin[cell + 2] if layer + 1 < layers else last
+        count = _collect(candidates.number, first, behind, 0)
+        low, high = max(layer - 1, 0), min(layer + 2, layers)
+        for c in range(ahead):
+            floor = around[c] * layers
+            count = _collect(candidates.number, begin[floor + low], begin[floor + high], count)
+        for i in range(first, last):
+            if slot + count > room:
+                return -1
+            start[i] = slot
+            slot = _near(candidates, position, radius, box, i - first, count, skin, second, slot)
+            stop[i] = slot
+    return slot - base

@@ -1,0 +1,268 @@
+"""Neighbor list with a skin, and the slots that tie its pairs to the memory of their contacts.
+
+The list holds as long as no pair that is not in it can have come into contact; ``mean_flow`` says
+how long that is.
+"""
+
+from math import isfinite
+from typing import NamedTuple
+
+import numpy as np
+
+from sim.engine.compile import append_negative, inlined, vectorised
+from sim.engine.contact.friction import VECTOR
+from sim.engine.dynamics.cells import assign_cells, find_pairs, nearest_image, sort_by_cell, wrap
+from sim.engine.dynamics.mean_flow import AGE
+from sim.engine.dynamics.status import LIST_FULL, NOT_FINITE, OK
+
+#: List entries that are examined together.
+BLOCK = 256
+
+#: Threads that may share a list, and the room that they may need between their touching pairs.
+MOST_THREADS = 256
+MARGIN = 16 * MOST_THREADS
+
+
+class Draft(NamedTuple):
+    """The next list while threads make it, each in a part of its own of ``second`` and ``slot``.
+
+    ``start`` and ``stop`` (N,) tell the pairs of each particle, ``count`` how many pairs each
+    thread has found.
+    """
+
+    second: np.ndarray
+    slot: np.ndarray
+    start: np.ndarray
+    stop: np.ndarray
+    count: np.ndarray
+
+
+class PairList(NamedTuple):
+    """Pairs within reach of each other, sorted by their first particle; always first < second.
+
+    ``first``, ``second`` (P,) particles; ``reach`` (P,) sum of the radii (m); ``slot`` (P,) where
+    the contact is remembered, -1 if it did not touch in the last step; ``touching``
+    (P + MARGIN,) those that touch; ``start`` (N + 1,) first pair of each particle. Since the last
+    build: ``anchor`` (D, N) positions at that time, ``drift`` (D,) mean displacement (m),
+    ``stream`` (N,) velocity of the mean flow at each particle relative to all (m/s), ``clock`` (2,)
+    see ``mean_flow``, ``valid`` (1,). ``skin`` and the ``largest`` sum of two radii in m; ``draft``
+    is the next list while it is made.
+    """
+
+    first: np.ndarray
+    second: np.ndarray
+    reach: np.ndarray
+    slot: np.ndarray
+    touching: np.ndarray
+    start: np.ndarray
+    anchor: np.ndarray
+    drift: np.ndarray
+    stream: np.ndarray
+    clock: np.ndarray
+    valid: np.ndarray
+    draft: Draft
+    skin: float
+    largest: float
+
+
+def empty_pair_list(
+    radius: np.ndarray, dimension: int, skin: float, per_particle: int = 8
+) -> PairList:
+    """Return a list without pairs, with room for ``per_particle`` pairs per particle.
+
+    ``radius`` (N,) and ``skin`` in m.
+    """
+    particles = len(radius)
+    capacity = per_particle * particles + 64
+    return PairList(
+        first=np.zeros(capacity, np.uint32),
+        second=np.zeros(capacity, np.uint32),
+        reach=np.zeros(capacity),
+        slot=np.full(capacity, -1, np.int32),
+        touching=np.zeros(capacity + MARGIN, np.uint32),
+        start=np.zeros(particles + 1, np.int64),
+        anchor=np.full((dimension, particles), np.nan),
+        drift=np.zeros(dimension),
+        stream=np.zeros(particles),
+        clock=np.zeros(2),
+        valid=np.zeros(1, np.bool_),
+        draft=Draft(
+            np.zeros(capacity, np.uint32),
+            np.full(capacity, -1, np.int32),
+            np.zeros(particles, np.int64),
+            np.zeros(particles, np.int64),
+            np.zeros(MOST_THREADS, np.int64),
+        ),
+        skin=skin,
+        largest=2.0 * float(np.max(radius)),
+    )
+
+
+def grown(pairs: PairList) -> PairList:
+    """Return a copy of the list with twice the room."""
+    double = {
+        name: np.pad(getattr(pairs, name), (0, len(pairs.first)))
+        for name in ("first", "second", "reach", "slot", "touching")
+    }
+    second, slot = (np.pad(array, (0, len(array))) for array in pairs.draft[:2])
+    return pairs._replace(**double, draft=pairs.draft._replace(second=second, slot=slot))
+
+
+@inlined
+def find_touching(position, pairs, box, begin, end, base, gap):
+    """Put the touching pairs among ``begin``..``end`` into ``pairs.touching`` from ``base`` on.
+
+    Returns how many. The list is examined in blocks of the size of ``gap``, which is scratch.
+    """
+    touching = np.uint64(base)
+    for start in range(begin, end, gap.size):
+        size = min(gap.size, end - start)
+        for k in range(size):
+            p = np.uint64(start + k)
+            i, j = np.uint64(pairs.first[p]), np.uint64(pairs.second[p])
+            square = 0.0
+            for d in range(len(box.length)):
+                square += nearest_image(position[d, j] - position[d, i], box, d) ** 2
+            gap[k] = square - pairs.reach[p] * pairs.reach[p]
+        touching += append_negative(gap, size, start, pairs.touching, touching)
+    return np.int64(touching) - base
+
+
+@inlined
+def draft(pairs, position, radius, box, rank, threads):
+    """Find one thread's part of the next list; return the order of the particles and its part.
+
+    ``order`` (N,): particle i of the next list is the present ``order[i]``; ``place`` (D, N) and
+    ``size`` (N,) are positions and radii in that order; the part is the range of first particles.
+    All threads sort, which is cheap, and search in their own cells. ``pairs.draft.count`` is -1
+    where there was no room.
+    """
+    dimension, particles = position.shape
+    next_ = pairs.draft
+    cells = np.ones(dimension, np.int64)
+    cell = assign_cells(position, box, pairs.largest + pairs.skin, cells)
+    order, begin = sort_by_cell(cell, cells)
+    place, size = np.empty((dimension, particles)), np.empty(particles)
+    for i in range(particles):
+        size[i] = radius[order[i]]
+        for d in range(dimension):
+            place[d, i] = position[d, order[i]]
+    first, last = 0, 0
+    while begin[first] * threads < particles * rank:
+        first += 1
+    while begin[last] * threads < particles * (rank + 1):
+        last += 1
+    room = next_.second.size // threads
+    part = (first, last, rank * room, (rank + 1) * room)
+    next_.count[rank] = find_pairs(
+        place, size, box, pairs.skin, cells, begin, part, next_.second, next_.start, next_.stop
+    )
+    for p in range(rank * room, (rank + 1) * room):
+        next_.slot[np.uint64(p)] = -1
+    return order, place, size, (begin[first], begin[last])
+
+
+@inlined
+def carry_slots(pairs, order, memory, first, last):
+    """Tell the next list where the contacts among pairs ``first``..``last`` are remembered.
+
+    ``memory`` (7, C) is that of the last step: where partners change places, the remembered force
+    changes sign.
+    """
+    next_, rank = pairs.draft, np.empty(order.size, np.int64)
+    for i in range(order.size):
+        rank[order[i]] = i
+    gap, touching = np.empty(BLOCK), np.empty(BLOCK + 8, np.uint32)
+    for begin in range(first, last, BLOCK):
+        size = min(BLOCK, last - begin)
+        for k in range(size):
+            gap[k] = -0.5 - pairs.slot[np.uint64(begin + k)]
+        for k in range(append_negative(gap, size, begin, touching, np.uint64(0))):
+            p = np.uint64(touching[k])
+            s = np.uint64(pairs.slot[p])
+            i, j = rank[pairs.first[p]], rank[pairs.second[p]]
+            if i > j:
+                i, j = j, i
+                for m in range(VECTOR):
+                    memory[m, s] = -memory[m, s]
+            new = np.uint64(next_.start[i])
+            while new < next_.stop[i] and next_.second[new] != j:
+                new += np.uint64(1)
+            if new < next_.stop[i]:
+                next_.slot[new] = s
+
+
+@inlined
+def adopt(pairs, position, place, size, rank, threads, first, last):
+    """Make one thread's part of the draft, that of particles ``first``..``last``, part of the list.
+
+    ``position`` becomes ``place``, and that is what displacements count from.
+    """
+    vectorised()
+    next_, before, number = pairs.draft, 0, 0
+    for other in range(threads):
+        before += next_.count[other] if other < rank else 0
+        number += next_.count[other]
+    shift = rank * (next_.second.size // threads) - before
+    for d in range(place.shape[0]):
+        for k in range(first, last):
+            i = np.uint64(k)
+            position[d, i] = place[d, i]
+            pairs.anchor[d, i] = place[d, i]
+    for i in range(first, last):
+        pairs.start[i] = next_.start[i] - shift
+        for p in range(next_.start[i] - shift, next_.stop[i] - shift):
+            pairs.first[p] = i
+    if last == place.shape[1]:
+        pairs.start[last] = number
+    for k in range(before, before + next_.count[rank]):
+        p, q = np.uint64(k), np.uint64(k + shift)
+        pairs.second[p] = next_.second[q]
+        pairs.slot[p] = next_.slot[q]
+        i, j = np.uint64(pairs.first[p]), np.uint64(next_.second[q])
+        pairs.reach[p] = size[i] + size[j]
+
+
+@inlined
+def tidy(pairs, position, box):
+    """Move all particles into the periodic cell and start the clock of the next list anew.
+
+    Returns a status: whether all positions are finite.
+    """
+    for d in range(position.shape[0]):
+        for i in range(position.shape[1]):
+            if not isfinite(position[d, i]):
+                return NOT_FINITE
+    wrap(position, box)
+    for d in range(pairs.drift.size):
+        pairs.drift[d] = 0.0
+    pairs.clock[AGE] = 0.0
+    return OK
+
+
+@inlined
+def has_room(pairs, threads):
+    """Return whether there was room for the whole draft."""
+    least = 0
+    for rank in range(threads):
+        least = min(least, pairs.draft.count[rank])
+    return least == 0
+
+
+@inlined
+def refresh(pairs, position, radius, box, memory):
+    """Rebuild the list with a single thread; return a status and the order of the particles.
+
+    ``memory`` is that of the last step. ``position`` (D, N) is sorted; column i of every other
+    array of the particles must become ``order[i]``. On LIST_FULL all is as it was, but wrapped.
+    """
+    status = tidy(pairs, position, box)
+    if status != OK:
+        return status, np.empty(0, np.int64)
+    order, place, size, (first, last) = draft(pairs, position, radius, box, 0, 1)
+    if not has_room(pairs, 1):
+        return LIST_FULL, order
+    carry_slots(pairs, order, memory, 0, pairs.start[order.size])
+    adopt(pairs, position, place, size, 0, 1, first, last)
+    pairs.valid[0] = True
+    return OK, order

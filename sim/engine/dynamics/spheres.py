@@ -1,0 +1,295 @@
+"""Spheres, and the forces between them, in three dimensions.
+
+The touching pairs of the neighbor list are put together and taken in blocks that stay in the
+nearest cache. One loop computes how the partners of each pair approach each other, one applies the
+law, and one adds the results to the particles. The first two have no branches, so that the compiler
+turns them into vector instructions; they are two because a processor overlaps the iterations of
+short loops better.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from sim.engine.compile import inlined, kernel, vectorised
+from sim.engine.contact.friction import MEMORY, contact_force, stored_energy
+from sim.engine.contact.roots import inverse_square_root
+from sim.engine.dynamics.cells import nearest_image, rounded_up
+from sim.engine.dynamics.neighbors import find_touching
+
+#: Contacts that are evaluated together, and list entries that are examined together.
+BLOCK = 256
+
+#: Distance between rows of the work array: not a power of two, or all rows would compete for the
+#: same few lines of the cache.
+STRIDE = BLOCK + 8
+
+#: Numbers in the widest vectors.
+LANES = 8
+
+# Rows of the work array: first how the partners approach, then the same rows with the results.
+NX, NY, NZ, SX, SY, SZ, OVERLAP, REACH, CLOSER = range(9)
+FX, FY, FZ, MX, MY, MZ = range(6)
+LOST, WORK = 8, 9
+ROWS = 10
+
+#: Moment of inertia of a solid sphere over m r².
+SOLID = 0.4
+
+
+class Spheres(NamedTuple):
+    """The particles, one column each, in SI units. Those without mass are fixed in space.
+
+    ``position``, ``velocity`` and ``rim`` (3, N); ``rim`` is the angular velocity times the radius
+    (m/s). Velocities belong to the half step before the position. ``force`` and ``moment``
+    (T, 3, N) hold what each of T threads has added in the last evaluation: a thread adds to its own
+    particles and to those of the threads behind it; ``moment`` is the torque over the radius (N).
+    ``radius``, ``mass`` and ``inverse_mass`` (N,), the last two 0 for fixed ones. ``label`` (1, N)
+    is the particle's number in the initial state: the neighbor list keeps the particles sorted by
+    place.
+    """
+
+    position: np.ndarray
+    velocity: np.ndarray
+    rim: np.ndarray
+    force: np.ndarray
+    moment: np.ndarray
+    radius: np.ndarray
+    mass: np.ndarray
+    inverse_mass: np.ndarray
+    label: np.ndarray
+
+
+class Work(NamedTuple):
+    """Scratch of one thread: ``gap`` (m², to the plane m) of a block, flat ``rows`` of results.
+
+    ``touching`` are the particles of a block that touch the plane.
+    """
+
+    gap: np.ndarray
+    touching: np.ndarray
+    rows: np.ndarray
+
+
+def make_spheres(position, velocity, radius, mass, threads: int = 1) -> Spheres:
+    """Return solid spheres at positions and velocities (N, 3) that do not rotate.
+
+    ``radius`` and ``mass`` may be numbers or arrays (N,); a mass of 0 stands for a sphere that is
+    fixed in space, whose velocity must be 0.
+    """
+    number = len(position)
+    radius = np.broadcast_to(np.asarray(radius, float), number).copy()
+    mass = np.broadcast_to(np.asarray(mass, float), number).copy()
+    return Spheres(
+        np.array(np.transpose(position), float, order="C"),
+        np.array(np.transpose(velocity), float, order="C"),
+        np.zeros((3, number)),
+        np.zeros((threads, 3, number)),
+        np.zeros((threads, 3, number)),
+        radius,
+        mass,
+        np.divide(1.0, mass, out=np.zeros(number), where=mass > 0.0),
+        np.arange(number).reshape(1, number),
+    )
+
+
+def make_work() -> Work:
+    """Return scratch space for one thread."""
+    return Work(np.zeros(BLOCK), np.zeros(BLOCK + LANES, np.uint32), np.zeros(ROWS * STRIDE))
+
+
+@inlined
+def approach(rows, k, separation, reach, velocity, rim, time_step):
+    """Write normal, slip and approach during the step, overlap and reach (m) of a contact.
+
+    They go to column k of ``rows``.
+
+    ``separation`` and ``velocity`` are of j relative to i, ``rim`` is the sum of both rims.
+    """
+    dx, dy, dz = separation
+    square = dx * dx + dy * dy + dz * dz
+    scale = inverse_square_root(square)
+    nx, ny, nz = dx * scale, dy * scale, dz * scale
+    wx, wy, wz = rim
+    sx = velocity[0] - (wy * nz - wz * ny)
+    sy = velocity[1] - (wz * nx - wx * nz)
+    sz = velocity[2] - (wx * ny - wy * nx)
+    along = sx * nx + sy * ny + sz * nz
+    rows[NX * STRIDE + k] = nx
+    rows[NY * STRIDE + k] = ny
+    rows[NZ * STRIDE + k] = nz
+    rows[SX * STRIDE + k] = (sx - along * nx) * time_step
+    rows[SY * STRIDE + k] = (sy - along * ny) * time_step
+    rows[SZ * STRIDE + k] = (sz - along * nz) * time_step
+    rows[OVERLAP * STRIDE + k] = reach - square * scale
+    rows[REACH * STRIDE + k] = reach
+    rows[CLOSER * STRIDE + k] = -along * time_step
+
+
+@inlined
+def react(law, rows, k, memory):
+    """Replace normal and slip in column k by force on i and moment (N); return the new memory.
+
+    The approach is replaced by the energy (J) dissipated by the normal force, and the work done
+    against friction comes behind it.
+    """
+    nx, ny, nz = rows[NX * STRIDE + k], rows[NY * STRIDE + k], rows[NZ * STRIDE + k]
+    slip = (rows[SX * STRIDE + k], rows[SY * STRIDE + k], rows[SZ * STRIDE + k])
+    overlap = rows[OVERLAP * STRIDE + k]
+    closer = rows[CLOSER * STRIDE + k]
+    force, (tx, ty, tz), memory, (lost, work) = contact_force(
+        law, overlap, closer, (nx, ny, nz), slip, memory
+    )
+    rows[FX * STRIDE + k] = tx - force * nx
+    rows[FY * STRIDE + k] = ty - force * ny
+    rows[FZ * STRIDE + k] = tz - force * nz
+    rows[MX * STRIDE + k] = ny * tz - nz * ty
+    rows[MY * STRIDE + k] = nz * tx - nx * tz
+    rows[MZ * STRIDE + k] = nx * ty - ny * tx
+    rows[LOST * STRIDE + k] = lost
+    rows[WORK * STRIDE + k] = work
+    return memory
+
+
+@inlined
+def recall(memory, slot):
+    """Return what a contact remembers; a negative slot means that it did not touch."""
+    held = slot >= 0
+    s = np.uint64(max(slot, 0))
+    return (
+        memory[0, s] if held else 0.0,
+        memory[1, s] if held else 0.0,
+        memory[2, s] if held else 0.0,
+        memory[3, s] if held else 0.0,
+        memory[4, s] if held else 0.0,
+        memory[5, s] if held else 0.0,
+        memory[6, s] if held else 0.0,
+    )
+
+
+@inlined
+def _evaluate(law, spheres, pairs, before, after, box, rows, number, base, time_step):
+    """Apply the law to ``number`` touching pairs from ``base`` on; their memory goes there too."""
+    x, v, w = spheres.position, spheres.velocity, spheres.rim
+    for k in range(number):
+        p = np.uint64(pairs.touching[np.uint64(base + k)])
+        i, j = np.uint64(pairs.first[p]), np.uint64(pairs.second[p])
+        velocity = (v[0, j] - v[0, i], v[1, j] - v[1, i], v[2, j] - v[2, i])
+        rim = (w[0, j] + w[0, i], w[1, j] + w[1, i], w[2, j] + w[2, i])
+        approach(rows, k, nearest(x, box, i, j), pairs.reach[p], velocity, rim, time_step)
+    for k in range(number):
+        c = np.uint64(base + k)
+        memory = react(law, rows, k, recall(before, pairs.slot[pairs.touching[c]]))
+        for m in range(MEMORY):
+            after[m, c] = memory[m]
+
+
+@inlined
+def nearest(x, box, i, j):
+    """Return the vector from i to the nearest periodic image of j."""
+    return (
+        nearest_image(x[0, j] - x[0, i], box, 0),
+        nearest_image(x[1, j] - x[1, i], box, 1),
+        x[2, j] - x[2, i],
+    )
+
+
+@inlined
+def _scatter(spheres, pairs, rows, number, base, rank):
+    """Add forces and moments to both partners.
+
+    Returns the largest relative overlap, the energy dissipated by normal forces and the work done
+    against friction (J).
+    """
+    largest, lost, work = 0.0, 0.0, 0.0
+    force, moment = spheres.force, spheres.moment
+    for k in range(number):
+        p = np.uint64(pairs.touching[np.uint64(base + k)])
+        i, j = np.uint64(pairs.first[p]), np.uint64(pairs.second[p])
+        for d in range(3):
+            force[rank, d, i] += rows[(FX + d) * STRIDE + k]
+            force[rank, d, j] -= rows[(FX + d) * STRIDE + k]
+            moment[rank, d, i] += rows[(MX + d) * STRIDE + k]
+            moment[rank, d, j] += rows[(MX + d) * STRIDE + k]
+        if rows[OVERLAP * STRIDE + k] > largest * rows[REACH * STRIDE + k]:
+            largest = rows[OVERLAP * STRIDE + k] / rows[REACH * STRIDE + k]
+        lost += rows[LOST * STRIDE + k]
+        work += rows[WORK * STRIDE + k]
+    return largest, lost, work
+
+
+@inlined
+def filled_up(list_, begin, number):
+    """Repeat the last of ``number`` entries up to a multiple of ``LANES``; return that multiple.
+
+    A loop over whole vectors has no remainder, whose contacts would cost as much as a vector each.
+    """
+    whole = rounded_up(number, LANES)
+    for k in range(number, whole):
+        list_[begin + k] = list_[begin + number - 1]
+    return whole
+
+
+@inlined
+def pair_forces(law, spheres, pairs, before, after, box, work, time_step, share):
+    """Add the forces of the touching pairs of one thread's share.
+
+    ``share`` is (rank, begin, end): the thread and the range of first particles that it looks
+    after. ``before`` and ``after`` (7, C) are the memory of the last step and of this one. Returns
+    the number of touching pairs, the largest overlap relative to the sum of the radii, the energy
+    dissipated by normal forces and the work done against friction (J).
+    """
+    vectorised()
+    rank, begin, end = share
+    first, last = pairs.start[begin], pairs.start[end]
+    base = first + rank * LANES
+    contacts = find_touching(spheres.position, pairs, box, first, last, base, work.gap)
+    filled_up(pairs.touching, base, contacts)
+    largest, lost, work_done = 0.0, 0.0, 0.0
+    for start in range(base, base + contacts, BLOCK):
+        number = min(BLOCK, base + contacts - start)
+        whole = rounded_up(number, LANES)
+        _evaluate(law, spheres, pairs, before, after, box, work.rows, whole, start, time_step)
+        deepest, dissipated, rubbed = _scatter(spheres, pairs, work.rows, number, start, rank)
+        largest = max(largest, deepest)
+        lost += dissipated
+        work_done += rubbed
+    for p in range(first, last):
+        pairs.slot[np.uint64(p)] = -1
+    for c in range(base, base + contacts):
+        pairs.slot[pairs.touching[np.uint64(c)]] = c
+    return contacts, largest, lost, work_done
+
+
+@kernel
+def stored_in_pairs(law, spheres, pairs, memory, box, time_step):
+    """Return the energy (J) in the normal and tangential springs of all pairs in contact.
+
+    ``memory`` (7, C) is that of the last step, and the overlaps are those of its force evaluation,
+    one displacement ago.
+    """
+    x, v = spheres.position, spheres.velocity
+    normal, tangential = 0.0, 0.0
+    for p in range(pairs.start[-1]):
+        if pairs.slot[p] < 0:
+            continue
+        i, j = pairs.first[p], pairs.second[p]
+        dx, dy, dz = nearest(x, box, i, j)
+        dx -= (v[0, j] - v[0, i]) * time_step
+        dy -= (v[1, j] - v[1, i]) * time_step
+        dz -= (v[2, j] - v[2, i]) * time_step
+        overlap = pairs.reach[p] - (dx * dx + dy * dy + dz * dz) ** 0.5
+        pressed, sheared = stored_energy(law, overlap, recall(memory, pairs.slot[p]))
+        normal += pressed
+        tangential += sheared
+    return normal, tangential
+
+
+def make_memory(contacts: int) -> np.ndarray:
+    """Return room (2, 7, C) for what contacts remember, written in even and odd steps in turn."""
+    return np.zeros((2, MEMORY, contacts))
+
+
+def enlarged(memory: np.ndarray, contacts: int) -> np.ndarray:
+    """Return a copy of the memory with room for more contacts."""
+    return np.pad(memory, ((0, 0), (0, 0), (0, contacts - memory.shape[2])))

@@ -1,0 +1,110 @@
+"""Threads that advance one flow together: shares of the work between common gates.
+
+A step of a few thousand particles takes some hundred microseconds, too short for a scheduler of
+tasks. Every thread therefore runs the same compiled loop and waits at a gate for the others. Who
+does what depends only on the number of threads, and so do the bits of the result.
+"""
+
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+from numba import types
+from numba.extending import intrinsic
+
+from sim.engine.compile import kernel
+
+#: Looks at a closed gate before a thread offers its core to others.
+PATIENCE = 2000
+
+# Entries of a gate.
+ARRIVED, OPENINGS, THREADS, BROKEN = range(4)
+
+_yield = types.ExternalFunction("sched_yield", types.int32())
+
+
+def _address(context, builder, signature, args):
+    array = context.make_array(signature.args[0])(context, builder, args[0])
+    return builder.gep(array.data, [args[1]])
+
+
+@intrinsic
+def _add(typingctx, array, index):
+    """Add one to an entry, atomically, and return what it was."""
+
+    def codegen(context, builder, signature, args):
+        one = context.get_constant(types.int64, 1)
+        return builder.atomic_rmw(
+            "add", _address(context, builder, signature, args), one, "seq_cst"
+        )
+
+    return types.int64(array, types.int64), codegen
+
+
+@intrinsic
+def _read(typingctx, array, index):
+    """Read an entry that other threads change."""
+
+    def codegen(context, builder, signature, args):
+        return builder.load_atomic(_address(context, builder, signature, args), "seq_cst", 8)
+
+    return types.int64(array, types.int64), codegen
+
+
+def make_gate(threads: int) -> np.ndarray:
+    """Return a gate that opens whenever this many threads have arrived."""
+    return np.array([0, 0, threads, 0], np.int64)
+
+
+@kernel
+def barrier(gate):
+    """Wait until all threads of the gate have arrived; return whether one of them never will."""
+    threads = gate[THREADS]
+    if threads == 1:
+        return False
+    openings = _read(gate, OPENINGS)
+    if _add(gate, ARRIVED) == threads - 1:
+        gate[ARRIVED] = 0
+        _add(gate, OPENINGS)
+        return False
+    looks = 0
+    while _read(gate, OPENINGS) == openings:
+        if _read(gate, BROKEN):
+            return True
+        looks += 1
+        if looks > PATIENCE:
+            _yield()
+    return False
+
+
+class Team:
+    """Runs a function of a thread's rank on all threads of a team."""
+
+    def __init__(self, threads: int):
+        self.gate = make_gate(threads)
+        self._ranks = range(1, threads)
+        self._pool = ThreadPoolExecutor(threads - 1) if threads > 1 else None
+
+    def __reduce__(self):
+        # Threads cannot be pickled; nothing of a team lasts from one call to the next.
+        return Team, (len(self._ranks) + 1,)
+
+    def run(self, task: Callable[[int], int]) -> int:
+        """Return what ``task(0)`` returns, after the same task has ended for all other ranks.
+
+        When one of them raises an exception before it has reached the gate, the gate is broken for
+        good, so that nobody waits for it, and the exception is passed on.
+        """
+        others = [self._pool.submit(self._guarded, task, rank) for rank in self._ranks]
+        try:
+            return self._guarded(task, 0)
+        finally:
+            for other in others:
+                other.result()
+
+    def _guarded(self, task: Callable[[int], int], rank: int) -> int:
+        try:
+            return task(rank)
+        except BaseException:
+            self.gate[BROKEN] = 1
+            raise

@@ -1,0 +1,49 @@
+"""Sums of profiles over successive blocks of samples: where to start can be decided later."""
+
+from sim.engine.observe.sums import Sums, plus
+
+#: Blocks kept; when there are as many, each two become one.
+MOST = 64
+
+
+class ProfileBlocks:
+    """The profiles of a run, summed up in blocks of equal numbers of samples.
+
+    ``latest`` are the profiles of the last sample alone, ``None`` before the first.
+    """
+
+    def __init__(self):
+        self.latest: Sums | None = None
+        self._blocks: list[Sums] = []
+        self._length = 1
+        self._filled = 0
+
+    def add(self, profiles: Sums) -> None:
+        """Add the profiles of one sample."""
+        self.latest = profiles
+        if self._filled == 0:
+            self._blocks.append(profiles)
+        else:
+            self._blocks[-1] = _plus(self._blocks[-1], profiles)
+        self._filled = (self._filled + 1) % self._length
+        if self._filled == 0 and len(self._blocks) == MOST:
+            pairs = zip(self._blocks[::2], self._blocks[1::2], strict=True)
+            self._blocks = [_plus(first, second) for first, second in pairs]
+            self._length *= 2
+
+    def since(self, start: int) -> Sums | None:
+        """Return the sums over all blocks that begin at sample ``start`` or later.
+
+        At least the last block counts; ``None`` before the first sample.
+        """
+        if not self._blocks:
+            return None
+        first = min(-(-start // self._length), len(self._blocks) - 1)
+        total = self._blocks[first]
+        for block in self._blocks[first + 1 :]:
+            total = _plus(total, block)
+        return total
+
+
+def _plus(first: Sums, second: Sums) -> Sums:
+    return tuple(plus(mine, theirs) for mine, theirs in zip(first, second, strict=True))

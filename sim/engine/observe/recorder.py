@@ -1,0 +1,158 @@
+"""What one replicate leaves behind, collected while it runs, and when it has run long enough."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from sim.engine.observe import stopping
+from sim.engine.observe.blocks import ProfileBlocks
+from sim.engine.observe.force_balance import base_forces
+from sim.engine.observe.regime import FAILED, Trend, analyse
+from sim.engine.observe.sums import zeros
+from sim.engine.observe.system import System
+
+
+@dataclass
+class Record:
+    """Everything measured in one replicate.
+
+    ``series`` name -> (T,), not-a-number after a failure; ``profiles`` name -> (H,), cumulative,
+    and with the suffix ``_instantaneous`` the last sample's; ``tables`` name -> array of dimensions
+    of its own; ``path`` (S, N, D) of the particles after the last sample, m; ``snapshots`` name ->
+    first and last state; ``scalars`` name -> number or text.
+    """
+
+    series: dict[str, np.ndarray]
+    profiles: dict[str, np.ndarray] = field(default_factory=dict)
+    tables: dict[str, np.ndarray] = field(default_factory=dict)
+    path: np.ndarray | None = None
+    snapshots: dict[str, list[np.ndarray]] = field(default_factory=dict)
+    scalars: dict[str, float | int | str] = field(default_factory=dict)
+
+
+class Recorder:
+    """Collects the samples of one replicate until its protocol is content.
+
+    ``taken`` samples so far; ``stopped`` is the reason to take no more, empty until then;
+    ``snapshots`` name -> states so far; ``path`` of the particles once it has been traced.
+    """
+
+    def __init__(self, system: System):
+        p = system.parameters
+        self.system = system
+        self.taken = 0
+        self.stopped = ""
+        self._reason = ""
+        self._published = p.protocol == "published"
+        self._interval = p.sample_steps * p.time_step
+        self._start = p.transient_samples
+        self._looks = stopping.looks(p.shortest_samples, p.longest_samples)
+        self._trend: Trend | None = None
+        self._table = np.full((len(system.series), p.shortest_samples), np.nan)
+        self._profiles = ProfileBlocks()
+        self.snapshots: dict[str, list[np.ndarray]] = {}
+        self.path: np.ndarray | None = None
+
+    def take(self, values: dict[str, float]) -> None:
+        """Store one sample and decide whether it was the last."""
+        if self.taken == self._table.shape[1]:
+            self._table = np.pad(self._table, ((0, 0), (0, self.taken)), constant_values=np.nan)
+        self._table[:, self.taken] = [values[name] for name in self.system.series]
+        if self.taken >= self.system.parameters.transient_samples:
+            self._profiles.add(self.system.sample_profiles())
+        self.taken += 1
+        if self.taken in self._looks:
+            self._look()
+
+    def _look(self) -> None:
+        """Analyse the velocity so far; stop where that is enough, and at the longest length."""
+        p, velocity = self.system.parameters, self._velocity()
+        scales, period = self.system.scales, self.system.period
+        reason = stopping.LENGTH
+        if self._published:
+            self._trend = analyse(velocity[self._start :], self._interval, scales, period)
+        else:
+            self._start, self._trend, reason = stopping.verdict(
+                velocity, self._interval, scales, period, p.transient_samples
+            )
+            confirmed = reason in (self._reason, stopping.ARRESTED)
+            self._reason, reason = reason, reason if confirmed else ""
+        last = self.taken == self._looks[-1]
+        self.stopped = reason or (stopping.LIMIT if last else "")
+
+    def _velocity(self) -> np.ndarray:
+        row = list(self.system.series).index("mean_velocity")
+        return self._table[row, : self.taken]
+
+    def take_snapshot(self) -> None:
+        """Store the present state as the next snapshot."""
+        for name, array in self.system.snapshot().items():
+            self.snapshots.setdefault(name, []).append(array)
+
+    def finish(self, failure: str) -> Record:
+        """Return the record with its averages; ``failure`` is the reason of a blow-up, or empty."""
+        length = self.taken if self.stopped else max(self.taken, self._looks[0])
+        table = self._table[:, :length]
+        record = Record(dict(zip(self.system.series, table, strict=True)))
+        record.snapshots = self.snapshots
+        record.path = self.path
+        record.scalars = {
+            **self._averages(FAILED if failure else self._trend),
+            **self._energies(record.series),
+            "max_overlap": float(np.max(record.series["largest_overlap"][: self.taken], initial=0)),
+            "stopped": "failure" if failure else self.stopped,
+            "status": "failed" if failure else "completed",
+            "reason": failure,
+        }
+        if "base_shear_force" in record.series:
+            record.scalars |= self._base_forces(record.series, length if failure else self._start)
+        self._add_profiles(record)
+        return record
+
+    def _averages(self, trend: Trend) -> dict[str, float | str]:
+        transient = stopping.window_start(self._velocity(), self.system.period)
+        return {
+            "velocity": trend.velocity.value,
+            "velocity_error": trend.velocity.error,
+            "velocity_half_width": trend.velocity.half_width,
+            "acceleration": trend.acceleration.value,
+            "acceleration_error": trend.acceleration.error,
+            "acceleration_half_width": trend.acceleration.half_width,
+            "regime": trend.regime,
+            "quality": trend.quality,
+            "independent_samples": trend.independent,
+            "average_start": self._start * self._interval,
+            "transient_end": transient * self._interval,
+        }
+
+    def _energies(self, series: dict[str, np.ndarray]) -> dict[str, float]:
+        """Return mean powers over the window and how well the ledger closes over the whole run."""
+        ledger, taken = self.system.ledger, self.taken
+        if taken < 2:
+            return dict.fromkeys(("energy_residual", *ledger.powers.values()), np.nan)
+        change = {name: float(values[taken - 1] - values[0]) for name, values in series.items()}
+        residual = sum(sign * change[name] for name, sign in ledger.terms.items())
+        turnover = sum(change[name] for name in ledger.turnover)
+        start = min(max(self._start - 1, 0), taken - 2)
+        time = (taken - 1 - start) * self._interval
+        powers = {
+            power: float(series[name][taken - 1] - series[name][start]) / time
+            for name, power in ledger.powers.items()
+        }
+        return {"energy_residual": residual / turnover if turnover else np.nan, **powers}
+
+    def _base_forces(self, series: dict[str, np.ndarray], start: int) -> dict[str, float]:
+        names = ("base_shear_force", "base_normal_force", "mean_velocity")
+        window = (series[name][start:] for name in names)
+        return base_forces(*window, self.system.mass, self.system.weight, self._interval)
+
+    def _add_profiles(self, record: Record) -> None:
+        """Turn the sums into profiles; without a sample past the transient they are undefined."""
+        empty = tuple(map(zeros, self.system.sample_profiles()))
+        window = self._profiles.since(self._start - self.system.parameters.transient_samples)
+        latest = self._profiles.latest
+        with np.errstate(invalid="ignore", divide="ignore"):
+            for suffix, sums in (("", window), ("_instantaneous", latest)):
+                for name, values in self.system.profiles(sums or empty).items():
+                    record.profiles[name + suffix] = values
+            record.tables = self.system.tables(window or empty)

@@ -1,0 +1,194 @@
+"""The netCDF file of one run: all replicates of a point, in SI units, with CF attributes."""
+
+from pathlib import Path
+
+import netCDF4
+import numpy as np
+
+from sim.base.files import replacing, seal
+from sim.engine.observe.recorder import Record
+from sim.engine.observe.scalars import SCALARS
+from sim.parameters import Parameters, canonical, field_info
+
+PROFILES = {
+    "velocity_profile": ("m s-1", "mean velocity along x"),
+    "packing_profile": ("1", "packing fraction"),
+    "number_density": ("m-2", "number of bead centres per area"),
+    "granular_temperature_profile": ("m2 s-2", "granular temperature, mean of the directions"),
+    "vertical_temperature_profile": ("m2 s-2", "granular temperature of the vertical direction"),
+}
+
+SNAPSHOTS = {
+    "position": ("m", "position of the centre", ("frame", "particle", "axis")),
+    "particle_velocity": ("m s-1", "velocity of the centre", ("frame", "particle", "axis")),
+    "particle_spin": ("s-1", "angular velocity", ("frame", "particle", "axis")),
+    "orientation": (
+        "1",
+        "orientation quaternion (w, x, y, z)",
+        ("frame", "particle", "quaternion"),
+    ),
+    "radius": ("m", "radius", ("particle",)),
+    "fixed": ("1", "1 for a sphere glued to the plane, 0 for one that moves", ("particle",)),
+}
+
+#: Tables with dimensions of their own.
+TABLES = {
+    "overlap_histogram": (
+        "1",
+        "contacts per interval of overlap, of all samples of the window",
+        ("overlap_bin",),
+    ),
+    "field_velocity": ("m s-1", "mean velocity along x in the laboratory", ("column", "level")),
+    "field_density": (
+        "m-2",
+        "number of bead centres per area in the laboratory",
+        ("column", "level"),
+    ),
+}
+
+#: How numbers are stored: compressed, and with a checksum of every chunk.
+FILTERS = {"zlib": True, "complevel": 1, "shuffle": True, "fletcher32": True}
+
+#: How a value of a series stands for its sample interval (CF); the others are instantaneous.
+CELL_METHODS = {
+    "mean_velocity": "time: mean",
+    "mass_flux": "time: mean",
+    "contact_number": "time: mean",
+    "base_normal_force": "time: mean",
+    "base_shear_force": "time: mean",
+    "largest_overlap": "time: maximum",
+}
+
+
+def write(path: Path, parameters: Parameters, records: list[Record], layout, attributes) -> None:
+    """Write a run file under a temporary name, seal it, and rename it when it is complete.
+
+    Parameters
+    ----------
+    path : Path
+        The file; one that exists is replaced.
+    parameters : Parameters
+        Stored as scalar variables with their units.
+    records : list of Record
+        One per replicate.
+    layout : Layout
+        Times, heights and the names and units of the series.
+    attributes : dict
+        Global attributes.
+    """
+    with replacing(path) as temporary:
+        try:
+            with netCDF4.Dataset(temporary, "w") as file:
+                file.setncatts(attributes)
+                _write_parameters(file, parameters)
+                _write_axes(file, records, layout)
+                _write_coordinates(file, layout)
+                _write_records(file, records, layout)
+        except RuntimeError as error:
+            # What the library says of a full disk.
+            raise OSError(f"{path}: cannot be written: {error}") from None
+        seal(temporary)
+
+
+def _put(file, name, dimensions, values, unit="", long_name=""):
+    """Create one variable; texts and numbers alike."""
+    values = np.asarray(values)
+    text = values.dtype.kind in "UO"
+    whole, single = values.dtype.kind in "ib", values.dtype == np.float32
+    kind = str if text else "i8" if whole else "f4" if single else "f8"
+    options = {} if text or not dimensions else FILTERS
+    variable = file.createVariable(name, kind, dimensions, **options)
+    if unit:
+        variable.units = unit
+    if long_name:
+        variable.long_name = long_name
+    if text and not dimensions:
+        variable[0] = str(values)
+    else:
+        variable[:] = values.astype(object) if text else values
+    return variable
+
+
+def _write_parameters(file, parameters):
+    rows = field_info(parameters)
+    for name, value in canonical(parameters).items():
+        row = rows[name]
+        variable = _put(file, name, (), value, row.unit, row.description)
+        if row.scale:
+            variable.comment = f"multiple of {row.scale}"
+    _put(file, "particles", (), parameters.particles, "1", "number of particles")
+    _put(file, "time_step", (), parameters.time_step, "s", "time step")
+    for name, (value, meaning) in parameters.limits.items():
+        _put(file, name, (), value, "m s-2", meaning)
+
+
+def _write_axes(file, records, layout):
+    first = records[0].snapshots
+    file.createDimension("replicate", len(records))
+    file.createDimension("time", len(layout.time))
+    file.createDimension("height", len(layout.height))
+    file.createDimension("frame", 2)
+    file.createDimension("particle", first["position"][0].shape[0])
+    file.createDimension("axis", first["position"][0].shape[1])
+    file.createDimension("quaternion", 4)
+    _put(file, "replicate", ("replicate",), np.arange(len(records)), "1", "number of the replicate")
+    _put(
+        file, "time", ("time",), layout.time, "s", "end of the sample interval, since the start"
+    ).axis = "T"
+    height = _put(
+        file, "height", ("height",), layout.height, "m", "height of the slice above the base"
+    )
+    height.axis, height.positive = "Z", "up"
+    _put(file, "frame", ("frame",), np.array(["first", "last"]), "", "first or last state")
+    _put(file, "axis", ("axis",), np.array(layout.axes), "", "direction")
+
+
+def _write_coordinates(file, layout):
+    for name, (unit, long_name, values) in layout.coordinates.items():
+        file.createDimension(name, len(values))
+        _put(file, name, (name,), values, unit, long_name)
+
+
+def _write_tables(file, records):
+    """Write tables, and the paths in single precision: they serve pictures and mean paths."""
+    for name, values in records[0].tables.items():
+        unit, long_name, dimensions = TABLES[name]
+        for dimension, size in zip(dimensions, values.shape, strict=True):
+            if dimension not in file.dimensions:
+                file.createDimension(dimension, size)
+        stacked = np.stack([record.tables[name] for record in records])
+        _put(file, name, ("replicate", *dimensions), stacked, unit, long_name)
+    traced = [record.path for record in records if record.path is not None]
+    if traced:
+        blank = np.full_like(traced[0], np.nan)
+        paths = [blank if record.path is None else record.path for record in records]
+        dimensions = ("replicate", "path_time", "particle", "axis")
+        long_name = "position after the last sample, not wrapped into the cell"
+        _put(file, "path", dimensions, np.array(paths, np.float32), "m", long_name)
+
+
+def _write_records(file, records, layout):
+    for name, (unit, long_name) in layout.series.items():
+        values = np.full((len(records), len(layout.time)), np.nan)
+        for row, record in zip(values, records, strict=True):
+            row[: len(record.series[name])] = record.series[name]
+        variable = _put(file, name, ("replicate", "time"), values, unit, long_name)
+        variable.cell_methods = CELL_METHODS.get(name, "time: point")
+    for name in records[0].profiles:
+        unit, long_name = PROFILES[name.removesuffix("_instantaneous")]
+        when = "last sample" if name.endswith("_instantaneous") else "average of the window"
+        values = np.stack([record.profiles[name] for record in records])
+        _put(file, name, ("replicate", "height"), values, unit, f"{long_name}, {when}")
+    _write_tables(file, records)
+    for name, frames in records[0].snapshots.items():
+        unit, long_name, dimensions = SNAPSHOTS[name]
+        if not frames[0].size:
+            continue
+        both = [
+            r.snapshots[name] if dimensions[0] == "frame" else r.snapshots[name][0] for r in records
+        ]
+        _put(file, name, ("replicate", *dimensions), np.array(both), unit, long_name)
+    for name in records[0].scalars:
+        unit, long_name = SCALARS[name]
+        values = np.array([record.scalars[name] for record in records])
+        _put(file, name, ("replicate",), values, unit, long_name)

@@ -1,0 +1,174 @@
+"""One point -> one netCDF file: settle, transient, averaging window, for every replicate."""
+
+import logging
+import platform
+import shlex
+import sys
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+
+import numpy as np
+
+from sim import __version__
+from sim.base.files import alone
+from sim.engine import reproduction
+from sim.engine.checkpoint import Checkpoint, checkpoint_interval
+from sim.engine.current import current_status
+from sim.engine.identity import NUMERICS, library_versions, source_hash
+from sim.engine.observe.recorder import Record
+from sim.engine.observe.run_file import write
+from sim.engine.observe.system import System
+from sim.engine.progress import length, progress
+from sim.engine.replicate import Replicate, Stopwatch
+from sim.parameters import Parameters, point_id
+
+log = logging.getLogger("talus")
+
+#: Exit code of a run that was stopped by a blow-up; its file says why.
+BLOWN_UP = 3
+
+
+@dataclass(frozen=True)
+class Layout:
+    """What the replicates of a run have in common.
+
+    ``time`` (T,) end of each sample interval (s), ``height`` (H,) centres of the slices (m),
+    ``series`` name -> (unit, long name), ``axes`` names of the directions, ``coordinates`` of
+    tables and path name -> (unit, long name, values).
+    """
+
+    time: np.ndarray
+    height: np.ndarray
+    series: dict[str, tuple[str, str]]
+    axes: tuple[str, ...]
+    coordinates: dict[str, tuple[str, str, np.ndarray]]
+
+
+def run_point(
+    parameters: Parameters, output: Path, quiet: bool = False, record_failure: bool = False
+) -> int:
+    """Run all replicates of a point and write its file.
+
+    Parameters
+    ----------
+    parameters : Parameters
+        The point.
+    output : Path
+        The netCDF file; it appears, complete, at the end.
+    quiet : bool
+        Neither bar nor log lines about progress.
+    record_failure : bool
+        Count a blow-up as a result: the file says what happened and the exit code is 0.
+
+    Returns
+    -------
+    int
+        Exit code: 0, or 3 when a replicate blew up.
+    """
+    name = point_id(parameters)
+    log.info("%s: %d particles, %s", name, parameters.particles, length(parameters))
+    if parameters.caveat:
+        log.warning("%s: %s", name, parameters.caveat)
+    with alone(output) as waited:
+        status = current_status(output, parameters) if waited else ""
+        if not status:
+            status = _compute(parameters, output, quiet)
+            log.info("%s: written", output)
+    return BLOWN_UP if status == "failed" and not record_failure else 0
+
+
+@dataclass
+class _State:
+    """A run under way: what a checkpoint holds."""
+
+    stopwatch: Stopwatch
+    records: list[Record]
+    replicate: Replicate
+
+    def done(self) -> int:
+        """Return the time steps done, as the point counts them."""
+        p = self.replicate.parameters
+        return len(self.records) * p.steps + self.replicate.shown * p.sample_steps
+
+
+def _compute(parameters: Parameters, output: Path, quiet: bool) -> str:
+    """Run all replicates, from the last checkpoint on; write the file and return its status."""
+    checkpoint = Checkpoint(output, parameters, checkpoint_interval())
+    state = checkpoint.load()
+    if state:
+        log.info("%s: continued from a checkpoint", output)
+    else:
+        state = _State(Stopwatch(), [], Replicate(parameters, 0))
+    with checkpoint, progress(parameters, output, quiet, state.done()) as advanced:
+        while True:
+            record = state.replicate.run(advanced, lambda: checkpoint.offer(state))
+            state.records.append(record)
+            if len(state.records) == parameters.replicates:
+                break
+            state.replicate = Replicate(parameters, len(state.records))
+    reasons = [record.scalars["reason"] for record in state.records]
+    write(
+        output,
+        parameters,
+        state.records,
+        _layout(parameters, state.replicate.system, state.records),
+        attributes := _attributes(parameters, state.records, state.stopwatch.seconds()),
+    )
+    checkpoint.remove()
+    reproduction.keep(output.parent, parameters, reasons)
+    for record in state.records:
+        log.log(*_closing_line(parameters, record))
+    return attributes["status"]
+
+
+def _closing_line(parameters: Parameters, record: Record) -> tuple[int, str]:
+    """Return level and text of the line that says how a replicate ended."""
+    name, values = point_id(parameters), record.scalars
+    if values["reason"]:
+        return logging.WARNING, f"{name}: failed: {values['reason']}"
+    regime = values["regime"]
+    if regime == "accelerating":
+        regime += f" at {values['acceleration']:.4g} ± {values['acceleration_half_width']:.2g} m/s²"
+        limits = "".join(f", {key} {v:.4g}" for key, (v, _) in parameters.limits.items())
+        regime += limits.replace("_", " ")
+    return logging.INFO, (
+        f"{name}: velocity {values['velocity']:.4g} ± {values['velocity_half_width']:.2g} m/s, "
+        f"{regime}; {values['quality']}; stopped: {values['stopped']}"
+    )
+
+
+def _layout(parameters: Parameters, system: System, records: list[Record]) -> Layout:
+    samples = max(len(record.series["mean_velocity"]) for record in records)
+    interval = parameters.sample_steps * parameters.time_step
+    return Layout(
+        time=np.arange(1, samples + 1) * interval,
+        height=system.profile_height,
+        series=system.series,
+        axes=("x", "y", "z") if parameters.system == "chute" else ("x", "z"),
+        coordinates=system.coordinates,
+    )
+
+
+def _attributes(parameters: Parameters, records: list[Record], wall: float) -> dict:
+    """Return the global attributes: what this is and how it was made."""
+    reasons = [record.scalars["reason"] for record in records if record.scalars["reason"]]
+    versions = " ".join(f"{name} {number}" for name, number in library_versions().items())
+    return {
+        "Conventions": "CF-1.11",
+        "title": f"Talus run {point_id(parameters)}",
+        "system": parameters.system,
+        "point_id": point_id(parameters),
+        "engine_version": __version__,
+        "numerics": NUMERICS,
+        "source_hash": source_hash(),
+        "created": datetime.now(UTC).isoformat(timespec="seconds"),
+        "versions": versions,
+        "machine": platform.machine(),
+        "command": shlex.join(["python", "-m", "sim", *sys.argv[1:]]),
+        "status": "failed" if reasons else "completed",
+        "reason": "; ".join(reasons),
+        "caveat": parameters.caveat,
+        "steps": sum(record.scalars["steps"] for record in records),
+        "wall_time": wall,
+    }

@@ -1,0 +1,54 @@
+"""The initial state of a belt: how it moves, and beads at random above it."""
+
+from math import pi, radians, tan
+from typing import NamedTuple
+
+import numpy as np
+
+from sim.engine.boundary.belt import Belt, belt_state
+from sim.engine.dynamics.cells import Box
+from sim.engine.systems.packing import random_packing
+from sim.parameters import BeltParameters
+
+#: Area fraction of the random initial state; random sequential addition saturates near 0.55.
+INITIAL_PACKING = 0.3
+
+
+class Start(NamedTuple):
+    """``position`` (N, 2), ``radius`` and ``mass`` (N,), SI; ``height`` (m) filled at first."""
+
+    position: np.ndarray
+    radius: np.ndarray
+    mass: np.ndarray
+    height: float
+
+
+def start(p: BeltParameters, box: Box, replicate: int) -> Start:
+    """Return beads of a replicate that overlap neither each other nor belt nor obstacle."""
+    rng = np.random.default_rng([p.seed, replicate])
+    spread = p.diameter_spread * p.diameter
+    diameter = rng.uniform(p.diameter - spread, p.diameter + spread, p.beads)
+    mass = p.mass * (diameter / p.diameter) ** 2
+    layer = (pi / 4.0 * diameter**2).sum() / (INITIAL_PACKING * box.length[0])
+    height = max(layer, p.diameter + spread)
+    position = random_packing(box, height, 0.5 * diameter, rng)
+    position[:, 1] += _lift(p)
+    return Start(position, 0.5 * diameter, mass, height)
+
+
+def _lift(p: BeltParameters) -> float:
+    """Return how far (m) to raise the beads so that none overlaps the belt or the obstacle."""
+    belt = motion(p, 0.0)
+    lift = belt_state(belt, 0.0)[0] + belt.surface
+    if p.obstacle > 0.0:
+        lift = max(lift, (p.amplitude + 0.5 * p.obstacle) * p.diameter)
+    return lift
+
+
+def motion(p: BeltParameters, frequency: float) -> Belt:
+    """Return the belt vibrating at a frequency (Hz), or at rest in its initial phase."""
+    amplitude = p.amplitude * p.diameter
+    # Not tan(90°), which rounds to a finite number: a vertical vibration has A_x = 0.
+    slope = tan(radians(p.vibration_angle)) if p.vibration_angle < 90.0 else np.inf
+    surface = 0.5 * p.diameter if p.belt_ghost == "centred" else 0.0
+    return Belt(amplitude / slope, amplitude, 2.0 * pi * frequency, radians(p.phase), surface)

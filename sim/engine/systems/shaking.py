@@ -1,0 +1,148 @@
+"""The loop over time steps of the disks on the belt."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from sim.engine.boundary.belt import belt_forces
+from sim.engine.boundary.obstacle import obstacle_forces
+from sim.engine.compile import inlined, kernel, vectorised, wide_vectors
+from sim.engine.dynamics.cells import reorder
+from sim.engine.dynamics.disks import TERMS, pair_forces
+from sim.engine.dynamics.gear import correct, flush, predict
+from sim.engine.dynamics.mean_flow import allowed_stray
+from sim.engine.dynamics.neighbors import refresh
+from sim.engine.dynamics.status import OK, OVERLAP
+
+# Columns of ``Shaking.sums``: sums over the steps since they were last cleared.
+STEPS, VELOCITY, MOMENTUM, CONTACTS, LARGEST, NORMAL_LOSS, SHEAR_LOSS, BELT_WORK = range(8)
+SUMS = 8
+
+#: Steps between two searches for vanishing Taylor terms.
+FLUSH_INTERVAL = 32
+
+
+class Shaking(NamedTuple):
+    """What the loop over steps carries besides beads and neighbor list.
+
+    ``step`` (1,) number of the last completed step; ``predicted`` (1,) whether the positions are
+    those predicted for the next step; ``sums`` (8,) see above.
+    """
+
+    step: np.ndarray
+    predicted: np.ndarray
+    sums: np.ndarray
+
+
+def make_shaking() -> Shaking:
+    """Return the state before the first step."""
+    return Shaking(np.zeros(1, np.int64), np.zeros(1, np.bool_), np.zeros(SUMS))
+
+
+@inlined
+def list_holds(disks, pairs, time_step):
+    """Return whether no bead has strayed too far from the mean displacement of all."""
+    vectorised()
+    allowed = allowed_stray(pairs, time_step)
+    limit = allowed * allowed
+    outside, x, z = 0.0, 0.0, 0.0
+    number = disks.radius.size
+    for i in range(number):
+        dx = disks.taylor[0, 0, i] - pairs.anchor[0, i]
+        dz = disks.taylor[0, 1, i] - pairs.anchor[1, i]
+        strayed = (dx - pairs.drift[0]) ** 2 + (dz - pairs.drift[1]) ** 2
+        outside += 0.0 if strayed < limit else 1.0
+        x += dx
+        z += dz
+    # Any common vector serves as the drift: the next step uses this step's mean displacement.
+    pairs.drift[0] = x / number
+    pairs.drift[1] = z / number
+    return outside == 0.0
+
+
+@inlined
+def refresh_beads(disks, pairs, box):
+    """Rebuild the neighbor list and sort the beads by place; return a status."""
+    forgotten = np.empty((0, 0))
+    status, order = refresh(pairs, disks.taylor[0], disks.radius, box, forgotten)
+    if status == OK:
+        for k in range(1, TERMS):
+            reorder(disks.taylor[k], order)
+        reorder(disks.radius.reshape(1, order.size), order)
+        reorder(disks.mass.reshape(1, order.size), order)
+        reorder(disks.label, order)
+    return status
+
+
+@inlined
+def clear(disks):
+    """Set all forces to zero."""
+    for d in range(2):
+        for i in range(disks.radius.size):
+            disks.force[d, i] = 0.0
+
+
+@inlined
+def move(integrator, disks, gravity):
+    """Correct all coordinates; return the sums of velocity times Δt and of momentum times Δt."""
+    vectorised()
+    moved, momentum = 0.0, 0.0
+    for i in range(disks.radius.size):
+        rate = 1.0 / disks.mass[i]
+        correct(integrator, disks.taylor, 0, i, disks.force[0, i] * rate)
+        correct(integrator, disks.taylor, 1, i, disks.force[1, i] * rate - gravity)
+    for i in range(disks.radius.size):
+        moved += disks.taylor[1, 0, i]
+        momentum += disks.mass[i] * disks.taylor[1, 0, i]
+    return moved, momentum
+
+
+@kernel
+def advance(
+    law, integrator, disks, pairs, belt, obstacle, box, work, shaking, gravity, overlap_limit, steps
+):
+    """Advance the beads by a number of steps; return a status.
+
+    ``gravity`` (m/s²) acts along -z. On LIST_FULL nothing is lost: the positions are already those
+    predicted for the next step, so give the pair list more room and call again for the steps that
+    ``shaking.step`` says are missing.
+    """
+    wide_vectors()
+    sums = shaking.sums
+    last = shaking.step[0] + steps
+    time_step = integrator.time_step
+    while shaking.step[0] < last:
+        step = shaking.step[0] + 1
+        if not shaking.predicted[0]:
+            predict(integrator, disks.taylor)
+            shaking.predicted[0] = True
+            pairs.valid[0] = pairs.valid[0] and list_holds(disks, pairs, time_step)
+        if not pairs.valid[0]:
+            status = refresh_beads(disks, pairs, box)
+            if status != OK:
+                return status
+        clear(disks)
+        touching, overlap, pressed, sheared = pair_forces(law, disks, pairs, box, work, time_step)
+        resting, belt_overlap, belt_pressed, belt_sheared, power = belt_forces(
+            law, disks, belt, work, step * time_step, time_step
+        )
+        blocked, obstacle_overlap, fixed_pressed, fixed_sheared = obstacle_forces(
+            law, disks, obstacle, box, work, time_step
+        )
+        moved, momentum = move(integrator, disks, gravity)
+        overlap = max(overlap, belt_overlap, obstacle_overlap)
+        sums[STEPS] += 1.0
+        sums[VELOCITY] += moved / (time_step * disks.radius.size)
+        sums[MOMENTUM] += momentum / time_step
+        sums[CONTACTS] += 2.0 * touching + resting + blocked
+        sums[LARGEST] = max(sums[LARGEST], overlap)
+        sums[NORMAL_LOSS] += (pressed + belt_pressed + fixed_pressed) * time_step
+        sums[SHEAR_LOSS] += (sheared + belt_sheared + fixed_sheared) * time_step
+        sums[BELT_WORK] += power * time_step
+        if step % FLUSH_INTERVAL == 0:
+            flush(disks.taylor)
+        shaking.step[0] = step
+        shaking.predicted[0] = False
+        if not overlap < overlap_limit:
+            return OVERLAP
+    return OK

@@ -1,0 +1,82 @@
+"""The obstacle: fixed, heavy, periodic, and blind to the belt."""
+
+import numpy as np
+import pytest
+
+from sim.engine.boundary.belt import Belt
+from sim.engine.boundary.obstacle import Obstacle
+from sim.engine.systems import shaking
+from tests.engine_motion.disks import DiskMotion
+from tests.engine_motion.helpers import BEAD, BEAD_MASS, DAMPING, YOUNG, bead_law
+
+WIDTH = 10 * BEAD
+OBSTACLE = Obstacle(x=0.5 * WIDTH, z=4 * BEAD, radius=0.75 * BEAD)
+REACH = OBSTACLE.radius + 0.6 * BEAD
+
+
+def bead(direction, overlap: float, velocity=(0.0, 0.0), **options) -> DiskMotion:
+    """A bead of diameter 1.2 mm that overlaps the obstacle, on its side along ``direction``."""
+    start = np.array([OBSTACLE.x, OBSTACLE.z]) + (REACH - overlap) * np.array(direction)
+    options = {"obstacle": OBSTACLE, "time_step": 1e-9} | options
+    return DiskMotion(
+        [start], [velocity], radius=0.6 * BEAD, mass=BEAD_MASS, width=WIDTH, **options
+    )
+
+
+@pytest.mark.parametrize("angle", np.radians([0.0, 37.0, 90.0, 180.0, 250.0]))
+def test_force_is_that_of_a_heavy_disk(angle):
+    outward, across = (
+        np.array([np.cos(angle), np.sin(angle)]),
+        np.array([-np.sin(angle), np.cos(angle)]),
+    )
+    velocity = -0.03 * outward + 0.02 * across
+    motion = bead(outward, 5e-5, velocity).run(1)
+    push = YOUNG * 5e-5 + DAMPING * BEAD_MASS * 0.03
+    expected = push * outward - DAMPING * BEAD_MASS * 0.02 * across
+    assert motion.force[0] == pytest.approx(expected, abs=1e-5 * push)
+    assert motion.loop.sums[shaking.CONTACTS] == 1
+    assert motion.loop.sums[shaking.LARGEST] == pytest.approx(5e-5 / REACH, rel=1e-5)
+
+
+@pytest.mark.parametrize("laps", [-3, 1, 2])
+def test_obstacle_repeats_with_the_cell(laps):
+    here, there = bead((0.6, 0.8), 5e-5), bead((0.6, 0.8), 5e-5)
+    there.disks.taylor[0, 0, 0] += laps * WIDTH
+    expected = here.run(1).force
+    assert there.run(1).force == pytest.approx(expected, rel=1e-9)
+
+
+@pytest.mark.parametrize("side", [-1, 1])
+def test_obstacle_at_the_edge_of_the_cell_is_felt_across_it(side):
+    """As by a bead that has left the cell since the list of neighbors was built."""
+    edge = Obstacle(x=side * 0.1 * BEAD, z=OBSTACLE.z, radius=OBSTACLE.radius)
+    outward = np.array([-side * 0.6, 0.8])
+    inside = bead(outward, 5e-5, obstacle=OBSTACLE).run(1).force
+    across = bead(outward, 5e-5, obstacle=edge)
+    across.disks.taylor[0, 0, 0] += edge.x - OBSTACLE.x
+    assert across.run(1).force == pytest.approx(inside, rel=1e-9)
+
+
+def test_no_contact_beyond_the_reach_and_no_obstacle_without_a_radius():
+    assert not bead((1.0, 0.0), -1e-8).run(1).force.any()
+    nothing = Obstacle(OBSTACLE.x, OBSTACLE.z, 0.0)
+    assert not bead((1.0, 0.0), 5e-5, obstacle=nothing).run(1).force.any()
+
+
+def test_obstacle_neither_moves_with_the_belt_nor_with_the_beads():
+    """A far belt that shakes changes nothing; the bead returns as from a wall at rest."""
+    shaking_belt = Belt(BEAD, BEAD, 2 * np.pi * 50, 0.0, -20 * BEAD)
+    options = {"time_step": 1e-6, "law": bead_law(damping=0.0, shear_damping=0.0)}
+    still = bead((0.0, 1.0), -1e-8, (0.0, -0.1), **options).run(3000)
+    moved = bead((0.0, 1.0), -1e-8, (0.0, -0.1), belt=shaking_belt, **options).run(3000)
+    assert np.array_equal(still.velocity, moved.velocity)
+    assert still.velocity[0, 1] == pytest.approx(0.1, rel=1e-3)
+
+
+@pytest.mark.parametrize("damping_mass", ["own", "reduced"])
+def test_restitution_off_the_obstacle_is_that_of_an_infinite_mass(damping_mass):
+    law = bead_law(damping_mass=damping_mass)
+    motion = bead((0.0, 1.0), -1e-8, (0.0, -0.1), law=law, time_step=1e-6).run(1500)
+    rate = 0.5 * DAMPING
+    expected = np.exp(-np.pi * rate / np.sqrt(YOUNG / BEAD_MASS - rate**2))
+    assert motion.velocity[0, 1] / 0.1 == pytest.approx(expected, abs=1e-3)

@@ -1,0 +1,156 @@
+"""Spheres on the plane: exact results of single contacts (claim W1), and sums over many."""
+
+import numpy as np
+import pytest
+
+from sim.engine.dynamics.spheres import BLOCK
+from sim.engine.systems import leap_frog
+from tests.engine_motion.helpers import (
+    CAPS,
+    EXPONENTS,
+    GRAVITY,
+    MASS,
+    RADIUS,
+    collision_time,
+    sphere_law,
+    weight_components,
+)
+from tests.engine_motion.spheres import SphereMotion
+
+SPEEDS = np.geomspace(1e-3, 1.0, 7)
+
+
+def dropped(law, speed: float, gap: float, slide: float = 0.0) -> SphereMotion:
+    """A sphere after its impact on the plane at ``speed``, met ``gap`` steps after the start."""
+    height = RADIUS + gap * speed * collision_time(law) / 40
+    return SphereMotion([[0, 0, height]], [[slide, 0, -speed]], law=law).run(120)
+
+
+def resting(law, angle: float, speed: float, spin: float) -> SphereMotion:
+    """A sphere pressed into the plane by its weight, with a speed along x and a spin about y."""
+    gravity = weight_components(angle)
+    height = RADIUS + MASS * gravity[2] / law.loading
+    start = [[0, 0, height]], [[speed, 0, 0]], [[0, spin, 0]]
+    return SphereMotion(*start, law=law, gravity=gravity)
+
+
+def surface_velocity(motion: SphereMotion) -> float:
+    """Velocity along x of the sphere's surface at the plane."""
+    return float(motion.velocity[0, 0] - RADIUS * motion.spin[0, 1])
+
+
+@pytest.mark.parametrize("restitution", [0.3, 0.5, 0.7, 0.85, 0.95, 1.0])
+def test_restitution_is_the_root_of_the_stiffness_ratio_at_every_speed(restitution):
+    """Wherever within a step the contact begins; the rest is the time step's and has no trend."""
+    law = sphere_law(restitution=restitution)
+    for gap in (0.05, 0.3, 0.5, 0.7, 0.95):
+        found = [dropped(law, v, gap).velocity[0, 2] / v for v in SPEEDS]
+        assert np.abs(np.array(found) - restitution).max() < 1e-3
+        assert np.ptp(found) < 1e-9
+
+
+def test_rolling_sphere_feels_no_friction():
+    motion = resting(sphere_law(), 0.0, 0.05, 0.05 / RADIUS)
+    for _ in range(30):
+        motion.run(10)
+        assert np.abs(motion.plane_contacts()[1][:4]).max() < 1e-12 * MASS * GRAVITY
+    assert motion.velocity[0, 0] == pytest.approx(0.05, rel=1e-13)
+
+
+@pytest.mark.parametrize("exponent", EXPONENTS)
+def test_sliding_sphere_slows_by_friction_until_it_rolls_at_five_sevenths(exponent):
+    law, speed = sphere_law(tangential_exponent=exponent), 0.05
+    motion = resting(law, 0.0, speed, 0.0)
+    steps = int(0.9 * 2 / 7 * speed / (0.4 * GRAVITY) / motion.time_step)
+    motion.run(steps)
+    slowed = (speed - motion.velocity[0, 0]) / (steps * motion.time_step)
+    assert slowed == pytest.approx(0.4 * GRAVITY, rel=1e-9)
+    motion.run(steps)
+    velocity, surface = motion.velocity[0, 0], RADIUS * motion.spin[0, 1]
+    assert velocity + 0.4 * surface == pytest.approx(speed, rel=1e-12)
+    assert velocity == pytest.approx(5 / 7 * speed, rel=0.01)
+
+
+@pytest.mark.parametrize("exponent", EXPONENTS)
+@pytest.mark.parametrize("friction", [0.0, 0.05, 0.08, 0.1, 0.4, 2.0])
+def test_lone_sphere_slips_or_rolls_down_the_incline(friction, exponent):
+    """2/7 tan 17 degrees is 0.0874: below it the sphere slips, above it rolls without slip."""
+    law = sphere_law(friction=friction, tangential_exponent=exponent)
+    down, _, into = weight_components(17.0)
+    slips = friction < 2 / 7 * np.tan(np.radians(17.0))
+    expected = down + friction * into if slips else 5 / 7 * down
+    motion = resting(law, 17.0, 0.05, 0.05 / RADIUS * (0.8 if slips else 1.0)).run(2000)
+    before = motion.velocity[0, 0]
+    motion.run(20_000)
+    found = (motion.velocity[0, 0] - before) / (20_000 * motion.time_step)
+    assert found == pytest.approx(expected, rel=1e-9 if slips else 2e-3)
+    if not slips:
+        rolling = RADIUS * motion.spin[0, 1]
+        assert rolling == pytest.approx(motion.velocity[0, 0], rel=5e-3)
+
+
+@pytest.mark.parametrize("cap", CAPS)
+@pytest.mark.parametrize("exponent", [0.0, 1 / 3])
+@pytest.mark.parametrize("speed", [0.002, 0.02, 0.2])
+def test_gross_slip_impact_changes_the_surface_velocity_by_the_friction_impulse(
+    speed, exponent, cap
+):
+    law = sphere_law(tangential_exponent=exponent, friction_cap=cap)
+    motion = dropped(law, speed, 0.3, slide=6 * speed)
+    restitution = motion.velocity[0, 2] / speed
+    change = 6 * speed - surface_velocity(motion)
+    assert change == pytest.approx(3.5 * (1 + restitution) * 0.4 * speed, rel=1e-12)
+    assert restitution == pytest.approx(0.85, abs=1e-3)
+
+
+def test_without_friction_an_impact_leaves_slide_and_spin_as_they_are():
+    law = sphere_law(friction=0.0)
+    motion = dropped(law, 0.1, 0.3, slide=0.3)
+    assert motion.velocity[0, 0] == 0.3
+    assert not motion.spin.any()
+
+
+def test_impact_turns_with_its_direction_in_the_plane():
+    law, speed = sphere_law(), 0.05
+    start = [[0, 0, RADIUS + 1e-8]]
+    along = SphereMotion(start, [[0.1, 0, -speed]], [[3, 20, 5]], law=law).run(120)
+    across = SphereMotion(start, [[0, 0.1, -speed]], [[-20, 3, 5]], law=law).run(120)
+    assert across.velocity[0] == pytest.approx(along.velocity[0, [1, 0, 2]] * [-1, 1, 1], rel=1e-12)
+    assert across.spin[0] == pytest.approx(along.spin[0, [1, 0, 2]] * [-1, 1, 1], rel=1e-12)
+
+
+def test_second_impact_starts_afresh():
+    law, speed = sphere_law(), 0.05
+    motion = dropped(law, speed, 0.3, slide=0.1)
+    first = motion.velocity.copy(), motion.spin.copy()
+    height = RADIUS + 0.3 * speed * motion.time_step
+    motion.spheres.position[:, 0] = [0, 0, height]
+    motion.spheres.velocity[:, 0] = [0.1, 0, -speed]
+    motion.spheres.rim[:] = 0.0
+    motion.run(120)
+    assert np.array_equal(motion.velocity, first[0])
+    assert np.array_equal(motion.spin, first[1])
+
+
+def test_more_spheres_than_a_block_each_move_as_if_alone():
+    """Sums over the plane are those of the single spheres, whatever the block they fall into."""
+    rng = np.random.default_rng(4)
+    number = 2 * BLOCK + 37
+    place = np.stack(np.divmod(np.arange(number), 30), axis=1) * 4 * RADIUS
+    height = RADIUS * rng.uniform(0.96, 1.01, number)
+    position = np.column_stack([place, height])
+    velocity, spin = rng.normal(0, 0.05, (number, 3)), rng.normal(0, 50, (number, 3))
+    box = 30 * 4 * RADIUS, 30 * 4 * RADIUS
+    many = SphereMotion(position, velocity, spin, box=box).run(20)
+    along = upward = contacts = 0.0
+    for i in range(number):
+        one = SphereMotion(position[i : i + 1], velocity[i : i + 1], spin[i : i + 1]).run(20)
+        assert many.velocity[i] == pytest.approx(one.velocity[0], rel=1e-11)
+        assert many.spin[i] == pytest.approx(one.spin[0], rel=1e-11)
+        along += one.flow.sums[leap_frog.PLANE_X]
+        upward += one.flow.sums[leap_frog.PLANE_Z]
+        contacts += one.flow.sums[leap_frog.CONTACTS]
+    sums = many.flow.sums
+    assert sums[leap_frog.PLANE_X] == pytest.approx(along, abs=1e-12 * upward)
+    assert sums[leap_frog.PLANE_Z] == pytest.approx(upward, rel=1e-12)
+    assert sums[leap_frog.CONTACTS] == contacts > 10 * number

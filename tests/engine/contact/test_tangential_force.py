@@ -1,0 +1,156 @@
+"""Friction of one contact at a fixed normal force: stiffness, loops, memory (claim W2)."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from sim.claims.contacts import contact_path
+from tests.engine_motion.helpers import CAPS, EXPONENTS, MEMORIES, rotation, sphere_law
+
+OVERLAP = 1e-5
+Z = np.array([0.0, 0.0, 1.0])
+
+
+def limit_of(law) -> float:
+    """Friction limit (N) at the overlap of these tests."""
+    return law.limit.friction * law.loading * OVERLAP
+
+
+def along_x(law, displacement) -> np.ndarray:
+    """Force along x after each point of a straight path that starts at 0, at fixed overlap."""
+    slip = np.zeros((len(displacement), 3))
+    slip[:, 0] = np.diff(displacement, prepend=0.0)
+    overlap = np.full(len(slip), OVERLAP)
+    return contact_path(law, overlap, np.tile(Z, (len(slip), 1)), slip)[1][:, 0]
+
+
+def displacement_of(law, drop: float, available: float) -> float:
+    """Displacement over which the force changes by ``drop``, ``available`` away from sliding."""
+    exponent, stiffness = law.stiffening.exponent, law.tangential
+    if exponent == 1.0:
+        return -available / stiffness * np.log(1 - drop / available)
+    power = 1 - exponent
+    return available / (power * stiffness) * (1 - (1 - drop / available) ** power)
+
+
+@pytest.mark.parametrize("exponent", [*EXPONENTS, 0.5])
+def test_stiffness_falls_as_the_power_of_the_distance_to_sliding(exponent):
+    law = sphere_law(tangential_exponent=exponent)
+    limit = limit_of(law)
+    step = 1e-3 * limit / law.tangential
+    force = along_x(law, step * np.arange(1, 4000))
+    sticking = force[:-1] < limit * (1 - 2e-3)
+    stiffness = np.diff(force) / (step * law.tangential)
+    expected = np.clip(1 - force[:-1] / limit, 0, None) ** exponent
+    assert np.abs(stiffness - expected)[sticking].max() < 1e-9
+    assert sticking.sum() > 900
+    assert (np.diff(force) >= -1e-15 * limit).all() and force.max() <= limit * (1 + 1e-14)
+
+
+@pytest.mark.parametrize("exponent", EXPONENTS)
+def test_force_follows_the_differential_equation_up_and_back(exponent):
+    """dT/ds = K_T(T), solved by an independent integrator in the unit mu F_N, within 1e-3."""
+    law = sphere_law(tangential_exponent=exponent)
+    limit = limit_of(law)
+    length = limit / law.tangential
+    turn = 0.8 * displacement_of(law, 0.9 * limit, limit) / length
+
+    there = np.linspace(0, turn, 4001)[1:]
+    back = np.linspace(turn, -0.4 * turn, 4001)[1:]
+
+    def solved(start, distance, sign, whole):
+        def slope(_, t):
+            return sign * np.clip((1 - sign * t) / whole, 0, 1) ** exponent
+
+        span = (0, distance[-1])
+        return solve_ivp(slope, span, [start], t_eval=distance, rtol=1e-9, atol=1e-12).y[0]
+
+    up = solved(0.0, there, 1, 1.0)
+    down = solved(up[-1], turn - back, -1, 1 + up[-1])
+    force = along_x(law, length * np.concatenate([there, back])) / limit
+    assert down[-1] < -0.1
+    assert np.abs(force - np.concatenate([up, down])).max() < 1e-3
+
+
+@pytest.mark.parametrize("exponent", EXPONENTS)
+@pytest.mark.parametrize("share", [0.3, 0.6, 0.9])
+def test_loop_between_opposite_forces_closes_and_is_smooth_at_its_turning_points(share, exponent):
+    law = sphere_law(tangential_exponent=exponent)
+    limit, points = limit_of(law), 20_000
+    peak = share * limit
+    rise = displacement_of(law, peak, limit)
+    width = displacement_of(law, 2 * peak, limit + peak)
+    corners = np.array([0.0, rise, rise - width, rise, rise - width])
+    legs = [np.linspace(a, b, points + 1)[1:] for a, b in pairwise(corners)]
+    path = np.concatenate(legs)
+    force = along_x(law, path) / limit
+    _, down, up, again = force.reshape(4, points)
+    assert force[points - 1 :: points] == pytest.approx([share, -share, share, -share], abs=1e-3)
+    assert np.abs(down - again).max() < 1e-3
+    assert np.abs(down + up).max() < 1e-3
+    stiffness = np.abs(np.diff(up)) * limit / (law.tangential * width / points)
+    assert stiffness[0] == pytest.approx(1.0, abs=5e-3)
+    assert np.abs(np.diff(stiffness)).max() < 5e-3
+
+
+@pytest.mark.parametrize("cap", CAPS)
+def test_displacement_across_the_force_meets_the_full_stiffness(cap):
+    law = sphere_law(friction_cap=cap)
+    half = 0.5 * limit_of(law)
+    start = displacement_of(law, half, limit_of(law))
+    slip = np.zeros((2001, 3))
+    slip[:-1, 0] = start / 2000
+    slip[-1, 1] = 1e-3 * half / law.tangential
+    force = contact_path(law, np.full(2001, OVERLAP), np.tile(Z, (2001, 1)), slip)[1]
+    assert force[-2, 0] == pytest.approx(half, rel=1e-3)
+    assert force[-1] - force[-2] == pytest.approx(law.tangential * slip[-1], rel=1e-9, abs=1e-18)
+
+
+def test_friction_turns_with_the_tangent_plane_and_keeps_its_size():
+    law = sphere_law()
+    turned = np.array([0.6, 0.0, 0.8])
+    slip = np.array([[1e-8, 0.0, 0.0], [0.0, 0.0, 0.0]])
+    force = contact_path(law, np.full(2, OVERLAP), np.stack([Z, turned]), slip)[1]
+    assert force[0] == pytest.approx([law.tangential * 1e-8, 0.0, 0.0], rel=1e-12)
+    assert force[1] == pytest.approx(force[0, 0] * np.array([0.8, 0.0, -0.6]), rel=1e-12)
+
+
+@pytest.mark.parametrize("cap", CAPS)
+@pytest.mark.parametrize("rise", [1e-4, 1e-2, 0.3])
+def test_friction_turned_at_full_sliding_keeps_its_stiffness_when_the_limit_rises(rise, cap):
+    """T* then equals the limit up to rounding of either sign: Eq. 1 alone would be all noise."""
+    law = sphere_law(friction_cap=cap)
+    start = np.random.default_rng(0).uniform(0.5, 1.5, 200) * OVERLAP
+    for overlap in start:
+        loads = overlap * np.array([1.0, 0.97, 0.94, 0.94 * (1 + rise), 0.94 * (1 + rise)])
+        slip = np.zeros((5, 3))
+        slip[:, 0] = [1e-5, -1e-9, 1e-8, 0.0, 1e-12]
+        normal, force, _ = contact_path(law, loads, np.tile(Z, (5, 1)), slip)
+        assert force[2, 0] == pytest.approx(law.limit.friction * normal[2], rel=1e-12)
+        gained = force[4, 0] - force[3, 0]
+        assert gained == pytest.approx(law.tangential * 1e-12, rel=1e-3)
+
+
+@pytest.mark.parametrize("memory", MEMORIES)
+@pytest.mark.parametrize("exponent", EXPONENTS)
+@pytest.mark.parametrize("cap", CAPS)
+def test_any_history_stays_tangential_below_the_limit_and_turns_with_the_frame(
+    cap, exponent, memory
+):
+    law = sphere_law(tangential_exponent=exponent, friction_cap=cap, overlap_memory=memory)
+    rng = np.random.default_rng(7)
+    normal = Z + 0.1 * rng.normal(size=(3000, 3)).cumsum(axis=0) / 30
+    normal /= np.linalg.norm(normal, axis=1)[:, None]
+    slip = 1e-7 * rng.normal(size=(3000, 3))
+    slip -= (slip * normal).sum(axis=1)[:, None] * normal
+    overlap = OVERLAP * (1 + 0.9 * np.sin(rng.normal(0, 0.1, 3000).cumsum()))
+    force, friction, _ = contact_path(law, overlap, normal, slip)
+    size = np.linalg.norm(friction, axis=1)
+    assert (size <= 0.4 * force * (1 + 1e-12)).all()
+    assert np.mean(size < 0.39 * force) > 0.05 and (force == 0.0).any()
+    assert np.abs((friction * normal).sum(axis=1)).max() < 1e-12 * limit_of(law)
+    frame = rotation(rng)
+    turned = contact_path(law, overlap, normal @ frame.T, slip @ frame.T)[1]
+    assert np.abs(turned - friction @ frame.T).max() < 1e-9 * limit_of(law)

@@ -1,0 +1,110 @@
+"""Order of the integrators of the beads on smooth problems, and changes of the time step."""
+
+from math import factorial
+
+import numpy as np
+import pytest
+
+from sim.engine.dynamics.disks import TERMS, make_disks
+from sim.engine.dynamics.gear import CORRECTOR, Gear, Verlet, restarted
+from tests.engine_motion.helpers import damped_oscillation, flushed
+
+RATE, END = 0.3, 10.0
+
+
+def derivatives(time: float) -> np.ndarray:
+    """Position of x'' = -x - 2 RATE x', x(0) = 1, x'(0) = 0, and its first five derivatives."""
+    root = complex(-RATE, np.sqrt(1 - RATE**2))
+    weight = -root.conjugate() / (root - root.conjugate())
+    return np.array([2 * (weight * root**k * np.exp(root * time)).real for k in range(TERMS)])
+
+
+def oscillated(integrator, steps: int, known: int = TERMS):
+    """Taylor terms (6,) at END from an exact start that knows some derivatives."""
+    step = END / steps
+    scale = np.array([step**k / factorial(k) for k in range(TERMS)])
+    taylor = np.zeros((TERMS, 2, 1))
+    taylor[:known, :, 0] = (derivatives(0.0) * scale)[:known, None]
+    damped_oscillation(integrator(step), taylor, 1.0, 2 * RATE, steps)
+    return taylor[:, 0, 0] / scale
+
+
+def orders(integrator, known: int = TERMS) -> np.ndarray:
+    """Observed orders of position and velocity between 200, 400 and 800 steps."""
+    exact = derivatives(END)[:2]
+    errors = [oscillated(integrator, steps, known)[:2] - exact for steps in (200, 400, 800)]
+    return np.log2(np.abs(np.array(errors[:-1]) / np.array(errors[1:])))
+
+
+def test_exact_solution_obeys_its_equation():
+    values = derivatives(1.7)
+    assert values[2:] == pytest.approx(-values[:-2] - 2 * RATE * values[1:-1], rel=1e-12)
+    assert derivatives(0.0)[:2] == pytest.approx([1.0, 0.0])
+
+
+def test_gear_is_of_fifth_order_or_better():
+    assert orders(Gear).min() > 4.7
+    assert abs(oscillated(Gear, 400)[0] - derivatives(END)[0]) < 1e-8
+
+
+def test_gear_started_from_the_acceleration_alone_is_of_second_order_or_better():
+    assert orders(Gear, known=3).min() > 1.9
+
+
+def test_verlet_is_of_second_order_without_damping_and_stays_so_with_it():
+    """The damping sees a predicted velocity, with an error of second order in the acceleration."""
+    assert orders(Verlet).min() > 1.8
+    assert abs(oscillated(Verlet, 800)[0] - derivatives(END)[0]) < 1e-4
+
+
+def test_gear_and_verlet_agree_as_the_step_falls():
+    apart = [abs(oscillated(Gear, n)[0] - oscillated(Verlet, n)[0]) for n in (200, 800)]
+    assert apart[0] < 2e-3
+    assert apart[0] / apart[1] == pytest.approx(16.0, rel=0.2)
+
+
+@pytest.mark.parametrize("integrator", [Gear, Verlet])
+def test_free_fall_is_exact(integrator):
+    step, taylor = 0.01, np.zeros((TERMS, 2, 1))
+    taylor[0], taylor[1], taylor[2] = 2.0, 3.0 * step, -0.5 * step**2
+    damped_oscillation(integrator(step), taylor, 0.0, 0.0, 0)
+    for _ in range(100):
+        damped_oscillation(integrator(step), taylor, 0.0, 0.0, 1, drive=-1.0)
+    assert taylor[0, 0] == pytest.approx(2.0 + 3.0 - 0.5, rel=1e-12)
+    assert taylor[1, 0] / step == pytest.approx(3.0 - 1.0, rel=1e-12)
+
+
+def test_corrector_coefficients_are_those_for_forces_that_depend_on_the_velocity():
+    assert pytest.approx((3 / 16, 251 / 360, 1, 11 / 18, 1 / 6, 1 / 60), rel=1e-15) == CORRECTOR
+
+
+@pytest.mark.parametrize("integrator", [Gear, Verlet])
+def test_a_new_time_step_goes_on_along_the_same_motion(integrator):
+    """Half the way with one step, half with another three times as long."""
+    short, long = END / 6000, END / 2000
+    scale = np.array([short**k / factorial(k) for k in range(TERMS)])
+    taylor = np.zeros((TERMS, 2, 1))
+    taylor[:, :, 0] = (derivatives(0.0) * scale)[:, None]
+    damped_oscillation(integrator(short), taylor, 1.0, 2 * RATE, 3000)
+    before = taylor[:3, 0, 0] / [1.0, short, short**2]
+    restarted(taylor, short, long)
+    assert taylor[:3, 0, 0] / [1.0, long, long**2] == pytest.approx(before, rel=1e-12)
+    damped_oscillation(integrator(long), taylor, 1.0, 2 * RATE, 1000)
+    assert taylor[0, 0, 0] == pytest.approx(derivatives(END)[0], abs=2e-5)
+
+
+def test_disks_start_with_position_and_velocity_and_nothing_else():
+    disks = make_disks([[1.0, 2.0], [3.0, 4.0]], [[0.5, 0.0], [0.0, -0.5]], 0.1, [1.0, 2.0], 0.01)
+    assert np.array_equal(disks.taylor[0], [[1.0, 3.0], [2.0, 4.0]])
+    assert disks.taylor[1] == pytest.approx(np.array([[0.005, 0.0], [0.0, -0.005]]))
+    assert not disks.taylor[2:].any()
+    assert np.array_equal(disks.label, [[0, 1]])
+    assert np.array_equal(disks.radius, [0.1, 0.1]) and np.array_equal(disks.mass, [1.0, 2.0])
+
+
+def test_flush_takes_subnormal_terms_only():
+    taylor = np.full((TERMS, 2, 3), 1e-150)
+    taylor[:, :, 1] = 1e-310
+    flushed(taylor)
+    assert (taylor[2:, :, 1] == 0.0).all() and (taylor[:2, :, 1] > 0.0).all()
+    assert (taylor[:, :, [0, 2]] == 1e-150).all()

@@ -1,0 +1,139 @@
+"""The neighbor list against all pairs, and what it carries over."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from sim.engine.contact.friction import MEMORY, VECTOR
+from sim.engine.dynamics.neighbors import grown
+from sim.engine.dynamics.status import LIST_FULL, NOT_FINITE, OK
+from tests.engine_motion.lists import UNIT, Gas, random_gas
+
+
+@settings(max_examples=300, deadline=None, derandomize=True)
+@given(
+    dimension=st.sampled_from([2, 3]),
+    number=st.integers(1, 120),
+    width=st.floats(3.0, 12.0),
+    aspect=st.floats(1.0, 1.7),
+    height=st.floats(0.1, 30.0),
+    spread=st.floats(0.0, 0.5),
+    skin=st.floats(0.0, 0.4),
+    seed=st.integers(0, 2**32 - 1),
+)
+def test_list_holds_exactly_the_pairs_within_reach(
+    dimension, number, width, aspect, height, spread, skin, seed
+):
+    """Gases in boxes down to three diameters, thin layers and columns, across every boundary."""
+    width = max(width, 2 * (1 + spread + skin))
+    length = (width * UNIT, 0.0) if dimension == 2 else (width * UNIT, aspect * width * UNIT, 0.0)
+    start = random_gas(np.random.default_rng(seed), number, length, height * UNIT, spread)
+    gas = Gas(*start, length, skin * UNIT, room=130)
+    assert gas.rebuild()
+    assert gas.listed() == gas.expected()
+    number = gas.pairs.start[-1]
+    first, second = gas.pairs.first[:number], gas.pairs.second[:number]
+    assert np.array_equal(gas.pairs.reach[:number], gas.radius[first] + gas.radius[second])
+    assert np.array_equal(gas.radius, start[1][gas.label[0]])
+
+
+@pytest.mark.parametrize("length", [(5e-3, 0.0), (5e-3, 4e-3, 0.0)])
+def test_particles_far_above_and_below_the_others_are_found_too(length):
+    """A few that fly a thousand diameters off must neither be lost nor cost a cell each."""
+    rng = np.random.default_rng(1)
+    position, radius = random_gas(rng, 200, length, 6 * UNIT, 0.3)
+    position[:20, -1] += 1.0
+    position[20:25, -1] -= 0.3
+    position[25:27] = [[1e-3] * len(length), [1.2e-3] * len(length)]
+    position[25:27, -1] += 40.0
+    gas = Gas(position, radius, length, 0.2 * UNIT)
+    assert gas.rebuild()
+    assert gas.listed() == gas.expected()
+    assert (25, 26) in gas.listed()
+
+
+@pytest.mark.parametrize("length", [(4e-3, 0.0), (4e-3, 4e-3, 0.0)])
+def test_one_and_two_particles(length):
+    one = np.full((1, len(length)), 0.1 * UNIT)
+    alone = Gas(one, np.array([0.5 * UNIT]), length, 0.3 * UNIT)
+    assert alone.rebuild() and alone.listed() == set()
+    two = np.concatenate([one, one])
+    two[1, 0] += 4e-3 - 1.2 * UNIT
+    for skin, expected in ((0.3, {(0, 1)}), (0.1, set())):
+        pair = Gas(two, np.full(2, 0.5 * UNIT), length, skin * UNIT)
+        assert pair.rebuild() and pair.listed() == expected
+
+
+def test_memory_goes_with_the_pairs_that_touched_last_and_with_no_others():
+    """Its first three numbers are a force on the first partner: they follow the partners' order."""
+    rng = np.random.default_rng(5)
+    length = (6e-3, 6e-3, 0.0)
+    gas = Gas(*random_gas(rng, 150, length, 5 * UNIT, 0.2), length, 0.3 * UNIT)
+    assert gas.rebuild()
+    names, slot = gas.names(), gas.pairs.slot
+    touched = rng.random(len(names)) < 0.4
+    slot[: len(names)] = np.where(touched, rng.permutation(len(names)), -1)
+    gas.memory[:] = rng.random(gas.memory.shape)
+    before = {name: gas.memory[:, slot[k]].copy() for k, name in enumerate(names) if touched[k]}
+    turned = {(j, i): np.where(np.arange(MEMORY) < VECTOR, -m, m) for (i, j), m in before.items()}
+    gas.position += rng.normal(0, 0.05 * UNIT, gas.position.shape)
+    assert gas.rebuild()
+    kept = swapped = 0
+    for name, place in zip(gas.names(), gas.pairs.slot, strict=False):
+        if name in before:
+            assert np.array_equal(gas.memory[:, place], before[name])
+            kept += 1
+        elif name in turned:
+            assert np.array_equal(gas.memory[:, place], turned[name])
+            swapped += 1
+        else:
+            assert place == -1
+    assert kept > 50 and swapped > 5
+    assert len(before) > kept + swapped
+
+
+def test_a_full_list_is_left_as_it_was_and_doubled_room_helps():
+    rng = np.random.default_rng(6)
+    length = (4e-3, 4e-3, 0.0)
+    position, radius = random_gas(rng, 100, length, 4 * UNIT, 0.0)
+    gas = Gas(position * [1, 1, 50], radius, length, 0.3 * UNIT, room=1)
+    assert gas.rebuild()
+    gas.pairs.slot[: gas.pairs.start[-1]] = np.arange(gas.pairs.start[-1])
+    gas.position[2] /= 50
+    before = gas.listed(), *(array.copy() for array in gas.pairs if isinstance(array, np.ndarray))
+    place, memory = gas.position.copy(), gas.memory.copy()
+    assert not gas.rebuild()
+    assert gas.listed() == before[0]
+    arrays = (array for array in gas.pairs if isinstance(array, np.ndarray))
+    for old, new in zip(before[1:], arrays, strict=True):
+        assert np.array_equal(old, new, equal_nan=True)
+    assert np.array_equal(gas.position, place) and np.array_equal(gas.memory, memory)
+    for _ in range(5):
+        gas.pairs = grown(gas.pairs)
+    gas.pairs.slot[:] = -1
+    assert gas.rebuild()
+    assert gas.listed() == gas.expected()
+    assert np.array_equal(gas.pairs.anchor, gas.position)
+
+
+def test_refreshing_starts_the_count_of_steps_and_the_drift_anew():
+    length = (4e-3, 4e-3, 0.0)
+    gas = Gas(*random_gas(np.random.default_rng(2), 60, length, 4e-3, 0.1), length, 0.3 * UNIT)
+    gas.pairs.drift[:], gas.pairs.clock[:] = 1.0, 7.0
+    assert not gas.pairs.valid[0]
+    assert gas.refresh() == OK and gas.pairs.valid[0]
+    assert not gas.pairs.drift.any() and gas.pairs.clock[0] == 0.0
+    assert (gas.position[:2] >= 0).all() and (gas.position[:2] <= 4e-3).all()
+    assert gas.listed() == gas.expected()
+
+
+@pytest.mark.parametrize("bad", [np.nan, np.inf])
+def test_refreshing_reports_what_is_not_finite_and_what_has_no_room(bad):
+    length = (4e-3, 4e-3, 0.0)
+    start = random_gas(np.random.default_rng(2), 100, length, 2e-3, 0.0)
+    tight = Gas(*start, length, 0.3 * UNIT, room=0)
+    assert tight.refresh() == LIST_FULL
+    tight.position[1, 7] = bad
+    assert tight.refresh() == NOT_FINITE
+    assert not tight.pairs.valid[0]

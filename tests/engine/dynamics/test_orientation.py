@@ -1,0 +1,83 @@
+"""Orientations: constant spins, composition, unit length; the motion needs none (claim W4)."""
+
+import numpy as np
+import pytest
+
+from sim.engine.dynamics.orientation import rotate, unrotated
+from tests.engine_motion.helpers import RADIUS, lattice, weight_components
+from tests.engine_motion.spheres import SphereMotion
+
+
+def turn(orientation, spin, time_step: float) -> None:
+    """Turn orientations (4, N) of spheres of many sizes by spins (N, 3) during one step."""
+    radius = RADIUS * np.linspace(0.5, 1.5, len(spin))
+    rotate(orientation, radius * np.transpose(spin), radius, time_step, 0, len(spin))
+
+
+def turned(spin, steps: int, angle: float) -> np.ndarray:
+    """Orientations after a total rotation by ``angle`` about constant spins (N, 3)."""
+    spin = np.atleast_2d(np.array(spin, float))
+    orientation = unrotated(len(spin))
+    time_step = angle / np.linalg.norm(spin[0]) / steps
+    for _ in range(steps):
+        turn(orientation, spin, time_step)
+    return orientation.T
+
+
+def exact(spin, angle: float) -> np.ndarray:
+    axis = np.array(spin, float) / np.linalg.norm(spin)
+    return np.array([np.cos(angle / 2), *(np.sin(angle / 2) * axis)])
+
+
+@pytest.mark.parametrize("spin", [(0, 0, 3.0), (40.0, 0, 0), (0, -5.0, 0), (1.0, -2.0, 2.0)])
+def test_constant_spin_gives_the_exact_rotation(spin):
+    """Half a turn in steps as in a flow (0.1 degrees): right to third order in the step."""
+    found = turned(spin, 1800, np.pi)[0]
+    assert found == pytest.approx(exact(spin, np.pi), abs=1e-6)
+    coarse = np.abs(turned(spin, 90, np.pi)[0] - exact(spin, np.pi)).max()
+    fine = np.abs(turned(spin, 180, np.pi)[0] - exact(spin, np.pi)).max()
+    assert coarse / fine == pytest.approx(4.0, rel=0.05)
+
+
+def test_length_stays_one_under_any_spin():
+    rng = np.random.default_rng(2)
+    orientation = unrotated(50)
+    for _ in range(1000):
+        turn(orientation, 300 * rng.normal(size=(50, 3)), 1e-4)
+    assert np.linalg.norm(orientation, axis=0) == pytest.approx(np.ones(50), abs=1e-14)
+    assert np.ptp(orientation[0]) > 0.5
+
+
+def test_only_the_spheres_asked_for_turn_and_none_where_there_are_no_orientations():
+    spin, radius = np.full((3, 20), 0.3), np.full(20, 1.0)
+    orientation = unrotated(20)
+    rotate(orientation, spin, radius, 0.1, 3, 17)
+    moved = (orientation != unrotated(20)).any(axis=0)
+    assert np.array_equal(np.flatnonzero(moved), np.arange(3, 17))
+    rotate(unrotated(0), spin, radius, 0.1, 0, 20)
+
+
+def test_spins_are_along_the_axes_of_the_laboratory():
+    """A quarter turn about x, then one about z, takes the body's y axis to the laboratory's z."""
+    orientation = np.ascontiguousarray(turned((1.0, 0, 0), 20_000, np.pi / 2).T)
+    for _ in range(20_000):
+        turn(orientation, np.array([[0.0, 0.0, 1.0]]), np.pi / 40_000)
+    w, x, y, z = orientation[:, 0]
+    images_of_y = np.array([2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x)])
+    assert images_of_y == pytest.approx([0.0, 0.0, 1.0], abs=1e-6)
+    images_of_x = np.array([1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)])
+    assert images_of_x == pytest.approx([0.0, 1.0, 0.0], abs=1e-6)
+
+
+def test_trajectories_do_not_depend_on_orientations_by_a_single_bit():
+    rng = np.random.default_rng(9)
+    position = lattice((4, 4, 4), 1.96 * RADIUS, 0.05, rng)
+    start = position, rng.normal(0, 0.05, position.shape), rng.normal(0, 50, position.shape)
+    options = {"box": (4 * 2 * RADIUS,) * 2, "gravity": weight_components(17.0)}
+    with_them = SphereMotion(*start, orientations=True, **options).run(2000)
+    without = SphereMotion(*start, orientations=False, **options).run(2000)
+    for name in ("position", "velocity", "spin", "force", "torque"):
+        assert np.array_equal(getattr(with_them, name), getattr(without, name))
+    assert np.array_equal(with_them.flow.sums, without.flow.sums)
+    assert len(without.orientation) == 0
+    assert np.abs(with_them.orientation[:, 1:]).max() > 0.1

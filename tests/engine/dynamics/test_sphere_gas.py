@@ -1,0 +1,179 @@
+"""Many free spheres: conservation, energy, neighbor list in motion, large and tiny systems."""
+
+import numpy as np
+import pytest
+
+from sim.engine.systems import leap_frog
+from tests.engine_motion.helpers import CAPS, EXPONENTS, MASS, RADIUS, lattice, sphere_law, wrapped
+from tests.engine_motion.spheres import SphereMotion
+
+SPEED = 0.1
+FAR = 80 * RADIUS
+
+
+def gas(law, seed=3, shape=(5, 5, 2), jitter=0.03, open_sides=False, implode=0.0, **options):
+    """A polydisperse gas of spinning spheres, far above the plane, without gravity."""
+    rng = np.random.default_rng(seed)
+    spacing = 2.6 * RADIUS
+    position = lattice(shape, spacing, jitter, rng, FAR)
+    velocity = rng.normal(0, SPEED, position.shape) * [1, 1, 0.3]
+    velocity -= implode * SPEED / spacing * (position - position.mean(axis=0))
+    radius = RADIUS * rng.uniform(0.8, 1.2, len(position))
+    spin = rng.normal(0, 50, position.shape)
+    if not open_sides:
+        options["box"] = tuple(spacing * np.array(shape[:2]))
+    mass = MASS * (radius / RADIUS) ** 3
+    return SphereMotion(position, velocity, spin, law=law, radius=radius, mass=mass, **options)
+
+
+def overlaps(motion, place) -> tuple[np.ndarray, np.ndarray]:
+    """Overlaps (C,) and normals (C, 3) of the contacts of the last step, made at ``place``."""
+    i, j, reach, _ = motion.contacts()
+    apart = wrapped(place[j] - place[i], *motion.length)
+    distance = np.linalg.norm(apart, axis=1)
+    return reach - distance, apart / distance[:, None]
+
+
+def stored_energy(motion, place) -> float:
+    """Energy of the compressed elastic springs in the last step, J."""
+    overlap, _ = overlaps(motion, place)
+    return float(0.5 * motion.laws[0].loading * (overlap**2).sum())
+
+
+@pytest.mark.parametrize("exponent", EXPONENTS)
+def test_free_gas_conserves_momentum(exponent):
+    motion = gas(sphere_law(tangential_exponent=exponent))
+    before = motion.momentum()
+    motion.run(4000)
+    scale = motion.mass.sum() * SPEED
+    assert np.abs(motion.momentum() - before).max() < 1e-13 * scale
+    assert motion.flow.sums[leap_frog.CONTACTS] > 1000
+
+
+def test_angular_momentum_of_a_free_gas_changes_only_by_the_overlap():
+    """Torques act at full radii and centres are closer by the overlap: overlap * k x T per step."""
+    motion = gas(sphere_law(), shape=(3, 3, 3), open_sides=True, implode=1.0)
+    start, drift = motion.angular_momentum(), np.zeros(3)
+    scale = float((motion.inertia @ np.abs(motion.spin)).max())
+    for _ in range(1500):
+        place = motion.position
+        overlap, normal = overlaps(motion.run(1), place)
+        friction = motion.contacts()[3][:3].T
+        drift += motion.time_step * np.cross(overlap[:, None] * normal, friction).sum(axis=0)
+    assert motion.angular_momentum() == pytest.approx(start + drift, abs=1e-10 * scale)
+    assert 1e-6 * scale < np.abs(drift).max() < 0.1 * scale
+
+
+def test_angular_momentum_of_a_frictionless_gas_is_constant():
+    law = sphere_law(friction=0.0)
+    motion = gas(law, shape=(3, 3, 3), open_sides=True, implode=1.0)
+    start, spin = motion.angular_momentum(), motion.spin.copy()
+    motion.run(1500)
+    assert motion.flow.sums[leap_frog.CONTACTS] > 200
+    scale = float(np.abs(start).max())
+    assert np.abs(motion.angular_momentum() - start).max() < 1e-10 * scale
+    assert np.array_equal(motion.spin, spin)
+
+
+@pytest.mark.parametrize("restitution", [0.85, 1.0])
+@pytest.mark.parametrize("cap", CAPS)
+@pytest.mark.parametrize("exponent", EXPONENTS)
+def test_energy_of_a_frictional_gas_never_grows(exponent, cap, restitution):
+    """Compared whenever no contact stores any; only the elastic limit feels the time step."""
+    law = sphere_law(tangential_exponent=exponent, friction_cap=cap, restitution=restitution)
+    motion = gas(law)
+    energy = [motion.energy()]
+    for _ in range(3000):
+        motion.run(2)
+        if not motion.contacts()[0].size:
+            energy.append(motion.energy())
+    energy = np.array(energy) / energy[0]
+    assert len(energy) > 500
+    assert np.diff(energy).max() <= (0.0 if restitution < 1 else 1e-4)
+    assert energy[-1] < 0.9
+
+
+def test_elastic_frictionless_gas_keeps_its_energy_to_second_order_in_the_step():
+    law = sphere_law(friction=0.0, restitution=1.0)
+    worst = []
+    for steps in (40, 160):
+        deviations = []
+        for seed in range(3):
+            motion = gas(law, seed, steps_per_collision=steps)
+            start = motion.energy()
+            for _ in range(60 * steps):
+                place, before = motion.position, motion.velocity
+                motion.run(1)
+                # Velocities half a step apart on both sides of the positions that store energy.
+                moving = 0.5 * (motion.mass[:, None] * before * motion.velocity).sum()
+                turning = 0.5 * (motion.inertia[:, None] * motion.spin**2).sum()
+                total = moving + turning + stored_energy(motion, place)
+                deviations.append(abs(total / start - 1))
+        worst.append(max(deviations))
+    assert worst[0] < 1e-3
+    assert worst[0] / worst[1] > 8
+
+
+@pytest.mark.parametrize("shape", [(4, 4, 4), (2, 2, 6)])
+def test_skin_changes_the_trajectory_by_rounding_only(shape):
+    """Rebuilt every few steps or hardly ever, over dense contacts whose memory must be kept."""
+    rng = np.random.default_rng(7)
+    position = lattice(shape, 1.97 * RADIUS, 0.03, rng, FAR)
+    velocity = rng.normal(0, SPEED, position.shape)
+    spin = rng.normal(0, 50, position.shape)
+    # The smallest box: its half must hold a diameter and the skin.
+    box = tuple(max(3.0, 0.985 * n) * 2 * RADIUS for n in shape[:2])
+    ends = []
+    for skin in (0.004 * RADIUS, 0.9 * RADIUS):
+        motion = SphereMotion(position, velocity, spin, box=box, skin=skin, room=60).run(100)
+        ends.append(motion)
+    assert wrapped(ends[0].position - ends[1].position, *box, 0.0) == pytest.approx(
+        0.0, abs=1e-10 * RADIUS
+    )
+    assert ends[0].velocity == pytest.approx(ends[1].velocity, abs=1e-10 * SPEED)
+    assert ends[0].spin == pytest.approx(ends[1].spin, abs=1e-10 * SPEED / RADIUS)
+    assert np.abs(ends[0].velocity - velocity).max() > 0.1 * SPEED
+
+
+def test_a_common_motion_rebuilds_no_list():
+    """Displacements count relative to the mean motion: a plug may cross the cell many times."""
+    rng = np.random.default_rng(7)
+    position = lattice((3, 3, 3), 2.1 * RADIUS, 0.01, rng, FAR)
+    box = (6.3 * RADIUS,) * 2
+    motion = SphereMotion(position, np.tile([0.5, 0.3, 0.2], (27, 1)), box=box)
+    for _ in range(2):
+        motion.pairs.valid[0] = False
+        motion.run(1)
+        built = motion.pairs.anchor.copy()
+        motion.run(5000)
+        assert np.array_equal(motion.pairs.anchor, built)
+    travelled = motion.spheres.position.mean(axis=1) - built.mean(axis=1)
+    assert travelled[0] > 2 * box[0]
+
+
+def test_a_list_that_grows_gives_the_same_bits_as_one_with_room():
+    rng = np.random.default_rng(8)
+    position = lattice((4, 4, 4), 1.97 * RADIUS, 0.03, rng, FAR)
+    start = position, rng.normal(0, SPEED, position.shape), rng.normal(0, 50, position.shape)
+    box = (8 * RADIUS, 8 * RADIUS)
+    ends = []
+    for room in (0, 60):
+        motion = SphereMotion(*start, box=box, room=room)
+        capacity = motion.pairs.second.size
+        ends.append(motion.run(1500))
+        grew = motion.pairs.second.size > capacity
+        assert grew == (room == 0)
+    for name in ("position", "velocity", "spin"):
+        assert np.array_equal(*(getattr(end, name) for end in ends))
+    assert np.array_equal(ends[0].flow.sums, ends[1].flow.sums)
+
+
+def test_one_and_two_spheres_in_the_smallest_box():
+    box = (3 * 2 * RADIUS,) * 2
+    one = SphereMotion([[0.1 * RADIUS, 0, 90 * RADIUS]], [[0.3, -0.2, 0.0]], box=box).run(3000)
+    assert np.array_equal(one.velocity, [[0.3, -0.2, 0.0]])
+    assert one.flow.sums[leap_frog.CONTACTS] == 0
+    place = [[0.1 * RADIUS, 0, 90 * RADIUS], [4.0 * RADIUS, 0, 90 * RADIUS]]
+    two = SphereMotion(place, [[-0.1, 0, 0], [0.1, 0, 0]], box=box).run(200)
+    relative = two.velocity[1, 0] - two.velocity[0, 0]
+    assert relative == pytest.approx(-0.85 * 0.2, rel=1e-3)

@@ -1,0 +1,117 @@
+"""Profiles: exact shares of particles in slices, velocities and temperatures of known states."""
+
+import numpy as np
+import pytest
+
+from sim.engine.observe.profiles import AREA, CENTRE, VOLUME, add_sample, empty_profile
+from sim.engine.observe.sums import plus, zeros
+
+SLICE = 0.25e-3
+TOTAL = {
+    VOLUME: lambda radius: 4 / 3 * np.pi * radius**3,
+    AREA: lambda radius: np.pi * radius**2,
+    CENTRE: np.ones_like,
+}
+
+
+def profile_of(kind, height, radius, velocity, slices=60, slice_height=SLICE):
+    profile = empty_profile(slices, np.shape(velocity)[1])
+    arrays = [np.array(values, float) for values in (height, radius, np.transpose(velocity))]
+    add_sample(profile, kind, slice_height, *arrays)
+    return profile
+
+
+def random_state(number=200, dimension=3):
+    rng = np.random.default_rng(1)
+    radius = 0.5e-3 * rng.uniform(0.5, 1.5, number)
+    return rng.uniform(1e-3, 10e-3, number), radius, rng.normal(0, 0.1, (number, dimension))
+
+
+@pytest.mark.parametrize("kind", TOTAL)
+def test_slices_hold_each_particle_exactly_once(kind):
+    height, radius, velocity = random_state()
+    profile = profile_of(kind, height, radius, velocity)
+    assert profile.weight.sum() == pytest.approx(TOTAL[kind](radius).sum(), rel=1e-12)
+    for z, r in zip(height[:20], radius[:20], strict=True):
+        one = profile_of(kind, [z], [r], velocity[:1])
+        assert one.weight.sum() == pytest.approx(float(TOTAL[kind](np.array(r))), rel=1e-11)
+        filled = np.flatnonzero(one.weight > 1e-12 * one.weight.sum())
+        assert filled[0] * SLICE > z - r - SLICE and (filled[-1] + 1) * SLICE < z + r + SLICE
+
+
+@pytest.mark.parametrize("kind", [VOLUME, AREA])
+def test_share_of_a_slice_is_the_integral_of_the_cross_section(kind):
+    """Chords (area) or discs (volume) summed over thin layers."""
+    height, radius = 3.07e-3, 0.62e-3
+    level = (np.arange(600_000) + 0.5) * 10e-3 / 600_000
+    inside = np.clip(radius**2 - (level - height) ** 2, 0, None)
+    section = np.pi * inside if kind == VOLUME else 2 * np.sqrt(inside)
+    expected = (section * 10e-3 / 600_000).reshape(40, -1).sum(axis=1)
+    found = profile_of(kind, [height], [radius], [[0, 0, 0]], slices=40).weight
+    assert found == pytest.approx(expected, abs=1e-7 * expected.sum())
+
+
+def test_centre_counts_in_the_slice_that_holds_it():
+    found = profile_of(CENTRE, [0.1e-3, 0.26e-3, 0.49e-3], [0.5e-3] * 3, np.zeros((3, 2)), 4).weight
+    assert np.array_equal(found, [1, 2, 0, 0])
+
+
+def test_what_lies_outside_the_slices_is_left_out():
+    radius = 0.5e-3
+    below = profile_of(VOLUME, [0.0], [radius], np.zeros((1, 3)))
+    assert below.weight.sum() == pytest.approx(2 / 3 * np.pi * radius**3, rel=1e-12)
+    above = profile_of(VOLUME, [1.0], [radius], np.zeros((1, 3)))
+    assert not above.weight.any()
+    assert np.isnan(above.velocity()).all() and np.isnan(above.temperature()).all()
+
+
+def test_velocity_is_weighted_by_what_is_in_the_slice():
+    """Two spheres share a slice: the mean is that of their volumes in it."""
+    height, radius = [1.0e-3, 1.4e-3], [0.5e-3, 0.5e-3]
+    single = [profile_of(VOLUME, [z], [0.5e-3], [[0, 0, 0]]).weight for z in height]
+    found = profile_of(VOLUME, height, radius, [[2.0, 9, 9], [5.0, 9, 9]]).velocity()
+    weight = np.sum(single, axis=0)
+    expected = (2.0 * single[0] + 5.0 * single[1])[weight > 0] / weight[weight > 0]
+    assert found[weight > 0] == pytest.approx(expected, rel=1e-12)
+
+
+def test_shear_flow_is_found_again_without_temperature_across():
+    """u = 3 z: slices of a dense stack of equal spheres show the gradient."""
+    rng = np.random.default_rng(2)
+    height = rng.uniform(0.5e-3, 20e-3, 20_000)
+    velocity = np.zeros((20_000, 3))
+    velocity[:, 0] = 3 * height
+    profile = profile_of(VOLUME, height, np.full(20_000, 0.05e-3), velocity, slices=80)
+    centre = (np.arange(80) + 0.5) * SLICE
+    inner = slice(4, 76)
+    assert profile.velocity()[inner] == pytest.approx(3 * centre[inner], rel=0.02)
+    assert np.abs(profile.temperature()[inner, 1:]).max() < 1e-15
+
+
+def test_temperature_of_a_known_state_per_direction():
+    rng = np.random.default_rng(3)
+    spread = np.array([0.3, 0.2, 0.1])
+    velocity = rng.normal([5.0, 0, 0], spread, (200_000, 3))
+    height = rng.uniform(1e-3, 4e-3, 200_000)
+    profile = profile_of(VOLUME, height, np.full(200_000, 0.5e-3), velocity, slices=16)
+    assert profile.temperature()[6:14] == pytest.approx(np.tile(spread**2, (8, 1)), rel=0.02)
+
+
+def test_a_mean_velocity_that_changes_between_samples_is_no_temperature():
+    height, radius, velocity = random_state()
+    still = profile_of(VOLUME, height, radius, velocity)
+    faster = profile_of(VOLUME, height, radius, velocity + np.array([7.0, 0, 0]))
+    both = plus(still, faster)
+    assert both.temperature() == pytest.approx(still.temperature(), rel=1e-9, nan_ok=True)
+    assert both.samples[0] == 2.0
+    mean = 0.5 * (still.velocity() + faster.velocity())
+    assert both.velocity() == pytest.approx(mean, rel=1e-9, nan_ok=True)
+
+
+def test_zeros_of_a_profile_keep_its_shape():
+    profile = profile_of(AREA, *random_state(dimension=2))
+    empty = zeros(profile)
+    assert all(
+        not new.any() and new.shape == old.shape for new, old in zip(empty, profile, strict=True)
+    )
+    assert all(np.array_equal(a, b) for a, b in zip(plus(profile, empty), profile, strict=True))

@@ -1,0 +1,132 @@
+"""The regime of synthetic velocity series, and how often the tests err."""
+
+import numpy as np
+import pytest
+
+from sim.engine.observe.regime import INDEPENDENT, Scales, analyse
+from tests.engine_motion.series import correlated, with_drift
+
+INTERVAL, DRIFT = 0.01, 0.1
+CHUTE = Scales(arrested=1e-4, acceleration=0.03, drift=1.0, target=0.02)
+BELT = Scales(arrested=1e-3, acceleration=np.inf, drift=DRIFT, target=0.02)
+
+
+def series(mean=0.5, slope=0.0, noise=0.01, samples=1200, seed=0) -> np.ndarray:
+    """A line with white noise over ``samples`` intervals, the mean at its centre."""
+    time = INTERVAL * (np.arange(samples) - (samples - 1) / 2)
+    return mean + slope * time + noise * np.random.default_rng(seed).normal(size=samples)
+
+
+@pytest.mark.parametrize(
+    ("values", "scales", "regime", "quality"),
+    [
+        ({}, CHUTE, "steady", "reliable"),
+        ({"slope": 0.0002}, CHUTE, "steady", "reliable"),
+        ({"slope": 2.0}, CHUTE, "accelerating", "drifting"),
+        ({"slope": 0.06}, CHUTE, "accelerating", "drifting"),
+        ({"slope": -0.5, "mean": 5.0}, CHUTE, "undetermined", "drifting"),
+        ({"slope": 0.0, "noise": 3.0, "mean": 5.0}, CHUTE, "undetermined", "short"),
+        ({"mean": 0.0, "noise": 1e-5}, CHUTE, "arrested", "reliable"),
+        ({"mean": 0.0, "noise": 2e-4}, BELT, "arrested", "reliable"),
+        ({"slope": 0.0003}, BELT, "steady", "reliable"),
+        ({"slope": 0.002}, BELT, "steady", "drifting"),
+        ({"slope": 0.02}, BELT, "accelerating", "drifting"),
+        ({"slope": -0.02}, BELT, "undetermined", "drifting"),
+    ],
+)
+def test_regime_of_a_series(values, scales, regime, quality):
+    """Decisions far from the thresholds; a test that errs in 1 of 40 cases may err once in ten."""
+    found = [analyse(series(**values, seed=seed), INTERVAL, scales) for seed in range(10)]
+    assert sum(trend.regime == regime for trend in found) >= 9
+    assert sum(trend.quality == quality for trend in found) >= 8
+
+
+@pytest.mark.parametrize("samples", [200, 600, 2000])
+@pytest.mark.parametrize("mean", [15.0, 40.0, 150.0])
+def test_a_drift_is_called_steady_in_less_than_five_per_cent_of_cases(samples, mean):
+    """At the smallest change that counts as a drift, however long and noisy the series is."""
+    rng = np.random.default_rng(11)
+    steady = [
+        analyse(with_drift(rng, samples, 5, mean, DRIFT * mean), 1.0, BELT).regime == "steady"
+        for _ in range(150)
+    ]
+    assert np.mean(steady) < 0.05
+
+
+def test_a_steady_flow_is_called_accelerating_in_less_than_five_per_cent_of_cases():
+    rng = np.random.default_rng(12)
+    found = [analyse(15.0 + correlated(rng, 300, 5), 1.0, BELT).regime for _ in range(200)]
+    assert np.mean([regime == "accelerating" for regime in found]) < 0.05
+
+
+def test_without_a_drift_long_series_are_steady():
+    rng = np.random.default_rng(13)
+    found = [analyse(40.0 + correlated(rng, 600, 5), 1.0, BELT).regime for _ in range(50)]
+    assert np.mean([regime == "steady" for regime in found]) > 0.95
+
+
+def test_slow_correlations_are_short_of_independent_samples():
+    noisy = 40.0 + correlated(np.random.default_rng(4), 400, 60)
+    found = analyse(noisy, 1.0, Scales(1e-3, np.inf, 10.0, 0.02))
+    assert found.independent < INDEPENDENT
+    assert (found.regime, found.quality) == ("steady", "short")
+
+
+def test_a_flow_that_stops_within_the_window_is_arrested():
+    slowing = np.concatenate([np.linspace(0.5, 0.0, 300), np.zeros(900)])
+    assert analyse(slowing, INTERVAL, CHUTE).regime == "arrested"
+
+
+@pytest.mark.parametrize("mean", [0.0, 0.5])
+def test_a_jammed_series_has_a_status_of_its_own(mean):
+    found = analyse(np.full(600, mean), INTERVAL, CHUTE)
+    assert (found.velocity.value, found.velocity.half_width) == (mean, 0.0)
+    assert (found.quality, found.independent) == ("jammed", 0.0)
+    assert found.regime == ("steady" if mean else "arrested")
+
+
+def test_a_bed_at_rest_is_jammed_though_its_last_bits_move():
+    trembling = 1e-9 * np.random.default_rng(1).normal(size=600)
+    found = analyse(trembling, INTERVAL, CHUTE)
+    assert (found.regime, found.quality) == ("arrested", "jammed")
+
+
+def test_a_perfect_line_is_an_acceleration():
+    found = analyse(series(slope=1.0, noise=0.0), INTERVAL, CHUTE)
+    assert found.acceleration.value == pytest.approx(1.0, rel=1e-9)
+    assert found.regime == "accelerating"
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("samples", [1, 2, 9])
+def test_too_few_samples_leave_the_regime_open(samples):
+    found = analyse(series(samples=samples), INTERVAL, CHUTE)
+    assert np.isfinite(found.velocity.value)
+    assert np.isnan([found.velocity.error, found.acceleration.value]).all()
+    assert (found.regime, found.quality) == ("undetermined", "short")
+
+
+@pytest.mark.parametrize("samples", [10, 13, 25])
+def test_few_samples_give_a_finite_trend(samples):
+    found = analyse(series(samples=samples, slope=3.0, noise=1e-6), INTERVAL, CHUTE)
+    assert found.acceleration.value == pytest.approx(3.0, rel=0.02)
+    assert np.isfinite(found.acceleration.half_width)
+
+
+@pytest.mark.parametrize("extra", [0, 7, 19])
+def test_periodic_driving_counts_for_nothing(extra):
+    """A belt's oscillation, a hundred times the mean, over cycles that do not fill the window."""
+    time = np.arange(45 * 20 + extra)
+    shaken = 0.05 + 5.0 * np.sin(2 * np.pi * time / 20)
+    found = analyse(shaken, INTERVAL, BELT, period=20)
+    assert found.velocity.value == pytest.approx(0.05, abs=1e-12)
+    assert abs(found.acceleration.value) < 1e-9
+    assert found.regime == "steady"
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("samples", [1, 13, 20, 39])
+def test_few_periods_leave_the_regime_open_and_have_a_mean(samples):
+    found = analyse(series(samples=samples, noise=0.0), INTERVAL, BELT, period=20)
+    assert found.velocity.value == pytest.approx(0.5)
+    assert found.regime == "undetermined" and np.isnan(found.velocity.error)

@@ -1,0 +1,127 @@
+"""Writing a run file: all of it or nothing."""
+
+import os
+import signal
+import subprocess
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import netCDF4
+import numpy as np
+import pytest
+
+from sim.engine.observe import run_file
+from sim.engine.observe.recorder import Record
+from sim.engine.run import Layout
+from tests.engine_motion.points import chute_point
+
+ROOT = Path(__file__).parents[3]
+SERIES = {"mean_velocity": ("m s-1", "v")}
+LAYOUT = Layout(np.arange(3.0), np.arange(2.0), SERIES, ("x", "y", "z"), {})
+
+
+def record() -> Record:
+    snapshot = {"position": [np.zeros((1, 3))] * 2, "radius": [np.ones(1)] * 2}
+    series, profiles = {"mean_velocity": np.arange(3.0)}, {"velocity_profile": np.ones(2)}
+    scalars = {"regime": "steady", "velocity": 1.0}
+    return Record(series, profiles, snapshots=snapshot, scalars=scalars)
+
+
+def write(path, records=None, attributes=None):
+    run_file.write(path, chute_point(), records or [record()], LAYOUT, attributes or {"title": "t"})
+
+
+def test_a_file_holds_what_it_was_given(tmp_path):
+    write(tmp_path / "run.nc")
+    with netCDF4.Dataset(tmp_path / "run.nc") as file:
+        assert file.title == "t"
+        assert file["mean_velocity"].units == "m s-1"
+        assert np.array_equal(file["mean_velocity"][:], [[0.0, 1.0, 2.0]])
+        assert file["regime"][0] == "steady" and file["overlap_memory"][...] == "separation"
+        assert list(file["frame"][:]) == ["first", "last"]
+    assert [path.name for path in tmp_path.iterdir()] == ["run.nc"]
+
+
+def test_tables_and_paths_bring_their_own_dimensions(tmp_path):
+    traced, failed = record(), record()
+    traced.path = np.arange(6.0).reshape(2, 1, 3)
+    coordinates = {
+        "column": ("m", "", np.arange(4.0)),
+        "level": ("m", "", np.arange(5.0)),
+        "path_time": ("s", "", np.arange(2.0)),
+    }
+    for one in (traced, failed):
+        one.tables = {"field_velocity": np.ones((4, 5))}
+    layout = replace(LAYOUT, coordinates=coordinates)
+    run_file.write(tmp_path / "run.nc", chute_point(), [traced, failed], layout, {})
+    with netCDF4.Dataset(tmp_path / "run.nc") as file:
+        file.set_auto_mask(False)
+        assert file["field_velocity"].dimensions == ("replicate", "column", "level")
+        assert np.array_equal(file["path"][0], traced.path) and np.isnan(file["path"][1]).all()
+        assert file["path"].dtype == np.float32
+        assert np.array_equal(file["level"][:], np.arange(5.0))
+
+
+def test_replicates_of_unequal_lengths_are_padded(tmp_path):
+    short = record()
+    short.series = {"mean_velocity": np.arange(2.0)}
+    write(tmp_path / "run.nc", [record(), short])
+    with netCDF4.Dataset(tmp_path / "run.nc") as file:
+        file.set_auto_mask(False)
+        expected = [[0.0, 1.0, 2.0], [0.0, 1.0, np.nan]]
+        assert np.array_equal(file["mean_velocity"][:], expected, equal_nan=True)
+
+
+def test_a_failing_write_leaves_no_file_and_an_old_one_alone(tmp_path):
+    broken = record()
+    broken.series = {}
+    with pytest.raises(KeyError):
+        write(tmp_path / "run.nc", [broken])
+    assert not list(tmp_path.iterdir())
+    write(tmp_path / "run.nc")
+    before = (tmp_path / "run.nc").read_bytes()
+    with pytest.raises(KeyError):
+        write(tmp_path / "run.nc", [broken])
+    assert (tmp_path / "run.nc").read_bytes() == before
+    assert len(list(tmp_path.iterdir())) == 1
+
+
+def test_a_file_that_exists_is_replaced(tmp_path):
+    write(tmp_path / "run.nc", attributes={"title": "old"})
+    write(tmp_path / "run.nc", attributes={"title": "new"})
+    with netCDF4.Dataset(tmp_path / "run.nc") as file:
+        assert file.title == "new"
+
+
+KILLED = """
+import sys, time
+from pathlib import Path
+from sim.engine.observe import run_file
+from tests.engine.observe.test_run_file import write
+
+def stuck(*arguments):
+    print("writing", flush=True)
+    time.sleep(60)
+
+run_file._write_records = stuck
+write(Path(sys.argv[1]))
+"""
+
+
+@pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGINT])
+def test_a_killed_write_leaves_no_run_file(tmp_path, how):
+    process = subprocess.Popen(
+        [sys.executable, "-c", KILLED, str(tmp_path / "run.nc")],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.DEVNULL,
+        cwd=ROOT,
+        env=os.environ | {"PYTHONPATH": str(ROOT)},
+    )
+    with process.stdout:
+        assert process.stdout.readline() == b"writing\n"
+        process.send_signal(how)
+        process.wait(timeout=30)
+    assert not (tmp_path / "run.nc").exists()
+    if how == signal.SIGINT:
+        assert not list(tmp_path.iterdir())

@@ -1,0 +1,122 @@
+"""Controls that claims need: unequal spheres, a bumpy plane, beds shaken or pushed before."""
+
+import numpy as np
+import pytest
+
+from sim.base.errors import InputError
+from sim.engine.systems import build
+from tests.engine_motion.helpers import wrapped
+from tests.engine_motion.points import belt_point, chute_point
+
+BUMPY = {"cell": 5, "depth": 2, "bumps": 0.8}
+UNEQUAL = {"cell": 5, "depth": 2, "diameter_spread": 0.2}
+
+
+def changes(system, samples: int) -> dict[str, float]:
+    """Return how much each time series changes from the first to the last of some samples."""
+    rows = [system.advance() for _ in range(samples)]
+    return {name: rows[-1][name] - rows[0][name] for name in system.series}
+
+
+def residual(system, samples: int) -> float:
+    """Return what the energy ledger lacks, relative to the energy turned over."""
+    change = changes(system, samples)
+    lacking = sum(sign * change[name] for name, sign in system.ledger.terms.items())
+    return lacking / sum(change[name] for name in system.ledger.turnover)
+
+
+def test_unequal_spheres_weigh_as_much_as_equal_ones():
+    system = build(chute_point(**UNEQUAL), 0)
+    p, spheres = system.parameters, system.spheres
+    size = spheres.radius / (0.5 * p.diameter)
+    assert spheres.mass == pytest.approx(p.mass * size**3, rel=1e-12)
+    assert spheres.mass.mean() == pytest.approx(p.mass, rel=1e-12)
+    assert 0.75 < size.min() < 0.9 and 1.1 < size.max() < 1.25
+    assert p.time_step < 0.75 * chute_point(cell=5, depth=2).time_step
+
+
+@pytest.mark.parametrize("values", [BUMPY, UNEQUAL, BUMPY | UNEQUAL])
+def test_the_plane_and_what_is_glued_to_it_take_up_the_momentum(values):
+    """Weight and base forces change the momentum of the flow, and nothing else does."""
+    system = build(chute_point(**values), 0)
+    spheres = system.spheres
+    before = spheres.velocity @ spheres.mass
+    rows = [system.advance() for _ in range(60)]
+    time = 60 * system.sample_steps * system.time_step
+    shear = np.mean([row["base_shear_force"] for row in rows])
+    normal = np.mean([row["base_normal_force"] for row in rows])
+    force = np.array([system.weight[0] - shear, normal - system.weight[1]])
+    change = (spheres.velocity @ spheres.mass - before)[[0, 2]]
+    assert force * time == pytest.approx(change, abs=1e-10 * np.hypot(*system.weight) * time)
+
+
+@pytest.mark.parametrize("values", [BUMPY, UNEQUAL])
+def test_the_energy_ledger_closes(values):
+    assert abs(residual(build(chute_point(**values), 0), 160)) < 1e-3
+
+
+def test_glued_spheres_lie_on_the_plane_and_stay():
+    system = build(chute_point(**BUMPY), 0)
+    start = system.snapshot()
+    glued = start["fixed"] == 1
+    p = system.parameters
+    assert glued.sum() == round(0.4 * 25 / (np.pi / 4 * 0.64)) and (~glued).sum() == p.particles
+    assert start["position"][glued, 2] == pytest.approx(0.4 * p.diameter, rel=1e-12)
+    assert start["position"][~glued, 2].min() >= 1.3 * p.diameter
+    places = start["position"][glued]
+    for i in range(len(places) - 1):
+        apart = wrapped(places[i + 1 :] - places[i], 5 * p.diameter, 5 * p.diameter, 0.0)
+        assert np.linalg.norm(apart, axis=1).min() >= 0.8 * p.diameter
+    for _ in range(40):
+        system.advance()
+    end = system.snapshot()
+    assert np.array_equal(end["position"][glued], start["position"][glued])
+    assert not end["particle_velocity"][glued].any() and not end["particle_spin"][glued].any()
+    assert (end["position"][~glued] != start["position"][~glued]).all()
+
+
+def test_averages_leave_out_what_is_glued():
+    system = build(chute_point(**BUMPY), 0)
+    row = system.advance()
+    moving = system.spheres.mass > 0
+    now = system.spheres.velocity[0, moving].mean()
+    assert row["mean_velocity"] == pytest.approx(now, rel=0.05)
+    profile, _ = system.sample_profiles()
+    volume = 4 / 3 * np.pi * (0.5e-3) ** 3
+    assert profile.weight.sum() == pytest.approx(moving.sum() * volume, rel=1e-9)
+
+
+def test_a_bumpy_plane_slows_the_flow():
+    def end(**values):
+        system = build(chute_point(cell=5, depth=2, initial_velocity=5.0, **values), 0)
+        return [system.advance() for _ in range(200)][-1]["mean_velocity"]
+
+    assert end(bumps=1.0) < 0.7 * end()
+
+
+@pytest.mark.parametrize("name", ["bumps", "diameter_spread"])
+def test_spring_and_dashpot_knows_equal_spheres_alone(name):
+    with pytest.raises(InputError, match=rf"{name}: got 0.1; allowed: 0 with law"):
+        chute_point(law="spring_dashpot", **{name: 0.1})
+
+
+def test_all_beads_can_start_with_a_velocity():
+    small = {"beads": 40, "width": 8}
+    still, pushed = (build(belt_point(**small, initial_velocity=v), 0) for v in (0, 3))
+    for system in (still, pushed):
+        system.settle()
+    unit = pushed.parameters.velocity_unit
+    gained = pushed._velocity() - still._velocity()
+    assert gained[0] == pytest.approx(3 * unit, rel=1e-9) and not gained[1].any()
+
+
+def test_a_bed_shaken_before_starts_in_motion_at_phase_zero():
+    small = {"beads": 40, "width": 8, "frequency": 17, "prior_frequency": 30, "prior_cycles": 20}
+    system = build(belt_point(**small), 0)
+    system.settle()
+    p = system.parameters
+    velocity = system._velocity()
+    assert velocity[0].mean() > p.least_transport
+    assert system.loop.step[0] == 0 and system.disks.taylor[0, 1].min() > -0.5 * p.diameter
+    steady = [system.advance()["mean_velocity"] for _ in range(p.samples_per_cycle)]
+    assert np.mean(steady) == pytest.approx(velocity[0].mean(), rel=0.5)

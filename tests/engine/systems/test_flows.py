@@ -1,0 +1,64 @@
+"""Short flows down the chute: force balance, regimes by depth, time step, friction below tan."""
+
+import numpy as np
+import pytest
+
+from sim.engine.observe.estimate import batch_means
+from sim.engine.observe.regime import analyse
+from sim.engine.systems import build
+from tests.engine_motion.points import chute_point, series_of
+
+SIN, TAN = np.sin(np.radians(17)), np.tan(np.radians(17))
+
+
+def trend_of(p, replicate=0):
+    """Series of a replicate within the averaging window, and the trend of its mean velocity."""
+    series = {name: v[p.transient_samples :] for name, v in series_of(p, replicate).items()}
+    interval = p.sample_steps * p.time_step
+    return series, analyse(series["mean_velocity"], interval, build(p, replicate).scales)
+
+
+def test_half_a_layer_accelerates_as_spheres_that_roll_alone():
+    p = chute_point(depth=0.5, cell=8, transient=50, average=100)
+    series, trend = trend_of(p)
+    assert trend.regime == "accelerating"
+    assert trend.acceleration.value == pytest.approx(5 / 7 * p.gravity * SIN, rel=0.02)
+    assert series["mean_velocity"][-1] > 30 * p.velocity_unit
+
+
+@pytest.mark.parametrize("depth", [1.24, 2.5])
+def test_shallow_flows_become_steady_in_balance_with_gravity(depth):
+    """Steady within 2 % of g sin(17): a velocity that changes by less than its own fluctuations.
+
+    The base forces then balance the weight but for the momentum that the flow still changes.
+    """
+    p = chute_point(depth=depth, cell=6, transient=150, average=250)
+    series, trend = trend_of(p)
+    assert abs(trend.acceleration.value) < 0.02 * p.gravity * SIN
+    assert 3.5 < trend.velocity.value / p.velocity_unit < 6.0
+    weight = p.particles * p.mass * p.gravity
+    shear, normal = series["base_shear_force"].mean(), series["base_normal_force"].mean()
+    assert shear / weight == pytest.approx(SIN, rel=0.02)
+    assert normal / weight == pytest.approx(np.cos(np.radians(17)), rel=2e-3)
+    blocks = batch_means(series["base_shear_force"], 20) / normal
+    assert shear / normal == pytest.approx(TAN, abs=2 * blocks.std(ddof=1) / np.sqrt(20))
+    assert shear / normal == pytest.approx(TAN, rel=0.02)
+
+
+def test_steady_velocity_does_not_depend_on_the_time_step():
+    """Between t_c/20 and t_c/80, within the 2 % that one such run is uncertain by, thrice."""
+    found = []
+    for steps in (20, 40, 80):
+        p = chute_point(depth=1.24, cell=8, transient=80, average=150, steps_per_collision=steps)
+        found.append(trend_of(p)[1].velocity.value / p.velocity_unit)
+    assert np.ptp(found) < 0.1 * np.mean(found)
+
+
+@pytest.mark.parametrize("depth", [1.24, 5])
+def test_friction_below_the_tangent_lets_every_depth_accelerate(depth):
+    friction = 0.2
+    p = chute_point(depth=depth, cell=4, friction=friction, transient=20, average=30)
+    _, trend = trend_of(p)
+    bound = p.gravity * (SIN - friction * np.cos(np.radians(17)))
+    assert trend.acceleration.value > 0.95 * bound
+    assert trend.regime == "accelerating"

@@ -1,0 +1,302 @@
+"""A run that was stopped at any moment goes on from its checkpoint to the same bits."""
+
+import json
+import logging
+import os
+import pickle
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import netCDF4
+import numpy as np
+import pytest
+
+from sim.base.errors import InputError
+from sim.engine import checkpoint
+from sim.engine.checkpoint import HEADER, Checkpoint, checkpoint_interval
+from sim.engine.replicate import Replicate, Stopwatch
+from sim.engine.run import run_point
+from sim.engine.warm import warm
+from sim.parameters import Parameters, canonical
+from tests.engine_motion.points import belt_point, chute_point
+
+ROOT = Path(__file__).parents[2]
+
+#: What may differ between two runs of the same point.
+TIMES = {"wall_time"}
+
+POINTS = {
+    "chute": chute_point(depth=2, cell=5, transient=5, average=10, replicates=2),
+    "chute of two threads": chute_point(depth=2, cell=5, transient=5, average=10, threads=2),
+    "belt": belt_point(beads=20, width=5, transient=1, average=6, replicates=2),
+}
+LONG = belt_point(transient=20, average=40, replicates=2)
+
+
+def content(path: Path) -> dict[str, np.ndarray]:
+    """Return all variables of a run file but the time that it took."""
+    with netCDF4.Dataset(path) as file:
+        file.set_auto_mask(False)
+        return {name: np.asarray(v[...]) for name, v in file.variables.items() if name not in TIMES}
+
+
+def assert_same(one: Path, other: Path) -> None:
+    """Assert that two run files hold the same bits."""
+    first, second = content(one), content(other)
+    assert first.keys() == second.keys()
+    for name, values in first.items():
+        assert values.dtype == second[name].dtype, name
+        if values.dtype == object or values.dtype.kind == "U":
+            assert list(values.flat) == list(second[name].flat), name
+        else:
+            assert values.tobytes() == second[name].tobytes(), name
+
+
+class Stopped(BaseException):
+    """Ends a run as a kill would: nothing is tidied up but locks."""
+
+
+def stop_after(offers: int):
+    """Return a replacement of ``Checkpoint.offer`` that saves and then stops the run."""
+    count = 0
+
+    def offer(self, state) -> None:
+        nonlocal count
+        count += 1
+        if count == offers:
+            self.save(state)
+            raise Stopped
+
+    return offer
+
+
+@pytest.mark.parametrize("name", POINTS)
+@pytest.mark.parametrize("share", [0.01, 0.4, 0.99])
+def test_a_run_continued_from_a_checkpoint_gives_the_same_bits(name, share, tmp_path, monkeypatch):
+    point = POINTS[name]
+    assert run_point(point, tmp_path / "whole.nc", quiet=True) == 0
+    samples = point.replicates * point.steps // point.sample_steps
+    output = tmp_path / "run.nc"
+    for _ in range(2):
+        with monkeypatch.context() as patched, pytest.raises(Stopped):
+            patched.setattr(Checkpoint, "offer", stop_after(max(1, int(share * samples / 2))))
+            run_point(point, output, quiet=True)
+        assert not output.exists()
+    assert run_point(point, output, quiet=True) == 0
+    assert_same(output, tmp_path / "whole.nc")
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["run.nc", "whole.nc"]
+
+
+def computing(output: Path) -> subprocess.Popen:
+    """Start a run of LONG and return it once it has written its first checkpoint."""
+    warm([LONG])
+    process = subprocess.Popen(
+        [sys.executable, "-m", "sim", "run", "-", "--output", str(output)],
+        cwd=ROOT,
+        stdin=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        env=os.environ | {"TALUS_CHECKPOINT_SECONDS": "0.2"},
+    )
+    process.stdin.write(json.dumps(canonical(LONG)))
+    process.stdin.close()
+    process.stdin = None
+    limit = time.monotonic() + 60
+    while not output.with_name(f".{output.name}.checkpoint").exists():
+        assert process.poll() is None and time.monotonic() < limit
+        time.sleep(0.02)
+    return process
+
+
+def test_a_killed_run_goes_on_where_it_was(tmp_path):
+    output = tmp_path / "run.nc"
+    first = computing(output)
+    first.send_signal(signal.SIGKILL)
+    first.communicate()
+    assert not output.exists()
+    second = subprocess.run(
+        first.args,
+        cwd=ROOT,
+        input=json.dumps(canonical(LONG)),
+        capture_output=True,
+        text=True,
+        timeout=120,
+    )
+    assert second.returncode == 0, second.stderr
+    assert "continued from a checkpoint" in second.stderr
+    assert [path.name for path in tmp_path.iterdir()] == ["run.nc"]
+    run_point(LONG, tmp_path / "whole.nc", quiet=True)
+    assert_same(output, tmp_path / "whole.nc")
+
+
+def started(parameters: Parameters) -> Replicate:
+    """Return a replicate after its first samples."""
+    replicate = Replicate(parameters, 0)
+    replicate.system.settle()
+    replicate.recorder.take_snapshot()
+    replicate.recorder.take(replicate.system.advance())
+    return replicate
+
+
+@pytest.fixture
+def saved(tmp_path) -> Checkpoint:
+    """A checkpoint of a run of the belt."""
+    made = Checkpoint(tmp_path / "run.nc", POINTS["belt"])
+    made.save(started(POINTS["belt"]))
+    return made
+
+
+def assert_set_aside(refused: Checkpoint, caplog, words: str) -> None:
+    """Assert that a checkpoint is not accepted and kept for inspection, with one warning."""
+    with caplog.at_level(logging.WARNING):
+        assert refused.load() is None
+    (warning,) = caplog.messages
+    assert words in warning and "the run starts anew" in warning
+    assert not refused.path.exists()
+    assert refused.path.with_name(".run.nc.checkpoint.damaged").exists()
+    assert refused.load() is None
+
+
+def test_what_was_saved_is_loaded(saved):
+    loaded = saved.load()
+    assert loaded.recorder.taken == 1
+    assert loaded.recorder.system is loaded.system
+    assert loaded.system.advance() == saved.load().system.advance()
+
+
+def test_nothing_is_loaded_where_nothing_was_saved(tmp_path, caplog):
+    assert Checkpoint(tmp_path / "run.nc", POINTS["belt"]).load() is None
+    assert not caplog.messages
+
+
+@pytest.mark.parametrize("length", [0, 1, HEADER - 1, HEADER, HEADER + 1000, -1])
+def test_a_truncated_checkpoint_is_set_aside(saved, length, caplog):
+    whole = saved.path.read_bytes()
+    saved.path.write_bytes(whole[:length])
+    assert_set_aside(saved, caplog, "damaged")
+
+
+@pytest.mark.parametrize("place", [0.0, 0.3, 0.6, 0.999])
+def test_a_flipped_bit_is_found(saved, place, caplog):
+    whole = bytearray(saved.path.read_bytes())
+    whole[HEADER + int(place * (len(whole) - HEADER))] ^= 4
+    saved.path.write_bytes(whole)
+    assert_set_aside(saved, caplog, "the checksum is wrong")
+
+
+def test_a_flipped_bit_of_the_header_is_found(saved, caplog):
+    whole = saved.path.read_bytes()
+    saved.path.write_bytes(whole.replace(b'"sha256": "', b'"sha256": "0', 1))
+    assert_set_aside(saved, caplog, "damaged")
+
+
+def test_a_longer_checkpoint_is_set_aside(saved, caplog):
+    saved.path.write_bytes(saved.path.read_bytes() + b"more")
+    assert_set_aside(saved, caplog, "length")
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "words"),
+    [
+        ("source_hash", lambda: "0" * 12, "other source hash"),
+        ("__version__", "0.0.1", "other talus"),
+        ("FORMAT", 0, "other format"),
+        ("library_versions", lambda: {"numpy": "1.0"}, "other libraries"),
+    ],
+)
+def test_a_checkpoint_of_other_code_is_set_aside(tmp_path, name, value, words, caplog, monkeypatch):
+    with monkeypatch.context() as patched:
+        patched.setattr(checkpoint, name, value)
+        Checkpoint(tmp_path / "run.nc", POINTS["belt"]).save(started(POINTS["belt"]))
+    assert_set_aside(Checkpoint(tmp_path / "run.nc", POINTS["belt"]), caplog, words)
+
+
+def test_a_checkpoint_of_another_point_is_set_aside(saved, tmp_path, caplog):
+    other = POINTS["belt"].model_copy(update={"seed": 2})
+    assert_set_aside(Checkpoint(tmp_path / "run.nc", other), caplog, "other parameters")
+
+
+class Trap:
+    """Tells when it is unpickled."""
+
+    sprung = False
+
+    def __reduce__(self):
+        return setattr, (Trap, "sprung", True)
+
+
+def test_nothing_is_unpickled_before_the_checksum_holds(saved, caplog):
+    saved.save(Trap())
+    whole = bytearray(saved.path.read_bytes())
+    whole[-1] ^= 1
+    saved.path.write_bytes(whole)
+    assert_set_aside(saved, caplog, "checksum")
+    assert not Trap.sprung
+
+
+def test_a_checkpoint_is_written_when_it_is_due_and_not_before(tmp_path):
+    now = Checkpoint(tmp_path / "now.nc", POINTS["belt"], 0.0)
+    now.offer("state")
+    assert now.load() == "state"
+    later = Checkpoint(tmp_path / "later.nc", POINTS["belt"], 60.0)
+    later.offer("state")
+    assert not later.path.exists()
+
+
+def test_writing_takes_no_more_than_its_share_of_the_time(tmp_path, monkeypatch):
+    kept = Checkpoint(tmp_path / "run.nc", POINTS["belt"], 0.0)
+    saves = []
+
+    def slow(self, state) -> None:
+        saves.append(time.monotonic())
+        time.sleep(0.05)
+
+    monkeypatch.setattr(Checkpoint, "save", slow)
+    began = time.monotonic()
+    while time.monotonic() < began + 0.5:
+        kept.offer("state")
+    assert len(saves) == 1
+
+
+def test_a_checkpoint_that_cannot_be_written_stops_no_run(tmp_path, caplog):
+    kept = Checkpoint(tmp_path / "missing" / "run.nc", POINTS["belt"], 0.0)
+    with caplog.at_level(logging.WARNING):
+        kept.offer("state")
+    (warning,) = caplog.messages
+    assert "no checkpoint: No such file" in warning
+
+
+def test_leftovers_of_killed_writes_are_removed_with_the_checkpoint(saved):
+    dead = subprocess.Popen([sys.executable, "-c", ""])
+    dead.wait()
+    left = saved.path.with_name(f".{saved.path.name}.{dead.pid}.part")
+    left.write_text("half")
+    saved.remove()
+    assert not left.exists() and not saved.path.exists()
+
+
+@pytest.mark.parametrize("text", ["soon", "-1", "nan"])
+def test_the_interval_is_a_number_of_seconds(text, monkeypatch):
+    monkeypatch.setenv("TALUS_CHECKPOINT_SECONDS", text)
+    with pytest.raises(InputError, match=r"TALUS_CHECKPOINT_SECONDS: got .*; allowed: a number"):
+        checkpoint_interval()
+
+
+def test_a_stopwatch_counts_on_in_another_life():
+    watch = Stopwatch(100.0)
+    assert 100.0 <= watch.seconds() < 101.0
+    assert 100.0 <= pickle.loads(pickle.dumps(watch)).seconds() < 101.0
+
+
+def test_a_run_that_is_asked_to_end_saves_first(tmp_path):
+    process = computing(tmp_path / "run.nc")
+    process.send_signal(signal.SIGTERM)
+    errors = process.communicate(timeout=60)[1]
+    assert process.returncode == 143, errors
+    assert errors.splitlines()[-1].endswith("terminated; the next start continues from here")
+    left = {path.name for path in tmp_path.iterdir()}
+    assert left == {".run.nc.checkpoint", ".run.nc.progress"}
+    assert Checkpoint(tmp_path / "run.nc", LONG).load().replicate.number == 0

@@ -1,0 +1,83 @@
+"""Compiled code is found again by a later process, and by no other version of the sources."""
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from sim.engine import compile as engine
+from sim.engine.identity import COMPILED, ENGINE, PACKAGE, source_files, source_hash
+
+ROOT = Path(__file__).parents[2]
+
+COUNT = """
+import sys
+from sim.parameters import parse_point
+from sim.engine.systems import build
+system = build(parse_point({"system": "chute", "depth": 0.2, "cell": 5}, "test"), 0)
+system.advance()
+system.sample_profiles()
+import numba
+kernels = {
+    id(value): value
+    for name, module in list(sys.modules.items()) if name.startswith("sim.")
+    for value in vars(module).values() if isinstance(value, numba.core.dispatcher.Dispatcher)
+}
+hits = sum(sum(kernel.stats.cache_hits.values()) for kernel in kernels.values())
+misses = sum(sum(kernel.stats.cache_misses.values()) for kernel in kernels.values())
+print(hits, misses)
+"""
+
+
+def hits_and_misses(cache: Path) -> list[int]:
+    environment = os.environ | {"TALUS_CACHE_DIR": str(cache)}
+    done = subprocess.run(
+        [sys.executable, "-c", COUNT], cwd=ROOT, env=environment, capture_output=True, text=True
+    )
+    assert done.returncode == 0, done.stderr
+    return [int(word) for word in done.stdout.split()]
+
+
+def test_a_later_process_compiles_nothing(tmp_path):
+    _, misses = hits_and_misses(tmp_path)
+    assert misses > 3
+    assert [path.name for path in tmp_path.iterdir()] == [source_hash(COMPILED)]
+    hits, misses = hits_and_misses(tmp_path)
+    assert misses == 0
+    assert hits >= 3
+
+
+@pytest.mark.parametrize("parts", [ENGINE, COMPILED])
+def test_hash_changes_with_any_file_of_its_parts_and_with_no_other(parts, tmp_path, monkeypatch):
+    package = tmp_path / "sim"
+    shutil.copytree(PACKAGE, package, ignore=shutil.ignore_patterns("__pycache__"))
+    monkeypatch.setattr("sim.engine.identity.PACKAGE", package)
+    before = source_hash(parts)
+    (package / "figures" / "style.py").write_text("# changed\n")
+    (package / "cli.py").write_text("# changed\n")
+    assert source_hash(parts) == before
+    for path in source_files(parts):
+        text = path.read_text()
+        path.write_text(text + "\n# changed\n")
+        assert source_hash(parts) != before, path
+        path.write_text(text)
+    assert source_hash(parts) == before
+
+
+def test_cache_folder_follows_the_environment(tmp_path, monkeypatch):
+    monkeypatch.setenv("TALUS_CACHE_DIR", str(tmp_path / "mine"))
+    assert engine.cache_directory() == tmp_path / "mine" / source_hash(COMPILED)
+    monkeypatch.delenv("TALUS_CACHE_DIR")
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "shared"))
+    assert engine.cache_directory() == tmp_path / "shared" / "talus" / source_hash(COMPILED)
+
+
+def test_a_cache_that_cannot_be_written_is_replaced_by_a_temporary_one(tmp_path, monkeypatch):
+    (tmp_path / "file").write_text("in the way")
+    monkeypatch.setenv("TALUS_CACHE_DIR", str(tmp_path / "file"))
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path / "temporary"))
+    found = engine.cache_directory()
+    assert found.is_dir() and found.is_relative_to(tmp_path / "temporary")

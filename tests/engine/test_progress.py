@@ -1,0 +1,211 @@
+"""What a run says of its progress: lines, bar and file, by a clock of the tests."""
+
+import json
+import logging
+import os
+import sys
+
+import pytest
+
+from sim.engine.progress import CREDIT, progress, progress_file, read_progress
+from sim.parameters import point_id
+from tests.engine_motion.points import belt_point, chute_point
+
+POINT = chute_point(depth=2, cell=5, transient=100, average=400)
+STEPS = POINT.steps
+
+
+class Clock:
+    """A clock that stands still until it is told."""
+
+    time = 5000.0
+
+    def __call__(self) -> float:
+        return self.time
+
+
+@pytest.fixture
+def clock(monkeypatch) -> Clock:
+    clock = Clock()
+    monkeypatch.setattr("sim.engine.progress.monotonic", clock)
+    return clock
+
+
+@pytest.fixture
+def output(tmp_path):
+    return tmp_path / "run.nc"
+
+
+@pytest.fixture
+def log(caplog):
+    """What is logged, in ``log.messages``."""
+    caplog.set_level(logging.INFO, logger="talus")
+    return caplog
+
+
+def test_log_lines_become_rarer(clock, output, log):
+    said = []
+    with progress(POINT, output) as advanced:
+        for second in range(5, 1000, 5):
+            clock.time += 5.0
+            advanced(1)
+            said += [second] * (len(log.messages) - len(said))
+    assert said == [10, 30, 70, 150, 310, 610, 910]
+
+
+def test_a_line_says_how_far_how_fast_and_how_long_still(clock, output, log):
+    with progress(POINT, output) as advanced:
+        advanced(0)
+        clock.time += 100.0
+        advanced(STEPS // 4)
+    (line,) = log.messages
+    rate = STEPS // 4 * POINT.particles / 100.0 / 1e6
+    assert line == (
+        f"{point_id(POINT)}: 25 % of {STEPS:,} steps, "
+        f"{rate:.1f} million particle-steps/s, about 5.0 min left"
+    )
+
+
+def test_a_run_still_in_its_first_sample_has_no_rate(clock, output, log):
+    """It may be compiling, which tells nothing of what is to come."""
+    with progress(POINT, output) as advanced:
+        clock.time += 100.0
+        advanced(10)
+        assert read_progress(output).left is None
+    assert log.messages == [f"{point_id(POINT)}: 0 % of {STEPS:,} steps"]
+
+
+def test_a_run_that_may_end_early_has_bounds_only(clock, output, log):
+    point = chute_point(protocol="converged", depth=2, cell=5, transient=100, average=100)
+    with progress(point, output) as advanced:
+        advanced(0)
+        clock.time += 100.0
+        advanced(point.steps // 4)
+    assert f"of at most {point.steps:,} steps" in log.messages[0]
+    assert "at most 5.0 min left" in log.messages[0]
+
+
+@pytest.mark.parametrize(("quiet", "terminal"), [(True, False), (False, True)])
+def test_no_lines_when_quiet_or_beside_a_bar(clock, output, log, monkeypatch, quiet, terminal):
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: terminal)
+    with progress(POINT, output, quiet=quiet) as advanced:
+        clock.time += 1000.0
+        advanced(5)
+    assert log.messages == []
+
+
+def test_a_bar_shows_on_a_terminal(clock, output, capsys, monkeypatch):
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
+    with progress(POINT, output, done=STEPS // 2) as advanced:
+        advanced(STEPS // 2)
+    assert "100%" in capsys.readouterr().err
+    with progress(POINT, output, quiet=True) as advanced:
+        advanced(STEPS)
+    assert capsys.readouterr().err == ""
+
+
+def test_the_file_tells_the_run_until_it_ends(clock, output):
+    point = belt_point(replicates=3)
+    with progress(point, output) as advanced:
+        start = read_progress(output)
+        assert (start.done, start.rate, start.left, start.time_left) == (0, 0, None, "unknown")
+        advanced(0)
+        clock.time += 50.0
+        advanced(point.steps)
+        now = read_progress(output)
+    assert (now.point, now.pid, now.particles) == (point_id(point), os.getpid(), point.particles)
+    assert (now.done, now.total, now.percent) == (point.steps, 3 * point.steps, 33)
+    assert now.rate == pytest.approx(point.steps * point.particles / 50.0)
+    assert (now.elapsed, now.left) == pytest.approx((50.0, 100.0))
+    assert list(output.parent.iterdir()) == []
+
+
+def test_what_comes_before_the_first_sample_does_not_slow_the_rate(clock, output):
+    with progress(POINT, output) as advanced:
+        clock.time += 100.0
+        advanced(10)
+        clock.time += 5.0
+        advanced(50)
+        now = read_progress(output)
+    assert now.rate == pytest.approx(10 * POINT.particles)
+    assert now.elapsed == 105.0
+
+
+def test_the_file_is_not_written_all_the_time(clock, output):
+    written = set()
+    with progress(POINT, output) as advanced:
+        for _ in range(100):
+            clock.time += 0.1
+            advanced(1)
+            written.add(read_progress(output).done)
+    assert len(written) in (5, 6)
+
+
+@pytest.mark.parametrize("error", [KeyboardInterrupt, OSError])
+def test_the_file_goes_with_a_run_that_raises(clock, output, error):
+    with pytest.raises(error), progress(POINT, output):
+        assert progress_file(output).exists()
+        raise error
+    assert not progress_file(output).exists()
+
+
+def test_a_run_that_resumes_counts_what_lies_behind_it(clock, output):
+    with progress(POINT, output, done=STEPS // 2) as advanced:
+        advanced(0)
+        assert read_progress(output).percent == 50
+        clock.time += 10.0
+        advanced(STEPS // 4)
+        now = read_progress(output)
+    assert now.percent == 75
+    assert now.rate == pytest.approx(STEPS // 4 * POINT.particles / 10.0)
+    assert now.left == pytest.approx(10.0, rel=1e-3)
+
+
+def test_a_file_that_cannot_be_written_does_not_end_the_run(clock, tmp_path):
+    with progress(POINT, tmp_path / "none" / "run.nc") as advanced:
+        clock.time += 10.0
+        advanced(1)
+
+
+def test_slow_samples_are_given_more_time(clock, output):
+    with progress(POINT, output) as advanced:
+        clock.time += 5.0
+        advanced(1)
+        now = read_progress(output)
+        assert (now.expires - now.updated).total_seconds() == CREDIT
+        clock.time += 1000.0
+        advanced(1)
+        now = read_progress(output)
+    assert (now.expires - now.updated).total_seconds() > 1000.0
+
+
+def test_files_that_say_nothing_are_nothing(clock, output):
+    with progress(POINT, output):
+        text = progress_file(output).read_text()
+        assert read_progress(output) is not None
+        held = json.loads(text)
+        broken = [b"", b"\xff\x00", text[: len(text) // 2].encode(), b"[1]", b"null", b"{}"]
+        for change in (
+            {"rate": "fast"},
+            {"rate": float("nan")},
+            {"rate": float("inf")},
+            {"done": -1},
+            {"total": 0},
+            {"pid": 10**30},
+            {"updated": "2026-01-01T00:00:00"},
+        ):
+            broken.append(json.dumps(held | change).encode())
+        for content in broken:
+            progress_file(output).write_bytes(content)
+            assert read_progress(output) is None, content
+        progress_file(output).unlink()
+        assert read_progress(output) is None
+        progress_file(output).mkdir()
+        assert read_progress(output) is None
+        progress_file(output).rmdir()
+
+
+def test_the_file_stays_with_a_run_that_was_terminated(clock, output):
+    with pytest.raises(SystemExit), progress(POINT, output):
+        raise SystemExit(143)
+    assert progress_file(output).exists()

@@ -1,0 +1,299 @@
+"""One point -> one run file: contract, averages, replicates, failures, bits, exit codes."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import netCDF4
+import numpy as np
+import pytest
+
+from sim.cli import main
+from sim.engine.identity import NUMERICS, source_hash
+from sim.engine.observe import estimate
+from sim.engine.run import BLOWN_UP, run_point
+from sim.parameters import as_yaml, canonical, field_info, parse_point, point_id
+from tests.engine_motion.points import belt_point, chute_point
+
+ROOT = Path(__file__).parents[2]
+
+CHUTE = {"depth": 1.24, "cell": 4, "transient": 3, "average": 5, "replicates": 2}
+BELT = {"beads": 12, "width": 5, "transient": 1, "average": 4, "replicates": 2}
+SOFT = {"depth": 5, "cell": 4, "stiffness": 0.2, "transient": 1, "average": 30}
+
+SHARED_SERIES = {
+    "mean_velocity": "m s-1",
+    "kinetic_energy": "J",
+    "potential_energy": "J",
+    "stored_energy": "J",
+    "normal_loss": "J",
+    "height_of_mass": "m",
+    "contact_number": "1",
+    "largest_overlap": "1",
+}
+SERIES = {
+    "chute": SHARED_SERIES
+    | {"mass_flux": "kg m-1 s-1", "rotational_energy": "J", "frictional_loss": "J"}
+    | {"base_normal_force": "N", "base_shear_force": "N"},
+    "belt": SHARED_SERIES
+    | {"mass_flux": "kg s-1", "belt_phase": "rad"}
+    | {"shear_loss": "J", "belt_work": "J"},
+}
+PROFILES = {
+    "velocity_profile": "m s-1",
+    "packing_profile": "1",
+    "granular_temperature_profile": "m2 s-2",
+    "vertical_temperature_profile": "m2 s-2",
+}
+SCALARS = {
+    "velocity": "m s-1",
+    "velocity_error": "m s-1",
+    "velocity_half_width": "m s-1",
+    "independent_samples": "1",
+    "average_start": "s",
+    "transient_end": "s",
+    "energy_residual": "1",
+    "normal_power": "W",
+    "acceleration": "m s-2",
+    "acceleration_error": "m s-2",
+    "max_overlap": "1",
+    "steps": "1",
+    "time_step_used": "s",
+    "wall_time": "s",
+    "replicate_seed": "1",
+}
+ATTRIBUTES = {"Conventions", "title", "system", "point_id", "status", "reason", "command"}
+ATTRIBUTES |= {"engine_version", "source_hash", "created", "versions", "steps", "wall_time"}
+
+
+@pytest.fixture(scope="module", params=["chute", "belt"])
+def ran(request, tmp_path_factory):
+    """A point and its open run file."""
+    point = chute_point(**CHUTE) if request.param == "chute" else belt_point(**BELT)
+    path = tmp_path_factory.mktemp("run") / "run.nc"
+    assert run_point(point, path, quiet=True) == 0
+    with netCDF4.Dataset(path) as file:
+        file.set_auto_mask(False)
+        yield point, file
+
+
+def read(path) -> dict[str, np.ndarray]:
+    """All variables of a run file but the time that it took."""
+    with netCDF4.Dataset(path) as file:
+        file.set_auto_mask(False)
+        values = {name: np.asarray(v[...]) for name, v in file.variables.items()}
+    del values["wall_time"]
+    return values
+
+
+def test_variables_have_their_dimensions_and_units(ran):
+    point, file = ran
+    for name, unit in SERIES[point.system].items():
+        assert file[name].dimensions == ("replicate", "time") and file[name].units == unit
+        assert np.isfinite(file[name][:]).all()
+    profiles = PROFILES | ({"number_density": "m-2"} if point.system == "belt" else {})
+    for name, unit in profiles.items():
+        for variable in (file[name], file[f"{name}_instantaneous"]):
+            assert variable.dimensions == ("replicate", "height") and variable.units == unit
+    base = {"base_normal": "N", "base_shear": "N"} if point.system == "chute" else {}
+    for name, unit in (SCALARS | base).items():
+        assert file[name].dimensions == ("replicate",) and file[name].units == unit
+    assert (file["time"].units, file["height"].units) == ("s", "m")
+    assert file["height"].positive == "up"
+    for name, variable in file.variables.items():
+        if variable.dtype is not str and name != "orientations":
+            assert variable.units and variable.long_name, name
+
+
+def test_sizes_are_those_of_the_point(ran):
+    point, file = ran
+    dimension = 3 if point.system == "chute" else 2
+    assert file.dimensions["replicate"].size == 2
+    assert file.dimensions["time"].size == point.transient_samples + point.average_samples
+    assert file["position"].shape == (2, 2, point.particles, dimension)
+    assert file["particle_velocity"].shape == file["position"].shape
+    assert file["radius"].shape == (2, point.particles)
+    assert "".join(file["axis"][:]) == ("xyz" if dimension == 3 else "xz")
+    interval = point.sample_steps * point.time_step
+    assert file["time"][:] == pytest.approx(interval * np.arange(1, file["time"].size + 1))
+    assert file["average_start"][:] == pytest.approx(point.transient_samples * interval)
+    assert (file["steps"][:] == point.steps).all()
+
+
+def test_every_parameter_is_in_the_file_with_unit_and_meaning(ran):
+    point, file = ran
+    rows, values = field_info(point), {}
+    for name, value in canonical(point).items():
+        found = file[name][...]
+        values[name] = found if isinstance(value, str) else type(value)(found)
+        assert file[name].long_name == rows[name].description
+        assert getattr(file[name], "units", "") == rows[name].unit
+    assert parse_point(values, "file") == point
+    assert int(file["particles"][...]) == point.particles
+
+
+def test_provenance_says_what_made_the_file(ran):
+    point, file = ran
+    assert set(file.ncattrs()) >= ATTRIBUTES
+    assert file.system == point.system and file.point_id == point_id(point)
+    assert file.source_hash == source_hash()
+    assert (file.status, file.reason, file.caveat) == ("completed", "", point.caveat)
+    assert file.Conventions.startswith("CF-") and file.steps == 2 * point.steps
+
+
+def test_scalars_are_the_averages_of_the_series(ran):
+    point, file = ran
+    velocity = file["mean_velocity"][:, point.transient_samples :]
+    assert file["velocity"][:] == pytest.approx(velocity.mean(axis=1), rel=1e-12)
+    assert file["max_overlap"][:] == pytest.approx(file["largest_overlap"][:].max(axis=1))
+    period = point.samples_per_cycle if point.system == "belt" else 1
+    interval = estimate.mean(estimate.cycle_means(velocity[0], period))
+    for scalar in ("error", "half_width"):
+        found = file[f"velocity_{scalar}"][0]
+        assert found == pytest.approx(getattr(interval, scalar), rel=1e-9, nan_ok=True)
+    if point.system == "chute":
+        for scalar, series in (
+            ("base_normal", "base_normal_force"),
+            ("base_shear", "base_shear_force"),
+        ):
+            mean = file[series][:, point.transient_samples :].mean(axis=1)
+            assert file[scalar][:] == pytest.approx(mean, rel=1e-12)
+
+
+def test_snapshots_agree_with_series_and_radii(ran):
+    """The last state is that at the end of the path, which begins after the last sample."""
+    point, file = ran
+    speed = 0.5 * (file["particle_velocity"][:, 1] ** 2).sum(axis=-1)
+    mass = point.mass * (2 * file["radius"][:] / point.diameter) ** 2
+    assert (mass * speed).sum(axis=1) == pytest.approx(file["kinetic_energy"][:, -1], rel=0.9)
+    path, position = file["path"][:], file["position"][:, 1]
+    side = (point.cell if point.system == "chute" else point.width) * point.diameter
+    turns = (path[:, -1, :, 0] - position[..., 0]) / side
+    assert turns == pytest.approx(np.round(turns), abs=1e-4)
+    assert path[:, -1, :, -1] == pytest.approx(position[..., -1], abs=1e-6 * side)
+    weight = mass / mass.sum(axis=1, keepdims=True)
+    height = (weight * path[:, 0, :, -1]).sum(axis=1)
+    last = file["height_of_mass"][:, -1]
+    assert height == pytest.approx(last, rel=0.3 if point.system == "belt" else 1e-5)
+    assert not np.array_equal(file["position"][:, 0], file["position"][:, 1])
+    if point.system == "chute":
+        norm = np.linalg.norm(file["orientation"][:], axis=-1)
+        assert norm == pytest.approx(1.0, abs=1e-12)
+        assert (file["orientation"][:, 0, :, 0] == 1.0).all()
+
+
+def test_replicates_are_independent_runs(ran):
+    _, file = ran
+    assert list(file["replicate_seed"][:]) == [0, 1]
+    for name in ("mean_velocity", "position"):
+        assert not np.allclose(file[name][0], file[name][1], rtol=1e-3)
+
+
+@pytest.mark.parametrize("point", [chute_point(**CHUTE), belt_point(**BELT)])
+def test_same_seed_gives_the_same_bits_in_another_process(point, tmp_path):
+    assert run_point(point, tmp_path / "here.nc", quiet=True) == 0
+    command = [sys.executable, "-m", "sim", "run", "-", "-o", str(tmp_path / "there.nc"), "--quiet"]
+    text = json.dumps(canonical(point))
+    done = subprocess.run(command, cwd=ROOT, input=text, capture_output=True, text=True, check=True)
+    assert (done.stdout, done.stderr) == ("", "")
+    here, there = read(tmp_path / "here.nc"), read(tmp_path / "there.nc")
+    assert here.keys() == there.keys()
+    for name, values in here.items():
+        equal = np.array_equal(values, there[name], equal_nan=values.dtype.kind == "f")
+        assert equal, name
+
+
+def test_first_replicate_is_the_same_with_and_without_others(tmp_path):
+    for count in (1, 2):
+        run_point(
+            chute_point(**CHUTE | {"replicates": count}), tmp_path / f"{count}.nc", quiet=True
+        )
+    one, two = read(tmp_path / "1.nc"), read(tmp_path / "2.nc")
+    assert np.array_equal(one["mean_velocity"][0], two["mean_velocity"][0])
+
+
+def test_a_blow_up_is_recorded_with_its_reason_and_what_came_before(tmp_path):
+    point = chute_point(**SOFT | {"replicates": 2})
+    assert run_point(point, tmp_path / "run.nc", quiet=True) == BLOWN_UP == 3
+    assert run_point(point, tmp_path / "run.nc", quiet=True, record_failure=True) == 0
+    with netCDF4.Dataset(tmp_path / "run.nc") as file:
+        file.set_auto_mask(False)
+        assert file.status == "failed" and "overlap" in file.reason
+        assert list(file["status"][:]) == ["failed"] * 2
+        assert all("overlap exceeds overlap_limit at step" in text for text in file["reason"][:])
+        assert (
+            np.isnan(file["velocity"][:]).all() and list(file["regime"][:]) == ["undetermined"] * 2
+        )
+        taken = np.isfinite(file["mean_velocity"][0])
+        assert (file["time_step_used"][:] == point.time_step / 2).all()
+        steps = file["steps"][0] // (2 * point.sample_steps)
+        assert taken.sum() == steps and taken[:steps].all()
+        assert np.isfinite(file["position"][:]).all()
+
+
+def test_a_tiny_overlap_limit_stops_the_first_contact(tmp_path):
+    point = chute_point(**CHUTE | {"overlap_limit": 1e-9})
+    assert run_point(point, tmp_path / "run.nc", quiet=True) == BLOWN_UP
+    assert set(read(tmp_path / "run.nc")["status"]) == {"failed"}
+
+
+def test_a_bed_that_fails_to_settle_is_recorded_too(tmp_path):
+    point = belt_point(**BELT | {"beads": 100, "stiffness": 1.0})
+    assert run_point(point, tmp_path / "run.nc", quiet=True) == BLOWN_UP
+    content = read(tmp_path / "run.nc")
+    assert all("while the bed settles" in text for text in content["reason"])
+    assert (content["steps"] == 0).all() and np.isnan(content["mean_velocity"]).all()
+
+
+def test_command_line_gives_exit_code_three_or_none_if_the_failure_is_wanted(tmp_path):
+    (tmp_path / "point.yaml").write_text(
+        "system: chute\n" + "\n".join(f"{k}: {v}" for k, v in SOFT.items())
+    )
+    command = [sys.executable, "-m", "sim", "run", str(tmp_path / "point.yaml")]
+    command += ["-o", str(tmp_path / "run.nc")]
+    failed = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
+    assert failed.returncode == 3 and "overlap" in failed.stderr
+    assert "Traceback" not in failed.stderr
+    recorded = subprocess.run(
+        [*command, "--record-failure", "--quiet"], cwd=ROOT, capture_output=True
+    )
+    assert recorded.returncode == 0
+
+
+def test_a_run_file_of_the_same_point_is_kept_and_no_other(tmp_path, capsys):
+    point, other = (belt_point(**BELT | {"seed": seed}) for seed in (1, 2))
+    output = tmp_path / "run.nc"
+
+    def made_anew(point) -> bool:
+        before = output.stat().st_ino if output.exists() else None
+        (tmp_path / "point.yaml").write_text(as_yaml(point))
+        assert main(["run", str(tmp_path / "point.yaml"), "-o", str(output), "--quiet"]) == 0
+        return output.stat().st_ino != before
+
+    assert made_anew(point)
+    assert not made_anew(point)
+    assert made_anew(other)
+    whole = output.read_bytes()
+    output.write_bytes(whole[: len(whole) // 2])
+    assert made_anew(other)
+    with netCDF4.Dataset(output, "a") as file:
+        file.source_hash = "0123456789ab"
+        file.versions = "numpy 1.0"
+    assert not made_anew(other)
+    with netCDF4.Dataset(output, "a") as file:
+        file.numerics = NUMERICS + 1
+    assert made_anew(other)
+    # Engines before the first number are known by the hash of their sources.
+    for source, anew in (("0b14a980090c", False), ("0123456789ab", True)):
+        with netCDF4.Dataset(output, "a") as file:
+            if "numerics" in file.ncattrs():
+                file.delncattr("numerics")
+            file.source_hash = source
+        assert made_anew(other) == anew
+
+
+def test_a_run_file_of_a_failure_that_is_kept_keeps_its_exit_code(tmp_path):
+    (tmp_path / "point.yaml").write_text(as_yaml(chute_point(**SOFT)))
+    command = ["run", str(tmp_path / "point.yaml"), "-o", str(tmp_path / "run.nc"), "--quiet"]
+    assert [main(command), main(command), main([*command, "--record-failure"])] == [3, 3, 0]

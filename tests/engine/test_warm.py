@@ -1,0 +1,35 @@
+"""Warming up: one small point per set of compiled kernels."""
+
+from sim.engine.warm import variants, warm
+from sim.parameters import parse_point
+
+
+def point(**values):
+    return parse_point(values, "test")
+
+
+def test_points_that_differ_in_numbers_alone_share_one_variant():
+    points = [
+        point(system="chute", depth=depth, stiffness=k, threads=threads)
+        for depth, k, threads in ((1, 100, 1), (5, 100, 2), (1, 1000, 4), (5, 1000, 1))
+    ]
+    assert len(variants(points)) == 1
+
+
+def test_every_reading_that_selects_code_is_a_variant_of_its_own():
+    points = [
+        point(system="chute"),
+        point(system="chute", tangential_exponent=0),
+        point(system="chute", overlap_memory="shrink"),
+        point(system="belt"),
+        point(system="belt", integrator="verlet"),
+    ]
+    small = variants(points)
+    assert [p.system for p in small] == ["chute", "chute", "chute", "belt", "belt"]
+    assert [p.tangential_exponent for p in small[:2]] == [points[0].tangential_exponent, 0]
+    assert small[2].overlap_memory == "shrink"
+    assert small[4].integrator == "verlet"
+
+
+def test_warming_runs_every_kernel_of_a_run():
+    warm([point(system="belt", beads=5, width=6)])

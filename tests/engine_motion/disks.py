@@ -1,0 +1,111 @@
+"""Disks in motion under the engine's kernels alone."""
+
+import numpy as np
+
+from sim.engine.boundary.belt import Belt
+from sim.engine.boundary.obstacle import Obstacle
+from sim.engine.contact.spring_damping import SpringDamping
+from sim.engine.dynamics.cells import make_box
+from sim.engine.dynamics.disks import make_disks, make_work
+from sim.engine.dynamics.gear import Gear
+from sim.engine.dynamics.neighbors import empty_pair_list, grown
+from sim.engine.systems import shaking
+from tests.engine_motion.helpers import BEAD, BEAD_MASS, bead_law, initial_order, run_on
+
+AT_REST = Belt(0.0, 0.0, 0.0, 0.0, 0.0)
+NO_OBSTACLE = Obstacle(0.0, 0.0, 0.0)
+
+
+class DiskMotion:
+    """Disks above the belt under the engine's integrators, without a system around them.
+
+    ``acceleration`` (m/s2) is what the integrator is told of the past; without it the first step is
+    a little off, as with every predictor that starts from position and velocity alone. The engine
+    sorts its ``disks``; the properties are in the order of the initial state.
+    """
+
+    def __init__(
+        self,
+        position,
+        velocity,
+        *,
+        acceleration=0.0,
+        law: SpringDamping | None = None,
+        integrator=Gear,
+        time_step: float = 2.5e-5,
+        radius=0.5 * BEAD,
+        mass=BEAD_MASS,
+        width: float = 20 * BEAD,
+        gravity: float = 0.0,
+        belt: Belt = AT_REST,
+        obstacle: Obstacle = NO_OBSTACLE,
+        skin: float = 0.3 * BEAD,
+        room: int = 12,
+        overlap_limit: float = 0.95,
+    ):
+        self.law, self.integrator = law or bead_law(), integrator(time_step)
+        self.disks = make_disks(position, velocity, radius, mass, time_step)
+        self.disks.taylor[2] = 0.5 * np.transpose(acceleration) * time_step**2
+        self.pairs = empty_pair_list(self.disks.radius, 2, skin, room)
+        self.work = make_work(len(self.disks.mass))
+        self.loop, self.length, self.box = shaking.make_shaking(), (width, 0.0), make_box(width)
+        self.belt, self.obstacle = belt, obstacle
+        self.gravity, self.overlap_limit = gravity, overlap_limit
+
+    def _ordered(self, columns) -> np.ndarray:
+        return initial_order(columns, self.disks.label)
+
+    @property
+    def taylor(self) -> np.ndarray:
+        """Taylor terms (6, N, 2), m."""
+        return np.array([self._ordered(term) for term in self.disks.taylor])
+
+    @property
+    def position(self) -> np.ndarray:
+        """Positions (N, 2), m."""
+        return self._ordered(self.disks.taylor[0])
+
+    @property
+    def velocity(self) -> np.ndarray:
+        """Velocities (N, 2), m/s."""
+        return self._ordered(self.disks.taylor[1]) / self.integrator.time_step
+
+    @property
+    def force(self) -> np.ndarray:
+        """Forces of the last step (N, 2), N."""
+        return self._ordered(self.disks.force)
+
+    @property
+    def mass(self) -> np.ndarray:
+        """Masses (N,), kg."""
+        return self._ordered(self.disks.mass)
+
+    @property
+    def radius(self) -> np.ndarray:
+        """Radii (N,), m."""
+        return self._ordered(self.disks.radius)
+
+    def advance(self, steps: int) -> int:
+        """Advance by a number of steps, once; return the status."""
+        return shaking.advance(
+            self.law,
+            self.integrator,
+            self.disks,
+            self.pairs,
+            self.belt,
+            self.obstacle,
+            self.box,
+            self.work,
+            self.loop,
+            self.gravity,
+            self.overlap_limit,
+            steps,
+        )
+
+    def run(self, steps: int) -> "DiskMotion":
+        """Advance by a number of steps, giving the list more room as needed."""
+        return run_on(self, self.loop, steps)
+
+    def make_room(self) -> None:
+        """Double the room of the list."""
+        self.pairs = grown(self.pairs)
