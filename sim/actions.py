@@ -26,8 +26,8 @@ DAY = 86_400
 
 def points(options: Namespace) -> None:
     """Print the points of a study, and warnings before them."""
+    from sim.report.points import as_json, as_table, warnings
     from sim.study.load import load_study
-    from sim.tables import as_json, as_table, warnings
 
     study = load_study(options.study, None)
     for warning in warnings(study, options.results):
@@ -42,8 +42,8 @@ def status(options: Namespace) -> None:
     if options.results.exists() and not options.results.is_dir():
         raise InputError.of_value("--results", "", str(options.results), "a folder")
 
-    from sim.status import survey
-    from sim.status_table import as_json, as_text
+    from sim.report.status import survey
+    from sim.report.status_table import as_json, as_text
     from sim.study.load import DEFAULT_STUDY, load_study
 
     study = load_study(options.study or DEFAULT_STUDY, None)
@@ -60,7 +60,7 @@ def status(options: Namespace) -> None:
 
 def refine(options: Namespace) -> None:
     """Write the points of a round of refinement."""
-    from sim.regime_boundaries import write_round
+    from sim.dataset.rounds import write_round
 
     print(write_round(options.study, options.round, options.results))
 
@@ -125,7 +125,7 @@ def save_and_end(*_: object) -> None:
 
 def info(options: Namespace) -> None:
     """Print what a run file holds."""
-    from sim.info import describe
+    from sim.report.info import describe
 
     print(describe(options.run, as_point=options.point))
 
@@ -156,21 +156,21 @@ def bench(_: Namespace) -> None:
 
 def dataset(options: Namespace) -> None:
     """Write the dataset of a study."""
-    from sim.dataset import build
+    from sim.dataset.build import build
 
     print(build(options.study, options.results))
 
 
 def publish(options: Namespace) -> None:
     """Write the folder of a study that readers need."""
-    from sim.publish import PUBLISHED, publish
+    from sim.report.publish import PUBLISHED, publish
 
     print(publish(options.study, options.results, options.to or PUBLISHED))
 
 
 def boundaries(options: Namespace) -> None:
     """Write the boundaries that a study has found."""
-    from sim.regime_boundaries import build
+    from sim.dataset.boundaries import build
 
     print(build(options.study, options.results))
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 def test_parameters_and_command_line_import_nothing_heavy():
     code = (
-        "import sys, sim.cli, sim.parameters, sim.study.load, sim.tables\n"
+        "import sys, sim.cli, sim.parameters, sim.study.load, sim.report.points\n"
         "heavy = {'numba', 'xarray', 'pandas', 'matplotlib', 'scipy', 'dask', 'snakemake'}\n"
         "sys.exit(' '.join(heavy & set(sys.modules)) or 0)"
     )

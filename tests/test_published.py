@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 
 from sim.claims.judge import as_mapping, judge
+from sim.dataset.gather import read_run
+from sim.dataset.replicates import outcome
+from sim.dataset.results import load_results
 from sim.engine.run import run_point
-from sim.gathered import read_run
-from sim.outcome import outcome
 from sim.parameters import SYSTEMS, parse_point, point_id
-from sim.publish import LARGEST, PUBLISHED, size
 from sim.report.claims import VERDICTS, counts, read_claims
-from sim.results import load_results
+from sim.report.publish import LARGEST, PUBLISHED, size
 from sim.study.cost import estimate
 
 ROOT = Path(__file__).parents[1]

@@ -11,8 +11,8 @@ from uncertainties import UFloat
 from sim.claims.place import Place, measured
 from sim.claims.starts import over_seeds
 from sim.claims.verdict import Unbounded, Untestable
+from sim.dataset.results import Results
 from sim.parameters import NUMERICAL, SYSTEMS, field_info
-from sim.results import Results
 
 #: Parameters that tell readings of the papers apart, besides the published default of each.
 READINGS = {

@@ -9,12 +9,13 @@ from scipy.special import stdtrit
 from uncertainties import UFloat
 
 from sim.claims.bed import half_height, layer_width, peak, spread
+from sim.claims.checks import above, below, within
 from sim.claims.evidence import Evidence
 from sim.claims.lines import FLOWING, along, common_beds, replicated
 from sim.claims.place import Place, joined, measured
 from sim.claims.trends import mean_of_others
-from sim.claims.verdict import Check, Untestable, above, below, within
-from sim.outcome import CONFIDENCE
+from sim.claims.verdict import Check, Untestable
+from sim.dataset.replicates import CONFIDENCE
 
 DENSITY = "number_density"
 

@@ -6,11 +6,12 @@ import numpy as np
 from uncertainties import UFloat
 
 from sim.claims.bed import peak
+from sim.claims.checks import above, reported, within
 from sim.claims.evidence import Evidence
 from sim.claims.gallas_onset import onset
 from sim.claims.lines import FLOWING, HALVED, MARKERS, NONE, along, increases, ordered, replicated
 from sim.claims.place import quotient
-from sim.claims.verdict import Check, Untestable, above, reported, within
+from sim.claims.verdict import Check, Untestable
 
 
 def g1(evidence: Evidence) -> list[Check]:

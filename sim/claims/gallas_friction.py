@@ -7,10 +7,11 @@ import numpy as np
 from scipy.special import ndtri, stdtr
 from uncertainties import ufloat
 
+from sim.claims.checks import above, below, within
 from sim.claims.evidence import Evidence
 from sim.claims.lines import along, elasticity
 from sim.claims.place import Place, quotient
-from sim.claims.verdict import Check, Untestable, above, below, within
+from sim.claims.verdict import Check, Untestable
 
 
 def g9(evidence: Evidence) -> list[Check]:

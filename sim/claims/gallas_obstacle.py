@@ -3,11 +3,12 @@
 import numpy as np
 from uncertainties import UFloat
 
+from sim.claims.checks import above, below
 from sim.claims.evidence import Evidence
 from sim.claims.lines import along, common_beds, increases
 from sim.claims.place import Place, joined, quotient
-from sim.claims.verdict import Check, above, below
-from sim.measures.belt import FAR
+from sim.claims.verdict import Check
+from sim.dataset.measures.belt import FAR
 
 #: Frequencies (Hz) of Fig. 6.
 FREQUENCIES = (20, 80)

@@ -15,12 +15,13 @@ import pandas as pd
 from scipy.special import stdtrit
 from uncertainties import UFloat
 
+from sim.claims.checks import within
 from sim.claims.evidence import Evidence
 from sim.claims.lines import FLOWING, MARKERS, NONE, along, replicated
 from sim.claims.place import Place, measured, quotient
-from sim.claims.verdict import SIGMAS, Check, Untestable, within
-from sim.measures.belt import LEAST_TRANSPORT, speed_along_x
-from sim.outcome import CONFIDENCE
+from sim.claims.verdict import SIGMAS, Check, Untestable
+from sim.dataset.measures.belt import LEAST_TRANSPORT, speed_along_x
+from sim.dataset.replicates import CONFIDENCE
 
 #: Pairs of damping and shear damping (g) whose onsets are compared.
 PAIRS = ((50, 50), *MARKERS, (10, 50))

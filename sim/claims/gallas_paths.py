@@ -5,10 +5,11 @@ from math import pi, sqrt
 
 from uncertainties import UFloat, umath
 
+from sim.claims.checks import above, within
 from sim.claims.evidence import Evidence
 from sim.claims.lines import along
 from sim.claims.place import Place
-from sim.claims.verdict import Check, Untestable, above, within
+from sim.claims.verdict import Check, Untestable
 
 #: Diameter (⟨d⟩) of the obstacle of Fig. 7.
 OBSTACLE = 1.5

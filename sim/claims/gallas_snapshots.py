@@ -6,12 +6,13 @@ import numpy as np
 from uncertainties import UFloat
 
 from sim.claims.bed import mean_between
+from sim.claims.checks import above, below, within
 from sim.claims.evidence import Evidence
 from sim.claims.lines import along
 from sim.claims.place import Place
-from sim.claims.verdict import Check, above, below, within
-from sim.measures.belt import EMPTY
-from sim.measures.layers import level
+from sim.claims.verdict import Check
+from sim.dataset.measures.belt import EMPTY
+from sim.dataset.measures.layers import level
 
 #: Velocity about the mean of all beads, over the belt's, below which they move as one.
 AS_ONE = 0.1

@@ -6,11 +6,12 @@ import numpy as np
 from uncertainties import UFloat
 
 from sim.claims.bed import beads_between, mean_between
+from sim.claims.checks import above, below, within
 from sim.claims.evidence import Evidence
 from sim.claims.lines import along
 from sim.claims.place import Place, joined
 from sim.claims.trends import mean_of_others
-from sim.claims.verdict import Check, Untestable, above, below, within
+from sim.claims.verdict import Check, Untestable
 
 PROFILES = ("velocity_profile", "number_density")
 

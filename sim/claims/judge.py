@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from sim.agreement import require_agreement
 from sim.base.files import replacing
 from sim.claims.evidence import READINGS, Evidence
 from sim.claims.table import Claim, claims
@@ -22,9 +21,10 @@ from sim.claims.verdict import (
     Untestable,
     together,
 )
+from sim.dataset.agreement import require_agreement
+from sim.dataset.results import Results, load_results
 from sim.parameters import SYSTEMS
 from sim.parameters.wording import setting
-from sim.results import Results, load_results
 from sim.study.load import load_study
 
 #: Protocols in the order in which a decided one sets the verdict on a claim.

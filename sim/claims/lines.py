@@ -9,9 +9,10 @@ from typing import Any
 import numpy as np
 from uncertainties import UFloat, ufloat, umath
 
+from sim.claims.checks import above
 from sim.claims.evidence import Evidence
 from sim.claims.place import Place
-from sim.claims.verdict import Check, above
+from sim.claims.verdict import Check
 
 #: Lowest frequency (Hz) at which the bed certainly flows.
 FLOWING = 20.0

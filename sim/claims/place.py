@@ -11,8 +11,8 @@ from uncertainties import UFloat, ufloat
 
 from sim.base.errors import InputError
 from sim.claims.verdict import SIGMAS, Untestable
-from sim.outcome import outcome, student_half_width
-from sim.results import Results
+from sim.dataset.replicates import outcome, student_half_width
+from sim.dataset.results import Results
 
 # Beds at rest and exact experiments do have no error at all.
 warnings.filterwarnings("ignore", message="Using UFloat objects with std_dev==0")
@@ -70,12 +70,12 @@ class Place:
 
     @property
     def regime(self) -> str:
-        """Regime of all replicates together, as in `sim.outcome`."""
+        """Regime of all replicates together, as in `sim.dataset.replicates`."""
         return self._outcome["regime"]
 
     @property
     def quality(self) -> str:
-        """What the means are worth, as in `sim.outcome`."""
+        """What the means are worth, as in `sim.dataset.replicates`."""
         return self._outcome["quality"]
 
     @cached_property

@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 from scipy.special import stdtrit
 
-from sim.outcome import CONFIDENCE
+from sim.dataset.replicates import CONFIDENCE
 
 
 def over_seeds(

@@ -7,9 +7,10 @@ import numpy as np
 from scipy.special import stdtrit
 from uncertainties import UFloat
 
+from sim.claims.checks import above, within
 from sim.claims.place import Place, measured, quotient
-from sim.claims.verdict import NOT_REPRODUCED, Check, above, within
-from sim.outcome import CONFIDENCE
+from sim.claims.verdict import NOT_REPRODUCED, Check
+from sim.dataset.replicates import CONFIDENCE
 
 
 def ordered(

@@ -9,11 +9,12 @@ import numpy as np
 from scipy.special import stdtrit
 from scipy.stats import rankdata
 
+from sim.claims.checks import above, below, within
 from sim.claims.chute import base, driving, is_settled, repeated, speed, steady
 from sim.claims.evidence import Evidence
 from sim.claims.place import joined
 from sim.claims.trends import pooled
-from sim.claims.verdict import Check, Untestable, above, below, within
+from sim.claims.verdict import Check, Untestable
 
 #: Largest energy that a ledger may lack, relative to what was turned over.
 LEDGER = 0.005

@@ -7,8 +7,9 @@ from typing import Any
 import numpy as np
 from uncertainties import ufloat
 
+from sim.claims.checks import above, below, within
 from sim.claims.contacts import contact_path, random_curve, vector_spring
-from sim.claims.verdict import Check, above, below, within
+from sim.claims.verdict import Check
 from sim.engine.contact.walton_braun import WaltonBraun, walton_braun
 from sim.engine.systems.chute import Chute
 from sim.parameters import ChuteParameters

@@ -6,12 +6,13 @@ from itertools import pairwise
 import numpy as np
 from uncertainties import UFloat
 
+from sim.claims.checks import above, below, reported
 from sim.claims.chute import base, of_settled, repeated
 from sim.claims.evidence import Evidence
 from sim.claims.place import Place, joined, quotient
 from sim.claims.trends import least, mean_of_others
-from sim.claims.verdict import Check, Untestable, above, below, reported
-from sim.measures import layers
+from sim.claims.verdict import Check, Untestable
+from sim.dataset.measures import layers
 
 #: Bins with less than this share of the mass do not count.
 THIN = 0.01

@@ -2,12 +2,13 @@
 
 from uncertainties import UFloat
 
+from sim.claims.checks import above, below, within
 from sim.claims.chute import CELLS, of_settled, repeated, speed
 from sim.claims.evidence import Evidence
 from sim.claims.place import Place, quotient
 from sim.claims.trends import ordered
-from sim.claims.verdict import Check, Untestable, above, below, within
-from sim.measures import layers
+from sim.claims.verdict import Check, Untestable
+from sim.dataset.measures import layers
 
 #: Depths with crystals, and the least share of crystalline spheres and amplitude of layers there.
 CRYSTALLINE, SHARE, LAYERED = (10, 20, 40), 0.5, 0.25

@@ -6,6 +6,7 @@ from math import inf, nan, radians, tan
 
 from uncertainties import UFloat
 
+from sim.claims.checks import above, below, within
 from sim.claims.chute import (
     CELLS,
     acceleration,
@@ -20,16 +21,7 @@ from sim.claims.chute import (
 )
 from sim.claims.evidence import Evidence
 from sim.claims.place import Place, measured, quotient
-from sim.claims.verdict import (
-    NOT_REPRODUCED,
-    REPRODUCED,
-    Check,
-    Unbounded,
-    Untestable,
-    above,
-    below,
-    within,
-)
+from sim.claims.verdict import NOT_REPRODUCED, REPRODUCED, Check, Unbounded, Untestable
 
 #: Largest acceleration over g sin θ that counts as none, and the shortest time in √(σ/g).
 STEADY, LONG = 0.01, 100

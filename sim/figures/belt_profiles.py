@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
+from sim.dataset.replicates import student_half_width
 from sim.figures import transport
 from sim.figures.caption import counted, points_text
 from sim.figures.columns import parameter_columns
@@ -26,7 +27,6 @@ from sim.figures.style import (
 )
 from sim.figures.summary import FigureData, split_curves
 from sim.figures.transport import describe, pair
-from sim.outcome import student_half_width
 from sim.parameters import BeltParameters
 
 #: Parameters that the captions of all six panels give.

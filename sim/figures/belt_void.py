@@ -3,12 +3,12 @@
 import pandas as pd
 from matplotlib.figure import Figure
 
+from sim.dataset.measures.belt import EMPTY
 from sim.figures import transport
 from sim.figures.measures import measure_notes as notes
 from sim.figures.measures import measure_table, measured
 from sim.figures.style import LEVEL, CurveStyle, canvas, cycled, place_legend
 from sim.figures.summary import FigureData
-from sim.measures.belt import EMPTY
 
 __all__ = ["LEAD", "NAMED", "PAPER", "draw", "notes", "table"]
 

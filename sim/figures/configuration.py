@@ -34,7 +34,7 @@ class Scene:
     row : mapping
         Parameters of the point.
     state : xarray.Dataset
-        Its particles, see `sim.results.Results.particles`.
+        Its particles, see `sim.dataset.results.Results.particles`.
     heights : numpy.ndarray
         Heights (m) that the pictures must have room for, of any shape.
     speeds : numpy.ndarray

@@ -6,10 +6,10 @@ import numpy as np
 import pandas as pd
 
 from sim.base.errors import InputError
+from sim.dataset.replicates import student_half_width
 from sim.figures.caption import regime_sentence
 from sim.figures.columns import parameter_columns
 from sim.figures.summary import FigureData
-from sim.outcome import student_half_width
 
 
 def measured(data: FigureData, name: str, unit: str = "") -> pd.DataFrame:

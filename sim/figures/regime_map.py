@@ -58,7 +58,7 @@ def draw_map(rows: pd.DataFrame, found: pd.DataFrame, y: str) -> tuple[Figure, A
     rows : pandas.DataFrame
         Points, as `sim.figures.summary.summarize` returns them.
     found : pandas.DataFrame
-        Boundaries, as `sim.regime_boundaries.table` returns them.
+        Boundaries, as `sim.dataset.boundaries.table` returns them.
     y : str
         Parameter on the vertical axis.
     """
@@ -103,7 +103,7 @@ def draw_boundaries(
     axes : matplotlib.axes.Axes
         Where to draw.
     found : pandas.DataFrame
-        Boundaries, as `sim.regime_boundaries.table` returns them.
+        Boundaries, as `sim.dataset.boundaries.table` returns them.
     plane : tuple of str
         Parameters on the horizontal and on the vertical axis. Boundaries along the second are
         vertical bars, those along the first horizontal ones; what is along another parameter, or

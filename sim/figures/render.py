@@ -14,6 +14,7 @@ from PIL.PngImagePlugin import PngInfo
 
 from sim.base.errors import InputError
 from sim.base.files import replacing
+from sim.dataset.results import Results, load_results
 from sim.figures.animation import save_gif
 from sim.figures.caption import (
     caveat_sentence,
@@ -27,7 +28,6 @@ from sim.figures.columns import parameter_columns
 from sim.figures.regime_map import boundary_sentence
 from sim.figures.style import SETTINGS
 from sim.figures.summary import FigureData, figure_data
-from sim.results import Results, load_results
 from sim.study.catalogue import FIGURES, FigureSpec
 
 #: Resolution of the first picture of an animation, dots per inch.

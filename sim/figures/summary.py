@@ -7,9 +7,9 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from sim.outcome import OUTCOME, outcome
+from sim.dataset.replicates import OUTCOME, outcome
+from sim.dataset.results import Results
 from sim.parameters import NUMERICAL
-from sim.results import Results
 from sim.study.catalogue import FigureSpec
 
 
@@ -46,8 +46,8 @@ def summarize(dataset: xr.Dataset, spec: FigureSpec) -> pd.DataFrame:
     Returns
     -------
     pandas.DataFrame
-        All coordinates of the points, the columns of `sim.outcome.outcome`, and ``regimes``: those
-        of the completed replicates.
+        All coordinates of the points, the columns of `sim.dataset.replicates.outcome`, and
+        ``regimes``: those of the completed replicates.
     """
     fed = np.array([spec.name in names.split() for names in dataset["figures"].values], dtype=bool)
     points = dataset.isel(point=np.flatnonzero(fed))

@@ -8,17 +8,17 @@ import jinja2
 import xarray as xr
 
 from sim import __version__
-from sim.agreement import require_agreement
 from sim.base.files import replacing
 from sim.base.words import duration
+from sim.dataset.agreement import require_agreement
+from sim.dataset.results import Results, load_results
 from sim.report.claims import REPORTED, VERDICTS, claim_rows, counts, judged_by_runs, read_claims
 from sim.report.gallery import Address, data_uri, figure_entries, headline
 from sim.report.numbers import percent
 from sim.report.runs import boundary_rows, parameter_rows, run_rows
-from sim.results import Results, load_results
 from sim.study.load import Study, load_study
 
-TEMPLATES = Path(__file__).parents[1] / "templates"
+TEMPLATES = Path(__file__).parent / "templates"
 
 #: Largest part of the energy turned over that the ledger of a run may lack.
 ENERGY_LIMIT = 0.005

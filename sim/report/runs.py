@@ -6,7 +6,7 @@ from typing import Any
 import pandas as pd
 import xarray as xr
 
-from sim.outcome import outcome
+from sim.dataset.replicates import outcome
 from sim.parameters import SYSTEMS, field_info
 from sim.parameters.wording import setting
 from sim.report.numbers import finite, measured

@@ -56,5 +56,3 @@ def estimate(parameters: Parameters) -> Estimate:
         threads=threads,
         memory=round(PROCESS_MEMORY + PARTICLE_MEMORY * parameters.particles),
     )
-
-

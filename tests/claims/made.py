@@ -8,9 +8,9 @@ import pandas as pd
 import xarray as xr
 from scipy.special import ndtri
 
-from sim.outcome import outcome
+from sim.dataset.replicates import outcome
+from sim.dataset.results import Results
 from sim.parameters import SYSTEMS, Parameters, canonical, field_info, parse_point, point_id
-from sim.results import Results
 
 #: A number, one per replicate, or a word.
 Given = float | str | Sequence[float]
@@ -211,7 +211,7 @@ def _table(points: Sequence[MadePoint], name: str, count: int) -> np.ndarray:
 
 
 def _coordinates(points: Sequence[MadePoint]) -> dict[str, object]:
-    """Return ids, particle numbers and every parameter of both systems, as `sim.dataset` does."""
+    """Return ids, particle numbers and every parameter of both systems, as a dataset does."""
     empty = np.full(len(points), "", object)
     labels = {
         "point": [point.id for point in points],

@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
+from sim.claims.checks import above
 from sim.claims.evidence import Evidence
 from sim.claims.place import joined
-from sim.claims.verdict import SIGMAS, Unbounded, Untestable, above
+from sim.claims.verdict import SIGMAS, Unbounded, Untestable
 from tests.claims.made import made_boundary, made_point, made_results
 
 

@@ -8,16 +8,14 @@ import pytest
 from scipy.special import stdtrit
 from uncertainties import ufloat
 
+from sim.claims.checks import above, below, within
 from sim.claims.verdict import (
     INCONCLUSIVE,
     NOT_REPRODUCED,
     REPORTED,
     REPRODUCED,
     Check,
-    above,
-    below,
     together,
-    within,
 )
 
 

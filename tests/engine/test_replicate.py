@@ -15,7 +15,7 @@ from sim.engine.systems.belt import Belt
 from sim.engine.systems.chute import Chute
 from sim.parameters import load_point, point_id
 from tests.engine_motion.points import belt_point, chute_point
-from tests.project_tree import ROOT
+from tests.made.project import ROOT
 
 CHUTE = chute_point(depth=1.24, cell=4, transient=2, average=4, replicates=2)
 BELT = belt_point(beads=12, width=5, transient=1, average=2, replicates=2)

@@ -9,14 +9,14 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from sim.dataset import build
+from sim.dataset.build import build
+from sim.dataset.results import load_results
 from sim.figures.style import SETTINGS
 from sim.figures.summary import FigureData, figure_data
 from sim.parameters import BeltParameters
-from sim.results import load_results
 from sim.study.catalogue import FIGURES
 from sim.study.load import load_study
-from tests.factories import SAMPLES, write_run
+from tests.made.runs import SAMPLES, write_run
 
 STUDY = """\
 study: made-belt

@@ -5,10 +5,10 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from sim.dataset import build
+from sim.dataset.build import build
 from sim.parameters import BeltParameters, ChuteParameters, Parameters
 from sim.study.load import load_study
-from tests.factories import write_run
+from tests.made.runs import write_run
 
 STUDY = """\
 study: made-chute

@@ -8,11 +8,11 @@ import pandas as pd
 import pytest
 from PIL import Image
 
+from sim.dataset.results import load_results
 from sim.figures import animation, moving_belt, moving_chute
 from sim.figures.render import draw
 from sim.figures.style import SETTINGS
 from sim.figures.summary import figure_data
-from sim.results import load_results
 from sim.study.catalogue import FIGURES
 
 ANIMATIONS = [name for name, spec in FIGURES.items() if spec.animated]

@@ -11,13 +11,13 @@ from matplotlib.collections import EllipseCollection, LineCollection
 from matplotlib.patches import Circle
 
 from sim.base.errors import InputError
+from sim.dataset.results import load_results
 from sim.figures import gallas_4a
 from sim.figures.belt_cell import TALLEST, select
 from sim.figures.belt_snapshots import round_speed
 from sim.figures.render import draw, settle
 from sim.figures.style import DOTTED
 from sim.figures.summary import figure_data
-from sim.results import load_results
 from sim.study.catalogue import FIGURES
 from tests.figures.made_belt import dashes, drawn
 

@@ -8,12 +8,12 @@ from matplotlib.colors import to_rgb
 from scipy.stats import t
 
 from sim.base.errors import InputError
+from sim.dataset.results import load_results
 from sim.figures.belt_profiles import DENSITY, THIN, VELOCITY, profiles
 from sim.figures.render import draw
 from sim.figures.style import DASH_DOT, DOTTED, LONG_DASH, SHORT_DASH
 from sim.figures.summary import figure_data
 from sim.parameters import BeltParameters
-from sim.results import load_results
 from sim.study.catalogue import FIGURES
 from tests.figures.made_belt import SPREAD, dashes, drawn, plateau, transport
 

@@ -5,11 +5,11 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from sim.dataset.results import load_results
 from sim.figures import chute_row
 from sim.figures.render import draw
 from sim.figures.style import DOTTED, PALE, SETTINGS
 from sim.figures.summary import figure_data
-from sim.results import load_results
 from sim.study.catalogue import FIGURES
 from tests.figures.made_belt import dashes
 from tests.figures.made_chute import SPREAD

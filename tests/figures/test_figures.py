@@ -14,16 +14,16 @@ import pytest
 import xarray as xr
 
 from sim.base.errors import InputError
-from sim.dataset import build
+from sim.dataset.build import build
+from sim.dataset.results import load_results
 from sim.figures import gallas_1a, gallas_1b, gallas_1c, walton_2
 from sim.figures.render import draw
 from sim.figures.style import DASH_DOT, LONE_BESIDE, SETTINGS, SHORT_DASH
 from sim.figures.summary import figure_data
 from sim.parameters import SYSTEMS
-from sim.results import load_results
 from sim.study.catalogue import FIGURES
 from sim.study.load import load_study
-from tests.factories import FAILURE, is_hurt, is_lost, make_study
+from tests.made.runs import FAILURE, is_hurt, is_lost, make_study
 
 MODULES = {
     "walton_2": walton_2,

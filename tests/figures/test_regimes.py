@@ -11,15 +11,15 @@ import pandas as pd
 import pytest
 import xarray as xr
 
-from sim.dataset import build
+from sim.dataset.build import build
+from sim.dataset.results import load_results
 from sim.figures import belt_onset, regimes_angle, regimes_friction
 from sim.figures.regime_map import BOUNDARIES, MARKS, boundary_sentence, creeping
 from sim.figures.render import draw
 from sim.figures.style import SETTINGS
 from sim.figures.summary import figure_data
-from sim.results import load_results
 from sim.study.catalogue import FIGURES
-from tests.factories import make_regimes
+from tests.made.runs import make_regimes
 
 MODULES = {
     "regimes_friction": regimes_friction,

@@ -9,13 +9,13 @@ import xarray as xr
 from matplotlib.markers import CARETDOWN, CARETUP
 
 from sim.base.errors import InputError
+from sim.dataset.replicates import student_half_width
+from sim.dataset.results import load_results
 from sim.figures import shear_depth
 from sim.figures.measures import measured
 from sim.figures.render import draw
 from sim.figures.style import SETTINGS
 from sim.figures.summary import figure_data
-from sim.outcome import student_half_width
-from sim.results import load_results
 from sim.study.catalogue import FIGURES
 from tests.figures.made_chute import SPREAD
 

@@ -4,8 +4,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from sim.dataset.replicates import velocity_interval
 from sim.figures.summary import split_curves
-from sim.outcome import velocity_interval
 
 
 def test_students_interval_over_replicates():

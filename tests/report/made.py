@@ -13,15 +13,15 @@ from PIL import Image
 from sim.claims.judge import Judgement, Variant, as_mapping, as_table
 from sim.claims.table import Claim
 from sim.claims.verdict import Check
-from sim.dataset import build as build_dataset
+from sim.dataset.build import build as build_dataset
+from sim.dataset.results import load_results
 from sim.figures.render import draw
 from sim.report import render
 from sim.report.claims import read_claims
 from sim.report.gallery import data_uri
-from sim.results import load_results
 from sim.study.catalogue import FIGURES, FigureSpec
 from sim.study.load import load_study
-from tests.factories import make_study
+from tests.made.runs import make_study
 
 ANIMATION = "animation_made"
 
@@ -116,7 +116,7 @@ def write_claims(path: Path, points: list[str]) -> None:
 
 
 def make_figures(folder: Path) -> tuple[Path, Path]:
-    """Make the study of `tests.factories.make_study` up to its figures."""
+    """Make the study of `tests.made.runs.make_study` up to its figures."""
     study_path, results = make_study(folder)
     dataset = build_dataset(study_path, results)
     for name in load_study(study_path, results).figures:

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Browser, Locator, Page, expect, sync_playwright
 
-from sim.publish import publish
+from sim.report.publish import publish
 from sim.study.load import load_study
 from tests.report.made import ANIMATION, make_figures, make_page, write_claims
 

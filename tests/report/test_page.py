@@ -11,11 +11,11 @@ import xarray as xr
 
 from sim.base.errors import InputError
 from sim.base.reading import DamagedError
-from sim.dataset import build as build_dataset
+from sim.dataset.build import build as build_dataset
 from sim.figures.render import draw
 from sim.report import build
 from sim.study.load import load_study
-from tests.factories import FAILURE, make_regimes, make_study
+from tests.made.runs import FAILURE, make_regimes, make_study
 from tests.report.made import make_figures, write_claims
 
 FIGURES = ("walton_2", "gallas_1a", "gallas_1b", "gallas_1c")

@@ -8,10 +8,10 @@ import pytest
 from sim.base.errors import InputError
 from sim.figures.summary import split_curves
 from sim.parameters import SYSTEMS, BeltParameters, ChuteParameters
+from sim.report.points import as_table
 from sim.study.catalogue import FIGURES
 from sim.study.figure_points import left_out
 from sim.study.load import Study, load_study, parse_study
-from sim.tables import as_table
 
 
 @pytest.fixture

@@ -12,9 +12,9 @@ from hypothesis import strategies as st
 from sim.base.errors import InputError
 from sim.base.words import duration
 from sim.parameters import BeltParameters, ChuteParameters, parse_point, point_id
+from sim.report.points import as_json, as_table, warnings
 from sim.study.catalogue import FIGURES
 from sim.study.load import MAX_POINTS, Study, estimate, parse_study
-from sim.tables import as_json, as_table, warnings
 
 CONFIG = Path(__file__).parents[2] / "config"
 

@@ -18,7 +18,7 @@ import psutil
 import pytest
 
 from sim.study.load import load_study
-from tests.project_tree import ROOT
+from tests.made.project import ROOT
 
 KILLS = int(os.environ.get("TALUS_DRILL_KILLS", "30"))
 SEED = int(os.environ.get("TALUS_DRILL_SEED", "1"))

@@ -9,7 +9,7 @@ import xarray as xr
 
 from sim.study.load import load_study
 from sim.study.refine import further_rounds
-from tests.project_tree import bare_folder, planned, planned_points, snakemake
+from tests.made.project import bare_folder, planned, planned_points, snakemake
 
 STUDY = "onset.yaml"
 

@@ -16,7 +16,7 @@ import xarray as xr
 
 from sim.study.catalogue import FIGURES
 from sim.study.load import estimate, load_study
-from tests.project_tree import (
+from tests.made.project import (
     ROOT,
     STUDY,
     command,
@@ -163,7 +163,7 @@ def test_an_edit_of_a_figure_redraws_that_figure(tree, edited):
 
 
 def test_an_edit_of_the_dataset_runs_nothing(tree, edited):
-    edited("sim/dataset.py")
+    edited("sim/dataset/build/build.py")
     jobs = planned(tree)
     assert "run" not in jobs
     assert jobs["dataset"] == 1

@@ -20,7 +20,7 @@ from sim.base.errors import InputError
 from sim.study.catalogue import FIGURES
 from sim.parameters import canonical_json
 from sim.engine.identity import numerics_mark
-from sim.rounds import read_round
+from sim.dataset.rounds import read_round
 from sim.study.load import DEFAULT_STUDY, estimate, load_study
 
 #: Seconds by which clocks of machines that share a folder may differ, and a time before all others.
@@ -147,8 +147,8 @@ def hashed(files):
 def summarize():
     """Say how the points of the study ended. What keeps it from that must not fail the workflow."""
     # Not needed for a dry run, which these libraries would slow.
-    from sim.status import survey
-    from sim.status_table import as_text
+    from sim.report.status import survey
+    from sim.report.status_table import as_text
 
     try:
         print(f"\n{as_text(survey(STUDY))}\n", file=sys.stderr)

@@ -38,6 +38,7 @@ PARTS = 11
 #: Particles that are taken together, so that they stay in the cache from one loop to the next.
 STRIP = 2048
 
+
 class Flow(NamedTuple):
     """What the loop over steps carries besides particles and contacts.
 

@@ -1,0 +1,1 @@
+"""From run files to one dataset: what replicates say together, measures, regimes, boundaries."""

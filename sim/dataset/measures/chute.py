@@ -1,0 +1,60 @@
+"""Measures of chute flows, from one replicate of a run file."""
+
+import numpy as np
+import xarray as xr
+
+from sim.dataset.measures import layers, order
+
+MEASURES = {
+    "shear_depth": ("m", "height at which the velocity is 90 % of the surface's"),
+    "crystalline_share": ("1", "share of spheres above the shear depth with 8 coherent q6 bonds"),
+    "layer_order": ("1", "amplitude of layers in the density above the shear depth"),
+    "median_overlap": ("1", "median overlap of the contacts, in diameters"),
+    "overlap_999": ("1", "99.9th percentile of the overlaps of the contacts, in diameters"),
+}
+
+#: Measures that are quantiles of the overlaps.
+_QUANTILES = {"median_overlap": 0.5, "overlap_999": 0.999}
+
+
+def measure(run: xr.Dataset) -> dict[str, float]:
+    """Return the measures that the arrays of a replicate allow."""
+    return _of_profiles(run) | _of_overlaps(run)
+
+
+def _of_profiles(run: xr.Dataset) -> dict[str, float]:
+    """Return the shear depth, and the order of the spheres above it in the last state."""
+    if "packing_profile" not in run or not run["packing_profile"].sum() > 0:
+        return {}
+    packing = run["packing_profile"].values
+    diameter = float(run["diameter"])
+    depth = layers.shear_depth(
+        run["height"].values, run["velocity_profile"].values, packing, diameter
+    )
+    if "position" not in run:
+        return {"shear_depth": depth}
+    position = run["position"].isel(frame=-1).values
+    plug = position[:, 2] > depth
+    side = float(run["cell"]) * diameter
+    return {
+        "shear_depth": depth,
+        "crystalline_share": order.crystalline_share(position, plug, side, diameter),
+        "layer_order": order.layer_order(position[plug, 2], diameter),
+    }
+
+
+def _of_overlaps(run: xr.Dataset) -> dict[str, float]:
+    """Return quantiles of the overlaps of contacts, where they were counted."""
+    if "overlap_histogram" not in run:
+        return {}
+    counts, edges = run["overlap_histogram"].values, run["overlap_edges"].values
+    return {name: quantile(counts, edges, share) for name, share in _QUANTILES.items()}
+
+
+def quantile(counts: np.ndarray, edges: np.ndarray, share: float) -> float:
+    """Return a quantile of a histogram (B,) with edges (B + 1,), log-linear within a bin."""
+    total = counts.sum()
+    if not total > 0:
+        return np.nan
+    below = np.concatenate([[0.0], np.cumsum(counts)]) / total
+    return float(np.exp(np.interp(share, below, np.log(edges))))

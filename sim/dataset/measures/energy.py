@@ -1,0 +1,17 @@
+"""How well the energy of one replicate of a run file adds up."""
+
+import xarray as xr
+
+from sim.dataset.caveats import missing_energy
+
+MEASURES = {
+    "missing_energy": ("1", "share of the energy turned over, gains included, that is not found")
+}
+
+
+def measure(run: xr.Dataset) -> dict[str, float]:
+    """Return the share of the energy turned over that the ledger of a replicate lacks, if any.
+
+    See `sim.dataset.caveats.missing_energy`.
+    """
+    return {"missing_energy": missing_energy(run)} if "energy_residual" in run else {}

@@ -1,0 +1,133 @@
+"""Rounds of refinement: which points each adds to a study, and the files that say so."""
+
+import json
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+
+from sim.base.errors import InputError
+from sim.base.files import replacing
+from sim.base.reading import reading
+from sim.dataset.sides import side_of_run
+from sim.parameters import Parameters, canonical, parse_point, point_id
+from sim.study.load import Boundary, Study, joined, load_study
+from sim.study.refine import Sides, divided, next_values
+
+
+def read_round(path: Path) -> dict[str, Parameters]:
+    """Read the points by id that a round has added; a damaged file is set aside.
+
+    Raises
+    ------
+    InputError
+        When there is no such file, or it is not one.
+    """
+    with reading(path, "round of refinement", replaceable=True):
+        held = json.loads(path.read_text(encoding="utf-8"))
+        try:
+            points = {key: parse_point(values, path) for key, values in held.items()}
+        except InputError as error:
+            raise ValueError(error) from None
+        wrong = [key for key, point in points.items() if key != point_id(point)]
+        if wrong:
+            raise ValueError(f"{wrong[0]} is not the id of its point")
+        return points
+
+
+def write_round(study_path: str | Path, number: int, results: str | Path = "results") -> Path:
+    """Write the points that a round of refinement adds to ``results/<study>/rounds/<number>.json``.
+
+    Parameters
+    ----------
+    study_path : str or Path
+        The study file.
+    number : int
+        Number of the round, from 1; the runs of all rounds before it must be there.
+    results : str or Path
+        Folder of all results.
+
+    Returns
+    -------
+    Path
+        The file written: parameters by id of the point. It appears complete or not at all.
+
+    Raises
+    ------
+    InputError
+        When the study has no such round, or a run file is missing or is not one.
+    """
+    study = load_study(study_path, results)
+    if not 1 <= number <= study.rounds:
+        allowed = f"a round of the study, 1 to {study.rounds}" if study.rounds else "none"
+        raise InputError.of_value("ROUND", "", number, allowed)
+    folder = Path(results) / study.name
+    points = added_points(study, number, folder / "runs")
+    text = json.dumps({key: canonical(point) for key, point in points.items()}, indent=1)
+    output = folder / "rounds" / f"{number}.json"
+    output.parent.mkdir(parents=True, exist_ok=True)
+    with replacing(output) as temporary:
+        temporary.write_text(text + "\n", encoding="utf-8")
+    return output
+
+
+def added_points(study: Study, number: int, runs: Path) -> dict[str, Parameters]:
+    """Return the points by id that round ``number`` adds to all before it.
+
+    Which these are follows from the run files in ``runs`` alone, however often it is asked.
+    """
+    seen, added = set(study.points), {}
+    rounds = [list(_rounds(boundary, number, runs)) for boundary in study.boundaries]
+    for each in range(1, number + 1):
+        points = (
+            boundary.at(value)
+            for boundary, made in zip(study.boundaries, rounds, strict=True)
+            for value in made[each][1]
+        )
+        named = {point_id(point): point for point in points}
+        added = {key: point for key, point in named.items() if key not in seen}
+        seen |= set(added)
+    return added
+
+
+def refined(study: Study, runs: Path) -> Study:
+    """Return the study with the points of all rounds, whose runs must be there."""
+    points, series = dict(study.points), dict(study.series)
+    for boundary in study.boundaries:
+        for value in sides_of(boundary, runs):
+            point = joined(points, boundary.at(value), boundary.name, boundary.figures)
+            points[point.id] = point
+            series[boundary.name] = tuple(dict.fromkeys((*series[boundary.name], point.id)))
+    figures = {
+        name: tuple(point.id for point in points.values() if name in point.figures)
+        for name in study.figures
+    }
+    return replace(study, points=points, series=series, figures=figures)
+
+
+def _rounds(boundary: Boundary, count: int, runs: Path) -> Iterator[tuple[Sides, list[float]]]:
+    """Yield what is known before each round and the values that it adds.
+
+    The first round is the study's own; ``count`` more follow. The runs of the last are not read.
+    """
+    sides: Sides = {}
+    values = divided(boundary.low, boundary.high)
+    yield sides, values
+    for _ in range(count):
+        sides = sides | _read(boundary, values, runs)
+        values = next_values(sides, boundary.tolerance)
+        yield sides, values
+
+
+def sides_of(boundary: Boundary, runs: Path) -> Sides:
+    """Return the sides of all values of all rounds."""
+    *_, (sides, values) = _rounds(boundary, boundary.rounds, runs)
+    return sides | _read(boundary, values, runs)
+
+
+def _read(boundary: Boundary, values: list[float], runs: Path) -> Sides:
+    """Return the sides of some values from their runs."""
+    points = {value: boundary.at(value) for value in values}
+    return {
+        value: side_of_run(runs / f"{point_id(point)}.nc", boundary.of, point)
+        for value, point in points.items()
+    }

@@ -1,0 +1,140 @@
+"""Publishing a study: a folder with all that a reader needs, small enough for a repository."""
+
+import json
+import shutil
+from pathlib import Path
+
+import xarray as xr
+
+from sim.base.errors import InputError
+from sim.dataset.agreement import require_agreement
+from sim.dataset.results import load_results
+from sim.report.claims import read_claims
+from sim.report.gallery import beside
+from sim.report.page import render
+from sim.report.whole import require_whole
+from sim.study.catalogue import FIGURES
+from sim.study.load import load_study
+
+#: Where published studies lie, beside the results of everybody's own.
+PUBLISHED = Path("results/published")
+
+#: What a published study consists of besides its figures.
+NEEDED = ("dataset.nc", "claims.json", "claims.csv")
+
+#: Largest size of all published studies together, bytes.
+LARGEST = 25_000_000
+
+
+def publish(
+    study_path: str | Path, results: str | Path = "results", target: Path = PUBLISHED
+) -> Path:
+    """Copy report, figures, dataset and verdicts of a study to ``<target>/<study>``.
+
+    Of figures that do not move only the pictures that scale are published. The study file and
+    those of its parts go with them, and ``provenance.json``: versions, hash of the engine's
+    sources, dates and cost. The report links its figures, which would be there twice otherwise.
+    What was published of the study before is replaced after all is copied.
+
+    Returns
+    -------
+    Path
+        The folder written.
+
+    Raises
+    ------
+    InputError
+        When something is missing, damaged or not of the study as its file is now, when something
+        else lies in the place, or when all published studies together would be too large.
+    """
+    study = load_study(study_path, None)
+    folder = Path(results) / study.name
+    names = [*NEEDED, *(["boundaries.csv"] if study.boundaries else [])]
+    names += [
+        f"figures/{name}{end}"
+        for name in study.figures
+        for end in FIGURES[name].suffixes
+        if FIGURES[name].animated or end != ".png"
+    ]
+    for name in names:
+        if not (folder / name).is_file():
+            raise InputError(f"{folder / name}: missing; run the study to its end first")
+    output, draft = target / study.name, target / f".{study.name}.part"
+    _require_replaceable(output, folder, target)
+    found = load_results(folder / "dataset.nc")
+    require_agreement(study, found, folder / "dataset.nc")
+    require_whole(study, found, folder)
+    claims = read_claims(folder / "claims.json")
+    page = render(study, found, folder / "figures", claims, beside)
+    made = json.dumps(provenance(found.dataset), indent=1, ensure_ascii=False, allow_nan=False)
+    shutil.rmtree(draft, ignore_errors=True)
+    try:
+        (draft / "figures").mkdir(parents=True)
+        for name in names:
+            shutil.copyfile(folder / name, draft / name)
+        for file in study.files:
+            shutil.copyfile(file, draft / file.name)
+        (draft / "provenance.json").write_text(made + "\n", encoding="utf-8")
+        (draft / "report.html").write_text(page, encoding="utf-8")
+        _require_small(draft, output, target)
+        _replace(draft, output)
+    finally:
+        shutil.rmtree(draft, ignore_errors=True)
+    return output
+
+
+def _require_replaceable(output: Path, folder: Path, target: Path) -> None:
+    """Refuse to put a published study in the place of results, or of anything but another one."""
+    own, place = folder.resolve(), output.resolve()
+    apart = not (place.is_relative_to(own) or own.is_relative_to(place))
+    published = not output.exists() or (output / "provenance.json").is_file()
+    if not (apart and published):
+        allowed = f"a folder whose {output.name} is new or an earlier publication, not results"
+        raise InputError.of_value("--to", "", str(target), allowed)
+
+
+def _require_small(draft: Path, output: Path, target: Path) -> None:
+    """Refuse a draft that makes all published studies together too large."""
+    others = [
+        path
+        for path in target.iterdir()
+        if path.is_dir() and path != output and not path.name.startswith(".")
+    ]
+    total = sum(map(size, [draft, *others]))
+    if total > LARGEST:
+        allowed = f"at most {LARGEST / 1e6:g} MB"
+        raise InputError.of_value(target, "", f"{total / 1e6:.1f} MB", allowed)
+
+
+def _replace(draft: Path, output: Path) -> None:
+    """Put a folder in the place of another, which is gone only when the new one is there."""
+    aside = output.with_name(f".{output.name}.old")
+    shutil.rmtree(aside, ignore_errors=True)
+    if output.exists():
+        output.replace(aside)
+    draft.replace(output)
+    shutil.rmtree(aside, ignore_errors=True)
+
+
+def size(folder: Path) -> int:
+    """Return the size of all files in a folder, bytes."""
+    return sum(path.stat().st_size for path in folder.rglob("*") if path.is_file())
+
+
+def provenance(data: xr.Dataset) -> dict[str, object]:
+    """Return what a reader wants to know of how a dataset was made."""
+    return {
+        "study": data.attrs["study"],
+        "title": data.attrs["title"],
+        "points": data.sizes["point"],
+        "runs": int((data["status"] != "").sum()),
+        "failed runs": int((data["status"] == "failed").sum()),
+        "time steps": int(data["steps"].sum()),
+        "core hours": round(float(data["wall_time"].sum()) / 3600, 2),
+        "from": data.attrs["first_run"],
+        "to": data.attrs["last_run"],
+        "engine": data.attrs["engine_version"],
+        "numerics": data.attrs["numerics"],
+        "hash of the engine's sources": data.attrs["source_hash"],
+        "libraries": data.attrs["versions"],
+    }

@@ -1,0 +1,160 @@
+"""How far a study is, as a screenful to read and as JSON for other programs."""
+
+import json
+from collections.abc import Sequence
+from typing import Any
+
+from sim.base.words import duration
+from sim.report.points import aligned
+from sim.report.status import PointStatus, StudyStatus
+
+#: Most lines for points that are running or were interrupted, and for those that failed.
+MOST_STARTED = 8
+MOST_FAILED = 5
+
+_STARTED = ("point", "state", "done", "rate", "elapsed", "time left")
+_RIGHT = {"done", "rate", "elapsed", "time left"}
+
+#: Characters of a point's hash with its hyphen, which a shortened name keeps.
+_HASH = 9
+
+
+def as_text(status: StudyStatus, width: int | None = None) -> str:
+    """Return the counts, what runs, what failed and the time left.
+
+    Parameters
+    ----------
+    status : StudyStatus
+        What to show.
+    width : int, optional
+        Columns of the screen; names and reasons are shortened to fit. Whole when omitted.
+    """
+    counts = ", ".join(f"{count:,} {state}" for state, count in status.counts.items() if count)
+    if status.caveats:
+        counts += f"; {status.caveats:,} with a caveat"
+    name = f"{status.name}: {status.title}" if status.title else status.name
+    sections = [
+        [name, f"{len(status.points):,} points: {counts}"],
+        _started(status, width),
+        _failed(status, width),
+        _closing(status),
+    ]
+    return "\n\n".join("\n".join(lines) for lines in sections if lines)
+
+
+def as_json(status: StudyStatus) -> str:
+    """Return the counts, every point and the time left (s; null while nothing runs) as JSON."""
+    document = {
+        "study": status.name,
+        "title": status.title,
+        "counts": status.counts,
+        "caveats": status.caveats,
+        "points": [_point(key, point) for key, point in status.points.items()],
+        "cores": status.cores,
+        "core_seconds": round(status.core_seconds, 3),
+        "core_seconds_left": round(status.core_seconds_left, 3),
+        "seconds_left": _rounded(status.left),
+        "at_most": status.at_most,
+        "rounds_left": status.rounds_left,
+    }
+    return json.dumps(document, indent=2, ensure_ascii=False)
+
+
+def _started(status: StudyStatus, width: int | None) -> list[str]:
+    """Return a line per point that is running or was interrupted, running ones first."""
+    started = [
+        (key, point)
+        for state in ("running", "interrupted")
+        for key, point in status.points.items()
+        if point.state == state
+    ]
+    if not started:
+        return []
+    rows = [_row(key, point) for key, point in started[:MOST_STARTED]]
+    if width is not None:
+        others = len(aligned(_STARTED, [("", *row[1:]) for row in rows], _RIGHT)[0]) - len("point")
+        rows = [(shortened(row[0], width - others), *row[1:]) for row in rows]
+    unit = "rate in million particle-steps per second"
+    return [*aligned(_STARTED, rows, _RIGHT), *_more(started, MOST_STARTED), unit]
+
+
+def _row(key: str, point: PointStatus) -> tuple[str, ...]:
+    said = point.progress
+    return (
+        key,
+        point.state,
+        f"{said.percent} %",
+        f"{said.rate / 1e6:.1f}",
+        duration(said.elapsed),
+        said.time_left if point.state == "running" else "-",
+    )
+
+
+def _failed(status: StudyStatus, width: int | None) -> list[str]:
+    """Return a line per point that failed, with its reason."""
+    failed = [(key, point) for key, point in status.points.items() if point.state == "failed"]
+    lines = ["failed"] if failed else []
+    for key, point in failed[:MOST_FAILED]:
+        reason = " ".join(point.reason.split())
+        line = f"{key}: {reason}"
+        if width is not None and len(line) > width:
+            line = f"{shortened(key, width - len(reason) - 2)}: {reason}"[:width]
+        lines.append(line)
+    return [*lines, *_more(failed, MOST_FAILED)]
+
+
+def _more(entries: Sequence[Any], most: int) -> list[str]:
+    return [f"and {len(entries) - most:,} more"] if len(entries) > most else []
+
+
+def _closing(status: StudyStatus) -> list[str]:
+    """Return the time left, or what the study took; and what will be computed again."""
+    lines = []
+    about = "at most" if status.at_most else "about"
+    if status.is_over:
+        lines.append(f"core time {duration(status.core_seconds)}")
+    elif status.left is None:
+        time = duration(status.core_seconds_left)
+        lines.append(f"nothing is running; core time left {about} {time}")
+    else:
+        cores = f"{status.cores:,} core" + "s" * (status.cores > 1)
+        lines.append(f"time left {about} {duration(status.left)} on {cores}")
+    if status.rounds_left:
+        lines.append(f"rounds of refinement to come, not counted: {status.rounds_left}")
+    outdated = sum(point.outdated for point in status.points.values())
+    if outdated:
+        lines.append(f"of other numerics, to be run again: {outdated:,} points")
+    return lines
+
+
+def shortened(name: str, width: int) -> str:
+    """Shorten the name of a point in its readable part; the hash stays.
+
+    >>> shortened("chute-depth5-friction0.4-0123abcd", 20)
+    'chute-dept…-0123abcd'
+    """
+    width = max(width, 2 * _HASH)
+    return name if len(name) <= width else f"{name[: width - _HASH - 1]}…{name[-_HASH:]}"
+
+
+def _point(key: str, point: PointStatus) -> dict[str, Any]:
+    said = point.progress
+    entry: dict[str, Any] = {"id": key, "state": point.state}
+    if said:
+        entry |= {
+            "done": said.done,
+            "total": said.total,
+            "particle_steps_per_second": round(said.rate),
+            "elapsed": _rounded(said.elapsed),
+            "seconds_left": _rounded(said.left) if point.state == "running" else None,
+            "at_most": said.at_most,
+        }
+    if point.state in ("done", "failed"):
+        entry |= {"core_seconds": round(point.core_seconds, 3), "outdated": point.outdated}
+        entry |= {"reason": point.reason} if point.reason else {}
+        entry |= {"caveat": point.caveat} if point.caveat else {}
+    return entry
+
+
+def _rounded(seconds: float | None) -> float | None:
+    return None if seconds is None else round(seconds, 3)

@@ -1,0 +1,104 @@
+"""Measures of the belt, on motions whose numbers are known."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from sim.dataset.measures.belt import backflow, columns, far_height, measure, path_measures
+
+BEAD = 1e-3
+
+
+def ellipse(tilt, drift=0.0, major=2.0, minor=0.5, beads=30, steps=40):
+    """Return paths (S, N, 2) in m on equal ellipses (semi-axes in mm) that drift (mm per cycle)."""
+    phase = 2 * np.pi * np.linspace(0, 1, steps + 1)[:, None]
+    long, short = major * np.sin(phase), minor * np.cos(phase)
+    x = long * np.cos(tilt) - short * np.sin(tilt) + drift * phase / (2 * np.pi)
+    z = long * np.sin(tilt) + short * np.cos(tilt)
+    starts = np.random.default_rng(0).uniform(0, 20, (beads, 2))
+    return BEAD * (np.stack([x, z], axis=-1) + starts)
+
+
+@pytest.mark.parametrize("tilt", [0.3, np.pi / 2, 2.5])
+@pytest.mark.parametrize("drift", [0.0, 4.0, -1.0])
+def test_axes_tilt_and_drift_of_an_ellipse(tilt, drift):
+    found = path_measures(ellipse(tilt, drift))
+    assert found["path_drift"] == pytest.approx(drift * BEAD, abs=1e-12)
+    assert found["path_major"] == pytest.approx(2 * BEAD / 2**0.5)
+    assert found["path_minor"] == pytest.approx(0.5 * BEAD / 2**0.5)
+    assert found["path_tilt"] == pytest.approx(tilt)
+
+
+def test_the_height_of_paths_counts_each_bead_by_itself():
+    path = ellipse(np.pi / 2, minor=0.0)
+    assert path_measures(path)["path_vertical"] == pytest.approx(2 * BEAD / 2**0.5)
+    # Half of the beads the other way round: no mean path, but the same height.
+    mixed = path.copy()
+    mixed[:, ::2, 1] = 2 * path[0, ::2, 1] - path[:, ::2, 1]
+    found = path_measures(mixed)
+    assert found["path_vertical"] == pytest.approx(2 * BEAD / 2**0.5)
+    assert found["path_major"] == pytest.approx(0, abs=1e-9)
+
+
+def test_the_height_far_from_the_middle_counts_beads_by_their_mean_places():
+    phase = 2 * np.pi * np.linspace(0, 1, 41)
+    # Two turns of the belt on, or one back, a bead is where it was.
+    middle = BEAD * np.array([1.0, 10.0, 14.0, 46.0, 30.0, -1.0])
+    height = BEAD * np.array([1.0, 2.0, 2.0, 1.0, 2.0, 1.0])
+    path = np.stack(np.broadcast_arrays(middle, height * np.sin(phase)[:, None]), axis=-1)
+    assert far_height(path, 20 * BEAD, BEAD) == pytest.approx(BEAD / 2**0.5)
+    assert np.isnan(far_height(path, 10 * BEAD, BEAD))
+
+
+def test_backflow_counts_beads_not_squares():
+    velocity = np.array([[0.1, -0.1], [0.2, np.nan]])
+    density = np.array([[3.0, 1.0], [1.0, 0.0]])
+    assert backflow(velocity, density) == pytest.approx(0.2)
+    assert backflow(np.abs(velocity), density) == 0
+
+
+def run():
+    """Return one replicate of 30 cycles at 20 Hz with 4 samples each, averaged from cycle 20 on."""
+    usual = {"frequency": 20.0, "width": 20.0, "diameter": BEAD}
+    usual |= {"samples_per_cycle": 4, "average_start": 1.0}
+    time = np.arange(1, 121) / 80
+    return xr.Dataset(
+        {
+            "base_occupancy": ("time", np.where(time > 1.0, 0.25, 0.75)),
+            "wave_power": ("time", np.where(time <= 0.5, 5.0, np.where(time > 1.0, 2.0, 3.0))),
+            "path": (("path_time", "particle", "axis"), ellipse(0.5, beads=5)),
+            **{name: ((), value) for name, value in usual.items()},
+        },
+        coords={"time": time},
+    )
+
+
+def test_series_are_averaged_over_the_window_and_the_first_cycles():
+    found = measure(run())
+    assert found["base_occupancy"] == pytest.approx(0.25)
+    assert found["wave_power"] == pytest.approx(2.0)
+    assert found["early_wave_power"] == pytest.approx(5.0)
+
+
+def test_a_run_with_paths_has_their_height_everywhere_and_far_from_the_middle():
+    found = measure(run())
+    assert 0 < found["path_vertical_far"] == pytest.approx(found["path_vertical"])
+
+
+def test_a_run_without_these_arrays_has_no_measures():
+    assert measure(xr.Dataset()) == {}
+    assert not columns(xr.Dataset())
+
+
+def test_columns_weigh_levels_by_their_beads():
+    field = xr.Dataset(
+        {
+            "field_velocity": (("replicate", "column", "level"), [[[0.1, 0.4], [np.nan, np.nan]]]),
+            "field_density": (("replicate", "column", "level"), [[[2e6, 1e6], [0.0, 0.0]]]),
+        },
+        coords={"column": [0.5e-3, 1.5e-3], "level": [0.0, 1e-3]},
+    )
+    found = columns(field)
+    assert found["column_velocity"].values[0] == pytest.approx([0.2, np.nan], nan_ok=True)
+    assert found["column_density"].values[0] == pytest.approx([3e3, 0.0])
+    assert found["column"].values == pytest.approx([0.5e-3, 1.5e-3])

@@ -1,0 +1,54 @@
+"""Measures of a chute's replicate from the arrays of its run file."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from sim.dataset.measures.chute import measure, quantile
+
+SIZE = 1e-3
+HEIGHT = (np.arange(40) + 0.5) * 0.25 * SIZE
+
+
+def made_run(**arrays) -> xr.Dataset:
+    """A replicate that shears up to two diameters under a plug of eight diameters in all."""
+    data = {
+        "height": ("height", HEIGHT),
+        "packing_profile": ("height", 0.6 * (HEIGHT < 8 * SIZE)),
+        "velocity_profile": ("height", np.minimum(HEIGHT / (2 * SIZE), 1.0)),
+    }
+    return xr.Dataset(data | {"diameter": SIZE, "cell": 5.0} | arrays)
+
+
+def test_plug_alone_is_asked_for_its_order():
+    grid = np.stack(np.meshgrid(np.arange(5), np.arange(5), np.arange(8)), -1).reshape(-1, 3)
+    place = (grid + 0.5) * SIZE
+    below = place[:, 2] < 1.8 * SIZE
+    place[below] += np.random.default_rng(1).uniform(-0.5, 0.5, (below.sum(), 3)) * SIZE
+    frames = np.stack([np.zeros_like(place), place])
+    found = measure(made_run(position=(("frame", "particle", "axis"), frames)))
+    assert found["shear_depth"] == pytest.approx(1.8 * SIZE, rel=1e-6)
+    # All but those of the simple cubic plug's two faces have six coherent neighbors: none has 8.
+    assert found["crystalline_share"] == 0.0
+    assert found["layer_order"] > 0.9
+
+
+def test_run_without_particles_or_overlaps_has_its_shear_depth_alone():
+    assert set(measure(made_run())) == {"shear_depth"}
+
+
+def test_run_without_profiles_has_no_measures():
+    assert measure(made_run().drop_vars("packing_profile")) == {}
+
+
+def test_quantiles_of_overlaps():
+    edges = np.geomspace(1e-4, 1e-1, 31)
+    counts = np.zeros(30)
+    counts[10] = 900
+    counts[25] = 100
+    median = quantile(counts, edges, 0.5)
+    assert edges[10] < median < edges[11]
+    assert edges[25] < quantile(counts, edges, 0.999) < edges[26]
+    assert np.isnan(quantile(0 * counts, edges, 0.5))
+    run = made_run(overlap_histogram=("overlap_bin", counts), overlap_edges=("overlap_edge", edges))
+    assert measure(run)["median_overlap"] == median

@@ -1,0 +1,130 @@
+"""From run files to boundaries: points of each round, the dataset, the table."""
+
+import csv
+import json
+import shutil
+from math import atan, degrees, pi, radians, sqrt, tan
+from pathlib import Path
+
+import pytest
+import xarray as xr
+
+from sim.base.errors import InputError
+from sim.cli import main
+from sim.dataset.boundaries import build
+from sim.dataset.boundary_table import read_table
+from sim.dataset.build import build as build_dataset
+from sim.dataset.rounds import added_points, refined, write_round
+from sim.parameters import parse_point, point_id
+from sim.study.load import load_study
+from tests.made.runs import make_regimes, make_study, write_run
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory) -> tuple[Path, Path]:
+    return make_regimes(tmp_path_factory.mktemp("made"))
+
+
+@pytest.fixture(scope="module")
+def dataset(made) -> Path:
+    return build_dataset(*made)
+
+
+@pytest.fixture(scope="module")
+def rows(made, dataset) -> dict[tuple, dict]:
+    with build(*made).open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    return {(row["name"], row["depth"] or row["amplitude"]): row for row in rows}
+
+
+def test_boundaries_are_where_they_were_put(rows):
+    expected = {
+        ("acceleration-friction", "5"): tan(radians(17)),
+        ("flow-friction", "5"): 2 * (tan(radians(17)) - 0.05),
+        ("acceleration-depth", ""): 1,
+        ("acceleration-angle", "5"): degrees(atan(0.4)),
+        ("flow-angle", "5"): degrees(atan(0.25)),
+        ("onset", "0.5"): sqrt(10 / 0.5e-3) / (2 * pi),
+        ("onset", "1"): sqrt(10 / 1e-3) / (2 * pi),
+    }
+    for key, boundary in expected.items():
+        row = rows[key]
+        assert row["verdict"] == "found"
+        assert float(row["low"]) <= boundary <= float(row["high"])
+
+
+def test_rows_say_what_lies_on_either_side(rows):
+    row = rows["flow-angle", "20"]
+    assert (row["of"], row["along"], row["unit"]) == ("flow", "angle", "degree")
+    assert (row["below"], row["above"]) == ("arrested", "flowing")
+    assert rows["onset", "1"]["points"] == "11"
+    assert rows["onset", "1"]["unit"] == "Hz"
+
+
+def test_the_dataset_has_the_points_of_all_rounds(made, dataset):
+    study_path, results = made
+    runs = results / "regimes" / "runs"
+    with xr.open_dataset(dataset) as opened:
+        points = set(opened["point"].values)
+        onset = opened.isel(point=opened["series"].values == "onset")
+        assert set(onset["figures"].values) == {"belt_onset"}
+        assert onset.sizes["point"] == 22
+    assert points == {path.stem for path in runs.glob("*.nc")}
+    assert len(read_table(dataset)) == len(load_study(study_path, results).boundaries)
+    study = refined(load_study(study_path, results), runs)
+    assert set(study.series["onset"]) <= set(study.figures["belt_onset"]) <= points
+
+
+def test_a_round_holds_new_points_alone(made):
+    study_path, results = made
+    study = load_study(study_path, results)
+    rounds = [
+        json.loads(write_round(study_path, number, results).read_text())
+        for number in range(1, study.rounds + 1)
+    ]
+    assert len(rounds) == 2
+    assert not set(rounds[0]) & set(rounds[1])
+    assert not set(study.points) & {*rounds[0], *rounds[1]}
+    for key, mapping in (rounds[0] | rounds[1]).items():
+        assert point_id(parse_point(mapping, "round")) == key
+
+
+def test_a_round_follows_from_the_runs_before_it(made, tmp_path):
+    study_path, results = made
+    study = load_study(study_path, results)
+    runs = tmp_path / "runs"
+    shutil.copytree(results / "regimes" / "runs", runs)
+    second = added_points(study, 2, runs)
+    for key in second:
+        (runs / f"{key}.nc").unlink()
+    assert added_points(study, 2, runs) == second
+    first = added_points(study, 1, runs)
+    key, parameters = next((key, one) for key, one in first.items() if one.system == "belt")
+    write_run(runs, parameters, 0.0 if parameters.frequency > 24 else 0.05)
+    assert set(added_points(study, 2, runs)) != set(second)
+    (runs / f"{key}.nc").unlink()
+    with pytest.raises(InputError, match="no such run file"):
+        added_points(study, 2, runs)
+
+
+def test_both_commands_say_what_they_wrote(made, dataset, capsys):
+    options = [str(made[0]), "--results", str(made[1])]
+    assert main(["boundaries", *options]) == 0
+    assert main(["refine", *options, "1"]) == 0
+    written = [Path(line).relative_to(made[1]) for line in capsys.readouterr().out.splitlines()]
+    assert written == [Path("regimes/boundaries.csv"), Path("regimes/rounds/1.json")]
+
+
+@pytest.mark.parametrize("number", [0, 3])
+def test_a_round_that_the_study_has_not_is_refused(number, made):
+    with pytest.raises(InputError, match=f"ROUND: got {number}; allowed: .* 1 to 2"):
+        write_round(made[0], number, made[1])
+
+
+def test_a_study_without_boundaries_has_no_table(tmp_path):
+    study_path, results = make_study(tmp_path)
+    assert read_table(build_dataset(study_path, results)).empty
+    with pytest.raises(InputError, match="boundaries: got nothing"):
+        build(study_path, results)
+    with pytest.raises(InputError, match=r"ROUND: got 1; allowed: none"):
+        write_round(study_path, 1, results)

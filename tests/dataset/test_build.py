@@ -1,0 +1,162 @@
+"""The dataset of a study: every scalar of every run, labelled, padded and opened by anyone."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from sim.base.errors import InputError
+from sim.dataset.build import build
+from sim.dataset.gather import read_run
+from sim.dataset.results import load_results
+from sim.parameters import BeltParameters, ChuteParameters, point_id
+from sim.study.load import load_study
+from tests.made.runs import FAILURE, HEIGHTS, is_hurt, is_lost, made_velocity, make_study, write_run
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory) -> tuple[Path, Path]:
+    return make_study(tmp_path_factory.mktemp("made"))
+
+
+@pytest.fixture(scope="module")
+def dataset(made) -> xr.Dataset:
+    with xr.open_dataset(build(*made)) as opened:
+        return opened.load()
+
+
+def test_every_point_of_the_study_is_there_in_its_order(made, dataset):
+    study = load_study(*made)
+    assert list(dataset["point"].values) == list(study.points)
+    assert dataset.sizes["replicate"] == 3
+
+
+def test_scalars_are_those_of_the_runs(made, dataset):
+    for point in load_study(*made).points.values():
+        if is_lost(point.parameters) or is_hurt(point.parameters):
+            continue
+        mean, regime = made_velocity(point.parameters)
+        row = dataset.sel(point=point.id)
+        assert float(row["velocity"].mean()) == pytest.approx(mean, abs=1e-12)
+        assert set(row["regime"].values[: point.parameters.replicates]) == {regime}
+
+
+def test_replicates_are_told_together_too(made, dataset):
+    point = next(iter(load_study(*made).points.values()))
+    mean, regime = made_velocity(point.parameters)
+    row = dataset.sel(point=point.id)
+    assert float(row["point_velocity"]) == pytest.approx(mean, abs=1e-12)
+    assert float(row["point_half_width"]) > 0.0
+    assert (row["point_regime"].item(), row["point_quality"].item()) == (regime, "reliable")
+
+
+def test_missing_replicates_are_padded(dataset):
+    pair = dataset.isel(point=0)
+    assert int(pair["replicates"]) == 2
+    assert np.isnan(pair["velocity"].values[2])
+    assert pair["status"].values[2] == ""
+
+
+def test_failures_keep_their_whole_reason(made, dataset):
+    lost = [p.id for p in load_study(*made).points.values() if is_lost(p.parameters)]
+    assert len(lost) == 1
+    row = dataset.sel(point=lost[0])
+    assert list(row["status"].values[:2]) == ["failed", "failed"]
+    assert list(row["reason"].values[:2]) == [FAILURE, FAILURE]
+    assert np.isnan(row["velocity"].values).all()
+
+
+def test_a_run_whose_energy_does_not_add_up_says_so(tmp_path):
+    study_path, results = make_study(tmp_path)
+    key = next(iter(load_study(study_path, results).points))
+    path = results / "made" / "runs" / f"{key}.nc"
+    with xr.open_dataset(path) as opened:
+        run = opened.load()
+    run["energy_residual"][0] = -0.012
+    run.to_netcdf(path)
+    with xr.open_dataset(build(study_path, results)) as found:
+        caveats = found["caveat"].to_series()
+    assert "energy does not add up" in caveats[key]
+    assert not caveats.drop(key).str.contains("energy").any()
+
+
+def test_parameters_are_coordinates_with_units(dataset):
+    chute, belt = dataset["system"] == "chute", dataset["system"] == "belt"
+    assert set(ChuteParameters.model_fields) | set(BeltParameters.model_fields) <= {*dataset.coords}
+    assert dataset["angle"].attrs["units"] == "degree"
+    assert dataset["frequency"].attrs["units"] == "Hz"
+    assert "units" not in dataset["stiffness"].attrs
+    comment = "chute: N m-1; belt: 1; belt: multiple of g⟨m⟩/⟨d⟩"
+    assert dataset["stiffness"].attrs["comment"] == comment
+    assert np.isnan(dataset["frequency"].values[chute]).all()
+    assert set(dataset["frequency"].values[belt]) == {10, 20, 50, 80}
+    assert set(dataset["integrator"].values[belt]) == {"gear"}
+    assert set(dataset["integrator"].values[chute]) == {""}
+    assert dataset["velocity"].attrs["units"] == "m s-1"
+
+
+def test_a_point_of_two_series_is_one_row_with_both(dataset):
+    both = [series for series in dataset["series"].values if series == "depths rough"]
+    assert len(both) == 2
+    assert dataset.attrs["source_hash"] == "0123456789ab"
+
+
+def test_a_run_under_the_name_of_another_is_refused(tmp_path):
+    path = write_run(tmp_path, ChuteParameters())
+    other = path.rename(tmp_path / f"{point_id(ChuteParameters(depth=2))}.nc")
+    with pytest.raises(InputError, match="holds point chute-depth5"):
+        read_run(other)
+
+
+def test_a_study_of_belts_alone_has_no_base_forces(tmp_path):
+    study = tmp_path / "belts.yaml"
+    study.write_text("study: belts\nseries: [{name: one, system: belt}]\n")
+    write_run(tmp_path / "results" / "belts" / "runs", BeltParameters())
+    with xr.open_dataset(build(study, tmp_path / "results")) as opened:
+        assert "base_normal" not in opened
+        assert opened["stiffness"].attrs["units"] == "1"
+
+
+def test_a_missing_run_is_named_and_nothing_is_written(tmp_path):
+    study_path, results = make_study(tmp_path)
+    gone = results / "made" / "runs" / f"{point_id(BeltParameters(replicates=3))}.nc"
+    gone.unlink()
+    with pytest.raises(InputError, match=gone.name):
+        build(study_path, results)
+    assert not list((results / "made").glob("*dataset*"))
+
+
+@pytest.mark.parametrize("content", [b"", b"not netCDF"])
+def test_a_file_that_is_no_run_is_named(tmp_path, content):
+    path = tmp_path / "broken.nc"
+    path.write_bytes(content)
+    with pytest.raises(InputError, match=r"broken\.nc"):
+        read_run(path)
+
+
+def test_a_netcdf_file_that_is_no_run_is_named(tmp_path):
+    path = tmp_path / "other.nc"
+    xr.Dataset({"depth": 1.0}).to_netcdf(path)
+    with pytest.raises(InputError, match=r"other\.nc: damaged or not a run file"):
+        read_run(path)
+
+
+def test_profiles_of_both_systems_lie_in_groups(made):
+    results = load_results(build(*made))
+    study = load_study(*made)
+    for point in study.points.values():
+        if is_lost(point.parameters):
+            continue
+        values, height = results.profile(point.id, "velocity_profile")
+        row = results.dataset.sel(point=point.id)
+        lost = is_hurt(point.parameters)
+        assert values.shape == (point.parameters.replicates - lost, HEIGHTS)
+        assert height == pytest.approx((np.arange(HEIGHTS) + 0.5) * 1e-3)
+        velocities = row["velocity"].values[np.isfinite(row["velocity"].values)]
+        assert values.mean(axis=1) == pytest.approx(velocities)
+
+
+def test_the_whole_file_opens_as_a_tree(made):
+    with xr.open_datatree(build(*made)) as tree:
+        assert set(tree["chute"]["run"].values) <= set(tree["point"].values)

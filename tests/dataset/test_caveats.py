@@ -1,0 +1,45 @@
+"""What a run file says of itself, and whether the energy of its replicates adds up."""
+
+import netCDF4
+import numpy as np
+import pytest
+import xarray as xr
+
+from sim.dataset.caveats import UNSOUND, caveat, caveat_of_file
+from sim.dataset.gather import read_run
+from sim.parameters import ChuteParameters
+from tests.made.runs import write_run
+
+
+def test_one_replicate_that_leaks_is_enough():
+    assert caveat("", [1e-5, 2 * UNSOUND]).startswith("energy does not add up")
+    assert caveat("", [1e-5, UNSOUND, float("nan")]) == ""
+
+
+def test_both_caveats_are_told():
+    assert caveat("a long step", [1e-5]) == "a long step"
+    assert caveat("a long step", [1.0]).startswith("a long step; energy does not add up")
+
+
+@pytest.mark.parametrize("acceleration", [0.0, 5.0])
+def test_a_run_file_and_the_dataset_agree(tmp_path, acceleration):
+    """What a flow gains is turned over too: 1.5 % of what is dissipated may be little of all."""
+    point = ChuteParameters(replicates=2)
+    mass = point.particles * point.mass
+    arrays = {
+        "energy_residual": ("replicate", [0.015, np.nan]),
+        "frictional_power": ("replicate", [mass * 0.5, np.nan]),
+        "normal_power": ("replicate", [mass * 0.5, np.nan]),
+        "acceleration": ("replicate", [acceleration, np.nan]),
+    }
+    path = write_run(tmp_path, point, 0.5, failed=[1], arrays=arrays)
+    with netCDF4.Dataset(path) as run:
+        told = caveat_of_file(run)
+    assert bool(told) == (acceleration == 0)
+    assert told == caveat("", read_run(path).scalars["missing_energy"].values)
+
+
+def test_a_file_without_a_ledger_says_what_it_has(tmp_path):
+    xr.Dataset(attrs={"caveat": "a long step"}).to_netcdf(tmp_path / "run.nc")
+    with netCDF4.Dataset(tmp_path / "run.nc") as run:
+        assert caveat_of_file(run) == "a long step"

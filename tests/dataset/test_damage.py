@@ -1,0 +1,298 @@
+"""Full disks, holes and flipped bits: one clear line, nothing lost, no wrong number read."""
+
+import json
+import os
+import random
+import resource
+import subprocess
+import sys
+import threading
+import time
+from pathlib import Path
+
+import netCDF4
+import pytest
+
+from sim import report
+from sim.base.errors import InputError
+from sim.base.files import alone, is_damaged, seal
+from sim.base.reading import DamagedError
+from sim.cli import main
+from sim.dataset.build import build as dataset
+from sim.dataset.gather import read_run
+from sim.engine.run import run_point
+from sim.engine.warm import warm
+from sim.figures.render import draw
+from sim.parameters import canonical, point_id
+from sim.study.load import load_study
+from tests.engine.test_checkpoint import assert_same
+from tests.engine_motion.points import belt_point
+from tests.made.project import ROOT
+from tests.made.runs import make_study
+
+POINT = belt_point(beads=20, width=5, transient=1, average=3)
+LONG = belt_point(beads=200, transient=10, average=40)
+OFFSETS = 120
+
+
+@pytest.fixture(scope="module")
+def content(tmp_path_factory) -> bytes:
+    """The bytes of a run file."""
+    path = tmp_path_factory.mktemp("run") / "run.nc"
+    assert run_point(POINT, path, quiet=True) == 0
+    return path.read_bytes()
+
+
+@pytest.fixture
+def path(tmp_path) -> Path:
+    """The name that the run file has in a study."""
+    return tmp_path / f"{point_id(POINT)}.nc"
+
+
+def assert_refused_or_true(path: Path, content: bytes, expected) -> bool:
+    """Assert that a file is set aside or read as it should be; return whether it was refused."""
+    path.write_bytes(content)
+    aside = path.with_name(f"{path.name}.damaged")
+    try:
+        found = read_run(path).scalars
+    except DamagedError as error:
+        assert str(error).startswith(f"{path}: damaged") and "\n" not in str(error)
+        assert not path.exists() and aside.read_bytes() == content
+        return True
+    assert path.exists() and found.identical(expected)
+    return False
+
+
+def test_a_flipped_bit_is_never_read(content, path):
+    path.write_bytes(content)
+    expected = read_run(path).scalars
+    flips = random.Random(1)
+    refused = 0
+    for _ in range(OFFSETS):
+        changed = bytearray(content)
+        changed[flips.randrange(len(content))] ^= 1 << flips.randrange(8)
+        refused += assert_refused_or_true(path, bytes(changed), expected)
+    # Only a flip in the few letters that announce the checksum goes unnoticed, and does no harm.
+    assert refused >= OFFSETS - 1
+
+
+def test_a_hole_is_never_read(content, path):
+    path.write_bytes(content)
+    expected = read_run(path).scalars
+    for share in (0.05, 0.3, 0.5, 0.9):
+        begin = int(share * len(content))
+        changed = content[:begin] + bytes(512) + content[begin + 512 :]
+        assert_refused_or_true(path, changed, expected)
+
+
+def test_a_truncated_file_is_never_read(content, path):
+    path.write_bytes(content)
+    expected = read_run(path).scalars
+    lengths = {0, 1, 7, 8, 100, len(content) - 100, len(content) // 2, len(content) // 3}
+    for length in lengths:
+        assert assert_refused_or_true(path, content[:length], expected)
+    for cut in (1, 10, 60, 70, 73):
+        assert_refused_or_true(path, content[:-cut], expected)
+
+
+def test_a_sealed_file_tells_and_one_without_a_seal_does_not(tmp_path):
+    file = tmp_path / "file"
+    for text in (b"", b"some", bytes(200)):
+        file.write_bytes(text)
+        assert not is_damaged(file)
+        seal(file)
+        assert not is_damaged(file)
+        sealed = file.read_bytes()
+        file.write_bytes(b"x" + sealed)
+        assert is_damaged(file)
+
+
+def test_other_programs_read_sealed_files(content, tmp_path):
+    (tmp_path / "run.nc").write_bytes(content)
+    with netCDF4.Dataset(tmp_path / "run.nc", "a") as file:
+        file.comment = "changed on purpose"
+    assert not is_damaged(tmp_path / "run.nc")
+
+
+@pytest.fixture
+def made(tmp_path) -> tuple[Path, Path]:
+    """A study with its run files, dataset and figures."""
+    study, results = make_study(tmp_path)
+    built = dataset.build(study, results)
+    for name in load_study(study, results).figures:
+        draw(name, built, results / "made" / "figures")
+    return study, results
+
+
+def test_all_damaged_runs_of_a_study_are_set_aside_at_once(made, capsys):
+    study, results = made
+    runs = sorted((results / "made" / "runs").iterdir())
+    before = (results / "made" / "dataset.nc").read_bytes()
+    runs[0].write_bytes(runs[0].read_bytes()[:1000])
+    runs[3].write_bytes(b"")
+    assert main(["dataset", str(study), "--results", str(results)]) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith("error: ") and "rerun the study" in line and "1 more" in line
+    assert not runs[0].exists() and not runs[3].exists()
+    assert all(run.exists() for run in (*runs[1:3], *runs[4:]))
+    assert (results / "made" / "dataset.nc").read_bytes() == before
+
+
+@pytest.mark.parametrize("damage", ["truncated", "flipped", "empty"])
+@pytest.mark.parametrize("command", ["figure", "report"])
+def test_a_damaged_dataset_is_named_and_set_aside(made, damage, command, capsys):
+    study, results = made
+    path = results / "made" / "dataset.nc"
+    whole = path.read_bytes()
+    path.write_bytes(
+        {
+            "truncated": whole[: len(whole) // 2],
+            "flipped": whole[:5000] + bytes([whole[5000] ^ 1]) + whole[5001:],
+            "empty": b"",
+        }[damage]
+    )
+    words = {
+        "figure": ["walton_2", str(path), "--output", str(results)],
+        "report": [str(study), "--results", str(results)],
+    }
+    assert main([command, *words[command]]) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith(f"error: {path}: damaged") and "rerun the study" in line
+    assert not path.exists() and path.with_name("dataset.nc.damaged").exists()
+
+
+def test_a_file_named_by_mistake_is_left_where_it_is(tmp_path, content):
+    half = content[: len(content) // 2]
+    for name, text in (("notes.txt", b"mine"), ("run.nc", content), ("dataset.nc", half)):
+        (tmp_path / name).write_bytes(text)
+        with pytest.raises(InputError, match="not "):
+            draw("walton_2", tmp_path / name, tmp_path)
+        assert (tmp_path / name).read_bytes() == text
+
+
+@pytest.mark.parametrize("suffix", [".csv", ".svg", ".caption.txt"])
+def test_a_damaged_figure_is_named_and_set_aside(made, suffix):
+    study, results = made
+    path = results / "made" / "figures" / f"walton_2{suffix}"
+    path.write_bytes(b"\xff\xfe\x00" + path.read_bytes()[:40])
+    with pytest.raises(DamagedError, match=r"rerun the study"):
+        report.build(study, results)
+    assert not path.exists()
+    assert not (results / "made" / "report.html").exists()
+
+
+def limited(output: Path, size: int | None) -> subprocess.CompletedProcess:
+    """Run LONG in a process that cannot write files longer than ``size`` bytes: a full disk."""
+    limit = (size, size) if size else (resource.RLIM_INFINITY, resource.RLIM_INFINITY)
+    return subprocess.run(
+        [sys.executable, "-m", "sim", "run", "-", "--output", str(output), "--quiet"],
+        cwd=ROOT,
+        input=json.dumps(canonical(LONG)),
+        capture_output=True,
+        text=True,
+        timeout=120,
+        env=os.environ | {"TALUS_CHECKPOINT_SECONDS": "0.1"},
+        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, limit) if size else None,
+    )
+
+
+def test_a_full_disk_ends_in_one_line_and_a_rerun_repairs_it(tmp_path):
+    warm([LONG])
+    output = tmp_path / "run.nc"
+    done = limited(output, 20_000)
+    assert done.returncode == 1, done.stderr
+    lines = done.stderr.splitlines()
+    assert all("no checkpoint: File too large" in line for line in lines[:-1]) and len(lines) > 1
+    assert lines[-1].startswith("error: ") and "Traceback" not in done.stderr
+    assert not list(tmp_path.iterdir())
+    again = limited(output, None)
+    assert (again.returncode, again.stderr) == (0, "")
+    assert [path.name for path in tmp_path.iterdir()] == ["run.nc"]
+
+
+@pytest.mark.parametrize(
+    ("command", "name", "size"),
+    [("dataset", "dataset.nc", 20_000), ("figure", "figures/walton_2", 3000)],
+)
+def test_a_full_disk_is_told_with_the_name_of_the_file(made, command, name, size):
+    study, results = made
+    path = results / "made" / name
+    words = {
+        "dataset": [str(study), "--results", str(results)],
+        "figure": ["walton_2", str(results / "made/dataset.nc"), "--output", str(path.parent)],
+    }
+    before = {file: file.read_bytes() for file in results.rglob("*") if file.is_file()}
+    done = subprocess.run(
+        [sys.executable, "-m", "sim", command, *words[command]],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (size, size)),
+    )
+    assert done.returncode == 1
+    assert done.stderr.splitlines()[-1].startswith("error: ")
+    assert str(path) in done.stderr.splitlines()[-1], done.stderr
+    assert {file: file.read_bytes() for file in results.rglob("*") if file.is_file()} == before
+
+
+def test_an_old_result_outlives_a_full_disk(tmp_path, content):
+    warm([LONG])
+    output = tmp_path / "run.nc"
+    output.write_bytes(content)
+    assert limited(output, 20_000).returncode == 1
+    assert output.read_bytes() == content
+
+
+def test_two_processes_of_one_run_do_not_meet(tmp_path):
+    warm([LONG])
+    output = tmp_path / "run.nc"
+    command = [sys.executable, "-m", "sim", "run", "-", "--output", str(output)]
+    pair = [
+        subprocess.Popen(
+            command, cwd=ROOT, stdin=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+        )
+        for _ in range(2)
+    ]
+    for process in pair:
+        process.stdin.write(json.dumps(canonical(LONG)))
+        process.stdin.close()
+        process.stdin = None
+    errors = [process.communicate(timeout=120)[1] for process in pair]
+    assert [process.returncode for process in pair] == [0, 0], errors
+    assert sum("waiting for another process" in text for text in errors) == 1
+    assert sum(f"{output}: written" in text for text in errors) == 1
+    assert [path.name for path in tmp_path.iterdir()] == ["run.nc"]
+    assert run_point(LONG, tmp_path / "alone.nc", quiet=True) == 0
+    assert_same(output, tmp_path / "alone.nc")
+
+
+def test_who_waits_computes_what_the_other_did_not_finish(tmp_path):
+    warm([POINT])
+    output = tmp_path / "run.nc"
+    with alone(output):
+        waiting = threading.Thread(target=run_point, args=(POINT, output, True))
+        waiting.start()
+        time.sleep(0.2)
+        assert not output.exists()
+    waiting.join(timeout=60)
+    assert output.exists()
+
+
+def test_one_at_a_time(tmp_path):
+    inside, most = 0, 0
+
+    def work() -> None:
+        nonlocal inside, most
+        with alone(tmp_path / "file"):
+            inside += 1
+            most = max(most, inside)
+            time.sleep(0.005)
+            inside -= 1
+
+    threads = [threading.Thread(target=work) for _ in range(12)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert most == 1
+    assert not list(tmp_path.iterdir())

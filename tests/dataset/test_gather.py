@@ -1,0 +1,40 @@
+"""Profiles of runs of different sizes in one group of the dataset."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from sim.dataset.gather import Gathered, profiles
+from sim.dataset.measures.belt import columns
+
+
+def run(name, width, slices, replicates):
+    """Return what is kept of a run on a belt ``width`` (mm) long."""
+    squares = np.arange(width) + 0.5
+    field = xr.Dataset(
+        {
+            "field_velocity": (
+                ("replicate", "column", "level"),
+                np.broadcast_to(squares[:, None], (replicates, width, 2)),
+            ),
+            "field_density": (("replicate", "column", "level"), np.ones((replicates, width, 2))),
+        },
+        coords={"column": 1e-3 * squares, "level": [0.0, 1e-3]},
+    )
+    heights = xr.Dataset(
+        {"number_density": (("replicate", "height"), np.ones((replicates, slices)))},
+        coords={"height": 1e-3 * np.arange(slices)},
+    )
+    scalars = xr.Dataset(attrs={"point_id": name})
+    return Gathered(scalars, heights.assign(columns(field)), None)
+
+
+def test_belts_of_different_lengths_are_filled_up():
+    found = profiles([run("long", 6, 4, 3), run("short", 3, 5, 2)], 3)
+    assert found.sizes == {"run": 2, "replicate": 3, "slice": 5, "square": 6}
+    short = found.sel(run="short")
+    assert short["column"].values[:3] == pytest.approx([0.5e-3, 1.5e-3, 2.5e-3])
+    assert np.isnan(short["column"].values[3:]).all()
+    assert short["column_velocity"].values[1, :3] == pytest.approx([0.5, 1.5, 2.5])
+    assert np.isnan(short["column_velocity"].values[2]).all()
+    assert np.isnan(found.sel(run="long")["height"].values[4:]).all()

@@ -1,0 +1,352 @@
+"""Synthetic run files: what the engine writes, in miniature and with the answer known."""
+
+from collections.abc import Mapping, Sequence
+from math import cos, nan, radians, sin
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from sim.dataset.rounds import added_points
+from sim.engine.identity import NUMERICS
+from sim.engine.observe.force_balance import base_forces
+from sim.parameters import Parameters, canonical, field_info, point_id
+from sim.study.load import load_study
+
+SAMPLES = 400
+HEIGHTS = 8
+FAILURE = "overlap of 0.31 diameters at step 1200"
+
+
+def write_run(
+    folder: Path,
+    parameters: Parameters,
+    velocity: float | Sequence[float] = 0.5,
+    *,
+    regime: str = "steady",
+    failed: Sequence[int] = (),
+    shear_excess: float = 0.0,
+    normal_excess: float = 0.0,
+    gain: float = 0.0,
+    numerics: int = NUMERICS,
+    arrays: Mapping[str, Any] | None = None,
+) -> Path:
+    """Write ``<folder>/<point id>.nc`` after the contract of a run file.
+
+    Parameters
+    ----------
+    folder : Path
+        Created if absent.
+    parameters : Parameters
+        The point; it sets the number of replicates.
+    velocity : float or sequence of float
+        Mean velocity, m/s, of all or of each replicate.
+    regime : str
+        Regime of the replicates that completed.
+    failed : sequence of int
+        Replicates that blew up; all of them make the run a failed one.
+    shear_excess, normal_excess : float
+        Relative error put into the base forces of a chute.
+    gain : float
+        Velocity gained at a constant rate over the run, in √(g·diameter).
+    arrays : mapping
+        Further variables, or others in place of those made up here.
+    """
+    count = parameters.replicates
+    velocities = np.broadcast_to(np.asarray(velocity, dtype=float), count).copy()
+    velocities[list(failed)] = nan
+    data = _series(parameters, velocities, shear_excess, normal_excess, gain)
+    data |= _scalars(parameters, velocities, regime, failed)
+    data |= _parameters(parameters) | dict(arrays or {})
+    dataset = xr.Dataset(data, attrs=_attributes(parameters, failed, numerics))
+    folder.mkdir(parents=True, exist_ok=True)
+    path = folder / f"{point_id(parameters)}.nc"
+    dataset.to_netcdf(path)
+    return path
+
+
+def _series(
+    parameters: Parameters,
+    velocities: np.ndarray,
+    shear_excess: float,
+    normal_excess: float,
+    gain: float,
+) -> dict[str, Any]:
+    """Return a time series that swings about its mean, with base forces that obey momentum."""
+    span = (parameters.transient + parameters.average) * parameters.time_unit
+    time = np.linspace(span / SAMPLES, span, SAMPLES)
+    phase = 2 * np.pi * time / span * 23
+    swing = 0.02 * parameters.velocity_unit
+    rise = gain * parameters.velocity_unit / span
+    series = velocities[:, None] + swing * np.sin(phase) + rise * (time - span / 2)
+    data = {
+        "time": ("time", time, {"units": "s"}),
+        "height": ("height", (np.arange(HEIGHTS) + 0.5) * 1e-3, {"units": "m"}),
+        "mean_velocity": (("replicate", "time"), series, {"units": "m s-1"}),
+        "velocity_profile": (
+            ("replicate", "height"),
+            np.outer(velocities, np.linspace(0.5, 1.5, HEIGHTS)),
+            {"units": "m s-1"},
+        ),
+    }
+    if parameters.system == "chute":
+        mass, weight = _mass_and_weight(parameters)
+        angle = radians(parameters.angle)
+        change = mass * (swing * np.cos(phase) * 2 * np.pi * 23 / span + rise)
+        shear = (weight * sin(angle) - change) * (1 + shear_excess)
+        normal = np.full(SAMPLES, weight * cos(angle)) * (1 + normal_excess)
+        blank = np.where(np.isnan(velocities), nan, 1.0)[:, None]
+        units = {"units": "N"}
+        data["base_shear_force"] = (("replicate", "time"), shear * blank, units)
+        data["base_normal_force"] = (("replicate", "time"), normal * blank, units)
+        start = round(SAMPLES * parameters.transient / (parameters.transient + parameters.average))
+        rows = [
+            base_forces(
+                *(row[start:] for row in (tau, sigma, v)),
+                mass,
+                (weight * sin(angle), weight * cos(angle)),
+                span / SAMPLES,
+            )
+            for tau, sigma, v in zip(shear * blank, normal * blank, series, strict=True)
+        ]
+        for name in rows[0]:
+            data[name] = ("replicate", np.array([row[name] for row in rows]), units)
+    return data
+
+
+def _mass_and_weight(parameters: Parameters) -> tuple[float, float]:
+    mass = parameters.particles * parameters.mass
+    return mass, mass * parameters.gravity
+
+
+def _scalars(
+    parameters: Parameters, velocities: np.ndarray, regime: str, failed: Sequence[int]
+) -> dict[str, Any]:
+    count = len(velocities)
+    lost = [index in failed for index in range(count)]
+    acceleration = 2.0 if regime == "accelerating" else 1e-5
+    numbers = {
+        "velocity": (velocities, "m s-1"),
+        "velocity_error": (np.where(lost, nan, 0.0004), "m s-1"),
+        "velocity_half_width": (np.where(lost, nan, 0.0009), "m s-1"),
+        "acceleration": (np.where(lost, nan, acceleration), "m s-2"),
+        "acceleration_error": (np.where(lost, nan, 1e-4), "m s-2"),
+        "acceleration_half_width": (np.where(lost, nan, 2e-4), "m s-2"),
+        "average_start": (np.where(lost, nan, 0.25), "s"),
+        "independent_samples": (np.where(lost, nan, 40.0), "1"),
+        "energy_residual": (np.where(lost, nan, 1e-4), "1"),
+        "max_overlap": (np.where(lost, 0.31, 0.01), "1"),
+        "steps": (np.where(lost, 1200, parameters.steps), "1"),
+        "wall_time": (np.full(count, 1.5), "s"),
+        "replicate_seed": (parameters.seed + np.arange(count), "1"),
+    }
+    words = {
+        "regime": ["undetermined" if gone else regime for gone in lost],
+        "quality": ["failed" if gone else "reliable" for gone in lost],
+        "stopped": ["failure" if gone else "length" for gone in lost],
+        "status": ["failed" if gone else "completed" for gone in lost],
+        "reason": [FAILURE if gone else "" for gone in lost],
+    }
+    data = {name: ("replicate", array, {"units": unit}) for name, (array, unit) in numbers.items()}
+    return data | {
+        name: ("replicate", np.array(values, dtype=object)) for name, values in words.items()
+    }
+
+
+def _parameters(parameters: Parameters) -> dict[str, Any]:
+    rows = field_info(parameters)
+    data: dict[str, Any] = {"particles": ((), parameters.particles, {"units": "1"})}
+    for name, value in canonical(parameters).items():
+        attrs = {"long_name": rows[name].description}
+        if rows[name].unit:
+            attrs["units"] = rows[name].unit
+        if rows[name].scale:
+            attrs["comment"] = f"multiple of {rows[name].scale}"
+        data[name] = ((), int(value) if isinstance(value, bool) else value, attrs)
+    return data
+
+
+def _attributes(parameters: Parameters, failed: Sequence[int], numerics: int) -> dict[str, Any]:
+    broken = len(failed) == parameters.replicates
+    return {
+        "Conventions": "CF-1.11",
+        "title": f"{parameters.system} run",
+        "system": parameters.system,
+        "point_id": point_id(parameters),
+        "engine_version": "0.1.0",
+        "numerics": numerics,
+        "source_hash": "0123456789ab",
+        "created": "2026-01-01T00:00:00Z",
+        "versions": '{"python": "3.11.7", "numpy": "2.4.6"}',
+        "status": "failed" if broken else "completed",
+        "reason": FAILURE if broken else "",
+        "steps": parameters.steps * parameters.replicates,
+        "wall_time": 1.5 * parameters.replicates,
+        "command": "python -m sim run -",
+    }
+
+
+STUDY = """\
+study: made
+title: A made-up study
+defaults:
+  chute: {replicates: 2}
+  belt: {replicates: 3}
+series:
+  - name: depths
+    system: chute
+    grid: {depth: [0.5, 2.5, 5, 10], restitution: [0.7, 0.85]}
+    figures: [walton_2]
+  - name: rough
+    system: chute
+    grid: {depth: [2.5, 5], friction: [0.4, 0.5]}
+    figures: [walton_2]
+  - name: angles
+    system: belt
+    grid: {frequency: [10, 20, 50, 80], vibration_angle: [30, 45, 60]}
+    figures: [gallas_1a]
+  - name: amplitudes
+    system: belt
+    grid: {frequency: [10, 20, 50], amplitude: [0.5, 1, 1.5]}
+    figures: [gallas_1b]
+  - name: dampings
+    system: belt
+    base: {frequency: 50}
+    cases:
+      - {damping: 0, shear_damping: 50}
+      - {damping: 10, shear_damping: 10}
+      - {damping: 50, shear_damping: 100}
+    figures: [gallas_1b]
+  - name: shear
+    system: belt
+    base: {replicates: 1}
+    grid: {shear_damping: [0, 10, 50], frequency: [20, 50]}
+    figures: [gallas_1c]
+"""
+
+
+def made_velocity(parameters: Parameters) -> tuple[float, str]:
+    """Return the velocity (m/s) and the regime that the made-up study gives a point."""
+    if parameters.system == "chute":
+        if parameters.depth < 1:
+            return 4.0, "accelerating"
+        return 0.3 + 0.1 * parameters.depth * (1 - parameters.restitution), "steady"
+    if parameters.frequency < 16:
+        return 0.0, "arrested"
+    return 1e-3 * parameters.frequency * parameters.amplitude, "steady"
+
+
+def is_lost(parameters: Parameters) -> bool:
+    """Whether the made-up study loses all replicates of a point."""
+    return parameters.system == "chute" and (parameters.depth, parameters.restitution) == (10, 0.7)
+
+
+def is_hurt(parameters: Parameters) -> bool:
+    """Whether the made-up study loses the first replicate of a point."""
+    return parameters.system == "chute" and (parameters.depth, parameters.restitution) == (5, 0.7)
+
+
+def make_study(folder: Path) -> tuple[Path, Path]:
+    """Write the made-up study and all its run files; return the study file and results folder."""
+    study_path, results = folder / "made.yaml", folder / "results"
+    study_path.write_text(STUDY)
+    study = load_study(study_path, results)
+    for point in study.points.values():
+        mean, regime = made_velocity(point.parameters)
+        count = point.parameters.replicates
+        failed = range(count) if is_lost(point.parameters) else [0] * is_hurt(point.parameters)
+        spread = 0.01 * np.arange(count) - 0.005 * (count - 1)
+        runs = results / study.name / "runs"
+        write_run(runs, point.parameters, mean + spread, regime=regime, failed=list(failed))
+    return study_path, results
+
+
+REGIMES = """\
+study: regimes
+title: Made-up regimes
+boundaries:
+  - name: acceleration-friction
+    system: chute
+    of: acceleration
+    along: friction
+    range: [0.2, 0.6]
+    tolerance: 0.05
+    grid: {depth: [5, 10]}
+    figures: [regimes_friction]
+  - name: flow-friction
+    system: chute
+    of: flow
+    along: friction
+    range: [0.2, 1]
+    tolerance: 0.05
+    grid: {depth: [5, 10]}
+    figures: [regimes_friction]
+  - name: acceleration-depth
+    system: chute
+    of: acceleration
+    along: depth
+    range: [0.5, 2.5]
+    tolerance: 0.2
+    base: {friction: 0.4}
+    figures: [regimes_friction]
+  - name: acceleration-angle
+    system: chute
+    of: acceleration
+    along: angle
+    range: [12, 28]
+    tolerance: 1
+    grid: {depth: [5, 20]}
+    figures: [regimes_angle]
+  - name: flow-angle
+    system: chute
+    of: flow
+    along: angle
+    range: [12, 28]
+    tolerance: 1
+    grid: {depth: [5, 20]}
+    figures: [regimes_angle]
+  - name: onset
+    system: belt
+    of: transport
+    along: frequency
+    range: [11, 27]
+    tolerance: 0.25
+    grid: {amplitude: [0.5, 1]}
+    figures: [belt_onset]
+"""
+
+
+def made_regime(parameters: Parameters) -> tuple[float, str]:
+    """Return the velocity (m/s) and the regime that the made-up regimes give a point.
+
+    Accelerating above tan θ = μ and below depth 1, arrested below tan θ = μ/2 + depth/100,
+    undecided about μ = 0.6 at depth 10; the belt transports beyond Γ = 1.
+    """
+    if parameters.system == "belt":
+        acceleration = (2 * np.pi * parameters.frequency) ** 2 * 1e-3 * parameters.amplitude
+        return (0.05, "steady") if acceleration > parameters.gravity else (0.0, "arrested")
+    slope = np.tan(radians(parameters.angle))
+    if parameters.depth == 10 and 0.55 < parameters.friction < 0.65:
+        return 0.1, "undetermined"
+    if slope > parameters.friction or parameters.depth < 1:
+        return 4.0, "accelerating"
+    if slope < parameters.friction / 2 + parameters.depth / 100:
+        return 0.0, "arrested"
+    return 0.5, "steady"
+
+
+def make_regimes(folder: Path) -> tuple[Path, Path]:
+    """Write the made-up regimes and the run files of all rounds; return study file and results."""
+    study_path, results = folder / "regimes.yaml", folder / "results"
+    study_path.write_text(REGIMES)
+    study = load_study(study_path, results)
+    runs = results / study.name / "runs"
+    points = [point.parameters for point in study.points.values()]
+    for number in range(study.rounds + 1):
+        if number:
+            points = added_points(study, number, runs).values()
+        for parameters in points:
+            velocity, regime = made_regime(parameters)
+            write_run(runs, parameters, velocity, regime=regime)
+    return study_path, results

@@ -1,0 +1,209 @@
+"""Publishing: what readers need, whole, and small enough for a repository."""
+
+import json
+import re
+import shutil
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from sim.base.errors import InputError
+from sim.base.reading import DamagedError
+from sim.cli import main
+from sim.dataset.results import load_results
+from sim.report import publish
+from sim.report.whole import require_whole
+from sim.study.catalogue import FIGURES
+from sim.study.load import load_study
+from tests.report.made import animated, make_figures, write_claims
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory) -> Path:
+    """A folder with a made-up study and everything that a workflow leaves."""
+    root = tmp_path_factory.mktemp("whole")
+    study, results = make_figures(root)
+    points = list(load_study(study, results).points)
+    write_claims(results / "made" / "claims.json", points)
+    (results / "made" / "report.html").write_text("report")
+    (results / "made" / "figures" / "old.svg").write_text("old")
+    return root
+
+
+@pytest.fixture
+def finished(whole, tmp_path):
+    """The study file and the folder of results of a copy of it."""
+    shutil.copytree(whole, tmp_path, dirs_exist_ok=True)
+    return tmp_path / "made.yaml", tmp_path / "results"
+
+
+def pictures() -> list[str]:
+    drawn = ("walton_2", "gallas_1a", "gallas_1b", "gallas_1c")
+    return [f"figures/{name}{suffix}" for name in drawn for suffix in FIGURES[name].suffixes[1:]]
+
+
+def test_everything_a_reader_needs_is_there(finished, tmp_path):
+    study, results = finished
+    output = publish.publish(study, results, tmp_path / "published")
+    names = {path.relative_to(output).as_posix() for path in output.rglob("*") if path.is_file()}
+    assert names == {
+        "report.html",
+        "dataset.nc",
+        "claims.json",
+        "claims.csv",
+        *pictures(),
+        "made.yaml",
+        "provenance.json",
+    }
+    assert (output / "made.yaml").read_text() == study.read_text()
+    origin = json.loads((output / "provenance.json").read_text())
+    assert origin["study"] == "made" and origin["points"] > 10 and origin["failed runs"] == 3
+    assert origin["from"] <= origin["to"] and origin["core hours"] > 0
+
+
+def test_the_report_links_its_figures_and_holds_everything_else(finished, tmp_path):
+    output = publish.publish(*finished, tmp_path / "published")
+    page = (output / "report.html").read_text()
+    linked = set(re.findall(r'(?:src|href)="(?!#|data:)([^"]*)"', page))
+    assert linked == {f"figures/{name}" for name in shown()}
+    assert all((output / name).is_file() for name in linked)
+
+
+def shown() -> list[str]:
+    return [Path(name).name for name in pictures() if Path(name).suffix in (".svg", ".csv")]
+
+
+def test_publishing_again_replaces_all_of_it(finished, tmp_path):
+    study, results = finished
+    output = publish.publish(study, results, tmp_path / "published")
+    for name in ("old.svg", "walton_2.csv"):
+        (output / "figures" / name).write_text("old")
+    publish.publish(study, results, tmp_path / "published")
+    assert (output / "figures" / "walton_2.csv").read_text() != "old"
+    assert not (output / "figures" / "old.svg").exists()
+    assert [path.name for path in (tmp_path / "published").iterdir()] == ["made"]
+
+
+def tree(folder: Path) -> dict[str, bytes]:
+    return {str(path): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+
+
+@pytest.mark.parametrize("place", ["results", "results/made", "results/link", "above", "other"])
+def test_only_what_was_published_is_replaced(finished, tmp_path, place, capsys):
+    study, results = finished
+    (results / "link").symlink_to(".")
+    if place == "above":
+        results = tmp_path / "above" / "made"
+        (tmp_path / "results").rename(tmp_path / "moved")
+        results.parent.mkdir()
+        (tmp_path / "moved").rename(results)
+    elif place == "other":
+        (tmp_path / "other" / "made").mkdir(parents=True)
+        (tmp_path / "other" / "made" / "precious").write_text("text")
+    before = tree(tmp_path)
+    options = ["publish", str(study), "--results", str(results), "--to", str(tmp_path / place)]
+    assert main(options) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith("error: --to: got ")
+    assert tree(tmp_path) == before
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "named"),
+    [
+        ("frequency: [10, 20, 50, 80]", "frequency: [10, 20, 50, 90]", "point belt-"),
+        ("replicates: 3", "replicates: 4", "point belt-"),
+        ("title: A made-up", "title: Another", "title"),
+        ("name: rough", "name: smooth", "series of chute-"),
+        ("0.5]}\n    figures: [walton_2]", "0.5]}", "figures of chute-"),
+    ],
+)
+def test_a_study_changed_since_its_runs_is_refused(finished, tmp_path, old, new, named, capsys):
+    study, results = finished
+    text = study.read_text()
+    assert old in text
+    study.write_text(text.replace(old, new))
+    before = tree(results)
+    for command in ("publish", "report", "claims"):
+        options = ["--to", str(tmp_path / "published")] if command == "publish" else []
+        assert main([command, str(study), "--results", str(results), *options]) == 2
+        (line,) = capsys.readouterr().err.splitlines()
+        assert line.startswith(f"error: {study}: {named}"), line
+        assert line.endswith("run snakemake again")
+    assert tree(results) == before
+    assert not (tmp_path / "published").exists()
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "dataset.nc",
+        "claims.json",
+        "claims.csv",
+        "figures/walton_2.csv",
+        "figures/walton_2.svg",
+        "figures/gallas_1a.caption.txt",
+    ],
+)
+@pytest.mark.parametrize("share", [0.0, 0.5])
+def test_what_is_damaged_is_named_where_it_lies(finished, tmp_path, name, share, capsys):
+    study, results = finished
+    path = results / "made" / name
+    path.write_bytes(path.read_bytes()[: int(share * path.stat().st_size)])
+    target = tmp_path / "published"
+    assert main(["publish", str(study), "--results", str(results), "--to", str(target)]) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith(f"error: {path}: damaged") and "rerun the study" in line
+    assert not path.exists() and path.with_name(f"{path.name}.damaged").exists()
+    assert not target.exists()
+
+
+@pytest.mark.parametrize("name", ["claims.csv", "figures/walton_2.csv"])
+def test_a_table_without_its_last_row_is_noticed(finished, tmp_path, name):
+    study, results = finished
+    path = results / "made" / name
+    path.write_text("".join(path.read_text().splitlines(keepends=True)[:-1]))
+    with pytest.raises(DamagedError, match=re.escape(str(path))):
+        publish.publish(study, results, tmp_path / "published")
+
+
+def test_an_animation_that_ends_early_is_noticed(finished):
+    study, results = finished
+    folder = results / "made"
+    with animated(folder / "figures") as name, pytest.MonkeyPatch.context() as patched:
+        texts = [(folder / f"figures/{name}{end}").read_text() for end in (".csv", ".caption.txt")]
+        patched.setattr("sim.report.whole.derived", lambda *_: texts)
+        moving = replace(load_study(study, results), figures={name: ()})
+        found = load_results(folder / "dataset.nc")
+        require_whole(moving, found, folder)
+        for end in (".gif", ".png"):
+            path = folder / f"figures/{name}{end}"
+            content = path.read_bytes()
+            path.write_bytes(content[: len(content) // 2])
+            with pytest.raises(DamagedError, match=re.escape(str(path))):
+                require_whole(moving, found, folder)
+            path.write_bytes(content)
+
+
+def test_an_unfinished_study_is_refused(finished, tmp_path):
+    study, results = finished
+    (results / "made" / "claims.json").unlink()
+    with pytest.raises(InputError, match=r"claims.json: missing; run the study to its end"):
+        publish.publish(study, results, tmp_path / "published")
+    assert not (tmp_path / "published").exists()
+
+
+def test_too_much_is_refused_and_what_was_published_stays(finished, tmp_path, monkeypatch, capsys):
+    study, results = finished
+    target = tmp_path / "published"
+    options = ["publish", str(study), "--results", str(results), "--to", str(target)]
+    assert main(options) == 0
+    (target / "other").mkdir()
+    (target / "other" / "report.html").write_bytes(bytes(2000))
+    monkeypatch.setattr(publish, "LARGEST", publish.size(target / "made") + 1500)
+    before = tree(target)
+    assert main(options) == 2
+    assert "allowed: at most" in capsys.readouterr().err
+    assert tree(target) == before
+    assert {path.name for path in target.iterdir()} == {"made", "other"}
