@@ -18,13 +18,7 @@ rule claims:
     conda:
         "../envs/talus.yaml"
     params:
-        code=code(
-            "outcome.py",
-            "results.py",
-            "figures/caption.py",
-            "measures/*.py",
-            "claims/*.py",
-            "claims/*.yaml",
-        ),
+        numerics=numerics_mark(),
+        code=room("claims"),
     shell:
         'python -m sim claims "$TALUS_STUDY" > {log} 2>&1'

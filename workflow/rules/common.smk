@@ -1,19 +1,17 @@
-# What all rules share: the study, its folder, the environment of the jobs, hashes of code.
+# What all rules share: the study, its folder, the environment of the jobs.
 
-import fcntl
-import hashlib
-import json
 import os
 import re
 import shlex
-import shutil
 import sys
-import time
 from contextlib import suppress
+from functools import partial
 from pathlib import Path
 
 ROOT = Path(workflow.current_basedir.get_path_or_uri(secret_free=True)).parents[1]
-sys.path.insert(0, str(ROOT))
+sys.path[:0] = [str(ROOT), str(ROOT / "workflow")]
+
+from helpers import correct_future_times, files_hash, release_stale_lock, room_hash
 
 from sim.engine.checkpoint import checkpoint_interval
 from sim.base.errors import InputError
@@ -22,10 +20,6 @@ from sim.parameters import canonical_json
 from sim.engine.identity import numerics_mark
 from sim.dataset.rounds import read_round
 from sim.study.load import DEFAULT_STUDY, estimate, load_study
-
-#: Seconds by which clocks of machines that share a folder may differ, and a time before all others.
-CLOCK_ERROR = 60.0
-OLD = 86400.0
 
 
 def study_path():
@@ -84,37 +78,6 @@ def asked():
     ]
 
 
-def release_stale_lock():
-    """Remove the lock of a Snakemake that was killed, and only then.
-
-    Every Snakemake of this workflow holds a shared file lock for as long as it lives; the kernel
-    drops it with the process. Whoever gets it exclusively is therefore alone, and a lock that
-    Snakemake itself has left in its folder belongs to nobody.
-    """
-    folder = Path(".snakemake")
-    folder.mkdir(exist_ok=True)
-    held = open(folder / "talus.lock", "w")
-    with suppress(OSError):
-        fcntl.flock(held, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        shutil.rmtree(folder / "locks", ignore_errors=True)
-    with suppress(OSError):
-        fcntl.flock(held, fcntl.LOCK_SH)
-    return held
-
-
-def correct_future_times():
-    """Give files that a wrong clock has dated into the future times that hide no change.
-
-    A run file was made before now. Whatever is made from runs becomes as old as can be; where its
-    inputs have changed since, which Snakemake knows by checksums, it is made again.
-    """
-    now = time.time()
-    for path in Path(RESULTS).rglob("*"):
-        if path.is_file() and path.stat().st_mtime > now + CLOCK_ERROR:
-            then = now if path.match("runs/*.nc") else OLD
-            os.utime(path, (then, then))
-
-
 def warn_of_namesake():
     """Say so when another study file has its results in the same folder.
 
@@ -129,19 +92,6 @@ def warn_of_namesake():
                 "dataset, figures and report will be those of the former",
                 file=sys.stderr,
             )
-
-
-def code(*patterns):
-    """Return a hash of files of the package, so that a rule reruns when they are edited."""
-    return hashed(sorted(file for pattern in patterns for file in (ROOT / "sim").glob(pattern)))
-
-
-def hashed(files):
-    """Return a hash of the names and contents of files, wherever they lie."""
-    digest = hashlib.sha256()
-    for path in files:
-        digest.update(path.name.encode() + path.read_bytes())
-    return digest.hexdigest()[:12]
 
 
 def summarize():
@@ -170,9 +120,12 @@ STILL = [name for name in STUDY.figures if not FIGURES[name].animated]
 ANIMATED = [name for name in STUDY.figures if FIGURES[name].animated]
 OWNER = Path(RESULTS) / ".study"
 
+# Rules follow the rooms of the package that they use.
+room = partial(room_hash, ROOT / "sim")
+
 if workflow.is_main_process:
     warn_of_namesake()
-    correct_future_times()
+    correct_future_times(Path(RESULTS))
 
 
 onstart:
@@ -193,9 +146,6 @@ SETTINGS = " ".join(
 LITERAL = SETTINGS.replace("{", "{{").replace("}", "}}")
 shell.prefix(f"export {LITERAL}; ")
 
-
-# What decides which points a round of refinement adds.
-REFINEMENT = ("refine.py", "sides.py", "regime_boundaries.py")
 
 # Points of later rounds are not known yet; what only looks like one is refused by `parameters`.
 POINT = "|".join(map(re.escape, STUDY.points))

@@ -15,15 +15,8 @@ rule dataset:
     params:
         membership=[(point.id, point.series, point.figures) for point in STUDY.points.values()],
         boundaries=asked(),
+        states=[name for name in STUDY.figures if FIGURES[name].particles],
         title=STUDY.title,
-        code=code(
-            "caveats.py",
-            "dataset.py",
-            "gathered.py",
-            "outcome.py",
-            "measures/*.py",
-            "figures/spec*.py",
-            *(REFINEMENT if STUDY.boundaries else ()),
-        ),
+        code=room("dataset"),
     shell:
         'python -m sim dataset "$TALUS_STUDY" > {log} 2>&1'

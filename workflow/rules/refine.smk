@@ -19,7 +19,7 @@ checkpoint refine:
         "../envs/talus.yaml"
     params:
         boundaries=asked(),
-        code=code(*REFINEMENT),
+        code=room("dataset"),
     shell:
         'python -m sim refine "$TALUS_STUDY" {wildcards.round} > {log} 2>&1'
 
@@ -41,6 +41,6 @@ rule boundaries:
         "../envs/talus.yaml"
     params:
         boundaries=asked(),
-        code=code(*REFINEMENT),
+        code=room("dataset"),
     shell:
         'python -m sim boundaries "$TALUS_STUDY" > {log} 2>&1'

@@ -20,15 +20,7 @@ rule report:
         "../envs/talus.yaml"
     params:
         # No input: its path may hold braces, which are no wildcards, and must not matter.
-        study=hashed(STUDY.files),
-        code=code(
-            "report/*.py",
-            "templates/*",
-            "cost.py",
-            "outcome.py",
-            "results.py",
-            "figures/caption.py",
-            "figures/spec*.py",
-        ),
+        study=files_hash(STUDY.files),
+        code=room("report"),
     shell:
         'python -m sim report "$TALUS_STUDY" > {log} 2>&1'

@@ -1,0 +1,71 @@
+"""Rooms import only what the table says, in no circle; the package holds nothing else."""
+
+import ast
+from graphlib import TopologicalSorter
+from pathlib import Path
+
+import pytest
+
+from sim.base.rooms import ROOMS
+
+PACKAGE = Path(__file__).parents[1] / "sim"
+MODULES = sorted(PACKAGE.rglob("*.py"))
+
+#: Modules of a room that others may import although the table keeps their rooms apart otherwise:
+#: names that run files and datasets share, and what tells of runs under way.
+NAMES_OF_THE_ENGINE = {
+    "dataset": {"identity", "observe.scalars", "observe.run_file"},
+    "figures": set(),
+    "report": {"identity", "progress", "observe.scalars"},
+}
+
+
+def dotted(path: Path) -> str:
+    parts = path.relative_to(PACKAGE.parent).with_suffix("").parts
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+
+
+KNOWN = {dotted(path) for path in MODULES}
+
+
+def imported(path: Path) -> set[str]:
+    """Return the modules of the package that a file imports, wherever in it."""
+    found = set()
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            found |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom) and node.module:
+            assert not node.level, f"{path}: a relative import"
+            names = {f"{node.module}.{alias.name}" for alias in node.names}
+            found |= (names & KNOWN) or {node.module}
+    return {name for name in found if name.split(".")[0] == "sim"}
+
+
+def test_the_package_holds_its_rooms_and_nothing_else():
+    entries = {path.name for path in PACKAGE.iterdir() if path.name != "__pycache__"}
+    assert entries == {"__init__.py", "__main__.py", *ROOMS}
+    assert all(any((PACKAGE / room).glob("*.py")) for room in ROOMS)
+
+
+def test_the_table_of_rooms_has_no_circle_and_is_complete():
+    order = list(TopologicalSorter(ROOMS).static_order())
+    assert set(order) == set(ROOMS)
+    for room, others in ROOMS.items():
+        assert set(others) >= {far for near in others for far in ROOMS[near]}, room
+
+
+@pytest.mark.parametrize("room", ROOMS)
+def test_a_room_imports_only_what_it_may(room):
+    for path in (PACKAGE / room).rglob("*.py"):
+        for name in imported(path):
+            other, _, rest = name.removeprefix("sim").lstrip(".").partition(".")
+            if other in ("", room):
+                continue
+            assert other in ROOMS[room], f"{path}: {name}"
+            if other == "engine" and room in NAMES_OF_THE_ENGINE:
+                assert rest in NAMES_OF_THE_ENGINE[room], f"{path}: {name}"
+
+
+def test_no_module_imports_itself_by_way_of_others():
+    graph = {dotted(path): imported(path) & KNOWN - {dotted(path)} for path in MODULES}
+    assert list(TopologicalSorter(graph).static_order())

@@ -1,0 +1,80 @@
+"""What the rules need besides Snakemake: hashes of code, and a folder that others may have left."""
+
+import fcntl
+import hashlib
+import os
+import shutil
+import time
+from collections.abc import Iterable
+from contextlib import suppress
+from pathlib import Path
+from typing import TextIO
+
+from sim.base.rooms import ROOMS
+
+#: Seconds by which clocks of machines that share a folder may differ, and a time before all others.
+CLOCK_ERROR = 60.0
+OLD = 86400.0
+
+#: Rooms whose edits make nothing old by themselves: the number of the numerics speaks for the
+#: engine, and each figure names its own entry of the catalogue.
+NOT_FOLLOWED = ("engine", "study/catalogue")
+
+
+def room_hash(package: Path, room: str) -> str:
+    """Return a hash of all files of a room and of those that it may import, but of the engine.
+
+    Parameters
+    ----------
+    package : Path
+        Folder of the package.
+    room : str
+        One of `ROOMS`. The report, which shows it, also follows the catalogue.
+    """
+    passed_over = NOT_FOLLOWED[:1] if room == "report" else NOT_FOLLOWED
+    return files_hash(
+        path
+        for name in (room, *ROOMS[room])
+        for path in (package / name).rglob("*")
+        if path.is_file()
+        and "__pycache__" not in path.parts
+        and not any(path.is_relative_to(package / other) for other in passed_over)
+    )
+
+
+def files_hash(files: Iterable[Path]) -> str:
+    """Return a hash of the names and contents of files, wherever they lie."""
+    digest = hashlib.sha256()
+    for path in sorted(files):
+        digest.update(path.name.encode() + path.read_bytes())
+    return digest.hexdigest()[:12]
+
+
+def release_stale_lock(folder: Path = Path(".snakemake")) -> TextIO:
+    """Remove the lock of a Snakemake that was killed, and only then; return this one's own.
+
+    Every Snakemake of this workflow holds a shared file lock for as long as it lives; the kernel
+    drops it with the process. Whoever gets it exclusively is therefore alone, and a lock that
+    Snakemake itself has left in its folder belongs to nobody.
+    """
+    folder.mkdir(exist_ok=True)
+    held = (folder / "talus.lock").open("w")
+    with suppress(OSError):
+        fcntl.flock(held, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        shutil.rmtree(folder / "locks", ignore_errors=True)
+    with suppress(OSError):
+        fcntl.flock(held, fcntl.LOCK_SH)
+    return held
+
+
+def correct_future_times(results: Path) -> None:
+    """Give files that a wrong clock has dated into the future times that hide no change.
+
+    A run file was made before now. Whatever is made from runs becomes as old as can be; where its
+    inputs have changed since, which Snakemake knows by checksums, it is made again.
+    """
+    now = time.time()
+    for path in results.rglob("*"):
+        if path.is_file() and path.stat().st_mtime > now + CLOCK_ERROR:
+            then = now if path.match("runs/*.nc") else OLD
+            os.utime(path, (then, then))
