@@ -1,7 +1,6 @@
 # What all rules share: the study, its folder, the environment of the jobs.
 
 import os
-import re
 import shlex
 import sys
 from contextlib import suppress
@@ -147,11 +146,8 @@ LITERAL = SETTINGS.replace("{", "{{").replace("}", "}}")
 shell.prefix(f"export {LITERAL}; ")
 
 
-# Points of later rounds are not known yet; what only looks like one is refused by `parameters`.
-POINT = "|".join(map(re.escape, STUDY.points))
-LATER = r"(?:chute|belt)-[\w.-]+-[0-9a-f]{8}"
-
-
 wildcard_constraints:
-    point=LATER if STUDY.rounds else POINT,
+    # One pattern for all points: a list of thousands would be searched for each. What only looks
+    # like a point of the study is refused by `parameters`.
+    point=r"(?:chute|belt)-[\w.-]+-[0-9a-f]{8}",
     round="|".join(map(str, range(1, STUDY.rounds + 1))) or "none",

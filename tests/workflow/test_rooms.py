@@ -1,0 +1,90 @@
+"""Which rules an edit makes old: those of its room and above it, and no run."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from sim.study.catalogue import FIGURES
+from sim.study.load import load_study
+from tests.made.project import copy_tree, planned, snakemake
+
+STUDY = """\
+study: rooms
+series:
+  - {name: flows, system: chute, grid: {depth: [1, 2]}, figures: [walton_2]}
+  - {name: beds, system: belt, grid: {frequency: [20, 50]}, figures: [gallas_1a]}
+"""
+FIGURE = {"figure": 2, "report": 1}
+DATASET = {"dataset": 1, "claims": 1, **FIGURE}
+EVERYTHING = {"warm": 1, "run": 4, **DATASET}
+
+
+@pytest.fixture(scope="module")
+def tree(tmp_path_factory) -> Path:
+    """Return a copy of the project that takes empty files for the results of a study."""
+    tree = copy_tree(tmp_path_factory.mktemp("rooms"))
+    (tree / "rooms.yaml").write_text(STUDY)
+    study = load_study(tree / "rooms.yaml")
+    results = tree / "results" / "rooms"
+    made = ["runs/.warm", "dataset.nc", "claims.json", "claims.csv", "report.html"]
+    made += [f"runs/{point}.nc" for point in study.points]
+    made += [f"figures/{name}{end}" for name in study.figures for end in FIGURES[name].suffixes]
+    for name in made:
+        (results / name).parent.mkdir(parents=True, exist_ok=True)
+        (results / name).touch()
+    done = snakemake(tree, "--touch", "--forceall", study="rooms.yaml")
+    assert done.returncode == 0, done.stderr
+    return tree
+
+
+@pytest.fixture
+def edit(tree) -> Iterator:
+    """Return a function that replaces text in a file of the tree, or adds some; undone after."""
+    originals: dict[Path, str] = {}
+
+    def changed(name: str, old: str = "", new: str = "\n# edited\n") -> None:
+        path = tree / name
+        originals[path] = text = path.read_text()
+        assert old in text
+        path.write_text(text.replace(old, new, 1) if old else text + new)
+
+    yield changed
+    for path, text in originals.items():
+        path.write_text(text)
+
+
+def test_nothing_is_old_before_an_edit(tree):
+    assert planned(tree, study="rooms.yaml") == {}
+
+
+@pytest.mark.parametrize(
+    ("name", "old"),
+    [
+        ("sim/base/errors.py", DATASET),
+        ("sim/parameters/wording.py", DATASET),
+        ("sim/study/load.py", DATASET),
+        ("sim/study/catalogue/walton.py", {"report": 1}),
+        ("sim/engine/contact/damping.py", {}),
+        ("sim/dataset/gather.py", DATASET),
+        ("sim/figures/caption.py", FIGURE),
+        ("sim/claims/judge.py", {"claims": 1, "report": 1}),
+        ("sim/claims/claims_walton.yaml", {"claims": 1, "report": 1}),
+        ("sim/report/page.py", {"report": 1}),
+        ("sim/report/templates/report.html.j2", {"report": 1}),
+    ],
+)
+def test_an_edit_makes_old_what_its_room_has_made(tree, edit, name, old):
+    edit(name)
+    assert planned(tree, study="rooms.yaml") == old
+
+
+def test_an_edit_of_an_entry_of_the_catalogue_redraws_its_figure(tree, edit):
+    title = FIGURES["walton_2"].title
+    edit("sim/study/catalogue/walton.py", title, f"{title}, edited")
+    assert planned(tree, study="rooms.yaml") == {"figure": 1, "report": 1}
+
+
+def test_other_numerics_make_everything_old(tree, edit):
+    edit("sim/engine/identity.py", "NUMERICS = 1", "NUMERICS = 2")
+    assert planned(tree, study="rooms.yaml") == EVERYTHING
