@@ -1,0 +1,1 @@
+"""Deliberate bugs, to see that the tests notice them."""
