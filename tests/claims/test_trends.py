@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from uncertainties import ufloat
 
-from sim.claims.trends import least, ordered
+from sim.claims.trends import least, mean_of_others, ordered
 from sim.claims.verdict import INCONCLUSIVE, NOT_REPRODUCED, REPRODUCED
 from tests.claims.made import spread
 
@@ -61,3 +61,10 @@ def test_chance_alone_makes_none_of_many_negative():
 
 def test_one_replicate_says_nothing():
     assert interval([[1.0, 2.0]]) == (-np.inf, np.inf)
+
+
+def test_the_mean_of_others_knows_nothing_of_the_replicate_itself():
+    rows = np.array([[3.0, 0.0], [0.0, 6.0], [0.0, 0.0]])
+    assert np.array_equal(mean_of_others(rows), [[0, 3], [1.5, 0], [1.5, 3]])
+    assert np.array_equal(mean_of_others(rows.T, axis=1), mean_of_others(rows).T)
+    assert np.array_equal(mean_of_others(rows[:1]), rows[:1])

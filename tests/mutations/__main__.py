@@ -1,4 +1,4 @@
-"""``python -m tests.mutations [WORD ...]``: plant each bug of bugs.yaml in a copy and run its tests.
+"""``python -m tests.mutations [WORD ...]``: plant each bug of bugs.yaml in a copy, run its tests.
 
 With words, only bugs whose file or tests name one of them. The exit code is the number of bugs that
 no test has noticed.
@@ -25,7 +25,7 @@ def main(words: list[str]) -> int:
         for bug in yaml.safe_load(BUGS.read_text(encoding="utf-8"))
         if not words or any(word in bug["file"] + bug["tests"] for word in words)
     ]
-    survivors = 0
+    survivors, healthy = 0, set()
     with tempfile.TemporaryDirectory() as folder:
         tree = copy_tree(Path(folder) / "project")
         shutil.copytree(ROOT / "tests", tree / "tests")
@@ -38,8 +38,11 @@ def main(words: list[str]) -> int:
                 print(f"{number:3} NOT PLANTED  {bug['file']}: {bug['old']}", flush=True)
                 survivors += 1
                 continue
+            if bug["tests"] not in healthy and _tests_fail(tree, bug["tests"]):
+                raise SystemExit(f"tests fail without any bug: {bug['tests']}")
+            healthy.add(bug["tests"])
             path.write_text(original.replace(bug["old"], bug["new"]), encoding="utf-8")
-            noticed = _tests_fail(tree, bug["tests"].split())
+            noticed = _tests_fail(tree, bug["tests"])
             path.write_text(original, encoding="utf-8")
             survivors += not noticed
             state = "noticed" if noticed else "SURVIVED"
@@ -48,14 +51,14 @@ def main(words: list[str]) -> int:
     return survivors
 
 
-def _tests_fail(tree: Path, targets: list[str]) -> bool:
+def _tests_fail(tree: Path, targets: str) -> bool:
     """Return whether a test of some folders or files fails in a tree; an error is no failure."""
     command = [sys.executable, "-B", "-m", "pytest", "-qx", "-p", "no:cacheprovider"]
-    command += [f"tests/{target}" for target in targets]
+    command += [f"tests/{target}" for target in targets.split()]
     environment = os.environ | {"PYTHONPATH": str(tree), "PYTHONDONTWRITEBYTECODE": "1"}
     done = subprocess.run(command, cwd=tree, env=environment, capture_output=True, text=True)
     if done.returncode not in (0, 1):
-        raise SystemExit(f"pytest could not run {' '.join(targets)}:\n{done.stdout[-2000:]}")
+        raise SystemExit(f"pytest could not run {targets}:\n{done.stdout[-2000:]}")
     return done.returncode == 1
 
 
