@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 import xarray as xr
 
+from sim.__main__ import main
 from sim.base.errors import InputError
-from sim.cli import main
 from sim.dataset.boundaries import build
 from sim.dataset.boundary_table import read_table
 from sim.dataset.build import build as build_dataset
