@@ -59,17 +59,20 @@ def seal(path: Path) -> None:
         file.write(SEAL % checksum(file, path.stat().st_size))
 
 
-def is_damaged(path: Path) -> bool:
+def is_damaged(path: Path, must_be_sealed: bool = False) -> bool:
     """Return whether a sealed file has changed since; one without a seal cannot tell.
 
-    Libraries may crash on a file that is damaged; this reads bytes and nothing else.
+    Where a seal is a must, one without it has been cut short. Libraries may crash on a file that is
+    damaged; this reads bytes and nothing else.
     """
     length = path.stat().st_size - len(SEAL % bytes(64))
     with path.open("rb") as file:
         file.seek(max(0, length))
         found = file.read()
         file.seek(0)
-        return found.startswith(SEAL[:9]) and found != SEAL % checksum(file, length)
+        if not (must_be_sealed or found.startswith(SEAL[:9])):
+            return False
+        return found != SEAL % checksum(file, length)
 
 
 def checksum(file: BinaryIO, length: int) -> bytes:
