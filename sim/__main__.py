@@ -1,6 +1,199 @@
-"""Entry point of ``python -m sim``."""
+"""The command line: ``python -m sim COMMAND``.
 
-from sim.cli import main
+What carries out a command is imported when the command is called, so that a run starts without the
+libraries of the figures and a figure without those of the engine.
+"""
+
+import argparse
+import os
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from pkgutil import resolve_name
+from typing import Any
+
+from sim import __version__
+from sim.base.errors import InputError
+
+SYSTEM_ERROR = 1
+INPUT_ERROR = 2
+INTERRUPTED = 130
+BROKEN_PIPE = 141
+
+#: Command -> the function that carries it out, and what that does. The function is called with the
+#: options of the command; what it returns is printed, or is the exit code if it is a number.
+COMMANDS = {
+    "points": ("sim.report.points:show", "list the points of a study and what they cost"),
+    "status": ("sim.report.status_table:show", "show how far a study is"),
+    "refine": ("sim.dataset.rounds:write_round", "work out the points of a round of refinement"),
+    "schema": ("sim.study.reference:show", "print the JSON schema of studies and points"),
+    "run": ("sim.engine.command:run", "run one point"),
+    "info": ("sim.report.info:describe", "describe a run file"),
+    "warm": (f"{__name__}:warm", "compile the engine, so that runs start at once"),
+    "bench": ("sim.engine.bench:main", "measure speed, start-up and memory"),
+    "dataset": ("sim.dataset.build:build", "combine the runs of a study in one dataset"),
+    "boundaries": ("sim.dataset.boundaries:build", "write the boundaries found as CSV"),
+    "claims": ("sim.claims.judge:build", "judge the claims of both papers on a study"),
+    "figure": ("sim.figures.render:draw", "draw one figure from a dataset"),
+    "report": ("sim.report.page:build", "write the report of a study"),
+    "publish": ("sim.report.publish:publish", "copy what readers need of a study"),
+}
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run one command and return its exit code.
+
+    Parameters
+    ----------
+    arguments : sequence of str, optional
+        Command line without the program's name; ``sys.argv`` when omitted.
+
+    Returns
+    -------
+    int
+        0 on success, 2 after a one-line message on standard error for unusable input, 3 from
+        ``run`` for a run that failed, 130 after an interrupt; 143 from a ``run`` that saved its
+        state first.
+    """
+    options = vars(_parser().parse_args(arguments))
+    try:
+        code = _call(options.pop("function"), options)
+        sys.stdout.flush()
+        return code
+    except InputError as error:
+        print(f"error: {error}", file=sys.stderr)
+        return INPUT_ERROR
+    except KeyboardInterrupt:
+        print("interrupted", file=sys.stderr)
+        return INTERRUPTED
+    except BrokenPipeError:
+        # The reader of a pipe has left; the interpreter's last flush must not complain about it.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return BROKEN_PIPE
+    except OSError as error:
+        print(f"error: {error}", file=sys.stderr)
+        return SYSTEM_ERROR
+
+
+def _call(function: str, options: dict[str, Any]) -> int:
+    """Carry out a command, print what it returns, and return the exit code."""
+    answer = resolve_name(function)(**options)
+    if isinstance(answer, int):
+        return answer
+    if answer is not None:
+        print(*(answer if isinstance(answer, list) else [answer]), sep="\n")
+    return 0
+
+
+def warm(study_path: Path | None) -> None:
+    """Compile what the points of a study need, or those of both systems by default."""
+    from sim.parameters import SYSTEMS
+
+    if study_path is None:
+        points = [model() for model in SYSTEMS.values()]
+    else:
+        from sim.study.load import load_study
+
+        points = [one.parameters for one in load_study(study_path, None).points.values()]
+
+    from sim.engine.warm import warm
+
+    warm(points)
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="python -m sim", description="Granular flow on a chute and on a vibrating belt."
+    )
+    parser.add_argument("--version", action="version", version=f"talus {__version__}")
+    commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
+    parsers = {}
+    for name, (function, text) in COMMANDS.items():
+        description = f"{text[0].upper()}{text[1:]}."
+        parsers[name] = commands.add_parser(name, help=text, description=description)
+        parsers[name].set_defaults(function=function)
+    for name in ("points", "refine", "dataset", "boundaries", "claims", "report", "publish"):
+        _add_study(parsers[name])
+    _add_study(parsers["status"], nargs="?", help="(default: config/quick.yaml)")
+    _add_study_options(parsers)
+    _add_point_options(parsers)
+    _add_result_options(parsers)
+    return parser
+
+
+def _add_study(parser: argparse.ArgumentParser, **options: Any) -> None:
+    parser.add_argument("study_path", type=Path, metavar="STUDY.yaml", **options)
+    parser.add_argument(
+        "--results",
+        type=Path,
+        default=Path("results"),
+        metavar="FOLDER",
+        help="folder of all results (default: results)",
+    )
+
+
+def _add_study_options(parsers: dict[str, argparse.ArgumentParser]) -> None:
+    parsers["points"].add_argument("--format", choices=("table", "json"), default="table")
+    parsers["status"].add_argument("--format", choices=("text", "json"), default="text")
+    parsers["status"].add_argument(
+        "--watch", type=float, metavar="SECONDS", help="show it again and again until it is over"
+    )
+    parsers["refine"].add_argument(
+        "number", type=int, metavar="ROUND", help="1 for the first after the study's"
+    )
+    parsers["schema"].add_argument(
+        "--write",
+        dest="folder",
+        nargs="?",
+        type=Path,
+        const=Path("config"),
+        metavar="FOLDER",
+        help="write schema.json and the reference in README.md of FOLDER (default: config)",
+    )
+    parsers["warm"].add_argument(
+        "study_path",
+        type=Path,
+        nargs="?",
+        metavar="STUDY.yaml",
+        help="compile what this study needs (default: both systems with their default readings)",
+    )
+
+
+def _add_point_options(parsers: dict[str, argparse.ArgumentParser]) -> None:
+    run, info = parsers["run"], parsers["info"]
+    run.add_argument("point", metavar="POINT.yaml", help="- reads standard input")
+    run.add_argument("-o", "--output", type=Path, required=True, metavar="RUN.nc")
+    run.add_argument("-q", "--quiet", action="store_true", help="no progress, only warnings")
+    run.add_argument(
+        "--record-failure",
+        action="store_true",
+        help="exit with 0 after a run that failed, its file says why",
+    )
+    info.add_argument("path", type=Path, metavar="RUN.nc")
+    info.add_argument(
+        "--point",
+        dest="as_point",
+        action="store_true",
+        help="print its parameters as a point file instead",
+    )
+
+
+def _add_result_options(parsers: dict[str, argparse.ArgumentParser]) -> None:
+    figure, publish = parsers["figure"], parsers["publish"]
+    figure.add_argument("name", metavar="NAME", help="such as walton_2")
+    figure.add_argument("dataset_path", type=Path, metavar="DATASET.nc")
+    figure.add_argument(
+        "-o", "--output", dest="out_folder", type=Path, required=True, metavar="FOLDER"
+    )
+    publish.add_argument(
+        "--to",
+        dest="target",
+        type=Path,
+        default=argparse.SUPPRESS,
+        metavar="FOLDER",
+        help="folder of all published studies (default: results/published)",
+    )
+
 
 if __name__ == "__main__":
     raise SystemExit(main())

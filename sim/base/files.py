@@ -1,6 +1,5 @@
 """Files that appear complete or not at all, and that only one process makes."""
 
-import fcntl
 import hashlib
 import logging
 import os
@@ -9,7 +8,9 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from glob import escape
 from pathlib import Path
-from typing import BinaryIO, TextIO
+from typing import BinaryIO
+
+from filelock import FileLock, Timeout
 
 from sim.base.errors import InputError
 
@@ -58,17 +59,20 @@ def seal(path: Path) -> None:
         file.write(SEAL % checksum(file, path.stat().st_size))
 
 
-def is_damaged(path: Path) -> bool:
+def is_damaged(path: Path, must_be_sealed: bool = False) -> bool:
     """Return whether a sealed file has changed since; one without a seal cannot tell.
 
-    Libraries may crash on a file that is damaged; this reads bytes and nothing else.
+    Where a seal is a must, one without it has been cut short. Libraries may crash on a file that is
+    damaged; this reads bytes and nothing else.
     """
     length = path.stat().st_size - len(SEAL % bytes(64))
     with path.open("rb") as file:
         file.seek(max(0, length))
         found = file.read()
         file.seek(0)
-        return found.startswith(SEAL[:9]) and found != SEAL % checksum(file, length)
+        if not (must_be_sealed or found.startswith(SEAL[:9])):
+            return False
+        return found != SEAL % checksum(file, length)
 
 
 def checksum(file: BinaryIO, length: int) -> bytes:
@@ -92,34 +96,27 @@ def alone(path: Path) -> Iterator[bool]:
     The kernel drops the lock with the process. Where the file system knows no locks, nobody waits.
     """
     name = path.with_name(f".{path.name}.lock")
-    waited = False
-    while True:
-        with name.open("w") as lock:
-            with suppress(OSError):
-                waited |= _wait_for(lock, name)
-            if _is_same(lock, name):
-                try:
-                    yield waited
-                finally:
-                    name.unlink(missing_ok=True)
-                return
-
-
-def _wait_for(lock: TextIO, name: Path) -> bool:
-    """Lock an open file; return whether another process had it."""
+    # A folder that takes no files says so here: that is no lack of locks.
+    name.touch()
+    lock, waited = FileLock(name, fallback_to_soft=False), False
+    with suppress(OSError):
+        waited = _wait_for(lock)
     try:
-        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except BlockingIOError:
-        log.warning("%s: waiting for another process that makes the same file", name)
-        fcntl.flock(lock, fcntl.LOCK_EX)
+        yield waited
+    finally:
+        # Before the lock is dropped: whoever gets it afterwards sees that the file has gone.
+        name.unlink(missing_ok=True)
+        lock.release()
+
+
+def _wait_for(lock: FileLock) -> bool:
+    """Get the lock; return whether another process had it."""
+    try:
+        lock.acquire(blocking=False)
+    except Timeout:
+        log.warning("%s: waiting for another process that makes the same file", lock.lock_file)
+        lock.acquire()
         return True
-    return False
-
-
-def _is_same(file: TextIO, path: Path) -> bool:
-    """Return whether an open file still has this name: who held the lock before has removed it."""
-    with suppress(FileNotFoundError):
-        return os.path.samestat(os.fstat(file.fileno()), path.stat())
     return False
 
 

@@ -11,7 +11,7 @@ from uncertainties import UFloat, ufloat
 
 from sim.base.errors import InputError
 from sim.claims.verdict import SIGMAS, Untestable
-from sim.dataset.replicates import outcome, student_half_width
+from sim.dataset.replicates import student_half_width
 from sim.dataset.results import Results
 
 # Beds at rest and exact experiments do have no error at all.
@@ -49,34 +49,33 @@ def quotient(over: UFloat, under: UFloat) -> UFloat:
 class Place:
     """One point of a study as a judge sees it: its completed replicates together.
 
-    ``place["frequency"]`` is a parameter.
+    ``place["frequency"]`` is a parameter, ``place["point_regime"]`` what replicates say together.
     """
 
     def __init__(self, results: Results, point: str):
         self.id = point
         self._results = results
         self._row = results.dataset.sel(point=point)
-        self._outcome = outcome(self._row)
         done = self._row["status"].values == "completed"
         self._completed = self._row.isel(replicate=np.flatnonzero(done))
 
-    def __getitem__(self, parameter: str) -> Any:
-        return self._row[parameter].values.item()
+    def __getitem__(self, name: str) -> Any:
+        return self._row[name].values.item()
 
     @property
     def completed(self) -> int:
         """Completed replicates."""
-        return self._outcome["completed"]
+        return self._completed.sizes["replicate"]
 
     @property
     def regime(self) -> str:
         """Regime of all replicates together, as in `sim.dataset.replicates`."""
-        return self._outcome["regime"]
+        return self["point_regime"]
 
     @property
     def quality(self) -> str:
         """What the means are worth, as in `sim.dataset.replicates`."""
-        return self._outcome["quality"]
+        return self["point_quality"]
 
     @cached_property
     def samples(self) -> float:
@@ -96,7 +95,7 @@ class Place:
     @cached_property
     def velocity(self) -> UFloat:
         """Mean velocity (m/s)."""
-        return measured(self._outcome["velocity"], self._outcome["half_width"])
+        return measured(self["point_velocity"], self["point_half_width"])
 
     def values(self, name: str) -> np.ndarray:
         """Return a scalar of all completed replicates."""

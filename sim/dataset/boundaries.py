@@ -1,5 +1,6 @@
 """Boundaries between regimes: what was found of each, as a table and as CSV."""
 
+from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
 
@@ -8,14 +9,20 @@ import pandas as pd
 from sim.base.errors import InputError
 from sim.base.files import replacing
 from sim.dataset.boundary_table import FOUND, read_table
-from sim.dataset.rounds import sides_of
 from sim.parameters import canonical, field_info
 from sim.study.load import Study, load_study
-from sim.study.refine import located
+from sim.study.refine import Sides, located
 
 
-def table(study: Study, runs: Path) -> pd.DataFrame:
+def table(study: Study, found: Sequence[Sides]) -> pd.DataFrame:
     """Return one row per boundary: what it is, where it lies, and all numbers of its points.
+
+    Parameters
+    ----------
+    study : Study
+        Has the boundaries.
+    found : sequence of dict
+        The side of each value of each boundary.
 
     Returns
     -------
@@ -26,8 +33,7 @@ def table(study: Study, runs: Path) -> pd.DataFrame:
         of the point at the low end of the range; NaN or ``""`` for those of the other system.
     """
     rows = []
-    for boundary in study.boundaries:
-        sides = sides_of(boundary, runs)
+    for boundary, sides in zip(study.boundaries, found, strict=True):
         start = boundary.at(boundary.low)
         declared = field_info(start)[boundary.along]
         settings = {
@@ -42,8 +48,8 @@ def table(study: Study, runs: Path) -> pd.DataFrame:
             "unit": declared.scale or declared.unit,
             "figures": " ".join(boundary.figures),
         }
-        found = asdict(located(sides, boundary.tolerance)) | {"points": len(sides)}
-        rows.append(settings | what | found)
+        place = asdict(located(sides, boundary.tolerance)) | {"points": len(sides)}
+        rows.append(settings | what | place)
     table = pd.DataFrame(rows).astype({"low": float, "high": float}).rename_axis("boundary")
     words = table.select_dtypes(exclude="number").columns
     return table.fillna(dict.fromkeys(words, ""))

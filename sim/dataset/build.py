@@ -4,11 +4,11 @@ Its root holds scalars; a group per system holds the profiles of its points, and
 ``states`` those of the particles of points that a figure shows particle by particle.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from functools import cache
 from pathlib import Path
 from typing import Any
 
-import dask
 import numpy as np
 import xarray as xr
 
@@ -18,13 +18,15 @@ from sim.base.reading import DamagedError
 from sim.dataset.boundaries import table
 from sim.dataset.boundary_table import GROUP
 from sim.dataset.caveats import caveat
-from sim.dataset.gather import NUMBERS, WORDS, Gathered, profiles, read_run
+from sim.dataset.gather import NUMBERS, WORDS, Gathered, lined_up, profiles, read_run
 from sim.dataset.replicates import outcome
 from sim.dataset.results import PARTICLES
-from sim.dataset.rounds import refined
-from sim.parameters import SYSTEMS, field_info
+from sim.dataset.rounds import refined, sides_of
+from sim.dataset.sides import side
+from sim.parameters import SYSTEMS, Parameters, field_info, point_id
 from sim.study.catalogue import FIGURES
-from sim.study.load import Point, Study, load_study
+from sim.study.load import Boundary, Study, load_study
+from sim.study.refine import Sides
 
 #: How arrays are stored.
 COMPRESSION = {"zlib": True, "complevel": 4, "shuffle": True}
@@ -57,21 +59,21 @@ def build(study_path: str | Path, results: str | Path = "results") -> Path:
     """
     study = load_study(study_path, results)
     folder = Path(results) / study.name
-    study = refined(study, folder / "runs")
-    shown = {key for key, point in study.points.items() if _is_shown(point)}
-    reads = [
-        dask.delayed(_attempt)(folder / "runs" / f"{point}.nc", point in shown)
-        for point in study.points
-    ]
-    # One thread: the HDF5 library under netCDF-4 is not thread-safe.
-    runs = dask.compute(*reads, scheduler="synchronous")
-    damaged = [run for run in runs if isinstance(run, DamagedError)]
-    if damaged:
-        others = f" (and {len(damaged) - 1} more)" if len(damaged) > 1 else ""
-        raise InputError(f"{damaged[0]}{others}")
+
+    @cache
+    def read(point: str, shown: bool) -> Gathered:
+        return read_run(folder / "runs" / f"{point}.nc", shown)
+
+    def side_of(boundary: Boundary, parameters: Parameters) -> str | None:
+        run = read(point_id(parameters), _are_shown(boundary.figures))
+        return side(run.scalars, boundary.of, parameters)
+
+    found = [sides_of(boundary, side_of) for boundary in study.boundaries]
+    study = refined(study, found)
+    runs = _all_runs(study, read)
     output = folder / "dataset.nc"
     with replacing(output) as temporary:
-        for group, dataset in _groups(runs, study, folder / "runs"):
+        for group, dataset in _groups(runs, study, found):
             _write(temporary, group, dataset, output)
         seal(temporary)
     return output
@@ -98,13 +100,27 @@ def _stored(values: xr.DataArray) -> dict[str, Any]:
     return COMPRESSION
 
 
-def _is_shown(point: Point) -> bool:
-    """Return whether a figure shows a point particle by particle."""
-    return any(FIGURES[name].particles for name in point.figures)
+def _are_shown(figures: Iterable[str]) -> bool:
+    """Return whether one of some figures shows its points particle by particle."""
+    return any(FIGURES[name].particles for name in figures)
+
+
+def _all_runs(study: Study, read: Callable[[str, bool], Gathered]) -> list[Gathered]:
+    """Read the runs of a study, all of them before a damaged one is reported."""
+    runs, damaged = [], []
+    for point in study.points.values():
+        try:
+            runs.append(read(point.id, _are_shown(point.figures)))
+        except DamagedError as error:
+            damaged.append(error)
+    if damaged:
+        others = f" (and {len(damaged) - 1} more)" if len(damaged) > 1 else ""
+        raise InputError(f"{damaged[0]}{others}")
+    return runs
 
 
 def _groups(
-    runs: Sequence[Gathered], study: Study, folder: Path
+    runs: Sequence[Gathered], study: Study, found: Sequence[Sides]
 ) -> Iterator[tuple[str | None, xr.Dataset]]:
     """Yield the groups of the dataset by name, the root first."""
     root = combine([run.scalars for run in runs], study)
@@ -117,15 +133,7 @@ def _groups(
         if run.state is not None:
             yield f"{PARTICLES}/{run.scalars.attrs['point_id']}", run.state
     if study.boundaries:
-        yield GROUP, table(study, folder).to_xarray()
-
-
-def _attempt(path: Path, shown: bool) -> Gathered | DamagedError:
-    """Read a run, or return what is wrong with it, so that all of them are looked at."""
-    try:
-        return read_run(path, shown)
-    except DamagedError as error:
-        return error
+        yield GROUP, table(study, found).to_xarray()
 
 
 def combine(runs: Sequence[xr.Dataset], study: Study) -> xr.Dataset:
@@ -147,23 +155,13 @@ def combine(runs: Sequence[xr.Dataset], study: Study) -> xr.Dataset:
     """
     replicates = max(run.sizes["replicate"] for run in runs)
     names = [name for name in (*NUMBERS, *WORDS) if any(name in run for run in runs)]
-    combined = xr.Dataset(
-        {name: _padded(runs, name, replicates) for name in names},
-        coords=_labels(runs, study)
+    own = [run[[name for name in names if name in run]] for run in runs]
+    combined = lined_up(own, "point", replicates)[names].assign_coords(
+        _labels(runs, study)
         | _parameters(runs)
-        | {"replicate": ("replicate", np.arange(replicates))},
-        attrs={
-            "Conventions": "CF-1.11",
-            "title": study.title or study.name,
-            "study": study.name,
-            "engine_version": _distinct(runs, "engine_version"),
-            "numerics": _distinct(runs, "numerics"),
-            "source_hash": _distinct(runs, "source_hash"),
-            "versions": _distinct(runs, "versions"),
-            "first_run": min(run.attrs["created"] for run in runs),
-            "last_run": max(run.attrs["created"] for run in runs),
-        },
+        | {"replicate": ("replicate", np.arange(replicates))}
     )
+    combined.attrs = _attributes(runs, study)
     return combined.assign(_together(combined))
 
 
@@ -184,15 +182,19 @@ def _together(combined: xr.Dataset) -> dict[str, Any]:
     return made
 
 
-def _padded(runs: Sequence[xr.Dataset], name: str, replicates: int) -> Any:
-    """Return one variable of all runs as an array over (point, replicate)."""
-    shape = (len(runs), replicates)
-    table = np.full(shape, "", object) if name in WORDS else np.full(shape, np.nan)
-    for row, run in zip(table, runs, strict=True):
-        if name in run:
-            row[: run.sizes["replicate"]] = run[name].values
-    attrs = next(run[name].attrs for run in runs if name in run)
-    return ("point", "replicate"), table, attrs
+def _attributes(runs: Sequence[xr.Dataset], study: Study) -> dict[str, str]:
+    """Return the global attributes: what this is and what made its runs."""
+    return {
+        "Conventions": "CF-1.11",
+        "title": study.title or study.name,
+        "study": study.name,
+        "engine_version": _distinct(runs, "engine_version"),
+        "numerics": _distinct(runs, "numerics"),
+        "source_hash": _distinct(runs, "source_hash"),
+        "versions": _distinct(runs, "versions"),
+        "first_run": min(run.attrs["created"] for run in runs),
+        "last_run": max(run.attrs["created"] for run in runs),
+    }
 
 
 def _labels(runs: Sequence[xr.Dataset], study: Study) -> dict[str, Any]:

@@ -85,6 +85,31 @@ def read_run(path: Path, shown: bool = False) -> Gathered:
         )
 
 
+def lined_up(runs: Sequence[xr.Dataset], along: str, replicates: int) -> xr.Dataset:
+    """Return the variables of all runs along a new dimension, without coordinates.
+
+    Fewer ``replicates`` than asked for, arrays shorter than those of another run and those that a
+    run lacks are filled up with NaN or ``""``. Attributes are those of the first run with any.
+    """
+    names = dict.fromkeys(name for run in runs for name in run.sizes)
+    sizes = {name: max(run.sizes.get(name, 0) for run in runs) for name in names}
+    sizes |= {"replicate": replicates}
+    found = {}
+    for name in dict.fromkeys(name for run in runs for name in run.data_vars):
+        given = [run[name].variable if name in run else None for run in runs]
+        first = next(one for one in given if one is not None)
+        shape = (len(runs), *(sizes[dimension] for dimension in first.dims))
+        if name in WORDS:
+            table = np.full(shape, "", object)
+        else:
+            table = np.full(shape, np.nan, np.result_type(first.dtype, np.float32))
+        for row, one in zip(table, given, strict=True):
+            if one is not None:
+                row[tuple(map(slice, one.shape))] = one.values
+        found[name] = ((along, *first.dims), table, first.attrs)
+    return xr.Dataset(found)
+
+
 def _single(arrays: xr.Dataset) -> xr.Dataset:
     """Return arrays in single precision: seven digits, of which statistics know three."""
     return arrays.load().astype(np.float32)
@@ -111,20 +136,9 @@ def profiles(runs: Sequence[Gathered], replicates: int) -> xr.Dataset:
     are filled up with NaN; ``height`` (run, slice) holds the centres of the slices. Profiles along
     the belt are over (run, replicate, square), and ``column`` (run, square) holds the centres.
     """
-    lined_up = []
-    for run in runs:
-        one = run.profiles.reset_index("height").reset_coords("height").rename_dims(height="slice")
-        lined_up.append(one.expand_dims(run=[run.scalars.attrs["point_id"]]))
-    longest = {
-        name: max(one.sizes[name] for one in lined_up)
-        for name in ("slice", "square")
-        if all(name in one.sizes for one in lined_up)
-    }
-    padded = [_padded(one, replicate=replicates, **longest) for one in lined_up]
-    return xr.concat(padded, "run", data_vars="all", join="exact", combine_attrs="drop")
-
-
-def _padded(one: xr.Dataset, **sizes: int) -> xr.Dataset:
-    one = one.drop_vars([name for name in sizes if name in one.coords])
-    missing = {name: (0, size - one.sizes[name]) for name, size in sizes.items()}
-    return one.pad(missing)
+    own = [
+        run.profiles.reset_index("height").reset_coords("height").rename_dims(height="slice")
+        for run in runs
+    ]
+    ids = [run.scalars.attrs["point_id"] for run in runs]
+    return lined_up(own, "run", replicates).drop_attrs().assign_coords(run=ids)

@@ -1,7 +1,7 @@
 """Rounds of refinement: which points each adds to a study, and the files that say so."""
 
 import json
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -12,6 +12,9 @@ from sim.dataset.sides import side_of_run
 from sim.parameters import Parameters, canonical, parse_point, point_id
 from sim.study.load import Boundary, Study, joined, load_study
 from sim.study.refine import Sides, divided, next_values
+
+#: Tells on which side of a boundary the run of a point is.
+SideOf = Callable[[Boundary, Parameters], str | None]
 
 
 def read_round(path: Path) -> dict[str, Parameters]:
@@ -76,7 +79,8 @@ def added_points(study: Study, number: int, runs: Path) -> dict[str, Parameters]
     Which these are follows from the run files in ``runs`` alone, however often it is asked.
     """
     seen, added = set(study.points), {}
-    rounds = [list(_rounds(boundary, number, runs)) for boundary in study.boundaries]
+    side_of = from_files(runs)
+    rounds = [list(_rounds(boundary, number, side_of)) for boundary in study.boundaries]
     for each in range(1, number + 1):
         points = (
             boundary.at(value)
@@ -89,11 +93,20 @@ def added_points(study: Study, number: int, runs: Path) -> dict[str, Parameters]
     return added
 
 
-def refined(study: Study, runs: Path) -> Study:
-    """Return the study with the points of all rounds, whose runs must be there."""
+def from_files(runs: Path) -> SideOf:
+    """Return what tells the side of a point from its run file in a folder."""
+
+    def side_of(boundary: Boundary, point: Parameters) -> str | None:
+        return side_of_run(runs / f"{point_id(point)}.nc", boundary.of, point)
+
+    return side_of
+
+
+def refined(study: Study, found: Sequence[Sides]) -> Study:
+    """Return the study with the points of all rounds, given the sides found of each boundary."""
     points, series = dict(study.points), dict(study.series)
-    for boundary in study.boundaries:
-        for value in sides_of(boundary, runs):
+    for boundary, sides in zip(study.boundaries, found, strict=True):
+        for value in sides:
             point = joined(points, boundary.at(value), boundary.name, boundary.figures)
             points[point.id] = point
             series[boundary.name] = tuple(dict.fromkeys((*series[boundary.name], point.id)))
@@ -104,7 +117,7 @@ def refined(study: Study, runs: Path) -> Study:
     return replace(study, points=points, series=series, figures=figures)
 
 
-def _rounds(boundary: Boundary, count: int, runs: Path) -> Iterator[tuple[Sides, list[float]]]:
+def _rounds(boundary: Boundary, count: int, side_of: SideOf) -> Iterator[tuple[Sides, list[float]]]:
     """Yield what is known before each round and the values that it adds.
 
     The first round is the study's own; ``count`` more follow. The runs of the last are not read.
@@ -113,21 +126,12 @@ def _rounds(boundary: Boundary, count: int, runs: Path) -> Iterator[tuple[Sides,
     values = divided(boundary.low, boundary.high)
     yield sides, values
     for _ in range(count):
-        sides = sides | _read(boundary, values, runs)
+        sides = sides | {value: side_of(boundary, boundary.at(value)) for value in values}
         values = next_values(sides, boundary.tolerance)
         yield sides, values
 
 
-def sides_of(boundary: Boundary, runs: Path) -> Sides:
-    """Return the sides of all values of all rounds."""
-    *_, (sides, values) = _rounds(boundary, boundary.rounds, runs)
-    return sides | _read(boundary, values, runs)
-
-
-def _read(boundary: Boundary, values: list[float], runs: Path) -> Sides:
-    """Return the sides of some values from their runs."""
-    points = {value: boundary.at(value) for value in values}
-    return {
-        value: side_of_run(runs / f"{point_id(point)}.nc", boundary.of, point)
-        for value, point in points.items()
-    }
+def sides_of(boundary: Boundary, side_of: SideOf) -> Sides:
+    """Return the sides of all values of all rounds, whose runs must be there."""
+    *_, (sides, values) = _rounds(boundary, boundary.rounds, side_of)
+    return sides | {value: side_of(boundary, boundary.at(value)) for value in values}

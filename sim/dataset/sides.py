@@ -1,6 +1,8 @@
 """On which side of a boundary between regimes a run is."""
 
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import netCDF4
 import numpy as np
@@ -19,20 +21,19 @@ REGIMES = {
 }
 
 
+#: The scalars of a run that say on which side it is.
+SCALARS = (
+    "status",
+    "regime",
+    "velocity",
+    "velocity_half_width",
+    "acceleration",
+    "acceleration_half_width",
+)
+
+
 def side_of_run(path: Path, of: str, parameters: Parameters) -> str | None:
-    """Return the side that a run is on, ``None`` where it does not tell.
-
-    Replicates that failed are left out; the others must agree. A flow whose trend is unknown flows
-    if the whole 95 % interval of its velocity is above zero and it is not shown to slow down.
-
-    Parameters
-    ----------
-    path : Path
-        The run file.
-    of : str
-        What changes at the boundary: ``flow``, ``acceleration`` or ``transport``.
-    parameters : Parameters
-        The point.
+    """Return the side that the run in a file is on, see `side`.
 
     Raises
     ------
@@ -43,21 +44,40 @@ def side_of_run(path: Path, of: str, parameters: Parameters) -> str | None:
         if run.point_id != point_id(parameters):
             raise ValueError(f"holds point {run.point_id}")
         run.set_auto_mask(False)
-        status, regime = run["status"][:], run["regime"][:]
-        slowest, fastest = _interval(run, "velocity")
-        _, gain = _interval(run, "acceleration")
-    done = np.flatnonzero(status == "completed")
+        scalars = {name: run[name][:] for name in SCALARS}
+    return side(scalars, of, parameters)
+
+
+def side(scalars: Mapping[str, Any], of: str, parameters: Parameters) -> str | None:
+    """Return the side that a run is on, ``None`` where it does not tell.
+
+    Replicates that failed are left out; the others must agree. A flow whose trend is unknown flows
+    if the whole 95 % interval of its velocity is above zero and it is not shown to slow down.
+
+    Parameters
+    ----------
+    scalars : mapping
+        `SCALARS` of the run, each over its replicates.
+    of : str
+        What changes at the boundary: ``flow``, ``acceleration`` or ``transport``.
+    parameters : Parameters
+        The point.
+    """
+    held = {name: np.asarray(scalars[name]) for name in SCALARS}
+    slowest, fastest = _interval(held, "velocity")
+    _, gain = _interval(held, "acceleration")
+    done = np.flatnonzero(held["status"] == "completed")
     if of == "transport":
         sides = {_transport(parameters, slowest[index], fastest[index]) for index in done}
     else:
         moving = (slowest > 0) & (gain >= 0)
-        sides = {_of_regime(of, regime[index], moving[index]) for index in done}
+        sides = {_of_regime(of, held["regime"][index], moving[index]) for index in done}
     return sides.pop() if len(sides) == 1 else None
 
 
-def _interval(run: netCDF4.Dataset, name: str) -> tuple[np.ndarray, np.ndarray]:
+def _interval(scalars: Mapping[str, np.ndarray], name: str) -> tuple[np.ndarray, np.ndarray]:
     """Return the ends of the 95 % intervals of a quantity of all replicates."""
-    middle, half_width = run[name][:], run[f"{name}_half_width"][:]
+    middle, half_width = scalars[name], scalars[f"{name}_half_width"]
     return middle - half_width, middle + half_width
 
 

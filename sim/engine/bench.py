@@ -161,7 +161,7 @@ def _in_child(code: str, *arguments: str, **environment: str) -> str:
     return subprocess.run(
         [sys.executable, "-c", code, *arguments],
         env=os.environ | environment,
-        cwd=Path(__file__).parent.parent,
+        cwd=Path(__file__).parents[2],
         check=True,
         capture_output=True,
         text=True,

@@ -1,6 +1,5 @@
 """The complete state of an unfinished run in one file, from which the next start continues."""
 
-import hashlib
 import json
 import logging
 import os
@@ -14,7 +13,7 @@ from typing import Any, BinaryIO, Self
 
 from sim import __version__
 from sim.base.errors import InputError
-from sim.base.files import checksum, remove_left, replacing, set_aside
+from sim.base.files import is_damaged, remove_left, replacing, seal, set_aside
 from sim.engine.identity import library_versions, source_hash
 from sim.parameters import Parameters, canonical
 
@@ -29,9 +28,9 @@ SHARE = 0.05
 #: Exit code of a process that SIGTERM has ended.
 TERMINATED = 128 + signal.SIGTERM
 
-#: Number of this layout of the file, and bytes before the state.
-FORMAT = 1
-HEADER = 16384
+#: Number of this layout of the file, and most bytes of its first line.
+FORMAT = 2
+LONGEST = 16384
 
 
 def checkpoint_interval() -> float:
@@ -47,9 +46,9 @@ def checkpoint_interval() -> float:
 class Checkpoint:
     """The file ``.<output>.checkpoint`` beside the output of a run.
 
-    A line of JSON, filled up with blanks to a fixed length, names what the state belongs to and its
-    checksum; the state follows as a pickle. As a context, a checkpoint makes SIGTERM end the
-    process when a state is next offered, after saving it: that is how batch systems ask first.
+    A line of JSON names what the state belongs to; the state follows as a pickle, then the seal. As
+    a context, a checkpoint makes SIGTERM end the process when a state is next offered, after saving
+    it: that is how batch systems ask first.
 
     Parameters
     ----------
@@ -108,13 +107,11 @@ class Checkpoint:
 
     def save(self, state: Any) -> None:
         """Write the state, complete or not at all."""
-        with replacing(self.path) as temporary, temporary.open("wb") as file:
-            file.write(b" " * HEADER)
-            content = _Hashing(file)
-            pickle.dump(state, content, protocol=5)
-            header = self._identity | {"length": content.length, "sha256": content.sum.hexdigest()}
-            file.seek(0)
-            file.write(json.dumps(header).encode() + b"\n")
+        with replacing(self.path) as temporary:
+            with temporary.open("wb") as file:
+                file.write(json.dumps(self._identity).encode() + b"\n")
+                pickle.dump(state, file, protocol=5)
+            seal(temporary)
 
     def load(self) -> Any:
         """Return the state that was saved, or nothing where there is none.
@@ -128,7 +125,6 @@ class Checkpoint:
         with file:
             objection = self._objection(file)
             if not objection:
-                file.seek(HEADER)
                 try:
                     return pickle.load(file)
                 except (pickle.PickleError, EOFError, LookupError, TypeError, ValueError) as error:
@@ -143,32 +139,14 @@ class Checkpoint:
         remove_left(self.path)
 
     def _objection(self, file: BinaryIO) -> str:
-        """Say why the file is not a state of this run, or nothing if it is one."""
+        """Read up to the state; say why it is not one of this run, or nothing if it is."""
         try:
-            header = json.loads(file.read(HEADER).decode())
-            length, expected = header.pop("length"), header.pop("sha256")
-        except (ValueError, AttributeError, KeyError):
+            header = json.loads(file.readline(LONGEST))
+            differ = [key for key, value in self._identity.items() if header.get(key) != value]
+        except (ValueError, AttributeError):
             return "damaged or not a checkpoint"
-        for key, value in self._identity.items():
-            if header.get(key) != value:
-                return f"a checkpoint of other {key}"
-        if os.fstat(file.fileno()).st_size != HEADER + length:
-            return "damaged: the length is wrong"
-        if checksum(file, length) != expected.encode():
+        if differ:
+            return f"a checkpoint of other {differ[0]}"
+        if is_damaged(self.path, must_be_sealed=True):
             return "damaged: the checksum is wrong"
         return ""
-
-
-class _Hashing:
-    """A file to write to that adds up length and SHA-256 of what is written."""
-
-    def __init__(self, file: BinaryIO):
-        self._file = file
-        self.sum = hashlib.sha256()
-        self.length = 0
-
-    def write(self, data) -> int:
-        view = memoryview(data)
-        self.sum.update(view)
-        self.length += view.nbytes
-        return self._file.write(view)

@@ -12,7 +12,6 @@ import numpy as np
 
 from sim import __version__
 from sim.base.files import alone
-from sim.engine import reproduction
 from sim.engine.checkpoint import Checkpoint, checkpoint_interval
 from sim.engine.current import current_status
 from sim.engine.identity import NUMERICS, library_versions, source_hash
@@ -107,7 +106,6 @@ def _compute(parameters: Parameters, output: Path, quiet: bool) -> str:
             if len(state.records) == parameters.replicates:
                 break
             state.replicate = Replicate(parameters, len(state.records))
-    reasons = [record.scalars["reason"] for record in state.records]
     write(
         output,
         parameters,
@@ -116,9 +114,11 @@ def _compute(parameters: Parameters, output: Path, quiet: bool) -> str:
         attributes := _attributes(parameters, state.records, state.stopwatch.seconds()),
     )
     checkpoint.remove()
-    reproduction.keep(output.parent, parameters, reasons)
     for record in state.records:
         log.log(*_closing_line(parameters, record))
+    if attributes["status"] == "failed":
+        command = shlex.join(["python", "-m", "sim", "info", str(output), "--point"])
+        log.warning("%s: its point, to see the failure again: %s", point_id(parameters), command)
     return attributes["status"]
 
 

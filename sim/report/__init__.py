@@ -1,5 +1,1 @@
-"""The report of a study: one HTML file."""
-
-from sim.report.page import build, render
-
-__all__ = ["build", "render"]
+"""What people are shown: report, tables, status, a run in words, and what is published."""

@@ -1,6 +1,7 @@
 """The points of a study as a table to read and as JSON for other programs."""
 
 import json
+import sys
 from collections.abc import Container, Iterator, Sequence
 from pathlib import Path
 
@@ -12,7 +13,7 @@ from sim.base.words import duration
 from sim.parameters import canonical
 from sim.study.cost import Estimate, estimate
 from sim.study.figure_points import left_out
-from sim.study.load import Point, Study
+from sim.study.load import Point, Study, load_study
 from sim.study.refine import PARTS, divided
 
 CORES = 2
@@ -23,6 +24,14 @@ MOST_NAMED = 3
 
 _HEADINGS = ("id", "system", "particles", "steps", "core time", "figures", "series")
 _RIGHT = {"particles", "steps", "core time"}
+
+
+def show(study_path: Path, results: Path, format: str) -> str:
+    """Return the points of a study as ``table`` or ``json``, after warnings on standard error."""
+    study = load_study(study_path, None)
+    for warning in warnings(study, results):
+        print(f"warning: {warning}", file=sys.stderr)
+    return as_json(study) if format == "json" else as_table(study)
 
 
 def as_table(study: Study) -> str:

@@ -1,12 +1,22 @@
 """How far a study is, as a screenful to read and as JSON for other programs."""
 
 import json
+import shutil
+import sys
+import time
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 
+from sim.base.errors import InputError
 from sim.base.words import duration
 from sim.report.points import aligned
-from sim.report.status import PointStatus, StudyStatus
+from sim.report.status import PointStatus, StudyStatus, survey
+from sim.study.load import DEFAULT_STUDY, load_study
+
+#: What makes a terminal start a new screen, and the seconds of a day.
+CLEAR = "\x1b[H\x1b[2J"
+DAY = 86_400
 
 #: Most lines for points that are running or were interrupted, and for those that failed.
 MOST_STARTED = 8
@@ -17,6 +27,30 @@ _RIGHT = {"done", "rate", "elapsed", "time left"}
 
 #: Characters of a point's hash with its hyphen, which a shortened name keeps.
 _HASH = 9
+
+
+def show(study_path: Path | None, results: Path, format: str, watch: float | None) -> None:
+    """Print how far a study is, as ``text`` or ``json``; every ``watch`` seconds until it is over.
+
+    Raises
+    ------
+    InputError
+        When ``watch`` is no time to wait, or ``results`` no folder.
+    """
+    if watch is not None and not 1 <= watch <= DAY:
+        raise InputError.of_value("--watch", "", watch, f"a number in [1, {DAY}]")
+    if results.exists() and not results.is_dir():
+        raise InputError.of_value("--results", "", str(results), "a folder")
+    study = load_study(study_path or DEFAULT_STUDY, None)
+    is_terminal = sys.stdout.isatty()
+    width = shutil.get_terminal_size().columns if is_terminal else None
+    while True:
+        status = survey(study, results)
+        text = as_json(status) if format == "json" else as_text(status, width)
+        print(f"{CLEAR}{text}" if is_terminal and watch else text, flush=True)
+        if watch is None or status.is_over:
+            return
+        time.sleep(watch)
 
 
 def as_text(status: StudyStatus, width: int | None = None) -> str:

@@ -83,6 +83,13 @@ def with_reference(guide: str, source: str) -> str:
     return f"{before}{BEGIN}\n\n{reference_text()}\n{END}{after}"
 
 
+def show(folder: Path | None) -> str | None:
+    """Return the schema, or write it with the reference where a folder is given."""
+    if folder is None:
+        return schema_text().rstrip()
+    return write(folder)
+
+
 def write(folder: Path) -> None:
     """Write ``schema.json`` and the reference in ``README.md`` of ``folder``.
 

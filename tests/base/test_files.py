@@ -1,13 +1,14 @@
 """Files appear complete or not at all."""
 
 import errno
+import fcntl
 import os
 import subprocess
 import sys
 
 import pytest
 
-from sim.base.files import replacing
+from sim.base.files import alone, replacing
 
 
 def test_a_finished_file_takes_its_name(tmp_path):
@@ -51,3 +52,33 @@ def test_what_keeps_a_file_from_being_written_names_it(name, tmp_path):
         raise OSError(errno.ENOSPC, "No space left on device", *names[name])
     assert (caught.value.errno, caught.value.strerror) == (errno.ENOSPC, "No space left on device")
     assert caught.value.filename == ("other" if name == "other" else str(path))
+
+
+@pytest.mark.parametrize("number", [errno.ENOLCK, errno.ENOSYS, errno.EOPNOTSUPP])
+def test_nobody_waits_where_the_file_system_knows_no_locks(number, tmp_path, monkeypatch):
+    def flock(*_):
+        raise OSError(number, "no locks")
+
+    monkeypatch.setattr("fcntl.flock", flock)
+    with alone(tmp_path / "made.txt") as first, alone(tmp_path / "made.txt") as second:
+        assert (first, second) == (False, False)
+    assert not list(tmp_path.iterdir())
+
+
+def test_who_gives_up_waiting_leaves_the_lock_to_its_holder(tmp_path, monkeypatch, caplog):
+    def interrupted(_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("time.sleep", interrupted)
+    held = tmp_path / ".made.txt.lock"
+    with held.open("w") as file:
+        fcntl.flock(file, fcntl.LOCK_EX)
+        with pytest.raises(KeyboardInterrupt), alone(tmp_path / "made.txt"):
+            pass
+    assert list(tmp_path.iterdir()) == [held]
+    assert "waiting for another process that makes the same file" in caplog.text
+
+
+def test_a_folder_that_takes_no_files_is_no_lack_of_locks(tmp_path):
+    with pytest.raises(FileNotFoundError), alone(tmp_path / "nowhere" / "made.txt"):
+        pass

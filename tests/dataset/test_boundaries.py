@@ -9,12 +9,12 @@ from pathlib import Path
 import pytest
 import xarray as xr
 
+from sim.__main__ import main
 from sim.base.errors import InputError
-from sim.cli import main
 from sim.dataset.boundaries import build
 from sim.dataset.boundary_table import read_table
 from sim.dataset.build import build as build_dataset
-from sim.dataset.rounds import added_points, refined, write_round
+from sim.dataset.rounds import added_points, from_files, refined, sides_of, write_round
 from sim.parameters import parse_point, point_id
 from sim.study.load import load_study
 from tests.made.runs import make_regimes, make_study, write_run
@@ -71,7 +71,9 @@ def test_the_dataset_has_the_points_of_all_rounds(made, dataset):
         assert onset.sizes["point"] == 22
     assert points == {path.stem for path in runs.glob("*.nc")}
     assert len(read_table(dataset)) == len(load_study(study_path, results).boundaries)
-    study = refined(load_study(study_path, results), runs)
+    study = load_study(study_path, results)
+    found = [sides_of(boundary, from_files(runs)) for boundary in study.boundaries]
+    study = refined(study, found)
     assert set(study.series["onset"]) <= set(study.figures["belt_onset"]) <= points
 
 

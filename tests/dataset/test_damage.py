@@ -13,17 +13,17 @@ from pathlib import Path
 import netCDF4
 import pytest
 
-from sim import report
+from sim.__main__ import main
 from sim.base.errors import InputError
 from sim.base.files import alone, is_damaged, seal
 from sim.base.reading import DamagedError
-from sim.cli import main
 from sim.dataset.build import build as dataset
 from sim.dataset.gather import read_run
 from sim.engine.run import run_point
 from sim.engine.warm import warm
 from sim.figures.render import draw
 from sim.parameters import canonical, point_id
+from sim.report import page
 from sim.study.load import load_study
 from tests.engine.test_checkpoint import assert_same
 from tests.engine_motion.points import belt_point
@@ -176,7 +176,7 @@ def test_a_damaged_figure_is_named_and_set_aside(made, suffix):
     path = results / "made" / "figures" / f"walton_2{suffix}"
     path.write_bytes(b"\xff\xfe\x00" + path.read_bytes()[:40])
     with pytest.raises(DamagedError, match=r"rerun the study"):
-        report.build(study, results)
+        page.build(study, results)
     assert not path.exists()
     assert not (results / "made" / "report.html").exists()
 

@@ -15,8 +15,9 @@ import numpy as np
 import pytest
 
 from sim.base.errors import InputError
+from sim.base.files import seal
 from sim.engine import checkpoint
-from sim.engine.checkpoint import HEADER, Checkpoint, checkpoint_interval
+from sim.engine.checkpoint import Checkpoint, checkpoint_interval
 from sim.engine.replicate import Replicate, Stopwatch
 from sim.engine.run import run_point
 from sim.engine.warm import warm
@@ -172,30 +173,38 @@ def test_nothing_is_loaded_where_nothing_was_saved(tmp_path, caplog):
     assert not caplog.messages
 
 
-@pytest.mark.parametrize("length", [0, 1, HEADER - 1, HEADER, HEADER + 1000, -1])
-def test_a_truncated_checkpoint_is_set_aside(saved, length, caplog):
+@pytest.mark.parametrize("share", [0.0, 0.001, 0.5, 0.99, 1.0])
+def test_a_truncated_checkpoint_is_set_aside(saved, share, caplog):
     whole = saved.path.read_bytes()
-    saved.path.write_bytes(whole[:length])
+    saved.path.write_bytes(whole[: int(share * (len(whole) - 1))])
     assert_set_aside(saved, caplog, "damaged")
 
 
-@pytest.mark.parametrize("place", [0.0, 0.3, 0.6, 0.999])
+@pytest.mark.parametrize("place", [0.0, 0.3, 0.6, 1.0])
 def test_a_flipped_bit_is_found(saved, place, caplog):
     whole = bytearray(saved.path.read_bytes())
-    whole[HEADER + int(place * (len(whole) - HEADER))] ^= 4
+    state = whole.index(b"\n") + 1
+    whole[state + int(place * (len(whole) - 1 - state))] ^= 4
     saved.path.write_bytes(whole)
     assert_set_aside(saved, caplog, "the checksum is wrong")
 
 
-def test_a_flipped_bit_of_the_header_is_found(saved, caplog):
-    whole = saved.path.read_bytes()
-    saved.path.write_bytes(whole.replace(b'"sha256": "', b'"sha256": "0', 1))
-    assert_set_aside(saved, caplog, "damaged")
+def test_a_flipped_bit_of_the_first_line_is_found(saved, caplog):
+    saved.path.write_bytes(saved.path.read_bytes().replace(b'"beads": 20,', b'"beads": 21,', 1))
+    assert_set_aside(saved, caplog, "other parameters")
+
+
+def test_the_state_of_a_checkpoint_is_all_that_lies_behind_its_first_line(saved, caplog):
+    """Sealed, of this run, and yet no state: written by something else."""
+    first, _, _ = saved.path.read_bytes().partition(b"\n")
+    saved.path.write_bytes(first + b"\nno pickle")
+    seal(saved.path)
+    assert_set_aside(saved, caplog, "cannot be unpacked")
 
 
 def test_a_longer_checkpoint_is_set_aside(saved, caplog):
     saved.path.write_bytes(saved.path.read_bytes() + b"more")
-    assert_set_aside(saved, caplog, "length")
+    assert_set_aside(saved, caplog, "checksum")
 
 
 @pytest.mark.parametrize(

@@ -57,7 +57,7 @@ def test_hash_changes_with_any_file_of_its_parts_and_with_no_other(parts, tmp_pa
     monkeypatch.setattr("sim.engine.identity.PACKAGE", package)
     before = source_hash(parts)
     (package / "figures" / "style.py").write_text("# changed\n")
-    (package / "cli.py").write_text("# changed\n")
+    (package / "__main__.py").write_text("# changed\n")
     assert source_hash(parts) == before
     for path in source_files(parts):
         text = path.read_text()

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from sim.actions import save_and_end
+from sim.engine.command import save_and_end
 from sim.engine.progress import progress_file
 from sim.engine.warm import warm
 from sim.parameters import parse_point

@@ -1,21 +1,18 @@
 """A replicate that blows up is tried once more with half the time step; what fails can be shown."""
 
-import subprocess
-import sys
-
 import netCDF4
 import numpy as np
 import pytest
 
+from sim.__main__ import main
 from sim.engine.dynamics.status import BlowUp
 from sim.engine.replicate import Replicate
 from sim.engine.run import BLOWN_UP, run_point
 from sim.engine.systems import build
 from sim.engine.systems.belt import Belt
 from sim.engine.systems.chute import Chute
-from sim.parameters import load_point, point_id
+from sim.parameters import load_point
 from tests.engine_motion.points import belt_point, chute_point
-from tests.made.project import ROOT
 
 CHUTE = chute_point(depth=1.24, cell=4, transient=2, average=4, replicates=2)
 BELT = belt_point(beads=12, width=5, transient=1, average=2, replicates=2)
@@ -101,58 +98,15 @@ def test_progress_counts_no_sample_twice(monkeypatch):
     assert sum(told) == CHUTE.steps
 
 
-def test_a_point_file_shows_the_failure_again(tmp_path):
-    assert run_point(HOPELESS, tmp_path / "run.nc", quiet=True) == BLOWN_UP
-    path = tmp_path / f"{point_id(HOPELESS)}.failed.yaml"
-    assert load_point(path) == HOPELESS.model_copy(update={"replicates": 1})
-    comment = path.read_text().splitlines()[1]
-    command = comment.removeprefix("#   python ").split()
-    assert command[:3] == ["-m", "sim", "run"] and command[3] == path.name
-    command[3], command[5] = str(path), str(tmp_path / "again.nc")
-    again = subprocess.run([sys.executable, *command], cwd=ROOT, capture_output=True, text=True)
-    assert again.returncode == BLOWN_UP
-    with netCDF4.Dataset(tmp_path / "run.nc") as one, netCDF4.Dataset(command[5]) as other:
+def test_a_failed_run_names_the_command_that_gives_its_point(tmp_path, caplog, capsys):
+    output = tmp_path / "run.nc"
+    assert run_point(HOPELESS, output, quiet=True) == BLOWN_UP
+    command = caplog.messages[-1].partition(": python -m sim ")[2].split()
+    assert main(command) == 0
+    path = tmp_path / "point.yaml"
+    path.write_text(capsys.readouterr().out)
+    assert load_point(path) == HOPELESS
+    assert main(["run", str(path), "-o", str(tmp_path / "again.nc"), "--quiet"]) == BLOWN_UP
+    with netCDF4.Dataset(output) as one, netCDF4.Dataset(tmp_path / "again.nc") as other:
         assert other["reason"][0] == one["reason"][0]
-
-
-def test_the_point_file_goes_as_far_as_the_first_replicate_that_failed(tmp_path, monkeypatch):
-    advance = Chute.advance
-    seed = iter([False, True, True])
-    monkeypatch.setattr(Chute, "__init__", counted(Chute.__init__, seed))
-
-    def failing(self):
-        if self.fails:
-            raise BlowUp("too much")
-        return advance(self)
-
-    monkeypatch.setattr(Chute, "advance", failing)
-    assert run_point(CHUTE, tmp_path / "run.nc", quiet=True) == BLOWN_UP
-    (path,) = tmp_path.glob("*.yaml")
-    assert load_point(path) == CHUTE
-    assert "# replicate 1: too much" in path.read_text()
-
-
-def counted(init, fails):
-    """Return a constructor that marks each system it makes with the next of some values."""
-
-    def marked(self, *arguments):
-        init(self, *arguments)
-        self.fails = next(fails)
-
-    return marked
-
-
-def test_the_point_file_goes_when_the_point_succeeds(tmp_path, monkeypatch):
-    with monkeypatch.context() as patched:
-        patched.setattr(Chute, "advance", lambda self: (_ for _ in ()).throw(BlowUp("too much")))
-        assert run_point(CHUTE, tmp_path / "run.nc", quiet=True) == BLOWN_UP
-    assert len(list(tmp_path.glob("*.yaml"))) == 1
-    assert run_point(CHUTE, tmp_path / "run.nc", quiet=True) == 0
-    assert not list(tmp_path.glob("*.yaml"))
-
-
-def test_a_file_of_the_user_is_left_alone(tmp_path):
-    mine = tmp_path / f"{point_id(CHUTE)}.yaml"
-    mine.write_text("system: chute\n")
-    assert run_point(CHUTE, tmp_path / "run.nc", quiet=True) == 0
-    assert mine.read_text() == "system: chute\n"
+    assert sorted(each.name for each in tmp_path.iterdir()) == ["again.nc", "point.yaml", "run.nc"]

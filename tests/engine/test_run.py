@@ -9,7 +9,7 @@ import netCDF4
 import numpy as np
 import pytest
 
-from sim.cli import main
+from sim.__main__ import main
 from sim.engine.identity import NUMERICS, source_hash
 from sim.engine.observe import estimate
 from sim.engine.run import BLOWN_UP, run_point

@@ -19,9 +19,9 @@ import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 
+from sim.__main__ import main
 from sim.base.errors import InputError
 from sim.base.yaml import MAX_BYTES, parse_yaml
-from sim.cli import main
 from sim.study.load import Study, load_study, parse_study
 from tests.properties.values import ANYTHING, GIVEN, SCALARS
 

@@ -16,9 +16,9 @@ from sim.claims.verdict import Check
 from sim.dataset.build import build as build_dataset
 from sim.dataset.results import load_results
 from sim.figures.render import draw
-from sim.report import render
 from sim.report.claims import read_claims
 from sim.report.gallery import data_uri
+from sim.report.page import render
 from sim.study.catalogue import FIGURES, FigureSpec
 from sim.study.load import load_study
 from tests.made.runs import make_study

@@ -5,7 +5,7 @@ import re
 import pytest
 import yaml
 
-from sim.cli import main
+from sim.__main__ import main
 from sim.dataset.build import build
 from sim.parameters import BeltParameters, ChuteParameters, load_point
 from sim.report.info import describe

@@ -13,7 +13,7 @@ from sim.base.errors import InputError
 from sim.base.reading import DamagedError
 from sim.dataset.build import build as build_dataset
 from sim.figures.render import draw
-from sim.report import build
+from sim.report.page import build
 from sim.study.load import load_study
 from tests.made.runs import FAILURE, make_regimes, make_study
 from tests.report.made import make_figures, write_claims

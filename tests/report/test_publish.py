@@ -8,9 +8,9 @@ from pathlib import Path
 
 import pytest
 
+from sim.__main__ import main
 from sim.base.errors import InputError
 from sim.base.reading import DamagedError
-from sim.cli import main
 from sim.dataset.results import load_results
 from sim.report import publish
 from sim.report.whole import require_whole

@@ -5,7 +5,7 @@ import json
 import netCDF4
 import pytest
 
-from sim.cli import main
+from sim.__main__ import main
 from sim.engine.progress import Progress
 from sim.report.status import PointStatus, StudyStatus
 from sim.report.status_table import as_json, as_text

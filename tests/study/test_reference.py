@@ -9,8 +9,8 @@ import jsonschema
 import pytest
 import yaml
 
+from sim.__main__ import main
 from sim.base.errors import InputError
-from sim.cli import main
 from sim.parameters import SYSTEMS, canonical, parse_point
 from sim.study.catalogue import FIGURES
 from sim.study.load import load_study, parse_study

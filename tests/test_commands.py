@@ -4,11 +4,13 @@ import os
 import re
 import subprocess
 import sys
+from inspect import signature
 from pathlib import Path
+from pkgutil import resolve_name
 
 import pytest
 
-from sim.cli import main
+from sim.__main__ import COMMANDS, _parser, main
 
 ROOT = Path(__file__).parents[1]
 
@@ -375,6 +377,21 @@ def test_a_reader_that_leaves_early_is_no_error(tmp_path):
     )
     assert done.stdout.startswith("id ")
     assert done.stderr == ""
+
+
+LINES = {
+    "refine": ["refine", "x.yaml", "1"],
+    "run": ["run", "x.yaml", "-o", "run.nc"],
+    "info": ["info", "run.nc"],
+    "figure": ["figure", "walton_2", "x.nc", "-o", "folder"],
+    "publish": ["publish", "x.yaml", "--to", "folder"],
+} | {name: [name] for name in ("status", "schema", "warm", "bench")}
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_every_command_has_a_function_that_takes_its_options(name):
+    options = vars(_parser().parse_args(LINES.get(name, [name, "x.yaml"])))
+    signature(resolve_name(options.pop("function"))).bind(**options)
 
 
 def test_no_command_and_wrong_options_are_refused():

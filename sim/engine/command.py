@@ -1,0 +1,89 @@
+"""The command ``run``: a point file in, a run file or one line about what is wrong with it out."""
+
+import logging
+import signal
+import sys
+from pathlib import Path
+
+from sim.base.errors import InputError
+from sim.base.files import require_writable
+from sim.base.yaml import read_yaml
+from sim.parameters import Parameters, parse_point, point_id
+
+SYSTEM_ERROR = 1
+
+#: What numpy says of an array that no address could reach.
+TOO_LARGE = "Maximum allowed dimension exceeded"
+
+
+def run(point: str, output: Path, quiet: bool, record_failure: bool) -> int:
+    """Run one point, unless its run file is there already, and return the exit code.
+
+    Parameters
+    ----------
+    point : str
+        The point file, or ``-`` for standard input.
+    output : Path
+        The run file; its folder is made.
+    quiet : bool
+        Neither bar nor log lines about progress.
+    record_failure : bool
+        Count a blow-up as a result: the file says what happened and the exit code is 0.
+
+    Returns
+    -------
+    int
+        0; 3 for a run that failed; 1 where no machine could compute the point.
+
+    Raises
+    ------
+    InputError
+        When the point or the output cannot be used.
+    """
+    parameters = _point(point)
+    _require_usable(output, point)
+    output.parent.mkdir(parents=True, exist_ok=True)
+    level = logging.WARNING if quiet else logging.INFO
+    logging.basicConfig(format="%(message)s", level=level, stream=sys.stderr)
+
+    # A mistake in a point is told without waiting for these.
+    from sim.engine.current import current_status
+    from sim.engine.run import BLOWN_UP, run_point
+
+    if status := current_status(output, parameters):
+        logging.getLogger("talus").info("%s: already there", output)
+        return BLOWN_UP if status == "failed" and not record_failure else 0
+    signal.signal(signal.SIGINT, save_and_end)
+    try:
+        return run_point(parameters, output, quiet=quiet, record_failure=record_failure)
+    except (MemoryError, ArithmeticError, ValueError) as error:
+        # From values that are allowed one by one, and together beyond all memory or numbers.
+        if isinstance(error, ValueError) and TOO_LARGE not in str(error):
+            raise
+        said = " ".join(str(error).split()) or "out of memory"
+        print(f"error: {point_id(parameters)}: cannot be computed: {said}", file=sys.stderr)
+        return SYSTEM_ERROR
+
+
+def save_and_end(*_: object) -> None:
+    """Answer an interrupt as a running computation answers SIGTERM; the second one ends at once."""
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    if signal.getsignal(signal.SIGTERM) is signal.SIG_DFL:
+        raise KeyboardInterrupt
+    signal.raise_signal(signal.SIGTERM)
+
+
+def _point(path: str) -> Parameters:
+    mapping = read_yaml(path)
+    source = "<stdin>" if path == "-" else path
+    if isinstance(mapping, dict) and "study" in mapping and "system" not in mapping:
+        raise InputError(f"{source}: a study, not a point; snakemake --configfile {source} runs it")
+    return parse_point(mapping, source)
+
+
+def _require_usable(output: Path, point: str) -> None:
+    require_writable(output.parent, "--output")
+    if output.exists() and not output.is_file():
+        raise InputError.of_value("--output", "", str(output), "the name of a plain file")
+    if point != "-" and output.resolve() == Path(point).resolve():
+        raise InputError.of_value("--output", "", str(output), "not the point file itself")
