@@ -93,6 +93,9 @@ class Groups(Mapping[str, xr.Dataset]):
                 self._loaded[name] = _loaded(self._path, group)
         return self._loaded[name]
 
+    def __contains__(self, name: object) -> bool:
+        return name in self._paths
+
     def __iter__(self) -> Iterator[str]:
         return iter(self._paths)
 

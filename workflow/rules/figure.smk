@@ -1,10 +1,4 @@
-# One module draws one figure; what the modules share redraws them all.
-
-SHARED = ["outcome.py", "results.py"] + [
-    f"figures/{path.name}"
-    for path in (ROOT / "sim" / "figures").glob("*.py")
-    if path.stem not in FIGURES
-]
+# One job draws one figure: an edit of its entry in the catalogue redraws it, one of the code all.
 
 
 rule figure:
@@ -35,7 +29,8 @@ rule figure:
         "../envs/talus.yaml"
     params:
         folder=subpath(output.csv, parent=True),
-        code=lambda wildcards: code(f"figures/{wildcards.figure}.py", *SHARED),
+        spec=lambda wildcards: repr(FIGURES[wildcards.figure]),
+        code=room("figures"),
     shell:
         "python -m sim figure {wildcards.figure} {input} --output {params.folder} > {log} 2>&1"
 

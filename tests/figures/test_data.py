@@ -5,7 +5,7 @@ import pandas as pd
 import pytest
 
 from sim.dataset.replicates import velocity_interval
-from sim.figures.summary import split_curves
+from sim.figures.data import split_curves
 
 
 def test_students_interval_over_replicates():
