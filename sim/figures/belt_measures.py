@@ -5,6 +5,8 @@ Options of a figure: those of `sim.figures.looks`; ``quantities``, of each ``nam
 ``axis``, label of the vertical axis; ``levels`` to compare with.
 """
 
+from typing import Any
+
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -48,14 +50,13 @@ def _draw_several(
     axes.set_ylim(bottom=0)
 
 
-def _look_of_one(spec: FigureSpec, option: dict) -> Look:
+def _look_of_one(spec: FigureSpec, option: dict[str, Any]) -> Look:
     """Return the look of the curves of one of several measures."""
     look = look_of(spec)
 
     def look_of_quantity(names: dict[str, object], index: int) -> tuple[CurveStyle, str]:
         _, entry = look(names, index)
-        entries = (option["entry"], entry)
-        return prescribed(*option["style"]), ", ".join(part for part in entries if part)
+        return prescribed(*option["style"]), ", ".join(filter(None, (option["entry"], entry)))
 
     return look_of_quantity
 

@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from sim.dataset.replicates import student_half_width
@@ -57,12 +58,24 @@ def _profile(data: FigureData) -> Profile:
 
 def draw(data: FigureData) -> Figure:
     """Draw one profile of every flow."""
-    profile, keys = _profile(data), data.spec.options["keys"]
-    look = look_of(data.spec, keys)
-    figure, axes = canvas()
+    profile = _profile(data)
     table = profiles(data, profile)
+    figure, axes = canvas()
+    _draw_flows(axes, data, table)
+    axes.set_xlim(left=0)
+    axes.set_ylim(*_range(table["mean"]))
+    axes.set_xlabel("height above the belt z (⟨d⟩)")
+    axes.set_ylabel(profile.label)
+    place_legend(figure, axes)
+    return figure
+
+
+def _draw_flows(axes: Axes, data: FigureData, table: pd.DataFrame) -> None:
+    """Draw a line and a band per flow, those of the converged protocol pale beside published."""
     shown = data.rows[data.rows["completed"] > 0]
     beside = shown["protocol"].nunique() > 1
+    keys = data.spec.options["keys"]
+    look = look_of(data.spec, keys)
     styles: dict[str, CurveStyle] = {}
     for names, flows in split_curves(shown, "point", keys, tuple(BeltParameters.model_fields)):
         named = {name: value for name, value in names.items() if name != "protocol"}
@@ -81,12 +94,6 @@ def draw(data: FigureData) -> Figure:
         axes.plot([], [], color=style.colour, linestyle=style.dashes, label=label)
     if beside:
         name_protocols(axes)
-    axes.set_xlim(left=0)
-    axes.set_ylim(*_range(table["mean"]))
-    axes.set_xlabel("height above the belt z (⟨d⟩)")
-    axes.set_ylabel(profile.label)
-    place_legend(figure, axes)
-    return figure
 
 
 def _range(means: pd.Series) -> tuple[float, float]:

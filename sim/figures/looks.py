@@ -2,8 +2,8 @@
 
 Options of a figure: ``styles``, which the paper prescribes, by the values of the parameters that
 name a curve (one value, or a tuple where several name it), each colour, name of the dashes and
-marker; ``entry``, the pattern of an entry in the legend, and ``entries``, those that differ from
-it; ``look``, where two parameters make one entry.
+marker; ``entry``, the pattern of an entry in the legend, by default the settings, and ``entries``
+that differ from it; ``look``, where two parameters make one entry.
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -34,8 +34,8 @@ def look_of(spec: FigureSpec, keys: Sequence[str] | None = None) -> Look:
     def look_and_rest(names: dict[str, object], index: int) -> tuple[CurveStyle, str]:
         named = {key: names[key] for key in keys}
         style, entry = look(spec, named, index)
-        rest = [settings(spec.system, [item]) for item in names.items() if item[0] not in named]
-        return style, ", ".join(part for part in (entry, *rest) if part)
+        rest = settings(spec.system, (item for item in names.items() if item[0] not in named))
+        return style, ", ".join(filter(None, (entry, rest)))
 
     return look_and_rest
 
@@ -52,12 +52,9 @@ def _by_values(spec: FigureSpec, named: Mapping[str, object], index: int) -> tup
     style = prescribed(*styles[value]) if value in styles else cycled(index + len(styles))
     if value in (entries := options.get("entries", {})):
         return style, entries[value]
-    return style, _pattern(spec, named)
-
-
-def _pattern(spec: FigureSpec, named: Mapping[str, object]) -> str:
-    pattern = spec.options.get("entry")
-    return pattern.format(**named) if pattern else settings(spec.system, named.items())
+    if "entry" in options:
+        return style, options["entry"].format(**named)
+    return style, settings(spec.system, named.items())
 
 
 def _by_amplitude_or_damping(

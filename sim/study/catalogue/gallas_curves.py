@@ -58,6 +58,7 @@ FIG_1 = (
                 45.0: (BLACK, "solid", "o"),
                 30.0: (BLUE, "short_dash", "s"),
             },
+            "entry": "α = {vibration_angle:g}°",
             "entries": {60.0: "α = π/3", 45.0: "α = π/4", 30.0: "α = π/6"},
         },
     ),

@@ -34,6 +34,7 @@ _ANGLES = {
         45.0: (BLACK, "solid"),
         30.0: (BLUE, "short_dash"),
     },
+    "entry": "α = {vibration_angle:g}°",
     "entries": {90.0: "α = π/2", 60.0: "α = π/3", 45.0: "α = π/4", 30.0: "α = π/6"},
 }
 _DAMPINGS = {
