@@ -1,5 +1,7 @@
-"""What a study has found, as figures and judges read it: its dataset with all groups."""
+"""What a study has found, as figures and judges read it: its dataset, groups when asked for."""
 
+from collections.abc import Iterator, Mapping
+from contextlib import AbstractContextManager
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -19,27 +21,27 @@ PARTICLES = "states"
 
 @dataclass(frozen=True)
 class Results:
-    """The dataset of a study, loaded.
+    """The dataset of a study.
 
     Attributes
     ----------
     dataset : xarray.Dataset
         Scalars over (point, replicate), every parameter a coordinate over point.
-    profiles : dict of str to xarray.Dataset
+    profiles : mapping of str to xarray.Dataset
         Per system its profiles over (run, replicate, slice), with ``height`` (run, slice) in m; of
         a belt also those over (run, replicate, square) along it, with ``column`` (run, square) in
         m; ``run`` is the id of the point.
     boundaries : pandas.DataFrame
         What was found of boundaries between regimes.
-    states : dict of str to xarray.Dataset
+    states : mapping of str to xarray.Dataset
         Per point that feeds a figure of particles: last state and path of its first completed
         replicate.
     """
 
     dataset: xr.Dataset
-    profiles: dict[str, xr.Dataset]
+    profiles: Mapping[str, xr.Dataset]
     boundaries: pd.DataFrame
-    states: dict[str, xr.Dataset] = field(default_factory=dict)
+    states: Mapping[str, xr.Dataset] = field(default_factory=dict)
 
     def profile(self, point: str, name: str) -> tuple[np.ndarray, np.ndarray]:
         """Return a profile of a point, (R, H) over completed replicates, and heights (H,) in m.
@@ -69,8 +71,40 @@ class Results:
         return self.states[point]
 
 
+class Groups(Mapping[str, xr.Dataset]):
+    """Groups of a dataset by name, each read from the file when it is first asked for.
+
+    Parameters
+    ----------
+    path : Path
+        The dataset.
+    paths : mapping
+        Where in it each group is.
+    """
+
+    def __init__(self, path: Path, paths: Mapping[str, str]):
+        self._path, self._paths = path, paths
+        self._loaded: dict[str, xr.Dataset] = {}
+
+    def __getitem__(self, name: str) -> xr.Dataset:
+        if name not in self._loaded:
+            group = self._paths[name]
+            with _reading(self._path):
+                self._loaded[name] = _loaded(self._path, group)
+        return self._loaded[name]
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._paths
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._paths)
+
+    def __len__(self) -> int:
+        return len(self._paths)
+
+
 def load_results(path: str | Path) -> Results:
-    """Load the dataset of a study.
+    """Load the dataset of a study; profiles and particles are read when they are asked for.
 
     Raises
     ------
@@ -78,16 +112,20 @@ def load_results(path: str | Path) -> Results:
         When it is missing or damaged, naming it. A damaged one of a study is set aside.
     """
     path = Path(path)
-    with reading(path, "dataset", replaceable=is_of_study(path)):
+    with _reading(path):
         with netCDF4.Dataset(path) as file:
             groups = set(file.groups)
             points = list(file.groups[PARTICLES].groups) if PARTICLES in groups else []
         return Results(
             dataset=_loaded(path, None),
-            profiles={name: _loaded(path, name) for name in SYSTEMS if name in groups},
+            profiles=Groups(path, {name: name for name in SYSTEMS if name in groups}),
             boundaries=read_table(path),
-            states={point: _loaded(path, f"{PARTICLES}/{point}") for point in points},
+            states=Groups(path, {point: f"{PARTICLES}/{point}" for point in points}),
         )
+
+
+def _reading(path: Path) -> AbstractContextManager[None]:
+    return reading(path, "dataset", replaceable=is_of_study(path))
 
 
 def _loaded(path: Path, group: str | None) -> xr.Dataset:

@@ -9,7 +9,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from PIL import Image
 
-from sim.figures.summary import FigureData
+from sim.figures.data import FigureData
 
 #: Resolution of the frames of a GIF, dots per inch, and how many colours they share.
 DPI = 72
@@ -30,8 +30,14 @@ class Animation:
 
 
 def select(data: FigureData) -> FigureData:
-    """Narrow the points to the one shown: the first with particles, published protocol first."""
-    rows = data.rows.sort_values("protocol", ascending=False, kind="stable")
+    """Narrow the points to the one shown: the first with particles, published protocol first.
+
+    The option ``point`` of a figure may be ``"slowest"``: the slowest of several goes first.
+    """
+    rows = data.rows
+    if data.spec.options.get("point") == "slowest":
+        rows = rows.sort_values(["completed", "velocity"], ascending=[False, True])
+    rows = rows.sort_values("protocol", ascending=False, kind="stable")
     with_particles = rows[rows["point"].isin(list(data.results.states))]
     return replace(data, rows=(with_particles if len(with_particles) else rows)[:1])
 

@@ -13,23 +13,8 @@ from matplotlib.ticker import MultipleLocator
 
 from sim.base.errors import InputError
 from sim.figures.caption import velocity_text
-from sim.figures.summary import FigureData
+from sim.figures.data import FigureData
 from sim.parameters import NUMERICAL, BeltParameters, field_info
-
-#: Parameters that the captions of all pictures give.
-NAMED = (
-    "frequency",
-    "vibration_angle",
-    "amplitude",
-    "damping",
-    "shear_damping",
-    "obstacle",
-    "beads",
-    "width",
-    "steps_per_cycle",
-    "transient",
-    "average",
-)
 
 #: Inches per ⟨d⟩ in one panel and in each of two, the room that labels and legend take, and the
 #: width that a legend needs.

@@ -4,16 +4,19 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from sim.figures.belt_cell import Shown, cells, draw_surroundings, shown, tell_beyond, wrapped
-from sim.figures.style import place_legend
-from sim.figures.summary import FigureData
-
-LEAD = (
-    "Paths of the beads during a single cycle of the vibration in the steady state, in the frame "
-    "of the laboratory: the centre of each bead after every 50 of 2000 steps (every fortieth of "
-    "the cycle, both ends included). The horizontal line is the average position of the belt; "
-    "lengths are in mean diameters ⟨d⟩."
+from sim.figures.belt_cell import (
+    Shown,
+    cells,
+    draw_surroundings,
+    notes,
+    select,
+    shown,
+    tell_beyond,
+    wrapped,
 )
+from sim.figures.data import FigureData
+from sim.figures.kind import Kind
+from sim.figures.style import place_legend
 
 
 def draw(data: FigureData) -> Figure:
@@ -61,3 +64,6 @@ def table(data: FigureData) -> pd.DataFrame:
 def _path(point: Shown) -> np.ndarray:
     """Return the positions (S, N, 2) in ⟨d⟩."""
     return point.state["path"].values.astype(float) / point.row["diameter"]
+
+
+KIND = Kind(draw, table=table, notes=notes, select=select)

@@ -8,16 +8,19 @@ from matplotlib.axes import Axes
 from matplotlib.collections import EllipseCollection, LineCollection
 from matplotlib.figure import Figure
 
-from sim.figures.belt_cell import Shown, cells, draw_surroundings, shown, tell_beyond, wrapped
-from sim.figures.style import DOTTED, place_legend
-from sim.figures.summary import FigureData
-
-LEAD = (
-    "Beads (circles, to scale) at the beginning of a cycle, at the end of the run. The linear "
-    "segments that begin at their centres are their velocities in the frame of the laboratory, to "
-    "the scale at the top right. Dotted lines are the highest and the lowest position of the belt, "
-    "the solid line its average one, where it is at that moment; lengths are in mean diameters ⟨d⟩."
+from sim.figures.belt_cell import (
+    Shown,
+    cells,
+    draw_surroundings,
+    notes,
+    select,
+    shown,
+    tell_beyond,
+    wrapped,
 )
+from sim.figures.data import FigureData
+from sim.figures.kind import Kind
+from sim.figures.style import DOTTED, place_legend
 
 #: Room (⟨d⟩) above the beads for the scale of the velocities.
 _ABOVE = 2.0
@@ -119,3 +122,6 @@ def _draw_scale(axes: Axes, speed: float) -> None:
     right, top = axes.get_xlim()[1] - 0.5, axes.get_ylim()[1] - 0.8
     axes.plot([right - 1, right], [top, top], color="#0072b2", linewidth=1.6)
     axes.text(right - 1.2, top, f"{speed:g} m/s", ha="right", va="center", fontsize=8)
+
+
+KIND = Kind(draw, table=table, notes=notes, select=select)

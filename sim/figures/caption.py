@@ -1,4 +1,4 @@
-"""Sentences of captions: parameters, intervals, regimes and what is missing."""
+"""The caption of a figure, and its sentences on parameters, intervals, regimes and gaps."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from math import isfinite
@@ -6,6 +6,7 @@ from typing import Any
 
 import pandas as pd
 
+from sim.figures.data import FigureData
 from sim.figures.style import undecided
 from sim.parameters.wording import quantity
 
@@ -15,6 +16,35 @@ _REGIMES = {
     "undetermined": "slowing, or with a trend that is not clear",
     "mixed": "with replicates in different regimes",
 }
+
+
+def caption(data: FigureData, notes: Sequence[str]) -> str:
+    """Return the caption: what is drawn, parameters, notes of its kind, what is missing.
+
+    It ends with what the paper says that the figure shows.
+    """
+    rows, spec = data.rows, data.spec
+    sentences = (
+        f"{spec.paper}. {spec.lead}",
+        parameters_sentence(rows, spec.system, spec.named),
+        protocol_sentence(rows, spec.system),
+        *notes,
+        caveat_sentence(rows),
+        failure_sentence(rows),
+        spec.says,
+    )
+    return " ".join(sentence for sentence in sentences if sentence)
+
+
+def velocity_notes(data: FigureData) -> list[str]:
+    """Return what a caption says of error bars and markers of velocities."""
+    return [interval_sentence(data.rows), regime_sentence(data.rows)]
+
+
+def measure_notes(data: FigureData) -> list[str]:
+    """Return what a caption says of error bars and markers of measures."""
+    bars = "Error bars: Student's 95 % interval of the mean over replicates, none where only one."
+    return [bars, regime_sentence(data.rows)]
 
 
 def velocity_text(row: Mapping[str, Any]) -> str:

@@ -1,4 +1,4 @@
-"""What Walton's Figs. 1.1 to 1.6 share: profiles of velocity and packing, and a configuration."""
+"""A chute flow as in Walton's Figs. 1.1 to 1.6: profiles of velocity and packing, and spheres."""
 
 from collections import Counter
 from collections.abc import Mapping
@@ -11,52 +11,18 @@ from matplotlib.figure import Figure
 
 from sim.base.errors import InputError
 from sim.figures.caption import velocity_text
-from sim.figures.configuration import LARGEST_PORTION, Scene
+from sim.figures.configuration import Scene
+from sim.figures.data import FigureData, split_curves
+from sim.figures.kind import Kind
 from sim.figures.style import COLOURS, DOTTED, PALE, place_legend
-from sim.figures.summary import FigureData, split_curves
 from sim.parameters import ChuteParameters
 from sim.parameters.wording import setting
-
-#: Parameters that all six captions give.
-NAMED = (
-    "depth",
-    "angle",
-    "restitution",
-    "friction",
-    "stiffness",
-    "tangential_ratio",
-    "tangential_exponent",
-    "cell",
-    "slice_height",
-    "initial_velocity",
-    "transient",
-    "average",
-)
-
-#: Profiles end where this share of the spheres' volume is below, and velocities are left out.
-SHARE = 0.995
+from sim.study.catalogue.limits import LARGEST_PORTION, SHARE
 
 PIXELS = 640
 
 #: How the profile of a replicate is drawn.
 _REPLICATE = {"alpha": PALE, "linewidth": 0.7, "zorder": 1.5}
-
-
-def lead(depth: float) -> str:
-    """Return what the figure of a depth shows."""
-    part = (
-        "the half of the periodic cell near the viewer"
-        if depth <= LARGEST_PORTION
-        else "the whole periodic cell"
-    )
-    return (
-        f"Flow of depth n = N/σ² = {depth:g} down a frictional plane: (a) velocity u down the "
-        "slope (top: in units of √(gσ)) and (b) packing fraction against the height z above the "
-        "plane in sphere diameters σ: solid, instantaneous at the end of the first replicate; "
-        "pale, time average of the averaging window of each replicate; dotted, mean of these; up "
-        f"to the height below which {100 * SHARE:g} % of the solid volume lies. (c) Configuration "
-        f"at the end of the first replicate, {part}, coloured by the velocity of each sphere."
-    )
 
 
 def notes(data: FigureData) -> list[str]:
@@ -215,3 +181,6 @@ def _headed(values: pd.DataFrame, name: str, unit: str) -> dict[str, pd.Series]:
             for index, each in enumerate(_replicates(values, name))
         },
     }
+
+
+KIND = Kind(draw, table=table, notes=notes)

@@ -11,12 +11,10 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 
 from sim.figures.spheres import frame_around, picture, project, view_from
+from sim.study.catalogue.limits import LARGEST_PORTION
 
 #: Where the viewer stands: a little down the slope and above.
 AZIMUTH, ELEVATION = -16.0, 14.0
-
-#: Greatest depth n whose pictures show a portion of the cell: the half near the viewer.
-LARGEST_PORTION = 10
 
 COLOURS = colormaps["viridis"]
 _GLUED = np.array([0.6, 0.6, 0.6])

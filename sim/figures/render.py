@@ -1,13 +1,10 @@
 """From a dataset to the four files of a figure: PNG, SVG or GIF, the data, the caption."""
 
-import importlib
 from contextlib import ExitStack
 from pathlib import Path
-from types import ModuleType
 
 import matplotlib as mpl
 import numpy as np
-import pandas as pd
 from matplotlib.figure import Figure
 from PIL import Image
 from PIL.PngImagePlugin import PngInfo
@@ -16,18 +13,10 @@ from sim.base.errors import InputError
 from sim.base.files import replacing
 from sim.dataset.results import Results, load_results
 from sim.figures.animation import save_gif
-from sim.figures.caption import (
-    caveat_sentence,
-    failure_sentence,
-    interval_sentence,
-    parameters_sentence,
-    protocol_sentence,
-    regime_sentence,
-)
-from sim.figures.columns import parameter_columns
-from sim.figures.regime_map import boundary_sentence
+from sim.figures.caption import caption
+from sim.figures.data import FigureData, figure_data
+from sim.figures.kind import Kind, load_kind
 from sim.figures.style import SETTINGS
-from sim.figures.summary import FigureData, figure_data
 from sim.study.catalogue import FIGURES, FigureSpec
 
 #: Resolution of the first picture of an animation, dots per inch.
@@ -35,9 +24,6 @@ POSTER = 150
 
 #: Passes of the layout at most.
 PASSES = 6
-
-#: Parameters that every table of data tells beside those of its figure.
-PROTOCOL = ("protocol", "target", "limit")
 
 
 def draw(name: str, dataset_path: str | Path, out_folder: str | Path) -> list[Path]:
@@ -69,17 +55,10 @@ def draw(name: str, dataset_path: str | Path, out_folder: str | Path) -> list[Pa
 
 
 def render(spec: FigureSpec, dataset_path: Path, folder: Path) -> list[Path]:
-    """Draw one figure and write its files into ``folder``; see `sim.figures.draw`.
-
-    Its module gives the texts ``LEAD``, ``NAMED`` (parameters) and ``PAPER`` of the caption and the
-    function ``draw(data)``, which returns a figure, or an `Animation` of one that moves. It may
-    give ``select(data)``, which narrows the points to those drawn, ``table(data)``, the data behind
-    what are not velocities, and ``notes(data)``, the sentences on error bars where they are not
-    those of velocities.
-    """
+    """Draw one figure and write its files into ``folder``; see `draw`."""
     results = load_results(dataset_path)
     try:
-        data, module = _drawn(spec, results)
+        data, kind = _drawn(spec, results)
     except KeyError as error:
         raise InputError(f"{dataset_path}: not the dataset of a study: {error}") from None
     if data.rows.empty:
@@ -89,7 +68,7 @@ def render(spec: FigureSpec, dataset_path: Path, folder: Path) -> list[Path]:
     with ExitStack() as stack:
         still, other, csv, text = (stack.enter_context(replacing(file)) for file in files)
         stack.enter_context(mpl.rc_context(SETTINGS))
-        drawn = module.draw(data)
+        drawn = kind.draw(data)
         figure = drawn.figure if spec.animated else drawn
         if not data.rows["completed"].any():
             figure.axes[0].text(
@@ -103,7 +82,7 @@ def render(spec: FigureSpec, dataset_path: Path, folder: Path) -> list[Path]:
             figure.savefig(other, format="svg", metadata={"Title": spec.title, "Date": None})
         figure.savefig(still, format="png", dpi=POSTER if spec.animated else None)
         _save_small(still, spec.title)
-        for file, content in zip((csv, text), _texts(data, spec, module), strict=True):
+        for file, content in zip((csv, text), _texts(data, kind), strict=True):
             file.write_text(content, encoding="utf-8")
     return files
 
@@ -124,23 +103,19 @@ def settle(figure: Figure) -> None:
 
 def derived(spec: FigureSpec, results: Results) -> tuple[str, str]:
     """Return what the files of a figure's data (CSV) and caption hold, without drawing it."""
-    data, module = _drawn(spec, results)
-    return _texts(data, spec, module)
+    return _texts(*_drawn(spec, results))
 
 
-def _drawn(spec: FigureSpec, results: Results) -> tuple[FigureData, ModuleType]:
-    """Return the data that a figure shows, and its module."""
-    data = figure_data(results, spec)
-    module = importlib.import_module(f"sim.figures.{spec.name}")
-    if hasattr(module, "select") and not data.rows.empty:
-        data = module.select(data)
-    return data, module
+def _drawn(spec: FigureSpec, results: Results) -> tuple[FigureData, Kind]:
+    """Return the data that a figure shows, and its kind."""
+    data, kind = figure_data(results, spec), load_kind(spec.kind)
+    return data if data.rows.empty else kind.select(data), kind
 
 
-def _texts(data: FigureData, spec: FigureSpec, module: ModuleType) -> tuple[str, str]:
+def _texts(data: FigureData, kind: Kind) -> tuple[str, str]:
     """Return the data behind a figure as CSV, and its caption."""
-    table = module.table(data) if hasattr(module, "table") else velocities(data, spec, module)
-    return table.to_csv(index=False, float_format="%.10g"), caption(data, spec, module) + "\n"
+    table = kind.table(data).to_csv(index=False, float_format="%.10g")
+    return table, caption(data, kind.notes(data)) + "\n"
 
 
 def _save_small(picture: Path, title: str) -> None:
@@ -150,52 +125,3 @@ def _save_small(picture: Path, title: str) -> None:
     told = PngInfo()
     told.add_itxt("Title", title)
     small.save(picture, format="PNG", optimize=True, pnginfo=told, dpi=opened.info.get("dpi"))
-
-
-def caption(data: FigureData, spec: FigureSpec, module: ModuleType) -> str:
-    """Return the caption: what is drawn, parameters, error bars, regimes, what is missing.
-
-    It ends with what the paper says that the figure shows.
-    """
-    rows = data.rows
-    if hasattr(module, "notes"):
-        values = module.notes(data)
-    elif spec.regimes:
-        values = [boundary_sentence(data.boundaries, spec.axes)]
-    else:
-        values = [interval_sentence(rows), regime_sentence(rows)]
-    sentences = (
-        f"{spec.paper}. {module.LEAD}",
-        parameters_sentence(rows, spec.system, module.NAMED),
-        protocol_sentence(rows, spec.system),
-        *values,
-        caveat_sentence(rows),
-        failure_sentence(rows),
-        module.PAPER,
-    )
-    return " ".join(sentence for sentence in sentences if sentence)
-
-
-def velocities(data: FigureData, spec: FigureSpec, module: ModuleType) -> pd.DataFrame:
-    """Return the data behind a figure of velocities, one row per point."""
-    names = dict.fromkeys([*spec.axes, *spec.curves, *module.NAMED, *PROTOCOL])
-    return behind(data.rows, spec.system, list(names))
-
-
-def behind(rows: pd.DataFrame, system: str, parameters: list[str]) -> pd.DataFrame:
-    """Return parameters and outcome of points, one row each, units in the headings."""
-    return pd.DataFrame(
-        parameter_columns(rows, system, parameters)
-        | {
-            "mean velocity [m s-1]": rows["velocity"],
-            "half width of 95 % interval [m s-1]": rows["half_width"],
-            "interval": rows["interval"],
-            "completed replicates": rows["completed"],
-            "replicates": rows["replicates"].astype(int),
-            "regime": rows["regime"],
-            "quality of the mean": rows["quality"],
-            "stopped by": rows["stopped"],
-            "reason of failures": rows["reason"],
-            "caveat": rows["caveat"],
-        }
-    )

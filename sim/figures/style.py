@@ -1,14 +1,12 @@
-"""How all figures look: fonts, colours, and a curve with its interval and its regimes."""
+"""How all figures look: fonts, colours, dashes, markers, the legend."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import pandas as pd
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
-from matplotlib.markers import CARETDOWN, CARETUP
 from matplotlib.transforms import offset_copy
 
 #: Okabe and Ito's colours, told apart by colour-blind readers, darkest first.
@@ -20,6 +18,16 @@ SHORT_DASH = (0, (3, 1.5))
 LONG_DASH = DASHES[1]
 DOTTED = DASHES[3]
 DASH_DOT = (0, (6, 2, 1, 2))
+
+#: Dash patterns by their names in the catalogue of figures.
+PATTERNS = {
+    "solid": "-",
+    "short_dash": SHORT_DASH,
+    "long_dash": LONG_DASH,
+    "dash_dot": DASH_DOT,
+    "dotted": DOTTED,
+    "none": "none",
+}
 
 #: matplotlib settings in force while a figure is drawn and saved.
 SETTINGS = {
@@ -56,6 +64,9 @@ LONE_BESIDE = 7.0
 #: How a level is drawn that values are compared with.
 LEVEL = {"color": "#888888", "linestyle": ":", "linewidth": 0.9, "zorder": 1}
 
+#: How a line of theory is drawn.
+THEORY = {"color": "#444444", "linestyle": DASHES[3], "linewidth": 1.3, "zorder": 2}
+
 
 @dataclass(frozen=True)
 class CurveStyle:
@@ -64,6 +75,11 @@ class CurveStyle:
     colour: str
     dashes: object
     marker: str = "o"
+
+
+def prescribed(colour: str, dashes: str, marker: str = "o") -> CurveStyle:
+    """Return a style that the catalogue prescribes, its dashes by name."""
+    return CurveStyle(colour, PATTERNS[dashes], marker)
 
 
 def cycled(index: int) -> CurveStyle:
@@ -101,114 +117,10 @@ def undecided(rows: pd.DataFrame) -> pd.Series:
     return rows["regime"].isin(("steady", "undetermined")) & (rows["quality"] == "short")
 
 
-#: Which rows no line joins.
-Unjoined = Callable[[pd.DataFrame], pd.Series]
-
-
-def draw_curve(
-    axes: Axes,
-    rows: pd.DataFrame,
-    along: str,
-    style: CurveStyle,
-    label: str,
-    unjoined: Unjoined | None = None,
-    pale: bool = False,
-    shift: float = 0,
-) -> None:
-    """Draw mean velocity against a parameter, with 95 % intervals.
-
-    Parameters
-    ----------
-    axes : matplotlib.axes.Axes
-        Where to draw.
-    rows : pandas.DataFrame
-        Points of the curve, as `sim.figures.summary.summarize` returns them. Points without a
-        completed replicate are left out; markers of steady points are filled, those of runs too
-        short to tell are pale, and all others are open.
-    along : str
-        Column on the horizontal axis.
-    style : CurveStyle
-        Look of the curve.
-    label : str
-        Its entry in the legend.
-    unjoined : callable, optional
-        Says of rows at which of them the line is interrupted.
-    pale : bool
-        Draw it beside another curve of the same style, which has the entry in the legend.
-    shift : float
-        How far to the right of its place it is drawn, in points of print.
-    """
-    shown = rows[rows["completed"] > 0]
-    if shown.empty:
-        return
-    artists: list[Artist] = []
-    if style.dashes != "none":
-        line = shown["velocity"].mask(unjoined(shown)) if unjoined else shown["velocity"]
-        beside = BESIDE if pale else {}
-        artists += axes.plot(
-            shown[along], line, color=style.colour, linestyle=style.dashes, **beside
-        )
-    artists += _draw_points(axes, shown, along, style, pale)
-    move_aside(axes, artists, x=shift)
-    if not pale:
-        axes.plot(
-            [],
-            [],
-            color=style.colour,
-            linestyle=style.dashes,
-            marker=style.marker,
-            label=label,
-        )
-
-
-def _draw_points(
-    axes: Axes, rows: pd.DataFrame, along: str, style: CurveStyle, pale: bool
-) -> list[Artist]:
-    """Draw the markers of a curve, filled, pale or open, with their error bars; return them."""
-    artists: list[Artist] = []
-    lone = pale and style.dashes == "none"
-    unknown = undecided(rows)
-    steady = (rows["regime"] == "steady") & ~unknown
-    for chosen, face in (
-        (steady, style.colour),
-        (unknown, (*to_rgb(style.colour), PALE)),
-        (~(steady | unknown), "white"),
-    ):
-        part = rows[chosen]
-        bars = axes.errorbar(
-            part[along],
-            part["velocity"],
-            yerr=part["half_width"].fillna(0),
-            linestyle="none",
-            color=style.colour,
-            marker=style.marker,
-            markerfacecolor=face,
-            markersize=LONE_BESIDE if lone else None,
-            markeredgewidth=1.0,
-            elinewidth=0.9,
-            alpha=BESIDE["alpha"] if pale else None,
-            zorder=3,
-        )
-        artists += bars.get_children()
-    return artists
-
-
 def move_aside(axes: Axes, artists: Iterable[Artist], x: float = 0, y: float = 0) -> None:
     """Move what is drawn aside (points of print), which leaves the limits of the axes alone."""
     for artist in artists:
         artist.set_transform(offset_copy(axes.transData, axes.figure, x=x, y=y, units="points"))
-
-
-def mark_cut_bars(axes: Axes) -> None:
-    """Put a caret on the edge where an error bar leaves the axes, whose limits are then final."""
-    bottom, top = axes.get_ylim()
-    for points, _, bars in (bar.lines for bar in axes.containers):
-        for (x, low), (_, high) in (ends for part in bars for ends in part.get_segments()):
-            for cut, edge, caret in ((low < bottom, bottom, CARETDOWN), (high > top, top, CARETUP)):
-                if cut:
-                    look = {"marker": caret, "color": points.get_color()}
-                    (mark,) = axes.plot(x, edge, **look, scalex=False, scaley=False)
-                    mark.set_transform(points.get_transform())
 
 
 def name_protocols(axes: Axes) -> None:

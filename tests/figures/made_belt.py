@@ -1,18 +1,10 @@
 """A made-up study of the belt: profiles and particles of every point follow a known formula."""
 
-from functools import cache
-from importlib import import_module
 from pathlib import Path
 
-import matplotlib as mpl
 import numpy as np
-from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 
 from sim.dataset.build import build
-from sim.dataset.results import load_results
-from sim.figures.style import SETTINGS
-from sim.figures.summary import FigureData, figure_data
 from sim.parameters import BeltParameters
 from sim.study.catalogue import FIGURES
 from sim.study.load import load_study
@@ -177,22 +169,3 @@ def make_dataset(folder: Path) -> Path:
             arrays |= made_particles(parameters)
         write_run(results / study.name / "runs", parameters, velocity, arrays=arrays)
     return build(study_path, results)
-
-
-_loaded = cache(load_results)
-
-
-def drawn(name: str, dataset_path: Path) -> tuple[Figure, FigureData]:
-    """Return a figure as its module draws it, and what it was drawn from."""
-    module = import_module(f"sim.figures.{name}")
-    data = figure_data(_loaded(dataset_path), FIGURES[name])
-    if hasattr(module, "select"):
-        data = module.select(data)
-    with mpl.rc_context(SETTINGS):
-        return module.draw(data), data
-
-
-def dashes(line: Line2D) -> object:
-    """Return the dash pattern as it was given to matplotlib."""
-    offset, pattern = line._unscaled_dash_pattern
-    return "-" if pattern is None else (int(offset), tuple(pattern))

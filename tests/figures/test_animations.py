@@ -1,19 +1,15 @@
 """Animations: frames and size of the files, slow motion, one cycle of the belt, captions."""
 
-from importlib import import_module
-
-import matplotlib as mpl
 import numpy as np
 import pandas as pd
 import pytest
 from PIL import Image
 
 from sim.dataset.results import load_results
-from sim.figures import animation, moving_belt, moving_chute
+from sim.figures import belt_animation, chute_animation
 from sim.figures.render import draw
-from sim.figures.style import SETTINGS
-from sim.figures.summary import figure_data
 from sim.study.catalogue import FIGURES
+from tests.figures.drawing import drawn, fed, picture, without_particles
 
 ANIMATIONS = [name for name, spec in FIGURES.items() if spec.animated]
 LARGEST = 1.5e6
@@ -26,21 +22,13 @@ def results(chute_dataset):
 
 @pytest.fixture(autouse=True)
 def small(monkeypatch):
-    monkeypatch.setattr(moving_chute, "PIXELS", 50)
-    monkeypatch.setattr(moving_belt, "WIDTH_IN_PIXELS", 50)
-
-
-def shown(name: str, results):
-    """Return the animation as its module draws it, and the point."""
-    module = import_module(f"sim.figures.{name}")
-    data = module.select(figure_data(results, FIGURES[name]))
-    with mpl.rc_context(SETTINGS):
-        return module.draw(data), data
+    monkeypatch.setattr(chute_animation, "PIXELS", 50)
+    monkeypatch.setattr(belt_animation, "WIDTH_IN_PIXELS", 50)
 
 
 @pytest.mark.parametrize("name", ANIMATIONS)
 def test_an_animation_has_frames_that_differ(results, name):
-    moving, data = shown(name, results)
+    moving, data = drawn(name, results)
     assert len(data.rows) == 1
     assert 20 <= moving.frames <= 40
     images = [image for axes in moving.figure.axes for image in axes.get_images()]
@@ -66,35 +54,33 @@ def test_files_are_an_endless_gif_a_poster_data_and_a_caption(chute_dataset, tmp
 
 
 def test_no_sphere_goes_further_than_the_eye_follows(results):
-    _, data = shown("animation_sheared", results)
+    _, data = drawn("animation_sheared", results)
     (row,) = data.rows.to_dict("records")
-    time, position, speed = moving_chute.motion(results.particles(row["point"]), row["diameter"])
+    time, position, speed = chute_animation.motion(results.particles(row["point"]), row["diameter"])
     steps = np.diff(position[..., 0], axis=0) / row["diameter"]
-    assert len(time) == moving_chute.FRAMES
-    assert steps.max() <= 1.01 * moving_chute.STRIDE
+    assert len(time) == chute_animation.FRAMES
+    assert steps.max() <= 1.01 * chute_animation.STRIDE
     assert speed == pytest.approx(np.full(speed.shape, 0.1), rel=1e-3)
 
 
 def test_a_belt_goes_once_up_and_down_along_the_angle_of_vibration(results):
-    moving, data = shown("animation_onset", results)
+    moving, data = drawn("animation_onset", results)
     (row,) = data.rows.to_dict("records")
-    belt = moving_belt.Belt(row, results.particles(row["point"]))
-    assert moving_belt.EVERY * moving.frames == 40
+    belt = belt_animation.Belt(row, results.particles(row["point"]))
+    assert belt_animation.EVERY * moving.frames == 40
     levels = [belt.line(number)[1] for number in range(41)]
     marks = [belt.line(number)[0][0] for number in range(41)]
     assert [levels[0], levels[10], levels[30], levels[40]] == pytest.approx([0, 1, -1, 0], abs=1e-6)
     assert np.diff(marks) == pytest.approx(np.diff(levels), abs=1e-6)
 
 
-def test_the_slowest_of_the_rough_flows_is_shown(results):
-    _, data = shown("animation_arrested", results)
+def test_the_slowest_of_the_rough_flows_is_drawn(results):
+    _, data = drawn("animation_arrested", results)
     assert list(data.rows["friction"]) == [0.8]
 
 
 def test_a_point_without_a_path_says_so(results):
-    data = figure_data(results, FIGURES["animation_block"])
-    without = type(results)(results.dataset, results.profiles, results.boundaries)
-    chosen = animation.select(type(data)(data.rows, data.boundaries, without))
-    moving = moving_belt.draw(chosen)
+    data = without_particles(fed("animation_block", results))
+    moving = picture(belt_animation.select(data))
     assert moving.frames == 1
     assert [text.get_text() for text in moving.figure.axes[0].texts] == ["no motion stored"]

@@ -5,7 +5,7 @@ import pytest
 
 from sim.figures.render import draw
 from sim.figures.style import LONG_DASH
-from tests.figures.made_belt import dashes, drawn
+from tests.figures.drawing import dashes, drawn
 
 
 def legend(axes) -> dict[str, object]:

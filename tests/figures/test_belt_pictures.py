@@ -1,7 +1,6 @@
 """Gallas' Figs. 4, 5 and 7: every bead and its path, the belt, the obstacle, data and caption."""
 
 from dataclasses import replace
-from importlib import import_module
 
 import numpy as np
 import pandas as pd
@@ -12,14 +11,12 @@ from matplotlib.patches import Circle
 
 from sim.base.errors import InputError
 from sim.dataset.results import load_results
-from sim.figures import gallas_4a
 from sim.figures.belt_cell import TALLEST, select
 from sim.figures.belt_snapshots import round_speed
 from sim.figures.render import draw, settle
 from sim.figures.style import DOTTED
-from sim.figures.summary import figure_data
 from sim.study.catalogue import FIGURES
-from tests.figures.made_belt import dashes, drawn
+from tests.figures.drawing import dashes, drawn, fed, picture
 
 PATHS = ("gallas_4a", "gallas_4b", "gallas_4c", "gallas_4d", "gallas_4e", "gallas_7a", "gallas_7c")
 SNAPSHOTS = ("gallas_5a", "gallas_5b", "gallas_5c", "gallas_5d", "gallas_7b")
@@ -126,7 +123,7 @@ def test_the_protocols_stand_side_by_side_where_both_are_in_the_data(name, steps
 def test_labels_are_in_the_picture_and_the_legend_is_above_the_titles(name, belt_dataset):
     _, data = drawn(name, belt_dataset)
     wide = replace(data, rows=data.rows.assign(width=20.0))
-    figure = import_module(f"sim.figures.{name}").draw(wide)
+    figure = picture(wide)
     settle(figure)
     legend = figure.legends[0].get_window_extent()
     for axes in figure.axes:
@@ -135,17 +132,17 @@ def test_labels_are_in_the_picture_and_the_legend_is_above_the_titles(name, belt
 
 
 def test_of_several_points_the_one_nearest_to_the_paper_is_shown(belt_dataset):
-    data = figure_data(load_results(belt_dataset), FIGURES["gallas_4a"])
+    data = fed("gallas_4a", belt_dataset)
     other = data.rows.assign(point="other", belt_ghost="centred")
     both = replace(data, rows=pd.concat([other, data.rows], ignore_index=True))
     assert list(select(both).rows["belt_ghost"]) == ["below"]
 
 
 def test_beads_beyond_the_tallest_picture_are_counted(belt_dataset):
-    data = figure_data(load_results(belt_dataset), FIGURES["gallas_4a"])
+    data = fed("gallas_4a", load_results(belt_dataset))
     path = data.results.particles(data.rows["point"].iloc[0])["path"]
     path[:, :2, 1] += 1.5 * TALLEST * data.rows["diameter"].iloc[0]
-    (axes,) = gallas_4a.draw(data).axes
+    (axes,) = picture(data).axes
     assert axes.get_ylim()[1] == TALLEST
     assert [text.get_text() for text in axes.texts] == ["2 beads above"]
 

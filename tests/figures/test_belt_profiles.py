@@ -12,10 +12,9 @@ from sim.dataset.results import load_results
 from sim.figures.belt_profiles import DENSITY, THIN, VELOCITY, profiles
 from sim.figures.render import draw
 from sim.figures.style import DASH_DOT, DOTTED, LONG_DASH, SHORT_DASH
-from sim.figures.summary import figure_data
 from sim.parameters import BeltParameters
-from sim.study.catalogue import FIGURES
-from tests.figures.made_belt import SPREAD, dashes, drawn, plateau, transport
+from tests.figures.drawing import dashes, drawn, fed
+from tests.figures.made_belt import SPREAD, plateau, transport
 
 FREQUENCIES = {"f = 10 Hz": "-", "f = 20 Hz": LONG_DASH, "f = 60 Hz": DASH_DOT, "f = 80 Hz": DOTTED}
 ANGLES = {"α = π/2": DOTTED, "α = π/3": DASH_DOT, "α = π/4": "-", "α = π/6": SHORT_DASH}
@@ -143,7 +142,7 @@ def test_data_and_caption(name, belt_dataset, tmp_path):
 
 
 def test_a_slice_that_is_empty_in_a_replicate_has_no_velocity(belt_dataset):
-    data = figure_data(load_results(belt_dataset), FIGURES["gallas_3a"])
+    data = fed("gallas_3a", load_results(belt_dataset))
     point = data.rows["point"].iloc[0]
     belt = data.results.profiles["belt"]
     belt["velocity_profile"].loc[{"run": point, "replicate": 1, "slice": 2}] = np.nan
@@ -153,7 +152,7 @@ def test_a_slice_that_is_empty_in_a_replicate_has_no_velocity(belt_dataset):
 
 
 def test_a_profile_ends_where_it_is_too_thin(belt_dataset):
-    data = figure_data(load_results(belt_dataset), FIGURES["gallas_2a"])
+    data = fed("gallas_2a", load_results(belt_dataset))
     point = data.rows["point"].iloc[0]
     density = data.results.profiles["belt"]["number_density"]
     for place, factor in ((20, 1.01), (25, 0.99)):

@@ -8,10 +8,8 @@ import pytest
 from sim.dataset.results import load_results
 from sim.figures import chute_row
 from sim.figures.render import draw
-from sim.figures.style import DOTTED, PALE, SETTINGS
-from sim.figures.summary import figure_data
-from sim.study.catalogue import FIGURES
-from tests.figures.made_belt import dashes
+from sim.figures.style import DOTTED, PALE
+from tests.figures.drawing import dashes, drawn, fed, picture, without_particles
 from tests.figures.made_chute import SPREAD
 
 ROWS = {f"walton_1_{number}": depth for number, depth in enumerate((1.24, 2.5, 5, 10, 20, 40), 1)}
@@ -25,12 +23,6 @@ def results(chute_dataset):
 @pytest.fixture(autouse=True)
 def small(monkeypatch):
     monkeypatch.setattr(chute_row, "PIXELS", 60)
-
-
-def drawn(name: str, results):
-    data = figure_data(results, FIGURES[name])
-    with mpl.rc_context(SETTINGS):
-        return chute_row.draw(data), data
 
 
 def lines(axes) -> dict[str, mpl.lines.Line2D]:
@@ -96,7 +88,7 @@ def test_the_converged_protocol_lies_beside_the_published_one(results):
 
 @pytest.mark.parametrize(("name", "share"), [("walton_1_4", 0.5), ("walton_1_5", 1.0)])
 def test_deep_flows_show_the_whole_cell_and_others_a_portion(results, name, share):
-    row = figure_data(results, FIGURES[name]).rows.to_dict("records")[0]
+    row = fed(name, results).rows.to_dict("records")[0]
     state = results.particles(row["point"])
     scene = chute_row.Scene(row, state, np.array([1e-2]), np.array([0.0, 1.0]), 60)
     assert scene.shown == pytest.approx(np.array([3e-3, share * 3e-3]))
@@ -131,7 +123,5 @@ def test_files_tell_units_replicates_protocols_and_the_paper(chute_dataset, tmp_
 
 
 def test_a_flow_without_stored_particles_still_has_its_profiles(results):
-    data = figure_data(results, FIGURES["walton_1_1"])
-    results_without = type(results)(results.dataset, results.profiles, results.boundaries)
-    figure = chute_row.draw(type(data)(data.rows, data.boundaries, results_without))
+    figure = picture(without_particles(fed("walton_1_1", results)))
     assert "no configuration stored" in [text.get_text() for text in figure.axes[2].texts]

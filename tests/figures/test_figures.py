@@ -3,11 +3,9 @@
 import csv
 import struct
 from dataclasses import replace
-from importlib import import_module
 from pathlib import Path
 from xml.etree import ElementTree
 
-import matplotlib as mpl
 import numpy as np
 import pandas as pd
 import pytest
@@ -15,22 +13,14 @@ import xarray as xr
 
 from sim.base.errors import InputError
 from sim.dataset.build import build
-from sim.dataset.results import load_results
-from sim.figures import gallas_1a, gallas_1b, gallas_1c, walton_2
 from sim.figures.render import draw
-from sim.figures.style import DASH_DOT, LONE_BESIDE, SETTINGS, SHORT_DASH
-from sim.figures.summary import figure_data
-from sim.parameters import SYSTEMS
-from sim.study.catalogue import FIGURES
+from sim.figures.style import DASH_DOT, LONE_BESIDE, SHORT_DASH
 from sim.study.load import load_study
+from tests.figures import drawing
+from tests.figures.drawing import dashes, fed, picture
 from tests.made.runs import FAILURE, is_hurt, is_lost, make_study
 
-MODULES = {
-    "walton_2": walton_2,
-    "gallas_1a": gallas_1a,
-    "gallas_1b": gallas_1b,
-    "gallas_1c": gallas_1c,
-}
+NAMES = ("walton_2", "gallas_1a", "gallas_1b", "gallas_1c")
 LONG_DASH = (0, (5, 2))
 
 
@@ -47,28 +37,18 @@ def dataset_path(made) -> Path:
 @pytest.fixture(scope="module")
 def folder(dataset_path, tmp_path_factory) -> Path:
     folder = tmp_path_factory.mktemp("figures")
-    for name in MODULES:
+    for name in NAMES:
         draw(name, dataset_path, folder)
     return folder
 
 
 def drawn(name: str, dataset_path: Path):
     """Return the axes of a figure and its rows."""
-    data = figure_data(load_results(dataset_path), FIGURES[name])
-    with mpl.rc_context(SETTINGS):
-        return MODULES[name].draw(data).axes[0], data.rows
+    figure, data = drawing.drawn(name, dataset_path)
+    return figure.axes[0], data.rows
 
 
-@pytest.mark.parametrize("name", FIGURES)
-def test_every_figure_has_a_module_that_says_what_the_paper_says(name):
-    module = import_module(f"sim.figures.{name}")
-    assert callable(module.draw)
-    assert module.LEAD.endswith(".")
-    assert module.PAPER.startswith("The paper")
-    assert set(module.NAMED) <= set(SYSTEMS[FIGURES[name].system].model_fields)
-
-
-@pytest.mark.parametrize("name", MODULES)
+@pytest.mark.parametrize("name", NAMES)
 def test_png_is_large_enough_for_print(folder, name):
     header = (folder / f"{name}.png").read_bytes()
     assert header[:8] == b"\x89PNG\r\n\x1a\n"
@@ -78,14 +58,14 @@ def test_png_is_large_enough_for_print(folder, name):
     assert pixels_per_metre * 0.0254 >= 150
 
 
-@pytest.mark.parametrize("name", MODULES)
+@pytest.mark.parametrize("name", NAMES)
 def test_svg_is_one_picture(folder, name):
     root = ElementTree.parse(folder / f"{name}.svg").getroot()
     assert root.tag == "{http://www.w3.org/2000/svg}svg"
     assert len(list(root.iter("{http://www.w3.org/2000/svg}path"))) > 20
 
 
-@pytest.mark.parametrize("name", MODULES)
+@pytest.mark.parametrize("name", NAMES)
 def test_data_hold_every_point_with_units(folder, made, name):
     with (folder / f"{name}.csv").open(newline="") as file:
         rows = list(csv.DictReader(file))
@@ -111,12 +91,6 @@ STYLES = {
 }
 
 
-def dashes(line) -> object:
-    """Return the dash pattern as it was given to matplotlib."""
-    offset, pattern = line._unscaled_dash_pattern
-    return "-" if pattern is None else (int(offset), tuple(pattern))
-
-
 @pytest.mark.parametrize("name", STYLES)
 def test_lines_have_the_dashes_of_the_paper(dataset_path, name):
     axes, _ = drawn(name, dataset_path)
@@ -139,11 +113,10 @@ def test_dampings_of_fig_1b_are_markers_without_lines(dataset_path):
 
 
 def test_converged_dampings_of_fig_1b_are_large_pale_markers_of_the_same_look(dataset_path):
-    data = figure_data(load_results(dataset_path), FIGURES["gallas_1b"])
+    data = fed("gallas_1b", dataset_path)
     converged = data.rows.assign(protocol="converged")
     both = replace(data, rows=pd.concat([data.rows, converged], ignore_index=True))
-    with mpl.rc_context(SETTINGS):
-        axes = gallas_1b.draw(both).axes[0]
+    axes = picture(both).axes[0]
     markers = [line for line in axes.get_lines() if len(line.get_xdata())]
     pale = {
         (line.get_marker(), line.get_color())
@@ -254,7 +227,7 @@ def test_a_figure_without_a_completed_point_is_still_drawn(dataset_path, tmp_pat
         dataset = opened.load()
     dataset["status"][:] = "failed"
     dataset.to_netcdf(tmp_path / "dataset.nc")
-    for name in MODULES:
+    for name in NAMES:
         files = draw(name, tmp_path / "dataset.nc", tmp_path)
         assert all(path.stat().st_size > 0 for path in files)
 

@@ -4,10 +4,11 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from sim.figures import overlaps
+from sim.figures.belt_acceleration import relative_velocity
 from sim.figures.render import draw
 from sim.figures.style import LONG_DASH
-from tests.figures.made_belt import dashes, drawn, transport
+from tests.figures.drawing import dashes, drawn, table
+from tests.figures.made_belt import transport
 from tests.figures.made_chute import overlap
 
 
@@ -37,11 +38,9 @@ def test_overlaps_are_a_line_and_a_dashed_one_per_stiffness(chute_dataset):
         for stiffness in (100, 1000)
         for what in ("median", "one of a thousand")
     }
-    table = overlaps.table(data)
     heading = "half width of 95 % interval of the median overlap [σ]"
-    assert {"median overlap [σ]", heading, "overlap that one of a thousand exceeds [σ]"} < set(
-        table
-    )
+    columns = set(table(data))
+    assert {"median overlap [σ]", heading, "overlap that one of a thousand exceeds [σ]"} < columns
 
 
 def test_onset_is_drawn_against_the_acceleration_and_relative_to_the_belt(belt_dataset):
@@ -55,7 +54,11 @@ def test_onset_is_drawn_against_the_acceleration_and_relative_to_the_belt(belt_d
     )
     speed = [transport(each) for each in rows.itertuples()]
     belt = 2 * np.pi * rows["frequency"] * vertical
-    assert rows["velocity"].to_numpy() == pytest.approx((speed / belt).to_numpy())
+    assert rows["velocity"].to_numpy() == pytest.approx(speed)
+    relative = relative_velocity(rows).value.to_numpy()
+    assert relative == pytest.approx((speed / belt).to_numpy())
+    heights = [y for line in axes.get_lines() if len(line.get_xdata()) for y in line.get_ydata()]
+    assert set(relative) <= set(heights)
     labels = {line.get_label() for line in axes.get_lines() if "=" in line.get_label()}
     assert labels == {"$A_z$ = 0.5 ⟨d⟩, α = 45°", "$A_z$ = 1 ⟨d⟩, α = 45°"}
 
@@ -91,9 +94,9 @@ def test_stiffness_is_a_curve_per_frequency(belt_dataset):
 )
 def test_data_and_caption(name, heading, belt_dataset, tmp_path):
     _, _, csv, caption = draw(name, belt_dataset, tmp_path)
-    table = pd.read_csv(csv)
-    assert heading in table
-    assert table[heading].notna().all()
+    data = pd.read_csv(csv)
+    assert heading in data
+    assert data[heading].notna().all()
     text = caption.read_text()
     assert "95 % interval" in text
     assert "The paper: " in text

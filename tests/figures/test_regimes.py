@@ -5,27 +5,21 @@ from dataclasses import replace
 from math import atan, degrees, pi, radians, sqrt, tan
 from pathlib import Path
 
-import matplotlib as mpl
 import numpy as np
 import pandas as pd
 import pytest
 import xarray as xr
 
 from sim.dataset.build import build
-from sim.dataset.results import load_results
-from sim.figures import belt_onset, regimes_angle, regimes_friction
-from sim.figures.regime_map import BOUNDARIES, MARKS, boundary_sentence, creeping
+from sim.figures.boundaries import BOUNDARIES, boundary_sentence
+from sim.figures.regimes import MARKS, creeping
 from sim.figures.render import draw
-from sim.figures.style import SETTINGS
-from sim.figures.summary import figure_data
 from sim.study.catalogue import FIGURES
+from tests.figures import drawing
+from tests.figures.drawing import fed, picture
 from tests.made.runs import make_regimes
 
-MODULES = {
-    "regimes_friction": regimes_friction,
-    "regimes_angle": regimes_angle,
-    "belt_onset": belt_onset,
-}
+NAMES = ("regimes_friction", "regimes_angle", "belt_onset")
 
 
 @pytest.fixture(scope="module")
@@ -35,20 +29,19 @@ def dataset_path(tmp_path_factory) -> Path:
 
 def drawn(name: str, dataset_path: Path):
     """Return the axes of a figure, its rows and its boundaries."""
-    data = figure_data(load_results(dataset_path), FIGURES[name])
-    with mpl.rc_context(SETTINGS):
-        return MODULES[name].draw(data).axes[0], data.rows, data.boundaries
+    figure, data = drawing.drawn(name, dataset_path)
+    return figure.axes[0], data.rows, data.boundaries
 
 
 def line(axes, label: str):
     return next(one for one in axes.get_lines() if one.get_label().startswith(label))
 
 
-def test_every_figure_of_regimes_has_a_module():
-    assert set(MODULES) == {name for name, spec in FIGURES.items() if spec.regimes}
+def test_these_are_the_figures_of_regimes():
+    assert set(NAMES) == {name for name, spec in FIGURES.items() if spec.regimes}
 
 
-@pytest.mark.parametrize("name", MODULES)
+@pytest.mark.parametrize("name", NAMES)
 def test_all_files_are_made(name, dataset_path, tmp_path):
     png, svg, data, caption = draw(name, dataset_path, tmp_path)
     width, _ = struct.unpack(">II", png.read_bytes()[16:24])
@@ -80,7 +73,7 @@ def test_undetermined_points_are_hollow(dataset_path):
     assert line(axes, "steady").get_markerfacecolor() != "white"
 
 
-@pytest.mark.parametrize("name", MODULES)
+@pytest.mark.parametrize("name", NAMES)
 def test_bars_span_the_intervals(name, dataset_path):
     axes, _, found = drawn(name, dataset_path)
     bars = {
@@ -104,11 +97,10 @@ def test_nothing_joins_the_bars(dataset_path):
 
 
 def test_bars_of_one_place_stand_side_by_side_and_kinds_differ_in_colour_and_marker(dataset_path):
-    data = figure_data(load_results(dataset_path), FIGURES["belt_onset"])
+    data = fed("belt_onset", dataset_path)
     other = data.boundaries.assign(vibration_angle=60.0)
     both = replace(data, boundaries=pd.concat([data.boundaries, other]))
-    with mpl.rc_context(SETTINGS):
-        axes = belt_onset.draw(both).axes[0]
+    axes = picture(both).axes[0]
     looks = {
         (one.get_color(), one.get_marker())
         for one in (
@@ -126,14 +118,13 @@ def test_bars_of_one_place_stand_side_by_side_and_kinds_differ_in_colour_and_mar
 
 
 def test_flows_that_creep_are_told_from_those_that_flow(dataset_path):
-    data = figure_data(load_results(dataset_path), FIGURES["regimes_friction"])
+    data = fed("regimes_friction", dataset_path)
     unit = sqrt(9.8e-3)
     rows = data.rows.assign(velocity=data.rows["velocity"].where(data.rows.index > 2, 0.09 * unit))
     rows.loc[:2, "regime"] = ["accelerating", "undetermined", "arrested"]
     assert list(np.flatnonzero(creeping(rows))) == [0, 1]
     assert not creeping(rows.assign(velocity=0.11 * unit)).any()
-    with mpl.rc_context(SETTINGS):
-        axes = regimes_friction.draw(replace(data, rows=rows)).axes[0]
+    axes = picture(replace(data, rows=rows)).axes[0]
     shown = line(axes, "creeps: |V| < 0.1 √(gσ)")
     assert list(shown.get_xdata()) == list(rows["depth"][:2])
     assert shown.get_markerfacecolor() == "white"
@@ -173,7 +164,7 @@ def test_the_caption_says_what_was_not_found(dataset_path):
     assert f"2 not within the range searched ({named}). Shown: limit of acceleration (2)." in said
 
 
-@pytest.mark.parametrize("name", MODULES)
+@pytest.mark.parametrize("name", NAMES)
 def test_a_figure_without_a_boundary_or_a_completed_point_is_still_drawn(
     name, dataset_path, tmp_path
 ):

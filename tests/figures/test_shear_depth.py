@@ -2,7 +2,6 @@
 
 from dataclasses import replace
 
-import matplotlib as mpl
 import pandas as pd
 import pytest
 import xarray as xr
@@ -10,24 +9,19 @@ from matplotlib.markers import CARETDOWN, CARETUP
 
 from sim.base.errors import InputError
 from sim.dataset.replicates import student_half_width
-from sim.dataset.results import load_results
-from sim.figures import shear_depth
-from sim.figures.measures import measured
+from sim.figures.quantity import measures
 from sim.figures.render import draw
-from sim.figures.style import SETTINGS
-from sim.figures.summary import figure_data
-from sim.study.catalogue import FIGURES
+from tests.figures.drawing import fed, picture
 from tests.figures.made_chute import SPREAD
 
 
 @pytest.fixture(scope="module")
 def data(chute_dataset):
-    return figure_data(load_results(chute_dataset), FIGURES["shear_depth"])
+    return fed("shear_depth", chute_dataset)
 
 
 def test_every_material_is_a_curve_over_the_depths(data):
-    with mpl.rc_context(SETTINGS):
-        axes = shear_depth.draw(data).axes[0]
+    axes = picture(data).axes[0]
     labels = {line.get_label() for line in axes.get_lines() if "=" in line.get_label()}
     assert labels == {
         "e = 0.7, K1 = 100 N/m",
@@ -40,7 +34,9 @@ def test_every_material_is_a_curve_over_the_depths(data):
 
 
 def test_heights_have_students_interval_over_replicates(data):
-    rows = measured(data, "shear_depth", "diameter")
+    (heights,) = measures(data)
+    assert heights.name == "shear_depth"
+    rows = data.rows.assign(half_width=heights.half_width)
     rows = rows.set_index(["restitution", "stiffness", "depth"])
     several, single = rows.loc[(0.85, 100, 5)], rows.loc[(0.7, 100, 5)]
     assert several["half_width"] == pytest.approx(student_half_width(2 * (1 + SPREAD)))
@@ -52,8 +48,7 @@ def test_an_interval_wider_than_the_axes_ends_in_carets(data):
     deep = (dataset["depth"] == 20).values
     dataset["shear_depth"].values[deep, :2] = 1e-3, 9e-3
     wide = replace(data, results=replace(data.results, dataset=dataset))
-    with mpl.rc_context(SETTINGS):
-        axes = shear_depth.draw(wide).axes[0]
+    axes = picture(wide).axes[0]
     carets = [line for line in axes.get_lines() if line.get_marker() in (CARETUP, CARETDOWN)]
     bottom, top = axes.get_ylim()
     places = {(line.get_xdata()[0], line.get_ydata()[0]) for line in carets}

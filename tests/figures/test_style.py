@@ -2,7 +2,8 @@
 
 from matplotlib.markers import CARETDOWN, CARETUP
 
-from sim.figures.style import canvas, mark_cut_bars
+from sim.figures.curves import mark_cut_bars
+from sim.figures.style import canvas
 
 
 def test_a_caret_stands_where_an_error_bar_leaves_the_axes():

@@ -6,7 +6,7 @@ import pandas as pd
 import pytest
 
 from sim.base.errors import InputError
-from sim.figures.summary import split_curves
+from sim.figures.data import split_curves
 from sim.parameters import SYSTEMS, BeltParameters, ChuteParameters
 from sim.report.points import as_table
 from sim.study.catalogue import FIGURES

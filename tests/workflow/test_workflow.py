@@ -158,7 +158,7 @@ def test_other_numerics_run_everything(tree, edited):
 
 
 def test_an_edit_of_a_figure_redraws_that_figure(tree, edited):
-    edited("sim/figures/gallas_1a.py")
+    edited("sim/study/catalogue/__init__.py", 'FIGURES["gallas_1a"].options["edited"] = 1')
     assert planned(tree) == {"figure": 1, "report": 1}
 
 

@@ -1,4 +1,4 @@
-# A figure follows its own entry of the catalogue, and the room that draws.
+# One job draws one figure: an edit of its entry in the catalogue redraws it, one of the code all.
 
 
 rule figure:

@@ -1,4 +1,4 @@
-"""What a figure is and needs, as the registry, study files and the reference know it."""
+"""What a figure is: its kind of plot, the points that feed it, and what its caption says."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -6,46 +6,74 @@ from typing import Any
 
 from sim.parameters import NUMERICAL, Parameters
 
+#: Kinds of plot that show regimes and boundaries, that move, and that show particles.
+_OF_REGIMES = frozenset({"regimes", "belt_onset"})
+_ANIMATED = frozenset({"chute_animation", "belt_animation"})
+_OF_PARTICLES = _ANIMATED | {"chute_row", "belt_paths", "belt_snapshots"}
+
 
 @dataclass(frozen=True)
 class FigureSpec:
-    """What a study must supply for one figure.
+    """A figure as plain data: numbers, texts, and tuples and mappings of them.
 
     Attributes
     ----------
     name : str
-        Name in study files, targets and file names; also the module that draws it.
+        Name in study files, targets and file names.
+    kind : str
+        Kind of plot, one of `sim.figures.kind.KINDS`.
     paper : str
         Figure of the paper it reproduces, or what it is about in it.
     system : str
         System of all the points that feed it.
-    axes : tuple of str
-        Parameters that must take at least two values among those points.
-    curves : tuple of str
-        Parameters that tell the paper's curves apart; a study may vary them or not.
     title : str
         One line for tables and the report.
+    axes : tuple of str
+        Parameters that must take at least two values among those points; curves are drawn along the
+        first.
+    curves : tuple of str
+        Parameters that tell the paper's curves apart; a study may vary them or not.
     where : mapping
         Values that parameters of a point must have to be drawn, or tuples of values of which each
         must have one; others of a series that feeds the figure are left out.
-    regimes : bool
-        Whether it shows regimes and the boundaries found between them, rather than velocities.
-    particles : bool
-        Whether it shows particles, whose states the dataset then keeps.
-    animated : bool
-        Whether it moves: a GIF with a poster instead of a picture.
+    lead : str
+        First sentences of the caption: what is drawn.
+    named : tuple of str
+        Parameters whose values the caption gives.
+    says : str
+        Last sentences of the caption: what the paper says that the figure shows.
+    options : mapping
+        What the kind of plot leaves open, such as quantities, and styles that the paper prescribes;
+        the module of the kind says which it knows.
     """
 
     name: str
+    kind: str
     paper: str
     system: str
-    axes: tuple[str, ...]
-    curves: tuple[str, ...]
     title: str
+    axes: tuple[str, ...] = ()
+    curves: tuple[str, ...] = ()
     where: Mapping[str, Any] = field(default_factory=dict)
-    regimes: bool = False
-    particles: bool = False
-    animated: bool = False
+    lead: str = ""
+    named: tuple[str, ...] = ()
+    says: str = ""
+    options: Mapping[str, Any] = field(default_factory=dict)
+
+    @property
+    def regimes(self) -> bool:
+        """Whether it shows regimes and the boundaries found between them, not velocities."""
+        return self.kind in _OF_REGIMES
+
+    @property
+    def particles(self) -> bool:
+        """Whether it shows particles, whose states the dataset then keeps."""
+        return self.kind in _OF_PARTICLES
+
+    @property
+    def animated(self) -> bool:
+        """Whether it moves: a GIF with a poster instead of a picture."""
+        return self.kind in _ANIMATED
 
     @property
     def draws_curves(self) -> bool:

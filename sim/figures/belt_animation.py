@@ -1,0 +1,139 @@
+"""An animation of the belt: beads over one cycle, and the line that shakes them."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import Normalize
+from matplotlib.figure import Figure
+from matplotlib.patches import Circle
+
+from sim.figures.animation import Animation, select, still
+from sim.figures.belt_cell import OBSTACLE
+from sim.figures.caption import velocity_text
+from sim.figures.configuration import COLOURS, DARK
+from sim.figures.data import FigureData
+from sim.figures.kind import Kind
+from sim.figures.spheres import Frame, picture, view_from
+from sim.figures.style import SHORT_DASH
+from sim.study.catalogue.limits import TALLEST
+
+WIDTH_IN_PIXELS = 400
+
+#: A frame shows one state of so many of the path, for so long (ms).
+EVERY, DURATION = 2, 130
+
+_VIEW = view_from(0, 0)
+
+#: Beads whose paths are drawn, and distance of the marks on the belt, in mean diameters.
+_FOLLOWED, _MARKS = 8, 2.0
+
+
+def notes(data: FigureData) -> list[str]:
+    """Return what the caption says of the flow."""
+    (row,) = data.rows.to_dict("records")
+    if not row["completed"]:
+        return []
+    return [f"Transport velocity of the averaging window {velocity_text(row)} ({row['regime']})."]
+
+
+class Belt:
+    """Beads and belt in mean diameters: ``path`` (S, N, 2), ``time`` (S,), ``speed`` (S, N)."""
+
+    def __init__(self, row: Mapping[str, Any], state: xr.Dataset):
+        self.row, unit = row, row["diameter"]
+        self.path = state["path"].values.astype(float) / unit
+        self.time = state["path_time"].values.astype(float)
+        self.speed = unit * np.gradient(self.path[..., 0], self.time, axis=0)
+        self.radius = state["radius"].values / unit
+        self.width, self.amplitude = row["width"], row["amplitude"]
+        self.norm = Normalize(*np.percentile(self.speed, (1, 99)))
+        top = min(float(self.path[..., 1].max()) + 1.0, TALLEST)
+        self.frame = Frame(0.0, self.width, -self.amplitude - 1.0, top)
+        self.pixel = self.width / WIDTH_IN_PIXELS
+
+    def picture(self, number: int) -> np.ndarray:
+        """Return the picture of a state. Beads at one side of the cell are at the other, too."""
+        x = self.path[number, :, 0] % self.width
+        images = np.concatenate([x - self.width, x, x + self.width])
+        near = (images > -1) & (images < self.width + 1)
+        place = np.zeros((len(images), 3))
+        place[:, 0], place[:, 2] = images, np.tile(self.path[number, :, 1], 3)
+        colour = np.tile(COLOURS(self.norm(self.speed[number]))[:, :3], (3, 1))
+        radius = np.tile(self.radius, 3)
+        return picture(_VIEW, self.frame, self.pixel, place[near], radius[near], colour[near])
+
+    def line(self, number: int) -> tuple[np.ndarray, float]:
+        """Return where the marks on the belt are (M,), and its height."""
+        angle = 2 * np.pi * self.row["frequency"] * self.time[number]
+        phase = np.sin(angle + np.radians(self.row["phase"]))
+        slope = np.tan(np.radians(self.row["vibration_angle"]))
+        marks = np.arange(-2 * _MARKS, self.width + 2 * _MARKS, _MARKS)
+        return marks + self.amplitude / slope * phase, self.amplitude * phase
+
+    def trails(self, number: int) -> np.ndarray:
+        """Return the paths (P, 2) of some beads up to a state, parted by not-a-number."""
+        followed = np.argsort(self.path[0, :, 0])[:: max(1, len(self.radius) // _FOLLOWED)]
+        path = self.path[: number + 1, followed].copy()
+        path[..., 0] -= self.width * (self.path[0, followed, 0] // self.width)
+        gap = np.full((1, len(followed), 2), np.nan)
+        return np.concatenate([path, gap]).transpose(1, 0, 2).reshape(-1, 2)
+
+
+def draw(data: FigureData) -> Animation:
+    """Animate one cycle of the one point."""
+    (row,) = data.rows.to_dict("records")
+    state = data.results.states.get(row["point"])
+    if state is None or "path" not in state:
+        return still("no motion stored")
+    belt = Belt(row, state)
+    # To scale, with room for the axes and the colours.
+    aspect = (belt.frame.top - belt.frame.bottom) / belt.width
+    width = min(4.8, 4.8 / aspect)
+    figure = Figure(figsize=(width + 1.6, width * aspect + 0.9), layout="constrained")
+    axes = figure.subplots()
+    image = axes.imshow(belt.picture(0), extent=belt.frame, interpolation="bilinear", zorder=2)
+    _draw_surroundings(axes, belt)
+    (line,) = axes.plot([], [], color=DARK, linewidth=2.2, zorder=3)
+    (marks,) = axes.plot([], [], "|", color=DARK, markersize=6, markeredgewidth=1.4, zorder=3)
+    (trails,) = axes.plot(
+        [], [], color="#d55e00", linewidth=0.9, marker=".", markersize=2, zorder=4
+    )
+    clock = axes.set_title(" ", loc="left", fontsize=8.5)
+
+    def show(frame: int) -> None:
+        number = EVERY * frame
+        image.set_data(belt.picture(number))
+        places, level = belt.line(number)
+        line.set_data([0, belt.width], [level, level])
+        marks.set_data(places, np.full(len(places), level - 0.25))
+        trails.set_data(*belt.trails(number).T)
+        share = belt.time[number] * row["frequency"]
+        clock.set_text(f"f = {row['frequency']:g} Hz, t = {share:.2f} cycles")
+
+    return Animation(figure, (len(belt.time) - 1) // EVERY, show, DURATION)
+
+
+def _draw_surroundings(axes: Axes, belt: Belt) -> None:
+    """Draw the belt's extreme positions, an obstacle, the axes and the colours."""
+    for level in (-belt.amplitude, belt.amplitude):
+        axes.axhline(level, color="#888888", linestyle=SHORT_DASH, linewidth=0.8, zorder=1)
+    if belt.row["obstacle"]:
+        centre, radius = (belt.width / 2, belt.amplitude), belt.row["obstacle"] / 2
+        axes.add_patch(Circle(centre, radius, facecolor=OBSTACLE, edgecolor=DARK, zorder=3))
+    axes.set_xlim(belt.frame.left, belt.frame.right)
+    axes.set_ylim(belt.frame.bottom, belt.frame.top)
+    axes.grid(visible=False)
+    axes.set_xlabel("along the belt x (⟨d⟩)")
+    axes.set_ylabel("height z (⟨d⟩)")
+    bar = axes.figure.colorbar(
+        ScalarMappable(belt.norm, COLOURS), ax=axes, aspect=25, pad=0.02, shrink=0.8
+    )
+    bar.set_label("velocity $v_x$ (m/s)")
+    bar.outline.set_visible(False)
+
+
+KIND = Kind(draw, notes=notes, select=select)

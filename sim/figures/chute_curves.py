@@ -1,0 +1,124 @@
+"""Mean velocity of chute flows over their depth, and what all curves over the depth share."""
+
+from collections.abc import Iterable
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import FixedLocator, NullFormatter
+
+from sim.figures.curves import draw_family, mark_cut_bars
+from sim.figures.data import FigureData
+from sim.figures.kind import Kind
+from sim.figures.looks import Look, look_of
+from sim.figures.quantity import Quantity, velocity
+from sim.figures.style import canvas, place_legend
+from sim.parameters import ChuteParameters
+from sim.study.catalogue import FigureSpec
+from sim.study.catalogue.limits import WIDEST_INTERVAL
+
+#: Room above the highest flow that does not accelerate, and above the markers at the edge.
+_HEADROOM, _EDGE = 1.05, 1.02
+
+#: Points of print between two curves.
+_PITCH = 2.4
+
+#: Depths of the paper's figures, named on the axis wherever they are.
+_OF_PAPER = (0.5, 1.24, 2.5, 5, 10, 20, 40)
+
+#: Factor between two depths that both have room for a number.
+_ROOM = 1.35
+
+
+def unjoined(rows: pd.DataFrame, quantity: Quantity) -> pd.Series:
+    """Return which flows no line joins: those that accelerate, and means of different flows."""
+    unknown = quantity.half_width > WIDEST_INTERVAL * quantity.value.abs()
+    return (rows["regime"] == "accelerating") | unknown
+
+
+def set_depth_axis(axes: Axes, depths: Iterable[float]) -> None:
+    """Make the horizontal axis one of depth, with a tick at each one that was run.
+
+    Those that are too close to one of the paper's, or to each other, have no number.
+    """
+    axes.set_xscale("log")
+    axes.margins(x=0.09)
+    every = sorted(set(depths))
+    named = [depth for depth in every if depth in _OF_PAPER]
+    for depth in every:
+        if all(max(depth / other, other / depth) > _ROOM for other in named):
+            named.append(depth)
+    axes.xaxis.set_major_locator(FixedLocator(sorted(named)))
+    axes.xaxis.set_minor_locator(FixedLocator(sorted(set(every) - set(named))))
+    axes.xaxis.set_minor_formatter(NullFormatter())
+    axes.xaxis.set_major_formatter("{x:g}")
+    axes.set_xlabel("depth n (particles per σ²)")
+
+
+def draw_curves(
+    axes: Axes,
+    rows: pd.DataFrame,
+    quantity: Quantity,
+    spec: FigureSpec,
+    apart: pd.Series,
+    look: Look | None = None,
+    pitch: float = _PITCH,
+) -> None:
+    """Draw the curves of a quantity over the depth, interrupted at the flows ``apart``."""
+    names, look = tuple(ChuteParameters.model_fields), look or look_of(spec)
+    draw_family(axes, rows, quantity, "depth", spec.curves, names, look, apart, pitch)
+
+
+def draw(data: FigureData) -> Figure:
+    """Draw the figure; flows beyond the scale are markers at its top."""
+    rows, found = data.rows, velocity(data.rows)
+    figure, axes = canvas()
+    apart = unjoined(rows, found)
+    ceiling = _ceiling(rows, apart)
+    above = rows["velocity"] > ceiling
+    held = replace(
+        found, value=found.value.clip(upper=ceiling), half_width=found.half_width.mask(above)
+    )
+    draw_curves(axes, rows, held, data.spec, apart | above)
+    set_depth_axis(axes, rows["depth"])
+    axes.set_ylim(0, _EDGE * ceiling if above.any() else ceiling)
+    mark_cut_bars(axes)
+    _name_off_scale(axes, rows[above])
+    axes.set_ylabel("mean velocity V (m/s)")
+    unit = float(np.sqrt(rows["gravity"] * rows["diameter"]).iloc[0])
+    right = axes.secondary_yaxis("right", functions=(lambda v: v / unit, lambda v: v * unit))
+    right.set_ylabel("V / √(gσ)")
+    axes.spines["right"].set_visible(True)
+    place_legend(figure, axes)
+    return figure
+
+
+def _ceiling(rows: pd.DataFrame, apart: pd.Series) -> float:
+    """Return the top of the vertical axis: the flows that do not accelerate fill it."""
+    bounded = rows[~apart]
+    bounded = bounded[bounded["completed"] > 0]
+    if bounded.empty:
+        bounded = rows[rows["completed"] > 0]
+    top = (bounded["velocity"] + bounded["half_width"].fillna(0)).max()
+    return _HEADROOM * top if top > 0 else 1.0
+
+
+def _name_off_scale(axes: Axes, rows: pd.DataFrame) -> None:
+    """Write above the axes, where nothing strikes it, which velocities are off the scale."""
+    for depth, above in rows.groupby("depth"):
+        low, high = (f"{value:.2g}" for value in (above["velocity"].min(), above["velocity"].max()))
+        axes.annotate(
+            "↑ " + (low if low == high else f"{low} … {high}"),
+            (depth, 1),
+            xycoords=axes.get_xaxis_transform(),
+            xytext=(0, 2),
+            textcoords="offset points",
+            ha="center",
+            fontsize=7.5,
+            color="#444444",
+        )
+
+
+KIND = Kind(draw)

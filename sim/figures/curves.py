@@ -1,0 +1,191 @@
+"""Curves of a quantity that differ in parameters, with its intervals, regimes and protocols."""
+
+from collections.abc import Sequence
+
+import pandas as pd
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.colors import to_rgb
+from matplotlib.markers import CARETDOWN, CARETUP
+
+from sim.figures.data import split_curves
+from sim.figures.looks import Look
+from sim.figures.quantity import Quantity
+from sim.figures.style import (
+    BESIDE,
+    LONE_BESIDE,
+    MARKERS,
+    PALE,
+    CurveStyle,
+    cycled,
+    move_aside,
+    name_protocols,
+    undecided,
+)
+
+
+def draw_family(
+    axes: Axes,
+    rows: pd.DataFrame,
+    quantity: Quantity,
+    along: str,
+    keys: Sequence[str],
+    parameters: Sequence[str],
+    look: Look,
+    unjoined: pd.Series | None = None,
+    pitch: float = 0,
+) -> None:
+    """Draw one curve per set of parameters.
+
+    A curve of the converged protocol lies, wide and pale, beside the published one with the same
+    entry in the legend.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+        Where to draw.
+    rows : pandas.DataFrame
+        Points, as `sim.figures.data.summarize` returns them.
+    quantity : Quantity
+        What is drawn of them.
+    along : str
+        Column on the horizontal axis.
+    keys, parameters : sequence of str
+        As for `sim.figures.data.split_curves`.
+    look : callable
+        Gives style and legend entry from all values that name a curve but its protocol.
+    unjoined : pandas.Series, optional
+        Says of each row whether lines are interrupted there.
+    pitch : float
+        How far each curve is drawn to the right of the one before, in points of print, so that
+        points that coincide can be told apart.
+    """
+    curves = split_curves(rows, along, keys, parameters)
+    curves.sort(key=lambda curve: curve[1]["protocol"].iloc[0] != "published")
+    styles: dict[str, CurveStyle] = {}
+    drawn = []
+    for names, curve in curves:
+        named = {name: value for name, value in names.items() if name != "protocol"}
+        style, label = look(named, len(styles))
+        pale = label in styles
+        if not pale and style in styles.values():
+            # Another parameter tells these curves apart, which the paper's styles do not know.
+            style = cycled(len(styles) + len(MARKERS) // 2)
+        styles.setdefault(label, style)
+        drawn.append((curve, label, pale))
+    shifts = {label: pitch * (n - (len(styles) - 1) / 2) for n, label in enumerate(styles)}
+    for curve, label, pale in drawn:
+        style, shift = styles[label], shifts[label]
+        draw_curve(axes, curve, quantity, along, style, label, unjoined, pale, shift)
+    if any(pale for _, _, pale in drawn):
+        name_protocols(axes)
+
+
+def draw_curve(
+    axes: Axes,
+    rows: pd.DataFrame,
+    quantity: Quantity,
+    along: str,
+    style: CurveStyle,
+    label: str,
+    unjoined: pd.Series | None = None,
+    pale: bool = False,
+    shift: float = 0,
+) -> None:
+    """Draw a quantity against a parameter, with 95 % intervals.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+        Where to draw.
+    rows : pandas.DataFrame
+        Points of the curve, as `sim.figures.data.summarize` returns them. Points without a
+        completed replicate are left out; markers of steady points are filled, those of runs too
+        short to tell are pale, and all others are open.
+    quantity : Quantity
+        What is drawn of them.
+    along : str
+        Column on the horizontal axis.
+    style : CurveStyle
+        Look of the curve.
+    label : str
+        Its entry in the legend.
+    unjoined : pandas.Series, optional
+        Says of each row whether the line is interrupted there.
+    pale : bool
+        Draw it beside another curve of the same style, which has the entry in the legend.
+    shift : float
+        How far to the right of its place it is drawn, in points of print.
+    """
+    shown = rows[rows["completed"] > 0]
+    if shown.empty:
+        return
+    artists: list[Artist] = []
+    if style.dashes != "none":
+        line = quantity.value[shown.index]
+        if unjoined is not None:
+            line = line.mask(unjoined[shown.index])
+        beside = BESIDE if pale else {}
+        artists += axes.plot(
+            shown[along], line, color=style.colour, linestyle=style.dashes, **beside
+        )
+    artists += _draw_points(axes, shown, quantity, along, style, pale)
+    move_aside(axes, artists, x=shift)
+    if not pale:
+        axes.plot(
+            [],
+            [],
+            color=style.colour,
+            linestyle=style.dashes,
+            marker=style.marker,
+            label=label,
+        )
+
+
+def _draw_points(
+    axes: Axes,
+    rows: pd.DataFrame,
+    quantity: Quantity,
+    along: str,
+    style: CurveStyle,
+    pale: bool,
+) -> list[Artist]:
+    """Draw the markers of a curve, filled, pale or open, with their error bars; return them."""
+    artists: list[Artist] = []
+    lone = pale and style.dashes == "none"
+    unknown = undecided(rows)
+    steady = (rows["regime"] == "steady") & ~unknown
+    for chosen, face in (
+        (steady, style.colour),
+        (unknown, (*to_rgb(style.colour), PALE)),
+        (~(steady | unknown), "white"),
+    ):
+        part = rows[chosen]
+        bars = axes.errorbar(
+            part[along],
+            quantity.value[part.index],
+            yerr=quantity.half_width[part.index].fillna(0),
+            linestyle="none",
+            color=style.colour,
+            marker=style.marker,
+            markerfacecolor=face,
+            markersize=LONE_BESIDE if lone else None,
+            markeredgewidth=1.0,
+            elinewidth=0.9,
+            alpha=BESIDE["alpha"] if pale else None,
+            zorder=3,
+        )
+        artists += bars.get_children()
+    return artists
+
+
+def mark_cut_bars(axes: Axes) -> None:
+    """Put a caret on the edge where an error bar leaves the axes, whose limits are then final."""
+    bottom, top = axes.get_ylim()
+    for points, _, bars in (bar.lines for bar in axes.containers):
+        for (x, low), (_, high) in (ends for part in bars for ends in part.get_segments()):
+            for cut, edge, caret in ((low < bottom, bottom, CARETDOWN), (high > top, top, CARETUP)):
+                if cut:
+                    look = {"marker": caret, "color": points.get_color()}
+                    (mark,) = axes.plot(x, edge, **look, scalex=False, scaley=False)
+                    mark.set_transform(points.get_transform())

@@ -1,0 +1,61 @@
+"""What a kind of plot is, and which there are."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from importlib import import_module
+
+import pandas as pd
+from matplotlib.figure import Figure
+
+from sim.figures.animation import Animation
+from sim.figures.caption import velocity_notes
+from sim.figures.data import FigureData, velocity_table
+
+#: Module of each kind, which has it as ``KIND``; imported when a figure of the kind is drawn.
+KINDS = {
+    "belt_acceleration": "sim.figures.belt_acceleration",
+    "belt_animation": "sim.figures.belt_animation",
+    "belt_curves": "sim.figures.belt_curves",
+    "belt_measures": "sim.figures.belt_measures",
+    "belt_onset": "sim.figures.belt_onset",
+    "belt_paths": "sim.figures.belt_paths",
+    "belt_profiles": "sim.figures.belt_profiles",
+    "belt_snapshots": "sim.figures.belt_snapshots",
+    "chute_animation": "sim.figures.chute_animation",
+    "chute_curves": "sim.figures.chute_curves",
+    "chute_measures": "sim.figures.chute_measures",
+    "chute_row": "sim.figures.chute_row",
+    "regimes": "sim.figures.regimes",
+}
+
+
+def every_point(data: FigureData) -> FigureData:
+    """Return the data as they are."""
+    return data
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A kind of plot: functions of the data of a figure, whose entry of the catalogue is in them.
+
+    Attributes
+    ----------
+    draw : callable
+        Returns the picture, or an animation of a kind that moves.
+    table : callable
+        Returns the data behind the picture, units in the headings.
+    notes : callable
+        Returns the sentences of the caption on error bars, markers and the like.
+    select : callable
+        Narrows the points, of which there is at least one, to those drawn.
+    """
+
+    draw: Callable[[FigureData], Figure | Animation]
+    table: Callable[[FigureData], pd.DataFrame] = velocity_table
+    notes: Callable[[FigureData], list[str]] = velocity_notes
+    select: Callable[[FigureData], FigureData] = every_point
+
+
+def load_kind(name: str) -> Kind:
+    """Return the kind of plot of a name."""
+    return import_module(KINDS[name]).KIND

@@ -1,0 +1,66 @@
+"""Results of a study: groups are read when they are asked for, once, and files are closed."""
+
+from pathlib import Path
+
+import pytest
+import xarray as xr
+
+from sim.base.errors import InputError
+from sim.dataset import results
+from sim.dataset.results import load_results
+
+
+@pytest.fixture
+def dataset(tmp_path) -> Path:
+    path = tmp_path / "dataset.nc"
+    points = {"point": ["a", "b"], "figures": ("point", ["", ""])}
+    xr.Dataset({"status": ("point", ["completed"] * 2)}, points).to_netcdf(path)
+    for group in ("belt", "states/a", "states/b"):
+        xr.Dataset({"x": ("i", [1.0, 2.0])}).to_netcdf(path, mode="a", group=group)
+    return path
+
+
+@pytest.fixture
+def read(monkeypatch) -> list[str | None]:
+    """Return the groups in the order in which they were read."""
+    groups, load = [], results._loaded
+
+    def recorded(path: Path, group: str | None) -> xr.Dataset:
+        groups.append(group)
+        return load(path, group)
+
+    monkeypatch.setattr(results, "_loaded", recorded)
+    return groups
+
+
+def test_profiles_and_particles_are_read_when_they_are_asked_for_and_once(dataset, read):
+    found = load_results(dataset)
+    assert (list(found.states), list(found.profiles)) == (["a", "b"], ["belt"])
+    assert "a" in found.states
+    assert "c" not in found.states
+    assert read == [None]
+    assert found.particles("b") is found.particles("b")
+    assert list(found.profiles["belt"]["x"]) == [1, 2]
+    assert read == [None, "states/b", "belt"]
+
+
+def test_a_point_or_a_group_that_is_not_there_is_refused(dataset):
+    found = load_results(dataset)
+    with pytest.raises(InputError, match=r"^c: no particles in the dataset$"):
+        found.particles("c")
+    with pytest.raises(KeyError):
+        found.profiles["chute"]
+
+
+def test_a_dataset_that_is_gone_when_its_particles_are_asked_for_is_named(dataset):
+    found = load_results(dataset)
+    dataset.unlink()
+    with pytest.raises(InputError, match=r"dataset\.nc: no such dataset"):
+        found.particles("a")
+
+
+def test_a_dataset_can_be_written_again_once_it_is_read(dataset):
+    found = load_results(dataset)
+    found.particles("a")
+    xr.Dataset({"x": ("i", [3.0, 4.0])}).to_netcdf(dataset, mode="a", group="states/b")
+    assert list(found.particles("b")["x"]) == [3, 4]

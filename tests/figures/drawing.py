@@ -1,0 +1,53 @@
+"""Figures as their kinds of plot draw them, without files."""
+
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+import pandas as pd
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from sim.dataset.results import Results, load_results
+from sim.figures.animation import Animation
+from sim.figures.data import FigureData, figure_data
+from sim.figures.kind import load_kind
+from sim.figures.style import SETTINGS
+from sim.study.catalogue import FIGURES
+
+_loaded = cache(load_results)
+
+
+def fed(name: str, results: Results | Path) -> FigureData:
+    """Return what feeds a figure, of a dataset that is loaded once."""
+    return figure_data(_loaded(results) if isinstance(results, Path) else results, FIGURES[name])
+
+
+def picture(data: FigureData) -> Figure | Animation:
+    """Return a figure as its kind draws the points of the data."""
+    with mpl.rc_context(SETTINGS):
+        return load_kind(data.spec.kind).draw(data)
+
+
+def drawn(name: str, results: Results | Path) -> tuple[Any, FigureData]:
+    """Return a figure as its kind draws it, and what it was drawn from."""
+    data = load_kind(FIGURES[name].kind).select(fed(name, results))
+    return picture(data), data
+
+
+def table(data: FigureData) -> pd.DataFrame:
+    """Return the data behind a figure."""
+    return load_kind(data.spec.kind).table(data)
+
+
+def without_particles(data: FigureData) -> FigureData:
+    """Return the data of a figure without the particles of any point."""
+    return replace(data, results=replace(data.results, states={}))
+
+
+def dashes(line: Line2D) -> object:
+    """Return the dash pattern as it was given to matplotlib."""
+    offset, pattern = line._unscaled_dash_pattern
+    return "-" if pattern is None else (int(offset), tuple(pattern))

@@ -1,0 +1,30 @@
+"""Kinds of plot: one interface, and nothing imported that a figure does not draw with."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from sim.figures.kind import KINDS, Kind, load_kind
+
+
+@pytest.mark.parametrize("name", KINDS)
+def test_every_kind_has_all_four_functions(name):
+    kind = load_kind(name)
+    assert type(kind) is Kind
+    assert all(callable(function) for function in vars(kind).values())
+
+
+def test_a_kind_is_imported_when_it_is_drawn():
+    code = (
+        "import sys, sim.figures.render\n"
+        "from sim.figures.kind import KINDS, load_kind\n"
+        "kinds = set(KINDS.values())\n"
+        "before = kinds & set(sys.modules)\n"
+        "load_kind('regimes')\n"
+        "print(sorted(before), sorted(kinds & set(sys.modules)))"
+    )
+    root = Path(__file__).parents[2]
+    done = subprocess.run([sys.executable, "-c", code], cwd=root, capture_output=True, text=True)
+    assert done.stdout == "[] ['sim.figures.regimes']\n", done.stderr

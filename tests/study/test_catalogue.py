@@ -1,0 +1,67 @@
+"""The catalogue of figures: every entry is plain data and says all that its figure needs."""
+
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+
+from sim.dataset.measures.belt import EMPTY
+from sim.figures.kind import KINDS
+from sim.figures.style import PATTERNS
+from sim.parameters import SYSTEMS
+from sim.study.catalogue import FIGURES, FigureSpec
+
+
+def held(value: Any) -> Iterator[Any]:
+    """Yield the simple values in tuples and mappings of any depth."""
+    if isinstance(value, dict):
+        value = (*value, *value.values())
+    if isinstance(value, tuple):
+        for each in value:
+            yield from held(each)
+    else:
+        yield value
+
+
+@pytest.mark.parametrize("name", FIGURES)
+def test_an_entry_is_plain_data_that_can_be_written_down(name):
+    spec = FIGURES[name]
+    assert spec.name == name
+    assert {type(value) for value in held((*vars(spec).values(),))} <= {str, int, float}
+    assert eval(repr(spec), {"FigureSpec": FigureSpec}) == spec
+
+
+@pytest.mark.parametrize("name", FIGURES)
+def test_an_entry_says_what_is_drawn_and_what_the_paper_says(name):
+    spec = FIGURES[name]
+    assert spec.kind in KINDS
+    assert spec.lead.endswith(".")
+    assert spec.says.startswith("The paper")
+    assert spec.says.endswith(".")
+    parameters = {*spec.named, *spec.axes, *spec.curves, *spec.where}
+    assert spec.named
+    assert parameters <= set(SYSTEMS[spec.system].model_fields)
+
+
+def styles(spec: FigureSpec) -> Iterator[tuple[str, ...]]:
+    options = spec.options
+    yield from (*options.get("styles", {}).values(), *options.get("markers", {}).values())
+    yield from (each["style"] for each in options.get("quantities", ()) if "style" in each)
+    if "fast_start" in options:
+        yield options["fast_start"]
+
+
+@pytest.mark.parametrize("name", FIGURES)
+def test_curves_of_a_figure_differ_in_colour_and_have_dashes_that_are_known(name):
+    found = list(styles(FIGURES[name]))
+    assert len({colour for colour, *_ in found}) == len(found)
+    assert {dashes for _, dashes, *_ in found} <= set(PATTERNS)
+
+
+def test_every_kind_of_plot_is_that_of_a_figure():
+    assert {spec.kind for spec in FIGURES.values()} == set(KINDS)
+
+
+def test_the_level_of_a_void_is_that_of_the_verdicts():
+    assert FIGURES["belt_void"].options["levels"] == (EMPTY,)
+    assert f"Dotted: {100 * EMPTY:g} %." in FIGURES["belt_void"].lead
