@@ -4,13 +4,14 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from sim.dataset.measures.belt import LEAST_TRANSPORT, speed_along_x
+from sim.dataset.measures.belt import speed_along_x
 from sim.figures import transport
 from sim.figures.columns import parameter_columns
 from sim.figures.family import draw_family
 from sim.figures.style import LEVEL, CurveStyle, canvas, cycled, place_legend
 from sim.figures.summary import FigureData
 from sim.parameters import BeltParameters
+from sim.parameters.belt import LEAST_TRANSPORT
 
 NAMED = ("frequency", *transport.NAMED)
 LEAD = (
