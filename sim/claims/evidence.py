@@ -12,18 +12,8 @@ from sim.claims.place import Place, measured
 from sim.claims.starts import over_seeds
 from sim.claims.verdict import Unbounded, Untestable
 from sim.dataset.results import Results
-from sim.parameters import NUMERICAL, SYSTEMS, field_info
-
-#: Parameters that tell readings of the papers apart, besides the published default of each.
-READINGS = {
-    "chute": ("law", "overlap_memory", "friction_cap", "tangential_ratio", "tangential_exponent"),
-    "belt": ("damping_mass", "attraction", "belt_ghost", "integrator"),
-}
-
-
-#: Numerical settings that an answer may depend on after all: unless a judge names them, places with
-#: their defaults come first.
-_CHANGES_START = {"cell", "initial_velocity"}
+from sim.parameters import SYSTEMS, Parameters, default_of
+from sim.parameters.roles import changing_start, numerical
 
 
 class Evidence:
@@ -36,7 +26,8 @@ class Evidence:
     protocol : str
         ``published`` or ``converged``.
     reading : mapping, optional
-        Parameters among `READINGS` that differ from their defaults.
+        Parameters that tell readings apart (`sim.parameters.roles.readings`) and differ from their
+        defaults.
     """
 
     def __init__(self, results: Results, protocol: str, reading: Mapping[str, Any] | None = None):
@@ -48,7 +39,7 @@ class Evidence:
     def at(self, system: str, **where: Any) -> Place:
         """Return the place with these parameters, all others at the paper's values.
 
-        Numerical settings (`sim.parameters.NUMERICAL`) that are not named may have any value:
+        Numerical settings (`sim.parameters.roles.numerical`) that are not named may have any value:
         defaults come first, then more replicates, then longer runs. Raises `Untestable` when there
         is no such place, or none of its replicates completed.
         """
@@ -93,7 +84,7 @@ class Evidence:
             rows = rows[same & (any_protocol | (rows["protocol"] == self.protocol))]
         if any_protocol and len(rows):
             where = {"protocol": rows["protocol"].iloc[0]} | where
-        chosen = rows[self._matching(rows, system, where, along)] if len(rows) else rows
+        chosen = self._matching(rows, system, where, along) if len(rows) else rows
         if chosen.empty:
             raise Untestable(f"no boundary of {of} along {along} at {_text(where)}")
         settings = [name for name in SYSTEMS[system].model_fields if name not in ("seed", along)]
@@ -121,29 +112,28 @@ class Evidence:
     def _rows(self, system: str, where: Mapping[str, Any], free: str = "") -> pd.DataFrame:
         table = self._table
         rows = table[(table["system"] == system) & (table["completed"] > 0)]
-        return rows[self._matching(rows, system, where, free)]
+        return self._matching(rows, system, where, free)
 
     def _matching(
         self, rows: pd.DataFrame, system: str, where: Mapping[str, Any], free: str
-    ) -> pd.Series:
-        """Return which rows have the parameters named, and the paper's values of the others."""
-        wanted = _usual(system) | {"protocol": self.protocol} | self.reading | dict(where)
-        wanted.pop(free, None)
-        if "friction_plane" not in where:
-            wanted.pop("friction_plane", None)
+    ) -> pd.DataFrame:
+        """Return the rows that have the parameters named, and the paper's values of the others."""
+        usual, following = _usual(SYSTEMS[system])
+        wanted = usual | {"protocol": self.protocol} | self.reading | dict(where)
         matching = pd.Series(True, index=rows.index)
-        for name, value in wanted.items():
-            matching &= rows[name] == value
-        if system == "chute" and "friction_plane" not in where:
-            matching &= rows["friction_plane"] == rows["friction"]
-        return matching
+        for name in wanted.keys() - {free}:
+            matching &= rows[name] == wanted[name]
+        found = rows[matching]
+        for name in following - {*wanted, free}:
+            found = found[found[name] == _defaults(SYSTEMS[system], name, found)]
+        return found
 
     def _richest(self, system: str, rows: pd.DataFrame, where: Mapping[str, Any]) -> str:
         """Return the point with the fewest unusual settings, most replicates and longest runs."""
         unusual = pd.Series(0, index=rows.index)
-        for name in _CHANGES_START & set(field_info(SYSTEMS[system])) - set(where):
-            usual = [_default(system, name, row) for row in rows.to_dict("records")]
-            unusual += (rows[name] != usual).astype(int)
+        model = SYSTEMS[system]
+        for name in set(changing_start(model)) - set(where):
+            unusual += (rows[name] != _defaults(model, name, rows)).astype(int)
         ranked = rows.assign(unusual=unusual).sort_values(
             ["unusual", "completed", "steps"], ascending=[True, False, False]
         )
@@ -160,14 +150,14 @@ def _text(where: Mapping[str, Any]) -> str:
     return ", ".join(f"{name} {value}" for name, value in where.items()) or "the paper's values"
 
 
-def _usual(system: str) -> dict[str, Any]:
-    """Return the paper's value of every parameter that sets which flow a point is."""
-    usual = SYSTEMS[system]()
-    names = set(SYSTEMS[system].model_fields) - NUMERICAL - {"system"}
-    return {name: getattr(usual, name) for name in names}
+def _usual(model: type[Parameters]) -> tuple[dict[str, Any], set[str]]:
+    """Return the paper's values of what sets which flow a point is, and names of what follows."""
+    names = set(model.model_fields) - numerical(model) - {"system"}
+    following = {name for name in names if model.model_fields[name].default_factory}
+    paper = model()
+    return {name: getattr(paper, name) for name in names - following}, following
 
 
-def _default(system: str, name: str, row: Mapping[str, Any]) -> Any:
-    """Return the default of a setting, which may follow from the depth."""
-    settings = {"depth": row["depth"]} if system == "chute" else {}
-    return getattr(SYSTEMS[system](**settings), name)
+def _defaults(model: type[Parameters], name: str, rows: pd.DataFrame) -> list[Any]:
+    """Return the paper's value of a parameter at each row, as it may follow from others there."""
+    return [default_of(model, name, row) for row in rows.to_dict("records")]

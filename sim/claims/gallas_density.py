@@ -5,7 +5,6 @@ from itertools import pairwise
 from math import inf, nan
 
 import numpy as np
-from scipy.special import stdtrit
 from uncertainties import UFloat
 
 from sim.claims.bed import half_height, layer_width, peak, spread
@@ -15,7 +14,7 @@ from sim.claims.lines import FLOWING, along, common_beds, replicated
 from sim.claims.place import Place, joined, measured
 from sim.claims.trends import mean_of_others
 from sim.claims.verdict import Check, Untestable
-from sim.dataset.replicates import CONFIDENCE
+from sim.engine.observe.estimate import student
 
 DENSITY = "number_density"
 
@@ -141,11 +140,11 @@ def g19(evidence: Evidence) -> list[Check]:
     density = density[:, :, dense] / mean.max()
     rest = np.array([chi_squared(np.delete(density, bed, axis=1)) for bed in range(beds)])
     error = np.sqrt((beds - 1) / beds * ((rest - rest.mean()) ** 2).sum())
-    statistic, quantile = chi_squared(density), stdtrit(beds - 1, (1 + CONFIDENCE) / 2)
+    statistic, half_width = chi_squared(density), student(beds - 1) * error
     return [
         below(
             "χ²/dof of the densities at 30, 45, 60 and 90°",
-            measured(statistic, float(quantile * error)),
+            measured(statistic, float(half_width)),
             1.5,
             places,
         ),

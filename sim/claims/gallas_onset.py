@@ -12,7 +12,6 @@ from math import pi
 
 import numpy as np
 import pandas as pd
-from scipy.special import stdtrit
 from uncertainties import UFloat
 
 from sim.claims.checks import within
@@ -20,8 +19,9 @@ from sim.claims.evidence import Evidence
 from sim.claims.lines import FLOWING, MARKERS, NONE, along, replicated
 from sim.claims.place import Place, measured, quotient
 from sim.claims.verdict import SIGMAS, Check, Untestable
-from sim.dataset.measures.belt import LEAST_TRANSPORT, speed_along_x
-from sim.dataset.replicates import CONFIDENCE
+from sim.dataset.measures.belt import speed_along_x
+from sim.engine.observe.estimate import student
+from sim.parameters.belt import LEAST_TRANSPORT
 
 #: Pairs of damping and shear damping (g) whose onsets are compared.
 PAIRS = ((50, 50), *MARKERS, (10, 50))
@@ -118,8 +118,7 @@ def _joined(shares: pd.DataFrame, place: Callable[[pd.DataFrame], tuple[float, f
     beds = len(shares)
     without = [place(shares.drop(bed))[0] for bed in shares.index]
     error = np.sqrt((beds - 1) * np.var(without))
-    quantile = stdtrit(beds - 1, (1 + CONFIDENCE) / 2)
-    return measured(value, float(max(quantile * error, 0.5 * step)))
+    return measured(value, float(max(student(beds - 1) * error, 0.5 * step)))
 
 
 def _begins(shares: pd.DataFrame) -> tuple[float, float]:

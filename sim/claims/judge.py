@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 
 from sim.base.files import replacing
-from sim.claims.evidence import READINGS, Evidence
+from sim.claims.evidence import Evidence
 from sim.claims.table import Claim, claims
 from sim.claims.verdict import (
     INCONCLUSIVE,
@@ -23,7 +23,7 @@ from sim.claims.verdict import (
 )
 from sim.dataset.agreement import require_agreement
 from sim.dataset.results import Results, load_results
-from sim.parameters import SYSTEMS
+from sim.parameters import SYSTEMS, roles
 from sim.parameters.wording import setting
 from sim.study.load import load_study
 
@@ -182,9 +182,10 @@ def _judged(claim: Claim, evidence: Evidence, reading: str) -> Variant:
 
 def readings(results: Results, system: str) -> list[dict[str, Any]]:
     """Return the readings other than the default that some points of a system have."""
-    usual = SYSTEMS[system]()
+    model = SYSTEMS[system]
+    usual = model()
     points = results.dataset.isel(point=np.flatnonzero(results.dataset["system"] == system))
-    columns = {name: points[name].values.tolist() for name in READINGS[system]}
+    columns = {name: points[name].values.tolist() for name in roles.readings(model)}
     found = {}
     for values in zip(*columns.values(), strict=True):
         named = zip(columns, values, strict=True)

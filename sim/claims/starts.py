@@ -4,9 +4,8 @@ from collections.abc import Sequence
 
 import numpy as np
 import pandas as pd
-from scipy.special import stdtrit
 
-from sim.dataset.replicates import CONFIDENCE
+from sim.engine.observe.estimate import student
 
 
 def over_seeds(
@@ -38,6 +37,5 @@ def over_seeds(
     freedom = len(rows) - groups.ngroups
     if freedom:
         variance = ((middle - groups.transform("mean")) ** 2).sum() / freedom
-        quantile = stdtrit(freedom, (1 + CONFIDENCE) / 2)
-        half_width = max(half_width, float(quantile * np.sqrt(variance / len(starts))))
+        half_width = max(half_width, float(student(freedom) * np.sqrt(variance / len(starts))))
     return float(middle[starts].mean()), half_width, freedom

@@ -4,13 +4,12 @@ from collections.abc import Mapping, Sequence
 from itertools import pairwise
 
 import numpy as np
-from scipy.special import stdtrit
 from uncertainties import UFloat
 
 from sim.claims.checks import above, within
 from sim.claims.place import Place, measured, quotient
 from sim.claims.verdict import NOT_REPRODUCED, Check
-from sim.dataset.replicates import CONFIDENCE
+from sim.engine.observe.estimate import student
 
 
 def ordered(
@@ -83,8 +82,7 @@ def least(rows: np.ndarray) -> UFloat:
     means = rows.mean(axis=0)
     if replicates < 2:
         return measured(float(means.min()), np.inf)
-    quantile = stdtrit(replicates - 1, 1 - (1 - CONFIDENCE) / (2 * number))
-    widths = quantile * rows.std(axis=0, ddof=1) / np.sqrt(replicates)
+    widths = student(replicates - 1, number) * rows.std(axis=0, ddof=1) / np.sqrt(replicates)
     worst = np.argmin(means + widths)
     if means[worst] + widths[worst] >= 0:
         worst = np.argmin(means - widths)

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from math import inf, isfinite
 
-from scipy.special import stdtrit
+from sim.engine.observe.estimate import student
 
 REPRODUCED = "reproduced"
 NOT_REPRODUCED = "not reproduced"
@@ -16,14 +16,14 @@ REPORTED = "reported"
 
 VERDICTS = (REPRODUCED, NOT_REPRODUCED, INCONCLUSIVE, UNTESTABLE)
 
-#: Half width of a 95 % interval in standard deviations.
-SIGMAS = 1.96
-
 #: Fewer independent samples than this decide nothing.
 TOO_FEW = 8
 
 #: Degrees of freedom from which on Student's distribution is the normal one.
 _MANY = 1e6
+
+#: Half width of a 95 % interval in standard deviations, as tables have it.
+SIGMAS = round(student(_MANY), 2)
 
 
 class Untestable(Exception):
@@ -86,8 +86,7 @@ class Check:
         with their number (Bonferroni), the more the fewer replicates it comes from.
         """
         freedom = min(self.freedom, _MANY)
-        wider = stdtrit(freedom, 1 - 0.025 / number) / stdtrit(freedom, 1 - 0.025)
-        half_width = self.half_width * float(wider)
+        half_width = self.half_width * (student(freedom, number) / student(freedom))
         return self.value + half_width <= self.low or self.value - half_width >= self.high
 
 

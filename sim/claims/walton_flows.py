@@ -6,7 +6,6 @@ from itertools import permutations
 from math import inf, nan, radians, tan
 
 import numpy as np
-from scipy.special import stdtrit
 from scipy.stats import rankdata
 
 from sim.claims.checks import above, below, within
@@ -15,9 +14,8 @@ from sim.claims.evidence import Evidence
 from sim.claims.place import joined
 from sim.claims.trends import pooled
 from sim.claims.verdict import Check, Untestable
-
-#: Largest energy that a ledger may lack, relative to what was turned over.
-LEDGER = 0.005
+from sim.dataset.caveats import CLOSED
+from sim.engine.observe.estimate import student
 
 #: Largest number of values of which all orders are counted.
 COUNTED = 9
@@ -48,11 +46,11 @@ def w5(evidence: Evidence) -> list[Check]:
         raise Untestable(f"no {evidence.protocol} flow with a ledger")
     worst = max(known, key=known.get)
     what = f"largest share of the energy that a ledger lacks, {len(known)} points"
-    checks = [below(what, known[worst], LEDGER, [places[worst]])]
+    checks = [below(what, known[worst], CLOSED, [places[worst]])]
     unknown = [places[key] for key, values in lacking.items() if not np.isfinite(values).all()]
     if unknown:
         what = f"share of the energy where a replicate has no ledger, {len(unknown)} points"
-        checks.append(below(what, nan, LEDGER, unknown))
+        checks.append(below(what, nan, CLOSED, unknown))
     # A ledger is exact bookkeeping: it needs no independent samples.
     return [replace(check, samples=inf) for check in checks]
 
@@ -89,7 +87,7 @@ def _chance(number: int) -> float:
     Two-sided, of all orders where they can be counted.
     """
     if number > COUNTED:
-        t = stdtrit(number - 2, 0.975)
+        t = student(number - 2)
         return float(t / np.sqrt(number - 2 + t**2))
     found = _rank_correlation(np.array(list(permutations(range(number)))))
     values, times = np.unique(np.round(found, 9), return_counts=True)

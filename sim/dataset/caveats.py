@@ -9,6 +9,9 @@ if TYPE_CHECKING:
 #: Share of the energy turned over that the ledger of a sound run does not lack by far.
 UNSOUND = 0.01
 
+#: Largest share that the ledger of a run may lack to be called closed.
+CLOSED = 0.005
+
 _LEAKING = (
     f"energy does not add up within {100 * UNSOUND:g} % of what is turned over, so the run is "
     "numerically unsound or its model makes energy"

@@ -11,6 +11,7 @@ from sim.base.reading import reading
 from sim.dataset.measures import MEASURES, measures
 from sim.dataset.measures.belt import columns
 from sim.engine.identity import numerics_of
+from sim.engine.observe.arrays import INSTANTANEOUS, PROFILES, SNAPSHOTS
 from sim.engine.observe.scalars import SCALARS
 
 #: Without these attributes a file is no run file.
@@ -21,19 +22,22 @@ ATTRIBUTES = {"point_id", "system", "engine_version", "source_hash", "versions",
 NUMBERS = tuple(name for name, (unit, _) in (SCALARS | MEASURES).items() if unit)
 WORDS = tuple(name for name, (unit, _) in SCALARS.items() if not unit)
 
+#: Profiles of which figures show the last sample beside the average.
+_SHOWN_LAST = ("velocity_profile", "packing_profile")
+
 #: Arrays over height that a dataset keeps.
-OVER_HEIGHT = (
-    "velocity_profile",
-    "velocity_profile_instantaneous",
-    "packing_profile",
-    "packing_profile_instantaneous",
-    "number_density",
-    "granular_temperature_profile",
-    "vertical_temperature_profile",
+OVER_HEIGHT = tuple(
+    one
+    for name in PROFILES
+    for one in (name, name + INSTANTANEOUS)
+    if one in PROFILES or name in _SHOWN_LAST
 )
 
+#: What no picture of particles shows.
+_UNSEEN = ("particle_spin", "orientation")
+
 #: What a picture of particles needs: last state and path.
-STATE = ("position", "particle_velocity", "radius", "fixed", "path", "path_time")
+STATE = (*(name for name in SNAPSHOTS if name not in _UNSEEN), "path", "path_time")
 
 
 class Gathered(NamedTuple):

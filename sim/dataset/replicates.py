@@ -2,9 +2,8 @@
 
 import numpy as np
 import xarray as xr
-from scipy.special import stdtrit
 
-CONFIDENCE = 0.95
+from sim.engine.observe.estimate import student
 
 #: What a mean is worth, from the best; of several replicates the worst counts.
 QUALITIES = ("reliable", "jammed", "short", "drifting", "failed")
@@ -93,5 +92,4 @@ def student_half_width(values: np.ndarray) -> np.ndarray:
     """
     if len(values) < 2:
         return np.full(values.shape[1:], np.nan)
-    quantile = stdtrit(len(values) - 1, (1 + CONFIDENCE) / 2)
-    return quantile * values.std(axis=0, ddof=1) / np.sqrt(len(values))
+    return student(len(values) - 1) * values.std(axis=0, ddof=1) / np.sqrt(len(values))

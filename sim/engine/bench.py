@@ -11,7 +11,7 @@ from pathlib import Path
 from sim.engine.observe.system import System
 from sim.engine.systems import build
 from sim.engine.systems.chute import Chute
-from sim.parameters import Parameters, canonical_json, parse_point
+from sim.parameters import SYSTEMS, Parameters, canonical_json, parse_point
 
 #: Depth and side of the cell (both in diameters) of the chute flows, and their stiffnesses (N/m).
 SIZES = [(5, 10), (10, 10), (40, 10), (20, 40)]
@@ -59,11 +59,11 @@ def main() -> None:
     _report_rate("belt, 50 Hz", _point("belt", {"frequency": 50, "transient": 10}))
     print("flow, depth 10, K1 = 117 N/m, by size")
     for cell in (10, 32, 100):
-        _report_rate(f"chute, cell {cell}", _chute(10, cell, 117), SHORT_RELAXATION)
+        _report_rate(f"chute, cell {cell}", _chute(10, cell, 117, SHORT_RELAXATION))
     for stiffness in STIFFNESSES:
         for depth, cell in SIZES[2:]:
             _report_threads(_chute(depth, cell, stiffness))
-    for system in ("chute", "belt"):
+    for system in SYSTEMS:
         point = _point(system, {})
         print(f"{system}: {_further_run(point) * 1e3:.1f} ms to set up a further run")
         print(f"{system}: {_first_step(point):.2f} s from process start to first samples, warm")
@@ -73,8 +73,8 @@ def main() -> None:
         print(f"{system}: {_peak_memory(point):.0f} MB peak memory of a run process")
 
 
-def _chute(depth: int, cell: int, stiffness: float) -> Parameters:
-    values = {"depth": depth, "cell": cell, "stiffness": stiffness}
+def _chute(depth: int, cell: int, stiffness: float, relaxation: float = RELAXATION) -> Parameters:
+    values = {"depth": depth, "cell": cell, "stiffness": stiffness, "transient": relaxation}
     return _point("chute", values | {"initial_velocity": START_VELOCITY[depth]})
 
 
@@ -82,14 +82,11 @@ def _point(system: str, values: dict) -> Parameters:
     return parse_point({"system": system, **values}, "bench")
 
 
-def _relaxed(point: Parameters, relaxation: float) -> System:
-    """Return the point's flow after the start; ``relaxation`` (√(σ/g)) is that of a chute."""
+def _relaxed(point: Parameters) -> System:
+    """Return the point's flow after its transient."""
     system = build(point, 0)
     system.settle()
-    samples = point.transient_samples
-    if point.system == "chute":
-        samples = int(relaxation / (point.sample_steps * point.time_step / point.time_unit))
-    for _ in range(samples):
+    for _ in range(point.transient_samples):
         system.advance()
     return system
 
@@ -105,9 +102,9 @@ def _timed(system: System) -> tuple[float, float]:
     return rate, statistics.mean(contacts)
 
 
-def _report_rate(name: str, point: Parameters, relaxation: float = RELAXATION) -> None:
+def _report_rate(name: str, point: Parameters) -> None:
     """Measure and print the speed of one flow, after it has relaxed."""
-    system = _relaxed(point, relaxation)
+    system = _relaxed(point)
     rates, contacts = zip(*(_timed(system) for _ in range(REPEATS)), strict=True)
     rate, contact = statistics.median(rates), statistics.mean(contacts)
     print(f"{name:30}{point.particles:9}{contact:19.2f}{rate:26.1f}", flush=True)
@@ -125,7 +122,7 @@ def _with_threads(system: Chute, threads: int) -> Chute:
 
 def _report_threads(point: Parameters) -> None:
     """Measure and print how much faster two threads are, in turns with one from the same state."""
-    system, ratios = _relaxed(point, RELAXATION), []
+    system, ratios = _relaxed(point), []
     for _ in range(REPEATS):
         (one, _), (two, _) = (_timed(_with_threads(system, threads)) for threads in (1, 2))
         ratios.append(two / one)

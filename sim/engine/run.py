@@ -145,7 +145,7 @@ def _layout(parameters: Parameters, system: System, records: list[Record]) -> La
         time=np.arange(1, samples + 1) * interval,
         height=system.profile_height,
         series=system.series,
-        axes=("x", "y", "z") if parameters.system == "chute" else ("x", "z"),
+        axes=system.axes,
         coordinates=system.coordinates,
     )
 

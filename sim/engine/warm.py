@@ -3,25 +3,17 @@
 from collections.abc import Iterable
 
 from sim.engine.systems import build
-from sim.parameters import BeltParameters, ChuteParameters, Parameters
-
-#: Parameters whose values choose what is compiled; all others only change numbers.
-COMPILED = {
-    "chute": ("law", "tangential_exponent", "overlap_memory", "friction_cap", "orientations"),
-    "belt": ("damping_mass", "attraction", "integrator"),
-}
+from sim.parameters import Parameters
+from sim.parameters.roles import compiled
 
 
 def variants(points: Iterable[Parameters]) -> list[Parameters]:
     """Return one small, short point per set of compiled kernels that the points need."""
     small: dict[tuple, Parameters] = {}
     for point in points:
-        chosen = {name: getattr(point, name) for name in COMPILED[point.system]}
-        if point.system == "chute":
-            tiny = ChuteParameters(depth=0.2, cell=5, **chosen)
-        else:
-            tiny = BeltParameters(beads=2, settle_velocity_squared=1e6, **chosen)
-        small[(point.system, *chosen.values())] = tiny
+        model = type(point)
+        chosen = {name: getattr(point, name) for name in compiled(model)}
+        small[(model, *chosen.values())] = model(**model.smallest, **chosen)
     return list(small.values())
 
 

@@ -1,15 +1,24 @@
 """Parameters of the vibrating belt; defaults are those of Gallas, Herrmann, Sokołowski (1992)."""
 
 import math
-from typing import ClassVar, Literal, Self
+from typing import Any, ClassVar, Literal, Self
 
 from pydantic import model_validator
 
-from sim.parameters.common import MAX_PARTICLES, Parameters, Real, broken_rule, declare
+from sim.parameters.common import MAX_PARTICLES, Parameters, Real, broken_rule
+from sim.parameters.roles import declare
 
 #: Largest product of damping rate and time step for which Gear's corrector of fifth order, with
 #: forces that depend on the velocity, damps rather than excites (spectral radius of its matrix).
 GEAR_STABILITY = 0.15
+
+#: Share of the belt's velocity amplitude below which nothing is transported.
+LEAST_TRANSPORT = 0.02
+
+#: Particle-steps per second on one core of a present-day server, and seconds of simulated time
+#: until a released bed is at rest.
+RATE = 55.0e6
+SETTLING = 0.7
 
 
 class BeltParameters(Parameters):
@@ -21,6 +30,8 @@ class BeltParameters(Parameters):
     """
 
     sampling_key: ClassVar[str] = "samples_per_cycle"
+    boundaries: ClassVar[tuple[str, ...]] = ("flow", "transport")
+    smallest: ClassVar[dict[str, Any]] = {"beads": 2, "settle_velocity_squared": 1e6}
 
     system: Literal["belt"] = declare("belt", description="which of the two systems")
     frequency: Real = declare(
@@ -29,6 +40,7 @@ class BeltParameters(Parameters):
         unit="Hz",
         description="frequency of the vibration",
         equation="Gallas, Eqs. 1a, 1b",
+        id_part="frequency",
         gt=0,
     )
     amplitude: Real = declare(
@@ -38,6 +50,7 @@ class BeltParameters(Parameters):
         scale="⟨d⟩",
         description="vertical amplitude of the vibration",
         equation="Gallas, Eq. 1b",
+        id_part="amplitude",
         ge=0,
     )
     vibration_angle: Real = declare(
@@ -46,6 +59,7 @@ class BeltParameters(Parameters):
         unit="degree",
         description="angle of the vibration with the horizontal (90: vertical)",
         equation="Gallas, Sec. 2: α = arctan(A_z/A_x)",
+        id_part="angle",
         gt=0,
         le=90,
     )
@@ -56,6 +70,7 @@ class BeltParameters(Parameters):
         scale="g",
         description="normal damping coefficient",
         equation="Gallas, Eq. 3",
+        id_part="damping",
         ge=0,
     )
     shear_damping: Real = declare(
@@ -65,6 +80,7 @@ class BeltParameters(Parameters):
         scale="g",
         description="shear friction coefficient",
         equation="Gallas, Eq. 4",
+        id_part="shear",
         ge=0,
     )
     stiffness: Real = declare(
@@ -110,6 +126,8 @@ class BeltParameters(Parameters):
         scale="√(g⟨d⟩)",
         description="velocity along the belt of all beads when the shaking starts",
         equation="Gallas, Sec. 3, Fig. 3c: dashed line",
+        role="numerics",
+        changes_start=True,
         ge=0,
     )
     prior_frequency: Real = declare(
@@ -125,6 +143,7 @@ class BeltParameters(Parameters):
         unit="1",
         scale="cycles",
         description="how many cycles of prior_frequency went before",
+        role="numerics",
         ge=1,
         le=100_000,
     )
@@ -176,6 +195,7 @@ class BeltParameters(Parameters):
         unit="1",
         description="time steps in one cycle of the vibration",
         equation="Gallas, Sec. 2: Δt = 1/(2000 f)",
+        role="numerics",
         ge=100,
         le=1_000_000,
     )
@@ -183,6 +203,7 @@ class BeltParameters(Parameters):
         20,
         unit="1",
         description="samples of the observables in one cycle (divides steps_per_cycle)",
+        role="numerics",
         ge=1,
     )
     transient: Real = declare(
@@ -192,6 +213,7 @@ class BeltParameters(Parameters):
         scale="cycles",
         description="length discarded before averaging",
         equation="Gallas, Sec. 2: 9·10⁴ steps",
+        role="amount",
         ge=0,
     )
     average: Real = declare(
@@ -201,6 +223,7 @@ class BeltParameters(Parameters):
         scale="cycles",
         description="length averaged over",
         equation="Gallas, Sec. 2: 9·10⁴ steps",
+        role="amount",
         gt=0,
     )
     limit: Real = declare(
@@ -209,6 +232,7 @@ class BeltParameters(Parameters):
         unit="1",
         scale="cycles",
         description="longest run of the converged protocol, whose cost `points` tells",
+        role="amount",
         gt=0,
     )
     settle_velocity_squared: Real = declare(
@@ -217,6 +241,7 @@ class BeltParameters(Parameters):
         unit="m2 s-2",
         description="mean squared velocity below which the bed is at rest and the shaking starts",
         equation="Gallas, Sec. 2",
+        role="numerics",
         gt=0,
     )
     overlap_limit: Real = declare(
@@ -226,6 +251,7 @@ class BeltParameters(Parameters):
         scale="r_i + r_j",
         description="overlap at which the run stops as unphysical (the published stiffness lets "
         "beads overlap by more than half a radius from 20 Hz on)",
+        role="numerics",
         gt=0,
         le=0.95,
     )
@@ -233,22 +259,29 @@ class BeltParameters(Parameters):
         "own",
         description="mass in the damping terms: the bead's own, or the reduced mass of the pair",
         equation="Gallas, Eqs. 3, 4",
+        role="reading",
+        compiled=True,
     )
     belt_ghost: Literal["below", "centred"] = declare(
         "below",
         description="the belt acts as a bead that is tangent to its line from below, or centred "
         "on it",
         equation="Gallas, Sec. 2",
+        role="reading",
     )
     attraction: Literal["kept", "clipped"] = declare(
         "kept",
         description="an attractive total normal force at the end of a contact is kept or set to 0",
         equation="Gallas, Eqs. 2, 3",
+        role="reading",
+        compiled=True,
     )
     integrator: Literal["gear", "verlet"] = declare(
         "gear",
         description="Gear predictor-corrector of fifth order, or velocity Verlet",
         equation="Gallas, Sec. 2",
+        role="reading",
+        compiled=True,
     )
 
     @property
@@ -271,7 +304,7 @@ class BeltParameters(Parameters):
         along = self.vibration_angle < 90
         slope = math.tan(math.radians(self.vibration_angle)) if along else 1.0
         amplitude = max(self.amplitude / slope or self.amplitude, 0.01) * self.diameter
-        return 0.02 * amplitude * 2 * math.pi * self.frequency
+        return LEAST_TRANSPORT * amplitude * 2 * math.pi * self.frequency
 
     @property
     def settling_step(self) -> float:
@@ -313,6 +346,17 @@ class BeltParameters(Parameters):
     def particles(self) -> int:
         """Number of beads."""
         return self.beads
+
+    @property
+    def rate(self) -> float:
+        """Particle-steps per second, about."""
+        return RATE
+
+    @property
+    def settling_steps(self) -> int:
+        """Time steps before the first sample, about: those of the released bed and prior cycles."""
+        prior = self.prior_cycles * self.steps_per_cycle if self.prior_frequency > 0.0 else 0
+        return round(SETTLING / self.settling_step) + prior
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:

@@ -1,11 +1,18 @@
 """Parameters of the inclined chute; defaults are those of Walton (1993)."""
 
 import math
-from typing import ClassVar, Literal, Self
+from typing import Any, ClassVar, Literal, Self
 
 from pydantic import model_validator
 
-from sim.parameters.common import MAX_PARTICLES, Parameters, Real, broken_rule, declare
+from sim.parameters.common import MAX_PARTICLES, Parameters, Real, broken_rule
+from sim.parameters.roles import declare
+
+#: Particle-steps per second on one core of a present-day server up to a depth, and the power by
+#: which the rate falls with depth above it: there are more contacts per particle.
+RATE = 45.0e6
+RATE_DEPTH = 5.0
+RATE_EXPONENT = -0.55
 
 
 class ChuteParameters(Parameters):
@@ -16,6 +23,8 @@ class ChuteParameters(Parameters):
     """
 
     sampling_key: ClassVar[str] = "sample_interval"
+    boundaries: ClassVar[tuple[str, ...]] = ("flow", "acceleration")
+    smallest: ClassVar[dict[str, Any]] = {"depth": 0.2, "cell": 5}
 
     system: Literal["chute"] = declare("chute", description="which of the two systems")
     depth: Real = declare(
@@ -24,6 +33,7 @@ class ChuteParameters(Parameters):
         unit="1",
         description="depth of the flow: particles per squared diameter of plane",
         equation="Walton, Sec. 3: n = N/σ²",
+        id_part="depth",
         gt=0,
     )
     friction: Real = declare(
@@ -32,6 +42,7 @@ class ChuteParameters(Parameters):
         unit="1",
         description="friction coefficient between particles",
         equation="Walton, Sec. 2.2: |T| ≤ μ F_N",
+        id_part="friction",
         ge=0,
     )
     friction_plane: Real = declare(
@@ -48,6 +59,7 @@ class ChuteParameters(Parameters):
         unit="1",
         description="normal coefficient of restitution, the same at every impact velocity",
         equation="Walton, Sec. 2.1: e = √(K1/K2)",
+        id_part="restitution",
         ge=0.001,
         le=1,
     )
@@ -57,6 +69,7 @@ class ChuteParameters(Parameters):
         unit="N m-1",
         description="normal stiffness in loading",
         equation="Walton, Sec. 2.1: F_N = K1 α",
+        id_part="stiffness",
         gt=0,
     )
     law: Literal["walton_braun", "spring_dashpot"] = declare(
@@ -64,6 +77,8 @@ class ChuteParameters(Parameters):
         description="contact law: Walton and Braun's, or the linear spring and dashpot with a "
         "linear tangential spring that most DEM codes use",
         equation="Walton, Sec. 2; Cundall and Strack (1979)",
+        role="reading",
+        compiled=True,
     )
     tangential_ratio: Real = declare(
         0.8,
@@ -71,6 +86,7 @@ class ChuteParameters(Parameters):
         unit="1",
         description="initial tangential stiffness relative to the normal stiffness",
         equation="Walton, Eq. 1",
+        role="reading",
         gt=0,
     )
     tangential_exponent: Real = declare(
@@ -79,6 +95,8 @@ class ChuteParameters(Parameters):
         unit="1",
         description="exponent of the tangential stiffness (0: linear spring)",
         equation="Walton, Eq. 1",
+        role="reading",
+        compiled=True,
         ge=0,
     )
     angle: Real = declare(
@@ -96,6 +114,8 @@ class ChuteParameters(Parameters):
         scale="σ",
         description="side of the periodic cell (omitted: 10 up to depth 10, 5 above)",
         equation="Walton, Sec. 3, Figs. 1.1-1.6",
+        role="numerics",
+        changes_start=True,
         ge=3,
         default_factory=lambda given: 10 if given["depth"] <= 10 else 5,
     )
@@ -158,6 +178,7 @@ class ChuteParameters(Parameters):
         unit="1",
         description="packing fraction of the random initial state",
         equation="Walton, Sec. 1: 0.4 or less",
+        role="numerics",
         ge=0.001,
         le=0.35,
     )
@@ -167,6 +188,8 @@ class ChuteParameters(Parameters):
         scale="√(gσ)",
         description="uniform initial velocity down the slope (omitted: 4 + 1.2 depth, at most 30)",
         equation="Walton, Sec. 1: slightly above the expected steady velocity",
+        role="numerics",
+        changes_start=True,
         ge=0,
         default_factory=lambda given: min(4 + 1.2 * given["depth"], 30),
     )
@@ -177,6 +200,7 @@ class ChuteParameters(Parameters):
         scale="√(gσ)",
         description="root mean square of the random initial velocities",
         equation="Walton, Sec. 1",
+        role="numerics",
         ge=0,
     )
     steps_per_collision: int = declare(
@@ -185,6 +209,7 @@ class ChuteParameters(Parameters):
         unit="1",
         description="time steps in one binary collision",
         equation="t_c = (π/2) √(m/2K1) (1 + e)",
+        role="numerics",
         ge=10,
         le=1000,
     )
@@ -195,6 +220,7 @@ class ChuteParameters(Parameters):
         scale="√(σ/g)",
         description="time discarded before averaging",
         equation="Walton, Sec. 1",
+        role="amount",
         ge=0,
     )
     average: Real = declare(
@@ -204,6 +230,7 @@ class ChuteParameters(Parameters):
         scale="√(σ/g)",
         description="time averaged over",
         equation="Walton, Sec. 1",
+        role="amount",
         gt=0,
     )
     limit: Real = declare(
@@ -212,6 +239,7 @@ class ChuteParameters(Parameters):
         unit="1",
         scale="√(σ/g)",
         description="longest run of the converged protocol, whose cost `points` tells",
+        role="amount",
         gt=0,
     )
     sample_interval: Real = declare(
@@ -220,6 +248,7 @@ class ChuteParameters(Parameters):
         unit="1",
         scale="√(σ/g)",
         description="time between two samples of the observables",
+        role="numerics",
         gt=0,
         le=100,
     )
@@ -230,6 +259,7 @@ class ChuteParameters(Parameters):
         scale="σ",
         description="height of the slices of the profiles",
         equation="Walton, Figs. 1.1-1.6",
+        role="numerics",
         ge=0.01,
     )
     overlap_limit: Real = declare(
@@ -238,6 +268,7 @@ class ChuteParameters(Parameters):
         unit="1",
         scale="σ",
         description="overlap at which the run stops as unphysical (0.25: half a radius)",
+        role="numerics",
         gt=0,
         le=0.95,
     )
@@ -245,12 +276,15 @@ class ChuteParameters(Parameters):
         True,
         description="follow the orientations of the particles (changes no trajectory)",
         equation="Walton, Sec. 2",
+        role="numerics",
+        compiled=True,
     )
     threads: int = declare(
         1,
         unit="1",
         description="threads of one run (pays from some thousand particles on); the bits of the "
         "result depend on their number",
+        role="numerics",
         ge=1,
         le=256,
     )
@@ -259,12 +293,16 @@ class ChuteParameters(Parameters):
         description="the largest overlap of a contact is remembered until the particles separate, "
         "shrinks with the overlap once the force is zero, or is reset when the force is zero",
         equation="Walton, Sec. 2.1: α0",
+        role="reading",
+        compiled=True,
     )
     friction_cap: Literal["before", "after"] = declare(
         "before",
         description="a tangential force above the friction limit is cut before or after the "
         "tangential stiffness is evaluated",
         equation="Walton, Sec. 2.2",
+        role="reading",
+        compiled=True,
     )
 
     @property
@@ -315,6 +353,16 @@ class ChuteParameters(Parameters):
     def particles(self) -> int:
         """Particles in the cell: depth times the cell's area in squared diameters."""
         return max(1, round(self.depth * self.cell * self.cell))
+
+    @property
+    def cores(self) -> int:
+        """Cores that a run can keep busy: one per thread."""
+        return self.threads
+
+    @property
+    def rate(self) -> float:
+        """Particle-steps per second, about."""
+        return RATE * (max(RATE_DEPTH, self.depth) / RATE_DEPTH) ** RATE_EXPONENT
 
     @model_validator(mode="after")
     def _of_one_mass_for_dashpots(self) -> Self:

@@ -1,10 +1,12 @@
-"""What the parameters of both systems have in common: canonical numbers, declarations, sizes."""
+"""What the parameters of both systems have in common: canonical numbers, lengths, sizes."""
 
 from typing import Annotated, Any, ClassVar, Literal, Self
 
 from annotated_types import Gt
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
+from pydantic import BaseModel, BeforeValidator, ConfigDict, model_validator
 from pydantic_core import PydanticCustomError
+
+from sim.parameters.roles import declare
 
 SIGNIFICANT_DIGITS = 12
 MAX_PARTICLES = 10_000_000
@@ -34,42 +36,6 @@ Real = Annotated[float, BeforeValidator(canonical_number)]
 """A finite float in canonical form; range constraints act on the rounded value."""
 
 
-def declare(
-    default: Any = ...,
-    *,
-    symbol: str = "",
-    unit: str = "",
-    scale: str = "",
-    description: str,
-    equation: str = "",
-    **options: Any,
-) -> Any:
-    """Declare one parameter.
-
-    Parameters
-    ----------
-    default : object
-        Value when omitted; leave out when ``default_factory`` is among the options.
-    symbol : str
-        Symbol of the parameter in the paper.
-    unit : str
-        Unit of the stored number as UDUNITS (CF) reads it; ``"1"`` for pure numbers and ``""``
-        for choices and switches.
-    scale : str
-        For pure numbers, the quantity they are multiples of (``"⟨d⟩"``, ``"g"``).
-    description : str
-        Meaning, one sentence without full stop; also the long name in output files.
-    equation : str
-        Where it enters: equation or section of the source.
-    **options
-        Ranges and defaults as pydantic's ``Field`` takes them.
-    """
-    extra = {"symbol": symbol, "unit": unit, "scale": scale, "equation": equation}
-    if "default_factory" not in options:
-        options["default"] = default
-    return Field(description=description, json_schema_extra=extra, **options)
-
-
 def broken_rule(key: str, value: Any, allowed: str) -> PydanticCustomError:
     """Return the error of a rule that joins several parameters, blamed on ``key``."""
     return PydanticCustomError("rule", "{allowed}", {"key": key, "got": value, "allowed": allowed})
@@ -80,8 +46,17 @@ class Parameters(BaseModel):
 
     Instances are immutable, complete (every omitted parameter has its value) and canonical.
     A concrete system adds ``diameter`` (m), ``mass`` (kg), ``gravity`` (m s⁻²), ``transient``,
-    ``average`` and ``limit`` (multiples of ``time_unit``), and the properties ``time_unit``,
-    ``time_step``, ``sample_steps`` and ``particles``.
+    ``average`` and ``limit`` (multiples of ``time_unit``), the properties ``time_unit``,
+    ``time_step``, ``sample_steps``, ``particles`` and ``rate``, and the class variables below.
+
+    Attributes
+    ----------
+    sampling_key : str
+        Parameter that sets how often samples are taken.
+    boundaries : tuple of str
+        What may change at a boundary between its regimes.
+    smallest : dict
+        Values that make a run as small and short as may be.
     """
 
     model_config = ConfigDict(
@@ -92,12 +67,24 @@ class Parameters(BaseModel):
         validate_default=True,
     )
     sampling_key: ClassVar[str]
+    boundaries: ClassVar[tuple[str, ...]]
+    smallest: ClassVar[dict[str, Any]]
 
     seed: int = declare(
-        1, unit="1", description="seed of the first replicate's initial state", ge=0, le=2**32 - 1
+        1,
+        unit="1",
+        description="seed of the first replicate's initial state",
+        role="numerics",
+        ge=0,
+        le=2**32 - 1,
     )
     replicates: int = declare(
-        1, unit="1", description="independent runs from different initial states", ge=1, le=1000
+        1,
+        unit="1",
+        description="independent runs from different initial states",
+        role="amount",
+        ge=1,
+        le=1000,
     )
 
     protocol: Literal["published", "converged"] = declare(
@@ -111,6 +98,7 @@ class Parameters(BaseModel):
         description="half width of the 95 % interval of the mean velocity, relative to the mean, "
         "at which a run of the converged protocol ends; under both protocols a change of the "
         "velocity over the window by five times as much (at least 0.1, at most 0.25) is a drift",
+        role="amount",
         ge=0.001,
         le=0.5,
     )
@@ -124,6 +112,16 @@ class Parameters(BaseModel):
     def limits(self) -> dict[str, tuple[float, str]]:
         """Accelerations (m s⁻²) to compare a flow with: name -> (value, meaning)."""
         return {}
+
+    @property
+    def cores(self) -> int:
+        """Cores that a run can keep busy."""
+        return 1
+
+    @property
+    def settling_steps(self) -> int:
+        """Time steps before the first sample, about."""
+        return 0
 
     @property
     def velocity_unit(self) -> float:

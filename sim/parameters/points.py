@@ -15,54 +15,15 @@ from sim.base.yaml import read_yaml
 from sim.parameters.belt import BeltParameters
 from sim.parameters.chute import ChuteParameters
 from sim.parameters.common import Parameters, canonical_number
+from sim.parameters.roles import Declaration, declarations, id_parts, numerical
 
 SYSTEMS: dict[str, type[Parameters]] = {"chute": ChuteParameters, "belt": BeltParameters}
 
 #: Longest readable part of a name; file systems take 255 bytes for the whole file name.
 _ID_LENGTH = 160
 
-_ID_PARTS = {
-    "chute": {
-        "depth": "depth",
-        "friction": "friction",
-        "restitution": "restitution",
-        "stiffness": "stiffness",
-    },
-    "belt": {
-        "frequency": "frequency",
-        "amplitude": "amplitude",
-        "angle": "vibration_angle",
-        "damping": "damping",
-        "shear": "shear_damping",
-    },
-}
-
-#: Parameters that set how a point is computed rather than which flow it is: names of points and
-#: curves of figures leave them out.
-NUMERICAL = frozenset(
-    {
-        "seed",
-        "replicates",
-        "transient",
-        "average",
-        "target",
-        "limit",
-        "steps_per_cycle",
-        "steps_per_collision",
-        "cell",
-        "initial_packing",
-        "initial_velocity",
-        "initial_agitation",
-        "prior_cycles",
-        "sample_interval",
-        "samples_per_cycle",
-        "slice_height",
-        "orientations",
-        "threads",
-        "overlap_limit",
-        "settle_velocity_squared",
-    }
-)
+#: Parameters of any system that set how a point is computed rather than which flow it is.
+NUMERICAL = frozenset().union(*map(numerical, SYSTEMS.values()))
 
 
 def parse_point(
@@ -136,38 +97,35 @@ def point_id(parameters: Parameters) -> str:
     >>> point_id(ChuteParameters())[:46]
     'chute-depth5-friction0.4-restitution0.85-stiff'
     """
-    values = canonical(parameters)
-    parts = _ID_PARTS[parameters.system]
-    readable = [f"{label}{values[name]:g}" for label, name in parts.items()]
-    for name, field in type(parameters).model_fields.items():
-        usual = canonical_number(
-            field.get_default(call_default_factory=True, validated_data=values)
-        )
-        value = values[name]
-        if name not in NUMERICAL and name not in parts.values() and value != usual:
+    values, model = canonical(parameters), type(parameters)
+    parts = id_parts(model)
+    readable = [f"{label}{values[name]:g}" for name, label in parts.items()]
+    unnamed = numerical(model) | set(parts)
+    for name, value in values.items():
+        if name not in unnamed and value != default_of(model, name, values):
             readable.append(f"{name}-{value}" if isinstance(value, str) else f"{name}{value:g}")
     name = "-".join([parameters.system, *readable]).replace("+", "")[:_ID_LENGTH]
     digest = hashlib.sha256(canonical_json(parameters).encode()).hexdigest()[:8]
     return f"{name}-{digest}"
 
 
-@dataclass(frozen=True)
-class FieldRow:
-    """What is declared about one parameter, ready for documentation and file attributes.
+def default_of(model: type[Parameters], name: str, values: Mapping[str, Any]) -> Any:
+    """Return the default of a parameter, which may follow from those of others in ``values``."""
+    field = model.model_fields[name]
+    return canonical_number(field.get_default(call_default_factory=True, validated_data=values))
 
-    ``unit`` is a UDUNITS (CF) unit of the stored number, ``""`` for choices and switches;
-    ``scale`` names what a pure number is a multiple of; ``default`` is ``None`` when it depends on
-    other parameters.
+
+@dataclass(frozen=True)
+class FieldRow(Declaration):
+    """One parameter, ready for documentation and file attributes.
+
+    ``default`` is ``None`` when it depends on other parameters.
     """
 
     name: str
-    symbol: str
-    unit: str
-    scale: str
     description: str
     allowed: str
     default: Any
-    equation: str
 
 
 def field_info(model: type[Parameters] | Parameters) -> dict[str, FieldRow]:
@@ -176,13 +134,14 @@ def field_info(model: type[Parameters] | Parameters) -> dict[str, FieldRow]:
     ``system`` comes first, then what only this system has, then what both share.
     """
     model = model if isinstance(model, type) else type(model)
+    declared = declarations(model)
     rows = {
         name: FieldRow(
             name=name,
             description=field.description or "",
             allowed=allowed_values(field),
             default=None if field.default_factory else field.default,
-            **field.json_schema_extra,
+            **vars(declared[name]),
         )
         for name, field in model.model_fields.items()
     }

@@ -4,8 +4,6 @@ from collections.abc import Sequence
 
 from sim.parameters import SYSTEMS, field_info
 
-_UNITS = {"1": "", "degree": "°", "N m-1": " N/m", "m s-2": " m/s²", "Hz": " Hz"}
-
 
 def quantity(system: str, name: str, values: Sequence[object]) -> str:
     """Write ``symbol = value unit`` for one or several values of a parameter.
@@ -15,9 +13,8 @@ def quantity(system: str, name: str, values: Sequence[object]) -> str:
     """
     row = field_info(SYSTEMS[system])[name]
     numbers = ", ".join(f"{value:.4g}" for value in sorted(set(values)))
-    unit = _UNITS.get(row.unit, f" {row.unit}")
     scale = "g" if row.scale == "g" else f" {row.scale}" if row.scale else ""
-    return f"{row.symbol} = {numbers}{unit}{scale}"
+    return f"{row.symbol} = {numbers}{row.unit_text}{scale}"
 
 
 def setting(system: str, name: str, value: object) -> str:

@@ -11,6 +11,7 @@ from sim import __version__
 from sim.base.files import replacing
 from sim.base.words import duration
 from sim.dataset.agreement import require_agreement
+from sim.dataset.caveats import CLOSED
 from sim.dataset.results import Results, load_results
 from sim.report.claims import REPORTED, VERDICTS, claim_rows, counts, judged_by_runs, read_claims
 from sim.report.gallery import Address, data_uri, figure_entries, headline
@@ -19,9 +20,6 @@ from sim.report.runs import boundary_rows, parameter_rows, run_rows
 from sim.study.load import Study, load_study
 
 TEMPLATES = Path(__file__).parent / "templates"
-
-#: Largest part of the energy turned over that the ledger of a run may lack.
-ENERGY_LIMIT = 0.005
 
 
 def build(study_path: str | Path, results: str | Path = "results") -> Path:
@@ -108,7 +106,7 @@ def render(
         runs=runs,
         parameters=parameter_rows(dataset),
         boundaries=boundary_rows(study, results.boundaries),
-        energy_limit=ENERGY_LIMIT,
+        energy_limit=CLOSED,
         provenance=_provenance(dataset),
     )
 

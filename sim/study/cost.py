@@ -2,24 +2,14 @@
 
 from dataclasses import dataclass
 
-from sim.parameters import BeltParameters, Parameters
+from sim.parameters import Parameters
 
-CHUTE_RATE = 45.0e6
-CHUTE_RATE_DEPTH = 5.0
-CHUTE_RATE_EXPONENT = -0.55
-BELT_RATE = 55.0e6
-BELT_SETTLING = 0.7
+#: Seconds to start a process and write its file.
 PROCESS_TIME = 0.9
+
+#: MB of a process and of each of its particles, with room to spare.
 PROCESS_MEMORY = 300.0
 PARTICLE_MEMORY = 4e-3
-"""Rates, times and memory on one core of a present-day server.
-
-``CHUTE_RATE`` particle-steps per second at depth ``CHUTE_RATE_DEPTH``, falling with depth by the
-power ``CHUTE_RATE_EXPONENT`` (more contacts per particle) and constant above it;
-``BELT_RATE`` particle-steps per second; ``BELT_SETTLING`` seconds of simulated time until a
-released bed is at rest; ``PROCESS_TIME`` seconds to start a process and write its file;
-``PROCESS_MEMORY`` and ``PARTICLE_MEMORY`` in MB, with room to spare.
-"""
 
 
 @dataclass(frozen=True)
@@ -38,21 +28,11 @@ class Estimate:
 
 def estimate(parameters: Parameters) -> Estimate:
     """Estimate what all replicates of a point take together."""
-    steps = parameters.steps
-    if isinstance(parameters, BeltParameters):
-        rate, threads = BELT_RATE, 1
-        steps += round(BELT_SETTLING / parameters.settling_step)
-        if parameters.prior_frequency > 0.0:
-            steps += parameters.prior_cycles * parameters.steps_per_cycle
-    else:
-        depth = max(CHUTE_RATE_DEPTH, parameters.depth)
-        threads = parameters.threads
-        rate = CHUTE_RATE * (depth / CHUTE_RATE_DEPTH) ** CHUTE_RATE_EXPONENT
-    steps *= parameters.replicates
+    steps = parameters.replicates * (parameters.settling_steps + parameters.steps)
     return Estimate(
         particles=parameters.particles,
         steps=steps,
-        core_seconds=PROCESS_TIME + steps * parameters.particles / rate,
-        threads=threads,
+        core_seconds=PROCESS_TIME + steps * parameters.particles / parameters.rate,
+        threads=parameters.cores,
         memory=round(PROCESS_MEMORY + PARTICLE_MEMORY * parameters.particles),
     )

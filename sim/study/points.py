@@ -10,10 +10,11 @@ from typing import Any
 from sim.base.errors import InputError
 from sim.parameters import Parameters, point_id
 from sim.study.catalogue import FIGURES
+from sim.study.entries import BoundaryFile, SeriesFile
 from sim.study.file import StudyFile, validated
 from sim.study.model import Boundary, Point, Study
 from sim.study.refine import PARTS, divided, further_rounds
-from sim.study.series import BoundaryFile, Draft, SeriesFile, finished, starts
+from sim.study.series import Draft, finished, starts
 
 MAX_POINTS = 100_000
 

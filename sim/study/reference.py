@@ -9,9 +9,9 @@ from pydantic import BaseModel
 from pydantic.json_schema import models_json_schema
 
 from sim.base.errors import InputError
-from sim.parameters import SYSTEMS, BeltParameters, ChuteParameters, FieldRow, field_info
+from sim.parameters import SYSTEMS, FieldRow, field_info
 from sim.study.catalogue import FIGURES
-from sim.study.file import BeltSeries, ChuteBoundary, ChuteOverride, Defaults, StudyFile
+from sim.study.file import MODELS, Defaults, StudyFile
 
 SCHEMA_NAME = "schema.json"
 GUIDE_NAME = "README.md"
@@ -24,19 +24,18 @@ def schema() -> dict[str, Any]:
 
     A file with ``system`` at its top is a point, any other one a study.
     """
-    models = (StudyFile, ChuteParameters, BeltParameters)
+    models = (StudyFile, *SYSTEMS.values())
     _, definitions = models_json_schema([(model, "validation") for model in models])
-    study, chute, belt = ({"$ref": f"#/$defs/{model.__name__}"} for model in models)
+    study, point, *others = ({"$ref": f"#/$defs/{model.__name__}"} for model in models)
+    for system, other in zip(list(SYSTEMS)[1:], others, strict=True):
+        named = {"properties": {"system": {"const": system}}}
+        point = {"if": named, "then": other, "else": point}
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "title": "Talus study or point",
         "type": "object",
         "if": {"required": ["system"]},
-        "then": {
-            "if": {"properties": {"system": {"const": "belt"}}},
-            "then": belt,
-            "else": chute,
-        },
+        "then": point,
         "else": study,
         "$defs": definitions["$defs"],
     }
@@ -49,15 +48,17 @@ def schema_text() -> str:
 
 def reference_text() -> str:
     """Return the reference of all keys and parameters as Markdown."""
+    # The keys of the entries are the same in every system.
+    entries = next(iter(MODELS.values()))
     parts = [
         "### Keys of a study",
         _keys_table(StudyFile),
         "### Keys of a series",
-        _keys_table(BeltSeries),
+        _keys_table(entries.series),
         "### Keys of a boundary",
-        _keys_table(ChuteBoundary),
+        _keys_table(entries.boundary),
         "### Keys of an override",
-        _keys_table(ChuteOverride),
+        _keys_table(entries.override),
         "### Keys of `defaults`",
         _keys_table(Defaults),
     ]

@@ -6,10 +6,8 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from sim.parameters import Parameters, parse_point
-from sim.study.file import BeltBoundary, BeltSeries, ChuteBoundary, ChuteSeries, StudyFile
-
-SeriesFile = ChuteSeries | BeltSeries
-BoundaryFile = ChuteBoundary | BeltBoundary
+from sim.study.entries import BoundaryFile, SeriesFile
+from sim.study.file import StudyFile
 
 
 @dataclass
@@ -32,7 +30,7 @@ def starts(file: StudyFile, one: SeriesFile | BoundaryFile, path: str) -> Iterat
     ----------
     file : StudyFile
         The study.
-    one : ChuteSeries, BeltSeries, ChuteBoundary or BeltBoundary
+    one : SeriesFile or BoundaryFile
         The series or the entry.
     path : str
         Where it stands in the file.

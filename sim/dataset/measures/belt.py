@@ -33,9 +33,6 @@ MEASURES = {
 #: Share of the beads within A_z of the mean belt position below which there is a void.
 EMPTY = 0.02
 
-#: Share of the velocity amplitude of the belt along x below which nothing is transported.
-LEAST_TRANSPORT = 0.02
-
 #: Cycles after the start in which density waves are said to be strongest.
 EARLY_CYCLES = 10
 

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from sim.engine.observe import stopping
+from sim.engine.observe.arrays import INSTANTANEOUS
 from sim.engine.observe.blocks import ProfileBlocks
 from sim.engine.observe.force_balance import base_forces
 from sim.engine.observe.regime import FAILED, Trend, analyse
@@ -152,7 +153,7 @@ class Recorder:
         window = self._profiles.since(self._start - self.system.parameters.transient_samples)
         latest = self._profiles.latest
         with np.errstate(invalid="ignore", divide="ignore"):
-            for suffix, sums in (("", window), ("_instantaneous", latest)):
+            for suffix, sums in (("", window), (INSTANTANEOUS, latest)):
                 for name, values in self.system.profiles(sums or empty).items():
                     record.profiles[name + suffix] = values
             record.tables = self.system.tables(window or empty)

@@ -6,45 +6,10 @@ import netCDF4
 import numpy as np
 
 from sim.base.files import replacing, seal
+from sim.engine.observe.arrays import INSTANTANEOUS, PROFILES, SNAPSHOTS, TABLES
 from sim.engine.observe.recorder import Record
 from sim.engine.observe.scalars import SCALARS
 from sim.parameters import Parameters, canonical, field_info
-
-PROFILES = {
-    "velocity_profile": ("m s-1", "mean velocity along x"),
-    "packing_profile": ("1", "packing fraction"),
-    "number_density": ("m-2", "number of bead centres per area"),
-    "granular_temperature_profile": ("m2 s-2", "granular temperature, mean of the directions"),
-    "vertical_temperature_profile": ("m2 s-2", "granular temperature of the vertical direction"),
-}
-
-SNAPSHOTS = {
-    "position": ("m", "position of the centre", ("frame", "particle", "axis")),
-    "particle_velocity": ("m s-1", "velocity of the centre", ("frame", "particle", "axis")),
-    "particle_spin": ("s-1", "angular velocity", ("frame", "particle", "axis")),
-    "orientation": (
-        "1",
-        "orientation quaternion (w, x, y, z)",
-        ("frame", "particle", "quaternion"),
-    ),
-    "radius": ("m", "radius", ("particle",)),
-    "fixed": ("1", "1 for a sphere glued to the plane, 0 for one that moves", ("particle",)),
-}
-
-#: Tables with dimensions of their own.
-TABLES = {
-    "overlap_histogram": (
-        "1",
-        "contacts per interval of overlap, of all samples of the window",
-        ("overlap_bin",),
-    ),
-    "field_velocity": ("m s-1", "mean velocity along x in the laboratory", ("column", "level")),
-    "field_density": (
-        "m-2",
-        "number of bead centres per area in the laboratory",
-        ("column", "level"),
-    ),
-}
 
 #: How numbers are stored: compressed, and with a checksum of every chunk.
 FILTERS = {"zlib": True, "complevel": 1, "shuffle": True, "fletcher32": True}
@@ -175,8 +140,8 @@ def _write_records(file, records, layout):
         variable = _put(file, name, ("replicate", "time"), values, unit, long_name)
         variable.cell_methods = CELL_METHODS.get(name, "time: point")
     for name in records[0].profiles:
-        unit, long_name = PROFILES[name.removesuffix("_instantaneous")]
-        when = "last sample" if name.endswith("_instantaneous") else "average of the window"
+        unit, long_name = PROFILES[name.removesuffix(INSTANTANEOUS)]
+        when = "last sample" if name.endswith(INSTANTANEOUS) else "average of the window"
         values = np.stack([record.profiles[name] for record in records])
         _put(file, name, ("replicate", "height"), values, unit, f"{long_name}, {when}")
     _write_tables(file, records)

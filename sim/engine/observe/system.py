@@ -15,17 +15,18 @@ class System(Protocol):
 
     ``parameters`` are those of the point, ``time_step`` (s) is theirs or a fraction of it;
     ``series`` maps the names of the time series to (unit, long name), and ``ledger`` tells which of
-    them add up to the energy; ``profile_height`` (H,) are the centres of the profiles' slices (m);
-    ``scales`` and ``period`` (samples) serve the analysis of the velocity's trend; ``mass`` is that
-    of all particles (kg); ``coordinates`` of tables and path: name -> (unit, long name, values).
-    One with a base shear force has ``weight``, that of all particles along the slope and normal to
-    it (N).
+    them add up to the energy; ``axes`` names the directions; ``profile_height`` (H,) are the
+    centres of the profiles' slices (m); ``scales`` and ``period`` (samples) serve the analysis of
+    the velocity's trend; ``mass`` is that of all particles (kg); ``coordinates`` of tables and
+    path: name -> (unit, long name, values). One with a base shear force has ``weight``, that of all
+    particles along the slope and normal to it (N).
     """
 
     parameters: Parameters
     time_step: float
     series: dict[str, tuple[str, str]]
     ledger: Ledger
+    axes: tuple[str, ...]
     mass: float
     profile_height: np.ndarray
     scales: Scales

@@ -1,7 +1,12 @@
-"""The two systems: parameters -> particles, law, boundary, integrator and what to observe."""
+"""The systems: parameters -> particles, law, boundary, integrator and what to observe."""
+
+from importlib import import_module
 
 from sim.engine.observe.system import System
-from sim.parameters import BeltParameters, Parameters
+from sim.parameters import Parameters
+
+#: Module and class of each system; imported only when needed, with what it compiles.
+SYSTEMS = {"chute": ("chute", "Chute"), "belt": ("belt", "Belt")}
 
 
 def build(parameters: Parameters, replicate: int, refinement: int = 1) -> System:
@@ -9,10 +14,6 @@ def build(parameters: Parameters, replicate: int, refinement: int = 1) -> System
 
     Every time step is divided into ``refinement``; samples are taken at the same times.
     """
-    if isinstance(parameters, BeltParameters):
-        from sim.engine.systems.belt import Belt
-
-        return Belt(parameters, replicate, refinement)
-    from sim.engine.systems.chute import Chute
-
-    return Chute(parameters, replicate, refinement)
+    module, name = SYSTEMS[parameters.system]
+    system = getattr(import_module(f"{__name__}.{module}"), name)
+    return system(parameters, replicate, refinement)

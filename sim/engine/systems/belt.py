@@ -38,6 +38,7 @@ class Belt:
 
     series = BELT_SERIES
     ledger = BELT_LEDGER
+    axes = ("x", "z")
 
     def __init__(self, parameters: BeltParameters, replicate: int, refinement: int = 1):
         self.parameters = p = parameters

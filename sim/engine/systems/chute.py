@@ -41,6 +41,7 @@ class Chute:
 
     series = CHUTE_SERIES
     ledger = CHUTE_LEDGER
+    axes = ("x", "y", "z")
 
     def __init__(self, parameters: ChuteParameters, replicate: int, refinement: int = 1):
         self.parameters = p = parameters

@@ -1,0 +1,42 @@
+"""The arrays that a run file holds besides time series and scalars."""
+
+#: Unit and long name of the profiles over height, each the average of the window.
+PROFILES = {
+    "velocity_profile": ("m s-1", "mean velocity along x"),
+    "packing_profile": ("1", "packing fraction"),
+    "number_density": ("m-2", "number of bead centres per area"),
+    "granular_temperature_profile": ("m2 s-2", "granular temperature, mean of the directions"),
+    "vertical_temperature_profile": ("m2 s-2", "granular temperature of the vertical direction"),
+}
+
+#: Ends the name of a profile of the last sample alone.
+INSTANTANEOUS = "_instantaneous"
+
+#: Unit, long name and dimensions of what is known of each particle, at the first and last state.
+SNAPSHOTS = {
+    "position": ("m", "position of the centre", ("frame", "particle", "axis")),
+    "particle_velocity": ("m s-1", "velocity of the centre", ("frame", "particle", "axis")),
+    "particle_spin": ("s-1", "angular velocity", ("frame", "particle", "axis")),
+    "orientation": (
+        "1",
+        "orientation quaternion (w, x, y, z)",
+        ("frame", "particle", "quaternion"),
+    ),
+    "radius": ("m", "radius", ("particle",)),
+    "fixed": ("1", "1 for a sphere glued to the plane, 0 for one that moves", ("particle",)),
+}
+
+#: Unit, long name and dimensions of tables with dimensions of their own.
+TABLES = {
+    "overlap_histogram": (
+        "1",
+        "contacts per interval of overlap, of all samples of the window",
+        ("overlap_bin",),
+    ),
+    "field_velocity": ("m s-1", "mean velocity along x in the laboratory", ("column", "level")),
+    "field_density": (
+        "m-2",
+        "number of bead centres per area in the laboratory",
+        ("column", "level"),
+    ),
+}

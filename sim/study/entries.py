@@ -1,0 +1,128 @@
+"""Entries of a study file, whatever their system: parameters, series, boundaries, overrides."""
+
+from typing import Any, ClassVar, Self
+
+from pydantic import BaseModel, ConfigDict, Field, model_validator
+
+from sim.parameters import Parameters
+from sim.parameters.common import Real, broken_rule
+from sim.study.refine import MAX_ROUNDS, PARTS, further_rounds
+
+
+class Strict(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
+
+
+def optional(description: str | None, **options: Any) -> Any:
+    """Declare a key that may be left out, when it reads as ``None``, but not be given as null.
+
+    A key with nothing behind it is a slip, not a wish for the default.
+    """
+    return Field(
+        None,
+        description=description,
+        json_schema_extra=lambda schema: schema.pop("default", None),
+        **options,
+    )
+
+
+class Some(Strict):
+    """Values of some parameters of a system; only those given are set."""
+
+    parameters: ClassVar[type[Parameters]]
+
+    def given(self) -> dict[str, Any]:
+        """Return what the file gives here, numbers in canonical form."""
+        return self.model_dump(exclude_unset=True)
+
+
+class Lists(Some):
+    """Lists of values of some parameters of a system, at least of one."""
+
+    model_config = ConfigDict(json_schema_extra={"minProperties": 1})
+
+    @model_validator(mode="after")
+    def _of_one_parameter_at_least(self) -> Self:
+        if not self.model_fields_set:
+            raise broken_rule("", {}, "at least one parameter with a list of values")
+        return self
+
+
+class Override(Strict):
+    """Parameters that change at the points where others have certain values."""
+
+    when: Lists = Field(description="values that a point must have, each one of its list")
+    set: Some = Field(description="parameters to set at those points")
+
+
+NAME = r"^[A-Za-z0-9][A-Za-z0-9_-]*$"
+ALLOWED_NAME = {"allowed": "up to 60 letters, digits, '-' and '_', a letter or digit first"}
+
+
+class _Family(Strict):
+    """Points or boundaries of one system that share most of their parameters."""
+
+    name: str = Field(
+        pattern=NAME,
+        max_length=60,
+        description="name, unique in the study",
+        json_schema_extra=ALLOWED_NAME,
+    )
+    system: str = Field(description="which of the two systems")
+    base: Some = optional("parameters shared by all points")
+    grid: Lists = optional("one point (boundary) for every combination of the values listed")
+
+    @model_validator(mode="after")
+    def _overrides_leave_the_grid_alone(self) -> Self:
+        varied = self.grid.model_fields_set if self.grid else set()
+        for index, override in enumerate(self.overrides):
+            for name in sorted(varied & override.set.model_fields_set):
+                key = f"overrides[{index}].set.{name}"
+                value = getattr(override.set, name)
+                raise broken_rule(key, value, f"parameters other than grid.{name} of the series")
+        return self
+
+
+class SeriesFile(_Family):
+    """A series of points. Without grid and cases, the base is its one point."""
+
+    cases: list[Some] = optional("further points, each with the parameters given", min_length=1)
+    overrides: list[Override] = Field([], description="changes at certain values")
+    figures: list[str] = Field([], description="figures that the series feeds")
+
+
+class BoundaryFile(_Family):
+    """A boundary between regimes, for each combination of the grid."""
+
+    of: str = Field(description="what changes there")
+    along: str = Field(description="parameter along which it is looked for")
+    range: list[Real] = Field(
+        description="lowest and highest value of that parameter",
+        min_length=2,
+        max_length=2,
+        json_schema_extra={"allowed": "two numbers, the lower one first"},
+    )
+    tolerance: Real = Field(description="width of the interval to find the boundary in", gt=0)
+    overrides: list[Override] = Field([], description="changes at certain values")
+    figures: list[str] = Field([], description="figures that are fed")
+
+    @model_validator(mode="after")
+    def _range_and_tolerance_fit(self) -> Self:
+        low, high = self.range
+        if not low < high:
+            raise broken_rule("range", self.range, "two numbers, the lower one first")
+        if further_rounds(low, high, self.tolerance) > MAX_ROUNDS:
+            finest = (high - low) / PARTS ** (MAX_ROUNDS + 1)
+            raise broken_rule("tolerance", self.tolerance, f"a number >= {1.01 * finest:.3g}")
+        return self
+
+    @model_validator(mode="after")
+    def _one_place_sets_what_the_boundary_is_along(self) -> Self:
+        places = {"base": self.base, "grid": self.grid}
+        places |= {f"overrides[{i}].set": one.set for i, one in enumerate(self.overrides)}
+        for path, place in places.items():
+            if place and self.along in place.model_fields_set:
+                value = getattr(place, self.along)
+                allowed = f"parameters other than {self.along}, which the boundary is along"
+                raise broken_rule(f"{path}.{self.along}", value, allowed)
+        return self
