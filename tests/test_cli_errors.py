@@ -9,8 +9,7 @@ from pathlib import Path
 import pytest
 
 from sim.cli import main
-
-ROOT = Path(__file__).parents[1]
+from tests.made.processes import ROOT, program
 
 STUDY = """\
 study: mine
@@ -346,17 +345,6 @@ def test_mistakes_in_a_point(text, pieces, tmp_path, refuse):
     assert message.startswith("error: point.yaml: ")
     for piece in pieces:
         assert piece in message
-
-
-def program(*command: str, **options) -> subprocess.CompletedProcess:
-    return subprocess.run(
-        [sys.executable, "-m", "sim", *command],
-        cwd=ROOT,
-        capture_output=True,
-        text=True,
-        timeout=60,
-        **options,
-    )
 
 
 def test_a_process_ends_without_a_traceback(tmp_path):
