@@ -34,7 +34,7 @@ $(PAPERS:%=paper-%): paper-%: setup
 	$(BIN)/python -m sim publish config/paper_$*.yaml
 
 test: setup  ## the whole test suite
-	$(BIN)/python -m pytest -n $(CORES) --dist loadfile
+	$(BIN)/python -m pytest -n $(CORES) --dist loadfile --no-loadscope-reorder
 
 long: setup  ## tests that take long: published results computed anew, more examples
 	$(BIN)/python -m pytest -m long

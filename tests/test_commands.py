@@ -11,8 +11,7 @@ from pkgutil import resolve_name
 import pytest
 
 from sim.__main__ import COMMANDS, _parser, main
-
-ROOT = Path(__file__).parents[1]
+from tests.made.processes import ROOT, program
 
 STUDY = """\
 study: mine
@@ -348,17 +347,6 @@ def test_mistakes_in_a_point(text, pieces, tmp_path, refuse):
     assert message.startswith("error: point.yaml: ")
     for piece in pieces:
         assert piece in message
-
-
-def program(*command: str, **options) -> subprocess.CompletedProcess:
-    return subprocess.run(
-        [sys.executable, "-m", "sim", *command],
-        cwd=ROOT,
-        capture_output=True,
-        text=True,
-        timeout=60,
-        **options,
-    )
 
 
 def test_a_process_ends_without_a_traceback(tmp_path):

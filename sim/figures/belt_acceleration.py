@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from sim.dataset.measures.belt import LEAST_TRANSPORT, speed_along_x
+from sim.dataset.measures.belt import speed_along_x
 from sim.figures.curves import draw_family
 from sim.figures.data import FigureData
 from sim.figures.kind import Kind
@@ -17,6 +17,7 @@ from sim.figures.looks import look_of
 from sim.figures.quantity import Quantity, quantity_table
 from sim.figures.style import LEVEL, canvas, place_legend
 from sim.parameters import BeltParameters
+from sim.parameters.belt import LEAST_TRANSPORT
 
 #: Largest acceleration drawn (g): well within the flow.
 _LARGEST = 3.0

@@ -75,7 +75,8 @@ def test_readings_are_what_points_have_beyond_the_defaults():
     assert judge.readings(results, "chute") == [{"friction_cap": "after"}]
 
 
-def test_readings_without_the_runs_of_a_claim_are_left_out():
+def test_readings_without_the_runs_of_a_claim_are_left_out(monkeypatch):
+    monkeypatch.setattr(judge, "MODEL_READINGS", ({},))
     results = made_results(
         made_point("chute", {"velocity": 0.1}, friction_cap="after"),
         made_point("belt", {"velocity": 0.1}, integrator="verlet"),

@@ -5,7 +5,6 @@ import os
 import random
 import resource
 import subprocess
-import sys
 import threading
 import time
 from pathlib import Path
@@ -17,18 +16,16 @@ from sim.__main__ import main
 from sim.base.errors import InputError
 from sim.base.files import alone, is_damaged, seal
 from sim.base.reading import DamagedError
-from sim.dataset.build import build as dataset
 from sim.dataset.gather import read_run
 from sim.engine.run import run_point
 from sim.engine.warm import warm
 from sim.figures.render import draw
 from sim.parameters import canonical, point_id
 from sim.report import page
-from sim.study.load import load_study
 from tests.engine.test_checkpoint import assert_same
 from tests.engine_motion.points import belt_point
-from tests.made.project import ROOT
-from tests.made.runs import make_study
+from tests.made.figures import make_figures
+from tests.made.processes import program, start_run, wait_until
 
 POINT = belt_point(beads=20, width=5, transient=1, average=3)
 LONG = belt_point(beads=200, transient=10, average=40)
@@ -117,11 +114,7 @@ def test_other_programs_read_sealed_files(content, tmp_path):
 @pytest.fixture
 def made(tmp_path) -> tuple[Path, Path]:
     """A study with its run files, dataset and figures."""
-    study, results = make_study(tmp_path)
-    built = dataset.build(study, results)
-    for name in load_study(study, results).figures:
-        draw(name, built, results / "made" / "figures")
-    return study, results
+    return make_figures(tmp_path)
 
 
 def test_all_damaged_runs_of_a_study_are_set_aside_at_once(made, capsys):
@@ -184,14 +177,10 @@ def test_a_damaged_figure_is_named_and_set_aside(made, suffix):
 def limited(output: Path, size: int | None) -> subprocess.CompletedProcess:
     """Run LONG in a process that cannot write files longer than ``size`` bytes: a full disk."""
     limit = (size, size) if size else (resource.RLIM_INFINITY, resource.RLIM_INFINITY)
-    return subprocess.run(
-        [sys.executable, "-m", "sim", "run", "-", "--output", str(output), "--quiet"],
-        cwd=ROOT,
+    return program(
+        *("run", "-", "--output", str(output), "--quiet"),
         input=json.dumps(canonical(LONG)),
-        capture_output=True,
-        text=True,
-        timeout=120,
-        env=os.environ | {"TALUS_CHECKPOINT_SECONDS": "0.1"},
+        env=os.environ | {"TALUS_CHECKPOINT_SECONDS": "0"},
         preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, limit) if size else None,
     )
 
@@ -222,11 +211,8 @@ def test_a_full_disk_is_told_with_the_name_of_the_file(made, command, name, size
         "figure": ["walton_2", str(results / "made/dataset.nc"), "--output", str(path.parent)],
     }
     before = {file: file.read_bytes() for file in results.rglob("*") if file.is_file()}
-    done = subprocess.run(
-        [sys.executable, "-m", "sim", command, *words[command]],
-        cwd=ROOT,
-        capture_output=True,
-        text=True,
+    done = program(
+        *(command, *words[command]),
         preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (size, size)),
     )
     assert done.returncode == 1
@@ -246,35 +232,28 @@ def test_an_old_result_outlives_a_full_disk(tmp_path, content):
 def test_two_processes_of_one_run_do_not_meet(tmp_path):
     warm([LONG])
     output = tmp_path / "run.nc"
-    command = [sys.executable, "-m", "sim", "run", "-", "--output", str(output)]
-    pair = [
-        subprocess.Popen(
-            command, cwd=ROOT, stdin=subprocess.PIPE, stderr=subprocess.PIPE, text=True
-        )
-        for _ in range(2)
-    ]
-    for process in pair:
-        process.stdin.write(json.dumps(canonical(LONG)))
-        process.stdin.close()
-        process.stdin = None
-    errors = [process.communicate(timeout=120)[1] for process in pair]
-    assert [process.returncode for process in pair] == [0, 0], errors
-    assert sum("waiting for another process" in text for text in errors) == 1
+    with alone(output):
+        pair = [start_run(LONG, output) for _ in range(2)]
+        for process in pair:
+            while "waiting for another process" not in (said := process.stderr.readline()):
+                assert said, "ended without waiting"
+    errors = [process.stderr.read() for process in pair]
+    assert [process.wait() for process in pair] == [0, 0], errors
     assert sum(f"{output}: written" in text for text in errors) == 1
     assert [path.name for path in tmp_path.iterdir()] == ["run.nc"]
     assert run_point(LONG, tmp_path / "alone.nc", quiet=True) == 0
     assert_same(output, tmp_path / "alone.nc")
 
 
-def test_who_waits_computes_what_the_other_did_not_finish(tmp_path):
+def test_who_waits_computes_what_the_other_did_not_finish(tmp_path, caplog):
     warm([POINT])
     output = tmp_path / "run.nc"
     with alone(output):
         waiting = threading.Thread(target=run_point, args=(POINT, output, True))
         waiting.start()
-        time.sleep(0.2)
-        assert not output.exists()
-    waiting.join(timeout=60)
+        wait_until(lambda: "waiting for another" in caplog.text or not waiting.is_alive())
+        assert waiting.is_alive() and not output.exists()
+    waiting.join()
     assert output.exists()
 
 

@@ -7,27 +7,23 @@ import pickle
 import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
+from types import SimpleNamespace
 
-import netCDF4
 import numpy as np
 import pytest
 
 from sim.base.errors import InputError
 from sim.base.files import seal
 from sim.engine import checkpoint
-from sim.engine.checkpoint import Checkpoint, checkpoint_interval
+from sim.engine.checkpoint import SHARE, Checkpoint, checkpoint_interval
 from sim.engine.replicate import Replicate, Stopwatch
 from sim.engine.run import run_point
 from sim.engine.warm import warm
 from sim.parameters import Parameters, canonical
 from tests.engine_motion.points import belt_point, chute_point
-
-ROOT = Path(__file__).parents[2]
-
-#: What may differ between two runs of the same point.
-TIMES = {"wall_time"}
+from tests.golden import contents, digest
+from tests.made.processes import ROOT, program
 
 POINTS = {
     "chute": chute_point(depth=2, cell=5, transient=5, average=10, replicates=2),
@@ -37,23 +33,11 @@ POINTS = {
 LONG = belt_point(transient=20, average=40, replicates=2)
 
 
-def content(path: Path) -> dict[str, np.ndarray]:
-    """Return all variables of a run file but the time that it took."""
-    with netCDF4.Dataset(path) as file:
-        file.set_auto_mask(False)
-        return {name: np.asarray(v[...]) for name, v in file.variables.items() if name not in TIMES}
-
-
 def assert_same(one: Path, other: Path) -> None:
     """Assert that two run files hold the same bits."""
-    first, second = content(one), content(other)
-    assert first.keys() == second.keys()
-    for name, values in first.items():
-        assert values.dtype == second[name].dtype, name
-        if values.dtype == object or values.dtype.kind == "U":
-            assert list(values.flat) == list(second[name].flat), name
-        else:
-            assert values.tobytes() == second[name].tobytes(), name
+    first, second = contents(one), contents(other)
+    differ = [name for name in first if not np.array_equal(first[name], second.get(name))]
+    assert digest(one) == digest(other), differ
 
 
 class Stopped(BaseException):
@@ -91,41 +75,55 @@ def test_a_run_continued_from_a_checkpoint_gives_the_same_bits(name, share, tmp_
     assert sorted(path.name for path in tmp_path.iterdir()) == ["run.nc", "whole.nc"]
 
 
-def computing(output: Path) -> subprocess.Popen:
-    """Start a run of LONG and return it once it has written its first checkpoint."""
+#: The program, but it waits for its standard input to end some samples after a checkpoint.
+HELD = """
+import itertools, sys
+from sim.__main__ import main
+from sim.engine.checkpoint import Checkpoint
+
+offer, later = Checkpoint.offer, itertools.count()
+
+def offer_and_wait(self, state):
+    offer(self, state)
+    if self.path.exists() and next(later) == 10:
+        print("computing", flush=True)
+        sys.stdin.read()
+
+Checkpoint.offer = offer_and_wait
+sys.exit(main(sys.argv[1:]))
+"""
+
+
+def computing(output: Path, point: Path) -> subprocess.Popen:
+    """Start a run of LONG and return it once it is well beyond its first checkpoint."""
     warm([LONG])
+    point.write_text(json.dumps(canonical(LONG)))
     process = subprocess.Popen(
-        [sys.executable, "-m", "sim", "run", "-", "--output", str(output)],
+        [sys.executable, "-c", HELD, "run", str(point), "--output", str(output)],
         cwd=ROOT,
         stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
-        env=os.environ | {"TALUS_CHECKPOINT_SECONDS": "0.2"},
+        env=os.environ | {"TALUS_CHECKPOINT_SECONDS": "0.01"},
     )
-    process.stdin.write(json.dumps(canonical(LONG)))
-    process.stdin.close()
-    process.stdin = None
-    limit = time.monotonic() + 60
-    while not output.with_name(f".{output.name}.checkpoint").exists():
-        assert process.poll() is None and time.monotonic() < limit
-        time.sleep(0.02)
+    assert process.stdout.readline() == "computing\n", process.stderr.read()
     return process
 
 
-def test_a_killed_run_goes_on_where_it_was(tmp_path):
+@pytest.fixture
+def point_file(tmp_path_factory) -> Path:
+    """Where the parameters of a run may be written."""
+    return tmp_path_factory.mktemp("point") / "point.json"
+
+
+def test_a_killed_run_goes_on_where_it_was(tmp_path, point_file):
     output = tmp_path / "run.nc"
-    first = computing(output)
+    first = computing(output, point_file)
     first.send_signal(signal.SIGKILL)
     first.communicate()
     assert not output.exists()
-    second = subprocess.run(
-        first.args,
-        cwd=ROOT,
-        input=json.dumps(canonical(LONG)),
-        capture_output=True,
-        text=True,
-        timeout=120,
-    )
+    second = program("run", str(point_file), "--output", str(output))
     assert second.returncode == 0, second.stderr
     assert "continued from a checkpoint" in second.stderr
     assert [path.name for path in tmp_path.iterdir()] == ["run.nc"]
@@ -256,18 +254,21 @@ def test_a_checkpoint_is_written_when_it_is_due_and_not_before(tmp_path):
 
 
 def test_writing_takes_no_more_than_its_share_of_the_time(tmp_path, monkeypatch):
-    kept = Checkpoint(tmp_path / "run.nc", POINTS["belt"], 0.0)
-    saves = []
+    now, saves = 0.0, []
 
     def slow(self, state) -> None:
-        saves.append(time.monotonic())
-        time.sleep(0.05)
+        nonlocal now
+        saves.append(now)
+        now += 0.05
 
+    monkeypatch.setattr("sim.engine.checkpoint.time", SimpleNamespace(monotonic=lambda: now))
     monkeypatch.setattr(Checkpoint, "save", slow)
-    began = time.monotonic()
-    while time.monotonic() < began + 0.5:
+    kept = Checkpoint(tmp_path / "run.nc", POINTS["belt"], 0.0)
+    while now < 5.0:
         kept.offer("state")
-    assert len(saves) == 1
+        now += 0.01
+    assert 4 <= len(saves) <= 5
+    assert np.diff(saves).min() >= 0.05 / SHARE
 
 
 def test_a_checkpoint_that_cannot_be_written_stops_no_run(tmp_path, caplog):
@@ -294,16 +295,22 @@ def test_the_interval_is_a_number_of_seconds(text, monkeypatch):
         checkpoint_interval()
 
 
-def test_a_stopwatch_counts_on_in_another_life():
+def test_a_stopwatch_counts_on_in_another_life(monkeypatch):
+    now = 5.0
+    monkeypatch.setattr("sim.engine.replicate.time", SimpleNamespace(monotonic=lambda: now))
     watch = Stopwatch(100.0)
-    assert 100.0 <= watch.seconds() < 101.0
-    assert 100.0 <= pickle.loads(pickle.dumps(watch)).seconds() < 101.0
+    now = 7.0
+    saved = pickle.dumps(watch)
+    now = 1000.0
+    watch = pickle.loads(saved)
+    now = 1003.0
+    assert watch.seconds() == pytest.approx(105.0)
 
 
-def test_a_run_that_is_asked_to_end_saves_first(tmp_path):
-    process = computing(tmp_path / "run.nc")
+def test_a_run_that_is_asked_to_end_saves_first(tmp_path, point_file):
+    process = computing(tmp_path / "run.nc", point_file)
     process.send_signal(signal.SIGTERM)
-    errors = process.communicate(timeout=60)[1]
+    errors = process.communicate()[1]
     assert process.returncode == 143, errors
     assert errors.splitlines()[-1].endswith("terminated; the next start continues from here")
     left = {path.name for path in tmp_path.iterdir()}

@@ -1,37 +1,23 @@
 """An interrupted run keeps its state; before there is any, it just ends."""
 
 import signal
-import subprocess
-import sys
-import time
-from pathlib import Path
 
 import pytest
 
 from sim.engine.command import save_and_end
 from sim.engine.progress import progress_file
 from sim.engine.warm import warm
-from sim.parameters import parse_point
-
-ROOT = Path(__file__).parents[2]
+from tests.engine_motion.points import belt_point
+from tests.made.processes import start_run, wait_until
 
 
 @pytest.fixture
 def process(tmp_path):
     """A long run that has started."""
-    warm([parse_point({"system": "belt"}, "test")])
-    process = subprocess.Popen(
-        [sys.executable, "-m", "sim", "run", "-", "-o", str(tmp_path / "run.nc")],
-        cwd=ROOT,
-        stdin=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-    )
-    process.stdin.write("{system: belt, frequency: 20, average: 1.0e+5}")
-    process.stdin.close()
-    deadline = time.monotonic() + 60
-    while not progress_file(tmp_path / "run.nc").exists() and time.monotonic() < deadline:
-        time.sleep(0.05)
+    point = belt_point(frequency=20, average=1e5)
+    warm([point])
+    process = start_run(point, tmp_path / "run.nc")
+    wait_until(progress_file(tmp_path / "run.nc").exists, process)
     yield process
     process.kill()
     process.wait()
@@ -39,7 +25,7 @@ def process(tmp_path):
 
 def test_an_interrupt_saves_the_state_of_a_run(process, tmp_path):
     process.send_signal(signal.SIGINT)
-    code = process.wait(timeout=60)
+    code = process.wait()
     last = process.stderr.read().splitlines()[-1]
     assert (code, last.partition(": ")[2]) == (
         143,

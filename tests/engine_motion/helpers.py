@@ -27,6 +27,26 @@ EXPONENTS = (0.0, 1 / 3, 1.0, 2.0)
 MEMORIES = ("separation", "shrink", "reset")
 CAPS = ("before", "after")
 
+#: Laws with which tests take spheres through the whole loop over steps, whose compiling takes long:
+#: together they have every value of every reading, and tests/golden runs the same. All combinations
+#: are compared with the reference in single contacts.
+LAWS = [
+    {"tangential_exponent": exponent, "overlap_memory": memory, "friction_cap": cap}
+    for exponent, memory, cap in (
+        (1 / 3, "separation", "before"),
+        (0.0, "shrink", "after"),
+        (1.0, "reset", "before"),
+        (2.0, "reset", "before"),
+    )
+]
+
+#: The same for beads: readings of the law and name of the integrator.
+BEAD_LAWS = [
+    ({"damping_mass": "own", "attraction": "kept"}, "gear"),
+    ({"damping_mass": "own", "attraction": "kept"}, "verlet"),
+    ({"damping_mass": "reduced", "attraction": "clipped"}, "verlet"),
+]
+
 
 def sphere_law(**changes) -> WaltonBraun:
     """The base case of the chute, changed."""

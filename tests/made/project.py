@@ -6,13 +6,17 @@ import subprocess
 import sys
 from pathlib import Path
 
-ROOT = Path(__file__).parents[2]
+from tests.made.processes import ROOT
+
 PARTS = ("sim", "workflow", "config", "Snakefile", "profiles", "pyproject.toml")
 STUDY = "tiny.yaml"
 
 
 def copy_tree(tree: Path) -> Path:
-    """Copy what a workflow needs into a folder, and return that."""
+    """Copy what a workflow needs into a folder, and return that.
+
+    Only for tests that edit the project: a copy compiles the engine anew.
+    """
     for part in PARTS:
         if (ROOT / part).is_dir() and not (ROOT / part).is_symlink():
             shutil.copytree(ROOT / part, tree / part, ignore=shutil.ignore_patterns("__pycache__"))
@@ -21,14 +25,7 @@ def copy_tree(tree: Path) -> Path:
     return tree
 
 
-def copy_project(tree: Path, study: str = STUDY) -> Path:
-    """Copy the project and a study of ``tests/data`` into a folder; return the folder."""
-    copy_tree(tree)
-    shutil.copy(ROOT / "tests" / "data" / study, tree / study)
-    return tree
-
-
-def bare_folder(folder: Path, study: str) -> Path:
+def bare_folder(folder: Path, study: str = STUDY) -> Path:
     """Copy a study of ``tests/data`` alone into a folder; return the folder.
 
     Workflows there are those of the project itself, whose engine other tests have compiled.
@@ -37,33 +34,46 @@ def bare_folder(folder: Path, study: str) -> Path:
     return folder
 
 
-def snakefile(folder: Path) -> Path:
-    """Return the Snakefile of the copy in a folder, or the project's."""
+def command(folder: Path, *arguments: str, study: str = STUDY) -> list[str]:
+    """Return the command of a workflow: of the copy in a folder, or of the project."""
     copied = folder / "Snakefile"
-    return copied if copied.exists() else ROOT / "Snakefile"
-
-
-def command(*arguments: str, study: str = STUDY) -> list[str]:
-    options = ["--cores", "2", *arguments, "--configfile", study]
+    snakefile = copied if copied.exists() else ROOT / "Snakefile"
+    options = ["--cores", "2", "--snakefile", str(snakefile), *arguments, "--configfile", study]
     return [sys.executable, "-m", "snakemake", *options]
 
 
 def snakemake(tree: Path, *arguments: str, study: str = STUDY) -> subprocess.CompletedProcess:
-    arguments = ("--snakefile", str(snakefile(tree)), *arguments)
+    """Let a workflow run to its end and return what it said."""
     return subprocess.run(
-        command(*arguments, study=study), cwd=tree, capture_output=True, text=True, timeout=900
+        command(tree, *arguments, study=study), cwd=tree, capture_output=True, text=True
     )
+
+
+def jobs(said: str) -> dict[str, int]:
+    """Return how many jobs of each rule a workflow announces, the targets left out."""
+    table = said.partition("Job stats:")[2].partition("\n\n")[0]
+    found = {name: int(count) for name, count in re.findall(r"^(\w+) +(\d+)$", table, re.M)}
+    targets = ("all", "default", "figures", "runs", "total")
+    return {name: count for name, count in found.items() if name not in targets}
+
+
+def points(said: str) -> list[str]:
+    """Return the points that a workflow announces or runs, in its order."""
+    return re.findall(r"wildcards: point=(\S+)", said)
+
+
+def plan(tree: Path, *arguments: str, study: str = STUDY) -> str:
+    """Return what a dry run says."""
+    dry = snakemake(tree, "-n", *arguments, study=study)
+    assert dry.returncode == 0, dry.stderr
+    return dry.stdout + dry.stderr
 
 
 def planned(tree: Path, *arguments: str, study: str = STUDY) -> dict[str, int]:
     """Return how many jobs of each rule a dry run announces."""
-    dry = snakemake(tree, "-n", *arguments, study=study)
-    assert dry.returncode == 0, dry.stderr
-    table = dry.stdout.rpartition("Job stats:")[2].partition("Reasons:")[0]
-    jobs = {name: int(count) for name, count in re.findall(r"^(\w+) +(\d+)$", table, re.M)}
-    return {name: count for name, count in jobs.items() if name not in ("default", "total")}
+    return jobs(plan(tree, *arguments, study=study))
 
 
 def planned_points(tree: Path, *arguments: str, study: str = STUDY) -> set[str]:
-    dry = snakemake(tree, "-n", *arguments, study=study)
-    return set(re.findall(r"wildcards: point=(\S+)", dry.stdout + dry.stderr))
+    """Return the points that a dry run announces."""
+    return set(points(plan(tree, *arguments, study=study)))

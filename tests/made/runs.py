@@ -13,6 +13,7 @@ from sim.engine.identity import NUMERICS
 from sim.engine.observe.force_balance import base_forces
 from sim.parameters import Parameters, canonical, field_info, point_id
 from sim.study.load import load_study
+from tests.made.once import once
 
 SAMPLES = 400
 HEIGHTS = 8
@@ -247,6 +248,7 @@ def is_hurt(parameters: Parameters) -> bool:
     return parameters.system == "chute" and (parameters.depth, parameters.restitution) == (5, 0.7)
 
 
+@once
 def make_study(folder: Path) -> tuple[Path, Path]:
     """Write the made-up study and all its run files; return the study file and results folder."""
     study_path, results = folder / "made.yaml", folder / "results"
@@ -336,6 +338,7 @@ def made_regime(parameters: Parameters) -> tuple[float, str]:
     return 0.5, "steady"
 
 
+@once
 def make_regimes(folder: Path) -> tuple[Path, Path]:
     """Write the made-up regimes and the run files of all rounds; return study file and results."""
     study_path, results = folder / "regimes.yaml", folder / "results"

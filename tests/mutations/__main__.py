@@ -13,7 +13,8 @@ from pathlib import Path
 
 import yaml
 
-from tests.made.project import ROOT, copy_tree
+from tests.made.processes import ROOT
+from tests.made.project import copy_tree
 
 BUGS = Path(__file__).with_name("bugs.yaml")
 

@@ -13,15 +13,13 @@ from PIL import Image
 from sim.claims.judge import Judgement, Variant, as_mapping, as_table
 from sim.claims.table import Claim
 from sim.claims.verdict import Check
-from sim.dataset.build import build as build_dataset
 from sim.dataset.results import load_results
-from sim.figures.render import draw
 from sim.report.claims import read_claims
 from sim.report.gallery import data_uri
 from sim.report.page import render
 from sim.study.catalogue import FIGURES, FigureSpec
 from sim.study.load import load_study
-from tests.made.runs import make_study
+from tests.made.figures import make_figures
 
 ANIMATION = "animation_made"
 
@@ -113,15 +111,6 @@ def write_claims(path: Path, points: list[str]) -> None:
     judgements = made_claims(points)
     path.write_text(json.dumps(as_mapping(judgements, "made")), encoding="utf-8")
     as_table(judgements).to_csv(path.with_suffix(".csv"), index=False, float_format="%.6g")
-
-
-def make_figures(folder: Path) -> tuple[Path, Path]:
-    """Make the study of `tests.made.runs.make_study` up to its figures."""
-    study_path, results = make_study(folder)
-    dataset = build_dataset(study_path, results)
-    for name in load_study(study_path, results).figures:
-        draw(name, dataset, results / "made" / "figures")
-    return study_path, results
 
 
 @contextmanager

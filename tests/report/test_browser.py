@@ -10,13 +10,18 @@ from playwright.sync_api import Browser, Locator, Page, expect, sync_playwright
 
 from sim.report.publish import publish
 from sim.study.load import load_study
-from tests.report.made import ANIMATION, make_figures, make_page, write_claims
+from tests.made.figures import make_figures
+from tests.report.made import ANIMATION, make_page, write_claims
 
 CHROMIUM = shutil.which("chromium") or shutil.which("google-chrome")
 
 pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="no chromium or google-chrome installed")
 
 PHONE = {"width": 375, "height": 812}
+
+#: Milliseconds after which something that does not happen is given up; a busy machine is slow.
+PATIENCE = 1_800_000
+expect.set_options(timeout=PATIENCE)
 
 
 @pytest.fixture(scope="module")
@@ -29,15 +34,24 @@ def report(tmp_path_factory) -> str:
 @pytest.fixture(scope="module")
 def browser() -> Iterator[Browser]:
     with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
+        browser = playwright.chromium.launch(
+            executable_path=CHROMIUM, args=["--no-sandbox"], timeout=PATIENCE
+        )
         yield browser
         browser.close()
+
+
+def opened(browser: Browser, **options) -> Page:
+    """Return a new window, of a context of its own."""
+    context = browser.new_context(**options)
+    context.set_default_timeout(PATIENCE)
+    return context.new_page()
 
 
 @pytest.fixture
 def page(browser, report) -> Iterator[Page]:
     """Yield the report in a new window; complaints of the page fail the test."""
-    page = browser.new_page()
+    page = opened(browser)
     complaints = []
     page.on("console", lambda message: complaints.append(message.text))
     page.on("pageerror", lambda error: complaints.append(str(error)))
@@ -45,7 +59,7 @@ def page(browser, report) -> Iterator[Page]:
     page.goto(report)
     yield page
     assert [text for text in complaints if not text.startswith((report, "data:"))] == []
-    page.close()
+    page.context.close()
 
 
 def shown(page: Page, table: str) -> list[str]:
@@ -252,7 +266,7 @@ def test_an_animation_plays_and_stops(page):
 
 
 def test_nothing_is_wider_than_a_phone(browser, report):
-    page = browser.new_page(viewport=PHONE)
+    page = opened(browser, viewport=PHONE)
     page.goto(report)
     page.locator("[data-toggle-all]").click()
     page.evaluate("for (const one of document.querySelectorAll('details')) one.open = true")
@@ -268,7 +282,7 @@ def test_nothing_is_wider_than_a_phone(browser, report):
     assert len(ends) == 5 and max(ends) <= PHONE["width"]
     page.locator("#claims select[name=paper]").select_option("gallas")
     assert page.locator(".opener:visible").count() == 2
-    page.close()
+    page.context.close()
 
 
 def colours(page: Page) -> tuple[int, int]:
@@ -281,7 +295,7 @@ def colours(page: Page) -> tuple[int, int]:
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_colours_follow_the_system_until_chosen(browser, report, scheme):
-    page = browser.new_page(color_scheme=scheme)
+    page = opened(browser, color_scheme=scheme)
     page.goto(report)
     ground, text = colours(page)
     assert (ground > 600 and text < 200) == (scheme == "light")
@@ -297,7 +311,7 @@ def test_colours_follow_the_system_until_chosen(browser, report, scheme):
     assert colours(page)[0] < 150
     page.reload()
     assert colours(page)[0] < 150
-    page.close()
+    page.context.close()
 
 
 def test_print_shows_what_the_screen_hides(page):
@@ -323,21 +337,21 @@ def test_it_prints(page, tmp_path: Path):
 
 
 def test_without_scripts_nothing_is_out_of_reach(browser, report):
-    page = browser.new_context(java_script_enabled=False).new_page()
+    page = opened(browser, java_script_enabled=False)
     page.goto(report)
     expect(page.locator("#evidence-W9")).to_be_visible()
     expect(page.locator("#claim-G31")).to_be_visible()
     expect(page.locator("#runs-table tbody tr").first).to_be_visible()
     expect(page.locator("#claims form")).to_be_hidden()
     expect(page.locator("#picture-walton_2")).to_be_visible()
-    page.close()
+    page.context.close()
 
 
 def test_a_published_report_shows_the_figures_beside_it(browser, tmp_path):
     study_path, results = make_figures(tmp_path)
     write_claims(results / "made" / "claims.json", list(load_study(study_path, results).points))
     published = publish(study_path, results, tmp_path / "published") / "report.html"
-    page = browser.new_page()
+    page = opened(browser)
     complaints = []
     page.on("console", lambda message: complaints.append(message.text))
     page.goto(published.as_uri())
@@ -349,4 +363,4 @@ def test_a_published_report_shows_the_figures_beside_it(browser, tmp_path):
     )
     assert len(widths) >= 4 and all(width > 0 for width in widths)
     assert complaints == []
-    page.close()
+    page.context.close()

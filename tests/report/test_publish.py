@@ -16,7 +16,8 @@ from sim.report import publish
 from sim.report.whole import require_whole
 from sim.study.catalogue import FIGURES
 from sim.study.load import load_study
-from tests.report.made import animated, make_figures, write_claims
+from tests.made.figures import make_figures
+from tests.report.made import animated, write_claims
 
 
 @pytest.fixture(scope="module")

@@ -5,8 +5,6 @@ import os
 import signal
 import subprocess
 import sys
-import time
-from pathlib import Path
 
 import pytest
 
@@ -17,9 +15,8 @@ from sim.parameters import canonical, parse_point, point_id
 from sim.report.status_table import as_text
 from sim.study.cost import PROCESS_TIME, estimate
 from tests.made.folder import BOUNDED, EARLIER, LATER, STUDY, Folder
+from tests.made.processes import start_run, wait_until
 from tests.made.runs import FAILURE
-
-ROOT = Path(__file__).parents[2]
 
 
 @pytest.fixture
@@ -199,25 +196,14 @@ def test_a_killed_run_was_interrupted(tmp_path):
     warm([point])
     folder.runs.mkdir(parents=True)
     output = folder.runs / f"{key}.nc"
-    process = subprocess.Popen(
-        [sys.executable, "-m", "sim", "run", "-", "-o", str(output)],
-        cwd=ROOT,
-        stdin=subprocess.PIPE,
-        stderr=subprocess.DEVNULL,
-        text=True,
-    )
+    process = start_run(point, output)
     try:
-        process.stdin.write(json.dumps(canonical(point)))
-        process.stdin.close()
-        limit = time.monotonic() + 60
-        while not ((said := read_progress(output)) and said.done > 1e5):
-            assert process.poll() is None and time.monotonic() < limit
-            time.sleep(0.05)
+        wait_until(lambda: (said := read_progress(output)) and said.done > 1e5, process)
         running = folder.survey()
         assert running.counts["running"] == 1
-        assert running.left > 0 and said.rate > 1e6
+        assert running.left > 0 and running.points[key].progress.rate > 0
     finally:
         process.send_signal(signal.SIGKILL)
-        process.wait()
+        process.communicate()
     assert folder.state(key) == "interrupted"
     assert "interrupted" in as_text(folder.survey())

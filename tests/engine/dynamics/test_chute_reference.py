@@ -1,7 +1,5 @@
 """The loop over steps of the spheres against the slow reference, from dense random states."""
 
-import itertools
-
 import numpy as np
 import pytest
 
@@ -11,11 +9,9 @@ from tests.engine.reference import chute as slow
 from tests.engine.reference.spring_dashpot import SpringDashpotLaw
 from tests.engine.reference.walton_braun import ContactLaw
 from tests.engine_motion.helpers import (
-    CAPS,
-    EXPONENTS,
     GRAVITY,
+    LAWS,
     MASS,
-    MEMORIES,
     RADIUS,
     lattice,
     sphere_law,
@@ -26,12 +22,6 @@ from tests.engine_motion.spheres import SphereMotion
 
 STEPS = 80
 SPEED, SPIN = 0.05, 100.0
-
-#: Every combination of exponent, overlap memory and cap: all laws that can be compiled.
-READINGS = [
-    {"tangential_exponent": exponent, "overlap_memory": memory, "friction_cap": cap}
-    for exponent, memory, cap in itertools.product(EXPONENTS, MEMORIES, CAPS)
-]
 
 
 def dense_state(seed: int, shape=(4, 3, 4)):
@@ -104,9 +94,7 @@ def check(motion, start, expected) -> None:
 
 
 @pytest.mark.parametrize("base", [0.0, 10 * RADIUS], ids=["on the plane", "free"])
-@pytest.mark.parametrize(
-    "readings", READINGS, ids=lambda readings: "-".join(map(str, readings.values()))
-)
+@pytest.mark.parametrize("readings", LAWS)
 def test_short_flow_equals_the_reference(readings, base):
     """Over rebuilds of the list and openings of contacts, from random spins."""
     motion, start, expected = compared(laws(**readings), base)

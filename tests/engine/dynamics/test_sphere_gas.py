@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from sim.engine.systems import leap_frog
-from tests.engine_motion.helpers import CAPS, EXPONENTS, MASS, RADIUS, lattice, sphere_law, wrapped
+from tests.engine_motion.helpers import LAWS, MASS, RADIUS, lattice, sphere_law, wrapped
 from tests.engine_motion.spheres import SphereMotion
 
 SPEED = 0.1
@@ -40,9 +40,9 @@ def stored_energy(motion, place) -> float:
     return float(0.5 * motion.laws[0].loading * (overlap**2).sum())
 
 
-@pytest.mark.parametrize("exponent", EXPONENTS)
-def test_free_gas_conserves_momentum(exponent):
-    motion = gas(sphere_law(tangential_exponent=exponent))
+@pytest.mark.parametrize("readings", LAWS)
+def test_free_gas_conserves_momentum(readings):
+    motion = gas(sphere_law(**readings))
     before = motion.momentum()
     motion.run(4000)
     scale = motion.mass.sum() * SPEED
@@ -76,11 +76,10 @@ def test_angular_momentum_of_a_frictionless_gas_is_constant():
 
 
 @pytest.mark.parametrize("restitution", [0.85, 1.0])
-@pytest.mark.parametrize("cap", CAPS)
-@pytest.mark.parametrize("exponent", EXPONENTS)
-def test_energy_of_a_frictional_gas_never_grows(exponent, cap, restitution):
+@pytest.mark.parametrize("readings", LAWS)
+def test_energy_of_a_frictional_gas_never_grows(readings, restitution):
     """Compared whenever no contact stores any; only the elastic limit feels the time step."""
-    law = sphere_law(tangential_exponent=exponent, friction_cap=cap, restitution=restitution)
+    law = sphere_law(**readings, restitution=restitution)
     motion = gas(law)
     energy = [motion.energy()]
     for _ in range(3000):

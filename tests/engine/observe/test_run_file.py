@@ -5,7 +5,6 @@ import signal
 import subprocess
 import sys
 from dataclasses import replace
-from pathlib import Path
 
 import netCDF4
 import numpy as np
@@ -15,8 +14,8 @@ from sim.engine.observe import run_file
 from sim.engine.observe.recorder import Record
 from sim.engine.run import Layout
 from tests.engine_motion.points import chute_point
+from tests.made.processes import ROOT
 
-ROOT = Path(__file__).parents[3]
 SERIES = {"mean_velocity": ("m s-1", "v")}
 LAYOUT = Layout(np.arange(3.0), np.arange(2.0), SERIES, ("x", "y", "z"), {})
 
@@ -95,15 +94,17 @@ def test_a_file_that_exists_is_replaced(tmp_path):
 
 
 KILLED = """
-import sys, time
+import signal, sys
 from pathlib import Path
 from sim.engine.observe import run_file
 from tests.engine.observe.test_run_file import write
 
 def stuck(*arguments):
     print("writing", flush=True)
-    time.sleep(60)
+    sys.stdin.read()
 
+# Whoever starts the tests in the background makes them, and what they start, deaf to SIGINT.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 run_file._write_records = stuck
 write(Path(sys.argv[1]))
 """
@@ -113,15 +114,16 @@ write(Path(sys.argv[1]))
 def test_a_killed_write_leaves_no_run_file(tmp_path, how):
     process = subprocess.Popen(
         [sys.executable, "-c", KILLED, str(tmp_path / "run.nc")],
+        stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         stderr=subprocess.DEVNULL,
         cwd=ROOT,
         env=os.environ | {"PYTHONPATH": str(ROOT)},
     )
-    with process.stdout:
+    with process:
         assert process.stdout.readline() == b"writing\n"
         process.send_signal(how)
-        process.wait(timeout=30)
+        assert process.wait() != 0
     assert not (tmp_path / "run.nc").exists()
     if how == signal.SIGINT:
         assert not list(tmp_path.iterdir())

@@ -5,6 +5,7 @@ import pytest
 
 from sim.engine.systems.belt import Belt
 from sim.engine.systems.chute import Chute
+from tests.engine_motion.helpers import LAWS
 from tests.engine_motion.points import belt_point, chute_point, series_of
 
 CHUTE = {"depth": 4, "cell": 4, "transient": 5, "average": 25}
@@ -23,8 +24,8 @@ def residual(point, system) -> float:
     ("values", "allowed"),
     [
         ({}, 1e-3),
-        ({"overlap_memory": "shrink"}, 1e-3),
-        ({"tangential_exponent": 0, "restitution": 1.0}, 2e-3),
+        (LAWS[1], 1e-3),
+        ({**LAWS[1], "restitution": 1.0}, 2e-3),
         ({"friction": 0.0}, 1e-3),
         ({"law": "spring_dashpot"}, 5e-3),
     ],
@@ -35,7 +36,7 @@ def test_the_chute_loses_what_it_gains(values, allowed):
 
 def test_forgetting_the_dent_makes_energy():
     """The reading `reset` pushes spheres apart once more for nothing: the ledger shows it."""
-    assert residual(chute_point(**CHUTE, overlap_memory="reset"), Chute) > 0.01
+    assert residual(chute_point(**CHUTE, **LAWS[2]), Chute) > 0.01
 
 
 def test_the_ledger_converges_with_the_time_step():
@@ -50,8 +51,7 @@ def test_the_ledger_converges_with_the_time_step():
     [
         {},
         {"frequency": 60},
-        {"damping_mass": "reduced"},
-        {"attraction": "clipped"},
+        {"damping_mass": "reduced", "attraction": "clipped", "integrator": "verlet"},
         {"belt_ghost": "centred"},
         {"obstacle": 1.5},
         {"shear_damping": 0},

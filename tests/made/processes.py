@@ -1,0 +1,52 @@
+"""Processes of the program, and waiting for what they do.
+
+Nothing here gives up after some time: a busy machine may take any time, and a process that will
+never do it ends, which is seen.
+"""
+
+import json
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+from sim.parameters import Parameters, canonical
+
+ROOT = Path(__file__).parents[2]
+
+
+def wait_until(is_so: Callable[[], bool], *processes: subprocess.Popen) -> None:
+    """Wait until something is so; fail once the processes that could bring it about have ended."""
+    while not is_so():
+        if processes and all(process.poll() is not None for process in processes):
+            assert is_so(), "ended before it happened"
+        time.sleep(0.02)
+
+
+def program(*words: str, **options) -> subprocess.CompletedProcess:
+    """Let ``python -m sim`` run to its end and return what it said."""
+    return subprocess.run(
+        [sys.executable, "-m", "sim", *words], cwd=ROOT, capture_output=True, text=True, **options
+    )
+
+
+def run_command(output: Path) -> list[str]:
+    """Return the command that runs a point from the standard input into a file."""
+    return [sys.executable, "-m", "sim", "run", "-", "--output", str(output)]
+
+
+def start_run(parameters: Parameters, output: Path, **options) -> subprocess.Popen:
+    """Start the run of a point in a process of its own, whose messages can be read."""
+    process = subprocess.Popen(
+        run_command(output),
+        cwd=ROOT,
+        stdin=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        **options,
+    )
+    process.stdin.write(json.dumps(canonical(parameters)))
+    process.stdin.close()
+    process.stdin = None
+    return process

@@ -1,0 +1,110 @@
+"""Workflows that were killed or find a damaged file: what they say, and what they do again."""
+
+import os
+import re
+import shutil
+import signal
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from sim.study.load import estimate, load_study
+from tests.made.processes import wait_until
+from tests.made.project import command, jobs, planned, points, snakemake
+
+#: Beads enough for points of different lengths.
+STUDY = """\
+study: small
+defaults: {belt: {width: 5, steps_per_cycle: 1000, transient: 1, average: 2}}
+series: [{name: beds, system: belt, grid: {beads: [10, 12, 14, 16, 18, 20]}}]
+"""
+
+
+class Killed:
+    """A workflow over all points on one core, killed in the middle of its runs."""
+
+    def __init__(self, tree: Path):
+        (tree / "small.yaml").write_text(STUDY)
+        self.study = load_study(tree / "small.yaml", tree / "results")
+        self.runs = tree / "results" / "small" / "runs"
+        log = tree / "killed.log"
+        while not self._stopped_halfway(tree, log):
+            shutil.rmtree(tree / "results")
+        # It lives, and can get no further meanwhile.
+        self.second = snakemake(tree, "runs", study="small.yaml")
+        os.killpg(self.process.pid, signal.SIGKILL)
+        self.process.wait()
+        self.before = {path: path.stat().st_mtime_ns for path in self.runs.glob("*.nc")}
+        self.log = log.read_text()
+        self.resumed = snakemake(tree, "runs", study="small.yaml")
+
+    def _stopped_halfway(self, tree: Path, log: Path) -> bool:
+        """Start the workflow and stop it after three runs; return whether there were more to do."""
+        with log.open("w") as file:
+            self.process = subprocess.Popen(
+                command(tree, "runs", "--cores", "1", study="small.yaml"),
+                cwd=tree,
+                stdout=file,
+                stderr=file,
+                start_new_session=True,
+            )
+        wait_until(lambda: self.done() >= 3, self.process)
+        os.killpg(self.process.pid, signal.SIGSTOP)
+        if self.done() < len(self.study.points):
+            return True
+        os.killpg(self.process.pid, signal.SIGKILL)
+        self.process.wait()
+        return False
+
+    def done(self) -> int:
+        """Return how many points have a run file."""
+        return len(list(self.runs.glob("*.nc")))
+
+
+@pytest.fixture(scope="module")
+def killed(tmp_path_factory) -> Killed:
+    return Killed(tmp_path_factory.mktemp("killed"))
+
+
+def test_a_killed_workflow_resumes_by_itself(killed):
+    assert len(killed.before) < len(killed.study.points)
+    assert killed.resumed.returncode == 0, killed.resumed.stderr
+    assert {path.stem for path in killed.runs.glob("*.nc")} == set(killed.study.points)
+    rerun = [path for path, changed in killed.before.items() if path.stat().st_mtime_ns != changed]
+    assert len(rerun) <= 1
+    assert not list(killed.runs.glob("*.part"))
+
+
+def test_a_living_workflow_keeps_its_lock(killed):
+    assert killed.second.returncode != 0
+    assert "cannot be locked" in killed.second.stdout + killed.second.stderr
+
+
+def test_the_longest_points_start_first(killed):
+    study = killed.study
+    costs = [estimate(study.points[point].parameters).core_seconds for point in points(killed.log)]
+    everything = [estimate(point.parameters).core_seconds for point in study.points.values()]
+    assert len(costs) >= 3
+    assert costs == sorted(everything, reverse=True)[: len(costs)]
+
+
+def test_a_damaged_run_is_named_and_computed_again_by_a_rerun(killed):
+    """And a workflow that fails ends with a summary as others do."""
+    tree = killed.runs.parents[2]
+    made = snakemake(tree, "dataset", study="small.yaml")
+    assert made.returncode == 0, made.stderr
+    path = sorted(killed.runs.glob("*.nc"))[1]
+    whole = path.read_bytes()
+    path.write_bytes(whole[: len(whole) // 2])
+    first = snakemake(tree, "dataset", study="small.yaml")
+    assert first.returncode != 0
+    assert f"error: results/small/runs/{path.name}: damaged" in first.stdout + first.stderr
+    assert re.search(r"^6 points: 5 done", first.stderr, re.M)
+    assert path.with_name(f"{path.name}.damaged").exists()
+    again = snakemake(tree, "dataset", study="small.yaml")
+    assert again.returncode == 0, again.stderr
+    assert jobs(again.stderr) == {"run": 1, "dataset": 1}
+    assert points(again.stderr) == [path.stem]
+    assert len(path.read_bytes()) == pytest.approx(len(whole), rel=0.01)
+    assert planned(tree, "dataset", study="small.yaml") == {}
