@@ -7,6 +7,7 @@ from math import inf, nan
 import numpy as np
 from uncertainties import UFloat
 
+from sim.base.statistics import student
 from sim.claims.bed import half_height, layer_width, peak, spread
 from sim.claims.checks import above, below, within
 from sim.claims.evidence import Evidence
@@ -14,7 +15,6 @@ from sim.claims.lines import FLOWING, along, common_beds, replicated
 from sim.claims.place import Place, joined, measured
 from sim.claims.trends import mean_of_others
 from sim.claims.verdict import Check, Untestable
-from sim.engine.observe.estimate import student
 
 DENSITY = "number_density"
 

@@ -14,13 +14,13 @@ import numpy as np
 import pandas as pd
 from uncertainties import UFloat
 
+from sim.base.statistics import student
 from sim.claims.checks import within
 from sim.claims.evidence import Evidence
 from sim.claims.lines import FLOWING, MARKERS, NONE, along, replicated
 from sim.claims.place import Place, measured, quotient
 from sim.claims.verdict import SIGMAS, Check, Untestable
 from sim.dataset.measures.belt import speed_along_x
-from sim.engine.observe.estimate import student
 from sim.parameters.belt import LEAST_TRANSPORT
 
 #: Pairs of damping and shear damping (g) whose onsets are compared.

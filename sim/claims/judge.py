@@ -11,6 +11,7 @@ import pandas as pd
 
 from sim.base.files import replacing
 from sim.claims.evidence import Evidence
+from sim.claims.experiments import experiment
 from sim.claims.table import Claim, claims
 from sim.claims.verdict import (
     INCONCLUSIVE,
@@ -158,8 +159,8 @@ def _variants(claim: Claim, every: list[tuple[str, Evidence]]) -> Iterator[Varia
     """Yield the verdicts at the default reading, then those of readings that have the runs."""
     if claim.kind == "model":
         for reading in MODEL_READINGS:
-            checks = tuple(claim.judging()(reading))
-            yield Variant(MODEL, _in_words(claim.system, reading), checks)
+            words = _in_words(claim.system, reading)
+            yield Variant(MODEL, words, experiment(claim, reading))
         return
     for reading, evidence in every:
         variant = _judged(claim, evidence, reading)

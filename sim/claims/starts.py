@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 import pandas as pd
 
-from sim.engine.observe.estimate import student
+from sim.base.statistics import student
 
 
 def over_seeds(

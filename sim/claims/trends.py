@@ -6,10 +6,10 @@ from itertools import pairwise
 import numpy as np
 from uncertainties import UFloat
 
+from sim.base.statistics import student
 from sim.claims.checks import above, within
 from sim.claims.place import Place, measured, quotient
 from sim.claims.verdict import NOT_REPRODUCED, Check
-from sim.engine.observe.estimate import student
 
 
 def ordered(

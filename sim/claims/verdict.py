@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from math import inf, isfinite
 
-from sim.engine.observe.estimate import student
+from sim.base.statistics import student
 
 REPRODUCED = "reproduced"
 NOT_REPRODUCED = "not reproduced"

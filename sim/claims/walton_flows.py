@@ -8,6 +8,7 @@ from math import inf, nan, radians, tan
 import numpy as np
 from scipy.stats import rankdata
 
+from sim.base.statistics import student
 from sim.claims.checks import above, below, within
 from sim.claims.chute import base, driving, is_settled, repeated, speed, steady
 from sim.claims.evidence import Evidence
@@ -15,7 +16,6 @@ from sim.claims.place import joined
 from sim.claims.trends import pooled
 from sim.claims.verdict import Check, Untestable
 from sim.dataset.caveats import CLOSED
-from sim.engine.observe.estimate import student
 
 #: Largest number of values of which all orders are counted.
 COUNTED = 9

@@ -1,4 +1,4 @@
-"""Judges of Walton's claims about the model: small experiments, done when they are judged."""
+"""Judges of Walton's claims about the model: small experiments that need no study."""
 
 from collections.abc import Callable, Mapping
 from itertools import pairwise

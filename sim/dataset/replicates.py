@@ -3,7 +3,7 @@
 import numpy as np
 import xarray as xr
 
-from sim.engine.observe.estimate import student
+from sim.base.statistics import student
 
 #: What a mean is worth, from the best; of several replicates the worst counts.
 QUALITIES = ("reliable", "jammed", "short", "drifting", "failed")

@@ -75,5 +75,5 @@ def source_hash(parts: Sequence[str] = ENGINE) -> str:
 
 def library_versions() -> dict[str, str]:
     """Return the versions of Python and of the libraries that compute or store numbers."""
-    names = ("numpy", "scipy", "pymbar", "numba", "llvmlite", "netCDF4", "pydantic")
+    names = ("numpy", "scipy", "numba", "llvmlite", "netCDF4", "pydantic")
     return {"python": platform.python_version()} | {name: version(name) for name in names}

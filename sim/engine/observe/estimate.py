@@ -1,29 +1,26 @@
 """Mean and slope of a correlated series with honest 95 % intervals, and where its transient ends.
 
-End of the transient and statistical inefficiency come from pymbar (Chodera, J. Chem. Theory Comput.
-12 (2016) 1799). Two things are added, because intervals from the inefficiency alone are too short
-for series of a few dozen independent samples: as much again is discarded as the detection says, and
-the widest of three intervals is taken, one from the inefficiency and two from means over batches.
+End of the transient and statistical inefficiency are those of Chodera (J. Chem. Theory Comput. 12
+(2016) 1799), to the bits of his pymbar, which takes half a second to import. Two things are added,
+because intervals from the inefficiency alone are too short for series of a few dozen independent
+samples: as much again is discarded as the detection says, and the widest of three intervals is
+taken, one from the inefficiency and two from means over batches.
 """
 
-import functools
-import importlib
-import logging
-import sys
 from dataclasses import dataclass
-from importlib.machinery import PathFinder
-from types import ModuleType
 
 import numpy as np
 
-#: Share of cases in which an interval holds the true value.
-CONFIDENCE = 0.95
+from sim.base.statistics import student
 
 #: Numbers of batches whose means give an interval each.
 BATCHES = (6, 10)
 
 #: Starts that are tried in the search for the end of the transient.
 TRIALS = 50
+
+#: Largest lag up to which the autocorrelation counts whatever its sign.
+LEAST_LAG = 3
 
 #: Shortest series that is analysed at all: one sample per batch.
 FEWEST = max(BATCHES)
@@ -38,64 +35,53 @@ class Interval:
     half_width: float
 
 
-def student(freedom: float, number: int = 1) -> float:
-    """Return the half width of a 95 % interval in standard errors, by Student's distribution.
-
-    Of several intervals, so that all of a ``number`` hold together at 95 % (Bonferroni).
-    """
-    # A run needs it only at its end, and the import takes a quarter of a second.
-    from scipy.special import stdtrit
-
-    return float(stdtrit(freedom, 1 - (1 - CONFIDENCE) / (2 * number)))
-
-
-@functools.cache
-def _timeseries() -> ModuleType:
-    """Return pymbar's module of time series, without the rest of the package.
-
-    The package as a whole imports scipy.stats, which takes half a second, a third of a belt's run.
-    """
-    package = ModuleType("pymbar")
-    found = PathFinder.find_spec("pymbar")
-    if found is None:
-        raise ModuleNotFoundError("No module named 'pymbar'")
-    package.__path__ = found.submodule_search_locations
-    loggers = [logging.getLogger(name) for name in ("pymbar", "numexpr")]
-    levels = [logger.level for logger in loggers]
-    for logger in loggers:
-        logger.setLevel(logging.ERROR)
-    sys.modules["pymbar"] = package
-    try:
-        return importlib.import_module("pymbar.timeseries")
-    finally:
-        del sys.modules["pymbar"]
-        for logger, level in zip(loggers, levels, strict=True):
-            logger.setLevel(level)
-
-
 def inefficiency(series: np.ndarray) -> float:
     """Return how many successive samples are worth one independent one, at least 1."""
     if len(series) < 3 or np.ptp(series) == 0.0:
         return 1.0
-    timeseries = _timeseries()
-    try:
-        return float(timeseries.statistical_inefficiency(series))
-    except timeseries.ParameterError:
-        # The variance of numbers this small is zero.
-        return 1.0
+    found = _inefficiency(series, growth=0)
+    return 1.0 if np.isnan(found) else found
+
+
+def _inefficiency(series: np.ndarray, growth: int) -> float:
+    """Return 1 + 2 τ, τ the integral of the autocorrelation to where it first falls to zero.
+
+    The lags at which it is taken are ``growth`` farther apart each time. Not-a-number where the
+    variance is zero, as that of very small numbers is.
+    """
+    fluctuation = series - series.mean()
+    variance = (fluctuation * fluctuation).mean()
+    if variance == 0.0:
+        return np.nan
+    size, found, lag, step = len(series), 1.0, 1, 1
+    while lag < size - 1:
+        products = fluctuation[:-lag] * fluctuation[lag:]
+        correlation = products.sum() / ((size - lag) * variance)
+        if correlation <= 0.0 and lag > LEAST_LAG:
+            break
+        found += 2.0 * correlation * (1.0 - lag / size) * step
+        lag += step
+        step += growth
+    return float(max(found, 1.0))
 
 
 def transient_end(series: np.ndarray) -> int:
     """Return how many samples of a series to discard as its transient, half of them at most.
 
-    pymbar's start is the one that leaves the largest number of independent samples, which keeps a
-    part of the transient as long as that pays; twice that keeps a bias well below the error.
+    The start that leaves the largest number of independent samples keeps a part of the transient as
+    long as that pays; twice that keeps a bias well below the error.
     """
-    if len(series) < 2 * FEWEST or np.ptp(series) == 0.0:
+    if len(series) < 2 * FEWEST or np.ptp(series) == 0.0 or series.std() == 0.0:
         return 0
-    step = max(1, len(series) // TRIALS)
-    start, _, _ = _timeseries().detect_equilibration(series, fast=True, nskip=step)
-    return min(2 * int(start), len(series) // 2)
+    starts = range(0, len(series) - 1, max(1, len(series) // TRIALS))
+    start = starts[int(np.argmax([_independent(series[start:]) for start in starts]))]
+    return min(2 * start, len(series) // 2)
+
+
+def _independent(series: np.ndarray) -> np.float32:
+    """Return the number of independent samples, in single precision as pymbar compares them."""
+    found, samples = _inefficiency(series, growth=1), len(series) + 1
+    return samples / np.float32(samples if np.isnan(found) else found)
 
 
 def mean(series: np.ndarray) -> Interval:

@@ -6,6 +6,7 @@ import pytest
 from sim.engine.observe.estimate import (
     BATCHES,
     FEWEST,
+    TRIALS,
     batch_means,
     cycle_means,
     inefficiency,
@@ -83,6 +84,49 @@ def test_inefficiency_of_a_known_process():
     series = correlated(np.random.default_rng(1), 100_000, 20.0)
     assert inefficiency(series) == pytest.approx(20.0, rel=0.1)
     assert inefficiency(np.ones(50)) == 1.0
+
+
+def made(kind: str, rng: np.random.Generator, samples: int) -> np.ndarray:
+    """Return a series of one kind."""
+    noise = correlated(rng, samples, 8.0)
+    match kind:
+        case "white":
+            return rng.normal(size=samples)
+        case "alternating":
+            return noise * (-1) ** np.arange(samples)
+        case "transient":
+            return noise + 20 * np.exp(-np.arange(samples) / (0.1 * samples))
+        case "drifting":
+            return noise + np.linspace(0, 10, samples)
+        case "at rest in the end":
+            return np.where(np.arange(samples) < 0.4 * samples, noise, 0.0)
+        case "tiny":
+            return 1e-160 * noise
+        case "constant but for rounding":
+            return np.where(rng.random(samples) < 0.5, 0.1, np.nextafter(0.1, 1))
+    return noise
+
+
+KINDS_OF_SERIES = ["white", "correlated", "alternating", "transient", "drifting"]
+ODD_SERIES = ["at rest in the end", "tiny", "constant but for rounding"]
+
+
+@pytest.mark.parametrize("kind", KINDS_OF_SERIES + ODD_SERIES)
+def test_both_numbers_are_those_of_pymbar_to_the_bit(kind):
+    from pymbar import timeseries
+
+    rng = np.random.default_rng(3)
+    for samples in (20, 21, 50, 99, 400, 1501):
+        series = made(kind, rng, samples)
+        step = max(1, samples // TRIALS)
+        start, _, _ = timeseries.detect_equilibration(series, fast=True, nskip=step)
+        assert transient_end(series) == min(2 * start, samples // 2)
+        for part in (series, series[:3], series[samples // 3 :]):
+            try:
+                expected = timeseries.statistical_inefficiency(part)
+            except timeseries.ParameterError:
+                expected = 1.0
+            assert inefficiency(part) == expected
 
 
 def test_the_end_of_a_long_transient_is_found():
