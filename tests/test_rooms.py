@@ -14,7 +14,7 @@ MODULES = sorted(PACKAGE.rglob("*.py"))
 #: Modules of a room that others may import although the table keeps their rooms apart otherwise:
 #: names that run files and datasets share, and what tells of runs under way.
 NAMES_OF_THE_ENGINE = {
-    "dataset": {"identity", "observe.scalars", "observe.run_file"},
+    "dataset": {"identity", "observe.arrays", "observe.scalars"},
     "figures": set(),
     "report": {"identity", "progress", "observe.scalars"},
 }
