@@ -10,8 +10,7 @@ import pytest
 
 from sim.engine import compile as engine
 from sim.engine.identity import COMPILED, ENGINE, PACKAGE, source_files, source_hash
-
-ROOT = Path(__file__).parents[2]
+from tests.made.processes import ROOT
 
 COUNT = """
 import sys

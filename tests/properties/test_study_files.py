@@ -23,9 +23,9 @@ from sim.base.errors import InputError
 from sim.base.yaml import MAX_BYTES, parse_yaml
 from sim.cli import main
 from sim.study.load import Study, load_study, parse_study
+from tests.made.processes import ROOT
 from tests.properties.values import ANYTHING, GIVEN, SCALARS
 
-ROOT = Path(__file__).parents[2]
 STUDIES = [ROOT / "config" / "quick.yaml", ROOT / "tests" / "data" / "tiny.yaml"]
 TEXTS = [path.read_text() for path in STUDIES]
 TREES = [yaml.safe_load(text) for text in TEXTS]
