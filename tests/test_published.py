@@ -17,8 +17,8 @@ from sim.parameters import SYSTEMS, parse_point, point_id
 from sim.report.claims import VERDICTS, counts, read_claims
 from sim.report.publish import LARGEST, PUBLISHED, size
 from sim.study.cost import estimate
+from tests.made.processes import ROOT
 
-ROOT = Path(__file__).parents[1]
 STUDIES = sorted(path.parent for path in (ROOT / PUBLISHED).glob("*/dataset.nc"))
 
 #: Points of each study that are computed anew, and the longest time (s) that one may take.

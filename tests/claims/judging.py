@@ -2,7 +2,7 @@
 
 from sim.claims.evidence import Evidence
 from sim.claims.verdict import NOT_REPRODUCED, together
-from tests.claims.made import made_results
+from tests.made.results import made_results
 
 
 def checks_on(judge, points, boundaries=()) -> list:

@@ -7,7 +7,7 @@ from sim.claims.checks import above
 from sim.claims.evidence import Evidence
 from sim.claims.place import joined
 from sim.claims.verdict import SIGMAS, Unbounded, Untestable
-from tests.claims.made import made_boundary, made_point, made_results
+from tests.made.results import made_boundary, made_point, made_results
 
 
 def evidence(*points, protocol="published", reading=None, **options) -> Evidence:

@@ -12,7 +12,7 @@ from sim.claims.verdict import (
     SIGMAS,
     Untestable,
 )
-from tests.claims.paper_belt import BEAD, checks_of, density, published, verdict_of
+from tests.made.paper_belt import BEAD, checks_of, density, published, verdict_of
 
 FREQUENCIES = (10, 20, 60, 80)
 PAIRS = ((10, 10), (0, 50), (50, 50), (50, 100))

@@ -4,7 +4,7 @@ import pytest
 
 from sim.claims.gallas_flux import g1, g2, g8, g13, g14
 from sim.claims.verdict import INCONCLUSIVE, NOT_REPRODUCED, REPORTED, REPRODUCED, Untestable
-from tests.claims.paper_belt import checks_of, published, verdict_of
+from tests.made.paper_belt import checks_of, published, verdict_of
 
 FREQUENCIES = (10, 15, 16, 18, 20, 25, 30, 40, 50, 60, 80, 100)
 

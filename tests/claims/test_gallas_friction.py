@@ -5,7 +5,7 @@ import pytest
 
 from sim.claims.gallas_friction import _errors_from_zero, g9, g10, g11, g12, g36
 from sim.claims.verdict import INCONCLUSIVE, NOT_REPRODUCED, REPRODUCED, Untestable
-from tests.claims.paper_belt import checks_of, published, verdict_of
+from tests.made.paper_belt import checks_of, published, verdict_of
 
 SHEAR = (0, 10, 20, 50, 100)
 

@@ -5,7 +5,7 @@ import pytest
 
 from sim.claims.gallas_obstacle import g31, g33, g34
 from sim.claims.verdict import INCONCLUSIVE, NOT_REPRODUCED, REPRODUCED, Untestable
-from tests.claims.paper_belt import BEAD, checks_of, published, velocity, verdict_of
+from tests.made.paper_belt import BEAD, checks_of, published, velocity, verdict_of
 
 SIZES = (0, 0.5, 1.5, 2.5)
 

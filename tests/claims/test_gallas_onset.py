@@ -6,8 +6,8 @@ import pytest
 from sim.claims.evidence import Evidence
 from sim.claims.gallas_onset import g3, g4, g5, g6, g7, g35, onset
 from sim.claims.verdict import INCONCLUSIVE, NOT_REPRODUCED, REPRODUCED, Untestable
-from tests.claims.made import made_boundary, made_results
-from tests.claims.paper_belt import checks_of, published, velocity, verdict_of
+from tests.made.paper_belt import checks_of, published, velocity, verdict_of
+from tests.made.results import made_boundary, made_results
 
 SCAN = (14, 15, 15.5, 16, 16.5, 17, 18, 20)
 FINE = (*SCAN[:-1], 18.5, 19, 19.5, 20)

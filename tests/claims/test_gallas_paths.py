@@ -5,7 +5,7 @@ import pytest
 
 from sim.claims.gallas_paths import g24, g25, g32
 from sim.claims.verdict import INCONCLUSIVE, NOT_REPRODUCED, REPRODUCED, Untestable
-from tests.claims.paper_belt import checks_of, published, verdict_of
+from tests.made.paper_belt import checks_of, published, verdict_of
 
 PANELS = {
     "a": {"frequency": 10},

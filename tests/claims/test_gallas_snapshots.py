@@ -4,7 +4,7 @@ import pytest
 
 from sim.claims.gallas_snapshots import g26, g27, g28
 from sim.claims.verdict import INCONCLUSIVE, NOT_REPRODUCED, REPRODUCED, Untestable
-from tests.claims.paper_belt import BEAD, checks_of, published, verdict_of
+from tests.made.paper_belt import BEAD, checks_of, published, verdict_of
 
 LOOSE = {"frequency": 40, "vibration_angle": 30, "damping": 10, "shear_damping": 10}
 PANELS = {"a": {"frequency": 10, "vibration_angle": 60}, "b": LOOSE, "c": {"frequency": 100}}

@@ -5,7 +5,7 @@ import pytest
 
 from sim.claims.gallas_velocity import g21, g22, g23, g29, g30
 from sim.claims.verdict import INCONCLUSIVE, NOT_REPRODUCED, REPRODUCED, Untestable
-from tests.claims.paper_belt import (
+from tests.made.paper_belt import (
     BEAD,
     checks_of,
     published,

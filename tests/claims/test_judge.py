@@ -10,7 +10,7 @@ from sim.claims.table import claims
 from sim.claims.verdict import INCONCLUSIVE, NOT_REPRODUCED, REPRODUCED, UNTESTABLE, Check
 from sim.parameters import SYSTEMS
 from sim.study.catalogue import FIGURES
-from tests.claims.made import made_point, made_results
+from tests.made.results import made_point, made_results
 
 HOLDS = Check("x", 2.0, 0.1, 1.0, 3.0, points=("p",), samples=50.0)
 FAILS = Check("y", 4.0, 0.1, 1.0, 3.0)

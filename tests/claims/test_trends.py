@@ -6,7 +6,7 @@ from uncertainties import ufloat
 
 from sim.claims.trends import least, mean_of_others, ordered
 from sim.claims.verdict import INCONCLUSIVE, NOT_REPRODUCED, REPRODUCED
-from tests.claims.made import spread
+from tests.made.results import spread
 
 
 class Somewhere:

@@ -6,8 +6,8 @@ import pytest
 from sim.claims.verdict import INCONCLUSIVE, NOT_REPRODUCED, REPRODUCED, Untestable
 from sim.claims.walton_flows import _chance, w5, w9, w24, w26
 from tests.claims.judging import checks_on, failed, verdict_on
-from tests.claims.made import made_point
-from tests.claims.walton_made import SLOPE, SPEEDS, base_flows, flow
+from tests.made.chute_flows import SLOPE, SPEEDS, base_flows, flow
+from tests.made.results import made_point
 
 JUDGES = [w5, w9, w24, w26]
 

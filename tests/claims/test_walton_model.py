@@ -9,28 +9,20 @@ from sim.claims.verdict import NOT_REPRODUCED, REPRODUCED, together
 from sim.claims.walton_model import w1, w2, w3, w4
 from sim.engine.contact.walton_braun import walton_braun
 from sim.engine.systems.chute import Chute
+from tests.claims.judging import failed
 from tests.engine_motion.helpers import LAWS
-
-
-def verdict(checks) -> str:
-    return together(checks)
-
-
-def failed(checks) -> list[str]:
-    """What was not reproduced."""
-    return [check.what for check in checks if check.verdict == NOT_REPRODUCED]
 
 
 @pytest.mark.parametrize("judge", [w1, w2, w3, w4])
 def test_the_engine_is_as_the_paper_says(judge):
     checks = judge()
-    assert verdict(checks) == REPRODUCED, failed(checks)
+    assert together(checks) == REPRODUCED, failed(checks)
 
 
 @pytest.mark.long
 @pytest.mark.parametrize("reading", MODEL_READINGS[1:])
 def test_under_other_readings_the_model_is_judged_as_published(reading):
-    found = {judge.__name__: verdict(judge(reading)) for judge in (w1, w2, w3, w4)}
+    found = {judge.__name__: together(judge(reading)) for judge in (w1, w2, w3, w4)}
     reset = reading.get("overlap_memory") == "reset"
     expected = dict.fromkeys(found, REPRODUCED) | ({"w1": NOT_REPRODUCED} if reset else {})
     assert found == expected
@@ -38,8 +30,8 @@ def test_under_other_readings_the_model_is_judged_as_published(reading):
 
 def test_a_reading_reaches_the_engine():
     """That of `reset` returns more energy than the paper's."""
-    assert verdict(w1(LAWS[2])) == NOT_REPRODUCED
-    assert verdict(w1(LAWS[1])) == verdict(w4(LAWS[1])) == REPRODUCED
+    assert together(w1(LAWS[2])) == NOT_REPRODUCED
+    assert together(w1(LAWS[1])) == together(w4(LAWS[1])) == REPRODUCED
 
 
 def test_a_restitution_off_by_little_more_than_a_thousandth_is_found_whatever_the_partner():

@@ -7,8 +7,8 @@ from sim.claims.place import joined
 from sim.claims.verdict import INCONCLUSIVE, NOT_REPRODUCED, REPORTED, REPRODUCED, Untestable
 from sim.claims.walton_profiles import _densest_inner, w10, w11, w12, w13, w14, w17, w18
 from tests.claims.judging import checks_on, failed, verdict_on
-from tests.claims.made import SCATTER
-from tests.claims.walton_made import PACKING, SIZE, SLOPE, SPEEDS, UNIT, base_flows, bent, flow
+from tests.made.chute_flows import PACKING, SIZE, SLOPE, SPEEDS, UNIT, base_flows, bent, flow
+from tests.made.results import SCATTER
 
 
 def shaped(depth, velocity=lambda z: UNIT * z, packing=None, scalars=None, **options):

@@ -8,8 +8,8 @@ import pytest
 from sim.claims.verdict import INCONCLUSIVE, NOT_REPRODUCED, REPRODUCED, Untestable
 from sim.claims.walton_properties import w15, w16, w20, w21, w22
 from tests.claims.judging import checks_on, failed, verdict_on
-from tests.claims.made import SCATTER
-from tests.claims.walton_made import PACKING, RUNAWAY, SIZE, SLOPE, SPEEDS, base_flows, flow
+from tests.made.chute_flows import PACKING, RUNAWAY, SIZE, SLOPE, SPEEDS, base_flows, flow
+from tests.made.results import SCATTER
 
 
 @pytest.mark.parametrize("judge", [w15, w16, w20, w21, w22])

@@ -8,8 +8,8 @@ from sim.claims.chute import CELLS
 from sim.claims.verdict import INCONCLUSIVE, NOT_REPRODUCED, REPRODUCED, Untestable
 from sim.claims.walton_regimes import SLIPPERY, STARTED, w6, w7, w8, w19, w23, w25
 from tests.claims.judging import checks_on, failed, verdict_on
-from tests.claims.made import made_boundary
-from tests.claims.walton_made import PAPER, SLOPE, SPEEDS, UNIT, WIDE, base_flows, flow
+from tests.made.chute_flows import PAPER, SLOPE, SPEEDS, UNIT, WIDE, base_flows, flow
+from tests.made.results import made_boundary
 
 TANGENT = tan(radians(PAPER.angle))
 

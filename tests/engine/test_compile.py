@@ -1,25 +1,32 @@
 """Compiled code is found again by a later process, and by no other version of the sources."""
 
-import os
 import shutil
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
 
 from sim.engine import compile as engine
 from sim.engine.identity import COMPILED, ENGINE, PACKAGE, source_files, source_hash
+from tests.made.processes import ROOT
 
-ROOT = Path(__file__).parents[2]
-
-COUNT = """
-import sys
+FLOW = """
 from sim.parameters import parse_point
 from sim.engine.systems import build
 system = build(parse_point({"system": "chute", "depth": 0.2, "cell": 5}, "test"), 0)
 system.advance()
 system.sample_profiles()
+"""
+
+CONTACT = """
+import numpy as np
+from sim.claims.contacts import contact_path
+from sim.engine.contact.walton_braun import walton_braun
+contact_path(walton_braun(100.0, 0.8, 0.4), np.ones(1), np.ones((1, 3)), np.ones((1, 3)))
+"""
+
+COUNT = """
+import sys
 import numba
 kernels = {
     id(value): value
@@ -32,20 +39,27 @@ print(hits, misses)
 """
 
 
-def hits_and_misses(cache: Path) -> list[int]:
-    environment = os.environ | {"TALUS_CACHE_DIR": str(cache)}
-    done = subprocess.run(
-        [sys.executable, "-c", COUNT], cwd=ROOT, env=environment, capture_output=True, text=True
-    )
+def hits_and_misses(code: str) -> list[int]:
+    """Return how many kernels a new process finds compiled, and how many it does not."""
+    command = [sys.executable, "-c", code + COUNT]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     return [int(word) for word in done.stdout.split()]
 
 
-def test_a_later_process_compiles_nothing(tmp_path):
-    _, misses = hits_and_misses(tmp_path)
-    assert misses > 3
+def test_compiled_code_lies_in_a_folder_of_its_sources(tmp_path, monkeypatch):
+    monkeypatch.setenv("TALUS_CACHE_DIR", str(tmp_path))
+    _, misses = hits_and_misses(CONTACT)
+    assert misses >= 1
     assert [path.name for path in tmp_path.iterdir()] == [source_hash(COMPILED)]
-    hits, misses = hits_and_misses(tmp_path)
+    hits, misses = hits_and_misses(CONTACT)
+    assert misses == 0
+    assert hits >= 1
+
+
+def test_a_later_process_compiles_nothing():
+    hits_and_misses(FLOW)
+    hits, misses = hits_and_misses(FLOW)
     assert misses == 0
     assert hits >= 3
 

@@ -3,7 +3,6 @@
 import json
 import subprocess
 import sys
-from pathlib import Path
 
 import netCDF4
 import numpy as np
@@ -15,8 +14,7 @@ from sim.engine.observe import estimate
 from sim.engine.run import BLOWN_UP, run_point
 from sim.parameters import as_yaml, canonical, field_info, parse_point, point_id
 from tests.engine_motion.points import belt_point, chute_point
-
-ROOT = Path(__file__).parents[2]
+from tests.made.processes import ROOT
 
 CHUTE = {"depth": 1.24, "cell": 4, "transient": 3, "average": 5, "replicates": 2}
 BELT = {"beads": 12, "width": 5, "transient": 1, "average": 4, "replicates": 2}

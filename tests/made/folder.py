@@ -54,7 +54,7 @@ class Folder:
             "elapsed": 10.0,
             "started": NOW,
             "updated": datetime.now(UTC),
-            "expires": datetime.now(UTC) + timedelta(seconds=100),
+            "expires": datetime.now(UTC) + timedelta(days=1),
             "pid": os.getpid(),
             "host": socket.gethostname(),
         }

@@ -1,7 +1,7 @@
 """Processes of the program, and waiting for what they do.
 
-Nothing here gives up after some time: a busy machine may take any time, and a process that will
-never do it ends, which is seen.
+A busy machine may take any time, so tests wait until something happens or those who could do it
+have ended.
 """
 
 import json
@@ -15,6 +15,9 @@ from sim.parameters import Parameters, canonical
 
 ROOT = Path(__file__).parents[2]
 
+#: Seconds after which a process hangs that should have refused its input, on any machine.
+HANG = 3600.0
+
 
 def wait_until(is_so: Callable[[], bool], *processes: subprocess.Popen) -> None:
     """Wait until something is so; fail once the processes that could bring it about have ended."""
@@ -26,9 +29,8 @@ def wait_until(is_so: Callable[[], bool], *processes: subprocess.Popen) -> None:
 
 def program(*words: str, **options) -> subprocess.CompletedProcess:
     """Let ``python -m sim`` run to its end and return what it said."""
-    return subprocess.run(
-        [sys.executable, "-m", "sim", *words], cwd=ROOT, capture_output=True, text=True, **options
-    )
+    options = {"capture_output": True, "text": True, "timeout": HANG} | options
+    return subprocess.run([sys.executable, "-m", "sim", *words], cwd=ROOT, **options)
 
 
 def run_command(output: Path) -> list[str]:

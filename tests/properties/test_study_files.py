@@ -7,7 +7,6 @@ import re
 import resource
 import socket
 import subprocess
-import sys
 from contextlib import redirect_stderr, redirect_stdout
 from functools import reduce
 from operator import getitem
@@ -23,9 +22,9 @@ from sim.__main__ import main
 from sim.base.errors import InputError
 from sim.base.yaml import MAX_BYTES, parse_yaml
 from sim.study.load import Study, load_study, parse_study
+from tests.made.processes import ROOT, program
 from tests.properties.values import ANYTHING, GIVEN, SCALARS
 
-ROOT = Path(__file__).parents[2]
 STUDIES = [ROOT / "config" / "quick.yaml", ROOT / "tests" / "data" / "tiny.yaml"]
 TEXTS = [path.read_text() for path in STUDIES]
 TREES = [yaml.safe_load(text) for text in TEXTS]
@@ -139,14 +138,7 @@ def refused_by_a_process(path: str, folder: Path, stdin=subprocess.DEVNULL) -> s
     def limit():
         resource.setrlimit(resource.RLIMIT_AS, (2**31, 2**31))
 
-    done = subprocess.run(
-        [sys.executable, "-m", "sim", "points", path, "--results", str(folder)],
-        cwd=ROOT,
-        capture_output=True,
-        stdin=stdin,
-        text=True,
-        preexec_fn=limit,
-    )
+    done = program("points", path, "--results", str(folder), stdin=stdin, preexec_fn=limit)
     assert (done.returncode, done.stdout) == (2, "")
     assert re.fullmatch(r"error: .+\n", done.stderr)
     return done.stderr

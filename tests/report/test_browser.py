@@ -11,7 +11,7 @@ from playwright.sync_api import Browser, Locator, Page, expect, sync_playwright
 from sim.report.publish import publish
 from sim.study.load import load_study
 from tests.made.figures import make_figures
-from tests.report.made import ANIMATION, make_page, write_claims
+from tests.made.report import ANIMATION, make_page, write_claims
 
 CHROMIUM = shutil.which("chromium") or shutil.which("google-chrome")
 

@@ -6,7 +6,7 @@ from sim.claims.judge import as_mapping
 from sim.claims.verdict import VERDICTS as JUDGED
 from sim.report.claims import VERDICTS, claim_rows, counts, judged_by_runs, read_claims
 from sim.report.numbers import strip
-from tests.report.made import DEPTH, FREQUENCY, made_claims
+from tests.made.report import DEPTH, FREQUENCY, made_claims
 
 POINTS = [f"chute-{DEPTH}-1", f"belt-{FREQUENCY}-2"]
 

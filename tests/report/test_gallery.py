@@ -5,7 +5,7 @@ import pytest
 
 from sim.base.errors import InputError
 from sim.report.gallery import beside, data_uri, figure_entry, headline, ranges
-from tests.report.made import animated
+from tests.made.report import animated
 
 
 def test_an_animation_has_its_first_picture_and_no_figure(tmp_path):

@@ -16,8 +16,8 @@ from sim.figures.render import draw
 from sim.report.page import build
 from sim.study.load import load_study
 from tests.made.figures import make_figures
+from tests.made.report import write_claims
 from tests.made.runs import FAILURE, make_regimes, make_study
-from tests.report.made import write_claims
 
 FIGURES = ("walton_2", "gallas_1a", "gallas_1b", "gallas_1c")
 

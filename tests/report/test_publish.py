@@ -17,7 +17,7 @@ from sim.report.whole import require_whole
 from sim.study.catalogue import FIGURES
 from sim.study.load import load_study
 from tests.made.figures import make_figures
-from tests.report.made import animated, write_claims
+from tests.made.report import animated, write_claims
 
 
 @pytest.fixture(scope="module")

@@ -87,7 +87,7 @@ def made_point(
         Those that differ from the paper's.
     """
     point = parse_point(
-        {"system": system, "replicates": replicates} | parameters, "tests/claims/made.py"
+        {"system": system, "replicates": replicates} | parameters, "tests.made.results"
     )
     factors = 1.0 + scatter * spread(replicates)
     values = {
@@ -154,7 +154,7 @@ def made_boundary(
     **parameters: object,
 ) -> dict[str, object]:
     """Return a boundary between ``low`` and ``high``; what is not given is the paper's."""
-    point = parse_point({"system": system} | parameters, "tests/claims/made.py")
+    point = parse_point({"system": system} | parameters, "tests.made.results")
     settings = {
         name: value if isinstance(value, str) else float(value)
         for name, value in canonical(point).items()

@@ -6,7 +6,7 @@ from math import cos, radians, sin
 import numpy as np
 
 from sim.parameters import ChuteParameters
-from tests.claims.made import SCATTER, MadePoint, made_point, spread
+from tests.made.results import SCATTER, MadePoint, made_point, spread
 
 PAPER = ChuteParameters()
 SIZE, UNIT = PAPER.diameter, PAPER.velocity_unit

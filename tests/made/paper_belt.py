@@ -7,7 +7,7 @@ import numpy as np
 from sim.claims.evidence import Evidence
 from sim.claims.verdict import Check, together
 from sim.parameters import BeltParameters, parse_point
-from tests.claims.made import MadePoint, made_point, made_results
+from tests.made.results import MadePoint, made_point, made_results
 
 #: Mean diameter, m.
 BEAD = 1e-3
