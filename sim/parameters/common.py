@@ -87,6 +87,7 @@ class Parameters(BaseModel):
         le=1000,
     )
 
+    # No amount: names of points and curves tell a flow under one protocol from that under another.
     protocol: Literal["published", "converged"] = declare(
         "published",
         description="lengths exactly as given, or from there on until the mean velocity is known "

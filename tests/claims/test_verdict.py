@@ -14,6 +14,7 @@ from sim.claims.verdict import (
     NOT_REPRODUCED,
     REPORTED,
     REPRODUCED,
+    SIGMAS,
     Check,
     together,
 )
@@ -98,3 +99,7 @@ def test_few_replicates_seldom_fail_by_chance_however_many_checks_there_are():
         checks = [Check("x", each, half, 0.0, inf, freedom=2.0) for each, half in pairs]
         failed += together(checks) == NOT_REPRODUCED
     assert failed / claims < 0.05
+
+
+def test_half_widths_are_told_in_the_deviations_of_tables():
+    assert SIGMAS == 1.96

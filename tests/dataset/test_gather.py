@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from sim.dataset.gather import Gathered, profiles
+from sim.dataset.gather import OVER_HEIGHT, STATE, Gathered, profiles
 from sim.dataset.measures.belt import columns
+from sim.engine.observe.arrays import PROFILES, SNAPSHOTS
 
 
 def run(name, width, slices, replicates):
@@ -38,3 +39,8 @@ def test_belts_of_different_lengths_are_filled_up():
     assert short["column_velocity"].values[1, :3] == pytest.approx([0.5, 1.5, 2.5])
     assert np.isnan(short["column_velocity"].values[2]).all()
     assert np.isnan(found.sel(run="long")["height"].values[4:]).all()
+
+
+def test_every_profile_and_what_pictures_show_of_particles_is_kept():
+    assert set(PROFILES) < set(OVER_HEIGHT)
+    assert set(SNAPSHOTS) - set(STATE) == {"particle_spin", "orientation"}
