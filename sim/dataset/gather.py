@@ -93,7 +93,8 @@ def lined_up(runs: Sequence[xr.Dataset], along: str, replicates: int) -> xr.Data
     """Return the variables of all runs along a new dimension, without coordinates.
 
     Fewer ``replicates`` than asked for, arrays shorter than those of another run and those that a
-    run lacks are filled up with NaN or ``""``. Attributes are those of the first run with any.
+    run lacks are filled up with NaN or ``""``. Attributes are those in the first run that has the
+    variable.
     """
     names = dict.fromkeys(name for run in runs for name in run.sizes)
     sizes = {name: max(run.sizes.get(name, 0) for run in runs) for name in names}
