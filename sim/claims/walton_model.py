@@ -172,8 +172,8 @@ def _law(reading: Reading, **changes: float) -> WaltonBraun:
         p.friction,
         p.tangential_ratio,
         p.tangential_exponent,
-        p.overlap_memory,
-        p.friction_cap,
+        overlap_memory=p.overlap_memory,
+        friction_cap=p.friction_cap,
     )
 
 

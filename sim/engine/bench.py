@@ -115,7 +115,7 @@ def _with_threads(system: Chute, threads: int) -> Chute:
     copy = Chute(system.parameters.model_copy(update={"threads": threads}), 0)
     for name in ("position", "velocity", "rim", "label"):
         getattr(copy.spheres, name)[:] = getattr(system.spheres, name)
-    copy.orientation[:] = system.orientation
+    copy.spheres.orientation[:] = system.spheres.orientation
     copy.advance()
     return copy
 

@@ -12,7 +12,7 @@ from sim.parameters import Parameters, point_id
 log = logging.getLogger("talus")
 
 #: By how much the time step is divided when a replicate that blew up is run again.
-REFINEMENT = 2
+SUBSTEPS = 2
 
 
 class Stopwatch:
@@ -44,10 +44,10 @@ class Replicate:
         self.shown = 0
         self._start(1)
 
-    def _start(self, refinement: int) -> None:
+    def _start(self, substeps: int) -> None:
         p = self.parameters
-        self.refinement = refinement
-        self.system = build(p, self.number, refinement)
+        self.substeps = substeps
+        self.system = build(p, self.number, substeps)
         self.recorder = Recorder(self.system)
 
     def run(self, advanced: Callable[[int], None], pause: Callable[[], None]) -> Record:
@@ -61,10 +61,10 @@ class Replicate:
             Called whenever this replicate may be pickled.
         """
         failure = self._attempt(advanced, pause)
-        if failure and self.refinement == 1:
+        if failure and self.substeps == 1:
             name = point_id(self.parameters)
             log.warning("%s: %s; again with half the time step", name, failure)
-            self._start(REFINEMENT)
+            self._start(SUBSTEPS)
             failure = self._attempt(advanced, pause)
         return self._record(failure)
 
@@ -96,7 +96,7 @@ class Replicate:
         reason = f"{self.failures[0]}; with half the time step: {failure}" if failure else ""
         record = recorder.finish(reason)
         record.scalars |= {
-            "steps": recorder.taken * p.sample_steps * self.refinement,
+            "steps": recorder.taken * p.sample_steps * self.substeps,
             "time_step_used": self.system.time_step,
             "wall_time": self.stopwatch.seconds(),
             "replicate_seed": self.number,

@@ -6,9 +6,9 @@ from sim.engine.boundary.belt import Belt
 from sim.engine.boundary.obstacle import Obstacle
 from sim.engine.contact.spring_damping import SpringDamping
 from sim.engine.dynamics.cells import make_box
-from sim.engine.dynamics.disks import make_disks, make_work
+from sim.engine.dynamics.disks import make_disks
 from sim.engine.dynamics.gear import Gear
-from sim.engine.dynamics.neighbors import empty_pair_list, grown
+from sim.engine.dynamics.neighbors import empty_pair_list, grown, make_search
 from sim.engine.systems import shaking
 from tests.engine_motion.helpers import BEAD, BEAD_MASS, bead_law, initial_order, run_on
 
@@ -46,9 +46,9 @@ class DiskMotion:
         self.law, self.integrator = law or bead_law(), integrator(time_step)
         self.disks = make_disks(position, velocity, radius, mass, time_step)
         self.disks.taylor[2] = 0.5 * np.transpose(acceleration) * time_step**2
-        self.pairs = empty_pair_list(self.disks.radius, 2, skin, room)
-        self.work = make_work(len(self.disks.mass))
         self.loop, self.length, self.box = shaking.make_shaking(), (width, 0.0), make_box(width)
+        self.pairs = empty_pair_list(self.disks.radius, self.box, skin, room)
+        self.search = make_search(len(self.disks.mass))
         self.belt, self.obstacle = belt, obstacle
         self.gravity, self.overlap_limit = gravity, overlap_limit
 
@@ -87,20 +87,9 @@ class DiskMotion:
 
     def advance(self, steps: int) -> int:
         """Advance by a number of steps, once; return the status."""
-        return shaking.advance(
-            self.law,
-            self.integrator,
-            self.disks,
-            self.pairs,
-            self.belt,
-            self.obstacle,
-            self.box,
-            self.work,
-            self.loop,
-            self.gravity,
-            self.overlap_limit,
-            steps,
-        )
+        contacts = shaking.BedContacts(self.law, self.pairs, self.belt, self.obstacle, self.search)
+        motion = shaking.BedMotion(self.integrator, self.gravity, self.overlap_limit)
+        return shaking.advance_disks(self.disks, contacts, self.loop, motion, steps)
 
     def run(self, steps: int) -> "DiskMotion":
         """Advance by a number of steps, giving the list more room as needed."""

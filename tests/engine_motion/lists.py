@@ -21,7 +21,7 @@ class Gas:
         self.length, self.box = length, make_box(*length[:-1])
         self.position, self.radius = np.array(position.T, order="C"), radius.copy()
         self.label = np.arange(len(radius)).reshape(1, -1)
-        self.pairs = empty_pair_list(radius, len(length), skin, room)
+        self.pairs = empty_pair_list(radius, self.box, skin, room)
         self.memory = np.zeros((MEMORY, len(self.pairs.touching)))
 
     def rebuild(self) -> bool:
@@ -30,7 +30,7 @@ class Gas:
 
     def refresh(self) -> int:
         """Do what the loop over steps does when the list no longer holds; return its status."""
-        status, order = refresh(self.pairs, self.position, self.radius, self.box, self.memory)
+        status, order = refresh(self.pairs, self.position, self.radius, self.memory)
         if status == OK:
             self.adopt(order)
         return status

@@ -9,10 +9,10 @@ from sim.engine.contact.spring_dashpot import SpringDashpot
 from sim.engine.contact.walton_braun import WaltonBraun
 from sim.engine.dynamics.cells import make_box
 from sim.engine.dynamics.neighbors import empty_pair_list, grown
-from sim.engine.dynamics.orientation import unrotated
-from sim.engine.dynamics.spheres import enlarged, make_memory, make_spheres, make_work
+from sim.engine.dynamics.spheres import enlarged, make_memory, make_scratch, make_spheres
 from sim.engine.dynamics.team import Team
 from sim.engine.systems import leap_frog
+from sim.engine.systems.sharing import Thread
 from tests.engine_motion.helpers import (
     MASS,
     RADIUS,
@@ -57,19 +57,18 @@ class SphereMotion:
         law = law or sphere_law()
         self.laws = (law, plane_law or law)
         self.time_step = time_step or collision_time(law) / steps_per_collision
-        self.spheres = make_spheres(position, velocity, radius, mass, threads)
+        self.spheres = make_spheres(position, velocity, radius, mass, threads, orientations)
         self.spheres.rim[:] = np.transpose(spin) * self.spheres.radius
         number = len(self.spheres.mass)
-        self.quaternions = unrotated(number if orientations else 0)
-        self.pairs = empty_pair_list(self.spheres.radius, 3, skin, room)
+        self.length = (*(box or UNBOUNDED), 0.0)
+        self.box, self.unbounded = make_box(*self.length[:2]), box is None
+        self.pairs = empty_pair_list(self.spheres.radius, self.box, skin, room)
         self.plane, self.memory = (
             make_plane(number, threads),
             make_memory(len(self.pairs.touching)),
         )
-        self.team, self.work = Team(threads), [make_work() for _ in range(threads)]
+        self.team, self.scratch = Team(threads), [make_scratch() for _ in range(threads)]
         self.flow = leap_frog.make_flow(number, threads)
-        self.length = (*(box or UNBOUNDED), 0.0)
-        self.box, self.unbounded = make_box(*self.length[:2]), box is None
         self.gravity, self.overlap_limit = gravity, overlap_limit
 
     def advance(self, steps: int) -> int:
@@ -77,23 +76,10 @@ class SphereMotion:
         return self.team.run(partial(self._advance, steps))
 
     def _advance(self, steps: int, rank: int) -> int:
-        return leap_frog.advance(
-            self.laws,
-            self.spheres,
-            self.quaternions,
-            self.pairs,
-            self.plane,
-            self.memory,
-            self.box,
-            self.work[rank],
-            self.flow,
-            self.gravity,
-            self.time_step,
-            self.overlap_limit,
-            steps,
-            rank,
-            self.team.gate,
-        )
+        contacts = leap_frog.FlowContacts(self.laws, self.pairs, self.plane, self.memory)
+        motion = leap_frog.Motion(self.gravity, self.time_step, self.overlap_limit)
+        thread = Thread(rank, self.team.gate, self.scratch[rank])
+        return leap_frog.advance_spheres(self.spheres, contacts, self.flow, motion, thread, steps)
 
     def run(self, steps: int) -> "SphereMotion":
         """Advance by a number of steps, giving the list more room as needed."""
@@ -136,7 +122,8 @@ class SphereMotion:
     @property
     def orientation(self) -> np.ndarray:
         """Orientations (N, 4) as unit quaternions, or none."""
-        return self._ordered(self.quaternions) if self.quaternions.size else self.quaternions.T
+        quaternions = self.spheres.orientation
+        return self._ordered(quaternions) if quaternions.size else quaternions.T
 
     @property
     def mass(self) -> np.ndarray:

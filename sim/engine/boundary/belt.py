@@ -36,7 +36,7 @@ def belt_state(belt, time):
 
 
 @inlined
-def belt_forces(law, disks, belt, work, time, time_step):
+def belt_forces(law, disks, belt, search, time, time_step):
     """Add the forces of the belt.
 
     The ghost lies right below the bead and moves with the belt, so the normal is vertical. Returns
@@ -48,11 +48,11 @@ def belt_forces(law, disks, belt, work, time, time_step):
     largest, per_step, beads = 0.0, 1.0 / time_step, disks.radius.size
     normal_loss, shear_loss, power = 0.0, 0.0, 0.0
     for i in range(beads):
-        work.gap[i] = disks.taylor[0, 1, i] - disks.radius[i] - (belt.surface + height)
-    contacts = np.int64(append_negative(work.gap, beads, 0, work.touching, np.uint64(0)))
+        search.gap[i] = disks.taylor[0, 1, i] - disks.radius[i] - (belt.surface + height)
+    contacts = np.int64(append_negative(search.gap, beads, 0, search.touching, np.uint64(0)))
     for k in range(contacts):
-        i = np.uint64(work.touching[k])
-        overlap = -work.gap[i]
+        i = np.uint64(search.touching[k])
+        overlap = -search.gap[i]
         vx = disks.taylor[1, 0, i] * per_step - belt_x
         vz = disks.taylor[1, 1, i] * per_step - belt_z
         fx, fz = disk_force(law, overlap, (0.0, -1.0), (vx, vz), disks.mass[i], 0.0)

@@ -19,7 +19,7 @@ class Obstacle(NamedTuple):
 
 
 @inlined
-def obstacle_forces(law, disks, obstacle, box, work, time_step):
+def obstacle_forces(law, disks, obstacle, box, search, time_step):
     """Add the forces of the obstacle.
 
     Returns the number of contacts, the largest overlap relative to the sum of the radii, and the
@@ -33,10 +33,10 @@ def obstacle_forces(law, disks, obstacle, box, work, time_step):
     for i in range(beads):
         dx = nearest_image(obstacle.x - disks.taylor[0, 0, i], box, 0)
         dz = obstacle.z - disks.taylor[0, 1, i]
-        work.gap[i] = dx * dx + dz * dz - (disks.radius[i] + obstacle.radius) ** 2
-    contacts = np.int64(append_negative(work.gap, beads, 0, work.touching, np.uint64(0)))
+        search.gap[i] = dx * dx + dz * dz - (disks.radius[i] + obstacle.radius) ** 2
+    contacts = np.int64(append_negative(search.gap, beads, 0, search.touching, np.uint64(0)))
     for k in range(contacts):
-        i = np.uint64(work.touching[k])
+        i = np.uint64(search.touching[k])
         dx = nearest_image(obstacle.x - disks.taylor[0, 0, i], box, 0)
         dz = obstacle.z - disks.taylor[0, 1, i]
         distance = sqrt(dx * dx + dz * dz)

@@ -6,14 +6,15 @@ import numpy as np
 
 from sim.engine.compile import append_negative, inlined, kernel, vectorised
 from sim.engine.contact.friction import MEMORY, stored_energy
+from sim.engine.dynamics.cells import LANES
+from sim.engine.dynamics.neighbors import BLOCK
 from sim.engine.dynamics.spheres import (
-    BLOCK,
     FX,
-    LANES,
     LOST,
     MX,
     STRIDE,
     WORK,
+    Meeting,
     approach,
     filled_up,
     make_memory,
@@ -35,56 +36,54 @@ def make_plane(particles: int, threads: int = 1) -> Plane:
 
 
 @inlined
-def _find_touching(spheres, start, size, work):
-    """Put those of ``size`` particles from ``start`` on that touch into ``work``.
-
-    Returns how many.
-    """
+def _find_touching(spheres, start, size, search):
+    """Find those of ``size`` particles from ``start`` on that touch; return how many."""
     for k in range(size):
         i = np.uint64(start + k)
-        work.gap[k] = spheres.position[2, i] - spheres.radius[i]
-    return np.int64(append_negative(work.gap, size, start, work.touching, np.uint64(0)))
+        search.gap[k] = spheres.position[2, i] - spheres.radius[i]
+    return np.int64(append_negative(search.gap, size, start, search.touching, np.uint64(0)))
 
 
 @inlined
-def _evaluate(law, spheres, slot, before, after, work, number, base, time_step):
+def _evaluate(spheres, contacts, scratch, number, base, time_step):
     """Apply the law to ``number`` touching particles of a block; the memory goes to base + k."""
     x, v, w = spheres.position, spheres.velocity, spheres.rim
+    slot, touching, rows = contacts.partners, scratch.search.touching, scratch.rows
     for k in range(number):
-        i = np.uint64(work.touching[k])
+        i = np.uint64(touching[k])
         velocity, rim = (-v[0, i], -v[1, i], -v[2, i]), (w[0, i], w[1, i], w[2, i])
         separation = (0.0, 0.0, -x[2, i])
-        approach(work.rows, k, separation, spheres.radius[i], velocity, rim, time_step)
+        approach(rows, k, Meeting(separation, velocity, rim, spheres.radius[i]), time_step)
     for k in range(number):
-        i = np.uint64(work.touching[k])
-        memory = react(law, work.rows, k, recall(before, slot[0, i]))
+        i = np.uint64(touching[k])
+        memory = react(contacts.law, rows, k, recall(contacts.before, slot[0, i]))
         for m in range(MEMORY):
-            after[m, np.uint64(base + k)] = memory[m]
+            contacts.after[m, np.uint64(base + k)] = memory[m]
 
 
 @inlined
-def plane_forces(law, spheres, slot, before, after, work, time_step, share):
+def plane_forces(spheres, contacts, scratch, time_step, share):
     """Add the forces of the plane on one thread's share of the particles.
 
-    Arguments as for ``pair_forces``. Returns the number of touching spheres, the largest overlap
-    relative to a diameter, the sum of the forces on the spheres along x and z (N), the energy
-    dissipated by normal forces and the work done against friction (J).
+    Returns the number of touching spheres, the largest overlap relative to a diameter, the energy
+    dissipated by normal forces and the work done against friction (J), and the sum of the forces on
+    the spheres along x and z (N).
     """
     vectorised()
     rank, begin, end = share
-    rows = work.rows
-    contacts, largest, along, upward, lost, work_done = 0, 0.0, 0.0, 0.0, 0.0, 0.0
+    slot, touching, rows = contacts.partners, scratch.search.touching, scratch.rows
+    resting, largest, along, upward, lost, work = 0, 0.0, 0.0, 0.0, 0.0, 0.0
     for start in range(begin, end, BLOCK):
         size = min(BLOCK, end - start)
-        touching = _find_touching(spheres, start, size, work)
-        base = begin + rank * LANES + contacts
-        if touching > 0:
-            whole = filled_up(work.touching, 0, touching)
-            _evaluate(law, spheres, slot, before, after, work, whole, base, time_step)
+        number = _find_touching(spheres, start, size, scratch.search)
+        base = begin + rank * LANES + resting
+        if number > 0:
+            whole = filled_up(touching, 0, number)
+            _evaluate(spheres, contacts, scratch, whole, base, time_step)
         for i in range(start, start + size):
             slot[0, np.uint64(i)] = -1
-        for k in range(touching):
-            i = np.uint64(work.touching[k])
+        for k in range(number):
+            i = np.uint64(touching[k])
             slot[0, i] = base + k
             for d in range(3):
                 spheres.force[rank, d, i] += rows[(FX + d) * STRIDE + k]
@@ -92,21 +91,21 @@ def plane_forces(law, spheres, slot, before, after, work, time_step, share):
             along += rows[FX * STRIDE + k]
             upward += rows[(FX + 2) * STRIDE + k]
             lost += rows[LOST * STRIDE + k]
-            work_done += rows[WORK * STRIDE + k]
+            work += rows[WORK * STRIDE + k]
             # Not the overlap of the row, which is symmetric about the plane: a centre may be below.
             overlap = spheres.radius[i] - spheres.position[2, i]
             diameter = 2.0 * spheres.radius[i]
             if overlap > largest * diameter:
                 largest = overlap / diameter
-        contacts += touching
-    return contacts, largest, along, upward, lost, work_done
+        resting += number
+    return resting, largest, lost, work, along, upward
 
 
 @kernel
 def stored_in_plane(law, spheres, plane, memory, time_step):
     """Return the energy (J) in the normal and tangential springs of all contacts with the plane.
 
-    Arguments as for ``stored_in_pairs``.
+    Arguments as for ``stored_in_spheres``.
     """
     normal, tangential = 0.0, 0.0
     for i in range(spheres.radius.size):

@@ -86,6 +86,7 @@ def walton_braun(
     friction: float,
     tangential_ratio: float = 0.8,
     tangential_exponent: float = 1.0 / 3.0,
+    *,
     overlap_memory: str = "separation",
     friction_cap: str = "before",
 ) -> WaltonBraun:

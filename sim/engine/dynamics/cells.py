@@ -11,8 +11,9 @@ import numpy as np
 
 from sim.engine.compile import append_negative, inlined, kernel, vectorised
 
-#: Iterations that the compiler takes together in a short loop; the remainder is done one by one.
-UNROLLED = 8
+#: Numbers in the widest vectors. A loop over a multiple of it has no remainder, which the compiler
+#: would do one by one.
+LANES = 8
 
 
 class Box(NamedTuple):
@@ -134,6 +135,34 @@ def columns_ahead(cells, column, out):
     return count
 
 
+class Grid(NamedTuple):
+    """The periodic ``box`` cut into ``cells`` (D,) per direction; ``begin`` (C + 1,) counts the
+    sorted particles before each cell."""
+
+    box: Box
+    cells: np.ndarray
+    begin: np.ndarray
+
+
+class Sorted(NamedTuple):
+    """Particles by cell: number i was ``order[i]`` (N,); ``place`` (D, N) and ``size`` (N,) are
+    positions and radii (m)."""
+
+    order: np.ndarray
+    place: np.ndarray
+    size: np.ndarray
+
+
+class Part(NamedTuple):
+    """One thread's part of a search: cells ``first``..``last``, with ``room`` for its pairs from
+    number ``base`` on."""
+
+    first: int
+    last: int
+    base: int
+    room: int
+
+
 class Candidates(NamedTuple):
     """Scratch of the search: ``number`` of the particles around a cell, ``gap`` (m²), ``near``."""
 
@@ -151,43 +180,41 @@ def _collect(number, first, last, count):
 
 
 @inlined
-def _near(candidates, position, radius, box, own, count, skin, second, slot):
-    """Append to ``second`` the candidates behind number ``own`` within reach plus skin of it.
+def _find_near(candidates, own, count, particles, box, skin):
+    """Tell which of ``count`` candidates behind number ``own`` are within reach plus skin of it.
 
-    The gaps of a few entries behind the last candidate are computed, too, and not used.
+    Returns how many. The gaps of a few entries behind the last candidate are computed, too, and not
+    used.
     """
+    position, radius = particles.place, particles.size
     i = np.uint64(candidates.number[own])
     behind = count - own - 1
-    for n in range(rounded_up(behind, UNROLLED)):
+    for n in range(rounded_up(behind, LANES)):
         j = np.uint64(candidates.number[np.uint64(own + 1 + n)])
         square = 0.0
         for d in range(len(box.length)):
             square += nearest_image(position[d, j] - position[d, i], box, d) ** 2
         candidates.gap[n] = square - (radius[j] + radius[i] + skin) ** 2
     near = append_negative(candidates.gap, behind, own + 1, candidates.near, np.uint64(0))
-    for n in range(near):
-        second[np.uint64(slot + n)] = candidates.number[candidates.near[n]]
-    return slot + np.int64(near)
+    return np.int64(near)
 
 
 @inlined
-def find_pairs(position, radius, box, skin, cells, begin, part, second, start, stop):
-    """Find the pairs of sorted particles within reach plus skin whose first is in some cells.
+def find_pairs(particles, grid, skin, part, found):
+    """Find the pairs of sorted particles within reach plus skin whose first is in a part's cells.
 
-    ``begin`` is where each cell begins; ``part`` holds the first and the last cell (exclusive), and
-    the room in ``second`` likewise. Pairs ``start``..``stop`` (N,) of ``second`` are those of a
-    particle. Returns how many there are, or -1 as soon as room may be short.
+    Pairs ``start``..``stop`` (N,) of ``second``, all three of ``found``, are those of a particle.
+    Returns how many there are, or -1 as soon as room may be short.
     """
     vectorised()
-    first_cell, last_cell, slot, room = part
-    count, layers = position.shape[1] + UNROLLED, cells[-1]
+    count, layers = particles.size.size + LANES, grid.cells[-1]
     candidates = Candidates(np.zeros(count, np.uint32), np.zeros(count), np.zeros(count, np.uint32))
-    around, ahead, base = np.empty(9, np.int64), 0, slot
-    for cell in range(first_cell, last_cell):
+    around, ahead, slot, begin = np.empty(9, np.int64), 0, part.base, grid.begin
+    for cell in range(part.first, part.last):
         column, layer = cell // layers, cell % layers
         first, last = begin[cell], begin[cell + 1]
-        if layer == 0 or cell == first_cell:
-            ahead = columns_ahead(cells, column, around)
+        if layer == 0 or cell == part.first:
+            ahead = columns_ahead(grid.cells, column, around)
         if first == last:
             continue
         behind = begin[cell + 2] if layer + 1 < layers else last
@@ -197,9 +224,12 @@ def find_pairs(position, radius, box, skin, cells, begin, part, second, start, s
             floor = around[c] * layers
             count = _collect(candidates.number, begin[floor + low], begin[floor + high], count)
         for i in range(first, last):
-            if slot + count > room:
+            if slot + count > part.base + part.room:
                 return -1
-            start[i] = slot
-            slot = _near(candidates, position, radius, box, i - first, count, skin, second, slot)
-            stop[i] = slot
-    return slot - base
+            found.start[i] = slot
+            near = _find_near(candidates, i - first, count, particles, grid.box, skin)
+            for n in range(near):
+                found.second[np.uint64(slot + n)] = candidates.number[candidates.near[n]]
+            slot += near
+            found.stop[i] = slot
+    return slot - part.base

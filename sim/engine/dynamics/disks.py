@@ -13,9 +13,6 @@ from sim.engine.dynamics.neighbors import find_touching
 #: Taylor terms kept per coordinate: position and five derivatives.
 TERMS = 6
 
-#: Pairs that are examined together.
-BLOCK = 256
-
 
 class Disks(NamedTuple):
     """The beads, one column each, in SI units.
@@ -33,13 +30,6 @@ class Disks(NamedTuple):
     label: np.ndarray
 
 
-class Work(NamedTuple):
-    """Scratch of the search for contacts: ``gap`` (m² or m) and which beads are ``touching``."""
-
-    gap: np.ndarray
-    touching: np.ndarray
-
-
 def make_disks(position, velocity, radius, mass, time_step: float) -> Disks:
     """Return disks at these positions and velocities, (N, 2), with all higher derivatives zero."""
     number = len(position)
@@ -55,13 +45,8 @@ def make_disks(position, velocity, radius, mass, time_step: float) -> Disks:
     )
 
 
-def make_work(beads: int) -> Work:
-    """Return scratch space for this many beads."""
-    return Work(np.zeros(max(BLOCK, beads)), np.zeros(beads + 8, np.uint32))
-
-
 @inlined
-def pair_forces(law, disks, pairs, box, work, time_step):
+def disk_forces(law, disks, pairs, search, time_step):
     """Add the forces of all touching pairs, each disk's as it sees the contact itself.
 
     Returns the number of touching pairs, the largest overlap relative to the sum of the radii, and
@@ -71,11 +56,11 @@ def pair_forces(law, disks, pairs, box, work, time_step):
     x, force, mass = disks.taylor, disks.force, disks.mass
     largest, normal_loss, shear_loss = 0.0, 0.0, 0.0
     per_step = 1.0 / time_step
-    touching = find_touching(x[0], pairs, box, 0, pairs.start[-1], 0, work.gap)
+    touching = find_touching(x[0], pairs, 0, pairs.start[-1], 0, search.gap)
     for k in range(touching):
         p = np.uint64(pairs.touching[k])
         i, j = np.uint64(pairs.first[p]), np.uint64(pairs.second[p])
-        dx = nearest_image(x[0, 0, j] - x[0, 0, i], box, 0)
+        dx = nearest_image(x[0, 0, j] - x[0, 0, i], pairs.box, 0)
         dz = x[0, 1, j] - x[0, 1, i]
         distance = sqrt(dx * dx + dz * dz)
         reach = pairs.reach[p]
@@ -99,12 +84,12 @@ def pair_forces(law, disks, pairs, box, work, time_step):
 
 
 @kernel
-def stored_in_pairs(law, disks, pairs, box):
+def stored_in_disks(law, disks, pairs):
     """Return the energy (J) in the springs of all touching pairs."""
     x, energy = disks.taylor[0], 0.0
     for p in range(pairs.start[-1]):
         i, j = pairs.first[p], pairs.second[p]
-        dx, dz = nearest_image(x[0, j] - x[0, i], box, 0), x[1, j] - x[1, i]
+        dx, dz = nearest_image(x[0, j] - x[0, i], pairs.box, 0), x[1, j] - x[1, i]
         overlap = pairs.reach[p] - sqrt(dx * dx + dz * dz)
         energy += elastic_energy(law, overlap) if overlap > 0.0 else 0.0
     return energy

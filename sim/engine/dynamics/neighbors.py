@@ -11,11 +11,23 @@ import numpy as np
 
 from sim.engine.compile import append_negative, inlined, vectorised
 from sim.engine.contact.friction import VECTOR
-from sim.engine.dynamics.cells import assign_cells, find_pairs, nearest_image, sort_by_cell, wrap
+from sim.engine.dynamics.cells import (
+    LANES,
+    Box,
+    Grid,
+    Part,
+    Sorted,
+    assign_cells,
+    find_pairs,
+    nearest_image,
+    sort_by_cell,
+    wrap,
+)
 from sim.engine.dynamics.mean_flow import AGE
 from sim.engine.dynamics.status import LIST_FULL, NOT_FINITE, OK
+from sim.engine.dynamics.team import Share
 
-#: List entries that are examined together.
+#: Pairs or particles that are examined together.
 BLOCK = 256
 
 #: Threads that may share a list, and the room that they may need between their touching pairs.
@@ -23,11 +35,11 @@ MOST_THREADS = 256
 MARGIN = 16 * MOST_THREADS
 
 
-class Draft(NamedTuple):
-    """The next list while threads make it, each in a part of its own of ``second`` and ``slot``.
+class NextList(NamedTuple):
+    """The list that comes next, while threads make it.
 
-    ``start`` and ``stop`` (N,) tell the pairs of each particle, ``count`` how many pairs each
-    thread has found.
+    Each has a part of its own of ``second`` and ``slot``; ``start`` and ``stop`` (N,) tell the
+    pairs of each particle, ``count`` how many pairs each thread has found.
     """
 
     second: np.ndarray
@@ -45,8 +57,8 @@ class PairList(NamedTuple):
     (P + MARGIN,) those that touch; ``start`` (N + 1,) first pair of each particle. Since the last
     build: ``anchor`` (D, N) positions at that time, ``drift`` (D,) mean displacement (m),
     ``stream`` (N,) velocity of the mean flow at each particle relative to all (m/s), ``clock`` (2,)
-    see ``mean_flow``, ``valid`` (1,). ``skin`` and the ``largest`` sum of two radii in m; ``draft``
-    is the next list while it is made.
+    see ``mean_flow``, ``valid`` (1,). ``skin`` and the ``largest`` sum of two radii in m; ``box``
+    is the periodic cell.
     """
 
     first: np.ndarray
@@ -60,18 +72,31 @@ class PairList(NamedTuple):
     stream: np.ndarray
     clock: np.ndarray
     valid: np.ndarray
-    draft: Draft
+    next: NextList
     skin: float
     largest: float
+    box: Box
 
 
-def empty_pair_list(
-    radius: np.ndarray, dimension: int, skin: float, per_particle: int = 8
-) -> PairList:
+class Search(NamedTuple):
+    """Scratch of the search for contacts: ``gap`` (m² or m), and what is ``touching``."""
+
+    gap: np.ndarray
+    touching: np.ndarray
+
+
+def make_search(particles: int = BLOCK) -> Search:
+    """Return scratch space to examine this many particles together, or a block of pairs."""
+    room = max(BLOCK, particles)
+    return Search(np.zeros(room), np.zeros(room + LANES, np.uint32))
+
+
+def empty_pair_list(radius: np.ndarray, box: Box, skin: float, per_particle: int = 8) -> PairList:
     """Return a list without pairs, with room for ``per_particle`` pairs per particle.
 
     ``radius`` (N,) and ``skin`` in m.
     """
+    dimension = len(box.length)
     particles = len(radius)
     capacity = per_particle * particles + 64
     return PairList(
@@ -86,7 +111,7 @@ def empty_pair_list(
         stream=np.zeros(particles),
         clock=np.zeros(2),
         valid=np.zeros(1, np.bool_),
-        draft=Draft(
+        next=NextList(
             np.zeros(capacity, np.uint32),
             np.full(capacity, -1, np.int32),
             np.zeros(particles, np.int64),
@@ -95,6 +120,7 @@ def empty_pair_list(
         ),
         skin=skin,
         largest=2.0 * float(np.max(radius)),
+        box=box,
     )
 
 
@@ -104,17 +130,17 @@ def grown(pairs: PairList) -> PairList:
         name: np.pad(getattr(pairs, name), (0, len(pairs.first)))
         for name in ("first", "second", "reach", "slot", "touching")
     }
-    second, slot = (np.pad(array, (0, len(array))) for array in pairs.draft[:2])
-    return pairs._replace(**double, draft=pairs.draft._replace(second=second, slot=slot))
+    second, slot = (np.pad(array, (0, len(array))) for array in pairs.next[:2])
+    return pairs._replace(**double, next=pairs.next._replace(second=second, slot=slot))
 
 
 @inlined
-def find_touching(position, pairs, box, begin, end, base, gap):
+def find_touching(position, pairs, begin, end, base, gap):
     """Put the touching pairs among ``begin``..``end`` into ``pairs.touching`` from ``base`` on.
 
     Returns how many. The list is examined in blocks of the size of ``gap``, which is scratch.
     """
-    touching = np.uint64(base)
+    box, touching = pairs.box, np.uint64(base)
     for start in range(begin, end, gap.size):
         size = min(gap.size, end - start)
         for k in range(size):
@@ -129,16 +155,14 @@ def find_touching(position, pairs, box, begin, end, base, gap):
 
 
 @inlined
-def draft(pairs, position, radius, box, rank, threads):
-    """Find one thread's part of the next list; return the order of the particles and its part.
+def find_next(pairs, position, radius, rank, threads):
+    """Find one thread's part of the next list; return all particles sorted, and its first ones.
 
-    ``order`` (N,): particle i of the next list is the present ``order[i]``; ``place`` (D, N) and
-    ``size`` (N,) are positions and radii in that order; the part is the range of first particles.
-    All threads sort, which is cheap, and search in their own cells. ``pairs.draft.count`` is -1
-    where there was no room.
+    All threads sort, which is cheap, and search in their own cells; the first partners of a
+    thread's pairs are a range of particles. ``pairs.next.count`` is -1 where there was no room.
     """
     dimension, particles = position.shape
-    next_ = pairs.draft
+    found, box = pairs.next, pairs.box
     cells = np.ones(dimension, np.int64)
     cell = assign_cells(position, box, pairs.largest + pairs.skin, cells)
     order, begin = sort_by_cell(cell, cells)
@@ -152,14 +176,13 @@ def draft(pairs, position, radius, box, rank, threads):
         first += 1
     while begin[last] * threads < particles * (rank + 1):
         last += 1
-    room = next_.second.size // threads
-    part = (first, last, rank * room, (rank + 1) * room)
-    next_.count[rank] = find_pairs(
-        place, size, box, pairs.skin, cells, begin, part, next_.second, next_.start, next_.stop
-    )
-    for p in range(rank * room, (rank + 1) * room):
-        next_.slot[np.uint64(p)] = -1
-    return order, place, size, (begin[first], begin[last])
+    room = found.second.size // threads
+    part = Part(first, last, rank * room, room)
+    ordered = Sorted(order, place, size)
+    found.count[rank] = find_pairs(ordered, Grid(box, cells, begin), pairs.skin, part, found)
+    for p in range(part.base, part.base + room):
+        found.slot[np.uint64(p)] = -1
+    return ordered, Share(rank, begin[first], begin[last])
 
 
 @inlined
@@ -169,10 +192,10 @@ def carry_slots(pairs, order, memory, first, last):
     ``memory`` (7, C) is that of the last step: where partners change places, the remembered force
     changes sign.
     """
-    next_, rank = pairs.draft, np.empty(order.size, np.int64)
+    found, rank = pairs.next, np.empty(order.size, np.int64)
     for i in range(order.size):
         rank[order[i]] = i
-    gap, touching = np.empty(BLOCK), np.empty(BLOCK + 8, np.uint32)
+    gap, touching = np.empty(BLOCK), np.empty(BLOCK + LANES, np.uint32)
     for begin in range(first, last, BLOCK):
         size = min(BLOCK, last - begin)
         for k in range(size):
@@ -185,46 +208,48 @@ def carry_slots(pairs, order, memory, first, last):
                 i, j = j, i
                 for m in range(VECTOR):
                     memory[m, s] = -memory[m, s]
-            new = np.uint64(next_.start[i])
-            while new < next_.stop[i] and next_.second[new] != j:
+            new = np.uint64(found.start[i])
+            while new < found.stop[i] and found.second[new] != j:
                 new += np.uint64(1)
-            if new < next_.stop[i]:
-                next_.slot[new] = s
+            if new < found.stop[i]:
+                found.slot[new] = s
 
 
 @inlined
-def adopt(pairs, position, place, size, rank, threads, first, last):
-    """Make one thread's part of the draft, that of particles ``first``..``last``, part of the list.
+def adopt(pairs, position, ordered, share, threads):
+    """Make a thread's part of the next list, that of its share of the particles, part of the list.
 
-    ``position`` becomes ``place``, and that is what displacements count from.
+    ``position`` becomes that of the particles as they are ``ordered``, and that is what
+    displacements count from.
     """
     vectorised()
-    next_, before, number = pairs.draft, 0, 0
+    found, before, number = pairs.next, 0, 0
+    rank, first, last = share
     for other in range(threads):
-        before += next_.count[other] if other < rank else 0
-        number += next_.count[other]
-    shift = rank * (next_.second.size // threads) - before
-    for d in range(place.shape[0]):
+        before += found.count[other] if other < rank else 0
+        number += found.count[other]
+    shift = rank * (found.second.size // threads) - before
+    for d in range(position.shape[0]):
         for k in range(first, last):
             i = np.uint64(k)
-            position[d, i] = place[d, i]
-            pairs.anchor[d, i] = place[d, i]
+            position[d, i] = ordered.place[d, i]
+            pairs.anchor[d, i] = ordered.place[d, i]
     for i in range(first, last):
-        pairs.start[i] = next_.start[i] - shift
-        for p in range(next_.start[i] - shift, next_.stop[i] - shift):
+        pairs.start[i] = found.start[i] - shift
+        for p in range(found.start[i] - shift, found.stop[i] - shift):
             pairs.first[p] = i
-    if last == place.shape[1]:
+    if last == position.shape[1]:
         pairs.start[last] = number
-    for k in range(before, before + next_.count[rank]):
+    for k in range(before, before + found.count[rank]):
         p, q = np.uint64(k), np.uint64(k + shift)
-        pairs.second[p] = next_.second[q]
-        pairs.slot[p] = next_.slot[q]
-        i, j = np.uint64(pairs.first[p]), np.uint64(next_.second[q])
-        pairs.reach[p] = size[i] + size[j]
+        pairs.second[p] = found.second[q]
+        pairs.slot[p] = found.slot[q]
+        i, j = np.uint64(pairs.first[p]), np.uint64(found.second[q])
+        pairs.reach[p] = ordered.size[i] + ordered.size[j]
 
 
 @inlined
-def tidy(pairs, position, box):
+def tidy(pairs, position):
     """Move all particles into the periodic cell and start the clock of the next list anew.
 
     Returns a status: whether all positions are finite.
@@ -233,7 +258,7 @@ def tidy(pairs, position, box):
         for i in range(position.shape[1]):
             if not isfinite(position[d, i]):
                 return NOT_FINITE
-    wrap(position, box)
+    wrap(position, pairs.box)
     for d in range(pairs.drift.size):
         pairs.drift[d] = 0.0
     pairs.clock[AGE] = 0.0
@@ -242,27 +267,27 @@ def tidy(pairs, position, box):
 
 @inlined
 def has_room(pairs, threads):
-    """Return whether there was room for the whole draft."""
+    """Return whether there was room for the whole next list."""
     least = 0
     for rank in range(threads):
-        least = min(least, pairs.draft.count[rank])
+        least = min(least, pairs.next.count[rank])
     return least == 0
 
 
 @inlined
-def refresh(pairs, position, radius, box, memory):
+def refresh(pairs, position, radius, memory):
     """Rebuild the list with a single thread; return a status and the order of the particles.
 
     ``memory`` is that of the last step. ``position`` (D, N) is sorted; column i of every other
     array of the particles must become ``order[i]``. On LIST_FULL all is as it was, but wrapped.
     """
-    status = tidy(pairs, position, box)
+    status = tidy(pairs, position)
     if status != OK:
         return status, np.empty(0, np.int64)
-    order, place, size, (first, last) = draft(pairs, position, radius, box, 0, 1)
+    ordered, share = find_next(pairs, position, radius, 0, 1)
     if not has_room(pairs, 1):
-        return LIST_FULL, order
-    carry_slots(pairs, order, memory, 0, pairs.start[order.size])
-    adopt(pairs, position, place, size, 0, 1, first, last)
+        return LIST_FULL, ordered.order
+    carry_slots(pairs, ordered.order, memory, 0, pairs.start[ordered.order.size])
+    adopt(pairs, position, ordered, share, 1)
     pairs.valid[0] = True
-    return OK, order
+    return OK, ordered.order

@@ -14,23 +14,18 @@ import numpy as np
 from sim.engine.compile import inlined, kernel, vectorised
 from sim.engine.contact.friction import MEMORY, contact_force, stored_energy
 from sim.engine.contact.roots import inverse_square_root
-from sim.engine.dynamics.cells import nearest_image, rounded_up
-from sim.engine.dynamics.neighbors import find_touching
+from sim.engine.dynamics.cells import LANES, nearest_image, rounded_up
+from sim.engine.dynamics.neighbors import BLOCK, Search, find_touching, make_search
+from sim.engine.dynamics.orientation import unrotated
 
-#: Contacts that are evaluated together, and list entries that are examined together.
-BLOCK = 256
+#: Distance between rows of a block: not a power of two, or all rows would compete for the same few
+#: lines of the cache.
+STRIDE = BLOCK + LANES
 
-#: Distance between rows of the work array: not a power of two, or all rows would compete for the
-#: same few lines of the cache.
-STRIDE = BLOCK + 8
-
-#: Numbers in the widest vectors.
-LANES = 8
-
-# Rows of the work array: first how the partners approach, then the same rows with the results.
-NX, NY, NZ, SX, SY, SZ, OVERLAP, REACH, CLOSER = range(9)
-FX, FY, FZ, MX, MY, MZ = range(6)
-LOST, WORK = 8, 9
+# Rows of a block of contacts: how the partners approach, of which the law replaces the first seven
+# one by one with what it makes of them. Rows of their own would not fit into the nearest cache.
+NX, NY, NZ, SX, SY, SZ, CLOSER, DEPTH, REACH = range(9)
+FX, FY, FZ, MX, MY, MZ, LOST, WORK = *range(7), 9
 ROWS = 10
 
 #: Moment of inertia of a solid sphere over m r².
@@ -44,9 +39,9 @@ class Spheres(NamedTuple):
     (m/s). Velocities belong to the half step before the position. ``force`` and ``moment``
     (T, 3, N) hold what each of T threads has added in the last evaluation: a thread adds to its own
     particles and to those of the threads behind it; ``moment`` is the torque over the radius (N).
-    ``radius``, ``mass`` and ``inverse_mass`` (N,), the last two 0 for fixed ones. ``label`` (1, N)
-    is the particle's number in the initial state: the neighbor list keeps the particles sorted by
-    place.
+    ``radius``, ``mass`` and ``inverse_mass`` (N,), the last two 0 for fixed ones. ``orientation``
+    (4, N) as unit quaternions, or (4, 0). ``label`` (1, N) is the particle's number in the initial
+    state: the neighbor list keeps the particles sorted by place.
     """
 
     position: np.ndarray
@@ -57,25 +52,55 @@ class Spheres(NamedTuple):
     radius: np.ndarray
     mass: np.ndarray
     inverse_mass: np.ndarray
+    orientation: np.ndarray
     label: np.ndarray
 
 
-class Work(NamedTuple):
-    """Scratch of one thread: ``gap`` (m², to the plane m) of a block, flat ``rows`` of results.
+class Contacts(NamedTuple):
+    """The contacts of spheres with each other or with a boundary in one step.
 
-    ``touching`` are the particles of a block that touch the plane.
+    Their ``law``; ``partners``, who may touch whom: a pair list or the slots of a plane; and what
+    they remember, ``before`` and ``after`` the step (7, C).
     """
 
-    gap: np.ndarray
-    touching: np.ndarray
+    law: NamedTuple
+    partners: NamedTuple
+    before: np.ndarray
+    after: np.ndarray
+
+
+class Scratch(NamedTuple):
+    """Scratch of one thread: for the ``search``, and flat ``rows`` of a block of contacts."""
+
+    search: Search
     rows: np.ndarray
 
 
-def make_spheres(position, velocity, radius, mass, threads: int = 1) -> Spheres:
+class Block(NamedTuple):
+    """``number`` contacts that are evaluated together in ``rows``; memory from ``base`` on."""
+
+    rows: np.ndarray
+    base: int
+    number: int
+
+
+class Meeting(NamedTuple):
+    """How the partners i, j of a contact meet: ``separation`` (m) and ``velocity`` of j relative to
+    i, ``rim``, the sum of both rims (m/s), ``reach``, the sum of the radii (m)."""
+
+    separation: tuple[float, float, float]
+    velocity: tuple[float, float, float]
+    rim: tuple[float, float, float]
+    reach: float
+
+
+def make_spheres(
+    position, velocity, radius, mass, threads: int = 1, oriented: bool = False
+) -> Spheres:
     """Return solid spheres at positions and velocities (N, 3) that do not rotate.
 
     ``radius`` and ``mass`` may be numbers or arrays (N,); a mass of 0 stands for a sphere that is
-    fixed in space, whose velocity must be 0.
+    fixed in space, whose velocity must be 0. Where they are ``oriented``, they have orientations.
     """
     number = len(position)
     radius = np.broadcast_to(np.asarray(radius, float), number).copy()
@@ -89,28 +114,23 @@ def make_spheres(position, velocity, radius, mass, threads: int = 1) -> Spheres:
         radius,
         mass,
         np.divide(1.0, mass, out=np.zeros(number), where=mass > 0.0),
+        unrotated(number if oriented else 0),
         np.arange(number).reshape(1, number),
     )
 
 
-def make_work() -> Work:
+def make_scratch() -> Scratch:
     """Return scratch space for one thread."""
-    return Work(np.zeros(BLOCK), np.zeros(BLOCK + LANES, np.uint32), np.zeros(ROWS * STRIDE))
+    return Scratch(make_search(), np.zeros(ROWS * STRIDE))
 
 
 @inlined
-def approach(rows, k, separation, reach, velocity, rim, time_step):
-    """Write normal, slip and approach during the step, overlap and reach (m) of a contact.
-
-    They go to column k of ``rows``.
-
-    ``separation`` and ``velocity`` are of j relative to i, ``rim`` is the sum of both rims.
-    """
-    dx, dy, dz = separation
+def approach(rows, k, meeting, time_step):
+    """Write normal, slip and approach during the step, overlap and reach (m) to column k."""
+    (dx, dy, dz), velocity, (wx, wy, wz), reach = meeting
     square = dx * dx + dy * dy + dz * dz
     scale = inverse_square_root(square)
     nx, ny, nz = dx * scale, dy * scale, dz * scale
-    wx, wy, wz = rim
     sx = velocity[0] - (wy * nz - wz * ny)
     sy = velocity[1] - (wz * nx - wx * nz)
     sz = velocity[2] - (wx * ny - wy * nx)
@@ -121,7 +141,7 @@ def approach(rows, k, separation, reach, velocity, rim, time_step):
     rows[SX * STRIDE + k] = (sx - along * nx) * time_step
     rows[SY * STRIDE + k] = (sy - along * ny) * time_step
     rows[SZ * STRIDE + k] = (sz - along * nz) * time_step
-    rows[OVERLAP * STRIDE + k] = reach - square * scale
+    rows[DEPTH * STRIDE + k] = reach - square * scale
     rows[REACH * STRIDE + k] = reach
     rows[CLOSER * STRIDE + k] = -along * time_step
 
@@ -130,12 +150,12 @@ def approach(rows, k, separation, reach, velocity, rim, time_step):
 def react(law, rows, k, memory):
     """Replace normal and slip in column k by force on i and moment (N); return the new memory.
 
-    The approach is replaced by the energy (J) dissipated by the normal force, and the work done
-    against friction comes behind it.
+    The approach is replaced by the energy (J) that the normal force has dissipated, and the work
+    done against friction is added.
     """
     nx, ny, nz = rows[NX * STRIDE + k], rows[NY * STRIDE + k], rows[NZ * STRIDE + k]
     slip = (rows[SX * STRIDE + k], rows[SY * STRIDE + k], rows[SZ * STRIDE + k])
-    overlap = rows[OVERLAP * STRIDE + k]
+    overlap = rows[DEPTH * STRIDE + k]
     closer = rows[CLOSER * STRIDE + k]
     force, (tx, ty, tz), memory, (lost, work) = contact_force(
         law, overlap, closer, (nx, ny, nz), slip, memory
@@ -168,20 +188,23 @@ def recall(memory, slot):
 
 
 @inlined
-def _evaluate(law, spheres, pairs, before, after, box, rows, number, base, time_step):
-    """Apply the law to ``number`` touching pairs from ``base`` on; their memory goes there too."""
+def _evaluate(spheres, contacts, block, time_step):
+    """Apply the law to the touching pairs of a block, and to some more that fill whole vectors."""
     x, v, w = spheres.position, spheres.velocity, spheres.rim
+    pairs, rows, number = contacts.partners, block.rows, rounded_up(block.number, LANES)
     for k in range(number):
-        p = np.uint64(pairs.touching[np.uint64(base + k)])
+        p = np.uint64(pairs.touching[np.uint64(block.base + k)])
         i, j = np.uint64(pairs.first[p]), np.uint64(pairs.second[p])
         velocity = (v[0, j] - v[0, i], v[1, j] - v[1, i], v[2, j] - v[2, i])
         rim = (w[0, j] + w[0, i], w[1, j] + w[1, i], w[2, j] + w[2, i])
-        approach(rows, k, nearest(x, box, i, j), pairs.reach[p], velocity, rim, time_step)
+        separation = nearest(x, pairs.box, i, j)
+        approach(rows, k, Meeting(separation, velocity, rim, pairs.reach[p]), time_step)
     for k in range(number):
-        c = np.uint64(base + k)
-        memory = react(law, rows, k, recall(before, pairs.slot[pairs.touching[c]]))
+        c = np.uint64(block.base + k)
+        memory = recall(contacts.before, pairs.slot[pairs.touching[c]])
+        memory = react(contacts.law, rows, k, memory)
         for m in range(MEMORY):
-            after[m, c] = memory[m]
+            contacts.after[m, c] = memory[m]
 
 
 @inlined
@@ -195,24 +218,24 @@ def nearest(x, box, i, j):
 
 
 @inlined
-def _scatter(spheres, pairs, rows, number, base, rank):
+def _scatter(spheres, pairs, block, rank):
     """Add forces and moments to both partners.
 
     Returns the largest relative overlap, the energy dissipated by normal forces and the work done
     against friction (J).
     """
     largest, lost, work = 0.0, 0.0, 0.0
-    force, moment = spheres.force, spheres.moment
-    for k in range(number):
-        p = np.uint64(pairs.touching[np.uint64(base + k)])
+    force, moment, rows = spheres.force, spheres.moment, block.rows
+    for k in range(block.number):
+        p = np.uint64(pairs.touching[np.uint64(block.base + k)])
         i, j = np.uint64(pairs.first[p]), np.uint64(pairs.second[p])
         for d in range(3):
             force[rank, d, i] += rows[(FX + d) * STRIDE + k]
             force[rank, d, j] -= rows[(FX + d) * STRIDE + k]
             moment[rank, d, i] += rows[(MX + d) * STRIDE + k]
             moment[rank, d, j] += rows[(MX + d) * STRIDE + k]
-        if rows[OVERLAP * STRIDE + k] > largest * rows[REACH * STRIDE + k]:
-            largest = rows[OVERLAP * STRIDE + k] / rows[REACH * STRIDE + k]
+        if rows[DEPTH * STRIDE + k] > largest * rows[REACH * STRIDE + k]:
+            largest = rows[DEPTH * STRIDE + k] / rows[REACH * STRIDE + k]
         lost += rows[LOST * STRIDE + k]
         work += rows[WORK * STRIDE + k]
     return largest, lost, work
@@ -231,38 +254,35 @@ def filled_up(list_, begin, number):
 
 
 @inlined
-def pair_forces(law, spheres, pairs, before, after, box, work, time_step, share):
-    """Add the forces of the touching pairs of one thread's share.
+def sphere_forces(spheres, contacts, scratch, time_step, share):
+    """Add the forces of the touching pairs whose first partners are in one thread's share.
 
-    ``share`` is (rank, begin, end): the thread and the range of first particles that it looks
-    after. ``before`` and ``after`` (7, C) are the memory of the last step and of this one. Returns
-    the number of touching pairs, the largest overlap relative to the sum of the radii, the energy
-    dissipated by normal forces and the work done against friction (J).
+    Returns the number of touching pairs, the largest overlap relative to the sum of the radii, the
+    energy dissipated by normal forces and the work done against friction (J).
     """
     vectorised()
-    rank, begin, end = share
-    first, last = pairs.start[begin], pairs.start[end]
-    base = first + rank * LANES
-    contacts = find_touching(spheres.position, pairs, box, first, last, base, work.gap)
-    filled_up(pairs.touching, base, contacts)
-    largest, lost, work_done = 0.0, 0.0, 0.0
-    for start in range(base, base + contacts, BLOCK):
-        number = min(BLOCK, base + contacts - start)
-        whole = rounded_up(number, LANES)
-        _evaluate(law, spheres, pairs, before, after, box, work.rows, whole, start, time_step)
-        deepest, dissipated, rubbed = _scatter(spheres, pairs, work.rows, number, start, rank)
+    pairs, gap = contacts.partners, scratch.search.gap
+    first, last = pairs.start[share.begin], pairs.start[share.end]
+    base = first + share.rank * LANES
+    touching = find_touching(spheres.position, pairs, first, last, base, gap)
+    filled_up(pairs.touching, base, touching)
+    largest, lost, work = 0.0, 0.0, 0.0
+    for start in range(base, base + touching, BLOCK):
+        block = Block(scratch.rows, start, min(BLOCK, base + touching - start))
+        _evaluate(spheres, contacts, block, time_step)
+        deepest, dissipated, rubbed = _scatter(spheres, pairs, block, share.rank)
         largest = max(largest, deepest)
         lost += dissipated
-        work_done += rubbed
+        work += rubbed
     for p in range(first, last):
         pairs.slot[np.uint64(p)] = -1
-    for c in range(base, base + contacts):
+    for c in range(base, base + touching):
         pairs.slot[pairs.touching[np.uint64(c)]] = c
-    return contacts, largest, lost, work_done
+    return touching, largest, lost, work
 
 
 @kernel
-def stored_in_pairs(law, spheres, pairs, memory, box, time_step):
+def stored_in_spheres(law, spheres, pairs, memory, time_step):
     """Return the energy (J) in the normal and tangential springs of all pairs in contact.
 
     ``memory`` (7, C) is that of the last step, and the overlaps are those of its force evaluation,
@@ -274,7 +294,7 @@ def stored_in_pairs(law, spheres, pairs, memory, box, time_step):
         if pairs.slot[p] < 0:
             continue
         i, j = pairs.first[p], pairs.second[p]
-        dx, dy, dz = nearest(x, box, i, j)
+        dx, dy, dz = nearest(x, pairs.box, i, j)
         dx -= (v[0, j] - v[0, i]) * time_step
         dy -= (v[1, j] - v[1, i]) * time_step
         dz -= (v[2, j] - v[2, i]) * time_step

@@ -7,6 +7,7 @@ does what depends only on the number of threads, and so do the bits of the resul
 
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from typing import NamedTuple
 
 import numpy as np
 from numba import types
@@ -26,6 +27,14 @@ _yield = types.ExternalFunction("sched_yield", types.int32())
 def _address(context, builder, signature, args):
     array = context.make_array(signature.args[0])(context, builder, args[0])
     return builder.gep(array.data, [args[1]])
+
+
+class Share(NamedTuple):
+    """Particles ``begin``..``end``, which the thread of this ``rank`` looks after."""
+
+    rank: int
+    begin: int
+    end: int
 
 
 @intrinsic

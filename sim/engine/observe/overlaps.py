@@ -36,13 +36,13 @@ def _count(counts, overlap):
 
 
 @kernel
-def count_overlaps(counts, spheres, pairs, plane, box):
+def count_overlaps(counts, spheres, pairs):
     """Count the overlaps of all contacts of the present state.
 
     Those between spheres are relative to the sum of the radii, those with the plane to a diameter.
     """
     for p in range(pairs.start[-1]):
-        dx, dy, dz = nearest(spheres.position, box, pairs.first[p], pairs.second[p])
+        dx, dy, dz = nearest(spheres.position, pairs.box, pairs.first[p], pairs.second[p])
         distance = (dx * dx + dy * dy + dz * dz) ** 0.5
         _count(counts, 1.0 - distance / pairs.reach[p])
     for i in range(spheres.radius.size):

@@ -9,11 +9,11 @@ from sim.parameters import Parameters
 SYSTEMS = {"chute": ("chute", "Chute"), "belt": ("belt", "Belt")}
 
 
-def build(parameters: Parameters, replicate: int, refinement: int = 1) -> System:
+def build(parameters: Parameters, replicate: int, substeps: int = 1) -> System:
     """Return replicate number ``replicate`` (from 0) of a point in its initial state.
 
-    Every time step is divided into ``refinement``; samples are taken at the same times.
+    Every time step is divided into so many ``substeps``; samples are taken at the same times.
     """
     module, name = SYSTEMS[parameters.system]
     system = getattr(import_module(f"{__name__}.{module}"), name)
-    return system(parameters, replicate, refinement)
+    return system(parameters, replicate, substeps)

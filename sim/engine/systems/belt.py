@@ -8,15 +8,15 @@ from sim.engine.boundary.belt import belt_state, stored_in_belt
 from sim.engine.boundary.obstacle import Obstacle, stored_in_obstacle
 from sim.engine.contact.spring_damping import spring_damping
 from sim.engine.dynamics.cells import make_box
-from sim.engine.dynamics.disks import make_disks, make_work, stored_in_pairs
+from sim.engine.dynamics.disks import make_disks, stored_in_disks
 from sim.engine.dynamics.gear import Gear, Verlet, restarted
-from sim.engine.dynamics.neighbors import empty_pair_list, grown
+from sim.engine.dynamics.neighbors import empty_pair_list, grown, make_search
 from sim.engine.dynamics.status import LIST_FULL, BlowUp, require_motion
 from sim.engine.observe.field import Field, squares, wave_power
 from sim.engine.observe.profiles import AREA, CENTRE, Profile, add_sample, empty_profile
 from sim.engine.observe.regime import Scales
 from sim.engine.systems import shaking
-from sim.engine.systems.belt_start import motion, start
+from sim.engine.systems.belt_start import initial_bed, vibration
 from sim.engine.systems.series import BELT_LEDGER, BELT_SERIES
 from sim.parameters import BeltParameters
 
@@ -40,21 +40,21 @@ class Belt:
     ledger = BELT_LEDGER
     axes = ("x", "z")
 
-    def __init__(self, parameters: BeltParameters, replicate: int, refinement: int = 1):
+    def __init__(self, parameters: BeltParameters, replicate: int, substeps: int = 1):
         self.parameters = p = parameters
-        self.time_step = p.time_step / refinement
-        self.settling_step = p.settling_step / refinement
-        self.steps_per_cycle = p.steps_per_cycle * refinement
-        self.sample_steps = p.sample_steps * refinement
+        self.time_step = p.time_step / substeps
+        self.settling_step = p.settling_step / substeps
+        self.steps_per_cycle = p.steps_per_cycle * substeps
+        self.sample_steps = p.sample_steps * substeps
         width = p.width * p.diameter
         self.box = make_box(width)
-        bed = start(p, self.box, replicate)
+        bed = initial_bed(p, self.box, replicate)
         self.fall_time = sqrt(2.0 * (bed.height + p.diameter) / p.gravity)
         self.disks = make_disks(
             bed.position, np.zeros_like(bed.position), bed.radius, bed.mass, self.settling_step
         )
-        self.pairs = empty_pair_list(bed.radius, 2, SKIN * p.diameter)
-        self.work = make_work(p.beads)
+        self.pairs = empty_pair_list(bed.radius, self.box, SKIN * p.diameter)
+        self.search = make_search(p.beads)
         self.law = spring_damping(
             p.stiffness * p.gravity * p.mass / p.diameter,
             p.damping * p.gravity,
@@ -67,7 +67,7 @@ class Belt:
             z=p.amplitude * p.diameter,
             radius=0.5 * p.obstacle * p.diameter,
         )
-        self.motion = motion(p, p.frequency)
+        self.belt = vibration(p, p.frequency)
         self.integrator = self._integrator(self.time_step)
         self.loop = shaking.make_shaking()
         self.scales = Scales(p.least_transport, acceleration=np.inf, drift=p.drift, target=p.target)
@@ -91,7 +91,7 @@ class Belt:
     def settle(self) -> None:
         """Let the beads fall onto the resting belt until their mean squared velocity is small."""
         p, step = self.parameters, self.settling_step
-        belt, integrator = motion(self.parameters, 0.0), self._integrator(step)
+        belt, integrator = vibration(p, 0.0), self._integrator(step)
         stretch = max(1, int(self.fall_time / step))
         squared = np.inf
         while squared >= p.settle_velocity_squared:
@@ -116,7 +116,7 @@ class Belt:
         prior_step = 1.0 / (p.prior_frequency * self.steps_per_cycle)
         restarted(self.disks.taylor, step, prior_step)
         self.loop = shaking.make_shaking()
-        before = motion(p, p.prior_frequency)
+        before = vibration(p, p.prior_frequency)
         for _ in range(p.prior_cycles):
             where = "of the shaking at the prior frequency"
             self._run(self._integrator(prior_step), before, self.steps_per_cycle, where)
@@ -133,23 +133,13 @@ class Belt:
 
     def _run(self, integrator, belt, steps: int, where: str) -> None:
         p, loop = self.parameters, self.loop
+        motion = shaking.BedMotion(integrator, p.gravity, p.overlap_limit)
         target = loop.step[0] + steps
         status = LIST_FULL
         while status == LIST_FULL:
-            status = shaking.advance(
-                self.law,
-                integrator,
-                self.disks,
-                self.pairs,
-                belt,
-                self.obstacle,
-                self.box,
-                self.work,
-                loop,
-                p.gravity,
-                p.overlap_limit,
-                target - loop.step[0],
-            )
+            contacts = shaking.BedContacts(self.law, self.pairs, belt, self.obstacle, self.search)
+            remaining = target - loop.step[0]
+            status = shaking.advance_disks(self.disks, contacts, loop, motion, remaining)
             if status == LIST_FULL:
                 self.pairs = grown(self.pairs)
         require_motion(status, self.disks.taylor, f"{loop.step[0]} {where}")
@@ -157,7 +147,7 @@ class Belt:
     def advance(self) -> dict[str, float]:
         """Advance by one sample interval and return a value per time series."""
         self.loop.sums[:] = 0.0
-        self._run(self.integrator, self.motion, self.sample_steps, "of the shaking")
+        self._run(self.integrator, self.belt, self.sample_steps, "of the shaking")
         return self._sample()
 
     def _time(self) -> float:
@@ -196,8 +186,8 @@ class Belt:
         self.shear_loss += sums[shaking.SHEAR_LOSS]
         self.belt_work += sums[shaking.BELT_WORK]
         stored = (
-            stored_in_pairs(self.law, disks, self.pairs, self.box)
-            + stored_in_belt(self.law, disks, self.motion, self._time())
+            stored_in_disks(self.law, disks, self.pairs)
+            + stored_in_belt(self.law, disks, self.belt, self._time())
             + stored_in_obstacle(self.law, disks, self.obstacle, self.box)
         )
         return {
@@ -210,7 +200,7 @@ class Belt:
 
     def sample_profiles(self) -> tuple[Profile, Profile, Field]:
         """Return profiles above the present belt, by centres and by area, and the field."""
-        height = self.disks.taylor[0, 1] - belt_state(self.motion, self._time())[0]
+        height = self.disks.taylor[0, 1] - belt_state(self.belt, self._time())[0]
         profiles = []
         for kind in (CENTRE, AREA):
             profile = empty_profile(SLICES, 2)
@@ -245,11 +235,11 @@ class Belt:
     def trace(self) -> np.ndarray:
         """Finish the cycle and return the path of every bead (S, N, 2) in m over one more."""
         steps = self.steps_per_cycle
-        self._run(self.integrator, self.motion, -self.loop.step[0] % steps, "of the last cycle")
+        self._run(self.integrator, self.belt, -self.loop.step[0] % steps, "of the last cycle")
         states = [self._in_order(self.disks.taylor[0])]
         for k in range(PATH_INTERVALS):
             interval = (k + 1) * steps // PATH_INTERVALS - k * steps // PATH_INTERVALS
-            self._run(self.integrator, self.motion, interval, "of the path")
+            self._run(self.integrator, self.belt, interval, "of the path")
             states.append(self._in_order(self.disks.taylor[0]))
             moved = states[-1][:, 0] - states[-2][:, 0]
             states[-1][:, 0] -= self.box.length[0] * np.round(moved / self.box.length[0])

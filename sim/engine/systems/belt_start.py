@@ -14,8 +14,11 @@ from sim.parameters import BeltParameters
 INITIAL_PACKING = 0.3
 
 
-class Start(NamedTuple):
-    """``position`` (N, 2), ``radius`` and ``mass`` (N,), SI; ``height`` (m) filled at first."""
+class Bed(NamedTuple):
+    """Beads at rest that fall: ``position`` (N, 2), ``radius``, ``mass`` (N,), SI.
+
+    ``height`` (m) is what they fill.
+    """
 
     position: np.ndarray
     radius: np.ndarray
@@ -23,7 +26,7 @@ class Start(NamedTuple):
     height: float
 
 
-def start(p: BeltParameters, box: Box, replicate: int) -> Start:
+def initial_bed(p: BeltParameters, box: Box, replicate: int) -> Bed:
     """Return beads of a replicate that overlap neither each other nor belt nor obstacle."""
     rng = np.random.default_rng([p.seed, replicate])
     spread = p.diameter_spread * p.diameter
@@ -33,19 +36,19 @@ def start(p: BeltParameters, box: Box, replicate: int) -> Start:
     height = max(layer, p.diameter + spread)
     position = random_packing(box, height, 0.5 * diameter, rng)
     position[:, 1] += _lift(p)
-    return Start(position, 0.5 * diameter, mass, height)
+    return Bed(position, 0.5 * diameter, mass, height)
 
 
 def _lift(p: BeltParameters) -> float:
     """Return how far (m) to raise the beads so that none overlaps the belt or the obstacle."""
-    belt = motion(p, 0.0)
+    belt = vibration(p, 0.0)
     lift = belt_state(belt, 0.0)[0] + belt.surface
     if p.obstacle > 0.0:
         lift = max(lift, (p.amplitude + 0.5 * p.obstacle) * p.diameter)
     return lift
 
 
-def motion(p: BeltParameters, frequency: float) -> Belt:
+def vibration(p: BeltParameters, frequency: float) -> Belt:
     """Return the belt vibrating at a frequency (Hz), or at rest in its initial phase."""
     amplitude = p.amplitude * p.diameter
     # Not tan(90°), which rounds to a finite number: a vertical vibration has A_x = 0.

@@ -10,14 +10,13 @@ from sim.engine.contact.spring_dashpot import spring_dashpot
 from sim.engine.contact.walton_braun import walton_braun
 from sim.engine.dynamics.cells import make_box
 from sim.engine.dynamics.neighbors import empty_pair_list, grown
-from sim.engine.dynamics.orientation import unrotated
 from sim.engine.dynamics.spheres import (
     SOLID,
     enlarged,
     make_memory,
+    make_scratch,
     make_spheres,
-    make_work,
-    stored_in_pairs,
+    stored_in_spheres,
 )
 from sim.engine.dynamics.status import LIST_FULL, require_motion
 from sim.engine.dynamics.team import Team
@@ -25,8 +24,9 @@ from sim.engine.observe.overlaps import EDGES, Overlaps, count_overlaps, no_over
 from sim.engine.observe.profiles import VOLUME, Profile, add_sample, empty_profile
 from sim.engine.observe.regime import Scales
 from sim.engine.systems import leap_frog
-from sim.engine.systems.chute_start import start
+from sim.engine.systems.chute_start import initial_layer
 from sim.engine.systems.series import CHUTE_LEDGER, CHUTE_SERIES
+from sim.engine.systems.sharing import Thread
 from sim.parameters import ChuteParameters
 
 #: Skin of the neighbor list in diameters.
@@ -43,29 +43,28 @@ class Chute:
     ledger = CHUTE_LEDGER
     axes = ("x", "y", "z")
 
-    def __init__(self, parameters: ChuteParameters, replicate: int, refinement: int = 1):
+    def __init__(self, parameters: ChuteParameters, replicate: int, substeps: int = 1):
         self.parameters = p = parameters
-        self.refinement = refinement
-        self.time_step = p.time_step / refinement
-        self.sample_steps = p.sample_steps * refinement
+        self.substeps = substeps
+        self.time_step = p.time_step / substeps
+        self.sample_steps = p.sample_steps * substeps
         side = p.cell * p.diameter
         self.box = make_box(side, side)
-        first = start(p, self.box, replicate)
-        number = len(first.radius)
-        self.spheres = make_spheres(*first[:4], p.threads)
-        self.orientation = unrotated(number if p.orientations else 0)
-        self.pairs = empty_pair_list(first.radius, 3, SKIN * p.diameter)
+        layer = initial_layer(p, self.box, replicate)
+        number = len(layer.radius)
+        self.spheres = make_spheres(*layer[:4], p.threads, p.orientations)
+        self.pairs = empty_pair_list(layer.radius, self.box, SKIN * p.diameter)
         self.plane = make_plane(number, p.threads)
         self.memory = make_memory(len(self.pairs.touching))
         self.team = Team(p.threads)
-        self.work = [make_work() for _ in range(p.threads)]
+        self.scratch = [make_scratch() for _ in range(p.threads)]
         self.glued = number - p.particles
         self.flow = leap_frog.make_flow(number, p.threads, fixed=self.glued > 0)
         self.laws = (self._law(p.friction, 0.5 * p.mass), self._law(p.friction_plane, p.mass))
         angle = radians(p.angle)
         self.gravity = (p.gravity * sin(angle), 0.0, -p.gravity * cos(angle))
         self.slice_height = p.slice_height * p.diameter
-        slices = ceil((1.5 * first.layer + 10.0 * p.diameter) / self.slice_height)
+        slices = ceil((1.5 * layer.height + 10.0 * p.diameter) / self.slice_height)
         negligible = 0.01 * p.gravity * max(sin(angle), 0.1)
         self.scales = Scales(
             1e-3 * p.velocity_unit, acceleration=negligible, drift=p.drift, target=p.target
@@ -87,7 +86,7 @@ class Chute:
     def _path_steps(self) -> int:
         """Return the time steps from one state of the path to the next."""
         interval = PATH_INTERVAL * self.parameters.time_unit
-        return max(1, round(interval / self.parameters.time_step)) * self.refinement
+        return max(1, round(interval / self.parameters.time_step)) * self.substeps
 
     def _law(self, friction: float, reduced_mass: float):
         p = self.parameters
@@ -106,8 +105,8 @@ class Chute:
             friction,
             p.tangential_ratio,
             p.tangential_exponent,
-            p.overlap_memory,
-            p.friction_cap,
+            overlap_memory=p.overlap_memory,
+            friction_cap=p.friction_cap,
         )
 
     def settle(self) -> None:
@@ -133,24 +132,10 @@ class Chute:
         require_motion(status, self.spheres.position, f"{flow.step[0]} (t* = {time:.4g})")
 
     def _advance(self, steps: int, rank: int) -> int:
-        p = self.parameters
-        return leap_frog.advance(
-            self.laws,
-            self.spheres,
-            self.orientation,
-            self.pairs,
-            self.plane,
-            self.memory,
-            self.box,
-            self.work[rank],
-            self.flow,
-            self.gravity,
-            self.time_step,
-            p.overlap_limit,
-            steps,
-            rank,
-            self.team.gate,
-        )
+        contacts = leap_frog.FlowContacts(self.laws, self.pairs, self.plane, self.memory)
+        motion = leap_frog.Motion(self.gravity, self.time_step, self.parameters.overlap_limit)
+        thread = Thread(rank, self.team.gate, self.scratch[rank])
+        return leap_frog.advance_spheres(self.spheres, contacts, self.flow, motion, thread, steps)
 
     def _sample(self) -> dict[str, float]:
         spheres, sums = self.spheres, self.flow.sums
@@ -176,10 +161,10 @@ class Chute:
         """Return where the energy is and has gone; a friction's work is stored or lost."""
         spheres, sums, step = self.spheres, self.flow.sums, self.flow.step[0] % 2
         self.travelled += sums[leap_frog.MOMENTUM] / self.mass * self.time_step
-        self.lost += sums[leap_frog.LOST]
-        self.work_done += sums[leap_frog.WORK]
-        pairs = stored_in_pairs(
-            self.laws[0], spheres, self.pairs, self.memory[step], self.box, self.time_step
+        self.lost += sums[leap_frog.NORMAL_LOSS]
+        self.work_done += sums[leap_frog.FRICTION_WORK]
+        pairs = stored_in_spheres(
+            self.laws[0], spheres, self.pairs, self.memory[step], self.time_step
         )
         plane = stored_in_plane(
             self.laws[1], spheres, self.plane, self.plane.memory[step], self.time_step
@@ -203,7 +188,7 @@ class Chute:
             height, radius, velocity = height[moving], radius[moving], velocity[:, moving].copy()
         add_sample(profile, VOLUME, self.slice_height, height, radius, velocity)
         overlaps = no_overlaps()
-        count_overlaps(overlaps.counts, spheres, self.pairs, self.plane, self.box)
+        count_overlaps(overlaps.counts, spheres, self.pairs)
         return profile, overlaps
 
     def profiles(self, sums: tuple[Profile, Overlaps]) -> dict[str, np.ndarray]:
@@ -250,5 +235,5 @@ class Chute:
             "particle_velocity": spheres.velocity.T[place],
             "particle_spin": (spheres.rim / spheres.radius).T[place],
             "radius": spheres.radius[place],
-            "orientation": self.orientation.T[place[: self.orientation.shape[1]]],
+            "orientation": spheres.orientation.T[place[: spheres.orientation.shape[1]]],
         }

@@ -10,41 +10,41 @@ from sim.engine.systems.packing import random_packing
 from sim.parameters import ChuteParameters
 
 
-class Start(NamedTuple):
-    """``position`` and ``velocity`` (N, 3), ``radius`` and ``mass`` (N,), SI.
+class Layer(NamedTuple):
+    """Spheres: ``position`` and ``velocity`` (N, 3), ``radius`` and ``mass`` (N,), SI.
 
-    Glued spheres come last; they have no mass. ``layer`` (m) is the height filled at first.
+    Glued spheres come last; they have no mass. ``height`` (m) is what they fill.
     """
 
     position: np.ndarray
     velocity: np.ndarray
     radius: np.ndarray
     mass: np.ndarray
-    layer: float
+    height: float
 
 
-def start(p: ChuteParameters, box: Box, replicate: int) -> Start:
+def initial_layer(p: ChuteParameters, box: Box, replicate: int) -> Layer:
     """Return the initial state of a replicate.
 
     Raises ``ValueError`` when the particles do not fit.
     """
     rng = np.random.default_rng([p.seed, replicate])
-    layer = p.depth * pi / 6.0 * p.diameter / p.initial_packing
+    height = p.depth * pi / 6.0 * p.diameter / p.initial_packing
     size = np.ones(p.particles)
     if p.diameter_spread > 0.0:
         size = rng.uniform(1.0 - p.diameter_spread, 1.0 + p.diameter_spread, p.particles)
         # The flow shall weigh as much as one of equal spheres.
         size /= np.cbrt((size**3).mean())
     radius = 0.5 * p.diameter * size
-    position = random_packing(box, layer, radius, rng)
+    position = random_packing(box, height, radius, rng)
     velocity = rng.normal(0.0, p.initial_agitation * p.velocity_unit / 3**0.5, position.shape)
     velocity -= velocity.mean(axis=0)
     velocity[:, 0] += p.initial_velocity * p.velocity_unit
-    mobile = Start(position, velocity, radius, p.mass * size**3, layer)
+    mobile = Layer(position, velocity, radius, p.mass * size**3, height)
     return _above_bumps(mobile, p, box, replicate) if p.bumps > 0.0 else mobile
 
 
-def _above_bumps(mobile: Start, p: ChuteParameters, box: Box, replicate: int) -> Start:
+def _above_bumps(mobile: Layer, p: ChuteParameters, box: Box, replicate: int) -> Layer:
     """Lift the spheres and put those that are glued to the plane below them."""
     rng = np.random.default_rng([p.seed, replicate, 1])
     area = box.length[0] * box.length[1]
@@ -52,10 +52,10 @@ def _above_bumps(mobile: Start, p: ChuteParameters, box: Box, replicate: int) ->
     radius = np.full(max(1, round(p.bump_coverage * area / (pi / 4 * diameter**2))), diameter / 2)
     glued = random_packing(box, 0.0, radius, rng)
     lifted = mobile.position + np.array([0.0, 0.0, diameter])
-    return Start(
+    return Layer(
         np.concatenate([lifted, glued]),
         np.concatenate([mobile.velocity, np.zeros_like(glued)]),
         np.concatenate([mobile.radius, radius]),
         np.concatenate([mobile.mass, np.zeros(len(radius))]),
-        mobile.layer + diameter,
+        mobile.height + diameter,
     )

@@ -1,6 +1,7 @@
 """Random initial positions without overlaps, by random sequential addition."""
 
 from itertools import product
+from typing import NamedTuple
 
 import numpy as np
 
@@ -19,76 +20,100 @@ STENCIL = {
 MAX_TRIALS = 20_000
 
 
+class Placed(NamedTuple):
+    """Particles placed so far, as linked lists by cell.
+
+    ``position`` (N, D) and ``radius`` (N,) of all; ``cells`` (D,) per direction, of ``size`` (m)
+    along the open one; ``first`` (C,) particle in each cell and the ``next`` (N,) behind each, -1
+    for none; ``stencil`` (S, D), the offsets to the neighbors of a cell.
+    """
+
+    position: np.ndarray
+    radius: np.ndarray
+    box: Box
+    cells: np.ndarray
+    size: float
+    first: np.ndarray
+    next: np.ndarray
+    stencil: np.ndarray
+
+
+def _nothing_placed(box: Box, height: float, radius: np.ndarray) -> Placed:
+    dimension, number = len(box.length), len(radius)
+    size = float(2.0 * radius.max())
+    extent = np.array([*box.length[:-1], height])
+    cells = np.maximum(1, (extent / size).astype(np.int64))
+    cells[-1] = int(height / size) + 2
+    position, first, following = (
+        np.zeros((number, dimension)),
+        np.full(cells.prod(), -1),
+        np.full(number, -1),
+    )
+    return Placed(position, radius, box, cells, size, first, following, STENCIL[dimension])
+
+
 def random_packing(box: Box, height: float, radius: np.ndarray, rng) -> np.ndarray:
     """Return random positions (N, D) of spheres or disks that do not overlap.
 
     The last direction is the open one: centres lie between one radius and one radius plus
     ``height`` (m) above zero. Raises ``ValueError`` when the particles do not fit.
     """
-    dimension = len(box.length)
-    number = len(radius)
-    extent = np.array([*box.length[:-1], height])
-    size = 2.0 * radius.max()
-    cells = np.maximum(1, (extent / size).astype(np.int64))
-    cells[-1] = int(height / size) + 2
-    position = np.zeros((number, dimension))
-    stencil = STENCIL[dimension]
-    head = np.full(cells.prod(), -1)
-    following = np.full(number, -1)
-    placed, trials = 0, 0
-    while placed < number:
+    number, extent = len(radius), np.array([*box.length[:-1], height])
+    placed = _nothing_placed(box, height, radius)
+    count, trials = 0, 0
+    while count < number:
         if trials > MAX_TRIALS * number:
-            raise ValueError(f"only {placed} of {number} particles fit without overlap")
-        candidates = rng.random((max(64, 4 * (number - placed)), dimension)) * extent
+            raise ValueError(f"only {count} of {number} particles fit without overlap")
+        candidates = rng.random((max(64, 4 * (number - count)), len(extent))) * extent
         trials += len(candidates)
-        placed = _insert(
-            candidates, placed, position, radius, box, cells, size, stencil, head, following
-        )
-    return position
+        count = _insert(candidates, count, placed)
+    return placed.position
 
 
 @kernel
-def _insert(candidates, placed, position, radius, box, cells, size, stencil, head, following):
+def _insert(candidates, count, placed):
     """Add the candidates that overlap no earlier particle; return how many are placed by now."""
+    box, cells = placed.box, placed.cells
     dimension = len(box.length)
     home = np.zeros(dimension, np.int64)
     for c in range(candidates.shape[0]):
-        if placed == radius.size:
+        if count == placed.radius.size:
             break
         trial = candidates[c]
-        trial[dimension - 1] += radius[placed]
+        trial[dimension - 1] += placed.radius[count]
         for d in range(dimension):
-            width = box.length[d] / cells[d] if box.length[d] > 0.0 else size
+            width = box.length[d] / cells[d] if box.length[d] > 0.0 else placed.size
             home[d] = min(int(trial[d] / width), cells[d] - 1)
-        if _is_free(trial, home, placed, position, radius, box, cells, stencil, head, following):
-            position[placed] = trial
+        if _is_free(trial, home, placed.radius[count], placed):
+            placed.position[count] = trial
             index = 0
             for d in range(dimension):
                 index = index * cells[d] + home[d]
-            following[placed] = head[index]
-            head[index] = placed
-            placed += 1
-    return placed
+            placed.next[count] = placed.first[index]
+            placed.first[index] = count
+            count += 1
+    return count
 
 
 @inlined
-def _is_free(trial, home, placed, position, radius, box, cells, stencil, head, following):
-    """Return whether the trial position overlaps no placed particle in the cells around it."""
+def _is_free(trial, home, radius, placed):
+    """Return whether a trial position overlaps no particle in the cells around its home cell."""
+    box, cells = placed.box, placed.cells
     dimension = len(box.length)
-    for s in range(stencil.shape[0]):
+    for s in range(placed.stencil.shape[0]):
         index, inside = 0, True
         for d in range(dimension):
-            k = home[d] + stencil[s, d]
+            k = home[d] + placed.stencil[s, d]
             if box.length[d] > 0.0:
                 k += cells[d] if k < 0 else (-cells[d] if k >= cells[d] else 0)
             inside &= 0 <= k < cells[d]
             index = index * cells[d] + k
-        other = head[index] if inside else -1
+        other = placed.first[index] if inside else -1
         while other >= 0:
             square = 0.0
             for d in range(dimension):
-                square += nearest_image(trial[d] - position[other, d], box, d) ** 2
-            if square < (radius[placed] + radius[other]) ** 2:
+                square += nearest_image(trial[d] - placed.position[other, d], box, d) ** 2
+            if square < (radius + placed.radius[other]) ** 2:
                 return False
-            other = following[other]
+            other = placed.next[other]
     return True

@@ -4,22 +4,42 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sim.engine.boundary.belt import belt_forces
-from sim.engine.boundary.obstacle import obstacle_forces
+from sim.engine.boundary.belt import Belt, belt_forces
+from sim.engine.boundary.obstacle import Obstacle, obstacle_forces
 from sim.engine.compile import inlined, kernel, vectorised, wide_vectors
 from sim.engine.dynamics.cells import reorder
-from sim.engine.dynamics.disks import TERMS, pair_forces
+from sim.engine.dynamics.disks import TERMS, disk_forces
 from sim.engine.dynamics.gear import correct, flush, predict
 from sim.engine.dynamics.mean_flow import allowed_stray
-from sim.engine.dynamics.neighbors import refresh
+from sim.engine.dynamics.neighbors import PairList, Search, refresh
 from sim.engine.dynamics.status import OK, OVERLAP
 
-# Columns of ``Shaking.sums``: sums over the steps since they were last cleared.
-STEPS, VELOCITY, MOMENTUM, CONTACTS, LARGEST, NORMAL_LOSS, SHEAR_LOSS, BELT_WORK = range(8)
+# Columns of ``Shaking.sums``: sums over the steps since they were last cleared, but for the largest
+# overlap.
+STEPS, MOMENTUM, CONTACTS, LARGEST, NORMAL_LOSS, SHEAR_LOSS, BELT_WORK, VELOCITY = range(8)
 SUMS = 8
 
 #: Steps between two searches for vanishing Taylor terms.
 FLUSH_INTERVAL = 32
+
+
+class BedContacts(NamedTuple):
+    """What the beads may touch, their ``law``, and scratch of the ``search`` for contacts."""
+
+    law: NamedTuple
+    pairs: PairList
+    belt: Belt
+    obstacle: Obstacle
+    search: Search
+
+
+class BedMotion(NamedTuple):
+    """The ``integrator``, ``gravity`` (m/s²) along -z, and the largest overlap relative to the sum
+    of the radii that is admitted."""
+
+    integrator: NamedTuple
+    gravity: float
+    overlap_limit: float
 
 
 class Shaking(NamedTuple):
@@ -61,10 +81,10 @@ def list_holds(disks, pairs, time_step):
 
 
 @inlined
-def refresh_beads(disks, pairs, box):
+def refresh_beads(disks, pairs):
     """Rebuild the neighbor list and sort the beads by place; return a status."""
     forgotten = np.empty((0, 0))
-    status, order = refresh(pairs, disks.taylor[0], disks.radius, box, forgotten)
+    status, order = refresh(pairs, disks.taylor[0], disks.radius, forgotten)
     if status == OK:
         for k in range(1, TERMS):
             reorder(disks.taylor[k], order)
@@ -75,15 +95,14 @@ def refresh_beads(disks, pairs, box):
 
 
 @inlined
-def clear(disks):
-    """Set all forces to zero."""
+def _clear_forces(disks):
     for d in range(2):
         for i in range(disks.radius.size):
             disks.force[d, i] = 0.0
 
 
 @inlined
-def move(integrator, disks, gravity):
+def move_disks(integrator, disks, gravity):
     """Correct all coordinates; return the sums of velocity times Δt and of momentum times Δt."""
     vectorised()
     moved, momentum = 0.0, 0.0
@@ -98,16 +117,16 @@ def move(integrator, disks, gravity):
 
 
 @kernel
-def advance(
-    law, integrator, disks, pairs, belt, obstacle, box, work, shaking, gravity, overlap_limit, steps
-):
+def advance_disks(disks, contacts, shaking, motion, steps):
     """Advance the beads by a number of steps; return a status.
 
-    ``gravity`` (m/s²) acts along -z. On LIST_FULL nothing is lost: the positions are already those
-    predicted for the next step, so give the pair list more room and call again for the steps that
-    ``shaking.step`` says are missing.
+    On LIST_FULL nothing is lost: the positions are already those predicted for the next step, so
+    give the pair list more room and call again for the steps that ``shaking.step`` says are
+    missing.
     """
     wide_vectors()
+    law, pairs, belt, obstacle, search = contacts
+    integrator, gravity, overlap_limit = motion
     sums = shaking.sums
     last = shaking.step[0] + steps
     time_step = integrator.time_step
@@ -118,18 +137,18 @@ def advance(
             shaking.predicted[0] = True
             pairs.valid[0] = pairs.valid[0] and list_holds(disks, pairs, time_step)
         if not pairs.valid[0]:
-            status = refresh_beads(disks, pairs, box)
+            status = refresh_beads(disks, pairs)
             if status != OK:
                 return status
-        clear(disks)
-        touching, overlap, pressed, sheared = pair_forces(law, disks, pairs, box, work, time_step)
+        _clear_forces(disks)
+        touching, overlap, pressed, sheared = disk_forces(law, disks, pairs, search, time_step)
         resting, belt_overlap, belt_pressed, belt_sheared, power = belt_forces(
-            law, disks, belt, work, step * time_step, time_step
+            law, disks, belt, search, step * time_step, time_step
         )
         blocked, obstacle_overlap, fixed_pressed, fixed_sheared = obstacle_forces(
-            law, disks, obstacle, box, work, time_step
+            law, disks, obstacle, pairs.box, search, time_step
         )
-        moved, momentum = move(integrator, disks, gravity)
+        moved, momentum = move_disks(integrator, disks, gravity)
         overlap = max(overlap, belt_overlap, obstacle_overlap)
         sums[STEPS] += 1.0
         sums[VELOCITY] += moved / (time_step * disks.radius.size)

@@ -1,15 +1,62 @@
-"""How the threads of one flow share its particles, and add up what each has put on the others'."""
+"""How the threads of one flow share its particles, add up their forces and rebuild their list."""
+
+from typing import NamedTuple
 
 import numpy as np
 
 from sim.engine.compile import inlined, vectorised
+from sim.engine.dynamics.cells import reorder
+from sim.engine.dynamics.mean_flow import set_stream
+from sim.engine.dynamics.neighbors import adopt, carry_slots, find_next, has_room, tidy
+from sim.engine.dynamics.spheres import Scratch
+from sim.engine.dynamics.status import LIST_FULL, OK
+from sim.engine.dynamics.team import Share, barrier
 
 #: Particles whose forces are cleared and collected together when several threads add to them.
 GROUP = 64
 
 
+class Sharing(NamedTuple):
+    """Who does what, and what each of T threads has found in a step.
+
+    ``border`` (T + 1,) first particle of each thread; ``reached`` (T, N // 64 + 1) which groups of
+    64 particles of other threads it adds forces to; ``parts`` (2, T, P) its part of the sums of a
+    step, of even and odd steps in turn, for a thread may begin a step while others still add up the
+    last one; ``status`` (1,) of the last refresh.
+    """
+
+    border: np.ndarray
+    reached: np.ndarray
+    parts: np.ndarray
+    status: np.ndarray
+
+
+class Thread(NamedTuple):
+    """A thread of a team: its ``rank``, the ``gate`` where all meet, and ``scratch`` of its own."""
+
+    rank: int
+    gate: np.ndarray
+    scratch: Scratch
+
+
+def make_sharing(particles: int, threads: int, parts: int) -> Sharing:
+    """Return equal shares of the particles, with room for this many parts of sums."""
+    return Sharing(
+        np.linspace(0, particles, threads + 1).astype(np.int64),
+        np.zeros((threads, particles // GROUP + 1), np.bool_),
+        np.zeros((2, threads, parts)),
+        np.zeros(1, np.int64),
+    )
+
+
 @inlined
-def clear(spheres, flow, share):
+def own_share(sharing, rank):
+    """Return the particles of a thread."""
+    return Share(rank, sharing.border[rank], sharing.border[rank + 1])
+
+
+@inlined
+def clear_forces(spheres, sharing, share):
     """Set to zero what one thread may have added to: its own particles and those marked for it."""
     vectorised()
     rank, begin, end = share
@@ -18,9 +65,9 @@ def clear(spheres, flow, share):
             i = np.uint64(k)
             spheres.force[rank, d, i] = 0.0
             spheres.moment[rank, d, i] = 0.0
-    for block in range(end // GROUP, flow.reached.shape[1]):
-        if flow.reached[rank, block]:
-            for k in range(max(end, block * GROUP), min((block + 1) * GROUP, spheres.radius.size)):
+    for group in range(end // GROUP, sharing.reached.shape[1]):
+        if sharing.reached[rank, group]:
+            for k in range(max(end, group * GROUP), min((group + 1) * GROUP, spheres.radius.size)):
                 i = np.uint64(k)
                 for d in range(3):
                     spheres.force[rank, d, i] = 0.0
@@ -28,14 +75,14 @@ def clear(spheres, flow, share):
 
 
 @inlined
-def collect_forces(spheres, flow, share):
+def collect_forces(spheres, sharing, share):
     """Add to a thread's forces on its own particles what the threads before it have added there."""
     vectorised()
     rank, begin, end = share
     for other in range(rank):
-        for block in range(begin // GROUP, (end + GROUP - 1) // GROUP):
-            if flow.reached[other, block]:
-                for k in range(max(begin, block * GROUP), min((block + 1) * GROUP, end)):
+        for group in range(begin // GROUP, (end + GROUP - 1) // GROUP):
+            if sharing.reached[other, group]:
+                for k in range(max(begin, group * GROUP), min((group + 1) * GROUP, end)):
                     i = np.uint64(k)
                     for d in range(3):
                         spheres.force[rank, d, i] += spheres.force[other, d, i]
@@ -43,23 +90,72 @@ def collect_forces(spheres, flow, share):
 
 
 @inlined
-def share_out(pairs, flow):
-    """Give each thread a range of first particles with the same number of pairs."""
-    threads, particles = flow.border.size - 1, pairs.start.size - 1
-    for rank in range(1, threads):
-        border = flow.border[rank - 1]
-        while pairs.start[border] * threads < pairs.start[particles] * rank:
-            border += 1
-        flow.border[rank] = border
+def refresh_together(spheres, contacts, sharing, thread, memory):
+    """Rebuild the neighbor list, sort the particles by place and share them out anew.
+
+    Done by all threads together; ``memory`` (7, C) is that of the last step. Returns a status:
+    unless it is OK, list and particles are as they were, but for positions wrapped into the cell.
+    """
+    rank, gate, pairs = thread.rank, thread.gate, contacts.pairs
+    threads = sharing.border.size - 1
+    if rank == 0:
+        sharing.status[0] = tidy(pairs, spheres.position)
+    barrier(gate)
+    if sharing.status[0] != OK:
+        return sharing.status[0]
+    ordered, share = find_next(pairs, spheres.position, spheres.radius, rank, threads)
+    barrier(gate)
+    if not has_room(pairs, threads):
+        return LIST_FULL
+    before = own_share(sharing, rank)
+    carry_slots(pairs, ordered.order, memory, pairs.start[before.begin], pairs.start[before.end])
+    barrier(gate)
+    adopt(pairs, spheres.position, ordered, share, threads)
+    if rank == 0:
+        reorder(spheres.velocity, ordered.order)
+        reorder(spheres.rim, ordered.order)
+    if rank == threads - 1:
+        _reorder_rest(spheres, contacts.plane, ordered.order)
+    barrier(gate)
+    if rank == 0:
+        _share_out(pairs, sharing)
+        set_stream(pairs, spheres.position[2], spheres.velocity[0])
+        pairs.valid[0] = True
+    barrier(gate)
+    _mark_reached(pairs, sharing, rank)
+    return OK
 
 
 @inlined
-def mark_reached(pairs, flow, rank):
+def _reorder_rest(spheres, plane, order):
+    """Sort by place what the search for pairs and the velocities do not include."""
+    number = order.size
+    reorder(spheres.orientation, order)
+    reorder(spheres.radius.reshape(1, number), order)
+    reorder(spheres.mass.reshape(1, number), order)
+    reorder(spheres.inverse_mass.reshape(1, number), order)
+    reorder(spheres.label, order)
+    reorder(plane.slot, order)
+
+
+@inlined
+def _share_out(pairs, sharing):
+    """Give each thread a range of first particles with the same number of pairs."""
+    threads, particles = sharing.border.size - 1, pairs.start.size - 1
+    for rank in range(1, threads):
+        border = sharing.border[rank - 1]
+        while pairs.start[border] * threads < pairs.start[particles] * rank:
+            border += 1
+        sharing.border[rank] = border
+
+
+@inlined
+def _mark_reached(pairs, sharing, rank):
     """Mark the groups of other threads' particles that the pairs of one thread reach."""
-    begin, end = flow.border[rank], flow.border[rank + 1]
-    for block in range(flow.reached.shape[1]):
-        flow.reached[rank, block] = False
+    _, begin, end = own_share(sharing, rank)
+    for group in range(sharing.reached.shape[1]):
+        sharing.reached[rank, group] = False
     for p in range(pairs.start[begin], pairs.start[end]):
         j = pairs.second[np.uint64(p)]
         if j >= end:
-            flow.reached[rank, j // GROUP] = True
+            sharing.reached[rank, j // GROUP] = True

@@ -73,13 +73,13 @@ def test_obstacle_stands_at_half_the_width_and_one_amplitude():
     ("angle", "ratio"), [(90, 0.0), (60, 1 / np.sqrt(3)), (45, 1.0), (30, 3**0.5)]
 )
 def test_horizontal_amplitude_follows_from_the_angle(angle, ratio):
-    motion = build(belt_point(vibration_angle=angle, amplitude=0.5), 0).motion
+    motion = build(belt_point(vibration_angle=angle, amplitude=0.5), 0).belt
     assert motion.amplitude_z == pytest.approx(0.5e-3)
     assert motion.amplitude_x == pytest.approx(0.5e-3 * ratio, abs=1e-18)
 
 
 def test_belt_starts_at_its_phase_and_turns_with_its_frequency():
-    motion = build(belt_point(frequency=30, phase=90), 0).motion
+    motion = build(belt_point(frequency=30, phase=90), 0).belt
     assert motion.phase == pytest.approx(np.pi / 2)
     assert motion.angular_frequency == pytest.approx(60 * np.pi)
 

@@ -46,7 +46,7 @@ def test_threads_give_the_flow_of_one_thread_until_chaos_grows(threads):
 
 def test_threads_share_the_particles_out_by_their_pairs():
     _, _, system = flow(3, 2)
-    border, start = system.flow.border, system.pairs.start
+    border, start = system.flow.sharing.border, system.pairs.start
     assert border[0] == 0 and border[-1] == system.parameters.particles
     shares = np.diff(start[border])
     assert shares.sum() == start[-1]
@@ -66,7 +66,9 @@ def test_a_list_that_grows_under_threads_loses_nothing():
     """The flow settles from its dilute start: its pairs double, and the list with them."""
     system = build(chute_point(**DENSE, threads=2), 0)
     capacity = system.pairs.second.size
-    system.pairs = empty_pair_list(system.spheres.radius, 3, system.pairs.skin, per_particle=0)
+    system.pairs = empty_pair_list(
+        system.spheres.radius, system.box, system.pairs.skin, per_particle=0
+    )
     system.memory = make_memory(len(system.pairs.touching))
     small = system.pairs.second.size
     series = [system.advance() for _ in range(2)]
