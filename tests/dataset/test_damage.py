@@ -17,7 +17,7 @@ from sim.__main__ import main
 from sim.base.errors import InputError
 from sim.base.files import alone, is_damaged, seal
 from sim.base.reading import DamagedError
-from sim.dataset.build import build as dataset
+from sim.dataset.build import build
 from sim.dataset.gather import read_run
 from sim.engine.run import run_point
 from sim.engine.warm import warm
@@ -118,7 +118,7 @@ def test_other_programs_read_sealed_files(content, tmp_path):
 def made(tmp_path) -> tuple[Path, Path]:
     """A study with its run files, dataset and figures."""
     study, results = make_study(tmp_path)
-    built = dataset.build(study, results)
+    built = build(study, results)
     for name in load_study(study, results).figures:
         draw(name, built, results / "made" / "figures")
     return study, results
