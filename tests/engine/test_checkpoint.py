@@ -77,8 +77,7 @@ def test_a_run_continued_from_a_checkpoint_gives_the_same_bits(name, share, tmp_
 
 #: The program, but it waits for its standard input to end some samples after a checkpoint.
 HELD = """
-import itertools, sys
-from sim.__main__ import main
+import itertools, runpy, sys
 from sim.engine.checkpoint import Checkpoint
 
 offer, later = Checkpoint.offer, itertools.count()
@@ -90,7 +89,7 @@ def offer_and_wait(self, state):
         sys.stdin.read()
 
 Checkpoint.offer = offer_and_wait
-sys.exit(main(sys.argv[1:]))
+runpy.run_module("sim", run_name="__main__")
 """
 
 
