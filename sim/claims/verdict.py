@@ -23,7 +23,7 @@ TOO_FEW = 8
 _MANY = 1e6
 
 #: Half width of a 95 % interval in standard deviations, as tables have it.
-SIGMAS = round(student(_MANY), 2)
+SIGMAS = round(float(student(_MANY)), 2)
 
 
 class Untestable(Exception):
@@ -86,7 +86,8 @@ class Check:
         with their number (Bonferroni), the more the fewer replicates it comes from.
         """
         freedom = min(self.freedom, _MANY)
-        half_width = self.half_width * (student(freedom, number) / student(freedom))
+        wider = student(freedom, number) / student(freedom)
+        half_width = self.half_width * float(wider)
         return self.value + half_width <= self.low or self.value - half_width >= self.high
 
 
