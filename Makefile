@@ -39,11 +39,12 @@ test: setup  ## the whole test suite
 long: setup  ## tests that take long: published results computed anew, more examples
 	$(BIN)/python -m pytest -m long
 
-lint: setup  ## ruff, snakefmt and snakemake --lint
+lint: setup  ## ruff, mypy, snakefmt and snakemake --lint
 	$(BIN)/ruff check .
+	$(BIN)/mypy
 	$(BIN)/snakefmt --check Snakefile workflow
 	$(BIN)/snakemake --lint
 
 clean:  ## remove .venv and caches; results stay, and .snakemake, which knows what made them
-	rm -rf $(VENV) .pytest_cache .ruff_cache .hypothesis
+	rm -rf $(VENV) .pytest_cache .mypy_cache .ruff_cache .hypothesis
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +

@@ -27,13 +27,16 @@ def allowed_values(field: FieldInfo) -> str:
     if typing.get_origin(field.annotation) is list:
         return "a list of at least one value"
     nouns = {bool: "true or false", str: "text", int: "an integer", float: "a number"}
-    noun = nouns.get(field.annotation, "a mapping of names to values")
+    kind = field.annotation
+    noun = nouns.get(kind) if isinstance(kind, type) else None
+    noun = noun or "a mapping of names to values"
     return f"{noun} {_interval(field.metadata)}".strip()
 
 
 def _interval(metadata: Iterable[Any]) -> str:
     """Write the range constraints of a field as an interval or an inequality."""
-    low = high = None
+    low: tuple[str, str, Any] | None = None
+    high: tuple[str, str, Any] | None = None
     for constraint in metadata:
         match constraint:
             case annotated_types.Gt(gt=bound):
@@ -98,7 +101,7 @@ def input_error(
     if entry["type"].startswith("union_tag"):
         kinds = _models_in(owner.model_fields[_name(entry)].annotation)
         allowed = "one of " + ", ".join(tag for kind in kinds for tag in _tags(kind))
-        return InputError.of_value(source, f"{path}.{_TAG}", got.get(_TAG), allowed)
+        return InputError.of_value(source, f"{path}.{_TAG}", entry["input"].get(_TAG), allowed)
     allowed = _allowed(entry, owner)
     if entry["type"] == "int_type" and isinstance(got, float):
         # With its point, which is what is wrong with it.

@@ -4,13 +4,18 @@ import re
 import stat
 import sys
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import yaml
 
 from sim.base.errors import InputError, key_path
 
-_Base = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+if TYPE_CHECKING:
+    # Both loaders take the same; that written in C may be missing.
+    _Base = yaml.SafeLoader
+else:
+    _Base = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+
 _Path = tuple[str | int, ...]
 
 MAX_BYTES = 4_000_000
@@ -29,7 +34,7 @@ class _Loader(_Base):
     would make JSON's own numbers unreadable, the others surprise.
     """
 
-    yaml_implicit_resolvers: ClassVar[dict[str, list]] = {}
+    yaml_implicit_resolvers: dict[str, list[Any]] = {}
     yaml_constructors: ClassVar[dict[str | None, Any]] = {
         tag: _Base.yaml_constructors[tag] for tag in (*(f"{_TAG}{name}" for name in _TYPES), None)
     }
@@ -99,7 +104,7 @@ def parse_yaml(text: str, source: str) -> Any:
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         line = f"line {mark.line + 1}, column {mark.column + 1}: " if mark else ""
-        problem = error.problem[:_MAX_PROBLEM]
+        problem = (error.problem or "")[:_MAX_PROBLEM]
         raise InputError(f"{source}: {line}not readable as YAML: {problem}") from None
     except (yaml.YAMLError, ValueError, LookupError, RecursionError) as error:
         # From explicit tags that do not fit their values, and from long chains of merge keys.
@@ -150,6 +155,7 @@ def _refuse_deep_nesting(text: str, source: str) -> None:
         depth += isinstance(event, yaml.CollectionStartEvent)
         depth -= isinstance(event, yaml.CollectionEndEvent)
         if depth > MAX_DEPTH:
+            assert event.start_mark, "events of a parser say where they are"
             line = event.start_mark.line + 1
             raise InputError(f"{source}: line {line}: nested deeper than {MAX_DEPTH} levels")
 

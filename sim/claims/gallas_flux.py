@@ -104,6 +104,6 @@ def g14(evidence: Evidence) -> list[Check]:
         checks.append(within(what, change, -0.1, 0.1, places))
     small, usual = onset(evidence, **HALVED), onset(evidence)
     shift = small.frequency - usual.frequency
-    places = (*small.places, *usual.places)
-    checks.append(within("onset of the halved system less the whole", shift, -1, 1, places, "Hz"))
+    both = (*small.places, *usual.places)
+    checks.append(within("onset of the halved system less the whole", shift, -1, 1, both, "Hz"))
     return checks

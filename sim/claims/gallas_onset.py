@@ -7,8 +7,10 @@ fro.
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from itertools import combinations
 from math import pi
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -44,7 +46,7 @@ class Onset:
     places: tuple[Place, ...] = ()
 
 
-def onset(evidence: Evidence, **where: object) -> Onset:
+def onset(evidence: Evidence, **where: Any) -> Onset:
     """Return where transport begins: from a scan or a boundary, whichever tells it better.
 
     The interval of a scan is that of the mean over beds, not smaller than half a step; that of a
@@ -61,7 +63,7 @@ def onset(evidence: Evidence, **where: object) -> Onset:
     return min(found, key=lambda each: each.frequency.std_dev)
 
 
-def _from_scan(evidence: Evidence, **where: object) -> Onset:
+def _from_scan(evidence: Evidence, **where: Any) -> Onset:
     """Return where the mean over beds passes 2 % of the belt's velocity for good.
 
     The interval reaches as far as the frequency from which on it exceeds five standard errors.
@@ -79,12 +81,12 @@ def _from_scan(evidence: Evidence, **where: object) -> Onset:
     return Onset(measured(begins, half_width), tuple(line.values()))
 
 
-def _from_boundary(evidence: Evidence, **where: object) -> Onset:
+def _from_boundary(evidence: Evidence, **where: Any) -> Onset:
     found = evidence.boundary("belt", "transport", "frequency", seeds=True, **where)
     return Onset(found)
 
 
-def _scan(evidence: Evidence, **where: object) -> tuple[pd.DataFrame, dict[float, Place]]:
+def _scan(evidence: Evidence, **where: Any) -> tuple[pd.DataFrame, dict[float, Place]]:
     """Return V/(A_x ω) of every bed (row) at every frequency (column), and the places.
 
     Beds known at no more than half of the frequencies are left out: there are more beds where one
@@ -145,7 +147,7 @@ def g3(evidence: Evidence) -> list[Check]:
     ]
 
 
-def _beginswithin(evidence: Evidence, what: str, low: float, high: float, **where: object) -> Check:
+def _beginswithin(evidence: Evidence, what: str, low: float, high: float, **where: Any) -> Check:
     found = onset(evidence, **where)
     return within(what, found.frequency, low, high, found.places, "Hz")
 
@@ -196,7 +198,7 @@ def g35(evidence: Evidence) -> list[Check]:
         raise Untestable("no scan of the frequency with 15, 16, 18 and 20 Hz")
     checks = []
     for part in RISE:
-        reached = _joined(shares, lambda beds, part=part: _reaches(beds.mean(), part))
+        reached = _joined(shares, partial(_reaches, part=part))
         what = f"frequency at which V/(A_x ω) reaches {part:.0%} of its largest"
         checks.append(within(what, reached, *BAND, line.values(), "Hz"))
     up, down = onset(evidence), onset(evidence, prior_frequency=SWEPT_FROM)
@@ -205,8 +207,9 @@ def g35(evidence: Evidence) -> list[Check]:
     return [*checks, within("onset from rest less that from the flow", shift, -1, 1, places, "Hz")]
 
 
-def _reaches(mean: pd.Series, part: float) -> tuple[float, float]:
-    """Return where a curve comes to stay above a part of its largest value, and no step."""
+def _reaches(shares: pd.DataFrame, part: float) -> tuple[float, float]:
+    """Return where the mean over beds comes to stay above a part of its largest, and no step."""
+    mean = shares.mean()
     frequencies, share = mean.index.to_numpy(), mean.to_numpy()
     top = int(share.argmax())
     threshold = part * share[top]

@@ -158,9 +158,9 @@ def _in_words(system: str, reading: Mapping[str, Any]) -> str:
 def _variants(claim: Claim, every: list[tuple[str, Evidence]]) -> Iterator[Variant]:
     """Yield the verdicts at the default reading, then those of readings that have the runs."""
     if claim.kind == "model":
-        for reading in MODEL_READINGS:
-            words = _in_words(claim.system, reading)
-            yield Variant(MODEL, words, experiment(claim, reading))
+        for changes in MODEL_READINGS:
+            words = _in_words(claim.system, changes)
+            yield Variant(MODEL, words, experiment(claim, changes))
         return
     for reading, evidence in every:
         variant = _judged(claim, evidence, reading)
@@ -236,7 +236,7 @@ def as_table(judgements: list[Judgement]) -> pd.DataFrame:
     rows = []
     for one in judgements:
         for variant in one.variants:
-            shared: Mapping[str, Any] = {
+            shared: dict[str, Any] = {
                 "claim": one.claim.id,
                 "title": one.claim.title,
                 "verdict on the claim": one.verdict,

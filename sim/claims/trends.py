@@ -25,7 +25,7 @@ def ordered(
     """
     steps = sorted(values)
 
-    def check(low, high):
+    def check(low: float, high: float) -> Check:
         large, small = (high, low) if rising else (low, high)
         name = f"{what} at {along} = {large:g} over that at {small:g}"
         return above(name, quotient(values[large], values[small]), 1, [places[low], places[high]])

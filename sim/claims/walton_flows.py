@@ -44,7 +44,7 @@ def w5(evidence: Evidence) -> list[Check]:
     known = {key: np.nanmax(values) for key, values in lacking.items() if np.isfinite(values).any()}
     if not known:
         raise Untestable(f"no {evidence.protocol} flow with a ledger")
-    worst = max(known, key=known.get)
+    worst = max(known, key=known.__getitem__)
     what = f"largest share of the energy that a ledger lacks, {len(known)} points"
     checks = [below(what, known[worst], CLOSED, [places[worst]])]
     unknown = [places[key] for key, values in lacking.items() if not np.isfinite(values).all()]

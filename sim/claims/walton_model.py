@@ -165,7 +165,8 @@ def _before_impact(partner: str, speed: np.ndarray, gap: np.ndarray) -> tuple[np
 
 def _law(reading: Reading, **changes: float) -> WaltonBraun:
     """Return the law between the chute's spheres, changed."""
-    p = ChuteParameters(**changes, **reading)
+    values: dict[str, Any] = {**changes, **reading}
+    p = ChuteParameters(**values)
     return walton_braun(
         p.stiffness,
         p.restitution,

@@ -195,7 +195,7 @@ def _evenness(place: Place) -> Callable[..., float]:
     The means are over a diameter, because a slice shares its spheres with its neighbors.
     """
 
-    def evenness(height, velocity, packing):
+    def evenness(height: np.ndarray, velocity: np.ndarray, packing: np.ndarray) -> float:
         across = round(place["diameter"] / (height[1] - height[0]))
         counted = velocity[packing > THIN * packing.sum()]
         slopes = counted[across:] - counted[:-across]
@@ -208,7 +208,7 @@ def _evenness(place: Place) -> Callable[..., float]:
 def _plug_share(place: Place) -> Callable[..., float]:
     """Return the function of profiles that says which share of the depth is plug."""
 
-    def share(height, velocity, packing):
+    def share(height: np.ndarray, velocity: np.ndarray, packing: np.ndarray) -> float:
         plug = layers.plug_base(height, velocity, packing, place["diameter"])
         return 1.0 - plug / layers.surface(height, packing)
 
@@ -223,7 +223,7 @@ def _of_plug(place: Place, function: Callable[[np.ndarray, float], float]) -> Ca
     """
     diameter = place["diameter"]
 
-    def measure(height, velocity, packing):
+    def measure(height: np.ndarray, velocity: np.ndarray, packing: np.ndarray) -> float:
         depth = layers.shear_depth(height, velocity, packing, diameter)
         rows = layers.packing_by_diameters(height, packing, diameter, layers=2)
         plug = rows[2 * diameter * np.arange(len(rows)) >= depth]

@@ -1,5 +1,6 @@
 """Judges of Walton's claims about what the spheres are like: order, restitution, stiffness."""
 
+import numpy as np
 from uncertainties import UFloat
 
 from sim.claims.checks import above, below, within
@@ -24,7 +25,8 @@ STATIC, DYNAMIC, SLIGHT, ORDER = 0.005, 0.05, 0.005, 2
 
 #: Depths that depend on the stiffness and those that do not, stiffnesses that decide it, and bounds
 #: of the ratio of velocities.
-SENSITIVE, INSENSITIVE, SOFT, STIFF = (20, 40), (1.24, 2.5), 100, 1000
+SENSITIVE: tuple[float, ...] = (20, 40)
+INSENSITIVE, SOFT, STIFF = (1.24, 2.5), 100, 1000
 SLOWER, EQUAL = 0.9, 0.05
 
 #: Heights in diameters of the layers above the bottom one.
@@ -154,7 +156,7 @@ def _agitation(place: Place) -> UFloat:
     """Return the vertical granular temperature (m²/s²) above the bottom layer."""
     low, high = (bound * place["diameter"] for bound in ABOVE_BOTTOM)
 
-    def mean(height, temperature, packing):
+    def mean(height: np.ndarray, temperature: np.ndarray, packing: np.ndarray) -> float:
         return layers.mean_between(height, temperature, packing, low, high)
 
     return place.measure(mean, "vertical_temperature_profile", "packing_profile")

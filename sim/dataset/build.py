@@ -7,7 +7,7 @@ Its root holds scalars; a group per system holds the profiles of its points, and
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import xarray as xr
@@ -82,7 +82,7 @@ def build(study_path: str | Path, results: str | Path = "results") -> Path:
 def _write(temporary: Path, group: str | None, dataset: xr.Dataset, output: Path) -> None:
     """Write a group to the draft of the file ``output``, the root first."""
     encoding = {name: _stored(dataset[name]) for name in dataset.data_vars}
-    mode = "a" if group else "w"
+    mode: Literal["a", "w"] = "a" if group else "w"
     try:
         dataset.to_netcdf(temporary, mode=mode, group=group, engine="netcdf4", encoding=encoding)
     except RuntimeError as error:
@@ -237,7 +237,7 @@ def _parameter(runs: Sequence[xr.Dataset], name: str) -> Any:
 def _by_system(texts: Mapping[str, str | None]) -> str:
     """Write a text per system, or once where the systems agree."""
     if len(set(texts.values())) == 1:
-        return next(iter(texts.values()))
+        return next(iter(texts.values())) or ""
     return "; ".join(f"{system}: {text}" for system, text in texts.items() if text)
 
 

@@ -1,7 +1,7 @@
 """What to know before trusting a run: what it says of itself, and whether its energy adds up."""
 
 from collections.abc import Iterable, Mapping
-from typing import TYPE_CHECKING, SupportsFloat
+from typing import TYPE_CHECKING, Any, SupportsFloat
 
 if TYPE_CHECKING:
     import netCDF4
@@ -28,7 +28,7 @@ _PER_REPLICATE = (
 _OF_RUN = ("particles", "mass")
 
 
-def missing_energy(replicate: Mapping[str, SupportsFloat]) -> float:
+def missing_energy(replicate: Mapping[Any, SupportsFloat]) -> float:
     """Return the share of the energy turned over that the ledger of a replicate lacks.
 
     A run file tells it relative to what was dissipated. Flows that accelerate, most of all those

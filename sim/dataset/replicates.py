@@ -1,5 +1,7 @@
 """What the replicates of one point say together: mean velocity, its interval, its regime."""
 
+from typing import Any
+
 import numpy as np
 import xarray as xr
 
@@ -20,7 +22,7 @@ OUTCOME = (
 )
 
 
-def outcome(point: xr.Dataset) -> dict[str, object]:
+def outcome(point: xr.Dataset) -> dict[str, Any]:
     """Return what the replicates of one point say together.
 
     Parameters

@@ -78,7 +78,8 @@ def added_points(study: Study, number: int, runs: Path) -> dict[str, Parameters]
 
     Which these are follows from the run files in ``runs`` alone, however often it is asked.
     """
-    seen, added = set(study.points), {}
+    seen = set(study.points)
+    added: dict[str, Parameters] = {}
     side_of = from_files(runs)
     rounds = [list(_rounds(boundary, number, side_of)) for boundary in study.boundaries]
     for each in range(1, number + 1):
@@ -117,12 +118,14 @@ def refined(study: Study, found: Sequence[Sides]) -> Study:
     return replace(study, points=points, series=series, figures=figures)
 
 
-def _rounds(boundary: Boundary, count: int, side_of: SideOf) -> Iterator[tuple[Sides, list[float]]]:
+def _rounds(
+    boundary: Boundary, count: int, side_of: SideOf
+) -> Iterator[tuple[dict[float, str | None], list[float]]]:
     """Yield what is known before each round and the values that it adds.
 
     The first round is the study's own; ``count`` more follow. The runs of the last are not read.
     """
-    sides: Sides = {}
+    sides: dict[float, str | None] = {}
     values = divided(boundary.low, boundary.high)
     yield sides, values
     for _ in range(count):

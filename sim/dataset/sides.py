@@ -2,11 +2,12 @@
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import cast
 
 import netCDF4
 import numpy as np
 
+from sim.base.named import Named
 from sim.base.reading import reading
 from sim.parameters import BeltParameters, Parameters, point_id
 
@@ -48,7 +49,7 @@ def side_of_run(path: Path, of: str, parameters: Parameters) -> str | None:
     return side(scalars, of, parameters)
 
 
-def side(scalars: Mapping[str, Any], of: str, parameters: Parameters) -> str | None:
+def side(scalars: Named, of: str, parameters: Parameters) -> str | None:
     """Return the side that a run is on, ``None`` where it does not tell.
 
     Replicates that failed are left out; the others must agree. A flow whose trend is unknown flows
@@ -68,7 +69,9 @@ def side(scalars: Mapping[str, Any], of: str, parameters: Parameters) -> str | N
     _, gain = _interval(held, "acceleration")
     done = np.flatnonzero(held["status"] == "completed")
     if of == "transport":
-        sides = {_transport(parameters, slowest[index], fastest[index]) for index in done}
+        # Studies ask for the transport of belts alone.
+        belt = cast(BeltParameters, parameters)
+        sides = {_transport(belt, slowest[index], fastest[index]) for index in done}
     else:
         moving = (slowest > 0) & (gain >= 0)
         sides = {_of_regime(of, held["regime"][index], moving[index]) for index in done}

@@ -7,11 +7,12 @@ import sys
 import tempfile
 import time
 from pathlib import Path
+from typing import Any, cast
 
 from sim.engine.observe.system import System
 from sim.engine.systems import build
 from sim.engine.systems.chute import Chute
-from sim.parameters import SYSTEMS, Parameters, canonical_json, parse_point
+from sim.parameters import SYSTEMS, ChuteParameters, Parameters, canonical_json, parse_point
 
 #: Depth and side of the cell (both in diameters) of the chute flows, and their stiffnesses (N/m).
 SIZES = [(5, 10), (10, 10), (40, 10), (20, 40)]
@@ -73,12 +74,15 @@ def main() -> None:
         print(f"{system}: {_peak_memory(point):.0f} MB peak memory of a run process")
 
 
-def _chute(depth: int, cell: int, stiffness: float, relaxation: float = RELAXATION) -> Parameters:
+def _chute(
+    depth: int, cell: int, stiffness: float, relaxation: float = RELAXATION
+) -> ChuteParameters:
     values = {"depth": depth, "cell": cell, "stiffness": stiffness, "transient": relaxation}
-    return _point("chute", values | {"initial_velocity": START_VELOCITY[depth]})
+    point = _point("chute", values | {"initial_velocity": START_VELOCITY[depth]})
+    return cast(ChuteParameters, point)
 
 
-def _point(system: str, values: dict) -> Parameters:
+def _point(system: str, values: dict[str, Any]) -> Parameters:
     return parse_point({"system": system, **values}, "bench")
 
 
@@ -91,7 +95,7 @@ def _relaxed(point: Parameters) -> System:
     return system
 
 
-def _timed(system: System) -> tuple[float, float]:
+def _timed(system: System | Chute) -> tuple[float, float]:
     """Return million particle-steps/s and contacts per particle over one stretch."""
     point = system.parameters
     samples = max(1, int(STRETCH / (point.sample_steps * point.particles)))
@@ -120,9 +124,9 @@ def _with_threads(system: Chute, threads: int) -> Chute:
     return copy
 
 
-def _report_threads(point: Parameters) -> None:
+def _report_threads(point: ChuteParameters) -> None:
     """Measure and print how much faster two threads are, in turns with one from the same state."""
-    system, ratios = _relaxed(point), []
+    system, ratios = cast(Chute, _relaxed(point)), []
     for _ in range(REPEATS):
         (one, _), (two, _) = (_timed(_with_threads(system, threads)) for threads in (1, 2))
         ratios.append(two / one)

@@ -7,8 +7,10 @@ import pickle
 import signal
 import threading
 import time
+from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
+from types import FrameType
 from typing import Any, BinaryIO, Self
 
 from sim import __version__
@@ -18,6 +20,9 @@ from sim.engine.identity import library_versions, source_hash
 from sim.parameters import Parameters, canonical
 
 log = logging.getLogger("talus")
+
+#: What Python does on a signal.
+_Handler = Callable[[int, FrameType | None], Any] | int | None
 
 #: Seconds between two checkpoints, unless TALUS_CHECKPOINT_SECONDS says otherwise.
 INTERVAL = 120.0
@@ -72,7 +77,7 @@ class Checkpoint:
         }
         self._due = time.monotonic() + interval
         self._terminated = False
-        self._before = None
+        self._before: _Handler = None
 
     def __enter__(self) -> Self:
         # Only the main thread may say what signals do.

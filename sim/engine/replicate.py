@@ -21,7 +21,7 @@ class Stopwatch:
     def __init__(self, seconds: float = 0.0):
         self._began = time.monotonic() - seconds
 
-    def __reduce__(self):
+    def __reduce__(self) -> tuple[type["Stopwatch"], tuple[float]]:
         return Stopwatch, (self.seconds(),)
 
     def seconds(self) -> float:
@@ -68,7 +68,7 @@ class Replicate:
             failure = self._attempt(advanced, pause)
         return self._record(failure)
 
-    def _attempt(self, advanced, pause) -> str:
+    def _attempt(self, advanced: Callable[[int], None], pause: Callable[[], None]) -> str:
         """Run to the end or to a blow-up; return its reason."""
         recorder = self.recorder
         try:

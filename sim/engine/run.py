@@ -16,7 +16,7 @@ from sim.engine.checkpoint import Checkpoint, checkpoint_interval
 from sim.engine.current import current_status
 from sim.engine.identity import NUMERICS, library_versions, source_hash
 from sim.engine.observe.recorder import Record
-from sim.engine.observe.run_file import write
+from sim.engine.observe.run_file import Layout, write
 from sim.engine.observe.system import System
 from sim.engine.progress import length, progress
 from sim.engine.replicate import Replicate, Stopwatch
@@ -26,22 +26,6 @@ log = logging.getLogger("talus")
 
 #: Exit code of a run that was stopped by a blow-up; its file says why.
 BLOWN_UP = 3
-
-
-@dataclass(frozen=True)
-class Layout:
-    """What the replicates of a run have in common.
-
-    ``time`` (T,) end of each sample interval (s), ``height`` (H,) centres of the slices (m),
-    ``series`` name -> (unit, long name), ``axes`` names of the directions, ``coordinates`` of
-    tables and path name -> (unit, long name, values).
-    """
-
-    time: np.ndarray
-    height: np.ndarray
-    series: dict[str, tuple[str, str]]
-    axes: tuple[str, ...]
-    coordinates: dict[str, tuple[str, str, np.ndarray]]
 
 
 def run_point(
@@ -152,7 +136,7 @@ def _layout(parameters: Parameters, system: System, records: list[Record]) -> La
 
 def _attributes(parameters: Parameters, records: list[Record], wall: float) -> dict:
     """Return the global attributes: what this is and how it was made."""
-    reasons = [record.scalars["reason"] for record in records if record.scalars["reason"]]
+    reasons = [str(record.scalars["reason"]) for record in records if record.scalars["reason"]]
     versions = " ".join(f"{name} {number}" for name, number in library_versions().items())
     return {
         "Conventions": "CF-1.11",

@@ -4,7 +4,7 @@ Options of a figure: those of `sim.figures.looks`; ``quantity``, the name of the
 dataset; ``keys``, parameters that name a flow.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -84,7 +84,7 @@ def _draw_flows(axes: Axes, data: FigureData, table: pd.DataFrame) -> None:
             # Another parameter tells these flows apart, which the paper's styles do not know.
             style = cycled(len(styles) + _BEYOND)
         style = styles.setdefault(label, style)
-        pale = BESIDE if beside and flows["protocol"].iloc[0] == "converged" else {}
+        pale: dict[str, Any] = BESIDE if beside and flows["protocol"].iloc[0] == "converged" else {}
         for point in flows["point"]:
             part = table[table["point"] == point]
             low, high = part["mean"] - part["half_width"], part["mean"] + part["half_width"]

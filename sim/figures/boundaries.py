@@ -2,6 +2,7 @@
 
 from collections import Counter
 from collections.abc import Sequence
+from typing import Any
 
 import pandas as pd
 from matplotlib.axes import Axes
@@ -24,7 +25,7 @@ PITCH = 5.0
 
 
 def draw_boundaries(
-    axes: Axes, found: pd.DataFrame, plane: tuple[str, str], aside: float = 0
+    axes: Axes, found: pd.DataFrame, plane: Sequence[str], aside: float = 0
 ) -> None:
     """Draw the intervals that hold a boundary as bars; markers in their middles tell kinds apart.
 
@@ -34,7 +35,7 @@ def draw_boundaries(
         Where to draw.
     found : pandas.DataFrame
         Boundaries, as `sim.dataset.boundaries.table` returns them.
-    plane : tuple of str
+    plane : sequence of str
         Parameters on the horizontal and on the vertical axis. Boundaries along the second are
         vertical bars, those along the first horizontal ones; what is along another parameter, or
         was not found in its range, is left out.
@@ -44,14 +45,20 @@ def draw_boundaries(
     """
     taken: Counter[tuple[str, str, float]] = Counter()
     for label, look, bars in _kinds(found, plane):
-        style = {"color": look.colour, "marker": look.marker, "markerfacecolor": "white"}
+        style: dict[str, Any] = {
+            "color": look.colour,
+            "marker": look.marker,
+            "markerfacecolor": "white",
+        }
         for bar in bars.to_dict("records"):
             upright = bar["along"] == plane[1]
             place = bar[plane[0] if upright else plane[1]]
             middle, half = (bar["low"] + bar["high"]) / 2, (bar["high"] - bar["low"]) / 2
+            x, y, lengths = (place, middle, "yerr") if upright else (middle, place, "xerr")
             drawn = axes.errorbar(
-                *((place, middle) if upright else (middle, place)),
-                **{"yerr" if upright else "xerr": half},
+                x,
+                y,
+                **{lengths: half},
                 **style,
                 elinewidth=2.2,
                 capsize=3.5,
@@ -87,7 +94,7 @@ def _numbers(found: pd.DataFrame) -> list[str]:
     return sorted({name for name in names if name in found})
 
 
-def _described(system: str, names: dict[str, object]) -> str:
+def _described(system: str, names: dict[str, Any]) -> str:
     return "".join(f", {setting(system, name, value)}" for name, value in names.items())
 
 

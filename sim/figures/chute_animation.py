@@ -64,12 +64,12 @@ def draw(data: FigureData) -> Animation:
     unit = np.sqrt(row["diameter"] / row["gravity"])
     scene = Scene(row, state, position[..., 2], speed, PIXELS)
     figure = Figure(figsize=(6.4, 3.4), layout="constrained")
-    pictures, profiles = figure.subfigures(1, 2, width_ratios=(1.6, 1))
+    ((pictures, profiles),) = figure.subfigures(1, 2, squeeze=False, width_ratios=(1.6, 1))
     left, right = pictures.subplots(), profiles.subplots()
     image = scene.show(left, scene.picture(position[0], speed[0]))
     heights = position[..., 2] / row["diameter"]
     (dots,) = right.plot([], [], "o", markersize=2.2, color=COLOURS(0.25), alpha=0.7)
-    low, high = scene.norm.vmin, scene.norm.vmax
+    low, high = scene.range
     margin = 0.1 * (high - low)
     right.set_xlim(min(0.0, low - margin), high + margin)
     right.set_ylim(0, heights.max() + 0.5)

@@ -88,7 +88,9 @@ def draw(data: FigureData) -> Figure:
     _name_off_scale(axes, rows[above])
     axes.set_ylabel("mean velocity V (m/s)")
     unit = float(np.sqrt(rows["gravity"] * rows["diameter"]).iloc[0])
-    right = axes.secondary_yaxis("right", functions=(lambda v: v / unit, lambda v: v * unit))
+    right = axes.secondary_yaxis(
+        "right", functions=(lambda v: np.divide(v, unit), lambda v: np.multiply(v, unit))
+    )
     right.set_ylabel("V / √(gσ)")
     axes.spines["right"].set_visible(True)
     place_legend(figure, axes)

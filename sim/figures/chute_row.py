@@ -22,7 +22,7 @@ from sim.study.catalogue.limits import LARGEST_PORTION, SHARE
 PIXELS = 640
 
 #: How the profile of a replicate is drawn.
-_REPLICATE = {"alpha": PALE, "linewidth": 0.7, "zorder": 1.5}
+_REPLICATE: dict[str, Any] = {"alpha": PALE, "linewidth": 0.7, "zorder": 1.5}
 
 
 def notes(data: FigureData) -> list[str]:
@@ -69,7 +69,7 @@ def draw(data: FigureData) -> Figure:
     # A deep flow is a tall picture.
     height = 3.6 if data.rows["depth"].iloc[0] <= LARGEST_PORTION else 4.8
     figure = Figure(figsize=(7.4, height), layout="constrained")
-    left, right = figure.subfigures(1, 2, width_ratios=(1.35, 1))
+    ((left, right),) = figure.subfigures(1, 2, squeeze=False, width_ratios=(1.35, 1))
     panels = left.subplots(1, 2, sharey=True)
     for index, (label, row) in enumerate(flows):
         values, colour = profile(data, row), COLOURS[index % len(COLOURS)]

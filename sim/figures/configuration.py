@@ -20,8 +20,14 @@ COLOURS = colormaps["viridis"]
 _GLUED = np.array([0.6, 0.6, 0.6])
 
 DARK = "#222222"
-_TEXT = {"color": DARK, "fontsize": 8.5}
-_ARROW = {"arrowstyle": "-|>", "color": DARK, "linewidth": 1.2, "shrinkA": 0, "shrinkB": 0}
+_TEXT: dict[str, Any] = {"color": DARK, "fontsize": 8.5}
+_ARROW: dict[str, Any] = {
+    "arrowstyle": "-|>",
+    "color": DARK,
+    "linewidth": 1.2,
+    "shrinkA": 0,
+    "shrinkB": 0,
+}
 
 
 class Scene:
@@ -66,9 +72,9 @@ class Scene:
         self.pixel = max(right - left, upper - bottom) / pixels
         # Spheres at rest have one colour, not those of their rounding errors.
         slow, fast = np.percentile(speeds, (1, 99))
-        self.norm = Normalize(
-            slow, max(fast, slow + 0.05 * np.sqrt(row["gravity"] * self.diameter))
-        )
+        fast = max(fast, slow + 0.05 * np.sqrt(row["gravity"] * self.diameter))
+        self.range = float(slow), float(fast)
+        self.norm = Normalize(*self.range)
 
     def picture(self, position: np.ndarray, speed: np.ndarray) -> np.ndarray:
         """Return the picture (H, W, 4) of centres (N, 3), m, coloured by velocity (N,), m/s.

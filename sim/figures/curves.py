@@ -1,11 +1,13 @@
 """Curves of a quantity that differ in parameters, with its intervals, regimes and protocols."""
 
 from collections.abc import Sequence
+from typing import Any
 
 import pandas as pd
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.colors import to_rgb
+from matplotlib.container import ErrorbarContainer
 from matplotlib.markers import CARETDOWN, CARETUP
 
 from sim.figures.data import split_curves
@@ -125,7 +127,7 @@ def draw_curve(
         line = quantity.value[shown.index]
         if unjoined is not None:
             line = line.mask(unjoined[shown.index])
-        beside = BESIDE if pale else {}
+        beside: dict[str, Any] = BESIDE if pale else {}
         artists += axes.plot(
             shown[along], line, color=style.colour, linestyle=style.dashes, **beside
         )
@@ -182,10 +184,11 @@ def _draw_points(
 def mark_cut_bars(axes: Axes) -> None:
     """Put a caret on the edge where an error bar leaves the axes, whose limits are then final."""
     bottom, top = axes.get_ylim()
-    for points, _, bars in (bar.lines for bar in axes.containers):
+    drawn = (bars.lines for bars in axes.containers if isinstance(bars, ErrorbarContainer))
+    for points, _, bars in drawn:
         for (x, low), (_, high) in (ends for part in bars for ends in part.get_segments()):
             for cut, edge, caret in ((low < bottom, bottom, CARETDOWN), (high > top, top, CARETUP)):
                 if cut:
-                    look = {"marker": caret, "color": points.get_color()}
+                    look: dict[str, Any] = {"marker": caret, "color": points.get_color()}
                     (mark,) = axes.plot(x, edge, **look, scalex=False, scaley=False)
                     mark.set_transform(points.get_transform())

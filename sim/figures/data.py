@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -67,7 +68,7 @@ def summarize(dataset: xr.Dataset, figure: str) -> pd.DataFrame:
 
 def split_curves(
     rows: pd.DataFrame, along: str, keys: Sequence[str], parameters: Sequence[str]
-) -> list[tuple[dict[str, object], pd.DataFrame]]:
+) -> list[tuple[dict[str, Any], pd.DataFrame]]:
     """Split points into curves.
 
     Parameters

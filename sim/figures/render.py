@@ -12,7 +12,7 @@ from PIL.PngImagePlugin import PngInfo
 from sim.base.errors import InputError
 from sim.base.files import replacing
 from sim.dataset.results import Results, load_results
-from sim.figures.animation import save_gif
+from sim.figures.animation import Animation, save_gif
 from sim.figures.caption import caption
 from sim.figures.data import FigureData, figure_data
 from sim.figures.kind import Kind, load_kind
@@ -69,14 +69,14 @@ def render(spec: FigureSpec, dataset_path: Path, folder: Path) -> list[Path]:
         still, other, csv, text = (stack.enter_context(replacing(file)) for file in files)
         stack.enter_context(mpl.rc_context(SETTINGS))
         drawn = kind.draw(data)
-        figure = drawn.figure if spec.animated else drawn
+        figure = drawn.figure if isinstance(drawn, Animation) else drawn
         if not data.rows["completed"].any():
             figure.axes[0].text(
                 0.5, 0.5, "no point completed", ha="center", transform=figure.axes[0].transAxes
             )
         settle(figure)
         # Without a date in them, the same data gives the same bytes.
-        if spec.animated:
+        if isinstance(drawn, Animation):
             save_gif(drawn, other)
         else:
             figure.savefig(other, format="svg", metadata={"Title": spec.title, "Date": None})

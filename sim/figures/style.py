@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import Any
 
 import pandas as pd
 from matplotlib.artist import Artist
@@ -30,7 +31,7 @@ PATTERNS = {
 }
 
 #: matplotlib settings in force while a figure is drawn and saved.
-SETTINGS = {
+SETTINGS: dict[Any, Any] = {
     "figure.dpi": 200,
     "savefig.dpi": 200,
     "svg.hashsalt": "talus",
@@ -55,17 +56,17 @@ SETTINGS = {
 PALE = 0.3
 
 #: How a line of the converged protocol differs from the published one beside it.
-BESIDE = {"linewidth": 3.4, "alpha": 0.4, "zorder": 1.9}
+BESIDE: dict[str, Any] = {"linewidth": 3.4, "alpha": 0.4, "zorder": 1.9}
 
 #: Size of its markers where no line joins them.
 LONE_BESIDE = 7.0
 
 
 #: How a level is drawn that values are compared with.
-LEVEL = {"color": "#888888", "linestyle": ":", "linewidth": 0.9, "zorder": 1}
+LEVEL: dict[str, Any] = {"color": "#888888", "linestyle": ":", "linewidth": 0.9, "zorder": 1}
 
 #: How a line of theory is drawn.
-THEORY = {"color": "#444444", "linestyle": DASHES[3], "linewidth": 1.3, "zorder": 2}
+THEORY: dict[str, Any] = {"color": "#444444", "linestyle": DASHES[3], "linewidth": 1.3, "zorder": 2}
 
 
 @dataclass(frozen=True)
@@ -73,7 +74,7 @@ class CurveStyle:
     """Colour, dash pattern (``"none"`` for points alone) and marker of one curve."""
 
     colour: str
-    dashes: object
+    dashes: Any
     marker: str = "o"
 
 
@@ -104,7 +105,8 @@ def canvas(width: float = 5.6, height: float = 3.9) -> tuple[Figure, Axes]:
 
 def place_legend(figure: Figure, axes: Axes) -> None:
     """Put the legend above the axes, where it hides no data: lines first, then lone markers."""
-    entries = list(zip(*axes.get_legend_handles_labels(), strict=True))
+    # Typed as artists of any kind, the entries are lines and markers.
+    entries: list[tuple[Any, Any]] = list(zip(*axes.get_legend_handles_labels(), strict=True))
     entries.sort(key=lambda entry: entry[0].get_linestyle() == "None")
     handles, labels = [handle for handle, _ in entries], [label for _, label in entries]
     room = CHARACTERS_PER_INCH * figure.get_figwidth()
@@ -120,7 +122,8 @@ def undecided(rows: pd.DataFrame) -> pd.Series:
 def move_aside(axes: Axes, artists: Iterable[Artist], x: float = 0, y: float = 0) -> None:
     """Move what is drawn aside (points of print), which leaves the limits of the axes alone."""
     for artist in artists:
-        artist.set_transform(offset_copy(axes.transData, axes.figure, x=x, y=y, units="points"))
+        figure = axes.get_figure(root=True)
+        artist.set_transform(offset_copy(axes.transData, figure, x=x, y=y, units="points"))
 
 
 def name_protocols(axes: Axes) -> None:

@@ -1,6 +1,6 @@
 """What the parameters of both systems have in common: canonical numbers, lengths, sizes."""
 
-from typing import Annotated, Any, ClassVar, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
 
 from annotated_types import Gt
 from pydantic import BaseModel, BeforeValidator, ConfigDict, model_validator
@@ -45,9 +45,10 @@ class Parameters(BaseModel):
     """Parameters shared by both systems, and the lengths of a run counted in steps.
 
     Instances are immutable, complete (every omitted parameter has its value) and canonical.
-    A concrete system adds ``diameter`` (m), ``mass`` (kg), ``gravity`` (m s⁻²), ``transient``,
-    ``average`` and ``limit`` (multiples of ``time_unit``), the properties ``time_unit``,
-    ``time_step``, ``sample_steps``, ``particles`` and ``rate``, and the class variables below.
+    A concrete system adds ``diameter`` (m), ``mass`` (kg), ``gravity`` (m s⁻²), ``stiffness``,
+    ``transient``, ``average`` and ``limit`` (multiples of ``time_unit``), the properties
+    ``time_unit``, ``time_step``, ``sample_steps``, ``particles`` and ``rate``, and the class
+    variables below.
 
     Attributes
     ----------
@@ -69,6 +70,35 @@ class Parameters(BaseModel):
     sampling_key: ClassVar[str]
     boundaries: ClassVar[tuple[str, ...]]
     smallest: ClassVar[dict[str, Any]]
+
+    if TYPE_CHECKING:
+        # What every concrete system adds; each declares its own ranges, defaults and meanings.
+        @property
+        def system(self) -> str: ...
+        @property
+        def diameter(self) -> float: ...
+        @property
+        def mass(self) -> float: ...
+        @property
+        def gravity(self) -> float: ...
+        @property
+        def stiffness(self) -> float: ...
+        @property
+        def transient(self) -> float: ...
+        @property
+        def average(self) -> float: ...
+        @property
+        def limit(self) -> float: ...
+        @property
+        def time_unit(self) -> float: ...
+        @property
+        def time_step(self) -> float: ...
+        @property
+        def sample_steps(self) -> int: ...
+        @property
+        def particles(self) -> int: ...
+        @property
+        def rate(self) -> float: ...
 
     seed: int = declare(
         1,

@@ -112,7 +112,8 @@ def point_id(parameters: Parameters) -> str:
 def default_of(model: type[Parameters], name: str, values: Mapping[str, Any]) -> Any:
     """Return the default of a parameter, which may follow from those of others in ``values``."""
     field = model.model_fields[name]
-    return canonical_number(field.get_default(call_default_factory=True, validated_data=values))
+    default = field.get_default(call_default_factory=True, validated_data=dict(values))
+    return canonical_number(default)
 
 
 @dataclass(frozen=True)

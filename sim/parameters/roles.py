@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any, Literal, cast
 
 from pydantic import BaseModel, Field
 
@@ -95,7 +95,10 @@ def declare(
 
 def declarations(model: type[BaseModel]) -> dict[str, Declaration]:
     """Return what is declared of each parameter of a system, in the order of declaration."""
-    return {name: field.json_schema_extra for name, field in model.model_fields.items()}
+    return {
+        name: cast(Declaration, field.json_schema_extra)
+        for name, field in model.model_fields.items()
+    }
 
 
 def numerical(model: type[BaseModel]) -> frozenset[str]:

@@ -1,11 +1,12 @@
 """Parameters and their values in words."""
 
 from collections.abc import Sequence
+from typing import Any
 
 from sim.parameters import SYSTEMS, field_info
 
 
-def quantity(system: str, name: str, values: Sequence[object]) -> str:
+def quantity(system: str, name: str, values: Sequence[Any]) -> str:
     """Write ``symbol = value unit`` for one or several values of a parameter.
 
     >>> quantity("belt", "frequency", [20.0, 50.0])

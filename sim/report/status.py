@@ -234,7 +234,7 @@ def _left(
         if point.state in ("done", "failed"):
             continue
         values = parameters[key]
-        known = point.progress.left if point.state == "running" else None
+        known = point.progress.left if point.progress and point.state == "running" else None
         if known is None:
             factor = factors.get(_kind(values))
             core_seconds = PROCESS_TIME + _computing(values) * (factor or 1.0)

@@ -114,6 +114,7 @@ def _started(status: StudyStatus, width: int | None) -> list[str]:
 
 def _row(key: str, point: PointStatus) -> tuple[str, ...]:
     said = point.progress
+    assert said is not None, "what has started has said how far it is"
     return (
         key,
         point.state,

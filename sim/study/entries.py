@@ -1,6 +1,6 @@
 """Entries of a study file, whatever their system: parameters, series, boundaries, overrides."""
 
-from typing import Any, ClassVar, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
@@ -56,7 +56,9 @@ class Override(Strict):
 
 
 NAME = r"^[A-Za-z0-9][A-Za-z0-9_-]*$"
-ALLOWED_NAME = {"allowed": "up to 60 letters, digits, '-' and '_', a letter or digit first"}
+ALLOWED_NAME: dict[str, Any] = {
+    "allowed": "up to 60 letters, digits, '-' and '_', a letter or digit first"
+}
 
 
 class _Family(Strict):
@@ -71,6 +73,10 @@ class _Family(Strict):
     system: str = Field(description="which of the two systems")
     base: Some = optional("parameters shared by all points")
     grid: Lists = optional("one point (boundary) for every combination of the values listed")
+
+    if TYPE_CHECKING:
+        # Declared where it stands in the reference, after the keys of its kind of family.
+        overrides: list[Override]
 
     @model_validator(mode="after")
     def _overrides_leave_the_grid_alone(self) -> Self:

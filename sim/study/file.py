@@ -3,7 +3,8 @@
 from collections.abc import Iterable
 from functools import reduce
 from operator import or_
-from typing import Annotated, Any, Literal, NamedTuple, Self
+from types import GenericAlias
+from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple, Self
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, create_model, model_validator
 
@@ -57,18 +58,18 @@ def _models_of(system: str) -> Models:
         f"Parameters of the {system} that change at the points where others have certain values.",
         {"when": lists, "set": some},
     )
-    shared = {
+    shared: dict[str, Any] = {
         "system": Literal[system],
         "base": some,
         "grid": lists,
-        "overrides": list[override],
-        "figures": list[Literal[tuple(figures)]] if figures else _NONE_YET,
+        "overrides": _list_of(override),
+        "figures": _list_of(Literal[tuple(figures)]) if figures else _NONE_YET,
     }
     series = _concrete(
         SeriesFile,
         system,
         f"A series of points of the {system}. Without grid and cases, the base is its one point.",
-        shared | {"cases": list[some]},
+        shared | {"cases": _list_of(some)},
     )
     boundary = _concrete(
         BoundaryFile,
@@ -84,11 +85,11 @@ def _given(base: type[Some], system: str) -> type[Some]:
     """Make ``base`` concrete with the parameters of a system, each of them optional."""
     fields: dict[str, Any] = {}
     for key, declared in SYSTEMS[system].model_fields.items():
-        value = declared.annotation
+        value: Any = declared.annotation
         if declared.metadata:
             value = Annotated[(value, *declared.metadata)]
         if issubclass(base, Lists):
-            value = Annotated[list[value], Field(min_length=1)]
+            value = Annotated[_list_of(value), Field(min_length=1)]
         fields[key] = value, optional(declared.description)
     del fields["system"]
     name = f"{system.capitalize()}{base.__name__}"
@@ -101,9 +102,16 @@ def _concrete(
     base: type[BaseModel], system: str, doc: str, types: dict[str, Any], **said: Any
 ) -> Any:
     """Give fields of ``base`` the types that they have in a system; ``said`` replaces others."""
-    fields = {name: (kind, said.get(name, base.model_fields[name])) for name, kind in types.items()}
+    fields: dict[str, Any] = {
+        name: (kind, said.get(name, base.model_fields[name])) for name, kind in types.items()
+    }
     name = f"{system.capitalize()}{base.__name__.removesuffix('File')}"
     return create_model(name, __base__=base, __doc__=doc, **fields)
+
+
+def _list_of(kind: Any) -> Any:
+    """Return the type of a list of entries whose type is not known before the program runs."""
+    return GenericAlias(list, (kind,))
 
 
 def _any_of(kinds: Iterable[type[BaseModel]]) -> Any:
@@ -113,15 +121,26 @@ def _any_of(kinds: Iterable[type[BaseModel]]) -> Any:
 
 MODELS = {system: _models_of(system) for system in SYSTEMS}
 
+_BY_SYSTEM: dict[str, Any] = {
+    system: (one.some, optional(f"shared by all series of the {system}"))
+    for system, one in MODELS.items()
+}
 Defaults = create_model(
     "Defaults",
     __base__=Strict,
     __doc__="Parameters shared by all series of a system.",
-    **{
-        system: (one.some, optional(f"shared by all series of the {system}"))
-        for system, one in MODELS.items()
-    },
+    **_BY_SYSTEM,
 )
+
+if TYPE_CHECKING:
+    # What the types below are at most, for a reader that does not run the catalogue.
+    _FigureName = str
+    _AnySeries = SeriesFile
+    _AnyBoundary = BoundaryFile
+else:
+    _FigureName = Literal[tuple(FIGURES)]
+    _AnySeries = _any_of(one.series for one in MODELS.values())
+    _AnyBoundary = _any_of(one.boundary for one in MODELS.values())
 
 
 class StudyFile(Strict):
@@ -140,14 +159,14 @@ class StudyFile(Strict):
         json_schema_extra=ALLOWED_NAME | {"not": {"enum": list(_RESERVED)}},
     )
     title: str = Field("", description="one line for the report")
-    figures: list[Literal[tuple(FIGURES)]] = optional(
+    figures: list[_FigureName] = optional(
         "all figures of the study, each fed by a series (omitted: those that are fed)"
     )
     defaults: Defaults = Field(Defaults(), description="parameters shared by series")
-    series: list[_any_of(one.series for one in MODELS.values())] = optional(
+    series: list[_AnySeries] = optional(
         "the series of points (omitted: none, if there are boundaries or parts)", min_length=1
     )
-    boundaries: list[_any_of(one.boundary for one in MODELS.values())] = optional(
+    boundaries: list[_AnyBoundary] = optional(
         "boundaries between regimes, found by refinement", min_length=1
     )
 

@@ -78,7 +78,8 @@ def _require_feasible_number(file: StudyFile, source: str) -> None:
 
 def _most_points(one: BoundaryFile) -> int:
     """Return how many points a boundary takes at most: two gaps are divided in every round."""
-    return PARTS + 1 + 2 * (PARTS - 1) * further_rounds(*one.range, one.tolerance)
+    low, high = one.range
+    return PARTS + 1 + 2 * (PARTS - 1) * further_rounds(low, high, one.tolerance)
 
 
 def _boundaries(file: StudyFile, one: BoundaryFile, path: str, source: str) -> Iterator[Boundary]:

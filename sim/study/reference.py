@@ -24,9 +24,10 @@ def schema() -> dict[str, Any]:
 
     A file with ``system`` at its top is a point, any other one a study.
     """
-    models = (StudyFile, *SYSTEMS.values())
+    models: tuple[type[BaseModel], ...] = (StudyFile, *SYSTEMS.values())
     _, definitions = models_json_schema([(model, "validation") for model in models])
-    study, point, *others = ({"$ref": f"#/$defs/{model.__name__}"} for model in models)
+    references: list[dict[str, Any]] = [{"$ref": f"#/$defs/{model.__name__}"} for model in models]
+    study, point, *others = references
     for system, other in zip(list(SYSTEMS)[1:], others, strict=True):
         named = {"properties": {"system": {"const": system}}}
         point = {"if": named, "then": other, "else": point}
@@ -88,7 +89,8 @@ def show(folder: Path | None) -> str | None:
     """Return the schema, or write it with the reference where a folder is given."""
     if folder is None:
         return schema_text().rstrip()
-    return write(folder)
+    write(folder)
+    return None
 
 
 def write(folder: Path) -> None:

@@ -4,12 +4,13 @@ A run file holds series over ``time``, a field over ``column`` and ``level`` in 
 the path of the beads over the cycle that follows.
 """
 
-from collections.abc import Mapping
 from math import atan2, nan, pi
 from typing import Any
 
 import numpy as np
 import xarray as xr
+
+from sim.base.named import Named
 
 MEASURES = {
     "base_occupancy": ("1", "share of beads with centres within A_z of the mean belt position"),
@@ -40,7 +41,7 @@ EARLY_CYCLES = 10
 FAR = 5
 
 
-def speed_along_x(belt: Mapping[str, Any]) -> Any:
+def speed_along_x(belt: Named) -> Any:
     """Return the amplitude of the belt's velocity along x, A_x 2πf (m/s), of one point or many."""
     amplitude = belt["amplitude"] * belt["diameter"] / np.tan(np.radians(belt["vibration_angle"]))
     return amplitude * 2 * pi * belt["frequency"]
@@ -48,7 +49,7 @@ def speed_along_x(belt: Mapping[str, Any]) -> Any:
 
 def measure(run: xr.Dataset) -> dict[str, float]:
     """Return the measures that the arrays of a replicate allow."""
-    found = {}
+    found: dict[str, float] = {}
     if "base_occupancy" in run:
         found |= _of_series(run)
     if "path" in run:

@@ -5,6 +5,7 @@ than a sphere, so neighboring slices of one layer of spheres share their velocit
 """
 
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
@@ -74,7 +75,7 @@ def plug_base(
     places = height[(height > bottom) & (height < top - diameter) & np.isfinite(velocity)]
     known = np.isfinite(velocity)
 
-    def at(place):
+    def at(place: Any) -> Any:
         return np.interp(place, height[known], velocity[known])
 
     below = (at(places) - at(bottom)) / (places - bottom)

@@ -75,9 +75,9 @@ class WaltonBraun(NamedTuple):
     loading: float
     unloading: float
     tangential: float
-    stiffening: NamedTuple
-    dent: NamedTuple
-    limit: NamedTuple
+    stiffening: Linear | CubeRoot | Power
+    dent: Separation | Shrink | Reset
+    limit: CapBefore | CapAfter
 
 
 def walton_braun(

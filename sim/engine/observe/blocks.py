@@ -12,7 +12,7 @@ class ProfileBlocks:
     ``latest`` are the profiles of the last sample alone, ``None`` before the first.
     """
 
-    def __init__(self):
+    def __init__(self) -> None:
         self.latest: Sums | None = None
         self._blocks: list[Sums] = []
         self._length = 1

@@ -19,7 +19,8 @@ class Field(NamedTuple):
     """
 
     samples: np.ndarray
-    count: np.ndarray
+    # A field of this name hides the method of tuples, which nobody calls.
+    count: np.ndarray  # type: ignore[assignment]
     moved: np.ndarray
 
 

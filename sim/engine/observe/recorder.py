@@ -1,6 +1,7 @@
 """What one replicate leaves behind, collected while it runs, and when it has run long enough."""
 
 from dataclasses import dataclass, field
+from typing import cast
 
 import numpy as np
 
@@ -10,7 +11,7 @@ from sim.engine.observe.blocks import ProfileBlocks
 from sim.engine.observe.force_balance import base_forces
 from sim.engine.observe.regime import FAILED, Trend, analyse
 from sim.engine.observe.sums import zeros
-from sim.engine.observe.system import System
+from sim.engine.observe.system import OnSlope, System
 
 
 @dataclass
@@ -97,8 +98,10 @@ class Recorder:
         record = Record(dict(zip(self.system.series, table, strict=True)))
         record.snapshots = self.snapshots
         record.path = self.path
+        trend = FAILED if failure else self._trend
+        assert trend is not None, "a replicate ends well after a look only"
         record.scalars = {
-            **self._averages(FAILED if failure else self._trend),
+            **self._averages(trend),
             **self._energies(record.series),
             "max_overlap": float(np.max(record.series["largest_overlap"][: self.taken], initial=0)),
             "stopped": "failure" if failure else self.stopped,
@@ -144,8 +147,10 @@ class Recorder:
 
     def _base_forces(self, series: dict[str, np.ndarray], start: int) -> dict[str, float]:
         names = ("base_shear_force", "base_normal_force", "mean_velocity")
-        window = (series[name][start:] for name in names)
-        return base_forces(*window, self.system.mass, self.system.weight, self._interval)
+        shear, normal, velocity = (series[name][start:] for name in names)
+        # The series of base forces are there on a slope alone.
+        system = cast(OnSlope, self.system)
+        return base_forces(shear, normal, velocity, system.mass, system.weight, self._interval)
 
     def _add_profiles(self, record: Record) -> None:
         """Turn the sums into profiles; without a sample past the transient they are undefined."""

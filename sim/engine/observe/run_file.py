@@ -1,6 +1,8 @@
 """The netCDF file of one run: all replicates of a point, in SI units, with CF attributes."""
 
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import netCDF4
 import numpy as np
@@ -25,7 +27,29 @@ CELL_METHODS = {
 }
 
 
-def write(path: Path, parameters: Parameters, records: list[Record], layout, attributes) -> None:
+@dataclass(frozen=True)
+class Layout:
+    """What the replicates of a run have in common.
+
+    ``time`` (T,) end of each sample interval (s), ``height`` (H,) centres of the slices (m),
+    ``series`` name -> (unit, long name), ``axes`` names of the directions, ``coordinates`` of
+    tables and path name -> (unit, long name, values).
+    """
+
+    time: np.ndarray
+    height: np.ndarray
+    series: dict[str, tuple[str, str]]
+    axes: tuple[str, ...]
+    coordinates: dict[str, tuple[str, str, np.ndarray]]
+
+
+def write(
+    path: Path,
+    parameters: Parameters,
+    records: list[Record],
+    layout: Layout,
+    attributes: dict[str, Any],
+) -> None:
     """Write a run file under a temporary name, seal it, and rename it when it is complete.
 
     Parameters
@@ -55,13 +79,20 @@ def write(path: Path, parameters: Parameters, records: list[Record], layout, att
         seal(temporary)
 
 
-def _put(file, name, dimensions, values, unit="", long_name=""):
+def _put(
+    file: netCDF4.Dataset,
+    name: str,
+    dimensions: tuple[str, ...],
+    values: Any,
+    unit: str = "",
+    long_name: str = "",
+) -> Any:
     """Create one variable; texts and numbers alike."""
     values = np.asarray(values)
     text = values.dtype.kind in "UO"
     whole, single = values.dtype.kind in "ib", values.dtype == np.float32
-    kind = str if text else "i8" if whole else "f4" if single else "f8"
-    options = {} if text or not dimensions else FILTERS
+    kind: Any = str if text else "i8" if whole else "f4" if single else "f8"
+    options: dict[str, Any] = {} if text or not dimensions else FILTERS
     variable = file.createVariable(name, kind, dimensions, **options)
     if unit:
         variable.units = unit
@@ -74,7 +105,7 @@ def _put(file, name, dimensions, values, unit="", long_name=""):
     return variable
 
 
-def _write_parameters(file, parameters):
+def _write_parameters(file: netCDF4.Dataset, parameters: Parameters) -> None:
     rows = field_info(parameters)
     for name, value in canonical(parameters).items():
         row = rows[name]
@@ -87,7 +118,7 @@ def _write_parameters(file, parameters):
         _put(file, name, (), value, "m s-2", meaning)
 
 
-def _write_axes(file, records, layout):
+def _write_axes(file: netCDF4.Dataset, records: list[Record], layout: Layout) -> None:
     first = records[0].snapshots
     file.createDimension("replicate", len(records))
     file.createDimension("time", len(layout.time))
@@ -108,13 +139,13 @@ def _write_axes(file, records, layout):
     _put(file, "axis", ("axis",), np.array(layout.axes), "", "direction")
 
 
-def _write_coordinates(file, layout):
+def _write_coordinates(file: netCDF4.Dataset, layout: Layout) -> None:
     for name, (unit, long_name, values) in layout.coordinates.items():
         file.createDimension(name, len(values))
         _put(file, name, (name,), values, unit, long_name)
 
 
-def _write_tables(file, records):
+def _write_tables(file: netCDF4.Dataset, records: list[Record]) -> None:
     """Write tables, and the paths in single precision: they serve pictures and mean paths."""
     for name, values in records[0].tables.items():
         unit, long_name, dimensions = TABLES[name]
@@ -132,7 +163,7 @@ def _write_tables(file, records):
         _put(file, "path", dimensions, np.array(paths, np.float32), "m", long_name)
 
 
-def _write_records(file, records, layout):
+def _write_records(file: netCDF4.Dataset, records: list[Record], layout: Layout) -> None:
     for name, (unit, long_name) in layout.series.items():
         values = np.full((len(records), len(layout.time)), np.nan)
         for row, record in zip(values, records, strict=True):

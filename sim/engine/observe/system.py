@@ -18,8 +18,7 @@ class System(Protocol):
     them add up to the energy; ``axes`` names the directions; ``profile_height`` (H,) are the
     centres of the profiles' slices (m); ``scales`` and ``period`` (samples) serve the analysis of
     the velocity's trend; ``mass`` is that of all particles (kg); ``coordinates`` of tables and
-    path: name -> (unit, long name, values). One with a base shear force has ``weight``, that of all
-    particles along the slope and normal to it (N).
+    path: name -> (unit, long name, values).
     """
 
     parameters: Parameters
@@ -53,3 +52,9 @@ class System(Protocol):
 
     def snapshot(self) -> dict[str, np.ndarray]:
         """Return positions, velocities and what else a picture needs."""
+
+
+class OnSlope(System, Protocol):
+    """A system with a base shear force; ``weight`` of all particles along and normal to it (N)."""
+
+    weight: tuple[float, float]

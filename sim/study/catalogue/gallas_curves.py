@@ -128,7 +128,12 @@ FIG_6 = panel(
 
 
 def _described(
-    name: str, place: str, axes: str, curves: str = "", where: dict[str, Any] | None = None, **rest
+    name: str,
+    place: str,
+    axes: str,
+    curves: str = "",
+    where: dict[str, Any] | None = None,
+    **rest: Any,
 ) -> FigureSpec:
     """Return a figure that the paper describes but does not show."""
     keys = {*axes.split(), *curves.split()}

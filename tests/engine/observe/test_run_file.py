@@ -12,12 +12,11 @@ import pytest
 
 from sim.engine.observe import run_file
 from sim.engine.observe.recorder import Record
-from sim.engine.run import Layout
 from tests.engine_motion.points import chute_point
 from tests.made.processes import ROOT
 
 SERIES = {"mean_velocity": ("m s-1", "v")}
-LAYOUT = Layout(np.arange(3.0), np.arange(2.0), SERIES, ("x", "y", "z"), {})
+LAYOUT = run_file.Layout(np.arange(3.0), np.arange(2.0), SERIES, ("x", "y", "z"), {})
 
 
 def record() -> Record:
