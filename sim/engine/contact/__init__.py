@@ -3,4 +3,26 @@
 A law is a ``NamedTuple`` of its parameters and a body registered for the generic function of its
 family. numba chooses the body by the tuple's type when a kernel is compiled, so particles, plane,
 belt and obstacle share the law's code and no branch is left at run time.
+
+The parameter ``law`` of the spheres names a module of this folder, whose ``from_parameters`` makes
+the law of a point for one kind of partners.
 """
+
+from importlib import import_module
+from typing import NamedTuple
+
+from sim.parameters import ChuteParameters
+
+
+class Partners(NamedTuple):
+    """What a law may know of two partners: ``friction`` μ, ``reduced_mass`` (kg), and the
+    ``time_step`` (s) of the loop that asks it."""
+
+    friction: float
+    reduced_mass: float
+    time_step: float
+
+
+def law_of(parameters: ChuteParameters, partners: Partners) -> NamedTuple:
+    """Return the law that a point names, for one kind of partners."""
+    return import_module(f"{__name__}.{parameters.law}").from_parameters(parameters, partners)

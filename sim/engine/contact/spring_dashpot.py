@@ -9,9 +9,11 @@ from math import log, pi, sqrt
 from typing import NamedTuple
 
 from sim.engine.compile import implements
+from sim.engine.contact import Partners
 from sim.engine.contact.friction import contact_force, stored_energy
 from sim.engine.contact.roots import SMALLEST, inverse_square_root
 from sim.engine.contact.tangential import friction_direction, work_against
+from sim.parameters import ChuteParameters
 
 
 class SpringDashpot(NamedTuple):
@@ -48,6 +50,18 @@ def spring_dashpot(
         damping / time_step,
         float(tangential_ratio * stiffness),
         float(friction),
+    )
+
+
+def from_parameters(p: ChuteParameters, partners: Partners) -> SpringDashpot:
+    """Return the law of a point for one kind of partners."""
+    return spring_dashpot(
+        p.stiffness,
+        p.restitution,
+        partners.friction,
+        partners.reduced_mass,
+        partners.time_step,
+        p.tangential_ratio,
     )
 
 

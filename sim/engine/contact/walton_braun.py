@@ -7,9 +7,11 @@ surface displacement and the points that the paper leaves open.
 from typing import NamedTuple
 
 from sim.engine.compile import inlined
+from sim.engine.contact import Partners
 from sim.engine.contact.friction import contact_force, implements, stored_energy
 from sim.engine.contact.roots import SMALLEST, cube_root, inverse_square_root
 from sim.engine.contact.tangential import friction_direction, work_against
+from sim.parameters import ChuteParameters
 
 #: A friction this close to its limit, relative, is at it. Without the margin a friction just cut to
 #: the limit would keep a stiffness made of its rounding error, which the cube root turns into 5e-6.
@@ -100,6 +102,19 @@ def walton_braun(
         stiffening=special.get(round(tangential_exponent, 9), Power(float(tangential_exponent))),
         dent={"separation": Separation, "shrink": Shrink, "reset": Reset}[overlap_memory](slope),
         limit={"before": CapBefore, "after": CapAfter}[friction_cap](float(friction)),
+    )
+
+
+def from_parameters(p: ChuteParameters, partners: Partners) -> WaltonBraun:
+    """Return the law of a point for one kind of partners."""
+    return walton_braun(
+        p.stiffness,
+        p.restitution,
+        partners.friction,
+        p.tangential_ratio,
+        p.tangential_exponent,
+        overlap_memory=p.overlap_memory,
+        friction_cap=p.friction_cap,
     )
 
 

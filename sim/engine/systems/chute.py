@@ -2,12 +2,12 @@
 
 from functools import partial
 from math import ceil, cos, radians, sin
+from typing import NamedTuple
 
 import numpy as np
 
 from sim.engine.boundary.plane import make_plane, stored_in_plane
-from sim.engine.contact.spring_dashpot import spring_dashpot
-from sim.engine.contact.walton_braun import walton_braun
+from sim.engine.contact import Partners, law_of
 from sim.engine.dynamics.cells import make_box
 from sim.engine.dynamics.neighbors import empty_pair_list, grown
 from sim.engine.dynamics.spheres import (
@@ -88,26 +88,8 @@ class Chute:
         interval = PATH_INTERVAL * self.parameters.time_unit
         return max(1, round(interval / self.parameters.time_step)) * self.substeps
 
-    def _law(self, friction: float, reduced_mass: float):
-        p = self.parameters
-        if p.law == "spring_dashpot":
-            return spring_dashpot(
-                p.stiffness,
-                p.restitution,
-                friction,
-                reduced_mass,
-                self.time_step,
-                p.tangential_ratio,
-            )
-        return walton_braun(
-            p.stiffness,
-            p.restitution,
-            friction,
-            p.tangential_ratio,
-            p.tangential_exponent,
-            overlap_memory=p.overlap_memory,
-            friction_cap=p.friction_cap,
-        )
+    def _law(self, friction: float, reduced_mass: float) -> NamedTuple:
+        return law_of(self.parameters, Partners(friction, reduced_mass, self.time_step))
 
     def settle(self) -> None:
         """Do nothing: the paper's flow starts from its initial state."""

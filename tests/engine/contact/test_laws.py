@@ -1,0 +1,19 @@
+"""The law that a point names is that of the file of its name, for whichever partners."""
+
+from typing import get_args
+
+import pytest
+
+from sim.engine.contact import Partners, law_of
+from sim.parameters import ChuteParameters
+
+NAMES = get_args(ChuteParameters.model_fields["law"].annotation)
+PARTNERS = Partners(friction=0.3, reduced_mass=1e-6, time_step=1e-6)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_every_law_that_a_point_may_name_has_a_file_that_makes_it(name):
+    law = law_of(ChuteParameters(law=name, stiffness=250.0), PARTNERS)
+    assert type(law).__module__ == f"sim.engine.contact.{name}"
+    assert 250.0 in law
+    assert "friction=0.3" in repr(law)
