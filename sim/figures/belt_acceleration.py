@@ -49,7 +49,7 @@ def draw(data: FigureData) -> Figure:
     figure, axes = canvas()
     names = tuple(name for name in BeltParameters.model_fields if name != "frequency")
     quantity, look = relative_velocity(rows), look_of(spec)
-    draw_family(axes, rows, quantity, "acceleration_ratio", spec.curves, names, look)
+    draw_family(axes, rows, quantity, "acceleration_ratio", spec.curves, names, look=look)
     axes.axvline(1, **LEVEL)
     axes.axhline(LEAST_TRANSPORT, **LEVEL)
     axes.set_xlabel("acceleration of the belt Γ = $4π^2 f^2 A_z/g$")

@@ -53,7 +53,7 @@ def _draw_protocols(rows: pd.DataFrame, spec: FigureSpec) -> Figure:
 def draw_curves(axes: Axes, rows: pd.DataFrame, quantity: Quantity, spec: FigureSpec) -> None:
     """Draw a quantity of the belt over the first axis of a figure, with a line at zero."""
     along, names = spec.axes[0], tuple(BeltParameters.model_fields)
-    draw_family(axes, rows, quantity, along, spec.curves, names, look_of(spec))
+    draw_family(axes, rows, quantity, along, spec.curves, names, look=look_of(spec))
     axes.axhline(0, color="#888888", linewidth=0.7, zorder=1)
     axes.set_xlim(left=-0.02 * rows[along].max())
     axes.set_ylabel("transport velocity $V_x$ (m/s)")

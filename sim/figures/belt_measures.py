@@ -46,7 +46,7 @@ def _draw_several(
     names, keys = tuple(BeltParameters.model_fields), spec.curves or ("protocol",)
     for quantity, option in zip(quantities, spec.options["quantities"], strict=True):
         known, look = rows[quantity.value.notna()], _look_of_one(spec, option)
-        draw_family(axes, known, quantity, spec.axes[0], keys, names, look)
+        draw_family(axes, known, quantity, spec.axes[0], keys, names, look=look)
     axes.set_ylim(bottom=0)
 
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -63,12 +64,14 @@ def draw_curves(
     quantity: Quantity,
     spec: FigureSpec,
     apart: pd.Series,
+    *,
     look: Look | None = None,
     pitch: float = _PITCH,
 ) -> None:
     """Draw the curves of a quantity over the depth, interrupted at the flows ``apart``."""
     names, look = tuple(ChuteParameters.model_fields), look or look_of(spec)
-    draw_family(axes, rows, quantity, "depth", spec.curves, names, look, apart, pitch)
+    how: dict[str, Any] = {"look": look, "unjoined": apart, "pitch": pitch}
+    draw_family(axes, rows, quantity, "depth", spec.curves, names, **how)
 
 
 def draw(data: FigureData) -> Figure:

@@ -33,7 +33,8 @@ def draw(data: FigureData) -> Figure:
         if len(quantities) == 1:
             draw_curves(axes, rows, quantity, spec, apart)
         else:
-            draw_curves(axes, rows, quantity, spec, apart, _look_of_one(spec, option), pitch=0)
+            look = _look_of_one(spec, option)
+            draw_curves(axes, rows, quantity, spec, apart, look=look, pitch=0)
     for level in spec.options.get("levels", ()):
         axes.axhline(level, **LEVEL)
     set_depth_axis(axes, data.rows["depth"])

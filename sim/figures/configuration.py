@@ -92,7 +92,7 @@ class Scene:
             place[drawn],
             self.radius[drawn],
             colour[drawn],
-            self.floor,
+            floor=self.floor,
         )
 
     def show(self, axes: Axes, image: np.ndarray) -> Any:

@@ -33,6 +33,7 @@ def draw_family(
     along: str,
     keys: Sequence[str],
     parameters: Sequence[str],
+    *,
     look: Look,
     unjoined: pd.Series | None = None,
     pitch: float = 0,
@@ -78,7 +79,8 @@ def draw_family(
     shifts = {label: pitch * (n - (len(styles) - 1) / 2) for n, label in enumerate(styles)}
     for curve, label, pale in drawn:
         style, shift = styles[label], shifts[label]
-        draw_curve(axes, curve, quantity, along, style, label, unjoined, pale, shift)
+        beside: dict[str, Any] = {"pale": pale, "shift": shift}
+        draw_curve(axes, curve, quantity, along, style, label, unjoined=unjoined, **beside)
     if any(pale for _, _, pale in drawn):
         name_protocols(axes)
 
@@ -90,6 +92,7 @@ def draw_curve(
     along: str,
     style: CurveStyle,
     label: str,
+    *,
     unjoined: pd.Series | None = None,
     pale: bool = False,
     shift: float = 0,

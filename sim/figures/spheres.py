@@ -76,6 +76,7 @@ def picture(
     position: np.ndarray,
     radius: np.ndarray,
     colour: np.ndarray,
+    *,
     floor: np.ndarray | None = None,
 ) -> np.ndarray:
     """Draw spheres.

@@ -52,7 +52,14 @@ def _chute(
 
 
 def _belt(
-    name: str, title: str, place: str, what: str, says: str, frequency: float, obstacle: float = 0
+    name: str,
+    title: str,
+    place: str,
+    what: str,
+    says: str,
+    *,
+    frequency: float,
+    obstacle: float = 0,
 ) -> FigureSpec:
     return FigureSpec(
         name=f"animation_{name}",
