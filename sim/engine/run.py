@@ -98,11 +98,11 @@ def _compute(parameters: Parameters, output: Path, quiet: bool) -> str:
         attributes := _attributes(parameters, state.records, state.stopwatch.seconds()),
     )
     checkpoint.remove()
-    for record in state.records:
-        log.log(*_closing_line(parameters, record))
     if attributes["status"] == "failed":
         command = shlex.join(["python", "-m", "sim", "info", str(output), "--point"])
         log.warning("%s: its point, to see the failure again: %s", point_id(parameters), command)
+    for record in state.records:
+        log.log(*_closing_line(parameters, record))
     return attributes["status"]
 
 
