@@ -81,7 +81,8 @@ def split_curves(
         Parameters that always name a curve.
     parameters : sequence of str
         All parameters of the system. One that varies although it is neither ``along`` nor a key,
-        and that changes the flow, is added to the keys, so that no curve mixes two flows.
+        and that changes the flow, is added to the keys, so that no curve mixes two flows. One that
+        an older dataset does not know cannot vary in it.
 
     Returns
     -------
@@ -90,6 +91,8 @@ def split_curves(
     """
     varied = varying(rows, [name for name in parameters if name != along])
     names = list(dict.fromkeys([*keys, *varied]))
+    if not names:
+        return [({}, rows.sort_values(along))]
     return [
         (dict(zip(names, values, strict=True)), curve.sort_values(along))
         for values, curve in rows.groupby(names, sort=True)
@@ -98,7 +101,8 @@ def split_curves(
 
 def varying(rows: pd.DataFrame, parameters: Sequence[str]) -> list[str]:
     """Return which parameters vary and change the flow; a plane as rough as the particles aside."""
-    varied = [name for name in parameters if name not in NUMERICAL and rows[name].nunique() > 1]
+    known = [name for name in parameters if name in rows and name not in NUMERICAL]
+    varied = [name for name in known if rows[name].nunique() > 1]
     plane = "friction_plane"
     if plane in varied and rows[plane].equals(rows["friction"].rename(plane)):
         varied.remove(plane)

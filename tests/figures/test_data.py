@@ -68,3 +68,15 @@ def test_run_lengths_and_a_plane_like_the_particles_split_nothing():
 def test_a_plane_of_its_own_friction_splits_a_curve():
     rows = table(depth=[5.0, 5.0], friction=[0.4, 0.4], friction_plane=[0.4, 0.6])
     assert len(split_curves(rows, "depth", ("friction",), tuple(rows.columns))) == 2
+
+
+def test_points_that_nothing_tells_apart_are_one_curve():
+    rows = table(f=[3.0, 1.0, 2.0], a=[1.0, 1.0, 1.0], velocity=[0.3, 0.1, 0.2])
+    ((names, curve),) = split_curves(rows, "f", (), ("f", "a"))
+    assert names == {} and curve["velocity"].tolist() == [0.1, 0.2, 0.3]
+
+
+def test_a_parameter_that_a_dataset_does_not_know_yet_tells_no_curves_apart():
+    rows = table(f=[1.0, 2.0, 1.0, 2.0], a=[1.0, 1.0, 2.0, 2.0])
+    curves = split_curves(rows, "f", (), ("f", "a", "later"))
+    assert [names for names, _ in curves] == [{"a": 1.0}, {"a": 2.0}]
