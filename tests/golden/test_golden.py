@@ -28,10 +28,10 @@ ADVICE = "the numbers of runs have changed: undo that, or raise NUMERICS (docs/a
 
 @pytest.mark.parametrize("name", POINTS)
 def test_bits_are_those_recorded_on_the_same_kind_of_machine(name, tmp_path):
-    recorded = stored(BITS).get(machine())
+    recorded = stored(BITS).get(machine(), {}).get(name)
     found = digest(computed(POINTS[name], tmp_path))
     if recorded:
-        assert found == recorded[name], ADVICE
+        assert found == recorded, ADVICE
     else:
         assert found == digest(computed(POINTS[name], tmp_path))
 
@@ -44,7 +44,9 @@ def test_first_samples_are_those_recorded_on_any_machine(name):
 
 def test_recorded_are_the_points_there_are():
     assert set(stored(VALUES)) == set(POINTS) - set(FAILING)
-    assert all(set(bits) == set(POINTS) for bits in stored(BITS).values())
+    # A machine that is not at hand cannot record a point that has been added since.
+    assert all(set(bits) <= set(POINTS) for bits in stored(BITS).values())
+    assert any(set(bits) == set(POINTS) for bits in stored(BITS).values())
 
 
 @pytest.mark.parametrize("name", ["chute_threads", "belt_shaken_before"])
