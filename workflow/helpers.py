@@ -7,6 +7,7 @@ import shutil
 import time
 from collections.abc import Iterable
 from contextlib import suppress
+from functools import cache
 from pathlib import Path
 from typing import TextIO
 
@@ -21,6 +22,7 @@ OLD = 86400.0
 NOT_FOLLOWED = ("engine", "study/catalogue")
 
 
+@cache
 def room_hash(package: Path, room: str) -> str:
     """Return a hash of all files of a room and of those that it may import, but of the engine.
 
