@@ -38,7 +38,7 @@ import numba  # noqa: E402  (the cache folder must be named before numba is impo
 import numpy as np  # noqa: E402
 from llvmlite import ir  # noqa: E402
 from numba import types  # noqa: E402
-from numba.extending import intrinsic, overload  # noqa: E402
+from numba.extending import intrinsic, overload, register_jitable  # noqa: E402
 
 # Whoever has imported numba before has made it read its settings before.
 numba.config.CACHE_DIR = os.environ["NUMBA_CACHE_DIR"]
@@ -63,7 +63,9 @@ _options = {"cache": True, "fastmath": FASTMATH, "error_model": "numpy", "nogil"
 kernel = numba.njit(**_options)
 
 #: All other pieces: always copied into the caller, so that the same bits come out in every process.
-inlined = numba.njit(**_options, forceinline=True)
+#: None is made callable from Python as compiled code, which would take as long to compile again;
+#: called from there it runs as it is written.
+inlined = register_jitable(**_options, forceinline=True, no_cfunc_wrapper=True)
 
 #: ``@implements(generic)`` gives ``generic`` a body that numba picks by the types of the arguments.
 implements = partial(

@@ -2,10 +2,11 @@
 
 from math import pi, sqrt
 
+import numba
 import numpy as np
 
 from sim.engine.boundary.belt import belt_state
-from sim.engine.compile import append_negative, kernel, vectorised
+from sim.engine.compile import FASTMATH, append_negative, kernel, vectorised
 from sim.engine.contact.damping import disk_force
 from sim.engine.contact.roots import cube_root, inverse_square_root
 from sim.engine.contact.spring_damping import SpringDamping, spring_damping
@@ -69,6 +70,16 @@ def weight_components(angle: float) -> tuple[float, float, float]:
     """Gravity (m/s2) on a plane inclined by ``angle`` degrees."""
     slope = np.radians(angle)
     return float(GRAVITY * np.sin(slope)), 0.0, float(-GRAVITY * np.cos(slope))
+
+
+def compiled(piece):
+    """A piece of the engine, which only kernels call, as compiled code that a test can call."""
+
+    @numba.njit(fastmath=FASTMATH, error_model="numpy")
+    def called(*arguments):
+        return piece(*arguments)
+
+    return called
 
 
 @kernel

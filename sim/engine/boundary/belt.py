@@ -35,6 +35,12 @@ def belt_state(belt, time):
     )
 
 
+@kernel
+def belt_height(belt, time):
+    """Return the height (m) of the belt above its mean."""
+    return belt_state(belt, time)[0]
+
+
 @inlined
 def belt_forces(law, disks, belt, search, time, time_step):
     """Add the forces of the belt.

@@ -49,6 +49,15 @@ def wrap(position, box):
 
 
 @inlined
+def extremes(values):
+    """Return the smallest and the largest of some numbers."""
+    smallest, largest = values[0], values[0]
+    for i in range(values.size):
+        smallest, largest = min(smallest, values[i]), max(largest, values[i])
+    return smallest, largest
+
+
+@inlined
 def assign_cells(position, box, size, cells):
     """Return each particle's cell; fill ``cells`` (D,) with the number of cells per direction.
 
@@ -65,7 +74,7 @@ def assign_cells(position, box, size, cells):
         for i in range(particles):
             k = int(position[d, i] * (box.inverse[d] * cells[d]))
             cell[i] = cell[i] * cells[d] + min(max(k, 0), cells[d] - 1)
-    lowest, highest = position[last].min(), position[last].max()
+    lowest, highest = extremes(position[last])
     extent = min((highest - lowest) / size, 8.0 * particles / columns + 64.0)
     cells[last] = int(extent) + 1
     for i in range(particles):

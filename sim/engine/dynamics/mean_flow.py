@@ -11,6 +11,7 @@ from math import sqrt
 import numpy as np
 
 from sim.engine.compile import inlined
+from sim.engine.dynamics.cells import extremes
 
 # Entries of ``PairList.clock``: steps since the list was built, and the steepest slope (1/s) of the
 # profile of ``PairList.stream`` over height.
@@ -47,8 +48,8 @@ def set_stream(pairs, height, speed):
     Fills ``pairs.stream`` with each particle's velocity in that profile, relative to the mean of
     all (m/s). ``height`` (m) and ``speed`` (m/s) are those of the particles.
     """
-    lowest = height.min()
-    layers = min(int((height.max() - lowest) / pairs.largest) + 1, height.size)
+    lowest, highest = extremes(height)
+    layers = min(int((highest - lowest) / pairs.largest) + 1, height.size)
     at, mean = np.zeros(layers), np.zeros(layers)
     known = _layer_means(height, speed, lowest, pairs.largest, at, mean)
     steepest, overall, k = 0.0, speed.mean(), 0

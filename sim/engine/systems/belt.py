@@ -4,7 +4,7 @@ from math import pi, radians, sqrt
 
 import numpy as np
 
-from sim.engine.boundary.belt import belt_state, stored_in_belt
+from sim.engine.boundary.belt import belt_height, stored_in_belt
 from sim.engine.boundary.obstacle import Obstacle, stored_in_obstacle
 from sim.engine.contact.spring_damping import spring_damping
 from sim.engine.dynamics.cells import make_box
@@ -200,7 +200,7 @@ class Belt:
 
     def sample_profiles(self) -> tuple[Profile, Profile, Field]:
         """Return profiles above the present belt, by centres and by area, and the field."""
-        height = self.disks.taylor[0, 1] - belt_state(self.belt, self._time())[0]
+        height = self.disks.taylor[0, 1] - belt_height(self.belt, self._time())
         profiles = []
         for kind in (CENTRE, AREA):
             profile = empty_profile(SLICES, 2)

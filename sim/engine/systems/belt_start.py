@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sim.engine.boundary.belt import Belt, belt_state
+from sim.engine.boundary.belt import Belt, belt_height
 from sim.engine.dynamics.cells import Box
 from sim.engine.systems.packing import random_packing
 from sim.parameters import BeltParameters
@@ -42,7 +42,7 @@ def initial_bed(p: BeltParameters, box: Box, replicate: int) -> Bed:
 def _lift(p: BeltParameters) -> float:
     """Return how far (m) to raise the beads so that none overlaps the belt or the obstacle."""
     belt = vibration(p, 0.0)
-    lift = belt_state(belt, 0.0)[0] + belt.surface
+    lift = belt_height(belt, 0.0) + belt.surface
     if p.obstacle > 0.0:
         lift = max(lift, (p.amplitude + 0.5 * p.obstacle) * p.diameter)
     return lift

@@ -85,9 +85,9 @@ def _insert(candidates, count, placed):
             width = box.length[d] / cells[d] if box.length[d] > 0.0 else placed.size
             home[d] = min(int(trial[d] / width), cells[d] - 1)
         if _is_free(trial, home, placed.radius[count], placed):
-            placed.position[count] = trial
             index = 0
             for d in range(dimension):
+                placed.position[count, d] = trial[d]
                 index = index * cells[d] + home[d]
             placed.next[count] = placed.first[index]
             placed.first[index] = count

@@ -3,9 +3,12 @@
 import numpy as np
 import pytest
 
-from sim.engine.dynamics.cells import assign_cells, make_box, reorder, sort_by_cell, wrap
-from tests.engine_motion.helpers import nearest_images, wrapped
+from sim.engine.dynamics import cells as engine
+from sim.engine.dynamics.cells import make_box, reorder, sort_by_cell
+from tests.engine_motion.helpers import compiled, nearest_images, wrapped
 from tests.engine_motion.lists import UNIT, random_gas
+
+wrap, assign_cells = compiled(engine.wrap), compiled(engine.assign_cells)
 
 
 @pytest.mark.parametrize("length", [(3e-3, 0.0), (3e-3, 4e-3, 0.0)])

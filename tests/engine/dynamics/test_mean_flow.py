@@ -3,12 +3,15 @@
 import numpy as np
 import pytest
 
+from sim.engine.dynamics import mean_flow
 from sim.engine.dynamics.cells import make_box
-from sim.engine.dynamics.mean_flow import AGE, ENOUGH, SLOPE, allowed_stray, set_stream
+from sim.engine.dynamics.mean_flow import AGE, ENOUGH, SLOPE
 from sim.engine.dynamics.neighbors import empty_pair_list
 from sim.engine.systems import leap_frog
-from tests.engine_motion.helpers import RADIUS, lattice
+from tests.engine_motion.helpers import RADIUS, compiled, lattice
 from tests.engine_motion.spheres import SphereMotion
+
+allowed_stray, set_stream = compiled(mean_flow.allowed_stray), compiled(mean_flow.set_stream)
 
 FAR = 40 * RADIUS
 BOX = make_box(FAR, FAR)

@@ -3,9 +3,12 @@
 import numpy as np
 import pytest
 
-from sim.engine.dynamics.orientation import rotate, unrotated
-from tests.engine_motion.helpers import RADIUS, lattice, weight_components
+from sim.engine.dynamics import orientation as engine
+from sim.engine.dynamics.orientation import unrotated
+from tests.engine_motion.helpers import RADIUS, compiled, lattice, weight_components
 from tests.engine_motion.spheres import SphereMotion
+
+rotate = compiled(engine.rotate)
 
 
 def turn(orientation, spin, time_step: float) -> None:
