@@ -1,6 +1,7 @@
 """Verdicts on claims: protocols, readings, and what is written of them."""
 
 import json
+from typing import get_args
 
 import pytest
 
@@ -8,7 +9,7 @@ from sim.claims import judge
 from sim.claims.judge import DEFAULT, Judgement, Variant, as_mapping, as_table
 from sim.claims.table import claims
 from sim.claims.verdict import INCONCLUSIVE, NOT_REPRODUCED, REPRODUCED, UNTESTABLE, Check
-from sim.parameters import SYSTEMS
+from sim.parameters import SYSTEMS, ChuteParameters
 from sim.study.catalogue import FIGURES
 from tests.made.results import made_point, made_results
 
@@ -122,13 +123,33 @@ def test_a_study_of_nothing_relevant_leaves_the_claims_on_flows_untestable():
         assert all(variant.reason for variant in one.variants), one.claim.id
 
 
-def test_the_contact_law_is_judged_under_its_readings_too():
-    """Forgetting the overlap when the force is zero raises the restitution (docs/physics.md)."""
+def test_the_contact_law_is_judged_under_its_readings_too(monkeypatch):
+    """Forgetting the overlap when the force is zero raises the restitution (docs/physics.md).
+
+    These readings are those of loops that other tests compile too.
+    """
+    readings = [
+        {"tangential_exponent": exponent, "overlap_memory": memory, "friction_cap": cap}
+        for exponent, memory, cap in ((0.0, "shrink", "after"), (1.0, "reset", "before"))
+    ]
+    monkeypatch.setattr(judge, "MODEL_READINGS", ({}, *readings))
     (first,) = [claim for claim in claims() if claim.id == "W1"]
     found = {one.reading: one.verdict for one in judge._variants(first, [])}
     assert found == {
         DEFAULT: REPRODUCED,
-        "overlap_memory shrink": REPRODUCED,
-        "overlap_memory reset": NOT_REPRODUCED,
-        "friction_cap after": REPRODUCED,
+        "γ = 0; overlap_memory shrink; friction_cap after": REPRODUCED,
+        "γ = 1; overlap_memory reset; friction_cap before": NOT_REPRODUCED,
     }
+
+
+def test_every_reading_of_the_contact_law_is_judged():
+    """Each other value of a reading of the law, one at a time."""
+    law = {"overlap_memory", "friction_cap"}
+    others = [
+        {name: value}
+        for name in ChuteParameters.model_fields
+        if name in law
+        for value in get_args(ChuteParameters.model_fields[name].annotation)
+        if value != getattr(ChuteParameters(), name)
+    ]
+    assert list(judge.MODEL_READINGS) == [{}, *others]

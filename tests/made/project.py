@@ -6,6 +6,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+from tests.made.forked import snakemake_in
 from tests.made.processes import ROOT
 
 PARTS = ("sim", "workflow", "config", "Snakefile", "profiles", "pyproject.toml")
@@ -44,9 +45,8 @@ def command(folder: Path, *arguments: str, study: str = STUDY) -> list[str]:
 
 def snakemake(tree: Path, *arguments: str, study: str = STUDY) -> subprocess.CompletedProcess:
     """Let a workflow run to its end and return what it said."""
-    return subprocess.run(
-        command(tree, *arguments, study=study), cwd=tree, capture_output=True, text=True
-    )
+    _, _, _, *words = command(tree, *arguments, study=study)
+    return snakemake_in(tree, words)
 
 
 def jobs(said: str) -> dict[str, int]:
