@@ -28,13 +28,14 @@ COMMANDS = {
     "refine": ("sim.dataset.rounds:write_round", "work out the points of a round of refinement"),
     "schema": ("sim.study.reference:show", "print the JSON schema of studies and points"),
     "run": ("sim.engine.command:run", "run one point"),
+    "batch": ("sim.engine.command:batch", "run several points in one process"),
     "info": ("sim.report.info:describe", "describe a run file"),
     "warm": (f"{__name__}:warm", "compile the engine, so that runs start at once"),
     "bench": ("sim.engine.bench:main", "measure speed, start-up and memory"),
     "dataset": ("sim.dataset.build:build", "combine the runs of a study in one dataset"),
     "boundaries": ("sim.dataset.boundaries:build", "write the boundaries found as CSV"),
     "claims": ("sim.claims.judge:build", "judge the claims of both papers on a study"),
-    "figure": ("sim.figures.render:draw", "draw one figure from a dataset"),
+    "figure": ("sim.figures.several:draw_several", "draw figures from a dataset"),
     "report": ("sim.report.page:build", "write the report of a study"),
     "publish": ("sim.report.publish:publish", "copy what readers need of a study"),
 }
@@ -160,7 +161,7 @@ def _add_study_options(parsers: dict[str, argparse.ArgumentParser]) -> None:
 
 
 def _add_point_options(parsers: dict[str, argparse.ArgumentParser]) -> None:
-    run, info = parsers["run"], parsers["info"]
+    run, batch, info = parsers["run"], parsers["batch"], parsers["info"]
     run.add_argument("point", metavar="POINT.yaml", help="- reads standard input")
     run.add_argument("-o", "--output", type=Path, required=True, metavar="RUN.nc")
     run.add_argument("-q", "--quiet", action="store_true", help="no progress, only warnings")
@@ -168,6 +169,10 @@ def _add_point_options(parsers: dict[str, argparse.ArgumentParser]) -> None:
         "--record-failure",
         action="store_true",
         help="exit with 0 after a run that failed, its file says why",
+    )
+    batch.description = "Run points, a JSON list on the standard input, one after the other."
+    batch.add_argument(
+        "results", type=Path, metavar="FOLDER", help="results of the study: runs and logs/runs"
     )
     info.add_argument("path", type=Path, metavar="RUN.nc")
     info.add_argument(
@@ -180,10 +185,16 @@ def _add_point_options(parsers: dict[str, argparse.ArgumentParser]) -> None:
 
 def _add_result_options(parsers: dict[str, argparse.ArgumentParser]) -> None:
     figure, publish = parsers["figure"], parsers["publish"]
-    figure.add_argument("name", metavar="NAME", help="such as walton_2")
+    figure.add_argument("names", nargs="+", metavar="NAME", help="such as walton_2")
     figure.add_argument("dataset_path", type=Path, metavar="DATASET.nc")
     figure.add_argument(
         "-o", "--output", dest="out_folder", type=Path, required=True, metavar="FOLDER"
+    )
+    figure.add_argument(
+        "-j", "--processes", type=int, default=1, metavar="N", help="draw N figures side by side"
+    )
+    figure.add_argument(
+        "--code", default="", metavar="HASH", help="leave out what this code has drawn of the same"
     )
     publish.add_argument(
         "--to",

@@ -57,13 +57,15 @@ def release_stale_lock(folder: Path = Path(".snakemake")) -> TextIO:
 
     Every Snakemake of this workflow holds a shared file lock for as long as it lives; the kernel
     drops it with the process. Whoever gets it exclusively is therefore alone, and a lock that
-    Snakemake itself has left in its folder belongs to nobody.
+    Snakemake itself has left in its folder belongs to nobody. Nor do its notes of incomplete files:
+    ours appear whole or not at all.
     """
     folder.mkdir(exist_ok=True)
     held = (folder / "talus.lock").open("w")
     with suppress(OSError):
         fcntl.flock(held, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        shutil.rmtree(folder / "locks", ignore_errors=True)
+        for left in ("locks", "incomplete"):
+            shutil.rmtree(folder / left, ignore_errors=True)
     with suppress(OSError):
         fcntl.flock(held, fcntl.LOCK_SH)
     return held

@@ -155,7 +155,7 @@ def combine(runs: Sequence[xr.Dataset], study: Study) -> xr.Dataset:
     """
     replicates = max(run.sizes["replicate"] for run in runs)
     names = [name for name in (*NUMBERS, *WORDS) if any(name in run for run in runs)]
-    own = [run[[name for name in names if name in run]] for run in runs]
+    own = [{name: run.variables[name] for name in names if name in run} for run in runs]
     combined = lined_up(own, "point", replicates)[names].assign_coords(
         _labels(runs, study)
         | _parameters(runs)

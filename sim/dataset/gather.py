@@ -1,15 +1,17 @@
 """What a dataset keeps of one run file: scalars, measures, profiles, and the state of particles."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
+import netCDF4
 import numpy as np
 import xarray as xr
 
 from sim.base.reading import reading
 from sim.dataset.measures import MEASURES, measures
 from sim.dataset.measures.belt import columns
+from sim.dataset.run_file import Replicate, RunFile
 from sim.engine.identity import numerics_of
 from sim.engine.observe.arrays import INSTANTANEOUS, PROFILES, SNAPSHOTS
 from sim.engine.observe.scalars import SCALARS
@@ -41,10 +43,11 @@ STATE = (*(name for name in SNAPSHOTS if name not in _UNSEEN), "path", "path_tim
 
 
 class Gathered(NamedTuple):
-    """What is kept of one run; ``state`` only where a figure shows particles."""
+    """What is kept of one run: ``profiles`` over slices and squares by name; ``state`` only where a
+    figure shows particles."""
 
     scalars: xr.Dataset
-    profiles: xr.Dataset
+    profiles: dict[str, xr.Variable]
     state: xr.Dataset | None
 
 
@@ -65,45 +68,38 @@ def read_run(path: Path, shown: bool = False) -> Gathered:
     DamagedError
         When it cannot be read as the run that its name says; it is set aside.
     """
-    with (
-        reading(path, "run file", replaceable=True),
-        xr.open_dataset(path, engine="netcdf4") as run,
-    ):
-        if not {*run.attrs} >= ATTRIBUTES or "replicate" not in run.sizes or "particles" not in run:
+    with reading(path, "run file", replaceable=True), netCDF4.Dataset(path) as file:
+        run = RunFile(file)
+        known = run.attrs.keys() >= ATTRIBUTES and "particles" in run
+        if not known or "replicate" not in file.dimensions:
             raise ValueError("no point in it")
         if run.attrs["point_id"] != path.stem:
             raise ValueError(f"holds point {run.attrs['point_id']}")
-        kept = [
-            name for name, values in run.variables.items() if values.dims == () or name in SCALARS
-        ]
+        kept = {name: run.variable(name) for name in run if not run.dims(name) or name in SCALARS}
         made = {
-            name: ("replicate", values, _described(name)) for name, values in measures(run).items()
+            name: xr.Variable("replicate", values, _described(name))
+            for name, values in measures(run).items()
         }
-        scalars = run[kept].load().assign(made)
         number = numerics_of(run.attrs)
-        scalars.attrs["numerics"] = "unknown" if number is None else str(number)
-        return Gathered(
-            scalars,
-            _single(run[[name for name in OVER_HEIGHT if name in run]].assign(columns(run))),
-            _state(run) if shown else None,
-        )
+        attrs = run.attrs | {"numerics": "unknown" if number is None else str(number)}
+        scalars = xr.Dataset(kept | made, attrs=attrs)
+        return Gathered(scalars, _profiles(run), _state(run) if shown else None)
 
 
-def lined_up(runs: Sequence[xr.Dataset], along: str, replicates: int) -> xr.Dataset:
+def lined_up(runs: Sequence[Mapping[str, xr.Variable]], along: str, replicates: int) -> xr.Dataset:
     """Return the variables of all runs along a new dimension, without coordinates.
 
     Fewer ``replicates`` than asked for, arrays shorter than those of another run and those that a
     run lacks are filled up with NaN or ``""``. Attributes are those in the first run that has the
     variable.
     """
-    names = dict.fromkeys(name for run in runs for name in run.sizes)
-    sizes = {name: max(run.sizes.get(name, 0) for run in runs) for name in names}
-    sizes |= {"replicate": replicates}
     found = {}
-    for name in dict.fromkeys(name for run in runs for name in run.data_vars):
-        given = [run[name].variable if name in run else None for run in runs]
-        first = next(one for one in given if one is not None)
-        shape = (len(runs), *(sizes[dimension] for dimension in first.dims))
+    for name in dict.fromkeys(name for run in runs for name in run):
+        given = [run.get(name) for run in runs]
+        some = [one for one in given if one is not None]
+        first, sizes = some[0], np.max([one.shape for one in some], axis=0, initial=0)
+        size = dict(zip(first.dims, map(int, sizes), strict=True)) | {"replicate": replicates}
+        shape = (len(runs), *(size[dimension] for dimension in first.dims))
         if name in WORDS:
             table = np.full(shape, "", object)
         else:
@@ -115,23 +111,45 @@ def lined_up(runs: Sequence[xr.Dataset], along: str, replicates: int) -> xr.Data
     return xr.Dataset(found)
 
 
-def _single(arrays: xr.Dataset) -> xr.Dataset:
-    """Return arrays in single precision: seven digits, of which statistics know three."""
-    return arrays.load().astype(np.float32)
-
-
 def _described(name: str) -> dict[str, str]:
     unit, long_name = MEASURES[name]
     return {"units": unit, "long_name": long_name}
 
 
-def _state(run: xr.Dataset) -> xr.Dataset | None:
+def _profiles(run: RunFile) -> dict[str, xr.Variable]:
+    """Return profiles over height and along the belt, and the places of their slices and squares.
+
+    In single precision: seven digits, of which statistics know three.
+    """
+    kept = {name: run.variable(name) for name in OVER_HEIGHT if name in run} | columns(run)
+    found = {
+        name: xr.Variable(
+            ["slice" if dimension == "height" else dimension for dimension in one.dims],
+            one.values.astype(np.float32),
+            one.attrs,
+        )
+        for name, one in kept.items()
+    }
+    places = {"height": xr.Variable("slice", run["height"])} if "height" in run else {}
+    return {**places, **found}
+
+
+def _state(run: RunFile) -> xr.Dataset | None:
     """Return last state and path of the particles of the first completed replicate, if any."""
-    completed = np.flatnonzero(run["status"].values == "completed")
+    completed = np.flatnonzero(run["status"] == "completed")
     if not completed.size or "position" not in run:
         return None
-    one = run[[name for name in STATE if name in run]].isel(replicate=completed[0])
-    return _single(one.isel(frame=-1)).reset_coords(drop=True)
+    one, found = Replicate(run, int(completed[0])), {}
+    for name in STATE:
+        if name in run and name != "path_time":
+            dims, values = run.dims(name), np.asarray(one[name])
+            if "frame" in dims:
+                values = values[-1]
+            left = [dimension for dimension in dims if dimension not in ("replicate", "frame")]
+            found[name] = xr.Variable(left, values.astype(np.float32), run.variable(name).attrs)
+    used = {dimension for each in found.values() for dimension in each.dims}
+    places = {str(name): run.variable(str(name)) for name in used if name in run}
+    return xr.Dataset(found, places, run.attrs)
 
 
 def profiles(runs: Sequence[Gathered], replicates: int) -> xr.Dataset:
@@ -141,9 +159,6 @@ def profiles(runs: Sequence[Gathered], replicates: int) -> xr.Dataset:
     are filled up with NaN; ``height`` (run, slice) holds the centres of the slices. Profiles along
     the belt are over (run, replicate, square), and ``column`` (run, square) holds the centres.
     """
-    own = [
-        run.profiles.reset_index("height").reset_coords("height").rename_dims(height="slice")
-        for run in runs
-    ]
     ids = [run.scalars.attrs["point_id"] for run in runs]
-    return lined_up(own, "run", replicates).drop_attrs().assign_coords(run=ids)
+    together = lined_up([run.profiles for run in runs], "run", replicates)
+    return together.drop_attrs().assign_coords(run=ids)

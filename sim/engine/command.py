@@ -1,5 +1,6 @@
-"""The command ``run``: a point file in, a run file or one line about what is wrong with it out."""
+"""The commands ``run`` and ``batch``: points in, run files or a line about what is wrong out."""
 
+import json
 import logging
 import signal
 import sys
@@ -10,10 +11,16 @@ from sim.base.files import require_writable
 from sim.base.yaml import read_yaml
 from sim.parameters import Parameters, parse_point, point_id
 
+log = logging.getLogger("talus")
+
 SYSTEM_ERROR = 1
 
 #: What numpy says of an array that no address could reach.
 TOO_LARGE = "Maximum allowed dimension exceeded"
+
+
+class _BeyondAllMachines(Exception):
+    """No machine can compute the point; the message says which and why."""
 
 
 def run(point: str, output: Path, quiet: bool, record_failure: bool) -> int:
@@ -45,15 +52,75 @@ def run(point: str, output: Path, quiet: bool, record_failure: bool) -> int:
     output.parent.mkdir(parents=True, exist_ok=True)
     level = logging.WARNING if quiet else logging.INFO
     logging.basicConfig(format="%(message)s", level=level, stream=sys.stderr)
+    signal.signal(signal.SIGINT, save_and_end)
+    try:
+        return _run_one(parameters, output, quiet, record_failure)
+    except _BeyondAllMachines as error:
+        print(f"error: {error}", file=sys.stderr)
+        return SYSTEM_ERROR
 
+
+def batch(results: Path) -> int:
+    """Run points one after the other in this process, those with a current run file left out.
+
+    Each has a run file, a log and a checkpoint of its own, and a blow-up counts as a result. What
+    goes wrong with one keeps no other from being run.
+
+    Parameters
+    ----------
+    results : Path
+        Folder of the results of a study, in which run files go to ``runs/<id>.nc`` and logs to
+        ``logs/runs/<id>.log``. The points are a JSON list on the standard input.
+
+    Returns
+    -------
+    int
+        0; 1 where a point could not be run, as its log says.
+
+    Raises
+    ------
+    InputError
+        When a point or the folder cannot be used.
+    """
+    points = [parse_point(mapping, "<stdin>") for mapping in json.load(sys.stdin)]
+    runs, logs = results / "runs", results / "logs" / "runs"
+    for folder in (runs, logs):
+        require_writable(folder, "results")
+        folder.mkdir(parents=True, exist_ok=True)
+    logging.getLogger().setLevel(logging.INFO)
+    signal.signal(signal.SIGINT, save_and_end)
+    codes = [_logged(point, runs, logs) for point in points]
+    return SYSTEM_ERROR if any(codes) else 0
+
+
+def _logged(parameters: Parameters, runs: Path, logs: Path) -> int:
+    """Run a point with a log of its own; return the exit code."""
+    name = point_id(parameters)
+    handler = logging.FileHandler(logs / f"{name}.log", mode="w", encoding="utf-8")
+    root = logging.getLogger()
+    root.addHandler(handler)
+    try:
+        return _run_one(parameters, runs / f"{name}.nc", quiet=False, record_failure=True)
+    except _BeyondAllMachines as error:
+        log.error("error: %s", error)
+        return SYSTEM_ERROR
+    except Exception:
+        log.exception("%s: the program has gone wrong", name)
+        return SYSTEM_ERROR
+    finally:
+        root.removeHandler(handler)
+        handler.close()
+
+
+def _run_one(parameters: Parameters, output: Path, quiet: bool, record_failure: bool) -> int:
+    """Run a point unless its run file is there; return the exit code."""
     # A mistake in a point is told without waiting for these.
     from sim.engine.current import current_status
     from sim.engine.run import BLOWN_UP, run_point
 
     if status := current_status(output, parameters):
-        logging.getLogger("talus").info("%s: already there", output)
+        log.info("%s: already there", output)
         return BLOWN_UP if status == "failed" and not record_failure else 0
-    signal.signal(signal.SIGINT, save_and_end)
     try:
         return run_point(parameters, output, quiet=quiet, record_failure=record_failure)
     except (MemoryError, ArithmeticError, ValueError) as error:
@@ -61,8 +128,7 @@ def run(point: str, output: Path, quiet: bool, record_failure: bool) -> int:
         if isinstance(error, ValueError) and TOO_LARGE not in str(error):
             raise
         said = " ".join(str(error).split()) or "out of memory"
-        print(f"error: {point_id(parameters)}: cannot be computed: {said}", file=sys.stderr)
-        return SYSTEM_ERROR
+        raise _BeyondAllMachines(f"{point_id(parameters)}: cannot be computed: {said}") from None
 
 
 def save_and_end(*_: object) -> None:

@@ -22,12 +22,11 @@ def run(name, width, slices, replicates):
         },
         coords={"column": 1e-3 * squares, "level": [0.0, 1e-3]},
     )
-    heights = xr.Dataset(
-        {"number_density": (("replicate", "height"), np.ones((replicates, slices)))},
-        coords={"height": 1e-3 * np.arange(slices)},
-    )
-    scalars = xr.Dataset(attrs={"point_id": name})
-    return Gathered(scalars, heights.assign(columns(field)), None)
+    heights = {
+        "height": xr.Variable("slice", 1e-3 * np.arange(slices)),
+        "number_density": xr.Variable(("replicate", "slice"), np.ones((replicates, slices))),
+    }
+    return Gathered(xr.Dataset(attrs={"point_id": name}), heights | columns(field), None)
 
 
 def test_belts_of_different_lengths_are_filled_up():

@@ -4,6 +4,7 @@ import re
 import shutil
 import subprocess
 import sys
+from collections import Counter
 from pathlib import Path
 
 from tests.made.forked import snakemake_in
@@ -52,14 +53,18 @@ def snakemake(tree: Path, *arguments: str, study: str = STUDY) -> subprocess.Com
 def jobs(said: str) -> dict[str, int]:
     """Return how many jobs of each rule a workflow announces, the targets left out."""
     table = said.partition("Job stats:")[2].partition("\n\n")[0]
-    found = {name: int(count) for name, count in re.findall(r"^(\w+) +(\d+)$", table, re.M)}
-    targets = ("all", "default", "figures", "runs", "total")
+    found: Counter[str] = Counter()
+    for name, count in re.findall(r"^(\w+) +(\d+)$", table, re.M):
+        found["batch" if name.startswith("batch_") else name] += int(count)
+    targets = ("all", "default", "runs", "total")
     return {name: count for name, count in found.items() if name not in targets}
 
 
 def points(said: str) -> list[str]:
     """Return the points that a workflow announces or runs, in its order."""
-    return re.findall(r"wildcards: point=(\S+)", said)
+    rule = r"^(?:local)?rule (?:run|batch_\w+):\n.*\n +output: (.*)$"
+    outputs = [path for output in re.findall(rule, said, re.M) for path in output.split(", ")]
+    return [Path(path.removesuffix(" (update)")).stem for path in outputs]
 
 
 def plan(tree: Path, *arguments: str, study: str = STUDY) -> str:

@@ -21,9 +21,9 @@ from tests.made.project import command
 
 SEED = int(os.environ.get("TALUS_DRILL_SEED", "1"))
 
-#: How often each kind of process is chosen to be killed. A run computes if it has written a
+#: How often each kind of process is chosen to be killed. A batch computes if it has written a
 #: checkpoint; another may still be starting.
-KINDS = {"computing run": 0.5, "run": 0.2, "shell": 0.1, "workflow": 0.1, "other": 0.1}
+KINDS = {"computing batch": 0.5, "batch": 0.2, "shell": 0.1, "workflow": 0.1, "other": 0.1}
 
 #: Share of the kills that do not wait until something computes, and how likely each pause is then
 #: the last.
@@ -67,7 +67,7 @@ class Drill:
         self.random = random.Random(SEED)
         self.sessions: set[int] = set()
         self.kills = dict.fromkeys(KINDS, 0)
-        self.least = {"all": kills, "computing run": kills / 3}
+        self.least = {"all": kills, "computing batch": kills / 3}
         self.early = False
 
     @property
@@ -95,7 +95,7 @@ class Drill:
             with suppress(psutil.NoSuchProcess):
                 alive[self.kind(process)].append(process)
         # A study that is killed whenever it starts would never get to its runs.
-        if not alive["computing run"] and not (self.early and self.random.random() < SOON):
+        if not alive["computing batch"] and not (self.early and self.random.random() < SOON):
             return
         kind = self.random.choices(list(KINDS), KINDS.values())[0]
         with suppress(psutil.NoSuchProcess, IndexError):
@@ -104,20 +104,19 @@ class Drill:
             self.early = self.random.random() < EARLY
 
     def kind(self, process: psutil.Process) -> str:
-        """Say what a process is: the workflow, the shell of a job, a run or another job."""
+        """Say what a process is: the workflow, the shell of a job, a batch or another job."""
         words = process.cmdline()
         if "snakemake" in words:
             return "workflow"
         if words and Path(words[0]).name == "bash":
             return "shell"
-        if words[2:4] != ["sim", "run"]:
+        if words[2:4] != ["sim", "batch"]:
             return "other"
-        output = self.tree / words[words.index("--output") + 1]
-        with suppress(FileNotFoundError):
-            saved = output.with_name(f".{output.name}.checkpoint").stat().st_mtime
-            if saved > process.create_time():
-                return "computing run"
-        return "run"
+        for checkpoint in (self.tree / words[4] / "runs").glob(".*.checkpoint"):
+            with suppress(FileNotFoundError):
+                if checkpoint.stat().st_mtime > process.create_time():
+                    return "computing batch"
+        return "batch"
 
     def end(self) -> None:
         """Leave no process behind."""

@@ -1,5 +1,6 @@
 # What all rules share: the study, its folder, the environment of the jobs.
 
+import json
 import os
 import shlex
 import sys
@@ -18,6 +19,7 @@ from sim.study.catalogue import FIGURES
 from sim.parameters import canonical_json
 from sim.engine.identity import numerics_mark
 from sim.dataset.rounds import read_round
+from sim.study.batches import batches
 from sim.study.load import DEFAULT_STUDY, estimate, load_study
 
 
@@ -36,19 +38,53 @@ def study_path():
     return path.relative_to(Path.cwd()) if path.is_relative_to(Path.cwd()) else path
 
 
-def parameters(wildcards):
+def parameters(point):
     """Return the parameters of a point of the study, of whichever round of refinement."""
-    if wildcards.point in STUDY.points:
-        return STUDY.points[wildcards.point].parameters
+    if point in STUDY.points:
+        return STUDY.points[point].parameters
     for path in filter(Path.is_file, map(round_file, range(1, STUDY.rounds + 1))):
-        if point := read_round(path).get(wildcards.point):
-            return point
-    raise WorkflowError(f"{wildcards.point}: no point of {STUDY.path}")
+        if found := read_round(path).get(point):
+            return found
+    raise WorkflowError(f"{point}: no point of {STUDY.path}")
 
 
-def cost(wildcards):
-    """Return the estimated size and cost of a run of the study."""
-    return estimate(parameters(wildcards))
+def run_file(point):
+    return f"{RESULTS}/runs/{point}.nc"
+
+
+def run_log(point):
+    return f"{RESULTS}/logs/runs/{point}.log"
+
+
+def costs(points):
+    """Return the estimated costs of points of the study."""
+    return [estimate(parameters(point)) for point in points]
+
+
+def seconds(points):
+    return sum(cost.core_seconds for cost in costs(points))
+
+
+def in_json(points):
+    """Return the parameters of points as a JSON list."""
+    return f"[{','.join(canonical_json(parameters(point)) for point in points)}]"
+
+
+def planned_batches():
+    """Return the batches of short points that have no run file of the present numerics.
+
+    Jobs that start a Snakemake of their own, as on a cluster, have those of the one that planned.
+    """
+    if not workflow.is_main_process:
+        return json.loads(PLANNED.read_text(encoding="utf-8"))
+    mark = WARM.read_text(encoding="utf-8").strip() if WARM.is_file() else ""
+    everything = bool(mark) and mark != numerics_mark()
+    points = {
+        name: point.parameters
+        for name, point in STUDY.points.items()
+        if everything or not Path(run_file(name)).exists()
+    }
+    return batches(points, workflow.resource_settings.cores or len(points) + 1)
 
 
 def round_file(number):
@@ -65,7 +101,26 @@ def run_files(rounds):
     points = list(STUDY.points)
     for number in range(1, rounds + 1):
         points += read_round(Path(checkpoints.refine.get(round=number).output[0]))
-    return [f"{RESULTS}/runs/{point}.nc" for point in points]
+    return list(map(run_file, points))
+
+
+def figure_files(names):
+    """Return the files of figures by their names, pictures and data to stand in reports."""
+    shown = {
+        ".csv": ("../report/data.rst", "data"),
+        ".svg": ("../report/figure.rst", "picture"),
+        ".gif": ("../report/figure.rst", "animation"),
+    }
+    files = []
+    for name in names:
+        for suffix in FIGURES[name].suffixes:
+            path = f"{RESULTS}/figures/{name}{suffix}"
+            if suffix in shown and not (suffix == ".csv" and FIGURES[name].animated):
+                caption, kind = shown[suffix]
+                labels = {"figure": name, "file": kind}
+                path = report(path, caption=caption, category="Figures", labels=labels)
+            files.append(update(path))
+    return files
 
 
 def asked():
@@ -115,9 +170,10 @@ except InputError as error:
 
 LOCK = release_stale_lock() if workflow.is_main_process else None
 RESULTS = f"results/{STUDY.name}"
-STILL = [name for name in STUDY.figures if not FIGURES[name].animated]
-ANIMATED = [name for name in STUDY.figures if FIGURES[name].animated]
 OWNER = Path(RESULTS) / ".study"
+WARM = Path(RESULTS) / "runs" / ".warm"
+PLANNED = Path(RESULTS) / "runs" / ".batches"
+BATCHES = planned_batches()
 
 # Rules follow the rooms of the package that they use.
 room = partial(room_hash, ROOT / "sim")
@@ -130,6 +186,8 @@ if workflow.is_main_process:
 onstart:
     OWNER.parent.mkdir(parents=True, exist_ok=True)
     OWNER.write_text(str(STUDY.path.resolve()), encoding="utf-8")
+    PLANNED.parent.mkdir(exist_ok=True)
+    PLANNED.write_text(json.dumps(BATCHES), encoding="utf-8")
 
 
 # Jobs find the interpreter of this Snakemake, the package and the study wherever they run. Where a

@@ -3,7 +3,7 @@
 
 rule warm:
     output:
-        touch(f"{RESULTS}/runs/.warm"),
+        WARM,
     log:
         f"{RESULTS}/logs/warm.log",
     benchmark:
@@ -13,36 +13,73 @@ rule warm:
     params:
         numerics=numerics_mark(),
     shell:
-        'python -m sim warm "$TALUS_STUDY" > {log} 2>&1'
+        'python -m sim warm "$TALUS_STUDY" > {log} 2>&1; echo {params.numerics:q} > {output}'
 
 
 # A run may outlive the Snakemake that has started it, and Snakemake takes what it then writes for
 # incomplete. `update` leaves the file to the job, which keeps it if it is whole and up to date.
 #
-# What makes a run file old is its point or the number of the numerics. The input must not be
-# `ancient`: Snakemake does not look at the parameters of a job below one that is to run.
+# The name of a run file holds a hash of the point, so what makes the file old is the number of the
+# numerics alone; the points themselves, which change with the batch, are derived from the output.
+# The input must not be `ancient`: Snakemake does not look at the parameters of a job below one that
+# is to run.
+RUN = "python -m sim batch {params.folder} <<< {params.points:q}"
+
+
 rule run:
     input:
         rules.warm.output,
     output:
-        update(f"{RESULTS}/runs/{{point}}.nc"),
+        update(run_file("{point}")),
     log:
-        f"{RESULTS}/logs/runs/{{point}}.log",
+        run_log("{point}"),
     benchmark:
         f"{RESULTS}/benchmarks/runs/{{point}}.tsv"
-    priority: lambda wildcards: cost(wildcards).core_seconds
+    priority: lambda wildcards: seconds([wildcards.point])
     conda:
         "../envs/talus.yaml"
-    threads: lambda wildcards: cost(wildcards).threads
+    threads: lambda wildcards: costs([wildcards.point])[0].threads
     resources:
-        mem_mb=lambda wildcards: cost(wildcards).memory,
-        runtime=lambda wildcards: 10 + int(cost(wildcards).core_seconds / 20),
+        mem_mb=lambda wildcards: costs([wildcards.point])[0].memory,
+        runtime=lambda wildcards: 10 + int(seconds([wildcards.point]) / 20),
     params:
-        point=lambda wildcards: canonical_json(parameters(wildcards)),
+        folder=lambda wildcards, output: RESULTS,
+        points=lambda wildcards, output: in_json([wildcards.point]),
         numerics=numerics_mark(),
     shell:
-        "python -m sim run - --output {output} --record-failure"
-        " <<< {params.point:q} > {log} 2>&1"
+        RUN
+
+
+# Short points without a run file share a process, and on a cluster a job.
+for batch, points in BATCHES.items():
+
+    rule:
+        name:
+            batch
+        input:
+            rules.warm.output,
+        output:
+            update([run_file(point) for point in points]),
+        log:
+            [run_log(point) for point in points],
+        benchmark:
+            f"{RESULTS}/benchmarks/runs/{batch}.tsv"
+        priority: seconds(points)
+        conda:
+            "../envs/talus.yaml"
+        threads: 1
+        resources:
+            mem_mb=max(cost.memory for cost in costs(points)),
+            runtime=10 + int(seconds(points) / 20),
+        params:
+            folder=lambda wildcards, output: RESULTS,
+            points=lambda wildcards, output: in_json(Path(path).stem for path in output),
+            numerics=numerics_mark(),
+        shell:
+            RUN
+
+
+workflow.ruleorder(*BATCHES, "run")
 
 
 rule runs:

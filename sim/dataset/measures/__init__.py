@@ -1,9 +1,9 @@
 """Measures: numbers per replicate that a dataset adds to those of its run files."""
 
 import numpy as np
-import xarray as xr
 
 from sim.dataset.measures import belt, chute, energy
+from sim.dataset.run_file import Replicate, RunFile
 
 _OF_SYSTEM = {"chute": chute, "belt": belt}
 
@@ -11,22 +11,15 @@ _OF_SYSTEM = {"chute": chute, "belt": belt}
 MEASURES: dict[str, tuple[str, str]] = energy.MEASURES | chute.MEASURES | belt.MEASURES
 
 
-def measures(run: xr.Dataset) -> dict[str, np.ndarray]:
+def measures(run: RunFile) -> dict[str, np.ndarray]:
     """Return the measures of a run, each an array over its replicates.
 
-    Parameters
-    ----------
-    run : xarray.Dataset
-        A run file. Replicates that failed, and files without the arrays that a measure needs, give
-        not-a-number.
+    Replicates that failed, and files without the arrays that a measure needs, give not-a-number.
     """
-    system = _OF_SYSTEM[run.attrs["system"]]
-    completed = run["status"].values == "completed"
-    table = {
-        name: np.full(run.sizes["replicate"], np.nan) for name in energy.MEASURES | system.MEASURES
-    }
-    for index in np.flatnonzero(completed):
-        replicate = run.isel(replicate=index)
+    system, status = _OF_SYSTEM[run.attrs["system"]], run["status"]
+    table = {name: np.full(len(status), np.nan) for name in energy.MEASURES | system.MEASURES}
+    for index in np.flatnonzero(status == "completed"):
+        replicate = Replicate(run, int(index))
         found = energy.measure(replicate) | system.measure(replicate)
         for name, value in found.items():
             table[name][index] = value

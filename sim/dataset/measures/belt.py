@@ -4,6 +4,7 @@ A run file holds series over ``time``, a field over ``column`` and ``level`` in 
 the path of the beads over the cycle that follows.
 """
 
+from collections.abc import Mapping
 from math import atan2, nan, pi
 from typing import Any
 
@@ -47,56 +48,59 @@ def speed_along_x(belt: Named) -> Any:
     return amplitude * 2 * pi * belt["frequency"]
 
 
-def measure(run: xr.Dataset) -> dict[str, float]:
+def measure(run: Mapping[Any, Any]) -> dict[str, float]:
     """Return the measures that the arrays of a replicate allow."""
     found: dict[str, float] = {}
     if "base_occupancy" in run:
         found |= _of_series(run)
     if "path" in run:
-        path, diameter = run["path"].values, run["diameter"].item()
+        path, diameter = np.asarray(run["path"]), float(run["diameter"])
         found |= path_measures(path)
-        found["path_vertical_far"] = far_height(path, run["width"].item() * diameter, diameter)
+        found["path_vertical_far"] = far_height(path, float(run["width"]) * diameter, diameter)
     if "field_velocity" in run:
-        found["backflow"] = backflow(run["field_velocity"].values, run["field_density"].values)
+        velocity, density = np.asarray(run["field_velocity"]), np.asarray(run["field_density"])
+        found["backflow"] = backflow(velocity, density)
     return found
 
 
-def columns(run: xr.Dataset) -> xr.Dataset:
+def columns(run: Mapping[str, Any]) -> dict[str, xr.Variable]:
     """Return velocity and density along the belt, means over all levels of the field.
 
     Returns
     -------
-    xarray.Dataset
+    dict
         ``column_velocity`` (m/s) and ``column_density`` (beads per length, m⁻¹), each over
         (replicate, square), and ``column`` (square), the centres of the squares along the belt (m);
-        empty for a run without a field.
+        nothing for a run without a field.
     """
     if "field_velocity" not in run:
-        return xr.Dataset()
-    density = run["field_density"]
-    carried = (run["field_velocity"] * density).sum("level")
-    beads = density.sum("level")
-    height = float(run["level"][1] - run["level"][0])
-    found = xr.Dataset(
-        {
-            "column_velocity": (carried / beads.where(beads > 0)).assign_attrs(
-                units="m s-1", long_name="mean velocity along the belt of the beads in a column"
-            ),
-            "column_density": (beads * height).assign_attrs(
-                units="m-1", long_name="number of beads per length of the belt"
-            ),
-        }
+        return {}
+    density, level = np.asarray(run["field_density"]), np.asarray(run["level"])
+    carried = np.nansum(np.asarray(run["field_velocity"]) * density, axis=-1)
+    beads, over = np.nansum(density, axis=-1), ("replicate", "square")
+    velocity = np.divide(carried, beads, out=np.full_like(beads, nan), where=beads > 0)
+    told = (
+        ("m s-1", "mean velocity along the belt of the beads in a column"),
+        ("m-1", "number of beads per length of the belt"),
     )
-    return found.reset_index("column").reset_coords("column").rename_dims(column="square")
-
-
-def _of_series(run: xr.Dataset) -> dict[str, float]:
-    """Return means over the averaging window, and over the first cycles."""
-    time, power = run["time"].values, run["wave_power"].values
-    window = (time > run["average_start"].item()) & np.isfinite(power)
-    early = time < (EARLY_CYCLES + 0.5 / run["samples_per_cycle"].item()) / run["frequency"].item()
     return {
-        "base_occupancy": float(run["base_occupancy"].values[window].mean()),
+        name: xr.Variable(over, values, {"units": unit, "long_name": text})
+        for name, values, (unit, text) in zip(
+            ("column_velocity", "column_density"),
+            (velocity, beads * float(level[1] - level[0])),
+            told,
+            strict=True,
+        )
+    } | {"column": xr.Variable("square", np.asarray(run["column"]))}
+
+
+def _of_series(run: Mapping[Any, Any]) -> dict[str, float]:
+    """Return means over the averaging window, and over the first cycles."""
+    time, power = np.asarray(run["time"]), np.asarray(run["wave_power"])
+    window = (time > float(run["average_start"])) & np.isfinite(power)
+    early = time < (EARLY_CYCLES + 0.5 / int(run["samples_per_cycle"])) / float(run["frequency"])
+    return {
+        "base_occupancy": float(np.asarray(run["base_occupancy"])[window].mean()),
         "wave_power": float(power[window].mean()),
         "early_wave_power": float(power[early].mean()),
     }

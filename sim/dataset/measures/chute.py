@@ -1,7 +1,9 @@
 """Measures of chute flows, from one replicate of a run file."""
 
+from collections.abc import Mapping
+from typing import Any
+
 import numpy as np
-import xarray as xr
 
 from sim.dataset.measures import layers, order
 
@@ -17,23 +19,22 @@ MEASURES = {
 _QUANTILES = {"median_overlap": 0.5, "overlap_999": 0.999}
 
 
-def measure(run: xr.Dataset) -> dict[str, float]:
+def measure(run: Mapping[Any, Any]) -> dict[str, float]:
     """Return the measures that the arrays of a replicate allow."""
     return _of_profiles(run) | _of_overlaps(run)
 
 
-def _of_profiles(run: xr.Dataset) -> dict[str, float]:
+def _of_profiles(run: Mapping[Any, Any]) -> dict[str, float]:
     """Return the shear depth, and the order of the spheres above it in the last state."""
-    if "packing_profile" not in run or not run["packing_profile"].sum() > 0:
+    packing = np.asarray(run["packing_profile"]) if "packing_profile" in run else np.zeros(0)
+    if not np.nansum(packing) > 0:
         return {}
-    packing = run["packing_profile"].values
     diameter = float(run["diameter"])
-    depth = layers.shear_depth(
-        run["height"].values, run["velocity_profile"].values, packing, diameter
-    )
+    height, velocity = np.asarray(run["height"]), np.asarray(run["velocity_profile"])
+    depth = layers.shear_depth(height, velocity, packing, diameter)
     if "position" not in run:
         return {"shear_depth": depth}
-    position = run["position"].isel(frame=-1).values
+    position = np.asarray(run["position"])[-1]
     plug = position[:, 2] > depth
     side = float(run["cell"]) * diameter
     return {
@@ -43,11 +44,11 @@ def _of_profiles(run: xr.Dataset) -> dict[str, float]:
     }
 
 
-def _of_overlaps(run: xr.Dataset) -> dict[str, float]:
+def _of_overlaps(run: Mapping[Any, Any]) -> dict[str, float]:
     """Return quantiles of the overlaps of contacts, where they were counted."""
     if "overlap_histogram" not in run:
         return {}
-    counts, edges = run["overlap_histogram"].values, run["overlap_edges"].values
+    counts, edges = np.asarray(run["overlap_histogram"]), np.asarray(run["overlap_edges"])
     return {name: quantile(counts, edges, share) for name, share in _QUANTILES.items()}
 
 

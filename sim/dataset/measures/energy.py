@@ -1,6 +1,7 @@
 """How well the energy of one replicate of a run file adds up."""
 
-import xarray as xr
+from collections.abc import Mapping
+from typing import Any
 
 from sim.dataset.caveats import missing_energy
 
@@ -9,7 +10,7 @@ MEASURES = {
 }
 
 
-def measure(run: xr.Dataset) -> dict[str, float]:
+def measure(run: Mapping[Any, Any]) -> dict[str, float]:
     """Return the share of the energy turned over that the ledger of a replicate lacks, if any.
 
     See `sim.dataset.caveats.missing_energy`.

@@ -1,0 +1,75 @@
+"""Several figures in one job: those that are as they would be drawn are left out."""
+
+from dataclasses import replace
+
+import pytest
+
+from sim.base.errors import InputError
+from sim.figures.several import DRAWN, draw_several
+from sim.study.catalogue import FIGURES
+
+NAMES = ("gallas_2b", "gallas_6")
+
+
+@pytest.fixture
+def folder(belt_dataset, tmp_path):
+    draw_several(NAMES, belt_dataset, tmp_path, processes=2, code="a")
+    return tmp_path
+
+
+def times(folder):
+    return {path.name: path.stat().st_mtime_ns for path in folder.iterdir() if path.name != DRAWN}
+
+
+def redrawn(before, folder):
+    """Return the figures whose files have been written since."""
+    return {name.partition(".")[0] for name, time in times(folder).items() if before[name] != time}
+
+
+def test_all_files_of_all_figures_are_there(folder):
+    expected = {f"{name}{suffix}" for name in NAMES for suffix in FIGURES[name].suffixes}
+    assert set(times(folder)) == expected
+
+
+def test_the_same_is_not_drawn_again(folder, belt_dataset):
+    before = times(folder)
+    draw_several(NAMES, belt_dataset, folder, code="a")
+    assert redrawn(before, folder) == set()
+
+
+@pytest.mark.parametrize("code", ["b", ""])
+def test_other_code_or_none_draws_all(folder, belt_dataset, code):
+    before = times(folder)
+    draw_several(NAMES, belt_dataset, folder, code=code)
+    assert redrawn(before, folder) == set(NAMES)
+
+
+def test_a_file_that_was_lost_or_changed_is_drawn_again(folder, belt_dataset):
+    before = times(folder)
+    (folder / "gallas_6.csv").write_text("changed")
+    draw_several(NAMES, belt_dataset, folder, code="a")
+    assert redrawn(before, folder) == {"gallas_6"}
+    (folder / "gallas_2b.png").unlink()
+    before = times(folder)
+    draw_several(NAMES, belt_dataset, folder, code="a")
+    assert redrawn(before | {"gallas_2b.png": 0}, folder) == {"gallas_2b"}
+
+
+def test_a_changed_entry_of_the_catalogue_is_drawn_again(folder, belt_dataset, monkeypatch):
+    before = times(folder)
+    changed = replace(FIGURES["gallas_6"], title="another")
+    monkeypatch.setitem(FIGURES, "gallas_6", changed)
+    draw_several(NAMES, belt_dataset, folder, code="a")
+    assert redrawn(before, folder) == {"gallas_6"}
+
+
+def test_one_that_cannot_be_drawn_keeps_no_other_from_it(belt_dataset, tmp_path):
+    with pytest.raises(InputError, match="no point feeds walton_2"):
+        draw_several(("walton_2", "gallas_6"), belt_dataset, tmp_path, code="a")
+    assert (tmp_path / "gallas_6.svg").exists()
+
+
+def test_an_unknown_figure_is_refused_before_any_is_drawn(belt_dataset, tmp_path):
+    with pytest.raises(InputError, match="surprise"):
+        draw_several(("gallas_6", "surprise"), belt_dataset, tmp_path)
+    assert not list(tmp_path.iterdir())

@@ -1,0 +1,49 @@
+"""Short points share a process; long ones, and those of several threads, have their own."""
+
+import pytest
+
+from sim.parameters import BeltParameters, ChuteParameters, point_id
+from sim.study.batches import LEAST, MOST, batches
+from sim.study.cost import PROCESS_TIME, estimate
+
+SHORT = [BeltParameters(frequency=frequency) for frequency in range(10, 60)]
+LONG = ChuteParameters(depth=20, cell=10)
+THREADED = ChuteParameters(depth=1, threads=2)
+
+
+def named(points):
+    return {point_id(point): point for point in points}
+
+
+def seconds(point):
+    return estimate(point).core_seconds - PROCESS_TIME
+
+
+@pytest.mark.parametrize("cores", [1, 2, 1000])
+def test_every_short_point_is_in_one_batch_of_the_right_length(cores):
+    points = named([*SHORT, LONG, THREADED])
+    found = batches(points, cores)
+    members = [name for batch in found.values() for name in batch]
+    assert sorted(members) == sorted(named(SHORT))
+    longest = max(map(seconds, SHORT))
+    share = min(max(sum(map(seconds, SHORT)) / (2 * cores), LEAST), MOST)
+    for batch in list(found.values())[:-1]:
+        assert share - longest <= sum(seconds(points[name]) for name in batch) <= share
+
+
+def test_the_longest_come_first():
+    points = named(SHORT)
+    for batch in batches(points, 2).values():
+        times = [seconds(points[name]) for name in batch]
+        assert times == sorted(times, reverse=True)
+
+
+def test_a_point_alone_is_in_no_batch():
+    assert batches(named(SHORT[:1]), 1) == {}
+    assert batches({}, 1) == {}
+
+
+def test_names_tell_their_points():
+    one, other = batches(named(SHORT[:2]), 1), batches(named(SHORT[:3]), 1)
+    assert set(one).isdisjoint(other)
+    assert list(one) == list(batches(named(SHORT[:2]), 1))
