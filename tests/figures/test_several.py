@@ -5,16 +5,40 @@ from dataclasses import replace
 import pytest
 
 from sim.base.errors import InputError
+from sim.figures import several
 from sim.figures.several import DRAWN, draw_several
 from sim.study.catalogue import FIGURES
 
 NAMES = ("gallas_2b", "gallas_6")
 
 
+def written(name, dataset_path, folder):
+    """Write a figure's files without drawing it."""
+    if name == "walton_2":
+        raise InputError("no point feeds walton_2")
+    for suffix in FIGURES[name].suffixes:
+        (folder / f"{name}{suffix}").write_text(dataset_path.read_text())
+
+
+@pytest.fixture(autouse=True)
+def quick(monkeypatch):
+    """Take the drawing from the processes, which are forks of this one."""
+    monkeypatch.setattr(several, "draw", written)
+
+
 @pytest.fixture
-def folder(belt_dataset, tmp_path):
-    draw_several(NAMES, belt_dataset, tmp_path, processes=2, code="a")
-    return tmp_path
+def dataset(tmp_path):
+    path = tmp_path / "dataset.nc"
+    path.write_text("one")
+    return path
+
+
+@pytest.fixture
+def folder(dataset, tmp_path):
+    made = tmp_path / "figures"
+    made.mkdir()
+    draw_several(NAMES, dataset, made, processes=2, code="a")
+    return made
 
 
 def times(folder):
@@ -31,45 +55,54 @@ def test_all_files_of_all_figures_are_there(folder):
     assert set(times(folder)) == expected
 
 
-def test_the_same_is_not_drawn_again(folder, belt_dataset):
+def test_the_same_is_not_drawn_again(folder, dataset):
     before = times(folder)
-    draw_several(NAMES, belt_dataset, folder, code="a")
+    draw_several(NAMES, dataset, folder, code="a")
     assert redrawn(before, folder) == set()
 
 
 @pytest.mark.parametrize("code", ["b", ""])
-def test_other_code_or_none_draws_all(folder, belt_dataset, code):
+def test_other_code_or_none_draws_all(folder, dataset, code):
     before = times(folder)
-    draw_several(NAMES, belt_dataset, folder, code=code)
+    draw_several(NAMES, dataset, folder, code=code)
     assert redrawn(before, folder) == set(NAMES)
 
 
-def test_a_file_that_was_lost_or_changed_is_drawn_again(folder, belt_dataset):
+def test_a_file_that_was_lost_or_changed_is_drawn_again(folder, dataset):
     before = times(folder)
     (folder / "gallas_6.csv").write_text("changed")
-    draw_several(NAMES, belt_dataset, folder, code="a")
+    draw_several(NAMES, dataset, folder, code="a")
     assert redrawn(before, folder) == {"gallas_6"}
     (folder / "gallas_2b.png").unlink()
     before = times(folder)
-    draw_several(NAMES, belt_dataset, folder, code="a")
+    draw_several(NAMES, dataset, folder, code="a")
     assert redrawn(before | {"gallas_2b.png": 0}, folder) == {"gallas_2b"}
 
 
-def test_a_changed_entry_of_the_catalogue_is_drawn_again(folder, belt_dataset, monkeypatch):
+def test_a_changed_entry_of_the_catalogue_is_drawn_again(folder, dataset, monkeypatch):
     before = times(folder)
     changed = replace(FIGURES["gallas_6"], title="another")
     monkeypatch.setitem(FIGURES, "gallas_6", changed)
-    draw_several(NAMES, belt_dataset, folder, code="a")
+    draw_several(NAMES, dataset, folder, code="a")
     assert redrawn(before, folder) == {"gallas_6"}
 
 
-def test_one_that_cannot_be_drawn_keeps_no_other_from_it(belt_dataset, tmp_path):
+def test_another_dataset_draws_all(folder, dataset):
+    dataset.write_text("other")
+    before = times(folder)
+    draw_several(NAMES, dataset, folder, code="a")
+    assert redrawn(before, folder) == set(NAMES)
+
+
+def test_one_that_cannot_be_drawn_keeps_no_other_from_it(dataset, folder):
+    (folder / "gallas_6.svg").unlink()
     with pytest.raises(InputError, match="no point feeds walton_2"):
-        draw_several(("walton_2", "gallas_6"), belt_dataset, tmp_path, code="a")
-    assert (tmp_path / "gallas_6.svg").exists()
+        draw_several(("walton_2", "gallas_6"), dataset, folder, code="a")
+    assert (folder / "gallas_6.svg").exists()
 
 
-def test_an_unknown_figure_is_refused_before_any_is_drawn(belt_dataset, tmp_path):
+def test_an_unknown_figure_is_refused_before_any_is_drawn(dataset, folder):
+    before = times(folder)
     with pytest.raises(InputError, match="surprise"):
-        draw_several(("gallas_6", "surprise"), belt_dataset, tmp_path)
-    assert not list(tmp_path.iterdir())
+        draw_several(("gallas_6", "surprise"), dataset, folder)
+    assert redrawn(before, folder) == set()
