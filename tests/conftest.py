@@ -5,10 +5,13 @@ examples in every run.
 """
 
 import gc
+import os
 from pathlib import Path
 
 import pytest
 from hypothesis import HealthCheck, settings
+
+from tests.made.once import Kept
 
 SLOW = [HealthCheck.too_slow, HealthCheck.filter_too_much, HealthCheck.large_base_example]
 
@@ -37,6 +40,14 @@ SECOND = (
     "workflow/test_repairs.py",
 )
 FIGURES = "figures"
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _kept(tmp_path_factory) -> None:
+    """Say where folders lie that many tests need."""
+    base = tmp_path_factory.getbasetemp()
+    Kept.folder = (base.parent if "PYTEST_XDIST_WORKER" in os.environ else base) / "made"
+    Kept.folder.mkdir(exist_ok=True)
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

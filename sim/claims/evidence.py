@@ -1,19 +1,18 @@
 """What judges ask for: places of a study under one protocol and one reading, with intervals."""
 
 from collections.abc import Mapping
-from functools import cached_property
 from math import inf
 from typing import Any
 
-import pandas as pd
+import numpy as np
 from uncertainties import UFloat
 
 from sim.claims.place import Place, measured
+from sim.claims.points import Points, Rows
 from sim.claims.starts import over_seeds
 from sim.claims.verdict import Unbounded, Untestable
 from sim.dataset.results import Results
-from sim.parameters import SYSTEMS, Parameters, default_of
-from sim.parameters.roles import changing_start, numerical
+from sim.parameters import SYSTEMS
 
 
 class Evidence:
@@ -28,12 +27,21 @@ class Evidence:
     reading : mapping, optional
         Parameters that tell readings apart (`sim.parameters.roles.readings`) and differ from their
         defaults.
+    points : Points, optional
+        Those of the study, where they are known already.
     """
 
-    def __init__(self, results: Results, protocol: str, reading: Mapping[str, Any] | None = None):
+    def __init__(
+        self,
+        results: Results,
+        protocol: str,
+        reading: Mapping[str, Any] | None = None,
+        points: Points | None = None,
+    ):
         self.protocol = protocol
         self.reading = dict(reading or {})
         self._results = results
+        self._points = points or Points(results)
         self._places: dict[str, Place] = {}
 
     def at(self, system: str, **where: Any) -> Place:
@@ -44,9 +52,9 @@ class Evidence:
         is no such place, or none of its replicates completed.
         """
         found = self._rows(system, where)
-        if found.empty:
+        if not found.size:
             raise Untestable(f"no {self.protocol} run of the {system} at {_text(where)}")
-        return self._place(self._richest(system, found, where))
+        return self._place(self._points.richest(system, found, where))
 
     def line(self, system: str, along: str, **where: Any) -> dict[float, Place]:
         """Return the places along a parameter in its order, all others as for `at`.
@@ -54,9 +62,10 @@ class Evidence:
         Empty where there are none.
         """
         found = self._rows(system, where, free=along)
+        values = self._points.columns[along][found]
         return {
-            value: self._place(self._richest(system, rows, where))
-            for value, rows in found.groupby(along, sort=True)
+            value: self._place(self._points.richest(system, found[values == value], where))
+            for value in sorted(set(values.tolist()))
         }
 
     def boundary(
@@ -84,7 +93,11 @@ class Evidence:
             rows = rows[same & (any_protocol | (rows["protocol"] == self.protocol))]
         if any_protocol and len(rows):
             where = {"protocol": rows["protocol"].iloc[0]} | where
-        chosen = self._matching(rows, system, where, along) if len(rows) else rows
+        if len(rows):
+            columns = {name: values.to_numpy() for name, values in rows.items()}
+            chosen = rows.iloc[Rows(columns).matching(system, self._wanted(where), along)]
+        else:
+            chosen = rows
         if chosen.empty:
             raise Untestable(f"no boundary of {of} along {along} at {_text(where)}")
         settings = [name for name in SYSTEMS[system].model_fields if name not in ("seed", along)]
@@ -99,45 +112,12 @@ class Evidence:
         value, half_width, freedom = over_seeds(rows[found], bounded, settings)
         return measured(value, inf if seeds and not freedom else half_width)
 
-    @cached_property
-    def _table(self) -> pd.DataFrame:
-        dataset = self._results.dataset
-        names = [name for name, values in dataset.coords.items() if values.dims == ("point",)]
-        table = pd.DataFrame({name: dataset[name].values for name in names})
-        return table.assign(
-            completed=(dataset["status"].values == "completed").sum(axis=1),
-            steps=dataset["steps"].sum("replicate").values,
-        )
+    def _rows(self, system: str, where: Mapping[str, Any], free: str = "") -> np.ndarray:
+        return self._points.matching(system, self._wanted(where), free)
 
-    def _rows(self, system: str, where: Mapping[str, Any], free: str = "") -> pd.DataFrame:
-        table = self._table
-        rows = table[(table["system"] == system) & (table["completed"] > 0)]
-        return self._matching(rows, system, where, free)
-
-    def _matching(
-        self, rows: pd.DataFrame, system: str, where: Mapping[str, Any], free: str
-    ) -> pd.DataFrame:
-        """Return the rows that have the parameters named, and the paper's values of the others."""
-        usual, following = _usual(SYSTEMS[system])
-        wanted = usual | {"protocol": self.protocol} | self.reading | dict(where)
-        matching = pd.Series(True, index=rows.index)
-        for name in wanted.keys() - {free}:
-            matching &= rows[name] == wanted[name]
-        found = rows[matching]
-        for name in following - {*wanted, free}:
-            found = found[found[name] == _defaults(SYSTEMS[system], name, found)]
-        return found
-
-    def _richest(self, system: str, rows: pd.DataFrame, where: Mapping[str, Any]) -> str:
-        """Return the point with the fewest unusual settings, most replicates and longest runs."""
-        unusual = pd.Series(0, index=rows.index)
-        model = SYSTEMS[system]
-        for name in set(changing_start(model)) - set(where):
-            unusual += (rows[name] != _defaults(model, name, rows)).astype(int)
-        ranked = rows.assign(unusual=unusual).sort_values(
-            ["unusual", "completed", "steps"], ascending=[True, False, False]
-        )
-        return ranked["point"].iloc[0]
+    def _wanted(self, where: Mapping[str, Any]) -> dict[str, Any]:
+        """Return the values of parameters that are asked for; of all others the paper's count."""
+        return {"protocol": self.protocol} | self.reading | dict(where)
 
     def _place(self, point: str) -> Place:
         if point not in self._places:
@@ -148,16 +128,3 @@ class Evidence:
 def _text(where: Mapping[str, Any]) -> str:
     """Write parameters for a message: ``frequency 20, amplitude 1``."""
     return ", ".join(f"{name} {value}" for name, value in where.items()) or "the paper's values"
-
-
-def _usual(model: type[Parameters]) -> tuple[dict[str, Any], set[str]]:
-    """Return the paper's values of what sets which flow a point is, and names of what follows."""
-    names = set(model.model_fields) - numerical(model) - {"system"}
-    following = {name for name in names if model.model_fields[name].default_factory}
-    paper = model()
-    return {name: getattr(paper, name) for name in names - following}, following
-
-
-def _defaults(model: type[Parameters], name: str, rows: pd.DataFrame) -> list[Any]:
-    """Return the paper's value of a parameter at each row, as it may follow from others there."""
-    return [default_of(model, name, row) for row in rows.to_dict("records")]

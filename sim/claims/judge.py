@@ -12,6 +12,7 @@ import pandas as pd
 from sim.base.files import replacing
 from sim.claims.evidence import Evidence
 from sim.claims.experiments import experiment
+from sim.claims.points import Points
 from sim.claims.table import Claim, claims
 from sim.claims.verdict import (
     INCONCLUSIVE,
@@ -146,9 +147,10 @@ def judge(results: Results) -> list[Judgement]:
 
 def _evidence(results: Results, system: str) -> Iterator[tuple[str, Evidence]]:
     """Yield what each protocol and reading offers, the reading in words, the default one first."""
+    points = Points(results)
     for reading in ({}, *readings(results, system)):
         for protocol in PROTOCOLS:
-            yield _in_words(system, reading), Evidence(results, protocol, reading)
+            yield _in_words(system, reading), Evidence(results, protocol, reading, points)
 
 
 def _in_words(system: str, reading: Mapping[str, Any]) -> str:

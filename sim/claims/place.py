@@ -55,17 +55,17 @@ class Place:
     def __init__(self, results: Results, point: str):
         self.id = point
         self._results = results
-        self._row = results.dataset.sel(point=point)
-        done = self._row["status"].values == "completed"
-        self._completed = self._row.isel(replicate=np.flatnonzero(done))
+        self._held = results.dataset.variables
+        self._number = results.dataset.indexes["point"].get_loc(point)
+        self._done = self._held["status"].values[self._number] == "completed"
 
     def __getitem__(self, name: str) -> Any:
-        return self._row[name].values.item()
+        return np.asarray(self._held[name].values[self._number]).item()
 
     @property
     def completed(self) -> int:
         """Completed replicates."""
-        return self._completed.sizes["replicate"]
+        return int(self._done.sum())
 
     @property
     def regime(self) -> str:
@@ -85,7 +85,7 @@ class Place:
         """
         if self.regime == "arrested":
             return inf if self.completed else 0.0
-        return float(np.nansum(self._completed["independent_samples"].values))
+        return float(np.nansum(self.values("independent_samples")))
 
     @property
     def freedom(self) -> float:
@@ -99,9 +99,9 @@ class Place:
 
     def values(self, name: str) -> np.ndarray:
         """Return a scalar of all completed replicates."""
-        if name not in self._completed:
+        if name not in self._held:
             raise Untestable(f"{self.id} has no {name}")
-        return self._completed[name].values
+        return self._held[name].values[self._number][self._done]
 
     def value(self, name: str, error: str = "", half_width: str = "") -> UFloat:
         """Return a scalar with its interval over replicates.

@@ -19,7 +19,7 @@ from sim.dataset.boundaries import table
 from sim.dataset.boundary_table import GROUP
 from sim.dataset.caveats import caveat
 from sim.dataset.gather import NUMBERS, WORDS, Gathered, lined_up, profiles, read_run
-from sim.dataset.replicates import outcome
+from sim.dataset.replicates import outcomes
 from sim.dataset.results import PARTICLES
 from sim.dataset.rounds import refined, sides_of
 from sim.dataset.sides import side
@@ -167,7 +167,7 @@ def combine(runs: Sequence[xr.Dataset], study: Study) -> xr.Dataset:
 
 def _together(combined: xr.Dataset) -> dict[str, Any]:
     """Return what the replicates of each point say together, see `sim.dataset.replicates`."""
-    found = [outcome(combined.isel(point=index)) for index in range(combined.sizes["point"])]
+    found = outcomes(combined)
     numbers = {"velocity": "mean velocity", "half_width": "half width of its 95 % interval"}
     made = {
         f"point_{name}": (

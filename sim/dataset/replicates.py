@@ -5,10 +5,14 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from sim.base.named import Named
 from sim.base.statistics import student
 
 #: What a mean is worth, from the best; of several replicates the worst counts.
 QUALITIES = ("reliable", "jammed", "short", "drifting", "failed")
+
+#: The scalars of a run that it is taken from.
+SCALARS = ("status", "velocity", "velocity_half_width", "regime", "quality", "stopped", "reason")
 
 OUTCOME = (
     "velocity",
@@ -22,13 +26,22 @@ OUTCOME = (
 )
 
 
-def outcome(point: xr.Dataset) -> dict[str, Any]:
+def outcomes(dataset: xr.Dataset) -> list[dict[str, Any]]:
+    """Return what the replicates of each point of a dataset say together, see `outcome`."""
+    held = {name: dataset.variables[name].values for name in SCALARS}
+    return [
+        outcome({name: values[number] for name, values in held.items()})
+        for number in range(dataset.sizes["point"])
+    ]
+
+
+def outcome(point: Named) -> dict[str, Any]:
     """Return what the replicates of one point say together.
 
     Parameters
     ----------
-    point : xarray.Dataset
-        One point of a study's dataset, over ``replicate`` alone.
+    point : mapping
+        `SCALARS` of the point, each over its replicates.
 
     Returns
     -------
@@ -39,18 +52,20 @@ def outcome(point: xr.Dataset) -> dict[str, Any]:
         where none completed), the worst ``quality`` of their means, why they ``stopped`` and
         ``reason`` (of failures).
     """
-    completed = point.isel(replicate=np.flatnonzero(point["status"].values == "completed"))
-    velocities = completed["velocity"].values
-    half_width, interval = velocity_interval(velocities, completed["velocity_half_width"].values)
-    reasons = dict.fromkeys(reason for reason in point["reason"].values if reason)
+    scalars = {name: np.asarray(point[name]) for name in SCALARS}
+    done = scalars["status"] == "completed"
+    completed = {name: values[done] for name, values in scalars.items()}
+    velocities = completed["velocity"]
+    half_width, interval = velocity_interval(velocities, completed["velocity_half_width"])
+    reasons = dict.fromkeys(reason for reason in scalars["reason"] if reason)
     return {
         "velocity": velocities.mean() if velocities.size else np.nan,
         "half_width": half_width,
         "interval": interval,
         "completed": velocities.size,
-        "regime": _regime(completed["regime"].values),
-        "quality": max(completed["quality"].values, key=QUALITIES.index, default="failed"),
-        "stopped": ", ".join(dict.fromkeys(completed["stopped"].values)) or "failure",
+        "regime": _regime(completed["regime"]),
+        "quality": max(completed["quality"], key=QUALITIES.index, default="failed"),
+        "stopped": ", ".join(dict.fromkeys(completed["stopped"])) or "failure",
         "reason": "; ".join(reasons),
     }
 

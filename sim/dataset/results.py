@@ -53,14 +53,14 @@ class Results:
         InputError
             When the dataset has no such profile of the point.
         """
-        row = self.dataset.sel(point=point)
-        one = self.profiles.get(str(row["system"].values), xr.Dataset())
-        if name not in one or point not in one["run"]:
+        held, number = self.dataset.variables, self.dataset.indexes["point"].get_loc(point)
+        group = self.profiles.get(str(held["system"].values[number]), xr.Dataset())
+        if name not in group.variables or point not in group.indexes["run"]:
             raise InputError(f"{point}: no {name} in the dataset")
-        one = one.sel(run=point)
-        completed = np.flatnonzero(row["status"].values == "completed")
-        values = one[name].isel(replicate=completed).values
-        centres = one["column" if "square" in one[name].dims else "height"].values
+        row, profiles = group.indexes["run"].get_loc(point), group.variables
+        completed = held["status"].values[number] == "completed"
+        values = profiles[name].values[row][completed]
+        centres = profiles["column" if "square" in profiles[name].dims else "height"].values[row]
         real = np.isfinite(centres)
         return values[:, real], centres[real]
 

@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from sim.dataset.replicates import OUTCOME, outcome
+from sim.dataset.replicates import OUTCOME, SCALARS, outcomes
 from sim.dataset.results import Results
 from sim.parameters import NUMERICAL, SYSTEMS, field_info
 from sim.study.catalogue import FigureSpec
@@ -56,14 +56,17 @@ def summarize(dataset: xr.Dataset, figure: str) -> pd.DataFrame:
         ``regimes``: those of the completed replicates.
     """
     fed = np.array([figure in names.split() for names in dataset["figures"].values], dtype=bool)
-    points = dataset.isel(point=np.flatnonzero(fed))
-    names = [name for name, values in points.coords.items() if values.dims == ("point",)]
-    rows = pd.DataFrame({name: points[name].values for name in names})
-    outcomes = [outcome(points.isel(point=index)) for index in range(points.sizes["point"])]
+    points = dataset[list(SCALARS)].isel(point=np.flatnonzero(fed))
+    columns = {
+        str(name): values.values
+        for name, values in points.coords.variables.items()
+        if values.dims == ("point",)
+    }
+    rows = pd.DataFrame(columns)
     done = points["status"].values == "completed"
     regimes = [tuple(each[kept]) for each, kept in zip(points["regime"].values, done, strict=True)]
     rows["regimes"] = pd.Series(regimes, dtype=object)
-    return pd.concat([rows, pd.DataFrame(outcomes, columns=list(OUTCOME))], axis=1)
+    return pd.concat([rows, pd.DataFrame(outcomes(points), columns=list(OUTCOME))], axis=1)
 
 
 def split_curves(

@@ -6,7 +6,7 @@ from typing import Any
 import pandas as pd
 import xarray as xr
 
-from sim.dataset.replicates import outcome
+from sim.dataset.replicates import outcomes
 from sim.parameters import SYSTEMS, field_info
 from sim.parameters.wording import setting
 from sim.report.numbers import finite, measured
@@ -21,22 +21,27 @@ def run_rows(dataset: xr.Dataset, caveats: Sequence[str]) -> list[dict[str, Any]
     ones behind the mean velocity; NaN where not known.
     """
     rows = []
-    for index in range(dataset.sizes["point"]):
-        point = dataset.isel(point=index)
-        found, caveat = outcome(point), str(point["caveat"].values)
+    table = {
+        "start": dataset["average_start"].mean("replicate").values,
+        "steps": dataset["steps"].sum("replicate").values.astype(int),
+        "wall_time": dataset["wall_time"].sum("replicate").values,
+        "max_overlap": dataset["max_overlap"].max("replicate").values,
+        "missing_energy": dataset["missing_energy"].max("replicate").values,
+        "samples": dataset["independent_samples"].sum("replicate", min_count=1).values,
+    }
+    held = {
+        name: dataset[name].values for name in ("point", "system", "series", "replicates", "caveat")
+    }
+    for index, found in enumerate(outcomes(dataset)):
+        caveat = str(held["caveat"][index])
         rows.append(
             {
                 "number": index + 1,
-                "point": str(point["point"].values),
-                "system": str(point["system"].values),
-                "series": str(point["series"].values).split(),
-                "replicates": int(point["replicates"]),
-                "start": float(point["average_start"].mean()),
-                "samples": float(point["independent_samples"].sum(min_count=1)),
-                "steps": int(point["steps"].sum()),
-                "wall_time": float(point["wall_time"].sum()),
-                "max_overlap": float(point["max_overlap"].max()),
-                "missing_energy": float(point["missing_energy"].max()),
+                "point": str(held["point"][index]),
+                "system": str(held["system"][index]),
+                "series": str(held["series"][index]).split(),
+                "replicates": int(held["replicates"][index]),
+                **{name: values[index].item() for name, values in table.items()},
                 "caveat": caveats.index(caveat) + 1 if caveat else 0,
                 "measured": measured(*map(finite, (found["velocity"], found["half_width"]))),
                 **found,

@@ -12,17 +12,23 @@ from sim.dataset.gather import read_run
 from sim.dataset.results import load_results
 from sim.parameters import BeltParameters, ChuteParameters, point_id
 from sim.study.load import load_study
+from tests.made.figures import make_built_study
 from tests.made.runs import FAILURE, HEIGHTS, is_hurt, is_lost, made_velocity, make_study, write_run
 
 
 @pytest.fixture(scope="module")
 def made(tmp_path_factory) -> tuple[Path, Path]:
-    return make_study(tmp_path_factory.mktemp("made"))
+    return make_built_study(tmp_path_factory.mktemp("made"))
 
 
 @pytest.fixture(scope="module")
-def dataset(made) -> xr.Dataset:
-    with xr.open_dataset(build(*made)) as opened:
+def built(made) -> Path:
+    return made[1] / "made" / "dataset.nc"
+
+
+@pytest.fixture(scope="module")
+def dataset(built) -> xr.Dataset:
+    with xr.open_dataset(built) as opened:
         return opened.load()
 
 
@@ -142,8 +148,8 @@ def test_a_netcdf_file_that_is_no_run_is_named(tmp_path):
         read_run(path)
 
 
-def test_profiles_of_both_systems_lie_in_groups(made):
-    results = load_results(build(*made))
+def test_profiles_of_both_systems_lie_in_groups(made, built):
+    results = load_results(built)
     study = load_study(*made)
     for point in study.points.values():
         if is_lost(point.parameters):
@@ -157,6 +163,6 @@ def test_profiles_of_both_systems_lie_in_groups(made):
         assert values.mean(axis=1) == pytest.approx(velocities)
 
 
-def test_the_whole_file_opens_as_a_tree(made):
-    with xr.open_datatree(build(*made)) as tree:
+def test_the_whole_file_opens_as_a_tree(built):
+    with xr.open_datatree(built) as tree:
         assert set(tree["chute"]["run"].values) <= set(tree["point"].values)

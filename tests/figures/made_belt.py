@@ -8,6 +8,7 @@ from sim.dataset.build import build
 from sim.parameters import BeltParameters
 from sim.study.catalogue import FIGURES
 from sim.study.load import load_study
+from tests.made.once import once
 from tests.made.runs import SAMPLES, write_run
 
 STUDY = """\
@@ -156,8 +157,9 @@ def made_particles(parameters: BeltParameters) -> dict[str, tuple]:
     }
 
 
-def make_dataset(folder: Path) -> Path:
-    """Write the study and all its run files; return the dataset built from them."""
+@once
+def make_dataset(folder: Path) -> tuple[Path, Path]:
+    """Write the study, all its run files and the dataset; return the study file and that."""
     study_path, results = folder / "made.yaml", folder / "results"
     study_path.write_text(STUDY)
     study = load_study(study_path, results)
@@ -168,4 +170,4 @@ def make_dataset(folder: Path) -> Path:
         if any(FIGURES[name].particles for name in point.figures):
             arrays |= made_particles(parameters)
         write_run(results / study.name / "runs", parameters, velocity, arrays=arrays)
-    return build(study_path, results)
+    return study_path, build(study_path, results)

@@ -8,6 +8,7 @@ import xarray as xr
 from sim.dataset.build import build
 from sim.parameters import BeltParameters, ChuteParameters, Parameters
 from sim.study.load import load_study
+from tests.made.once import once
 from tests.made.runs import write_run
 
 STUDY = """\
@@ -117,8 +118,9 @@ def made_particles(parameters: Parameters) -> dict[str, tuple]:
     }
 
 
-def make_dataset(folder: Path) -> Path:
-    """Write the study and all its run files; return the dataset built from them."""
+@once
+def make_dataset(folder: Path) -> tuple[Path, Path]:
+    """Write the study, all its run files and the dataset; return the study file and that."""
     study_path, results = folder / "made.yaml", folder / "results"
     study_path.write_text(STUDY)
     study = load_study(study_path, results)
@@ -149,4 +151,4 @@ def make_dataset(folder: Path) -> Path:
         measure = np.where(completed, values[:, None] * spread, np.nan)
         dataset[name] = (("point", "replicate"), measure)
     dataset.to_netcdf(path, mode="a")
-    return path
+    return study_path, path

@@ -12,13 +12,13 @@ import pytest
 import xarray as xr
 
 from sim.base.errors import InputError
-from sim.dataset.build import build
 from sim.figures.render import draw
 from sim.figures.style import DASH_DOT, LONE_BESIDE, SHORT_DASH
 from sim.study.load import load_study
 from tests.figures import drawing
 from tests.figures.drawing import dashes, fed, picture
-from tests.made.runs import FAILURE, is_hurt, is_lost, make_study
+from tests.made.figures import make_built_study
+from tests.made.runs import FAILURE, is_hurt, is_lost
 
 NAMES = ("walton_2", "gallas_1a", "gallas_1b", "gallas_1c")
 LONG_DASH = (0, (5, 2))
@@ -26,12 +26,12 @@ LONG_DASH = (0, (5, 2))
 
 @pytest.fixture(scope="module")
 def made(tmp_path_factory) -> tuple[Path, Path]:
-    return make_study(tmp_path_factory.mktemp("made"))
+    return make_built_study(tmp_path_factory.mktemp("made"))
 
 
 @pytest.fixture(scope="module")
 def dataset_path(made) -> Path:
-    return build(*made)
+    return made[1] / "made" / "dataset.nc"
 
 
 @pytest.fixture(scope="module")

@@ -10,21 +10,21 @@ import pandas as pd
 import pytest
 import xarray as xr
 
-from sim.dataset.build import build
 from sim.figures.boundaries import BOUNDARIES, boundary_sentence
 from sim.figures.regimes import MARKS, creeping
 from sim.figures.render import draw
 from sim.study.catalogue import FIGURES
 from tests.figures import drawing
 from tests.figures.drawing import fed, picture
-from tests.made.runs import make_regimes
+from tests.made.figures import make_built_regimes
 
 NAMES = ("regimes_friction", "regimes_angle", "belt_onset")
 
 
 @pytest.fixture(scope="module")
 def dataset_path(tmp_path_factory) -> Path:
-    return build(*make_regimes(tmp_path_factory.mktemp("made")))
+    _, results = make_built_regimes(tmp_path_factory.mktemp("made"))
+    return results / "regimes" / "dataset.nc"
 
 
 def drawn(name: str, dataset_path: Path):

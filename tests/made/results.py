@@ -8,7 +8,7 @@ import pandas as pd
 import xarray as xr
 from scipy.special import ndtri
 
-from sim.dataset.replicates import outcome
+from sim.dataset.replicates import outcomes
 from sim.dataset.results import Results
 from sim.parameters import SYSTEMS, Parameters, canonical, field_info, parse_point, point_id
 
@@ -232,7 +232,7 @@ def _coordinates(points: Sequence[MadePoint]) -> dict[str, object]:
 
 def _together(root: xr.Dataset) -> dict[str, object]:
     """Return what replicates say together, under the names of the dataset."""
-    found = [outcome(root.isel(point=index)) for index in range(root.sizes["point"])]
+    found = outcomes(root)
     names = {"velocity": float, "half_width": float, "regime": object, "quality": object}
     return {
         f"point_{name}": ("point", np.array([each[name] for each in found], kind))

@@ -6,10 +6,10 @@ import pytest
 import yaml
 
 from sim.__main__ import main
-from sim.dataset.build import build
 from sim.parameters import BeltParameters, ChuteParameters, load_point
 from sim.report.info import describe
-from tests.made.runs import FAILURE, make_study, write_run
+from tests.made.figures import make_built_study
+from tests.made.runs import FAILURE, write_run
 
 POINTS = [
     ChuteParameters(depth=2.5, friction=0.3, friction_plane=0.5, orientations=False, replicates=2),
@@ -48,7 +48,7 @@ def test_a_file_that_is_no_run_gives_one_line(tmp_path, capsys, content):
 
 
 def test_a_dataset_is_called_one(tmp_path, capsys):
-    path = build(*make_study(tmp_path))
+    path = make_built_study(tmp_path)[1] / "made" / "dataset.nc"
     assert main(["info", str(path)]) == 2
     error = capsys.readouterr().err
     assert error == f"error: {path}: the dataset of study made, not a run file\n"

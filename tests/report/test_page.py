@@ -15,9 +15,9 @@ from sim.dataset.build import build as build_dataset
 from sim.figures.render import draw
 from sim.report.page import build
 from sim.study.load import load_study
-from tests.made.figures import make_figures
+from tests.made.figures import make_built_regimes, make_figures
 from tests.made.report import write_claims
-from tests.made.runs import FAILURE, make_regimes, make_study
+from tests.made.runs import FAILURE, make_study
 
 FIGURES = ("walton_2", "gallas_1a", "gallas_1b", "gallas_1c")
 
@@ -210,8 +210,8 @@ def test_damaged_verdicts_are_named_and_set_aside(made, page):
 
 def test_boundaries_have_a_table_of_their_own(page, tmp_path):
     assert "Boundaries between regimes" not in page.text
-    study_path, results = make_regimes(tmp_path)
-    dataset = build_dataset(study_path, results)
+    study_path, results = make_built_regimes(tmp_path)
+    dataset = results / "regimes" / "dataset.nc"
     study = load_study(study_path, results)
     for name in study.figures:
         draw(name, dataset, results / "regimes" / "figures")

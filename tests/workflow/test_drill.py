@@ -151,7 +151,7 @@ def undisturbed(tmp_path_factory) -> Path:
     return tree
 
 
-@pytest.mark.parametrize("kills", [6, pytest.param(100, marks=pytest.mark.long)])
+@pytest.mark.parametrize("kills", [4, pytest.param(100, marks=pytest.mark.long)])
 def test_kills_at_random_moments_change_no_bit(kills, undisturbed, tmp_path, request):
     study = load_study(undisturbed / "drill.yaml")
     tree = tmp_path
