@@ -12,6 +12,7 @@ import numpy as np
 
 from sim import __version__
 from sim.base.files import alone
+from sim.base.statistics import student
 from sim.engine.checkpoint import Checkpoint, checkpoint_interval
 from sim.engine.current import current_status
 from sim.engine.identity import NUMERICS, library_versions, source_hash
@@ -103,6 +104,8 @@ def _compute(parameters: Parameters, output: Path, quiet: bool) -> str:
         log.warning("%s: its point, to see the failure again: %s", point_id(parameters), command)
     for record in state.records:
         log.log(*_closing_line(parameters, record))
+    if len(state.records) > 1:
+        log.info(_together(parameters, state.records))
     return attributes["status"]
 
 
@@ -116,10 +119,33 @@ def _closing_line(parameters: Parameters, record: Record) -> tuple[int, str]:
         regime += f" at {values['acceleration']:.4g} ± {values['acceleration_half_width']:.2g} m/s²"
         limits = "".join(f", {key} {v:.4g}" for key, (v, _) in parameters.limits.items())
         regime += limits.replace("_", " ")
+    velocity = (float(values[key]) for key in ("velocity", "velocity_half_width"))
     return logging.INFO, (
-        f"{name}: velocity {values['velocity']:.4g} ± {values['velocity_half_width']:.2g} m/s, "
-        f"{regime}; {values['quality']}; stopped: {values['stopped']}"
+        f"{name}: {_velocity(*velocity)}, {regime}; "
+        f"{values['quality']}; stopped: {values['stopped']}"
     )
+
+
+def _together(parameters: Parameters, records: list[Record]) -> str:
+    """Return the line that says what several replicates gave together."""
+    name, scalars = point_id(parameters), [record.scalars for record in records]
+    failed = sum(bool(each["reason"]) for each in scalars)
+    if failed:
+        return f"{name}: failed: {failed} of {len(records)} replicates"
+    velocities = np.array([each["velocity"] for each in scalars])
+    error = velocities.std(ddof=1) / np.sqrt(len(velocities))
+    half_width = student(len(velocities) - 1) * error
+    regimes = ", ".join(dict.fromkeys(str(each["regime"]) for each in scalars))
+    return (
+        f"{name}: {_velocity(velocities.mean(), half_width)}, {regimes}; {len(records)} replicates"
+    )
+
+
+def _velocity(value: float, half_width: float) -> str:
+    """Write a mean velocity with its 95 % interval, where that is known."""
+    if np.isnan(half_width):
+        return f"velocity {value:.4g} m/s, interval not known"
+    return f"velocity {value:.4g} ± {half_width:.2g} m/s"
 
 
 def _layout(parameters: Parameters, system: System, records: list[Record]) -> Layout:

@@ -30,7 +30,7 @@ POINTS = {
     "chute of two threads": chute_point(depth=2, cell=5, transient=5, average=10, threads=2),
     "belt": belt_point(beads=20, width=5, transient=1, average=6, replicates=2),
 }
-LONG = belt_point(transient=20, average=40, replicates=2)
+LONG = belt_point(beads=60, width=8, transient=10, average=20, replicates=2)
 
 
 def assert_same(one: Path, other: Path) -> None:

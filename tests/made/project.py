@@ -40,7 +40,9 @@ def command(folder: Path, *arguments: str, study: str = STUDY) -> list[str]:
     """Return the command of a workflow: of the copy in a folder, or of the project."""
     copied = folder / "Snakefile"
     snakefile = copied if copied.exists() else ROOT / "Snakefile"
-    options = ["--cores", "2", "--snakefile", str(snakefile), *arguments, "--configfile", study]
+    # What the profile keeps quiet about is what tests look at.
+    spoken = ["--quiet", "host", "--cores", "2", "--snakefile", str(snakefile)]
+    options = [*spoken, *arguments, "--configfile", study]
     return [sys.executable, "-m", "snakemake", *options]
 
 

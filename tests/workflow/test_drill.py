@@ -37,11 +37,11 @@ study: drill
 series:
   - name: flows
     system: chute
-    base: {cell: 5, transient: 50, average: 100}
+    base: {cell: 5, transient: 30, average: 60}
     cases: [{depth: 3}, {depth: 2, overlap_limit: 1.0e-6}]
   - name: beds
     system: belt
-    base: {transient: 10, average: 40, replicates: 2}
+    base: {beads: 100, width: 10, transient: 10, average: 30, replicates: 2}
     grid: {frequency: [20, 50]}
 """
 

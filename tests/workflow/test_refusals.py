@@ -44,7 +44,9 @@ def test_a_bad_environment_gives_one_line_and_no_work(tmp_path, monkeypatch):
 
 def test_the_default_study_is_the_quick_one(tmp_path):
     (tmp_path / "config").symlink_to(ROOT / "config")
-    command = [sys.executable, "-m", "snakemake", "-n", "--snakefile", str(ROOT / "Snakefile")]
+    snakefile = str(ROOT / "Snakefile")
+    options = ["-n", "--quiet", "host", "--snakefile", snakefile]
+    command = [sys.executable, "-m", "snakemake", *options]
     dry = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
     assert dry.returncode == 0, dry.stderr
     assert "results/quick/report.html" in dry.stdout + dry.stderr

@@ -148,12 +148,23 @@ def warn_of_namesake():
             )
 
 
+def watch():
+    """Start to show how the study goes; return what shows it."""
+    from sim.report.watch import Watch
+
+    started = Watch(STUDY, Path(RESULTS))
+    started.start()
+    return started
+
+
 def summarize():
     """Say how the points of the study ended. What keeps it from that must not fail the workflow."""
     # Not needed for a dry run, which these libraries would slow.
     from sim.report.status import survey
     from sim.report.status_table import as_text
 
+    for started in WATCH:
+        started.end()
     try:
         print(f"\n{as_text(survey(STUDY))}\n", file=sys.stderr)
     except (InputError, OSError) as error:
@@ -174,6 +185,7 @@ OWNER = Path(RESULTS) / ".study"
 WARM = Path(RESULTS) / "runs" / ".warm"
 PLANNED = Path(RESULTS) / "runs" / ".batches"
 BATCHES = planned_batches()
+WATCH = []
 
 # Rules follow the rooms of the package that they use.
 room = partial(room_hash, ROOT / "sim")
@@ -188,6 +200,7 @@ onstart:
     OWNER.write_text(str(STUDY.path.resolve()), encoding="utf-8")
     PLANNED.parent.mkdir(exist_ok=True)
     PLANNED.write_text(json.dumps(BATCHES), encoding="utf-8")
+    WATCH.append(watch())
 
 
 # Jobs find the interpreter of this Snakemake, the package and the study wherever they run. Where a

@@ -51,7 +51,7 @@ def profile(kind: str, height):
     return {"linear": height, "wavy": 2 * np.sin(height), "split": 2 * np.sign(height - 2.0)}[kind]
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", range(2))
 @pytest.mark.parametrize("kind", ["linear", "wavy", "split"])
 @pytest.mark.parametrize(
     ("skin", "agitation", "threads"), [(0.1, 0.02, 1), (0.3, 0.1, 2), (0.8, 0.02, 1)]
@@ -72,7 +72,7 @@ def test_no_contact_of_a_dense_sheared_flow_is_missed(skin, agitation, threads, 
     assert 2 < built < 400
 
 
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", range(3))
 def test_no_contact_is_missed_where_the_mean_flow_alone_brings_spheres_together(seed):
     """Sparse rows that slide over each other, closer than a diameter: nothing strays at all.
 
@@ -94,7 +94,7 @@ def test_no_contact_is_missed_where_the_mean_flow_alone_brings_spheres_together(
     assert outlived > 20
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", range(2))
 @pytest.mark.parametrize("skin", [0.1, 0.5])
 def test_no_contact_of_two_beams_that_meet_head_on_is_missed(skin, seed):
     """All use up their half of the skin at the same time, which is the worst that may happen."""
@@ -143,7 +143,7 @@ def crowd(seed: int, spacing: float, kind: str, integrator, skin: float):
     return DiskMotion(position, velocity, **options), radius
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", range(2))
 @pytest.mark.parametrize("integrator", [Gear, Verlet])
 @pytest.mark.parametrize(("kind", "spacing"), [("layers", 1.0), ("beams", 1.4)])
 @pytest.mark.parametrize("skin", [0.1, 0.3])
