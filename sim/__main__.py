@@ -86,7 +86,7 @@ def _call(function: str, options: dict[str, Any]) -> int:
     return 0
 
 
-def warm(study_path: Path | None) -> None:
+def warm(study_path: Path | None, processes: int) -> None:
     """Compile what the points of a study need, or those of both systems by default."""
     from sim.parameters import SYSTEMS
 
@@ -99,7 +99,7 @@ def warm(study_path: Path | None) -> None:
 
     from sim.engine.warm import warm
 
-    warm(points)
+    warm(points, processes)
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -157,6 +157,9 @@ def _add_study_options(parsers: dict[str, argparse.ArgumentParser]) -> None:
         nargs="?",
         metavar="STUDY.yaml",
         help="compile what this study needs (default: both systems with their default readings)",
+    )
+    parsers["warm"].add_argument(
+        "-j", "--processes", type=int, default=1, metavar="N", help="compile N systems side by side"
     )
 
 

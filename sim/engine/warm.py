@@ -1,6 +1,8 @@
 """Compile the engine before a fan-out, so that no two runs compile the same code side by side."""
 
 from collections.abc import Iterable
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
 
 from sim.engine.systems import build
 from sim.parameters import Parameters
@@ -17,9 +19,24 @@ def variants(points: Iterable[Parameters]) -> list[Parameters]:
     return list(small.values())
 
 
-def warm(points: Iterable[Parameters]) -> None:
-    """Compile everything that runs of these points will call, and keep it in the cache folder."""
+def warm(points: Iterable[Parameters], processes: int = 1) -> None:
+    """Compile everything that runs of these points will call, and keep it in the cache folder.
+
+    Systems share little code: with several ``processes`` they are compiled side by side.
+    """
+    systems: dict[type, list[Parameters]] = {}
     for point in variants(points):
+        systems.setdefault(type(point), []).append(point)
+    if processes == 1 or len(systems) == 1:
+        for alike in systems.values():
+            _compile(alike)
+        return
+    with ProcessPoolExecutor(processes, get_context("fork")) as pool:
+        list(pool.map(_compile, systems.values()))
+
+
+def _compile(points: Iterable[Parameters]) -> None:
+    for point in points:
         system = build(point, 0)
         system.settle()
         system.advance()

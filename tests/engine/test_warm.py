@@ -1,5 +1,8 @@
 """Warming up: one small point per set of compiled kernels."""
 
+import pytest
+
+from sim.engine import warm as warming
 from sim.engine.warm import variants, warm
 from sim.parameters import parse_point
 
@@ -33,3 +36,16 @@ def test_every_reading_that_selects_code_is_a_variant_of_its_own():
 
 def test_warming_runs_every_kernel_of_a_run():
     warm([point(system="belt", beads=5, width=6)])
+
+
+def test_systems_may_be_warmed_side_by_side(monkeypatch):
+    """And what goes wrong with one of them is not lost."""
+    points = [point(system="belt", beads=5, width=6), point(system="chute", depth=1, cell=3)]
+    warm(points, processes=2)
+
+    def broken(*_):
+        raise RuntimeError("broken")
+
+    monkeypatch.setattr(warming, "build", broken)
+    with pytest.raises(RuntimeError, match="broken"):
+        warm(points, processes=2)

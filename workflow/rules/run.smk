@@ -10,10 +10,14 @@ rule warm:
         f"{RESULTS}/benchmarks/warm.tsv"
     conda:
         "../envs/talus.yaml"
+    threads: len({point.parameters.system for point in STUDY.points.values()}) or 1
+    resources:
+        mem_mb=1500,
+        runtime=30,
     params:
         numerics=numerics_mark(),
     shell:
-        'python -m sim warm "$TALUS_STUDY" > {log} 2>&1; echo {params.numerics:q} > {output}'
+        'python -m sim warm "$TALUS_STUDY" --processes {threads} > {log} 2>&1 && echo {params.numerics:q} > {output}'
 
 
 # A run may outlive the Snakemake that has started it, and Snakemake takes what it then writes for
