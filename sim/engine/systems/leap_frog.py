@@ -238,8 +238,8 @@ def advance_spheres(spheres, contacts, flow, motion, thread, steps):
         return OK
     while step < last:
         if not valid:
-            memory = contacts.memory[step % 2]
-            status = refresh_together(spheres, contacts, flow.sharing, thread, memory)
+            pairs, plane, memory = contacts.pairs, contacts.plane, contacts.memory[step % 2]
+            status = refresh_together(spheres, pairs, plane, flow.sharing, thread, memory)
             if status != OK:
                 return status
         step += 1

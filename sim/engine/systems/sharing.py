@@ -90,13 +90,13 @@ def collect_forces(spheres, sharing, share):
 
 
 @inlined
-def refresh_together(spheres, contacts, sharing, thread, memory):
+def refresh_together(spheres, pairs, plane, sharing, thread, memory):
     """Rebuild the neighbor list, sort the particles by place and share them out anew.
 
     Done by all threads together; ``memory`` (7, C) is that of the last step. Returns a status:
     unless it is OK, list and particles are as they were, but for positions wrapped into the cell.
     """
-    rank, gate, pairs = thread.rank, thread.gate, contacts.pairs
+    rank, gate = thread.rank, thread.gate
     threads = sharing.border.size - 1
     if rank == 0:
         sharing.status[0] = tidy(pairs, spheres.position)
@@ -115,7 +115,7 @@ def refresh_together(spheres, contacts, sharing, thread, memory):
         reorder(spheres.velocity, ordered.order)
         reorder(spheres.rim, ordered.order)
     if rank == threads - 1:
-        _reorder_rest(spheres, contacts.plane, ordered.order)
+        _reorder_rest(spheres, plane, ordered.order)
     barrier(gate)
     if rank == 0:
         _share_out(pairs, sharing)
