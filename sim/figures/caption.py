@@ -66,10 +66,11 @@ def protocol_sentence(rows: pd.DataFrame, system: str) -> str:
         return ""
     limit, targets = quantity(system, "limit", converged["limit"]), sorted(set(converged["target"]))
     wanted = ", ".join(f"{100 * target:g}" for target in targets)
+    cut = int(converged["stopped"].str.contains("limit").sum())
     return (
         f"Converged protocol ({points_text(len(converged))}): runs go on until the mean is known "
-        f"to {wanted} % and no drift is left, {limit} at most; averaged is what the transient "
-        "leaves."
+        f"to {wanted} % and no drift is left, {limit} at most, which stopped runs of {cut} of "
+        "these points before that; averaged is what the transient leaves."
     )
 
 

@@ -8,6 +8,7 @@ import numpy as np
 from sim.engine.boundary.belt import belt_state
 from sim.engine.compile import FASTMATH, append_negative, kernel, vectorised
 from sim.engine.contact.damping import disk_force
+from sim.engine.contact.friction import contact_force
 from sim.engine.contact.roots import cube_root, inverse_square_root
 from sim.engine.contact.spring_damping import SpringDamping, spring_damping
 from sim.engine.contact.walton_braun import WaltonBraun, walton_braun
@@ -138,6 +139,19 @@ def meet(gate, rounds, rank, count):
             if count[other] != number and count[other] != number + 1:
                 missed += 1
     return missed
+
+
+@kernel
+def dissipated_energy(law, overlap):
+    """Energy that the law says a contact of spheres has lost along overlaps (n,), without slip."""
+    lost, memory, still = 0.0, (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+    for k in range(overlap.size):
+        approach = overlap[k] - (overlap[k - 1] if k else 0.0)
+        _, _, memory, energy = contact_force(
+            law, overlap[k], approach, (0.0, 0.0, 1.0), still, memory
+        )
+        lost += energy[0]
+    return lost
 
 
 @kernel

@@ -72,7 +72,7 @@ FIG_1 = (
         lead=(
             "Transport velocity V_x of the beads against the frequency f of the belt: lines for "
             "several amplitudes A_z of the vibration at γ = γ_s = 50g, markers alone for other "
-            "damping coefficients (γ, γ_s), large and pale those of the converged protocol."
+            "damping coefficients (γ, γ_s)."
         ),
         named=FLOW,
         says=(
