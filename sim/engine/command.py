@@ -103,9 +103,14 @@ def _logged(parameters: Parameters, runs: Path, logs: Path) -> int:
         return _run_one(parameters, runs / f"{name}.nc", quiet=False, record_failure=True)
     except _BeyondAllMachines as error:
         log.error("error: %s", error)
+        print(f"error: {error}", file=sys.stderr)
         return SYSTEM_ERROR
     except Exception:
         log.exception("%s: the program has gone wrong", name)
+        print(
+            f"error: {name}: the program has gone wrong, see {handler.baseFilename}",
+            file=sys.stderr,
+        )
         return SYSTEM_ERROR
     finally:
         root.removeHandler(handler)

@@ -10,6 +10,9 @@ from sim.study.cost import PROCESS_TIME, estimate
 #: than half of the most has a process of its own.
 LEAST, MOST = 3.0, 25.0
 
+#: Points of a batch at most: Snakemake looks through all of them for each.
+CROWD = 50
+
 #: Batches for each core, so that one that takes longer than estimated keeps none waiting for long.
 PER_CORE = 2
 
@@ -34,7 +37,7 @@ def batches(points: Mapping[str, Parameters], cores: float) -> dict[str, list[st
     found: list[list[str]] = []
     full = share
     for name in sorted(seconds, key=lambda name: (-seconds[name], name)):
-        if full + seconds[name] > share:
+        if full + seconds[name] > share or len(found[-1]) == CROWD:
             found.append([])
             full = 0.0
         found[-1].append(name)

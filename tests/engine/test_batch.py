@@ -65,10 +65,13 @@ def test_one_that_no_machine_can_compute_keeps_no_other_from_it(tmp_path):
     assert (tmp_path / "runs" / f"{IDS[0]}.nc").exists()
     (log,) = (path for path in (tmp_path / "logs" / "runs").iterdir() if path.stem != IDS[0])
     assert "cannot be computed" in log.read_text()
+    assert done.stderr.startswith("error: ") and "cannot be computed" in done.stderr
 
 
 def test_an_error_of_the_program_is_in_the_log(tmp_path):
     (tmp_path / "runs" / f"{IDS[0]}.nc").mkdir(parents=True)
     done = batch(tmp_path, complete([BELT]), env=os.environ | {"TALUS_CHECKPOINT_SECONDS": "60"})
     assert done.returncode == 1
-    assert "Traceback" in (tmp_path / "logs" / "runs" / f"{IDS[0]}.log").read_text()
+    log = tmp_path / "logs" / "runs" / f"{IDS[0]}.log"
+    assert "Traceback" in log.read_text()
+    assert str(log) in done.stderr

@@ -3,7 +3,7 @@
 import pytest
 
 from sim.parameters import BeltParameters, ChuteParameters, point_id
-from sim.study.batches import LEAST, MOST, batches
+from sim.study.batches import CROWD, LEAST, MOST, batches
 from sim.study.cost import PROCESS_TIME, estimate
 
 SHORT = [BeltParameters(frequency=frequency) for frequency in range(10, 60)]
@@ -47,3 +47,8 @@ def test_names_tell_their_points():
     one, other = batches(named(SHORT[:2]), 1), batches(named(SHORT[:3]), 1)
     assert set(one).isdisjoint(other)
     assert list(one) == list(batches(named(SHORT[:2]), 1))
+
+
+def test_a_batch_of_very_short_points_is_no_crowd():
+    tiny = [BeltParameters(beads=5, width=5, transient=1, average=1, seed=n) for n in range(120)]
+    assert [len(batch) for batch in batches(named(tiny), 1000).values()] == [CROWD, CROWD, 20]

@@ -52,10 +52,6 @@ def run_file(point):
     return f"{RESULTS}/runs/{point}.nc"
 
 
-def run_log(point):
-    return f"{RESULTS}/logs/runs/{point}.log"
-
-
 def costs(points):
     """Return the estimated costs of points of the study."""
     return [estimate(parameters(point)) for point in points]

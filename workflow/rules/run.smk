@@ -27,7 +27,7 @@ rule warm:
 # numerics alone; the points themselves, which change with the batch, are derived from the output.
 # The input must not be `ancient`: Snakemake does not look at the parameters of a job below one that
 # is to run.
-RUN = "python -m sim batch {params.folder} <<< {params.points:q}"
+RUN = "python -m sim batch {params.folder} <<< {params.points:q} 2> {log}"
 
 
 rule run:
@@ -36,7 +36,7 @@ rule run:
     output:
         update(run_file("{point}")),
     log:
-        run_log("{point}"),
+        f"{RESULTS}/logs/jobs/{{point}}.log",
     benchmark:
         f"{RESULTS}/benchmarks/runs/{{point}}.tsv"
     priority: lambda wildcards: seconds([wildcards.point])
@@ -65,7 +65,7 @@ for batch, points in BATCHES.items():
         output:
             update([run_file(point) for point in points]),
         log:
-            [run_log(point) for point in points],
+            f"{RESULTS}/logs/jobs/{batch}.log",
         benchmark:
             f"{RESULTS}/benchmarks/runs/{batch}.tsv"
         priority: seconds(points)
