@@ -1,5 +1,6 @@
 """The whole way from a study file to the report, with the real engine, and what is asked of it."""
 
+import json
 import os
 import shutil
 import time
@@ -177,3 +178,18 @@ def test_a_clock_that_was_ahead_makes_nothing_old_and_hides_nothing(tree):
     assert planned(tree)["dataset"] == 1
     run.write_bytes(whole)
     assert planned(tree) == {}
+
+
+def test_a_job_on_a_cluster_knows_the_batches_of_the_workflow_that_planned(tmp_path):
+    """There each job is a Snakemake of its own, started when other run files are there already."""
+    tree = bare_folder(tmp_path)
+    started = snakemake(tree, "--until", "warm")
+    assert started.returncode == 0, started.stderr
+    runs = tree / "results" / "tiny" / "runs"
+    ((batch, members),) = json.loads((runs / ".batches").read_text()).items()
+    (runs / f"{members[0]}.nc").touch()
+    options = ("--mode", "remote", "--target-jobs", f"{batch}:", "--allowed-rules", batch)
+    done = snakemake(tree, *options, "--nolock", "--force")
+    assert done.returncode == 0, done.stderr
+    assert {path.stem for path in runs.glob("*.nc")} == set(members) == set(TINY.points)
+    assert f"{POINTS} points: " not in done.stderr

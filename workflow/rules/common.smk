@@ -15,6 +15,7 @@ from helpers import correct_future_times, files_hash, release_stale_lock, room_h
 
 from sim.engine.checkpoint import checkpoint_interval
 from sim.base.errors import InputError
+from sim.base.files import replacing
 from sim.study.catalogue import FIGURES
 from sim.parameters import canonical_json
 from sim.engine.identity import numerics_mark
@@ -159,6 +160,8 @@ def summarize():
     from sim.report.status import survey
     from sim.report.status_table import as_text
 
+    if not workflow.is_main_process:
+        return
     for started in WATCH:
         started.end()
     try:
@@ -192,11 +195,13 @@ if workflow.is_main_process:
 
 
 onstart:
-    OWNER.parent.mkdir(parents=True, exist_ok=True)
-    OWNER.write_text(str(STUDY.path.resolve()), encoding="utf-8")
-    PLANNED.parent.mkdir(exist_ok=True)
-    PLANNED.write_text(json.dumps(BATCHES), encoding="utf-8")
-    WATCH.append(watch())
+    # Not in the Snakemake that a job on a cluster starts.
+    if workflow.is_main_process:
+        PLANNED.parent.mkdir(parents=True, exist_ok=True)
+        for path, text in ((OWNER, str(STUDY.path.resolve())), (PLANNED, json.dumps(BATCHES))):
+            with replacing(path) as temporary:
+                temporary.write_text(text, encoding="utf-8")
+        WATCH.append(watch())
 
 
 # Jobs find the interpreter of this Snakemake, the package and the study wherever they run. Where a
