@@ -16,6 +16,10 @@ from sim.study.load import Study
 #: Seconds between two looks at the folder of runs.
 PAUSE = 1.0
 
+#: Points of which each is told where no terminal shows a bar; of more, failures alone, and how far
+#: the study is after every twentieth part.
+FEW = 30
+
 #: What a bar shows on a terminal.
 BAR = "{desc}: {n_fmt} of {total_fmt} points |{bar:30}| {postfix}"
 
@@ -40,10 +44,11 @@ class Watch(threading.Thread):
         self._over = threading.Event()
         self._began = time.monotonic()
         self._known = dict(self._look())
-        self._failed = 0
+        self._failed, self._name = 0, study.name
         there = self._known.keys() & self._seconds.keys()
         self._left = sum(self._seconds[name] for name in self._seconds.keys() - there)
         self._spent = 0.0
+        self._told = 20 * len(there) // max(1, len(self._seconds))
         self._bar = tqdm(
             desc=study.name,
             total=len(self._seconds),
@@ -82,14 +87,20 @@ class Watch(threading.Thread):
         for name in found:
             if self._known.get(name) != found[name]:
                 line = self._result(name)
-                self._failed += "failed" in line
-                self._bar.write(line, file=sys.stderr)
+                failed = "failed" in line
+                self._failed += failed
+                if failed or not self._bar.disable or len(self._seconds) <= FEW:
+                    self._bar.write(line, file=sys.stderr)
                 if name not in self._known:
                     seconds = self._seconds.get(name, 0.0)
                     self._left, self._spent = self._left - seconds, self._spent + seconds
                     self._bar.update(name in self._seconds)
         self._known |= found
         self._bar.set_postfix_str(self._state())
+        done, all_ = len(found.keys() & self._seconds.keys()), len(self._seconds)
+        if self._bar.disable and all_ > FEW and 20 * done // all_ > self._told:
+            self._told = 20 * done // all_
+            print(f"{self._name}: {done} of {all_} points, {self._state()}", file=sys.stderr)
 
     def _result(self, name: str) -> str:
         """Return the line with the result in the log of a run."""

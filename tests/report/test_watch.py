@@ -49,6 +49,22 @@ def test_a_point_without_a_log_is_told_too(study, tmp_path, capsys):
     assert capsys.readouterr().err == f"{name}: done\n"
 
 
+def test_of_many_points_failures_are_told_and_how_far_the_study_is(tmp_path, capsys):
+    text = STUDY.replace("[20, 40, 60]", str(list(range(20, 60))))
+    (tmp_path / "watched.yaml").write_text(text)
+    study = load_study(tmp_path / "watched.yaml", tmp_path)
+    watch = Watch(study, tmp_path)
+    failing, *others = study.points
+    finish(tmp_path, failing, "failed: an overlap")
+    watch._tell()
+    for name in others[:9]:
+        finish(tmp_path, name, "velocity 1 m/s")
+    watch.end()
+    first, second = capsys.readouterr().err.splitlines()
+    assert first == f"{failing}: failed: an overlap"
+    assert second.startswith("watched: 10 of 40 points, 0 running, 1 failed, about ")
+
+
 def test_the_time_left_follows_from_what_is_done(study, tmp_path):
     watch = Watch(study, tmp_path)
     assert "left" not in watch._state()
