@@ -119,6 +119,12 @@ def test_a_changed_parameter_runs_the_points_it_touches(tree):
     assert point.startswith("belt-frequency10-") and "-shear2-" in point
 
 
+def test_another_figure_of_the_same_points_makes_the_dataset_again(tree):
+    text = (tree / STUDY).read_text().replace("figures: [gallas_4c]", "figures: []")
+    (tree / "fewer.yaml").write_text(text)
+    assert planned(tree, study="fewer.yaml")["dataset"] == 1
+
+
 @pytest.mark.parametrize(
     ("target", "expected"),
     [
