@@ -120,7 +120,7 @@ def test_a_changed_parameter_runs_the_points_it_touches(tree):
 
 
 def test_another_figure_of_the_same_points_makes_the_dataset_again(tree):
-    text = (tree / STUDY).read_text().replace("figures: [gallas_4c]", "figures: []")
+    text = (tree / STUDY).read_text().replace("figures: [gallas_1a]", "figures: []")
     (tree / "fewer.yaml").write_text(text)
     assert planned(tree, study="fewer.yaml")["dataset"] == 1
 
