@@ -16,3 +16,13 @@ def student(freedom: float, number: int = 1) -> np.float64:
 
     # As numpy's number it makes single precision double, which a float of Python's would not.
     return stdtrit(freedom, 1 - (1 - CONFIDENCE) / (2 * number))
+
+
+def student_half_width(values: np.ndarray) -> np.ndarray:
+    """Return the half width of Student's 95 % interval of the mean, along the first axis.
+
+    Not-a-number for fewer than two values.
+    """
+    if len(values) < 2:
+        return np.full(values.shape[1:], np.nan)
+    return student(len(values) - 1) * values.std(axis=0, ddof=1) / np.sqrt(len(values))

@@ -10,8 +10,8 @@ import numpy as np
 from uncertainties import UFloat, ufloat
 
 from sim.base.errors import InputError
+from sim.base.statistics import student_half_width
 from sim.claims.verdict import SIGMAS, Untestable
-from sim.dataset.replicates import student_half_width
 from sim.dataset.results import Results
 
 # Beds at rest and exact experiments do have no error at all.

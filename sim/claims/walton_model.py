@@ -10,7 +10,8 @@ from uncertainties import ufloat
 from sim.claims.checks import above, below, within
 from sim.claims.contacts import contact_path, random_curve, vector_spring
 from sim.claims.verdict import Check
-from sim.engine.contact.walton_braun import WaltonBraun, walton_braun
+from sim.engine.contact import Partners
+from sim.engine.contact.walton_braun import WaltonBraun, from_parameters
 from sim.engine.systems.chute import Chute
 from sim.parameters import ChuteParameters
 
@@ -167,15 +168,7 @@ def _law(reading: Reading, **changes: float) -> WaltonBraun:
     """Return the law between the chute's spheres, changed."""
     values: dict[str, Any] = {**changes, **reading}
     p = ChuteParameters(**values)
-    return walton_braun(
-        p.stiffness,
-        p.restitution,
-        p.friction,
-        p.tangential_ratio,
-        p.tangential_exponent,
-        overlap_memory=p.overlap_memory,
-        friction_cap=p.friction_cap,
-    )
+    return from_parameters(p, Partners(p.friction, 0.5 * p.mass, p.time_step))
 
 
 def _along_x(law: WaltonBraun, place: np.ndarray, path: Path) -> np.ndarray:

@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 
 from sim.base.named import Named
-from sim.base.statistics import student
+from sim.base.statistics import student_half_width
 
 #: What a mean is worth, from the best; of several replicates the worst counts.
 QUALITIES = ("reliable", "jammed", "short", "drifting", "failed")
@@ -100,13 +100,3 @@ def velocity_interval(velocities: np.ndarray, half_widths: np.ndarray) -> tuple[
     if velocities.size == 1 and np.isfinite(own):
         return own, "within run"
     return np.nan, "none"
-
-
-def student_half_width(values: np.ndarray) -> np.ndarray:
-    """Return the half width of Student's 95 % interval of the mean, along the first axis.
-
-    Not-a-number for fewer than two values.
-    """
-    if len(values) < 2:
-        return np.full(values.shape[1:], np.nan)
-    return student(len(values) - 1) * values.std(axis=0, ddof=1) / np.sqrt(len(values))

@@ -12,7 +12,7 @@ import numpy as np
 
 from sim import __version__
 from sim.base.files import alone
-from sim.base.statistics import student
+from sim.base.statistics import student_half_width
 from sim.engine.checkpoint import Checkpoint, checkpoint_interval
 from sim.engine.current import current_status
 from sim.engine.identity import NUMERICS, library_versions, source_hash
@@ -133,8 +133,7 @@ def _together(parameters: Parameters, records: list[Record]) -> str:
     if failed:
         return f"{name}: failed: {failed} of {len(records)} replicates"
     velocities = np.array([each["velocity"] for each in scalars])
-    error = velocities.std(ddof=1) / np.sqrt(len(velocities))
-    half_width = student(len(velocities) - 1) * error
+    half_width = float(student_half_width(velocities))
     regimes = ", ".join(dict.fromkeys(str(each["regime"]) for each in scalars))
     return (
         f"{name}: {_velocity(velocities.mean(), half_width)}, {regimes}; {len(records)} replicates"

@@ -11,7 +11,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from sim.dataset.replicates import student_half_width
+from sim.base.statistics import student_half_width
 from sim.figures.caption import counted, points_text
 from sim.figures.data import FigureData, parameter_columns, split_curves
 from sim.figures.kind import Kind

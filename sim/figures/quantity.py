@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 
 from sim.base.errors import InputError
-from sim.dataset.replicates import student_half_width
+from sim.base.statistics import student_half_width
 from sim.figures.data import FigureData, parameter_columns
 
 

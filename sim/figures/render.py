@@ -49,9 +49,14 @@ def draw(name: str, dataset_path: str | Path, out_folder: str | Path) -> list[Pa
     InputError
         For an unknown figure, a missing dataset, or one without points for the figure.
     """
+    return render(entry(name), Path(dataset_path), Path(out_folder))
+
+
+def entry(name: str) -> FigureSpec:
+    """Return the entry of a figure in the catalogue; an unknown name raises `InputError`."""
     if name not in FIGURES:
         raise InputError.of_value("figure", "name", name, "one of " + ", ".join(FIGURES))
-    return render(FIGURES[name], Path(dataset_path), Path(out_folder))
+    return FIGURES[name]
 
 
 def render(spec: FigureSpec, dataset_path: Path, folder: Path) -> list[Path]:

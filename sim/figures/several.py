@@ -8,9 +8,8 @@ from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
 from pathlib import Path
 
-from sim.base.errors import InputError
 from sim.base.files import replacing
-from sim.figures.render import draw
+from sim.figures.render import draw, entry
 from sim.study.catalogue import FIGURES
 
 #: File beside the figures with a hash of each: of what it was drawn from, and of its files.
@@ -50,8 +49,7 @@ def draw_several(
         problems all but the first are told on standard error.
     """
     for name in names:
-        if name not in FIGURES:
-            raise InputError.of_value("figure", "name", name, "one of " + ", ".join(FIGURES))
+        entry(name)
     drawn = _read(out_folder / DRAWN) if code else {}
     wanted = [
         name

@@ -43,7 +43,7 @@ class Watch(threading.Thread):
         }
         self._over = threading.Event()
         self._began = time.monotonic()
-        self._known = dict(self._look())
+        self._known = self._look()
         self._failed, self._name = 0, study.name
         there = self._known.keys() & self._seconds.keys()
         self._left = sum(self._seconds[name] for name in self._seconds.keys() - there)

@@ -35,9 +35,9 @@ def batches(points: Mapping[str, Parameters], cores: float) -> dict[str, list[st
             seconds[name] = cost.core_seconds - PROCESS_TIME
     share = min(max(sum(seconds.values()) / (PER_CORE * cores), LEAST), MOST)
     found: list[list[str]] = []
-    full = share
+    full = 0.0
     for name in sorted(seconds, key=lambda name: (-seconds[name], name)):
-        if full + seconds[name] > share or len(found[-1]) == CROWD:
+        if not found or full + seconds[name] > share or len(found[-1]) == CROWD:
             found.append([])
             full = 0.0
         found[-1].append(name)

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from sim.dataset.replicates import outcome, student_half_width, velocity_interval
+from sim.base.statistics import student_half_width
+from sim.dataset.replicates import outcome, velocity_interval
 
 
 def point(regimes, velocities=None):

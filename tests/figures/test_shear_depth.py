@@ -8,7 +8,7 @@ import xarray as xr
 from matplotlib.markers import CARETDOWN, CARETUP
 
 from sim.base.errors import InputError
-from sim.dataset.replicates import student_half_width
+from sim.base.statistics import student_half_width
 from sim.figures.quantity import measures
 from sim.figures.render import draw
 from tests.figures.drawing import fed, picture
