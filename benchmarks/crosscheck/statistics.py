@@ -4,7 +4,8 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from scipy.stats import t as student
+
+from sim.base.statistics import student_half_width
 
 #: Relative difference within which the engines agree whatever the intervals.
 TOLERANCE = 0.03
@@ -21,13 +22,6 @@ class Estimate(NamedTuple):
 
     mean: np.ndarray
     half_width: np.ndarray
-
-
-def student_half_width(values: np.ndarray) -> np.ndarray:
-    """Return the half width of Student's 95 % interval of the mean along the first axis."""
-    number = len(values)
-    factor = student.ppf(0.975, number - 1) / np.sqrt(number)
-    return factor * values.std(axis=0, ddof=1)
 
 
 def estimate(blocks: np.ndarray) -> Estimate:

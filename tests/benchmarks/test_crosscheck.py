@@ -19,10 +19,10 @@ from benchmarks.crosscheck.statistics import (
     estimate,
     pooled,
     ratio,
-    student_half_width,
 )
 from benchmarks.peers.chute_input import chute_request, damping_rate
 from benchmarks.peers.settings import Settings
+from sim.base.statistics import student_half_width
 
 TINY = Flow("tiny", {"depth": 1, "cell": 4, "stiffness": 117}, 1, 3, 2)
 
