@@ -4,7 +4,7 @@
 rule report:
     input:
         dataset=rules.dataset.output,
-        figures=rules.figures.output if STUDY.figures else [],
+        figures=rules.figures.output,
         claims=rules.claims.output.json,
     output:
         report(
