@@ -120,7 +120,7 @@ def _logged(parameters: Parameters, runs: Path, logs: Path) -> int:
 def _run_one(parameters: Parameters, output: Path, quiet: bool, record_failure: bool) -> int:
     """Run a point unless its run file is there; return the exit code."""
     # A mistake in a point is told without waiting for these.
-    from sim.engine.current import current_status
+    from sim.engine.held import current_status
     from sim.engine.run import BLOWN_UP, run_point
 
     if status := current_status(output, parameters):

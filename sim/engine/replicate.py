@@ -2,9 +2,11 @@
 
 import logging
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from typing import Any, Protocol, Self
 
 from sim.engine.dynamics.status import BlowUp
+from sim.engine.leaves import Leaves, below, leaves, with_leaves
 from sim.engine.observe.recorder import Record, Recorder
 from sim.engine.systems import build
 from sim.parameters import Parameters, point_id
@@ -15,90 +17,130 @@ log = logging.getLogger("talus")
 SUBSTEPS = 2
 
 
-class Stopwatch:
-    """Wall time; one that is unpickled goes on from where it was pickled."""
+class Keeper(Protocol):
+    """What is shown a replicate under way, to keep its state."""
 
-    def __init__(self, seconds: float = 0.0):
-        self._began = time.monotonic() - seconds
+    def offer(self, replicate: "Replicate") -> None:
+        """Look at a replicate that may be kept now; called after every sample."""
 
-    def __reduce__(self) -> tuple[type["Stopwatch"], tuple[float]]:
-        return Stopwatch, (self.seconds(),)
-
-    def seconds(self) -> float:
-        """Return the wall time so far, s."""
-        return time.monotonic() - self._began
+    def keep(self, replicate: "Replicate") -> None:
+        """Keep a replicate that has run to the end of its lengths, or blown up for good."""
 
 
 class Replicate:
-    """Replicate number ``number`` of a point under way; a pickle of it can be run on.
+    """Replicate number ``number`` of a point under way.
 
     After a blow-up it starts again from the same initial state with half the time step; samples are
-    taken at the same times. A second blow-up is final.
+    taken at the same times. A second blow-up is final. ``shown`` is how many samples have been
+    counted as advance, ``seconds`` the wall time of the processes before this one.
     """
 
-    def __init__(self, parameters: Parameters, number: int):
+    def __init__(self, parameters: Parameters, number: int, substeps: int = 1):
         self.parameters = parameters
         self.number = number
-        self.stopwatch = Stopwatch()
         self.failures: list[str] = []
         self.shown = 0
-        self._start(1)
+        self._began, self._before = time.monotonic(), 0.0
+        self._start(substeps)
 
     def _start(self, substeps: int) -> None:
-        p = self.parameters
         self.substeps = substeps
-        self.system = build(p, self.number, substeps)
+        self.system = build(self.parameters, self.number, substeps)
         self.recorder = Recorder(self.system)
 
-    def run(self, advanced: Callable[[int], None], pause: Callable[[], None]) -> Record:
+    @property
+    def seconds(self) -> float:
+        """Wall time so far, s, in all processes that have worked on it."""
+        return self._before + time.monotonic() - self._began
+
+    def state(self) -> Leaves:
+        """Return all that a replicate to be run on has to know, arrays and numbers by name."""
+        told = {
+            "substeps": self.substeps,
+            "failures": list(self.failures),
+            "shown": self.shown,
+            "seconds": self.seconds,
+        }
+        moving = {name: getattr(self.system, name) for name in self.system.moving}
+        return leaves({"told": told, "moving": moving}) | self.recorder.state()
+
+    @classmethod
+    def restored(cls, parameters: Parameters, number: int, state: Mapping[str, Any]) -> Self:
+        """Return the replicate that had a state, to be run to the lengths of ``parameters``.
+
+        Raises ``ValueError`` when the state is none of such a replicate.
+        """
+        made = cls(parameters, number, int(state["told.substeps"]))
+        failures = [name for name in state if name.startswith("told.failures.")]
+        made.failures = [state[name] for name in failures]
+        made.shown = int(state["told.shown"])
+        made._before = float(state["told.seconds"])
+        moving = {name: getattr(made.system, name) for name in made.system.moving}
+        held = below("moving", state)
+        for name, value in with_leaves(moving, held).items():
+            setattr(made.system, name, value)
+        made.recorder.restore(state)
+        return made
+
+    def run(self, advanced: Callable[[int], None], keeper: Keeper) -> Record:
         """Run to the end, or to the second blow-up.
 
         Parameters
         ----------
         advanced : callable
             Is told of every number of steps, as the point counts them, that is done.
-        pause : callable
-            Called whenever this replicate may be pickled.
+        keeper : Keeper
+            Is shown this replicate whenever its state may be kept.
         """
-        failure = self._attempt(advanced, pause)
-        if failure and self.substeps == 1:
-            name = point_id(self.parameters)
-            log.warning("%s: %s; again with half the time step", name, failure)
-            self._start(SUBSTEPS)
-            failure = self._attempt(advanced, pause)
-        return self._record(failure)
+        if not self._failed:
+            failure = self._attempt(advanced, keeper)
+            if failure and self.substeps == 1:
+                name = point_id(self.parameters)
+                log.warning("%s: %s; again with half the time step", name, failure)
+                self._start(SUBSTEPS)
+                failure = self._attempt(advanced, keeper)
+            if failure:
+                keeper.keep(self)
+        return self._record()
 
-    def _attempt(self, advanced: Callable[[int], None], pause: Callable[[], None]) -> str:
+    @property
+    def _failed(self) -> bool:
+        """Whether it has blown up with half the time step, too."""
+        return len(self.failures) > 1
+
+    def _attempt(self, advanced: Callable[[int], None], keeper: Keeper) -> str:
         """Run to the end or to a blow-up; return its reason."""
         recorder = self.recorder
         try:
             if not recorder.snapshots:
                 self.system.settle()
                 recorder.take_snapshot()
-                pause()
+                keeper.offer(self)
             while not recorder.stopped:
                 recorder.take(self.system.advance())
                 if recorder.taken > self.shown:
                     self.shown = recorder.taken
                     advanced(self.parameters.sample_steps)
-                pause()
+                keeper.offer(self)
+            # What goes on later goes on from here: the path is no part of the run.
+            keeper.keep(self)
             recorder.path = self.system.trace()
         except BlowUp as error:
             self.failures.append(str(error))
             return str(error)
         return ""
 
-    def _record(self, failure: str) -> Record:
+    def _record(self) -> Record:
         p, recorder = self.parameters, self.recorder
         if not recorder.snapshots:
             recorder.take_snapshot()
         recorder.take_snapshot()
-        reason = f"{self.failures[0]}; with half the time step: {failure}" if failure else ""
+        reason = "; with half the time step: ".join(self.failures) if self._failed else ""
         record = recorder.finish(reason)
         record.scalars |= {
             "steps": recorder.taken * p.sample_steps * self.substeps,
             "time_step_used": self.system.time_step,
-            "wall_time": self.stopwatch.seconds(),
+            "wall_time": self.seconds,
             "replicate_seed": self.number,
         }
         return record

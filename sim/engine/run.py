@@ -4,7 +4,6 @@ import logging
 import platform
 import shlex
 import sys
-from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -13,15 +12,15 @@ import numpy as np
 from sim import __version__
 from sim.base.files import alone
 from sim.base.statistics import student_half_width
-from sim.engine.checkpoint import Checkpoint, checkpoint_interval
-from sim.engine.current import current_status
+from sim.engine.held import current_status, read_stages
 from sim.engine.identity import NUMERICS, library_versions, source_hash
 from sim.engine.observe.recorder import Record
-from sim.engine.observe.run_file import Layout, write
+from sim.engine.observe.run_file import Layout, Stage, write
 from sim.engine.observe.system import System
 from sim.engine.progress import length, progress
-from sim.engine.replicate import Replicate, Stopwatch
-from sim.parameters import Parameters, point_id
+from sim.engine.replicate import Replicate
+from sim.engine.states import States, checkpoint_interval
+from sim.parameters import Parameters, amounts, more, point_id
 
 log = logging.getLogger("talus")
 
@@ -39,7 +38,8 @@ def run_point(
     parameters : Parameters
         The point.
     output : Path
-        The netCDF file; it appears, complete, at the end.
+        The netCDF file; it appears, complete, at the end. One that is there grows, and stays as it
+        is where it holds all that is wanted.
     quiet : bool
         Neither bar nor log lines about progress.
     record_failure : bool
@@ -54,59 +54,58 @@ def run_point(
     log.info("%s: %d particles, %s", name, parameters.particles, length(parameters))
     if parameters.caveat:
         log.warning("%s: %s", name, parameters.caveat)
-    with alone(output) as waited:
-        status = current_status(output, parameters) if waited else ""
+    with alone(output):
+        status = current_status(output, parameters)
         if not status:
             status = _compute(parameters, output, quiet)
             log.info("%s: written", output)
     return BLOWN_UP if status == "failed" and not record_failure else 0
 
 
-@dataclass
-class _State:
-    """A run under way: what a checkpoint holds."""
-
-    stopwatch: Stopwatch
-    records: list[Record]
-    replicate: Replicate
-
-    def done(self) -> int:
-        """Return the time steps done, as the point counts them."""
-        p = self.replicate.parameters
-        return len(self.records) * p.steps + self.replicate.shown * p.sample_steps
-
-
 def _compute(parameters: Parameters, output: Path, quiet: bool) -> str:
-    """Run all replicates, from the last checkpoint on; write the file and return its status."""
-    checkpoint = Checkpoint(output, parameters, checkpoint_interval())
-    state = checkpoint.load()
-    if state:
-        log.info("%s: continued from a checkpoint", output)
-    else:
-        state = _State(Stopwatch(), [], Replicate(parameters, 0))
-    with checkpoint, progress(parameters, output, quiet, state.done()) as advanced:
-        while True:
-            record = state.replicate.run(advanced, lambda: checkpoint.offer(state))
-            state.records.append(record)
-            if len(state.records) == parameters.replicates:
-                break
-            state.replicate = Replicate(parameters, len(state.records))
-    write(
-        output,
-        parameters,
-        state.records,
-        _layout(parameters, state.replicate.system, state.records),
-        attributes := _attributes(parameters, state.records, state.stopwatch.seconds()),
-    )
-    checkpoint.remove()
-    if attributes["status"] == "failed":
+    """Run what is wanted and not known yet of a point; write the file and return its status.
+
+    Known are the records of a run file of the same point, as far as the lengths are the same, and
+    the states of replicates, which are run on.
+    """
+    held = read_stages(output, parameters)
+    if held:
+        parameters = more(parameters, amounts(held[0].parameters))
+    same = bool(held) and _lengths(held[0].parameters) == _lengths(parameters)
+    records = list(held[0].records) if same else []
+    states = States(output, parameters, checkpoint_interval())
+    left = range(len(records), parameters.replicates)
+    known = [states.samples(number) for number in left if number in states]
+    if held or known:
+        log.info("%s: %s", output, "grows" if held else "continued from a checkpoint")
+    done = len(records) * parameters.steps + sum(known) * parameters.sample_steps
+    with states, progress(parameters, output, quiet, done) as advanced:
+        for number in left:
+            replicate = states.replicate(parameters, number) or Replicate(parameters, number)
+            records.append(replicate.run(advanced, states))
+    # They shall know at least as much as the run file.
+    states.save()
+    stages = [Stage(parameters, records), *(held[1:] if same else held)]
+    attributes = _attributes(parameters, records)
+    write(output, stages, _layout(parameters, replicate.system), attributes)
+    _tell(parameters, output, records)
+    return attributes["status"]
+
+
+def _lengths(parameters: Parameters) -> dict[str, float]:
+    """Return the amounts of which a replicate needs to be run for longer."""
+    return {name: one for name, one in amounts(parameters).items() if name != "replicates"}
+
+
+def _tell(parameters: Parameters, output: Path, records: list[Record]) -> None:
+    """Log how the replicates ended, each and together."""
+    if any(record.scalars["reason"] for record in records):
         command = shlex.join(["python", "-m", "sim", "info", str(output), "--point"])
         log.warning("%s: its point, to see the failure again: %s", point_id(parameters), command)
-    for record in state.records:
+    for record in records:
         log.log(*_closing_line(parameters, record))
-    if len(state.records) > 1:
-        log.info(_together(parameters, state.records))
-    return attributes["status"]
+    if len(records) > 1:
+        log.info(_together(parameters, records))
 
 
 def _closing_line(parameters: Parameters, record: Record) -> tuple[int, str]:
@@ -147,11 +146,9 @@ def _velocity(value: float, half_width: float) -> str:
     return f"velocity {value:.4g} ± {half_width:.2g} m/s"
 
 
-def _layout(parameters: Parameters, system: System, records: list[Record]) -> Layout:
-    samples = max(len(record.series["mean_velocity"]) for record in records)
-    interval = parameters.sample_steps * parameters.time_step
+def _layout(parameters: Parameters, system: System) -> Layout:
     return Layout(
-        time=np.arange(1, samples + 1) * interval,
+        interval=parameters.sample_steps * parameters.time_step,
         height=system.profile_height,
         series=system.series,
         axes=system.axes,
@@ -159,7 +156,7 @@ def _layout(parameters: Parameters, system: System, records: list[Record]) -> La
     )
 
 
-def _attributes(parameters: Parameters, records: list[Record], wall: float) -> dict:
+def _attributes(parameters: Parameters, records: list[Record]) -> dict:
     """Return the global attributes: what this is and how it was made."""
     reasons = [str(record.scalars["reason"]) for record in records if record.scalars["reason"]]
     versions = " ".join(f"{name} {number}" for name, number in library_versions().items())
@@ -179,5 +176,5 @@ def _attributes(parameters: Parameters, records: list[Record], wall: float) -> d
         "reason": "; ".join(reasons),
         "caveat": parameters.caveat,
         "steps": sum(record.scalars["steps"] for record in records),
-        "wall_time": wall,
+        "wall_time": sum(record.scalars["wall_time"] for record in records),
     }

@@ -1,5 +1,6 @@
 """The parameters of both systems: symbol, unit, range, equation and default in one place."""
 
+from sim.parameters.amounts import amounts, covers, more
 from sim.parameters.belt import BeltParameters
 from sim.parameters.chute import ChuteParameters
 from sim.parameters.common import Parameters, canonical_number
@@ -24,13 +25,16 @@ __all__ = [
     "ChuteParameters",
     "FieldRow",
     "Parameters",
+    "amounts",
     "as_yaml",
     "canonical",
     "canonical_json",
     "canonical_number",
+    "covers",
     "default_of",
     "field_info",
     "load_point",
+    "more",
     "parse_point",
     "point_id",
 ]

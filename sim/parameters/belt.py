@@ -213,7 +213,7 @@ class BeltParameters(Parameters):
         scale="cycles",
         description="length discarded before averaging",
         equation="Gallas, Sec. 2: 9·10⁴ steps",
-        role="amount",
+        role="numerics",
         ge=0,
     )
     average: Real = declare(

@@ -220,7 +220,7 @@ class ChuteParameters(Parameters):
         scale="√(σ/g)",
         description="time discarded before averaging",
         equation="Walton, Sec. 1",
-        role="amount",
+        role="numerics",
         ge=0,
     )
     average: Real = declare(

@@ -15,7 +15,7 @@ from sim.base.yaml import read_yaml
 from sim.parameters.belt import BeltParameters
 from sim.parameters.chute import ChuteParameters
 from sim.parameters.common import Parameters, canonical_number
-from sim.parameters.roles import Declaration, declarations, id_parts, numerical
+from sim.parameters.roles import Declaration, amounts, declarations, id_parts, numerical
 
 SYSTEMS: dict[str, type[Parameters]] = {"chute": ChuteParameters, "belt": BeltParameters}
 
@@ -92,7 +92,8 @@ def point_id(parameters: Parameters) -> str:
 
     The readable form has the parameters that the figures vary most, and any other that differs from
     the paper's value and is not merely numerical. The name depends on nothing but the parameters,
-    all of them, so equal points have equal names. It is fit for a file name:
+    all of them but how much of the point is wanted, so equal points have equal names. It is fit for
+    a file name:
 
     >>> point_id(ChuteParameters())[:46]
     'chute-depth5-friction0.4-restitution0.85-stiff'
@@ -105,8 +106,9 @@ def point_id(parameters: Parameters) -> str:
         if name not in unnamed and value != default_of(model, name, values):
             readable.append(f"{name}-{value}" if isinstance(value, str) else f"{name}{value:g}")
     name = "-".join([parameters.system, *readable]).replace("+", "")[:_ID_LENGTH]
-    digest = hashlib.sha256(canonical_json(parameters).encode()).hexdigest()[:8]
-    return f"{name}-{digest}"
+    usual = {name: type(values[name])(default_of(model, name, values)) for name in amounts(model)}
+    same = canonical_json(parameters.model_copy(update=usual))
+    return f"{name}-{hashlib.sha256(same.encode()).hexdigest()[:8]}"
 
 
 def default_of(model: type[Parameters], name: str, values: Mapping[str, Any]) -> Any:

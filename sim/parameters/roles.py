@@ -7,7 +7,8 @@ from typing import Any, Literal, cast
 from pydantic import BaseModel, Field
 
 #: What a parameter is for. ``physics``: which flow it is. ``reading``: how an open place of the
-#: paper is understood. ``numerics``: how the flow is computed. ``amount``: how much is run.
+#: paper is understood. ``numerics``: how the flow is computed. ``amount``: how much is run, which
+#: no id of a point depends on: runs grow.
 Role = Literal["physics", "reading", "numerics", "amount"]
 
 #: How people write the units of numbers; all others as UDUNITS does.
@@ -104,6 +105,11 @@ def declarations(model: type[BaseModel]) -> dict[str, Declaration]:
 def numerical(model: type[BaseModel]) -> frozenset[str]:
     """Return the parameters that set how a flow is computed rather than which one it is."""
     return frozenset(_names(model, lambda one: one.role in ("numerics", "amount")))
+
+
+def amounts(model: type[BaseModel]) -> tuple[str, ...]:
+    """Return the parameters that set how much of a flow is run."""
+    return _names(model, lambda one: one.role == "amount")
 
 
 def readings(model: type[BaseModel]) -> tuple[str, ...]:

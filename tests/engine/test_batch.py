@@ -36,7 +36,8 @@ def test_each_point_has_its_run_file_and_log(done):
         assert said.startswith(f"{name}: 10 particles") and ending in said
         assert said.endswith(f"runs/{name}.nc: written\n")
         assert not any(other in said for other in IDS if other != name)
-    assert {path.name for path in (folder / "runs").iterdir()} == {f"{name}.nc" for name in IDS}
+    expected = {file for name in IDS for file in (f"{name}.nc", f".{name}.nc.state")}
+    assert {path.name for path in (folder / "runs").iterdir()} == expected
 
 
 def test_a_point_in_a_batch_has_the_bits_of_one_alone(done, tmp_path):

@@ -32,7 +32,7 @@ def test_an_interrupt_saves_the_state_of_a_run(process, tmp_path):
         "terminated; the next start continues from here",
     )
     assert not (tmp_path / "run.nc").exists()
-    assert (tmp_path / ".run.nc.checkpoint").stat().st_size > 0
+    assert (tmp_path / ".run.nc.state").stat().st_size > 0
     # `status` takes it for interrupted by this file.
     assert progress_file(tmp_path / "run.nc").exists()
 

@@ -112,7 +112,7 @@ class Drill:
             return "shell"
         if words[2:4] != ["sim", "batch"]:
             return "other"
-        for checkpoint in (self.tree / words[4] / "runs").glob(".*.checkpoint"):
+        for checkpoint in (self.tree / words[4] / "runs").glob(".*.state"):
             with suppress(FileNotFoundError):
                 if checkpoint.stat().st_mtime > process.create_time():
                     return "computing batch"
@@ -180,7 +180,7 @@ def outlived(drill: Drill, average: int) -> Path | None:
     )
     (point,) = load_study(drill.tree / "drill.yaml", drill.tree).points
     output = drill.tree / "results" / "drill" / "runs" / f"{point}.nc"
-    checkpoint = output.with_name(f".{output.name}.checkpoint")
+    checkpoint = output.with_name(f".{output.name}.state")
     process = drill.start()
     wait_until(lambda: checkpoint.exists() or output.exists(), process)
     process.kill()

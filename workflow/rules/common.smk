@@ -13,7 +13,7 @@ sys.path[:0] = [str(ROOT), str(ROOT / "workflow")]
 
 from helpers import correct_future_times, files_hash, release_stale_lock, room_hash
 
-from sim.engine.checkpoint import checkpoint_interval
+from sim.engine.states import checkpoint_interval
 from sim.base.errors import InputError
 from sim.base.files import replacing
 from sim.study.catalogue import FIGURES

@@ -1,5 +1,11 @@
 """Sums of profiles over successive blocks of samples: where to start can be decided later."""
 
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from sim.engine.leaves import with_leaves
 from sim.engine.observe.sums import Sums, plus
 
 #: Blocks kept; when there are as many, each two become one.
@@ -17,6 +23,27 @@ class ProfileBlocks:
         self._blocks: list[Sums] = []
         self._length = 1
         self._filled = 0
+
+    def state(self) -> dict[str, Any]:
+        """Return all that is kept, by name."""
+        return {
+            "length": self._length,
+            "filled": self._filled,
+            "blocks": _stacked(self._blocks),
+            "latest": _stacked([self.latest] if self.latest else []),
+        }
+
+    def restore(self, held: Mapping[str, Any], like: Sums) -> None:
+        """Take over what other blocks have kept, sums ``like`` these.
+
+        Raises ``ValueError`` when they are none.
+        """
+        some = any(place.startswith("latest") for place in held)
+        kind = {name: _stacked([like] if some else []) for name in ("blocks", "latest")}
+        found = with_leaves({"length": 0, "filled": 0} | kind, held)
+        self._length, self._filled = found["length"], found["filled"]
+        self._blocks = _unstacked(found["blocks"])
+        self.latest = next(iter(_unstacked(found["latest"])), None)
 
     def add(self, profiles: Sums) -> None:
         """Add the profiles of one sample."""
@@ -47,3 +74,19 @@ class ProfileBlocks:
 
 def _plus(first: Sums, second: Sums) -> Sums:
     return tuple(plus(mine, theirs) for mine, theirs in zip(first, second, strict=True))
+
+
+def _stacked(several: list[Sums]) -> Sums:
+    """Return sums of arrays with a first axis more, along which those of each lie."""
+    return tuple(
+        type(alike[0])(*map(np.stack, zip(*alike, strict=True)))
+        for alike in zip(*several, strict=True)
+    )
+
+
+def _unstacked(stacked: Sums) -> list[Sums]:
+    count = len(stacked[0][0]) if stacked else 0
+    return [
+        tuple(type(one)(*(array[index] for array in one)) for one in stacked)
+        for index in range(count)
+    ]

@@ -1,10 +1,12 @@
 """What one replicate leaves behind, collected while it runs, and when it has run long enough."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import cast
+from typing import Any, cast
 
 import numpy as np
 
+from sim.engine.leaves import Leaves, below, leaves
 from sim.engine.observe import stopping
 from sim.engine.observe.arrays import INSTANTANEOUS
 from sim.engine.observe.blocks import ProfileBlocks
@@ -64,6 +66,35 @@ class Recorder:
             self._profiles.add(self.system.sample_profiles())
         self.taken += 1
         if self.taken in self._looks:
+            self._look()
+
+    def state(self) -> Leaves:
+        """Return what has been collected, arrays and numbers by name."""
+        table = self._table[:, : self.taken]
+        collected = {"taken": self.taken, "table": table, "snapshots": self.snapshots}
+        return leaves(collected | {"profiles": self._profiles.state()})
+
+    def restore(self, state: Mapping[str, Any]) -> None:
+        """Put what another recorder of such a system has collected into this new one.
+
+        Raises ``ValueError`` when it is none of such a recorder, or of a run that has gone beyond
+        the end of this one.
+        """
+        table, taken = state["table"], state["taken"]
+        if table.shape != (len(self._table), taken):
+            raise ValueError("its series are not those of the system")
+        for look in self._looks:
+            if look < taken:
+                self._table, self.taken = table, look
+                self._look()
+        if self.stopped or taken > self._looks[-1]:
+            raise ValueError("it has been run for longer than is wanted")
+        self.taken = taken
+        self._table = table if taken else self._table
+        for place, array in below("snapshots", state).items():
+            self.snapshots.setdefault(place.partition(".")[0], []).append(array)
+        self._profiles.restore(below("profiles", state), self.system.sample_profiles())
+        if taken in self._looks:
             self._look()
 
     def _look(self) -> None:

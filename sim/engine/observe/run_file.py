@@ -1,8 +1,9 @@
 """The netCDF file of one run: all replicates of a point, in SI units, with CF attributes."""
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import netCDF4
 import numpy as np
@@ -11,7 +12,7 @@ from sim.base.files import replacing, seal
 from sim.engine.observe.arrays import INSTANTANEOUS, PROFILES, SNAPSHOTS, TABLES
 from sim.engine.observe.recorder import Record
 from sim.engine.observe.scalars import SCALARS
-from sim.parameters import Parameters, canonical, field_info
+from sim.parameters import Parameters, amounts, canonical, field_info
 
 #: How numbers are stored: compressed, and with a checksum of every chunk.
 FILTERS = {"zlib": True, "complevel": 1, "shuffle": True, "fletcher32": True}
@@ -31,24 +32,30 @@ CELL_METHODS = {
 class Layout:
     """What the replicates of a run have in common.
 
-    ``time`` (T,) end of each sample interval (s), ``height`` (H,) centres of the slices (m),
+    ``interval`` (s) between samples, ``height`` (H,) centres of the slices (m),
     ``series`` name -> (unit, long name), ``axes`` names of the directions, ``coordinates`` of
     tables and path name -> (unit, long name, values).
     """
 
-    time: np.ndarray
+    interval: float
     height: np.ndarray
     series: dict[str, tuple[str, str]]
     axes: tuple[str, ...]
     coordinates: dict[str, tuple[str, str, np.ndarray]]
 
 
+class Stage(NamedTuple):
+    """A run of a point of some length: the records of its replicates.
+
+    ``parameters`` are those of the point with the amounts that were run.
+    """
+
+    parameters: Parameters
+    records: list[Record]
+
+
 def write(
-    path: Path,
-    parameters: Parameters,
-    records: list[Record],
-    layout: Layout,
-    attributes: dict[str, Any],
+    path: Path, stages: Sequence[Stage], layout: Layout, attributes: Mapping[str, Any]
 ) -> None:
     """Write a run file under a temporary name, seal it, and rename it when it is complete.
 
@@ -56,27 +63,33 @@ def write(
     ----------
     path : Path
         The file; one that exists is replaced.
-    parameters : Parameters
-        Stored as scalar variables with their units.
-    records : list of Record
-        One per replicate.
+    stages : sequence of Stage
+        The run, and shorter ones that it has grown from, the longest first; those go into groups.
     layout : Layout
         Times, heights and the names and units of the series.
-    attributes : dict
+    attributes : mapping
         Global attributes.
     """
     with replacing(path) as temporary:
         try:
             with netCDF4.Dataset(temporary, "w") as file:
                 file.setncatts(attributes)
-                _write_parameters(file, parameters)
-                _write_axes(file, records, layout)
-                _write_coordinates(file, layout)
-                _write_records(file, records, layout)
+                _write_parameters(file, stages[0].parameters)
+                _write_stage(file, stages[0], layout)
+                for number, stage in enumerate(stages[1:], start=1):
+                    group = file.createGroup(f"shorter_{number}")
+                    _write_amounts(group, stage.parameters)
+                    _write_stage(group, stage, layout)
         except RuntimeError as error:
             # What the library says of a full disk.
             raise OSError(f"{path}: cannot be written: {error}") from None
         seal(temporary)
+
+
+def _write_stage(group: netCDF4.Dataset, stage: Stage, layout: Layout) -> None:
+    _write_axes(group, stage.records, layout)
+    _write_coordinates(group, layout)
+    _write_records(group, stage.records, layout)
 
 
 def _put(
@@ -118,18 +131,26 @@ def _write_parameters(file: netCDF4.Dataset, parameters: Parameters) -> None:
         _put(file, name, (), value, "m s-2", meaning)
 
 
+def _write_amounts(group: netCDF4.Dataset, parameters: Parameters) -> None:
+    rows = field_info(parameters)
+    for name, value in amounts(parameters).items():
+        _put(group, name, (), value, rows[name].unit, rows[name].description)
+
+
 def _write_axes(file: netCDF4.Dataset, records: list[Record], layout: Layout) -> None:
     first = records[0].snapshots
+    samples = _samples(records)
     file.createDimension("replicate", len(records))
-    file.createDimension("time", len(layout.time))
+    file.createDimension("time", samples)
     file.createDimension("height", len(layout.height))
     file.createDimension("frame", 2)
     file.createDimension("particle", first["position"][0].shape[0])
     file.createDimension("axis", first["position"][0].shape[1])
     file.createDimension("quaternion", 4)
     _put(file, "replicate", ("replicate",), np.arange(len(records)), "1", "number of the replicate")
+    time = np.arange(1, samples + 1) * layout.interval
     _put(
-        file, "time", ("time",), layout.time, "s", "end of the sample interval, since the start"
+        file, "time", ("time",), time, "s", "end of the sample interval, since the start"
     ).axis = "T"
     height = _put(
         file, "height", ("height",), layout.height, "m", "height of the slice above the base"
@@ -143,6 +164,11 @@ def _write_coordinates(file: netCDF4.Dataset, layout: Layout) -> None:
     for name, (unit, long_name, values) in layout.coordinates.items():
         file.createDimension(name, len(values))
         _put(file, name, (name,), values, unit, long_name)
+
+
+def _samples(records: list[Record]) -> int:
+    """Return how many samples the longest of some replicates has."""
+    return max(len(record.series["mean_velocity"]) for record in records)
 
 
 def _write_tables(file: netCDF4.Dataset, records: list[Record]) -> None:
@@ -165,7 +191,7 @@ def _write_tables(file: netCDF4.Dataset, records: list[Record]) -> None:
 
 def _write_records(file: netCDF4.Dataset, records: list[Record], layout: Layout) -> None:
     for name, (unit, long_name) in layout.series.items():
-        values = np.full((len(records), len(layout.time)), np.nan)
+        values = np.full((len(records), _samples(records)), np.nan)
         for row, record in zip(values, records, strict=True):
             row[: len(record.series[name])] = record.series[name]
         variable = _put(file, name, ("replicate", "time"), values, unit, long_name)

@@ -18,7 +18,8 @@ class System(Protocol):
     them add up to the energy; ``axes`` names the directions; ``profile_height`` (H,) are the
     centres of the profiles' slices (m); ``scales`` and ``period`` (samples) serve the analysis of
     the velocity's trend; ``mass`` is that of all particles (kg); ``coordinates`` of tables and
-    path: name -> (unit, long name, values).
+    path: name -> (unit, long name, values); ``moving`` names the attributes that motion changes,
+    which are arrays and numbers, or tuples, lists and dictionaries of them.
     """
 
     parameters: Parameters
@@ -31,6 +32,7 @@ class System(Protocol):
     scales: Scales
     period: int
     coordinates: dict[str, tuple[str, str, np.ndarray]]
+    moving: tuple[str, ...]
 
     def settle(self) -> None:
         """Bring the initial state to rest where the paper does; raise ``BlowUp`` when it fails."""

@@ -39,6 +39,7 @@ class Belt:
     series = BELT_SERIES
     ledger = BELT_LEDGER
     axes = ("x", "z")
+    moving = ("disks", "pairs", "search", "loop", "normal_loss", "shear_loss", "belt_work")
 
     def __init__(self, parameters: BeltParameters, replicate: int, substeps: int = 1):
         self.parameters = p = parameters

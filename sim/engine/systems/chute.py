@@ -42,6 +42,10 @@ class Chute:
     series = CHUTE_SERIES
     ledger = CHUTE_LEDGER
     axes = ("x", "y", "z")
+    moving = (
+        *("spheres", "pairs", "plane", "memory", "scratch", "flow"),
+        *("travelled", "lost", "work_done"),
+    )
 
     def __init__(self, parameters: ChuteParameters, replicate: int, substeps: int = 1):
         self.parameters = p = parameters

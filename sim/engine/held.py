@@ -1,0 +1,103 @@
+"""What a run file that is there holds, and of how much of its point."""
+
+from collections.abc import Mapping
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+import netCDF4
+import numpy as np
+
+from sim.base.files import is_damaged
+from sim.engine.identity import NUMERICS, numerics_of
+from sim.engine.observe.arrays import SNAPSHOTS, TABLES
+from sim.engine.observe.recorder import Record
+from sim.engine.observe.run_file import Stage
+from sim.engine.observe.scalars import SCALARS
+from sim.parameters import Parameters, amounts, covers, point_id
+
+
+def current_status(path: Path, parameters: Parameters) -> str:
+    """Return the status of a run file if it is current, else an empty text.
+
+    Current is a whole file of the same point and the same numerics that holds as much as is wanted
+    or more: a run would write the same numbers again. Other versions of libraries may round
+    otherwise and make no file old.
+    """
+    with suppress(OSError, LookupError, ValueError):
+        if not is_damaged(path):
+            with netCDF4.Dataset(path) as file:
+                if _is_of(file, parameters) and answering(file, amounts(parameters)):
+                    return file.status
+    return ""
+
+
+def _is_of(file: netCDF4.Dataset, parameters: Parameters) -> bool:
+    held = {name: file.getncattr(name) for name in file.ncattrs()}
+    return held["point_id"] == point_id(parameters) and numerics_of(held) == NUMERICS
+
+
+def answering(file: netCDF4.Dataset, wanted: Mapping[str, float]) -> netCDF4.Dataset | None:
+    """Return the group of a run file with the least that covers what is wanted; none without any.
+
+    Of its replicates the first are those wanted.
+    """
+    found = [group for group in _groups(file) if covers(_amounts(group, wanted), wanted)]
+    return found[-1] if found else None
+
+
+def _groups(file: netCDF4.Dataset) -> list[netCDF4.Dataset]:
+    """Return the groups of a run file that hold all of a run, the longest run first."""
+    return [file, *file.groups.values()]
+
+
+def _amounts(group: netCDF4.Dataset, names: Mapping[str, Any]) -> dict[str, float]:
+    return {name: float(group[name][...]) for name in names}
+
+
+def read_stages(path: Path, parameters: Parameters) -> list[Stage]:
+    """Return what a run file of the same point and numerics holds, the longest run first.
+
+    Empty where there is no such file, or it is damaged.
+    """
+    with suppress(OSError, LookupError, ValueError):
+        if not is_damaged(path):
+            with netCDF4.Dataset(path) as file:
+                file.set_auto_mask(False)
+                if _is_of(file, parameters):
+                    return [_stage(group, parameters) for group in _groups(file)]
+    return []
+
+
+def _stage(group: netCDF4.Dataset, parameters: Parameters) -> Stage:
+    held = _amounts(group, amounts(parameters))
+    size = group.dimensions["replicate"].size
+    return Stage(
+        parameters.model_copy(
+            update={name: type(getattr(parameters, name))(one) for name, one in held.items()}
+        ),
+        [_record(group, index) for index in range(size)],
+    )
+
+
+def _record(group: netCDF4.Dataset, index: int) -> Record:
+    """Return what a group holds of a replicate."""
+    record = Record({})
+    for name, variable in group.variables.items():
+        dimensions = variable.dimensions
+        if dimensions[:1] != ("replicate",) or name == "replicate":
+            continue
+        values = variable[index]
+        if name in SCALARS:
+            record.scalars[name] = str(values) if variable.dtype is str else values.item()
+        elif name in SNAPSHOTS:
+            record.snapshots[name] = list(values) if "frame" in dimensions else [values]
+        elif name in TABLES:
+            record.tables[name] = values
+        elif name == "path":
+            record.path = None if np.isnan(values).all() else values
+        elif dimensions == ("replicate", "time"):
+            record.series[name] = values
+        else:
+            record.profiles[name] = values
+    return record

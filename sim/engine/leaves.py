@@ -1,0 +1,93 @@
+"""The arrays and numbers of a structure by their places in it, and back into one that is alike.
+
+A state is kept as data alone: what kind of thing holds them, a structure made anew says. Whatever
+lies in a file can therefore become numbers of a flow and nothing else.
+"""
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+import numpy as np
+
+#: Arrays and numbers by place, as ``spheres.position``.
+Leaves = dict[str, Any]
+
+_NUMBERS = (bool, int, float, str, np.generic)
+
+
+def leaves(structure: Any) -> Leaves:
+    """Return all arrays and numbers of nested tuples, lists and dictionaries."""
+    return dict(_leaves(structure, ""))
+
+
+def _leaves(value: Any, place: str) -> Iterator[tuple[str, Any]]:
+    if isinstance(value, np.generic):
+        yield place, value.item()
+    elif isinstance(value, (np.ndarray, *_NUMBERS)):
+        yield place, value
+    else:
+        for name, part in _parts(value).items():
+            yield from _leaves(part, _within(place, name))
+
+
+def _parts(value: Any) -> Mapping[Any, Any]:
+    if isinstance(value, dict):
+        return value
+    if isinstance(value, tuple) and hasattr(value, "_asdict"):
+        return value._asdict()
+    if isinstance(value, (tuple, list)):
+        return dict(enumerate(value))
+    raise TypeError(f"{type(value).__name__} is not kept in states")
+
+
+def _within(place: str, name: Any) -> str:
+    return f"{place}.{name}" if place else str(name)
+
+
+def below(place: str, held: Mapping[str, Any]) -> Leaves:
+    """Return what is held below a place, by the places there."""
+    prefix = f"{place}."
+    return {name[len(prefix) :]: held[name] for name in held if name.startswith(prefix)}
+
+
+def with_leaves(structure: Any, held: Mapping[str, Any]) -> Any:
+    """Return a structure of the same kind that holds other arrays and numbers.
+
+    What is one array in two places of the structure is one in what is returned.
+
+    Raises
+    ------
+    ValueError
+        When ``held`` has other places than the structure, or arrays of another type or number of
+        dimensions there; their shapes may differ.
+    """
+    expected = leaves(structure)
+    if expected.keys() != held.keys():
+        odd = min(expected.keys() ^ held.keys())
+        raise ValueError(f"{odd} is not in both")
+    for place, value in expected.items():
+        if _kind(value) != _kind(held[place]):
+            raise ValueError(f"{place} is of another kind")
+    return _filled(structure, held, "", {})
+
+
+def _kind(value: Any) -> tuple[Any, ...]:
+    if isinstance(value, np.ndarray):
+        return value.dtype, value.ndim
+    return (str if isinstance(value, str) else float,)
+
+
+def _filled(value: Any, held: Mapping[str, Any], place: str, known: dict[int, Any]) -> Any:
+    if isinstance(value, np.ndarray):
+        return known.setdefault(id(value), held[place])
+    if isinstance(value, _NUMBERS):
+        return held[place]
+    parts = {
+        name: _filled(part, held, _within(place, name), known)
+        for name, part in _parts(value).items()
+    }
+    if isinstance(value, dict):
+        return parts
+    if hasattr(value, "_asdict"):
+        return type(value)(**parts)
+    return type(value)(parts.values())

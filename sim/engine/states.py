@@ -1,0 +1,221 @@
+"""The states of a run's replicates in one file, from which it goes on when killed or too short."""
+
+import io
+import json
+import logging
+import os
+import signal
+import threading
+import time
+import zipfile
+from collections.abc import Callable
+from contextlib import suppress
+from pathlib import Path
+from types import FrameType
+from typing import Any, BinaryIO, Self
+
+import numpy as np
+
+from sim.base.errors import InputError
+from sim.base.files import is_damaged, replacing, seal, set_aside
+from sim.engine.identity import NUMERICS
+from sim.engine.leaves import Leaves
+from sim.engine.replicate import Replicate
+from sim.parameters import Parameters, point_id
+
+log = logging.getLogger("talus")
+
+#: What Python does on a signal.
+_Handler = Callable[[int, FrameType | None], Any] | int | None
+
+#: Seconds between two checkpoints, unless TALUS_CHECKPOINT_SECONDS says otherwise.
+INTERVAL = 120.0
+
+#: Largest share of the wall time that writing checkpoints may take.
+SHARE = 0.05
+
+#: Exit code of a process that SIGTERM has ended.
+TERMINATED = 128 + signal.SIGTERM
+
+#: Number of this layout of the file, and most bytes of its first line.
+FORMAT = 3
+LONGEST = 65536
+
+#: Where the numbers of a state are, among its arrays.
+_NUMBERS = "numbers.json"
+
+
+def checkpoint_interval() -> float:
+    """Return the seconds between two checkpoints that the environment asks for."""
+    name = "TALUS_CHECKPOINT_SECONDS"
+    text = os.environ.get(name) or str(INTERVAL)
+    with suppress(ValueError):
+        if (seconds := float(text)) >= 0.0:
+            return seconds
+    raise InputError.of_value("environment", name, text, "a number of seconds >= 0")
+
+
+def packed(state: Leaves) -> bytes:
+    """Return a state as a compressed archive of its arrays and a JSON text of its numbers."""
+    buffer = io.BytesIO()
+    numbers = {name: value for name, value in state.items() if not isinstance(value, np.ndarray)}
+    with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED, compresslevel=1) as archive:
+        archive.writestr(_NUMBERS, json.dumps(numbers))
+        for name in state.keys() - numbers.keys():
+            with archive.open(name, "w", force_zip64=True) as member:
+                np.lib.format.write_array(member, state[name], allow_pickle=False)
+    return buffer.getvalue()
+
+
+def numbers(archive: bytes) -> dict[str, Any]:
+    """Return the numbers of a state that was packed, none where it was not."""
+    try:
+        with zipfile.ZipFile(io.BytesIO(archive)) as file:
+            return json.loads(file.read(_NUMBERS))
+    except (zipfile.BadZipFile, LookupError, ValueError):
+        return {}
+
+
+def unpacked(archive: bytes) -> Leaves:
+    """Return the state that was packed; raises ``ValueError`` when that was none."""
+    try:
+        with zipfile.ZipFile(io.BytesIO(archive)) as file:
+            state = json.loads(file.read(_NUMBERS))
+            for name in file.namelist():
+                if name != _NUMBERS:
+                    with file.open(name) as member:
+                        state[name] = np.lib.format.read_array(member, allow_pickle=False)
+    except (zipfile.BadZipFile, LookupError, EOFError) as error:
+        raise ValueError(str(error)) from None
+    return state
+
+
+class States:
+    """The file ``.<output>.state`` beside the output of a run.
+
+    A line of JSON names point, numerics and the sizes of what follows: one archive per replicate,
+    then the seal. It is written now and then while the run is under way, and stays when the run is
+    done. As a context, it makes SIGTERM end the process when a replicate is next offered, after
+    saving it: that is how batch systems ask first.
+
+    Parameters
+    ----------
+    output : Path
+        The run file.
+    parameters : Parameters
+        The point; states of another one are not accepted.
+    interval : float
+        Seconds of wall time between two writes.
+    """
+
+    def __init__(self, output: Path, parameters: Parameters, interval: float = INTERVAL):
+        self.path = output.with_name(f".{output.name}.state")
+        self.interval = interval
+        self._identity = {"format": FORMAT, "numerics": NUMERICS, "point": point_id(parameters)}
+        self._due = time.monotonic() + interval
+        self._terminated = False
+        self._before: _Handler = None
+        self._archives = self._load()
+
+    def __enter__(self) -> Self:
+        # Only the main thread may say what signals do.
+        if threading.current_thread() is threading.main_thread():
+            self._before = signal.signal(signal.SIGTERM, self._terminate)
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self._before is not None:
+            signal.signal(signal.SIGTERM, self._before)
+
+    def _terminate(self, *_: object) -> None:
+        self._terminated = True
+
+    def replicate(self, parameters: Parameters, number: int) -> Replicate | None:
+        """Return a replicate as far as it is known, to be run to the lengths of ``parameters``.
+
+        None where nothing is known of it, or what is known is none of this program's states.
+        """
+        archive = self._archives.get(number)
+        if archive is None:
+            return None
+        try:
+            return Replicate.restored(parameters, number, unpacked(archive))
+        except (ValueError, TypeError, LookupError) as error:
+            log.warning("%s: replicate %d starts anew: %s", self.path, number, error)
+            return None
+
+    def __contains__(self, number: int) -> bool:
+        """Return whether something is known of a replicate."""
+        return number in self._archives
+
+    def samples(self, number: int) -> int:
+        """Return how many samples of a replicate are known."""
+        return numbers(self._archives[number]).get("told.shown", 0)
+
+    def offer(self, replicate: Replicate) -> None:
+        """Write the states if it is time. That it cannot be done stops no run.
+
+        Raises ``SystemExit`` after SIGTERM.
+        """
+        began = time.monotonic()
+        if began < self._due and not self._terminated:
+            return
+        self.keep(replicate)
+        self.save()
+        if self._terminated:
+            log.warning("%s: terminated; the next start continues from here", self.path)
+            raise SystemExit(TERMINATED)
+        ended = time.monotonic()
+        self._due = ended + max(self.interval, (ended - began) / SHARE)
+
+    def keep(self, replicate: Replicate) -> None:
+        """Take the present state of a replicate into what will be written."""
+        self._archives[replicate.number] = packed(replicate.state())
+
+    def save(self) -> None:
+        """Write all states, complete or not at all; that it cannot be done is a warning."""
+        try:
+            self._write()
+        except OSError as error:
+            log.warning("%s: no states are kept: %s", self.path, error.strerror or error)
+
+    def _write(self) -> None:
+        sizes = {number: len(archive) for number, archive in sorted(self._archives.items())}
+        with replacing(self.path) as temporary:
+            with temporary.open("wb") as file:
+                file.write(json.dumps(self._identity | {"sizes": sizes}).encode() + b"\n")
+                for number in sizes:
+                    file.write(self._archives[number])
+            seal(temporary)
+
+    def _load(self) -> dict[int, bytes]:
+        """Return the archives of the file by replicate, none where there is no file.
+
+        One that is damaged or belongs to another run is set aside with a warning.
+        """
+        try:
+            file = self.path.open("rb")
+        except FileNotFoundError:
+            return {}
+        with file:
+            try:
+                sizes = self._sizes(file)
+                return {int(number): file.read(size) for number, size in sizes.items()}
+            except (ValueError, LookupError, TypeError, AttributeError) as error:
+                aside = set_aside(self.path)
+                log.warning("%s: %s; set aside as %s", self.path, error, aside)
+        return {}
+
+    def _sizes(self, file: BinaryIO) -> dict[str, int]:
+        """Read up to the archives and return their sizes; raise ``ValueError`` where they are not
+        of this run."""
+        try:
+            header = json.loads(file.readline(LONGEST))
+            differ = [key for key, value in self._identity.items() if header.get(key) != value]
+        except (ValueError, AttributeError):
+            raise ValueError("damaged or no states of a run") from None
+        if differ:
+            raise ValueError(f"states of other {differ[0]}")
+        if is_damaged(self.path, must_be_sealed=True):
+            raise ValueError("damaged: the checksum is wrong")
+        return header["sizes"]
