@@ -66,6 +66,8 @@ def release_stale_lock(folder: Path = Path(".snakemake")) -> TextIO:
         fcntl.flock(held, fcntl.LOCK_EX | fcntl.LOCK_NB)
         for left in ("locks", "incomplete"):
             shutil.rmtree(folder / left, ignore_errors=True)
+        # Without it Snakemake would look through all that it knows of files.
+        (folder / "incomplete").mkdir(exist_ok=True)
     with suppress(OSError):
         fcntl.flock(held, fcntl.LOCK_SH)
     return held

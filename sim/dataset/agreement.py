@@ -6,6 +6,7 @@ from typing import Any
 
 from sim.base.errors import InputError
 from sim.dataset.results import Results
+from sim.parameters import amounts
 from sim.study.load import Study
 
 #: What names a boundary in a study and in its dataset.
@@ -50,6 +51,9 @@ def _compared(study: Study, results: Results) -> Iterator[tuple[str, Any, Any]]:
             ours, theirs = set(getattr(point, what)), set(str(text).split())
             # A boundary may have passed through a point of another series since.
             yield f"{what} of {point.id}", ours, theirs & ours if study.rounds else theirs
+    for index, point in enumerate(study.points.values()):
+        for name, value in amounts(point.parameters).items():
+            yield f"{name} of {point.id}", value, float(dataset[name].values[index])
     asked = [tuple(getattr(one, name) for name in _ASKED) for one in study.boundaries]
     table = results.boundaries
     yield "boundaries", asked, list(zip(*(table[name] for name in _ASKED), strict=True))

@@ -14,7 +14,7 @@ from sim.engine.observe.arrays import SNAPSHOTS, TABLES
 from sim.engine.observe.recorder import Record
 from sim.engine.observe.run_file import Stage
 from sim.engine.observe.scalars import SCALARS
-from sim.parameters import Parameters, amounts, covers, point_id
+from sim.parameters import Parameters, amounts, covers, more, point_id
 
 
 def current_status(path: Path, parameters: Parameters) -> str:
@@ -30,6 +30,27 @@ def current_status(path: Path, parameters: Parameters) -> str:
                 if _is_of(file, parameters) and answering(file, amounts(parameters)):
                     return file.status
     return ""
+
+
+def holds(path: Path, parameters: Parameters) -> bool:
+    """Return whether a run file of the present numerics has all that is wanted of its point.
+
+    Whether it is whole is not looked at.
+    """
+    with suppress(OSError, LookupError, ValueError), netCDF4.Dataset(path) as file:
+        return _is_of(file, parameters) and answering(file, amounts(parameters)) is not None
+    return False
+
+
+def planned_amounts(path: Path, parameters: Parameters) -> dict[str, float]:
+    """Return how much a run file will hold once there is all that is wanted of its point.
+
+    That is as much as it holds now, where this is enough. Whether it is whole is not looked at.
+    """
+    with suppress(OSError, LookupError, ValueError), netCDF4.Dataset(path) as file:
+        if _is_of(file, parameters):
+            return amounts(more(parameters, _amounts(file, amounts(parameters))))
+    return amounts(parameters)
 
 
 def _is_of(file: netCDF4.Dataset, parameters: Parameters) -> bool:

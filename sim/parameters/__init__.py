@@ -5,6 +5,7 @@ from sim.parameters.belt import BeltParameters
 from sim.parameters.chute import ChuteParameters
 from sim.parameters.common import Parameters, canonical_number
 from sim.parameters.points import (
+    AMOUNTS,
     NUMERICAL,
     SYSTEMS,
     FieldRow,
@@ -19,6 +20,7 @@ from sim.parameters.points import (
 )
 
 __all__ = [
+    "AMOUNTS",
     "NUMERICAL",
     "SYSTEMS",
     "BeltParameters",

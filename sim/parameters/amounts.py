@@ -8,6 +8,7 @@ from sim.parameters.roles import amounts as amounts_of
 #: Amounts of which the smaller one asks for more.
 _FINER = ("target",)
 
+
 #: Without effect under the published protocol, whose runs end after transient and average.
 _OF_CONVERGED = ("limit",)
 

@@ -25,6 +25,9 @@ _ID_LENGTH = 160
 #: Parameters of any system that set how a point is computed rather than which flow it is.
 NUMERICAL = frozenset().union(*map(numerical, SYSTEMS.values()))
 
+#: Parameters of any system that set how much of a point is run.
+AMOUNTS = frozenset().union(*map(amounts, SYSTEMS.values()))
+
 
 def parse_point(
     mapping: Any, source: str | Path, paths: Mapping[str, str] | None = None

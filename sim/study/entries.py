@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from sim.parameters import Parameters
+from sim.parameters import AMOUNTS, Parameters
 from sim.parameters.common import Real, broken_rule
 from sim.study.refine import MAX_ROUNDS, PARTS, further_rounds
 
@@ -86,6 +86,15 @@ class _Family(Strict):
                 key = f"overrides[{index}].set.{name}"
                 value = getattr(override.set, name)
                 raise broken_rule(key, value, f"parameters other than grid.{name} of the series")
+        return self
+
+    @model_validator(mode="after")
+    def _grid_tells_points_apart(self) -> Self:
+        for name in sorted(self.grid.model_fields_set & AMOUNTS if self.grid else ()):
+            values = getattr(self.grid, name)
+            if len(values) > 1:
+                allowed = "one value: how much of a point is run tells no points apart"
+                raise broken_rule(f"grid.{name}", values, allowed)
         return self
 
 

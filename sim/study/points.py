@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from sim.base.errors import InputError
-from sim.parameters import Parameters, point_id
+from sim.parameters import Parameters, amounts, more, point_id, roles
 from sim.study.catalogue import FIGURES
 from sim.study.entries import BoundaryFile, SeriesFile
 from sim.study.file import StudyFile, validated
@@ -125,7 +125,8 @@ def _add(
 
 def require_same(point: Point, parameters: Parameters, source: str) -> None:
     """Refuse parameters that have the id of another point; raises `InputError`."""
-    if point.parameters != parameters:
+    usual = {name: getattr(point.parameters, name) for name in roles.amounts(type(parameters))}
+    if parameters.model_copy(update=usual) != point.parameters:
         raise InputError(
             f"{source}: two different points have the id {point.id}; change either's seed"
         )
@@ -136,6 +137,7 @@ def joined(
 ) -> Point:
     """Return the point among ``points``, or a new one, as a member of a series and of figures.
 
+    Of how much of it is asked in one place and in another, the more is run.
     Of the figures it joins those that show it; the others leave it out.
     """
     key = point_id(parameters)
@@ -144,6 +146,7 @@ def joined(
     shown = {name: FIGURES[name].shows(parameters) for name in asked}
     return replace(
         known,
+        parameters=more(known.parameters, amounts(parameters)),
         series=tuple(dict.fromkeys((*known.series, series))),
         figures=tuple(name for name in asked if shown[name]),
         left_out=tuple(name for name in asked if not shown[name]),

@@ -114,7 +114,7 @@ def test_only_what_was_published_is_replaced(finished, tmp_path, place, capsys):
     ("old", "new", "named"),
     [
         ("frequency: [10, 20, 50, 80]", "frequency: [10, 20, 50, 90]", "point belt-"),
-        ("replicates: 3", "replicates: 4", "point belt-"),
+        ("replicates: 3", "replicates: 4", "replicates of belt-"),
         ("title: A made-up", "title: Another", "title"),
         ("name: rough", "name: smooth", "series of chute-"),
         ("0.5]}\n    figures: [walton_2]", "0.5]}", "figures of chute-"),

@@ -53,7 +53,6 @@ def test_points_that_feed_no_curve_may_differ_in_anything(parse):
     ("name", "values"),
     [
         ("seed", [1, 2]),
-        ("replicates", [1, 2]),
         ("transient", [20, 45]),
         ("initial_velocity", [0, 4]),
         ("samples_per_cycle", [10, 20]),

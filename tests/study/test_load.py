@@ -391,3 +391,21 @@ def test_points_that_need_more_memory_than_there_is_are_pointed_out(parse, tmp_p
     study = parse(chute_study(base={"cell": 3}, grid={"depth": [5, 1e6]}))
     (line,) = warnings(study, tmp_path)
     assert line.startswith("chute-depth1e06-") and "MB of memory" in line
+
+
+def test_points_that_differ_in_how_much_is_wanted_are_one_that_runs_the_more():
+    common = {"system": "belt", "grid": {"frequency": [20]}}
+    series = [
+        {"name": "a", **common, "base": {"replicates": 5, "target": 0.05}},
+        {"name": "b", **common, "base": {"average": 90, "target": 0.01}},
+    ]
+    (point,) = parse_study({"study": "s", "series": series}, "s.yaml", None).points.values()
+    one = point.parameters
+    assert (one.replicates, one.average, one.target) == (5, 90.0, 0.01)
+    assert point.series == ("a", "b")
+
+
+def test_a_grid_has_one_value_of_how_much_is_run():
+    series = {"name": "a", "system": "belt", "grid": {"replicates": [1, 2]}}
+    with pytest.raises(InputError, match=r"s.yaml: series\[0\].grid.replicates: got \[1, 2\]; "):
+        parse_study({"study": "s", "series": [series]}, "s.yaml", None)

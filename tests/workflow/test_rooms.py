@@ -18,7 +18,7 @@ series:
 """
 DRAWN = {"figures": 1, "report": 1}
 DATASET = {"dataset": 1, "claims": 1, **DRAWN}
-EVERYTHING = {"warm": 1, "run": 4, **DATASET}
+EVERYTHING = {"warm": 1, "run": 2, "batch": 1, **DATASET}
 
 
 @pytest.fixture(scope="module")

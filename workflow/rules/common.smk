@@ -4,8 +4,9 @@ import json
 import os
 import shlex
 import sys
+from collections import defaultdict
 from contextlib import suppress
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
 
 ROOT = Path(workflow.current_basedir.get_path_or_uri(secret_free=True)).parents[1]
@@ -18,6 +19,7 @@ from sim.base.errors import InputError
 from sim.base.files import replacing
 from sim.study.catalogue import FIGURES
 from sim.parameters import canonical_json
+from sim.engine.held import holds, planned_amounts
 from sim.engine.identity import numerics_mark
 from sim.dataset.rounds import read_round
 from sim.study.batches import batches
@@ -67,21 +69,36 @@ def in_json(points):
     return f"[{','.join(canonical_json(parameters(point)) for point in points)}]"
 
 
-def planned_batches():
-    """Return the batches of short points that have no run file of the present numerics.
+@cache
+def amount(point):
+    """Return how much the run file of a point holds, or will once it has been run, as a text.
 
-    Jobs that start a Snakemake of their own, as on a cluster, have those of the one that planned.
+    A run file that holds enough keeps its text, so only those that are to grow become old.
+    """
+    return json.dumps(planned_amounts(Path(run_file(point)), parameters(point)), sort_keys=True)
+
+
+def is_wanted(point):
+    """Return whether a point of the study has no run file of the present numerics with enough."""
+    path = Path(run_file(point))
+    return not path.exists() or not holds(path, parameters(point))
+
+
+def planned_batches():
+    """Return the batches of short points that are to be run, or run on.
+
+    Those of a batch are wanted in equal amounts, which are a parameter of the rule. Jobs that start
+    a Snakemake of their own, as on a cluster, have the batches of the one that planned.
     """
     if not workflow.is_main_process:
         return json.loads(PLANNED.read_text(encoding="utf-8"))
-    mark = WARM.read_text(encoding="utf-8").strip() if WARM.is_file() else ""
-    everything = bool(mark) and mark != numerics_mark()
-    points = {
-        name: point.parameters
-        for name, point in STUDY.points.items()
-        if everything or not Path(run_file(name)).exists()
+    alike = defaultdict(dict)
+    for point in filter(is_wanted, STUDY.points):
+        alike[amount(point)][point] = parameters(point)
+    cores = workflow.resource_settings.cores or len(STUDY.points) + 1
+    return {
+        name: each for points in alike.values() for name, each in batches(points, cores).items()
     }
-    return batches(points, workflow.resource_settings.cores or len(points) + 1)
 
 
 def round_file(number):
@@ -132,7 +149,7 @@ def asked():
 def warn_of_namesake():
     """Say so when another study file has its results in the same folder.
 
-    Runs are named by all their parameters, so the two studies share those they have in common and
+    Runs are named by what their points are, so the two studies share those they have in common and
     keep the others; the rest of the folder follows whichever study file was run last.
     """
     with suppress(OSError, InputError):

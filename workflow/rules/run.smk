@@ -24,7 +24,8 @@ rule warm:
 # incomplete. `update` leaves the file to the job, which keeps it if it is whole and up to date.
 #
 # The name of a run file holds a hash of the point, so what makes the file old is the number of the
-# numerics alone; the points themselves, which change with the batch, are derived from the output.
+# numerics, and that more is wanted than it holds; the points themselves, which change with the
+# batch, are derived from the output.
 # The input must not be `ancient`: Snakemake does not look at the parameters of a job below one that
 # is to run.
 RUN = "python -m sim batch {params.folder} <<< {params.points:q} 2> {log}"
@@ -49,12 +50,13 @@ rule run:
     params:
         folder=lambda wildcards, output: RESULTS,
         points=lambda wildcards, output: in_json([wildcards.point]),
+        amount=lambda wildcards: amount(wildcards.point),
         numerics=numerics_mark(),
     shell:
         RUN
 
 
-# Short points without a run file share a process, and on a cluster a job.
+# Short points that are to be run, or run on, share a process, and on a cluster a job.
 for batch, points in BATCHES.items():
 
     rule:
@@ -78,6 +80,7 @@ for batch, points in BATCHES.items():
         params:
             folder=lambda wildcards, output: RESULTS,
             points=lambda wildcards, output: in_json(Path(path).stem for path in output),
+            amount=amount(points[0]),
             numerics=numerics_mark(),
         shell:
             RUN
