@@ -37,6 +37,7 @@ COMMANDS = {
     "claims": ("sim.claims.judge:build", "judge the claims of both papers on a study"),
     "figure": ("sim.figures.several:draw_several", "draw figures from a dataset"),
     "report": ("sim.report.page:build", "write the report of a study"),
+    "orphans": ("sim.report.orphans:show", "list or remove runs of points no longer in a study"),
     "publish": ("sim.report.publish:publish", "copy what readers need of a study"),
 }
 
@@ -113,7 +114,16 @@ def _parser() -> argparse.ArgumentParser:
         description = f"{text[0].upper()}{text[1:]}."
         parsers[name] = commands.add_parser(name, help=text, description=description)
         parsers[name].set_defaults(function=function)
-    for name in ("points", "refine", "dataset", "boundaries", "claims", "report", "publish"):
+    for name in (
+        "points",
+        "refine",
+        "dataset",
+        "boundaries",
+        "claims",
+        "report",
+        "orphans",
+        "publish",
+    ):
         _add_study(parsers[name])
     _add_study(parsers["status"], nargs="?", help="(default: config/quick.yaml)")
     _add_study_options(parsers)
@@ -198,6 +208,9 @@ def _add_result_options(parsers: dict[str, argparse.ArgumentParser]) -> None:
     )
     figure.add_argument(
         "--code", default="", metavar="HASH", help="leave out what this code has drawn of the same"
+    )
+    parsers["orphans"].add_argument(
+        "--remove", action="store_true", help="remove them, with their states and logs"
     )
     publish.add_argument(
         "--to",

@@ -1,5 +1,6 @@
 """How far a study is: the state of every point, from what lies in its folder of results."""
 
+import re
 import socket
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -21,6 +22,9 @@ from sim.study.cost import PROCESS_TIME, estimate
 from sim.study.load import Study
 
 STATES = ("done", "failed", "running", "interrupted", "waiting")
+
+#: Names of run files; those that begin with a dot are states, progress and drafts.
+RUN_FILE = re.compile(r"[^.].*\.nc")
 
 #: Seconds by which the start of a process may seem later than it was: the kernel tells the time of
 #: its own start in whole seconds.
@@ -76,6 +80,9 @@ class StudyStatus:
         Whether these times are bounds, because runs may end before their total.
     rounds_left : int
         Rounds of refinement whose points are not known yet, and in none of these times.
+    orphans : tuple of str
+        Points no longer in the study that have run files. None as long as rounds are to come, which
+        may ask for any.
     """
 
     name: str
@@ -85,6 +92,7 @@ class StudyStatus:
     longest_left: float
     at_most: bool
     rounds_left: int = 0
+    orphans: tuple[str, ...] = ()
 
     @property
     def counts(self) -> dict[str, int]:
@@ -144,9 +152,11 @@ def survey(study: Study, results: str | Path = "results") -> StudyStatus:
     except OSError:
         present = set()
     points = {key: _look(key, value, runs, present) for key, value in parameters.items()}
-    known = len(_round_files(study, folder))
+    to_come = study.rounds - len(_round_files(study, folder))
+    there = (name.removesuffix(".nc") for name in sorted(present) if RUN_FILE.fullmatch(name))
+    orphans = () if to_come else tuple(name for name in there if name not in points)
     left = _left(points, parameters)
-    return StudyStatus(study.name, study.title, points, *left, study.rounds - known)
+    return StudyStatus(study.name, study.title, points, *left, to_come, orphans)
 
 
 def _all_points(study: Study, folder: Path) -> dict[str, Parameters]:

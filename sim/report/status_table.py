@@ -90,6 +90,7 @@ def as_json(status: StudyStatus) -> str:
         "seconds_left": _rounded(status.left),
         "at_most": status.at_most,
         "rounds_left": status.rounds_left,
+        "orphans": list(status.orphans),
     }
     return json.dumps(document, indent=2, ensure_ascii=False)
 
@@ -159,6 +160,8 @@ def _closing(status: StudyStatus) -> list[str]:
     outdated = sum(point.outdated for point in status.points.values())
     if outdated:
         lines.append(f"of other numerics, to be run again: {outdated:,} points")
+    if status.orphans:
+        lines.append(f"runs of no point of the study: {len(status.orphans):,} (sim orphans)")
     return lines
 
 
