@@ -45,6 +45,11 @@ series:
     grid: {frequency: [20, 50]}
 """
 
+#: The same before it has grown.
+SHORT = STUDY.replace("average: 60", "average: 30").replace(
+    "average: 30, replicates: 2", "average: 10"
+)
+
 
 def snakemake(tree: Path) -> subprocess.Popen:
     """Start the study in a session of its own; its log goes to ``drill.log``."""
@@ -153,13 +158,14 @@ def undisturbed(tmp_path_factory) -> Path:
 
 @pytest.mark.parametrize("kills", [4, pytest.param(100, marks=pytest.mark.long)])
 def test_kills_at_random_moments_change_no_bit(kills, undisturbed, tmp_path, request):
-    study = load_study(undisturbed / "drill.yaml")
-    tree = tmp_path
-    (tree / "drill.yaml").write_text(STUDY)
-    drill = Drill(tree, kills)
-    request.addfinalizer(drill.end)
+    """A third of them while the study is short, the others while it grows."""
+    study, tree = load_study(undisturbed / "drill.yaml"), tmp_path
+    drills = {SHORT: Drill(tree, kills // 3), STUDY: Drill(tree, kills - kills // 3)}
     while True:
-        drill.run()
+        for text, drill in drills.items():
+            request.addfinalizer(drill.end)
+            (tree / "drill.yaml").write_text(text)
+            drill.run()
         results, expected = (folder / "results" / "drill" for folder in (tree, undisturbed))
         assert digest(results / "dataset.nc") == digest(expected / "dataset.nc")
         runs = {path.name for path in (results / "runs").iterdir()}
@@ -167,7 +173,7 @@ def test_kills_at_random_moments_change_no_bit(kills, undisturbed, tmp_path, req
         for point in study.points:
             name = f"runs/{point}.nc"
             assert digest(results / name) == digest(expected / name), point
-        if drill.is_over:
+        if all(drill.is_over for drill in drills.values()):
             break
         shutil.rmtree(tree / "results")
 

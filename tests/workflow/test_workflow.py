@@ -119,6 +119,18 @@ def test_a_changed_parameter_runs_the_points_it_touches(tree):
     assert point.startswith("belt-frequency10-") and "-shear2-" in point
 
 
+def test_points_of_which_more_is_wanted_are_run_on_and_no_others(tree):
+    text = (tree / STUDY).read_text().replace("{frequency: 20}", "{frequency: 20, replicates: 2}")
+    (tree / "more.yaml").write_text(text)
+    (point,) = points(plan(tree, study="more.yaml"))
+    assert point.startswith("belt-frequency20-") and point in TINY.points
+
+
+def test_where_less_is_wanted_nothing_is_run(tree):
+    (tree / "less.yaml").write_text((tree / STUDY).read_text().replace("average: 2", "average: 1"))
+    assert planned(tree, study="less.yaml") == {"dataset": 1, **AFTER_IT}
+
+
 def test_another_figure_of_the_same_points_makes_the_dataset_again(tree):
     text = (tree / STUDY).read_text().replace("figures: [gallas_1a]", "figures: []")
     (tree / "fewer.yaml").write_text(text)
