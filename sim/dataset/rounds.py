@@ -3,6 +3,7 @@
 import json
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
+from itertools import zip_longest
 from pathlib import Path
 
 from sim.base.errors import InputError
@@ -134,7 +135,19 @@ def _rounds(
         yield sides, values
 
 
-def sides_of(boundary: Boundary, side_of: SideOf) -> Sides:
-    """Return the sides of all values of all rounds, whose runs must be there."""
-    *_, (sides, values) = _rounds(boundary, boundary.rounds, side_of)
-    return sides | {value: side_of(boundary, boundary.at(value)) for value in values}
+def sides_of(
+    boundaries: Sequence[Boundary], side_of: SideOf, read: Callable[[list[Parameters]], object]
+) -> list[Sides]:
+    """Return the sides of all values of all rounds of boundaries, whose runs must be there.
+
+    ``read`` is told of the points of each round before any of them is asked for its side.
+    """
+    known: dict[int, tuple[Sides, list[float]]] = {}
+    for steps in zip_longest(*(_rounds(one, one.rounds, side_of) for one in boundaries)):
+        known |= {number: step for number, step in enumerate(steps) if step}
+        values = ((one, step[1]) for one, step in zip(boundaries, steps, strict=True) if step)
+        read([boundary.at(value) for boundary, new in values for value in new])
+    return [
+        {**known[number][0], **{value: side_of(one, one.at(value)) for value in known[number][1]}}
+        for number, one in enumerate(boundaries)
+    ]

@@ -8,6 +8,7 @@ import netCDF4
 import numpy as np
 
 from sim.base.files import replacing, seal
+from sim.base.summary import append_summary
 from sim.engine.observe.arrays import INSTANTANEOUS, PROFILES, SNAPSHOTS, TABLES
 from sim.engine.observe.recorder import Record
 from sim.engine.observe.scalars import SCALARS
@@ -76,7 +77,15 @@ def write(
         except RuntimeError as error:
             # What the library says of a full disk.
             raise OSError(f"{path}: cannot be written: {error}") from None
+        append_summary(temporary, _summary(attributes, records))
         seal(temporary)
+
+
+def _summary(attributes: dict[str, Any], records: list[Record]) -> dict[str, Any]:
+    """Return what the end of the file tells of a run: its attributes, and scalars by replicate."""
+    names = records[0].scalars
+    scalars = {name: [record.scalars[name] for record in records] for name in names}
+    return {"attributes": attributes, "scalars": scalars}
 
 
 def _put(
