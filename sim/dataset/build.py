@@ -104,7 +104,10 @@ def _groups(
     states = {key: state for block in blocks for key, state in block.states.items()}
     for key, point in study.points.items():
         if key in states and _are_shown(point.figures):
-            yield f"{PARTICLES}/{key}", states[key].drop_encoding()
+            state = states[key].drop_encoding()
+            # The library gives them back in an order of its own.
+            state.attrs = dict(sorted(state.attrs.items()))
+            yield f"{PARTICLES}/{key}", state
     if study.boundaries:
         yield GROUP, table(study, found).to_xarray()
 
