@@ -197,7 +197,17 @@ def _add_point_options(parsers: dict[str, argparse.ArgumentParser]) -> None:
 
 
 def _add_result_options(parsers: dict[str, argparse.ArgumentParser]) -> None:
-    figure, publish = parsers["figure"], parsers["publish"]
+    dataset, figure, publish = parsers["dataset"], parsers["figure"], parsers["publish"]
+    dataset.add_argument(
+        "-j", "--processes", type=int, default=1, metavar="N", help="read run files in N processes"
+    )
+    dataset.add_argument(
+        "--dask-scheduler",
+        dest="scheduler",
+        default=os.environ.get("DASK_SCHEDULER_ADDRESS"),
+        metavar="ADDRESS",
+        help="have the workers of a dask cluster read them (default: $DASK_SCHEDULER_ADDRESS)",
+    )
     figure.add_argument("names", nargs="+", metavar="NAME", help="such as walton_2")
     figure.add_argument("dataset_path", type=Path, metavar="DATASET.nc")
     figure.add_argument(

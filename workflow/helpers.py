@@ -1,55 +1,16 @@
-"""What the rules need besides Snakemake: hashes of code, and a folder that others may have left."""
+"""What the rules need besides Snakemake: a folder that others may have left."""
 
 import fcntl
-import hashlib
 import os
 import shutil
 import time
-from collections.abc import Iterable
 from contextlib import suppress
-from functools import cache
 from pathlib import Path
 from typing import TextIO
-
-from sim.base.rooms import ROOMS
 
 #: Seconds by which clocks of machines that share a folder may differ, and a time before all others.
 CLOCK_ERROR = 60.0
 OLD = 86400.0
-
-#: Rooms whose edits make nothing old by themselves: the number of the numerics speaks for the
-#: engine, and each figure names its own entry of the catalogue.
-NOT_FOLLOWED = ("engine", "study/catalogue")
-
-
-@cache
-def room_hash(package: Path, room: str) -> str:
-    """Return a hash of all files of a room and of those that it may import, but of the engine.
-
-    Parameters
-    ----------
-    package : Path
-        Folder of the package.
-    room : str
-        One of `ROOMS`. The report, which shows it, also follows the catalogue.
-    """
-    passed_over = NOT_FOLLOWED[:1] if room == "report" else NOT_FOLLOWED
-    return files_hash(
-        path
-        for name in (room, *ROOMS[room])
-        for path in (package / name).rglob("*")
-        if path.is_file()
-        and "__pycache__" not in path.parts
-        and not any(path.is_relative_to(package / other) for other in passed_over)
-    )
-
-
-def files_hash(files: Iterable[Path]) -> str:
-    """Return a hash of the names and contents of files, wherever they lie."""
-    digest = hashlib.sha256()
-    for path in sorted(files):
-        digest.update(path.name.encode() + path.read_bytes())
-    return digest.hexdigest()[:12]
 
 
 def release_stale_lock(folder: Path = Path(".snakemake")) -> TextIO:

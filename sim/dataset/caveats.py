@@ -1,10 +1,10 @@
 """What to know before trusting a run: what it says of itself, and whether its energy adds up."""
 
 from collections.abc import Iterable, Mapping
-from typing import TYPE_CHECKING, Any, SupportsFloat
+from typing import Any, SupportsFloat
 
-if TYPE_CHECKING:
-    import netCDF4
+from sim.dataset.summary import Summary
+from sim.parameters import Parameters
 
 #: Share of the energy turned over that the ledger of a sound run does not lack by far.
 UNSOUND = 0.01
@@ -17,15 +17,14 @@ _LEAKING = (
     "numerically unsound or its model makes energy"
 )
 
-#: What the ledger of a replicate is read from: scalars per replicate, and of the whole run.
-_PER_REPLICATE = (
+#: The scalars that the ledger of a replicate is read from.
+_OF_LEDGER = (
     "energy_residual",
     "frictional_power",
     "normal_power",
     "velocity",
     "acceleration",
 )
-_OF_RUN = ("particles", "mass")
 
 
 def missing_energy(replicate: Mapping[Any, SupportsFloat]) -> float:
@@ -58,14 +57,13 @@ def caveat(said: str, missing: Iterable[float]) -> str:
     return "; ".join(filter(None, (said, _LEAKING if leaking else "")))
 
 
-def caveat_of_file(run: "netCDF4.Dataset") -> str:
-    """Return the caveat of an open run file."""
-    said = getattr(run, "caveat", "")
-    if "energy_residual" not in run.variables:
+def caveat_of_run(run: Summary, parameters: Parameters) -> str:
+    """Return the caveat of the run of a point."""
+    said = run.attrs.get("caveat", "")
+    if "energy_residual" not in run.scalars:
         return said
-    run.set_auto_mask(False)
-    shared = {name: run[name][...] for name in _OF_RUN}
-    columns = {name: run[name][:] for name in _PER_REPLICATE if name in run.variables}
+    shared = {"particles": parameters.particles, "mass": parameters.mass}
+    columns = {name: run.scalars[name] for name in _OF_LEDGER if name in run.scalars}
     replicates = (
         dict(zip(columns, values, strict=True)) for values in zip(*columns.values(), strict=True)
     )

@@ -1,39 +1,26 @@
-"""What a dataset keeps of one run file: scalars, measures, profiles, and the state of particles."""
+"""What a dataset keeps of a run file: scalars, measures, profiles, and the state of particles."""
 
-from collections.abc import Mapping, Sequence
+import json
+from collections.abc import Mapping
 from pathlib import Path
-from typing import NamedTuple
 
 import netCDF4
 import numpy as np
 import xarray as xr
 
+from sim.base.files import read_seal
 from sim.base.reading import reading
-from sim.dataset.measures import MEASURES, measures
+from sim.base.summary import read_summary
+from sim.dataset.measures import measures
 from sim.dataset.measures.belt import columns
+from sim.dataset.rows import KEPT, OVER_HEIGHT, SINGLE, WORDS, Rows
 from sim.dataset.run_file import Replicate, RunFile
 from sim.engine.identity import numerics_of
-from sim.engine.observe.arrays import INSTANTANEOUS, PROFILES, SNAPSHOTS
+from sim.engine.observe.arrays import SNAPSHOTS
 from sim.engine.observe.scalars import SCALARS
 
 #: Without these attributes a file is no run file.
 ATTRIBUTES = {"point_id", "system", "engine_version", "source_hash", "versions", "created"}
-
-#: Scalars per replicate that a run file or its measures may hold. A system without one of them gets
-#: NaN.
-NUMBERS = tuple(name for name, (unit, _) in (SCALARS | MEASURES).items() if unit)
-WORDS = tuple(name for name, (unit, _) in SCALARS.items() if not unit)
-
-#: Profiles of which figures show the last sample beside the average.
-_SHOWN_LAST = ("velocity_profile", "packing_profile")
-
-#: Arrays over height that a dataset keeps.
-OVER_HEIGHT = tuple(
-    one
-    for name in PROFILES
-    for one in (name, name + INSTANTANEOUS)
-    if one in PROFILES or name in _SHOWN_LAST
-)
 
 #: What no picture of particles shows.
 _UNSEEN = ("particle_spin", "orientation")
@@ -42,22 +29,15 @@ _UNSEEN = ("particle_spin", "orientation")
 STATE = (*(name for name in SNAPSHOTS if name not in _UNSEEN), "path", "path_time")
 
 
-class Gathered(NamedTuple):
-    """What is kept of one run: ``profiles`` over slices and squares by name; ``state`` only where a
-    figure shows particles."""
-
-    scalars: xr.Dataset
-    profiles: dict[str, xr.Variable]
-    state: xr.Dataset | None
-
-
-def read_run(path: Path, shown: bool = False) -> Gathered:
-    """Read what a dataset keeps of a run file.
+def read_run(path: Path, wanted: Mapping[str, float] | None = None, shown: bool = False) -> Rows:
+    """Read what a dataset keeps of a run file: one row.
 
     Parameters
     ----------
     path : Path
         The file; its name is the id of its point.
+    wanted : mapping, optional
+        How much is wanted of the point, see `sim.parameters.amounts`; all that is held if omitted.
     shown : bool
         Keep the state of the particles of the first completed replicate.
 
@@ -68,70 +48,55 @@ def read_run(path: Path, shown: bool = False) -> Gathered:
     DamagedError
         When it cannot be read as the run that its name says; it is set aside.
     """
-    with reading(path, "run file", replaceable=True), netCDF4.Dataset(path) as file:
-        run = RunFile(file)
-        known = run.attrs.keys() >= ATTRIBUTES and "particles" in run
-        if not known or "replicate" not in file.dimensions:
-            raise ValueError("no point in it")
-        if run.attrs["point_id"] != path.stem:
-            raise ValueError(f"holds point {run.attrs['point_id']}")
-        kept = {name: run.variable(name) for name in run if not run.dims(name) or name in SCALARS}
-        made = {
-            name: xr.Variable("replicate", values, _described(name))
-            for name, values in measures(run).items()
-        }
-        number = numerics_of(run.attrs)
-        attrs = run.attrs | {"numerics": "unknown" if number is None else str(number)}
-        scalars = xr.Dataset(kept | made, attrs=attrs)
-        return Gathered(scalars, _profiles(run), _state(run) if shown else None)
+    with reading(path, "run file", replaceable=True):
+        # First: if another file takes the name in between, its numbers get a seal that is not its
+        # own, and it is read again the next time.
+        seal = read_seal(path)
+        with netCDF4.Dataset(path) as file:
+            run = RunFile(file, wanted, (read_summary(path) or {}).get("scalars"))
+            known = run.attrs.keys() >= ATTRIBUTES and "particles" in run
+            if not known or "replicate" not in file.dimensions:
+                raise ValueError("no point in it")
+            if run.attrs["point_id"] != path.stem:
+                raise ValueError(f"holds point {run.attrs['point_id']}")
+            number = numerics_of(run.attrs)
+            origin = {
+                "seal": seal,
+                "wanted": as_text(wanted),
+                "engine_version": run.attrs["engine_version"],
+                "numerics": "unknown" if number is None else str(number),
+                "source_hash": run.attrs["source_hash"],
+                "versions": run.attrs["versions"],
+                "created": run.attrs["created"],
+                "caveat": run.attrs.get("caveat", ""),
+            }
+            values = _scalars(run) | _profiles(run)
+            state = _state(run) if shown else None
+    return Rows(
+        points=[path.stem],
+        origin={name: [str(text)] for name, text in origin.items()},
+        values={name: held[np.newaxis] for name, held in values.items()},
+        states={} if state is None else {path.stem: state},
+    )
 
 
-def lined_up(runs: Sequence[Mapping[str, xr.Variable]], along: str, replicates: int) -> xr.Dataset:
-    """Return the variables of all runs along a new dimension, without coordinates.
-
-    Fewer ``replicates`` than asked for, arrays shorter than those of another run and those that a
-    run lacks are filled up with NaN or ``""``. Attributes are those in the first run that has the
-    variable.
-    """
-    found = {}
-    for name in dict.fromkeys(name for run in runs for name in run):
-        given = [run.get(name) for run in runs]
-        some = [one for one in given if one is not None]
-        first, sizes = some[0], np.max([one.shape for one in some], axis=0, initial=0)
-        size = dict(zip(first.dims, map(int, sizes), strict=True)) | {"replicate": replicates}
-        shape = (len(runs), *(size[dimension] for dimension in first.dims))
-        if name in WORDS:
-            table = np.full(shape, "", object)
-        else:
-            table = np.full(shape, np.nan, np.result_type(first.dtype, np.float32))
-        for row, one in zip(table, given, strict=True):
-            if one is not None:
-                row[tuple(map(slice, one.shape))] = one.values
-        found[name] = ((along, *first.dims), table, first.attrs)
-    return xr.Dataset(found)
+def as_text(wanted: Mapping[str, float] | None) -> str:
+    """Return how much is wanted of a point as a text that is the same for the same amounts."""
+    return json.dumps(dict(wanted or {}), sort_keys=True)
 
 
-def _described(name: str) -> dict[str, str]:
-    unit, long_name = MEASURES[name]
-    return {"units": unit, "long_name": long_name}
-
-
-def _profiles(run: RunFile) -> dict[str, xr.Variable]:
-    """Return profiles over height and along the belt, and the places of their slices and squares.
-
-    In single precision: seven digits, of which statistics know three.
-    """
-    kept = {name: run.variable(name) for name in OVER_HEIGHT if name in run} | columns(run)
-    found = {
-        name: xr.Variable(
-            ["slice" if dimension == "height" else dimension for dimension in one.dims],
-            one.values.astype(np.float32),
-            one.attrs,
-        )
-        for name, one in kept.items()
+def _scalars(run: RunFile) -> dict[str, np.ndarray]:
+    """Return scalars and measures, each over replicates."""
+    held = {name: run[name] for name in SCALARS if name in run} | measures(run)
+    return {
+        name: held[name].astype(object if name in WORDS else float) for name in KEPT if name in held
     }
-    places = {"height": xr.Variable("slice", run["height"])} if "height" in run else {}
-    return {**places, **found}
+
+
+def _profiles(run: RunFile) -> dict[str, np.ndarray]:
+    """Return profiles over height and along the belt, and where their slices and squares are."""
+    held = {name: run[name] for name in ("height", *OVER_HEIGHT) if name in run} | columns(run)
+    return {name: one.astype(np.float32 if name in SINGLE else float) for name, one in held.items()}
 
 
 def _state(run: RunFile) -> xr.Dataset | None:
@@ -150,15 +115,3 @@ def _state(run: RunFile) -> xr.Dataset | None:
     used = {dimension for each in found.values() for dimension in each.dims}
     places = {str(name): run.variable(str(name)) for name in used if name in run}
     return xr.Dataset(found, places, run.attrs)
-
-
-def profiles(runs: Sequence[Gathered], replicates: int) -> xr.Dataset:
-    """Return the profiles of the runs of one system over (run, replicate, slice).
-
-    Coordinate ``run`` is the id of the point. Fewer slices or replicates than those of another run
-    are filled up with NaN; ``height`` (run, slice) holds the centres of the slices. Profiles along
-    the belt are over (run, replicate, square), and ``column`` (run, square) holds the centres.
-    """
-    ids = [run.scalars.attrs["point_id"] for run in runs]
-    together = lined_up([run.profiles for run in runs], "run", replicates)
-    return together.drop_attrs().assign_coords(run=ids)

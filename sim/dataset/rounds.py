@@ -3,6 +3,7 @@
 import json
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
+from itertools import zip_longest
 from pathlib import Path
 
 from sim.base.errors import InputError
@@ -80,7 +81,7 @@ def added_points(study: Study, number: int, runs: Path) -> dict[str, Parameters]
     """
     seen = set(study.points)
     added: dict[str, Parameters] = {}
-    side_of = from_files(runs)
+    side_of = from_files(study, runs)
     rounds = [list(_rounds(boundary, number, side_of)) for boundary in study.boundaries]
     for each in range(1, number + 1):
         points = (
@@ -94,13 +95,20 @@ def added_points(study: Study, number: int, runs: Path) -> dict[str, Parameters]
     return added
 
 
-def from_files(runs: Path) -> SideOf:
-    """Return what tells the side of a point from its run file in a folder."""
+def from_files(study: Study, runs: Path) -> SideOf:
+    """Return what tells the side of a point of a study from its run file in a folder."""
 
     def side_of(boundary: Boundary, point: Parameters) -> str | None:
-        return side_of_run(runs / f"{point_id(point)}.nc", boundary.of, point)
+        path = runs / f"{point_id(point)}.nc"
+        return side_of_run(path, boundary.of, as_wanted(study, point))
 
     return side_of
+
+
+def as_wanted(study: Study, point: Parameters) -> Parameters:
+    """Return a point of a boundary with as much of it as the study wants: series may want more."""
+    known = study.points.get(point_id(point))
+    return known.parameters if known else point
 
 
 def refined(study: Study, found: Sequence[Sides]) -> Study:
@@ -134,7 +142,19 @@ def _rounds(
         yield sides, values
 
 
-def sides_of(boundary: Boundary, side_of: SideOf) -> Sides:
-    """Return the sides of all values of all rounds, whose runs must be there."""
-    *_, (sides, values) = _rounds(boundary, boundary.rounds, side_of)
-    return sides | {value: side_of(boundary, boundary.at(value)) for value in values}
+def sides_of(
+    boundaries: Sequence[Boundary], side_of: SideOf, read: Callable[[list[Parameters]], object]
+) -> list[Sides]:
+    """Return the sides of all values of all rounds of boundaries, whose runs must be there.
+
+    ``read`` is told of the points of each round before any of them is asked for its side.
+    """
+    known: dict[int, tuple[Sides, list[float]]] = {}
+    for steps in zip_longest(*(_rounds(one, one.rounds, side_of) for one in boundaries)):
+        known |= {number: step for number, step in enumerate(steps) if step}
+        values = ((one, step[1]) for one, step in zip(boundaries, steps, strict=True) if step)
+        read([boundary.at(value) for boundary, new in values for value in new])
+    return [
+        {**known[number][0], **{value: side_of(one, one.at(value)) for value in known[number][1]}}
+        for number, one in enumerate(boundaries)
+    ]

@@ -4,12 +4,12 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import cast
 
-import netCDF4
 import numpy as np
 
 from sim.base.named import Named
 from sim.base.reading import reading
-from sim.parameters import BeltParameters, Parameters, point_id
+from sim.dataset.summary import summary_of
+from sim.parameters import BeltParameters, Parameters, amounts, point_id
 
 #: Sides of the boundaries that regimes tell, by regime.
 REGIMES = {
@@ -41,12 +41,11 @@ def side_of_run(path: Path, of: str, parameters: Parameters) -> str | None:
     InputError
         When there is no such file, or it cannot be read as a run.
     """
-    with reading(path, "run file", replaceable=True), netCDF4.Dataset(path) as run:
-        if run.point_id != point_id(parameters):
-            raise ValueError(f"holds point {run.point_id}")
-        run.set_auto_mask(False)
-        scalars = {name: run[name][:] for name in SCALARS}
-    return side(scalars, of, parameters)
+    with reading(path, "run file", replaceable=True):
+        run = summary_of(path, amounts(parameters))
+        if run.attrs["point_id"] != point_id(parameters):
+            raise ValueError(f"holds point {run.attrs['point_id']}")
+        return side(run.scalars, of, parameters)
 
 
 def side(scalars: Named, of: str, parameters: Parameters) -> str | None:

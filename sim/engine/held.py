@@ -1,6 +1,6 @@
 """What a run file that is there holds, and of how much of its point."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -9,6 +9,7 @@ import netCDF4
 import numpy as np
 
 from sim.base.files import is_damaged
+from sim.base.summary import read_summary
 from sim.engine.identity import NUMERICS, numerics_of
 from sim.engine.observe.arrays import SNAPSHOTS, TABLES
 from sim.engine.observe.recorder import Record
@@ -27,9 +28,19 @@ def current_status(path: Path, parameters: Parameters) -> str:
     with suppress(OSError, LookupError, ValueError):
         if not is_damaged(path):
             with netCDF4.Dataset(path) as file:
-                if _is_of(file, parameters) and answering(file, amounts(parameters)):
+                ours = _is_of(_attributes(file), parameters)
+                if ours and answering(file, amounts(parameters)):
                     return file.status
     return ""
+
+
+def stage_of(held: Sequence[Mapping[str, float]], wanted: Mapping[str, float]) -> int | None:
+    """Return which of the stages that are held, the longest first, has the least of what is enough.
+
+    None where none has. Of its replicates the first are those wanted.
+    """
+    found = [number for number, stage in enumerate(held) if covers(stage, wanted)]
+    return found[-1] if found else None
 
 
 def holds(path: Path, parameters: Parameters) -> bool:
@@ -37,9 +48,7 @@ def holds(path: Path, parameters: Parameters) -> bool:
 
     Whether it is whole is not looked at.
     """
-    with suppress(OSError, LookupError, ValueError), netCDF4.Dataset(path) as file:
-        return _is_of(file, parameters) and answering(file, amounts(parameters)) is not None
-    return False
+    return stage_of(_told(path, parameters), amounts(parameters)) is not None
 
 
 def planned_amounts(path: Path, parameters: Parameters) -> dict[str, float]:
@@ -47,15 +56,32 @@ def planned_amounts(path: Path, parameters: Parameters) -> dict[str, float]:
 
     That is as much as it holds now, where this is enough. Whether it is whole is not looked at.
     """
-    with suppress(OSError, LookupError, ValueError), netCDF4.Dataset(path) as file:
-        if _is_of(file, parameters):
-            return amounts(more(parameters, _amounts(file, amounts(parameters))))
-    return amounts(parameters)
+    held = _told(path, parameters)
+    return amounts(more(parameters, held[0]) if held else parameters)
 
 
-def _is_of(file: netCDF4.Dataset, parameters: Parameters) -> bool:
-    held = {name: file.getncattr(name) for name in file.ncattrs()}
+def _told(path: Path, parameters: Parameters) -> list[dict[str, float]]:
+    """Return the amounts that a run file of a point and of the present numerics says it holds."""
+    with suppress(OSError, LookupError, ValueError):
+        if told := read_summary(path):
+            return told["held"] if _is_of(told["attributes"], parameters) else []
+        with netCDF4.Dataset(path) as file:
+            if _is_of(_attributes(file), parameters):
+                return held_amounts(file, amounts(parameters))
+    return []
+
+
+def _attributes(file: netCDF4.Dataset) -> dict[str, Any]:
+    return {name: file.getncattr(name) for name in file.ncattrs()}
+
+
+def _is_of(held: Mapping[str, Any], parameters: Parameters) -> bool:
     return held["point_id"] == point_id(parameters) and numerics_of(held) == NUMERICS
+
+
+def held_amounts(file: netCDF4.Dataset, names: Iterable[str]) -> list[dict[str, float]]:
+    """Return the amounts that an open run file holds, the longest run first."""
+    return [{name: float(group[name][...]) for name in names} for group in _groups(file)]
 
 
 def answering(file: netCDF4.Dataset, wanted: Mapping[str, float]) -> netCDF4.Dataset | None:
@@ -63,17 +89,13 @@ def answering(file: netCDF4.Dataset, wanted: Mapping[str, float]) -> netCDF4.Dat
 
     Of its replicates the first are those wanted.
     """
-    found = [group for group in _groups(file) if covers(_amounts(group, wanted), wanted)]
-    return found[-1] if found else None
+    number = stage_of(held_amounts(file, wanted), wanted)
+    return None if number is None else _groups(file)[number]
 
 
 def _groups(file: netCDF4.Dataset) -> list[netCDF4.Dataset]:
     """Return the groups of a run file that hold all of a run, the longest run first."""
     return [file, *file.groups.values()]
-
-
-def _amounts(group: netCDF4.Dataset, names: Mapping[str, Any]) -> dict[str, float]:
-    return {name: float(group[name][...]) for name in names}
 
 
 def read_stages(path: Path, parameters: Parameters) -> list[Stage]:
@@ -85,20 +107,17 @@ def read_stages(path: Path, parameters: Parameters) -> list[Stage]:
         if not is_damaged(path):
             with netCDF4.Dataset(path) as file:
                 file.set_auto_mask(False)
-                if _is_of(file, parameters):
-                    return [_stage(group, parameters) for group in _groups(file)]
+                if _is_of(_attributes(file), parameters):
+                    held = held_amounts(file, amounts(parameters))
+                    stages = zip(_groups(file), held, strict=True)
+                    return [_stage(group, parameters, one) for group, one in stages]
     return []
 
 
-def _stage(group: netCDF4.Dataset, parameters: Parameters) -> Stage:
-    held = _amounts(group, amounts(parameters))
-    size = group.dimensions["replicate"].size
-    return Stage(
-        parameters.model_copy(
-            update={name: type(getattr(parameters, name))(one) for name, one in held.items()}
-        ),
-        [_record(group, index) for index in range(size)],
-    )
+def _stage(group: netCDF4.Dataset, parameters: Parameters, held: Mapping[str, float]) -> Stage:
+    ran = {name: type(getattr(parameters, name))(value) for name, value in held.items()}
+    records = [_record(group, index) for index in range(group.dimensions["replicate"].size)]
+    return Stage(parameters.model_copy(update=ran), records)
 
 
 def _record(group: netCDF4.Dataset, index: int) -> Record:

@@ -8,16 +8,16 @@ from datetime import UTC, datetime, timedelta
 from functools import cache
 from pathlib import Path
 
-import netCDF4
 import psutil
 
-from sim.base.files import is_damaged
 from sim.base.reading import UNREADABLE
-from sim.dataset.caveats import caveat_of_file
+from sim.dataset.caveats import caveat_of_run
 from sim.dataset.rounds import read_round
+from sim.dataset.summary import summary_of
+from sim.engine.held import holds
 from sim.engine.identity import NUMERICS, numerics_of
 from sim.engine.progress import CREDIT, Progress, may_end_early, progress_file, read_progress
-from sim.parameters import Parameters
+from sim.parameters import Parameters, amounts
 from sim.study.cost import PROCESS_TIME, estimate
 from sim.study.load import Study
 
@@ -175,7 +175,7 @@ def _round_files(study: Study, folder: Path) -> list[Path]:
 
 def _look(key: str, parameters: Parameters, runs: Path, present: set[str]) -> PointStatus:
     """Find the state of one point. A run that goes on counts more than an earlier one's file."""
-    threads = estimate(parameters).threads
+    threads = parameters.cores
     path = runs / f"{key}.nc"
     said = read_progress(path) if progress_file(path).name in present else None
     if said and said.point != key:
@@ -184,7 +184,7 @@ def _look(key: str, parameters: Parameters, runs: Path, present: set[str]) -> Po
         return PointStatus("running", threads, progress=said)
     if path.name in present:
         try:
-            return _finished(path, path.stat().st_mtime_ns, threads)
+            return _finished(path, path.stat().st_mtime_ns, parameters)
         except FileNotFoundError:
             # Damaged, it has been set aside in between.
             pass
@@ -205,17 +205,15 @@ def _goes_on(said: Progress) -> bool:
 
 
 @cache
-def _finished(path: Path, changed: int, threads: int) -> PointStatus:
-    """Read from its file how a run ended.
+def _finished(path: Path, changed: int, parameters: Parameters) -> PointStatus:
+    """Read from its file how the run of a point ended.
 
     ``changed`` (ns) tells one file of a name from the next, so that a watch opens each file once.
     """
+    threads = parameters.cores
     try:
-        if is_damaged(path):
-            raise OSError("the checksum is wrong")
-        with netCDF4.Dataset(path) as file:
-            held = {name: file.getncattr(name) for name in file.ncattrs()}
-            caveat = caveat_of_file(file)
+        run = summary_of(path, amounts(parameters))
+        held, caveat = run.attrs, caveat_of_run(run, parameters)
         wall_time = float(held.get("wall_time", 0.0))
     except FileNotFoundError:
         raise
@@ -224,12 +222,16 @@ def _finished(path: Path, changed: int, threads: int) -> PointStatus:
     if held.get("point_id") != path.stem or held.get("status") not in ("completed", "failed"):
         reason = f"{path}: not the run file of this point; delete it and rerun"
         return PointStatus("failed", threads, reason)
+    outdated = numerics_of(held) != NUMERICS
+    if not outdated and not holds(path, parameters):
+        # It is to grow.
+        return PointStatus("waiting", threads)
     return PointStatus(
         "done" if held["status"] == "completed" else "failed",
         threads,
         reason=str(held.get("reason", "")),
         core_seconds=max(0.0, wall_time) * threads,
-        outdated=numerics_of(held) != NUMERICS,
+        outdated=outdated,
         caveat=caveat,
     )
 

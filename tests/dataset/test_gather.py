@@ -4,8 +4,10 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from sim.dataset.gather import OVER_HEIGHT, STATE, Gathered, profiles
+from sim.dataset.combine import profiles
+from sim.dataset.gather import STATE
 from sim.dataset.measures.belt import columns
+from sim.dataset.rows import OVER_HEIGHT, Rows
 from sim.engine.observe.arrays import PROFILES, SNAPSHOTS
 
 
@@ -22,15 +24,16 @@ def run(name, width, slices, replicates):
         },
         coords={"column": 1e-3 * squares, "level": [0.0, 1e-3]},
     )
-    heights = {
-        "height": xr.Variable("slice", 1e-3 * np.arange(slices)),
-        "number_density": xr.Variable(("replicate", "slice"), np.ones((replicates, slices))),
+    held = {
+        "height": 1e-3 * np.arange(slices),
+        "number_density": np.ones((replicates, slices)),
     }
-    return Gathered(xr.Dataset(attrs={"point_id": name}), heights | columns(field), None)
+    values = {key: one[np.newaxis] for key, one in (held | columns(field)).items()}
+    return Rows([name], {}, values, {})
 
 
 def test_belts_of_different_lengths_are_filled_up():
-    found = profiles([run("long", 6, 4, 3), run("short", 3, 5, 2)], 3)
+    found = profiles([run("long", 6, 4, 3), run("short", 3, 5, 2)], ["long", "short"], 3)
     assert found.sizes == {"run": 2, "replicate": 3, "slice": 5, "square": 6}
     short = found.sel(run="short")
     assert short["column"].values[:3] == pytest.approx([0.5e-3, 1.5e-3, 2.5e-3])

@@ -8,10 +8,13 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from sim.base.files import seal
+from sim.base.summary import append_summary
 from sim.dataset.rounds import added_points
 from sim.engine.identity import NUMERICS
 from sim.engine.observe.force_balance import base_forces
-from sim.parameters import Parameters, canonical, field_info, point_id
+from sim.engine.observe.scalars import SCALARS
+from sim.parameters import Parameters, amounts, canonical, field_info, point_id
 from sim.study.load import load_study
 from tests.made.once import once
 
@@ -64,6 +67,10 @@ def write_run(
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / f"{point_id(parameters)}.nc"
     dataset.to_netcdf(path)
+    scalars = {name: dataset[name].values.tolist() for name in SCALARS if name in dataset}
+    told = {"attributes": dataset.attrs, "held": [amounts(parameters)], "scalars": scalars}
+    append_summary(path, told)
+    seal(path)
     return path
 
 

@@ -5,10 +5,10 @@ from pathlib import Path
 
 import pytest
 
+from sim.base.rooms import room_hash
 from sim.study.catalogue import FIGURES
 from sim.study.load import load_study
 from tests.made.project import copy_tree, planned, snakemake
-from workflow.helpers import room_hash
 
 STUDY = """\
 study: rooms

@@ -12,13 +12,14 @@ from pathlib import Path
 ROOT = Path(workflow.current_basedir.get_path_or_uri(secret_free=True)).parents[1]
 sys.path[:0] = [str(ROOT), str(ROOT / "workflow")]
 
-from helpers import correct_future_times, files_hash, release_stale_lock, room_hash
+from helpers import correct_future_times, release_stale_lock
 
 from sim.engine.states import checkpoint_interval
 from sim.base.errors import InputError
 from sim.base.files import replacing
+from sim.base.rooms import files_hash, room_hash
 from sim.study.catalogue import FIGURES
-from sim.parameters import canonical_json
+from sim.parameters import amounts, canonical_json
 from sim.engine.held import holds, planned_amounts
 from sim.engine.identity import numerics_mark
 from sim.dataset.rounds import read_round

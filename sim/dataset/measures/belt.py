@@ -9,7 +9,6 @@ from math import atan2, nan, pi
 from typing import Any
 
 import numpy as np
-import xarray as xr
 
 from sim.base.named import Named
 
@@ -63,7 +62,7 @@ def measure(run: Mapping[Any, Any]) -> dict[str, float]:
     return found
 
 
-def columns(run: Mapping[str, Any]) -> dict[str, xr.Variable]:
+def columns(run: Mapping[str, Any]) -> dict[str, np.ndarray]:
     """Return velocity and density along the belt, means over all levels of the field.
 
     Returns
@@ -77,21 +76,12 @@ def columns(run: Mapping[str, Any]) -> dict[str, xr.Variable]:
         return {}
     density, level = np.asarray(run["field_density"]), np.asarray(run["level"])
     carried = np.nansum(np.asarray(run["field_velocity"]) * density, axis=-1)
-    beads, over = np.nansum(density, axis=-1), ("replicate", "square")
-    velocity = np.divide(carried, beads, out=np.full_like(beads, nan), where=beads > 0)
-    told = (
-        ("m s-1", "mean velocity along the belt of the beads in a column"),
-        ("m-1", "number of beads per length of the belt"),
-    )
+    beads = np.nansum(density, axis=-1)
     return {
-        name: xr.Variable(over, values, {"units": unit, "long_name": text})
-        for name, values, (unit, text) in zip(
-            ("column_velocity", "column_density"),
-            (velocity, beads * float(level[1] - level[0])),
-            told,
-            strict=True,
-        )
-    } | {"column": xr.Variable("square", np.asarray(run["column"]))}
+        "column_velocity": np.divide(carried, beads, out=np.full_like(beads, nan), where=beads > 0),
+        "column_density": beads * float(level[1] - level[0]),
+        "column": np.asarray(run["column"]),
+    }
 
 
 def _of_series(run: Mapping[Any, Any]) -> dict[str, float]:

@@ -29,7 +29,9 @@ def coherent_bonds(position: np.ndarray, side: float, diameter: float) -> np.nda
     # The library takes single precision, so positions are first brought into the cell.
     centred = box.wrap(np.column_stack([position[:, :2] - 0.5 * side, height]))
     order = freud.order.SolidLiquid(l=DEGREE, q_threshold=COHERENT, solid_threshold=BONDS)
-    order.compute((box, centred.astype(np.float32)), neighbors={"r_max": REACH * diameter})
+    # Processes that read run files side by side share the cores among them.
+    with freud.parallel.NumThreads(1):
+        order.compute((box, centred.astype(np.float32)), neighbors={"r_max": REACH * diameter})
     return order.num_connections
 
 

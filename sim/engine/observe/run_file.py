@@ -9,6 +9,7 @@ import netCDF4
 import numpy as np
 
 from sim.base.files import replacing, seal
+from sim.base.summary import append_summary
 from sim.engine.observe.arrays import INSTANTANEOUS, PROFILES, SNAPSHOTS, TABLES
 from sim.engine.observe.recorder import Record
 from sim.engine.observe.scalars import SCALARS
@@ -83,6 +84,7 @@ def write(
         except RuntimeError as error:
             # What the library says of a full disk.
             raise OSError(f"{path}: cannot be written: {error}") from None
+        append_summary(temporary, _summary(attributes, stages))
         seal(temporary)
 
 
@@ -90,6 +92,19 @@ def _write_stage(group: netCDF4.Dataset, stage: Stage, layout: Layout) -> None:
     _write_axes(group, stage.records, layout)
     _write_coordinates(group, layout)
     _write_records(group, stage.records, layout)
+
+
+def _summary(attributes: Mapping[str, Any], stages: Sequence[Stage]) -> dict[str, Any]:
+    """Return what the end of the file tells of a run.
+
+    Its attributes, the amounts of each stage, and the scalars of the longest one by replicate.
+    """
+    records = stages[0].records
+    return {
+        "attributes": attributes,
+        "held": [amounts(stage.parameters) for stage in stages],
+        "scalars": {name: [one.scalars[name] for one in records] for name in records[0].scalars},
+    }
 
 
 def _put(

@@ -99,6 +99,6 @@ def test_columns_weigh_levels_by_their_beads():
         coords={"column": [0.5e-3, 1.5e-3], "level": [0.0, 1e-3]},
     )
     found = columns(field)
-    assert found["column_velocity"].values[0] == pytest.approx([0.2, np.nan], nan_ok=True)
-    assert found["column_density"].values[0] == pytest.approx([3e3, 0.0])
-    assert found["column"].values == pytest.approx([0.5e-3, 1.5e-3])
+    assert found["column_velocity"][0] == pytest.approx([0.2, np.nan], nan_ok=True)
+    assert found["column_density"][0] == pytest.approx([3e3, 0.0])
+    assert found["column"] == pytest.approx([0.5e-3, 1.5e-3])

@@ -1,0 +1,178 @@
+"""Rows of runs as the groups of a dataset, in the order of the study's points."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from sim.dataset.caveats import caveat
+from sim.dataset.earlier import reading_code
+from sim.dataset.replicates import outcomes
+from sim.dataset.rows import (
+    KEPT,
+    NUMBERS,
+    OF_PROFILES,
+    WORDS,
+    Rows,
+    lined_up,
+    origins,
+    points_of,
+    sizes_of,
+)
+from sim.parameters import SYSTEMS, canonical, field_info
+from sim.study.load import Point, Study
+
+_CAVEAT = {"long_name": "what to know before trusting the point"}
+
+
+def root(blocks: Sequence[Rows], study: Study) -> xr.Dataset:
+    """Line up the scalars of runs along ``point`` and their replicates along ``replicate``.
+
+    Parameters
+    ----------
+    blocks : sequence of Rows
+        The runs of the study.
+    study : Study
+        Says in which order they come, and which series and figures each belongs to.
+
+    Returns
+    -------
+    xarray.Dataset
+        Variables over (point, replicate), padded with NaN and ``""`` where a point has fewer
+        replicates than another; every parameter of both systems as a coordinate over ``point``,
+        NaN or ``""`` where it is not one of the point's system.
+    """
+    order, sizes = _order(blocks, study.points), sizes_of(blocks)
+    made = origins(blocks).iloc[order]
+    held = xr.Dataset(
+        {
+            name: (("point", "replicate"), lined_up(blocks, name, sizes)[order], _described(name))
+            for name in (*NUMBERS, *WORDS)
+            if any(name in block.values for block in blocks)
+        }
+    )
+    caveats = map(caveat, made["caveat"], held["missing_energy"].values)
+    found = held.assign_coords(
+        _labels(study, caveats, made["source_hash"])
+        | _parameters(list(study.points.values()))
+        | {"replicate": ("replicate", np.arange(sizes["replicate"]))}
+    )
+    found.attrs = _attributes(made, study)
+    return found.assign(_together(found))
+
+
+def profiles(blocks: Sequence[Rows], points: Sequence[str], replicates: int) -> xr.Dataset:
+    """Return the profiles of the runs of one system over (run, replicate, slice).
+
+    Coordinate ``run`` is the id of the point. Fewer slices or replicates than those of another run
+    are filled up with NaN; ``height`` (run, slice) holds the centres of the slices. Profiles along
+    the belt are over (run, replicate, square), and ``column`` (run, square) holds the centres.
+    """
+    order, sizes = _order(blocks, points), sizes_of(blocks) | {"replicate": replicates}
+    held = {
+        name: (("run", *dimensions), lined_up(blocks, name, sizes)[order])
+        for name, dimensions in OF_PROFILES.items()
+        if any(name in block.values for block in blocks)
+    }
+    return xr.Dataset(held, {"run": list(points)})
+
+
+def runs(blocks: Sequence[Rows], points: Iterable[str]) -> xr.Dataset:
+    """Return what says of each row which run file it was read from, and what that held."""
+    made = origins(blocks).iloc[_order(blocks, points)]
+    words = {name: ("point", made[name].to_numpy(object)) for name in made}
+    return xr.Dataset(words, attrs={"code": reading_code()})
+
+
+def _order(blocks: Iterable[Rows], points: Iterable[str]) -> np.ndarray:
+    """Return the rows of points, in their order."""
+    rows = {point: row for row, point in enumerate(points_of(blocks))}
+    return np.array([rows[point] for point in points])
+
+
+def _described(name: str) -> dict[str, str]:
+    unit, long_name = KEPT[name]
+    return ({"units": unit} if unit else {}) | {"long_name": long_name}
+
+
+def _together(found: xr.Dataset) -> dict[str, Any]:
+    """Return what the replicates of each point say together, see `sim.dataset.replicates`."""
+    each = outcomes(found)
+    numbers = {"velocity": "mean velocity", "half_width": "half width of its 95 % interval"}
+    made = {
+        f"point_{name}": (
+            "point",
+            np.array([one[name] for one in each], float),
+            {"units": "m s-1", "long_name": f"{text}, all replicates together"},
+        )
+        for name, text in numbers.items()
+    }
+    for name in ("regime", "quality", "stopped"):
+        made[f"point_{name}"] = _words(one[name] for one in each)
+    return made
+
+
+def _attributes(made: pd.DataFrame, study: Study) -> dict[str, str]:
+    """Return the global attributes: what this is and what made its runs."""
+    what = {"Conventions": "CF-1.11", "title": study.title or study.name, "study": study.name}
+    distinct = ("engine_version", "numerics", "source_hash", "versions")
+    what |= {name: ", ".join(made[name].unique()) for name in distinct}
+    return what | {"first_run": made["created"].min(), "last_run": made["created"].max()}
+
+
+def _labels(study: Study, caveats: Iterable[str], hashes: Iterable[str]) -> dict[str, Any]:
+    """Return what names a point and where its run came from, as coordinates."""
+    points = list(study.points.values())
+    return {
+        "point": ("point", [point.id for point in points], {"long_name": "point id"}),
+        "series": _words(" ".join(point.series) for point in points),
+        "figures": _words(" ".join(point.figures) for point in points),
+        "caveat": _words(caveats, _CAVEAT),
+        "run_source_hash": _words(hashes),
+        "particles": ("point", [point.parameters.particles for point in points], {"units": "1"}),
+    }
+
+
+def _parameters(points: Sequence[Point]) -> dict[str, Any]:
+    """Return every parameter of both systems as a coordinate with its unit."""
+    given = [canonical(point.parameters) for point in points]
+    names = dict.fromkeys(name for model in SYSTEMS.values() for name in model.model_fields)
+    return {name: _parameter(name, given) for name in names}
+
+
+def _parameter(name: str, given: Sequence[Mapping[str, Any]]) -> Any:
+    values = [one.get(name) for one in given]
+    attrs = {"long_name": _declared(name, "description")}
+    if any(isinstance(value, str) for value in values):
+        return _words(("" if value is None else value for value in values), attrs)
+    systems = dict.fromkeys(one["system"] for one in given if name in one)
+    rows = {system: field_info(SYSTEMS[system])[name] for system in systems}
+    units = {system: row.unit for system, row in rows.items()}
+    comments = {
+        system: f"multiple of {row.scale}" if row.scale else "" for system, row in rows.items()
+    }
+    for kind, told in (("units", units), ("comment", comments)):
+        # Two units in one attribute could be read by nobody; as a comment they can.
+        kept = kind if len(set(told.values())) == 1 else "comment"
+        if any(told.values()):
+            attrs[kept] = "; ".join(filter(None, (attrs.get(kept), _by_system(told))))
+    return "point", np.array([np.nan if value is None else value for value in values], float), attrs
+
+
+def _by_system(texts: Mapping[str, str]) -> str:
+    """Write a text per system, or once where the systems agree."""
+    if len(set(texts.values())) == 1:
+        return next(iter(texts.values()))
+    return "; ".join(f"{system}: {text}" for system, text in texts.items() if text)
+
+
+def _declared(name: str, what: str) -> str:
+    """Join what the systems declare about a parameter, once where they agree."""
+    rows = [field_info(model).get(name) for model in SYSTEMS.values()]
+    return "; ".join(dict.fromkeys(getattr(row, what) for row in rows if row))
+
+
+def _words(values: Iterable[str], attrs: Mapping[str, str] | None = None) -> Any:
+    return "point", np.array(list(values), dtype=object), dict(attrs or {})

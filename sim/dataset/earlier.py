@@ -1,0 +1,99 @@
+"""Rows that an earlier dataset of the study has: run files that are the same are not read again."""
+
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack
+from functools import cache
+from pathlib import Path
+
+import netCDF4
+import pandas as pd
+import xarray as xr
+
+from sim.base.files import is_damaged, read_seal
+from sim.base.reading import UNREADABLE
+from sim.base.rooms import files_hash, room_hash
+from sim.dataset.results import PARTICLES
+from sim.dataset.rows import OF_PROFILES, WORDS, Rows
+from sim.engine import identity
+from sim.engine.observe import arrays, scalars
+
+#: Group of a dataset that says of each row which run file it was read from, and which variables
+#: that had.
+RUNS = "runs"
+
+
+@cache
+def reading_code() -> str:
+    """Return a hash of the code that reads run files; what other code has read is read again."""
+    package = Path(__file__).parents[1]
+    names = (Path(module.__file__ or "") for module in (identity, arrays, scalars))
+    return f"{room_hash(package, 'dataset')} {files_hash(names)}"
+
+
+def earlier_rows(path: Path, runs: Path, is_shown: Callable[[str], bool]) -> list[Rows]:
+    """Return the rows of an earlier dataset that reading their run files again would give.
+
+    Parameters
+    ----------
+    path : Path
+        The dataset. One that is missing, damaged, or made by other code has no such rows.
+    runs : Path
+        Folder of the run files.
+    is_shown : callable
+        Tells whether the state of the particles of a point must be there.
+    """
+    try:
+        if path.is_file() and not is_damaged(path, must_be_sealed=True):
+            return list(_rows(path, runs, is_shown))
+    except UNREADABLE:
+        pass
+    return []
+
+
+def _rows(path: Path, runs: Path, is_shown: Callable[[str], bool]) -> Iterator[Rows]:
+    with netCDF4.Dataset(path) as file:
+        states = set(file.groups[PARTICLES].groups) if PARTICLES in file.groups else set()
+    with ExitStack() as stack:
+
+        def opened(group: str | None) -> xr.Dataset:
+            """Return a group, of which each variable is read whenever it is asked for."""
+            file = xr.open_dataset(path, engine="netcdf4", group=group, cache=False)
+            return stack.enter_context(file)
+
+        root, made = opened(None), opened(RUNS)
+        if made.attrs["code"] != reading_code():
+            return
+        table = pd.DataFrame({name: root[name].values for name in ("point", "system")})
+        words = [str(name) for name in made]
+        table = table.assign(**{name: made[name].values for name in words})
+        same = [
+            _is_of(runs / f"{point}.nc", seal) and (point in states or not is_shown(point))
+            for point, seal in zip(table["point"], table["seal"], strict=True)
+        ]
+        for (system, variables), some in table[same].groupby(["system", "variables"], sort=False):
+            rows, points = some.index.to_numpy(), some["point"].tolist()
+            lines = (profiles := opened(system)).indexes["run"].get_indexer(points)
+            values = {
+                name: profiles[name].values[lines]
+                if name in OF_PROFILES
+                else root[name].values[rows].astype(object if name in WORDS else float)
+                for name in variables.split()
+            }
+            yield Rows(
+                points=points,
+                origin={name: some[name].tolist() for name in words if name != "variables"},
+                values=values,
+                states={
+                    point: opened(f"{PARTICLES}/{point}").load()
+                    for point in points
+                    if is_shown(point)
+                },
+            )
+
+
+def _is_of(run: Path, seal: str) -> bool:
+    """Return whether a run file still is the one with this seal."""
+    try:
+        return bool(seal) and read_seal(run) == seal
+    except OSError:
+        return False

@@ -1,0 +1,156 @@
+"""Runs as rows of arrays: what a dataset keeps of each, and how rows are lined up."""
+
+from collections.abc import Collection, Iterable, Sequence
+from itertools import chain
+from typing import NamedTuple
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from sim.dataset.measures import MEASURES
+from sim.engine.observe.arrays import INSTANTANEOUS, PROFILES
+from sim.engine.observe.scalars import SCALARS
+
+#: Unit and long name of the scalars per replicate that a run file or its measures may hold. A
+#: system without one of the numbers gets NaN.
+KEPT = SCALARS | MEASURES
+NUMBERS = tuple(name for name, (unit, _) in KEPT.items() if unit)
+WORDS = tuple(name for name, (unit, _) in KEPT.items() if not unit)
+
+#: Profiles of which figures show the last sample beside the average.
+_SHOWN_LAST = ("velocity_profile", "packing_profile")
+
+#: Arrays over height that a dataset keeps.
+OVER_HEIGHT = tuple(
+    one
+    for name in PROFILES
+    for one in (name, name + INSTANTANEOUS)
+    if one in PROFILES or name in _SHOWN_LAST
+)
+
+#: Dimensions of what a row holds.
+OF_SCALARS = dict.fromkeys((*NUMBERS, *WORDS), ("replicate",))
+OF_PROFILES = (
+    {"height": ("slice",)}
+    | dict.fromkeys(OVER_HEIGHT, ("replicate", "slice"))
+    | dict.fromkeys(("column_velocity", "column_density"), ("replicate", "square"))
+    | {"column": ("square",)}
+)
+DIMENSIONS = OF_SCALARS | OF_PROFILES
+
+#: What is held in single precision: seven digits, of which statistics know three.
+SINGLE = OF_PROFILES.keys() - {"height"}
+
+#: What tells how long a run is in each dimension: it has neither NaN nor ``""`` of its own.
+_LENGTHS = {"replicate": "status", "slice": "height", "square": "column"}
+
+
+class Rows(NamedTuple):
+    """Runs that hold the same variables, a row each.
+
+    Attributes
+    ----------
+    points : list of str
+        Ids of their points.
+    origin : dict of str to list of str
+        By name, what made each: ``seal`` of its file, how much of it was ``wanted``,
+        ``engine_version``, ``numerics``,
+        ``source_hash``, ``versions``, ``created``, and the ``caveat`` it gives itself.
+    values : dict of str to array
+        Scalars, measures and profiles, over rows and `DIMENSIONS`.
+    states : dict of str to xarray.Dataset
+        Last state and path of the particles, by point, where a figure shows them.
+    """
+
+    points: list[str]
+    origin: dict[str, list[str]]
+    values: dict[str, np.ndarray]
+    states: dict[str, xr.Dataset]
+
+
+def joined(blocks: Iterable[Rows]) -> list[Rows]:
+    """Return rows in as few blocks as there are sets of variables."""
+    alike: dict[tuple[str, ...], list[Rows]] = {}
+    for block in blocks:
+        alike.setdefault(tuple(block.values), []).append(block)
+    found = []
+    for names, some in alike.items():
+        sizes = sizes_of(some)
+        words = {name: [block.origin[name] for block in some] for name in some[0].origin}
+        found.append(
+            Rows(
+                points=points_of(some),
+                origin={name: list(chain.from_iterable(each)) for name, each in words.items()},
+                values={name: lined_up(some, name, sizes) for name in names},
+                states={point: state for block in some for point, state in block.states.items()},
+            )
+        )
+    return found
+
+
+def selected(blocks: Iterable[Rows], points: Collection[str]) -> list[Rows]:
+    """Return the rows of some points, no longer than the longest run of a block."""
+    found = []
+    for block in blocks:
+        rows = np.flatnonzero([point in points for point in block.points])
+        if rows.size:
+            some = slice(None) if rows.size == len(block.points) else rows
+            values = {name: held[some] for name, held in block.values.items()}
+            lengths = {
+                dimension: int(_there(values[name]).any(axis=0).sum())
+                for dimension, name in _LENGTHS.items()
+                if name in values
+            }
+            cut = {
+                name: held[:, *(slice(lengths.get(one)) for one in DIMENSIONS[name])]
+                for name, held in values.items()
+            }
+            origin = {name: [words[row] for row in rows] for name, words in block.origin.items()}
+            states = {point: one for point, one in block.states.items() if point in points}
+            found.append(Rows([block.points[row] for row in rows], origin, cut, states))
+    return found
+
+
+def _there(values: np.ndarray) -> np.ndarray:
+    return values != "" if values.dtype == object else np.isfinite(values)
+
+
+def points_of(blocks: Iterable[Rows]) -> list[str]:
+    """Return the points of all rows."""
+    return list(chain.from_iterable(block.points for block in blocks))
+
+
+def origins(blocks: Iterable[Rows]) -> pd.DataFrame:
+    """Return the origin of all rows, and the names of their ``variables``."""
+    frames = (
+        pd.DataFrame(block.origin, dtype=object).assign(variables=" ".join(block.values))
+        for block in blocks
+    )
+    return pd.concat(frames, ignore_index=True)
+
+
+def sizes_of(blocks: Iterable[Rows]) -> dict[str, int]:
+    """Return the largest size of each dimension."""
+    sizes: dict[str, int] = {}
+    for block in blocks:
+        for name, values in block.values.items():
+            for dimension, size in zip(DIMENSIONS[name], values.shape[1:], strict=True):
+                sizes[dimension] = max(size, sizes.get(dimension, 0))
+    return sizes
+
+
+def lined_up(blocks: Sequence[Rows], name: str, sizes: dict[str, int]) -> np.ndarray:
+    """Return a variable of all rows, filled up with NaN or ``""`` where a run has less or none."""
+    shape = (len(points_of(blocks)), *(sizes[dimension] for dimension in DIMENSIONS[name]))
+    if name in WORDS:
+        table = np.full(shape, "", object)
+    else:
+        table = np.full(shape, np.nan, np.float32 if name in SINGLE else float)
+    first = 0
+    for block in blocks:
+        rows = slice(first, first := first + len(block.points))
+        if name in block.values:
+            values = block.values[name]
+            table[(rows, *map(slice, values.shape[1:]))] = values
+    return table

@@ -1,0 +1,81 @@
+"""The runs of a study, each read once: from an earlier dataset or from its file."""
+
+from collections.abc import Callable, Collection, Iterable, Mapping
+from pathlib import Path
+
+import numpy as np
+
+from sim.dataset.earlier import earlier_rows
+from sim.dataset.gather import as_text
+from sim.dataset.rows import OF_SCALARS, Rows, selected
+from sim.dataset.side_by_side import read_files
+from sim.parameters import Parameters, amounts
+
+
+class Runs:
+    """Rows of runs by point.
+
+    Parameters
+    ----------
+    folder : Path
+        Results of the study: its runs, and its earlier dataset if there is one.
+    is_shown : callable
+        Tells whether a figure shows the particles of a point.
+    processes : int
+        How many read run files side by side.
+    scheduler : str, optional
+        Address of the dask scheduler whose workers read them instead.
+    """
+
+    def __init__(
+        self,
+        folder: Path,
+        is_shown: Callable[[str], bool],
+        processes: int = 1,
+        scheduler: str | None = None,
+    ):
+        self._folder, self._is_shown = folder / "runs", is_shown
+        self._processes, self._scheduler = processes, scheduler
+        self._blocks: list[Rows] = []
+        self._places: dict[str, tuple[Rows, int]] = {}
+        self._add(earlier_rows(folder / "dataset.nc", self._folder, is_shown))
+
+    def _add(self, blocks: Iterable[Rows]) -> None:
+        for block in blocks:
+            self._blocks.append(block)
+            self._places |= {point: (block, row) for row, point in enumerate(block.points)}
+
+    def read(self, points: Mapping[str, Parameters]) -> None:
+        """Read the runs of points that are not known yet, or of which other amounts are.
+
+        Raises
+        ------
+        InputError
+            When a run file is missing or damaged, see `read_files`.
+        """
+        wanted = {point: amounts(parameters) for point, parameters in points.items()}
+        new = {point: much for point, much in wanted.items() if not self._is_known(point, much)}
+        if self._places.keys() & new:
+            known = selected(self._blocks, self._places.keys() - new)
+            self._blocks, self._places = [], {}
+            self._add(known)
+        files = [
+            (self._folder / f"{point}.nc", much, self._is_shown(point))
+            for point, much in new.items()
+        ]
+        self._add(read_files(files, self._processes, self._scheduler))
+
+    def _is_known(self, point: str, wanted: Mapping[str, float]) -> bool:
+        if point not in self._places:
+            return False
+        block, row = self._places[point]
+        return block.origin["wanted"][row] == as_text(wanted)
+
+    def scalars(self, point: str) -> dict[str, np.ndarray]:
+        """Return the scalars of a run that was read; replicates that it has not are empty."""
+        block, row = self._places[point]
+        return {name: block.values[name][row] for name in OF_SCALARS if name in block.values}
+
+    def rows(self, points: Collection[str]) -> list[Rows]:
+        """Return the rows of points that were read."""
+        return selected(self._blocks, points)
