@@ -12,6 +12,8 @@ rule dataset:
         f"{RESULTS}/benchmarks/dataset.tsv"
     conda:
         "../envs/talus.yaml"
+    resources:
+        **READING,
     params:
         membership=[(point.id, point.series, point.figures) for point in STUDY.points.values()],
         boundaries=asked(),
