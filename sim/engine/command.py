@@ -101,6 +101,9 @@ def _logged(parameters: Parameters, runs: Path, logs: Path) -> int:
     root.addHandler(handler)
     try:
         return _run_one(parameters, runs / f"{name}.nc", quiet=False, record_failure=True)
+    except SystemExit:
+        print(f"{name}: terminated; the next start continues it", file=sys.stderr)
+        raise
     except _BeyondAllMachines as error:
         log.error("error: %s", error)
         print(f"error: {error}", file=sys.stderr)

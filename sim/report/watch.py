@@ -71,6 +71,10 @@ class Watch(threading.Thread):
         self._tell()
         self._bar.close()
 
+    def write(self, line: str) -> None:
+        """Write a line, above the bar if there is one."""
+        self._bar.write(line, file=sys.stderr)
+
     def _look(self) -> dict[str, int]:
         """Return the points with a run file, and the number of the file, new with each file."""
         found = {}
@@ -90,7 +94,7 @@ class Watch(threading.Thread):
                 failed = "failed" in line
                 self._failed += failed
                 if failed or not self._bar.disable or len(self._seconds) <= FEW:
-                    self._bar.write(line, file=sys.stderr)
+                    self.write(line)
                 if name not in self._known:
                     seconds = self._seconds.get(name, 0.0)
                     self._left, self._spent = self._left - seconds, self._spent + seconds

@@ -17,7 +17,7 @@ CROWD = 50
 PER_CORE = 2
 
 
-def batches(points: Mapping[str, Parameters], cores: float) -> dict[str, list[str]]:
+def batches(points: Mapping[str, Parameters], cores: float | None) -> dict[str, list[str]]:
     """Return the batches of short points: names, and the ids of their points, longest first.
 
     Parameters
@@ -25,15 +25,17 @@ def batches(points: Mapping[str, Parameters], cores: float) -> dict[str, list[st
     points : mapping
         Points that are to be run, by id. Those that take long or several threads, and one that
         would be alone, are in no batch.
-    cores : float
-        On how many they run.
+    cores : float, optional
+        On how many they run. Where nobody knows, as on a cluster, batches are as long as can be:
+        there each is a job, which takes seconds to start.
     """
     seconds = {}
     for name, point in points.items():
         cost = estimate(point)
         if cost.threads == 1 and cost.core_seconds - PROCESS_TIME <= MOST / 2:
             seconds[name] = cost.core_seconds - PROCESS_TIME
-    share = min(max(sum(seconds.values()) / (PER_CORE * cores), LEAST), MOST)
+    even = sum(seconds.values()) / (PER_CORE * cores) if cores else MOST
+    share = min(max(even, LEAST), MOST)
     found: list[list[str]] = []
     full = 0.0
     for name in sorted(seconds, key=lambda name: (-seconds[name], name)):

@@ -17,6 +17,8 @@ rule claims:
         f"{RESULTS}/benchmarks/claims.tsv"
     conda:
         "../envs/talus.yaml"
+    resources:
+        **READING,
     params:
         numerics=numerics_mark(),
         code=room("claims"),

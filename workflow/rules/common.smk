@@ -65,6 +65,21 @@ def seconds(points):
     return sum(cost.core_seconds for cost in costs(points))
 
 
+def memory(megabytes):
+    """Return the memory (MB) to ask for: on a cluster a job is two Snakemakes besides its command."""
+    return 300 + len(STUDY.points) // 50 + megabytes
+
+
+def minutes(points):
+    """Return the run time (min) to ask for, three times what points are estimated to take."""
+    return 10 + int(seconds(points) / 20)
+
+
+def cores_here():
+    """Return the cores that jobs share on this machine; none where they run on a cluster."""
+    return workflow.resource_settings.cores if workflow.is_main_process else None
+
+
 def in_json(points):
     """Return the parameters of points as a JSON list."""
     return f"[{','.join(canonical_json(parameters(point)) for point in points)}]"
@@ -96,9 +111,10 @@ def planned_batches():
     alike = defaultdict(dict)
     for point in filter(is_wanted, STUDY.points):
         alike[amount(point)][point] = parameters(point)
-    cores = workflow.resource_settings.cores or len(STUDY.points) + 1
     return {
-        name: each for points in alike.values() for name, each in batches(points, cores).items()
+        name: each
+        for points in alike.values()
+        for name, each in batches(points, cores_here()).items()
     }
 
 
@@ -165,10 +181,13 @@ def warn_of_namesake():
 
 def watch():
     """Start to show how the study goes; return what shows it."""
+    from sim.report.failed_jobs import FailedJobs, is_news
     from sim.report.watch import Watch
 
     started = Watch(STUDY, Path(RESULTS))
     started.start()
+    logger.addFilter(is_news)
+    logger.addHandler(FailedJobs(started.write))
     return started
 
 
@@ -198,6 +217,13 @@ except InputError as error:
 
 LOCK = release_stale_lock() if workflow.is_main_process else None
 RESULTS = f"results/{STUDY.name}"
+
+# What jobs ask for that read all runs, or their dataset.
+READING = {
+    "mem_mb": memory(700 + len(STUDY.points) // 5),
+    "runtime": 20 + len(STUDY.points) // 200,
+}
+
 OWNER = Path(RESULTS) / ".study"
 WARM = Path(RESULTS) / "runs" / ".warm"
 PLANNED = Path(RESULTS) / "runs" / ".batches"
@@ -224,11 +250,11 @@ onstart:
 
 # Jobs find the interpreter of this Snakemake, the package and the study wherever they run. Where a
 # study file lies is no parameter of its results: moved or copied, it makes nothing old.
-ENVIRONMENT = {
-    "PATH": [str(Path(sys.executable).parent), os.environ.get("PATH")],
-    "PYTHONPATH": [str(ROOT), os.environ.get("PYTHONPATH")],
-    "TALUS_STUDY": [str(STUDY.path)],
-}
+ENVIRONMENT = {"PYTHONPATH": [str(ROOT)], "TALUS_STUDY": [str(STUDY.path)]}
+if not workflow.deployment_settings.deployment_method:
+    # Conda and containers bring an interpreter of their own.
+    ENVIRONMENT["PATH"] = [str(Path(sys.executable).parent), os.environ.get("PATH")]
+    ENVIRONMENT["PYTHONPATH"].append(os.environ.get("PYTHONPATH"))
 SETTINGS = " ".join(
     f"{name}={shlex.quote(':'.join(filter(None, parts)))}" for name, parts in ENVIRONMENT.items()
 )

@@ -13,7 +13,9 @@ rule dataset:
         f"{RESULTS}/benchmarks/dataset.tsv"
     conda:
         "../envs/talus.yaml"
-    threads: max(1, min(len(STUDY.points) // 20, workflow.resource_settings.cores or 1))
+    threads: max(1, min(len(STUDY.points) // 20, cores_here() or 1))
+    resources:
+        **READING,
     params:
         membership=[(point.id, point.series, point.figures) for point in STUDY.points.values()],
         amounts=[amounts(point.parameters) for point in STUDY.points.values()],

@@ -13,7 +13,9 @@ rule figures:
         f"{RESULTS}/benchmarks/figures.tsv"
     conda:
         "../envs/talus.yaml"
-    threads: max(1, min(len(STUDY.figures), workflow.resource_settings.cores or 1))
+    threads: max(1, min(len(STUDY.figures), cores_here() or 2))
+    resources:
+        **READING | {"mem_mb": lambda wildcards, threads: threads * READING["mem_mb"]},
     params:
         folder=subpath(output[0], parent=True),
         names=list(STUDY.figures),

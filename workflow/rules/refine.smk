@@ -1,11 +1,6 @@
 # Boundaries between regimes: the runs of all rounds so far say which points the next one adds.
 
 
-localrules:
-    refine,
-    boundaries,
-
-
 checkpoint refine:
     input:
         lambda wildcards: run_files(int(wildcards.round) - 1),
@@ -17,6 +12,8 @@ checkpoint refine:
         f"{RESULTS}/benchmarks/rounds/{{round}}.tsv"
     conda:
         "../envs/talus.yaml"
+    resources:
+        **READING,
     params:
         boundaries=asked(),
         code=room("dataset"),
@@ -39,6 +36,8 @@ rule boundaries:
         f"{RESULTS}/benchmarks/boundaries.tsv"
     conda:
         "../envs/talus.yaml"
+    resources:
+        **READING,
     params:
         boundaries=asked(),
         code=room("dataset"),

@@ -18,6 +18,8 @@ rule report:
         f"{RESULTS}/benchmarks/report.tsv"
     conda:
         "../envs/talus.yaml"
+    resources:
+        **READING,
     params:
         # No input: its path may hold braces, which are no wildcards, and must not matter.
         study=files_hash(STUDY.files),

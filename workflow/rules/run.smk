@@ -12,7 +12,7 @@ rule warm:
         "../envs/talus.yaml"
     threads: len({point.parameters.system for point in STUDY.points.values()}) or 1
     resources:
-        mem_mb=1500,
+        mem_mb=memory(1200),
         runtime=30,
     params:
         numerics=numerics_mark(),
@@ -28,7 +28,9 @@ rule warm:
 # batch, are derived from the output.
 # The input must not be `ancient`: Snakemake does not look at the parameters of a job below one that
 # is to run.
-RUN = "python -m sim batch {params.folder} <<< {params.points:q} 2> {log}"
+#
+# Without a shell in between: that would not wait, on SIGTERM, until the run has saved its state.
+RUN = "exec python -m sim batch {params.folder} <<< {params.points:q} 2> {log}"
 
 
 rule run:
@@ -45,8 +47,8 @@ rule run:
         "../envs/talus.yaml"
     threads: lambda wildcards: costs([wildcards.point])[0].threads
     resources:
-        mem_mb=lambda wildcards: costs([wildcards.point])[0].memory,
-        runtime=lambda wildcards: 10 + int(seconds([wildcards.point]) / 20),
+        mem_mb=lambda wildcards: memory(costs([wildcards.point])[0].memory),
+        runtime=lambda wildcards: minutes([wildcards.point]),
     params:
         folder=lambda wildcards, output: RESULTS,
         points=lambda wildcards, output: in_json([wildcards.point]),
@@ -75,8 +77,8 @@ for batch, points in BATCHES.items():
             "../envs/talus.yaml"
         threads: 1
         resources:
-            mem_mb=max(cost.memory for cost in costs(points)),
-            runtime=10 + int(seconds(points) / 20),
+            mem_mb=memory(max(cost.memory for cost in costs(points))),
+            runtime=minutes(points),
         params:
             folder=lambda wildcards, output: RESULTS,
             points=lambda wildcards, output: in_json(Path(path).stem for path in output),

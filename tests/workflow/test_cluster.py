@@ -1,0 +1,89 @@
+"""What a cluster is given: needs of every job, a line for each that fails, a container."""
+
+import re
+import sys
+import tomllib
+
+import pytest
+import yaml
+
+from tests.made.processes import ROOT
+from tests.made.project import bare_folder, plan, snakemake
+
+#: Stands for the program of that name: tells what it is to run, and runs it with a `python` that
+#: only the container has.
+APPTAINER = """\
+#!/bin/bash
+if [ "$1" = --version ]; then echo apptainer version 1.3.0; exit; fi
+printf '%s\\n' "${{@:1:$#-1}}" > {told}
+export PATH={inside}:/usr/bin:/bin
+exec /bin/bash -c "${{@: -1}}"
+"""
+
+
+def project() -> dict:
+    """Return what ``pyproject.toml`` says of the project."""
+    return tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+
+
+@pytest.mark.parametrize("study", ["tiny.yaml", "onset.yaml"])
+def test_every_job_asks_for_memory_and_run_time(tmp_path, study):
+    """A cluster may refuse one that does not, or kill it for what it takes."""
+    dry = plan(bare_folder(tmp_path, study), study=study)
+    told = re.findall(r"^(?:rule|checkpoint) (\w+):\n(.*?)(?=^\S|\Z)", dry, re.M | re.S)
+    assert {"warm", "dataset", "claims", "report"} <= {name for name, _ in told}
+    for name, said in told:
+        if name != "default":
+            assert re.search(r"\bmem_mb=\d+", said) and re.search(r"\bruntime=\d+", said), name
+
+
+def test_a_failed_job_is_told_in_one_line(tmp_path):
+    """Here the point is larger than any machine."""
+    (tmp_path / "endless.yaml").write_text(
+        "study: endless\nseries: [{name: a, system: belt, base: {width: 1.0e+13}}]\n"
+    )
+    done = snakemake(tmp_path, "runs", study="endless.yaml")
+    assert done.returncode == 1
+    (line,) = (line for line in done.stderr.splitlines() if "job failed" in line)
+    assert re.match(r"belt-\S+: job failed: error: belt-\S+: cannot be computed: ", line)
+    assert "no backup found" not in done.stderr
+
+
+def test_commands_run_in_the_container(tmp_path, monkeypatch):
+    programs, inside, told = tmp_path / "programs", tmp_path / "inside", tmp_path / "told"
+    for folder in (programs, inside):
+        folder.mkdir()
+    (inside / "python").write_text(f'#!/bin/sh\nexec {sys.executable} "$@"\n')
+    (programs / "apptainer").write_text(APPTAINER.format(told=told, inside=inside))
+    for program in (inside / "python", programs / "apptainer"):
+        program.chmod(0o755)
+    monkeypatch.setenv("PATH", str(programs), prepend=":")
+    done = snakemake(bare_folder(tmp_path), "warm", "--sdm", "apptainer")
+    assert done.returncode == 0, done.stderr
+    words = told.read_text().splitlines()
+    assert words[0] == "exec" and str(ROOT / "talus.sif") in words
+
+
+def test_the_container_is_made_from_the_lock_file_for_a_python_that_will_do():
+    text = (ROOT / "workflow" / "talus.def").read_text(encoding="utf-8")
+    assert "--requirement /opt/requirements.lock" in text
+    # The Python of that release of Debian is 3.11.
+    assert "from=debian:bookworm-slim" in text
+    assert project()["requires-python"] == ">=3.11"
+
+
+@pytest.mark.parametrize("page", ["README.md", "docs/cluster.md"])
+def test_the_executor_plugin_is_installed_in_the_version_of_the_extra(page):
+    (plugin,) = project()["optional-dependencies"]["slurm"]
+    assert f"pip install {plugin}\n" in (ROOT / page).read_text(encoding="utf-8")
+
+
+def test_the_conda_environment_has_the_versions_of_the_lock_file():
+    """Some packages have another name there; the last part of a version may count builds."""
+    lines = (ROOT / "requirements.lock").read_text(encoding="utf-8").splitlines()
+    locked = dict(line.lower().split("==") for line in lines)
+    text = (ROOT / "workflow" / "envs" / "talus.yaml").read_text(encoding="utf-8")
+    names = {"freud": "freud-analysis", "matplotlib-base": "matplotlib"}
+    for name, version in (line.split("=") for line in yaml.safe_load(text)["dependencies"]):
+        if name != "python":
+            assert locked[names.get(name, name)].partition(".post")[0] == version, name
