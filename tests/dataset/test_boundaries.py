@@ -11,6 +11,7 @@ import xarray as xr
 
 from sim.__main__ import main
 from sim.base.errors import InputError
+from sim.dataset import side_by_side
 from sim.dataset.boundaries import build
 from sim.dataset.boundary_table import read_table
 from sim.dataset.build import build as build_dataset
@@ -74,6 +75,12 @@ def test_the_dataset_has_the_points_of_all_rounds(made, dataset):
     study = load_study(study_path, results)
     study = refined(study, sides_of(study.boundaries, from_files(study, runs), lambda _: None))
     assert set(study.series["onset"]) <= set(study.figures["belt_onset"]) <= points
+
+
+def test_no_round_is_read_again_for_the_next_dataset(made, dataset, monkeypatch):
+    whole = dataset.read_bytes()
+    monkeypatch.setattr(side_by_side, "read_run", None)
+    assert build_dataset(*made).read_bytes() == whole
 
 
 def test_a_round_holds_new_points_alone(made):

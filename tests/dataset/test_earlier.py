@@ -13,7 +13,7 @@ from sim.base.files import seal
 from sim.dataset import earlier, gather, side_by_side
 from sim.dataset.build import build
 from sim.parameters import Parameters, parse_point, point_id
-from tests.made.runs import make_regimes, write_run
+from tests.made.runs import write_run
 
 #: Points that differ in all that is lined up: systems, replicates, slices, squares, variables.
 POINTS = [
@@ -188,12 +188,3 @@ def test_a_run_file_without_a_seal_is_always_read(study, read):
     read.clear()
     study.build(0, 3)
     assert read == [name]
-
-
-def test_rounds_of_refinement_are_not_read_again(tmp_path, read):
-    study_path, results = make_regimes(tmp_path)
-    whole = build(study_path, results).read_bytes()
-    assert len(read) == len(set(read)) == len(list((results / "regimes" / "runs").glob("*.nc")))
-    read.clear()
-    assert build(study_path, results).read_bytes() == whole
-    assert read == []
