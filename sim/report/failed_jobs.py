@@ -48,8 +48,8 @@ class FailedJobs(logging.Handler):
             self._write(": ".join(filter(None, parts)))
 
     def _last_line(self, logs: Sequence[Path]) -> str:
-        """Return the last line of the first log, if it is of this workflow, or where to look."""
+        """Return the last line of the first log, if it is of this workflow, or which to look at."""
         with suppress(OSError, IndexError):
             if logs[0].stat().st_mtime >= self._since:
                 return logs[0].read_text(encoding="utf-8", errors="replace").splitlines()[-1]
-        return f"see {logs[-1]}" if logs else ""
+        return "".join(f"see {path}" for path in logs[-1:] if path.exists())

@@ -51,8 +51,14 @@ def test_of_a_job_on_a_cluster_its_state_is_told_too(tmp_path, log, lines):
 
 
 def test_of_a_long_message_the_first_line_is_told(tmp_path, log, lines):
-    fail(log, tmp_path / "none.log", tmp_path / "7.log", message="refused\n    sbatch call: ...")
-    assert lines == [f"none: job failed: refused: see {tmp_path / '7.log'}"]
+    fail(log, tmp_path / "warm.log", message="refused\n    sbatch call: ...")
+    assert lines == ["warm: job failed: refused"]
+
+
+def test_the_log_of_the_cluster_is_named_where_the_command_had_nothing_to_say(tmp_path, log, lines):
+    (tmp_path / "7.log").write_text("a page of text\n")
+    fail(log, tmp_path / "none.log", tmp_path / "7.log", message="status is: 'NODE_FAIL'.")
+    assert lines == [f"none: job failed: status is: 'NODE_FAIL': see {tmp_path / '7.log'}"]
 
 
 def test_a_log_of_an_earlier_attempt_is_not_told(tmp_path, log, lines):
