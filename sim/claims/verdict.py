@@ -132,6 +132,8 @@ class Check:
         Intervals are Student's or not, those of sums and quotients neither; p is the larger of what
         Student's and the normal distribution with that interval give, so it is never too small.
         """
+        if not isfinite(self.half_width):
+            return 1.0
         if self.half_width == 0:
             return 0.0 if distance > 0 or (on_it and distance == 0) else 1.0
         chances = (

@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import asdict
+from math import nan
 from pathlib import Path
 from typing import Any
 
@@ -104,8 +105,8 @@ def _check(check: Check) -> dict[str, Any]:
     held = {name: value for name, value in asdict(check).items() if name != "tested"}
     shown = {
         "bound": check.bound,
-        "p_holds": check.holding,
-        "p_fails": check.failing,
+        "p_holds": _told(check, check.holding),
+        "p_fails": _told(check, check.failing),
         "verdict": check.verdict,
         "plan": plan(check),
     }
@@ -113,6 +114,11 @@ def _check(check: Check) -> dict[str, Any]:
         name: None if isinstance(value, float) and not np.isfinite(value) else value
         for name, value in (held | shown).items()
     }
+
+
+def _told(check: Check, chance: float) -> float:
+    """Return a p-value of a check that decides, not-a-number of others."""
+    return chance if check.deciding and check.known else nan
 
 
 def as_table(judgements: list[Judgement]) -> pd.DataFrame:
@@ -135,8 +141,8 @@ def as_table(judgements: list[Judgement]) -> pd.DataFrame:
                     if name not in ("points", "tested")
                 }
                 shown = {
-                    "p holds": check.holding,
-                    "p fails": check.failing,
+                    "p holds": _told(check, check.holding),
+                    "p fails": _told(check, check.failing),
                     "points": " ".join(check.points),
                     "verdict on the check": check.verdict,
                     "what would decide it": plan(check),
