@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from sim.base.reading import reading
+from sim.parameters.wording import PROTOCOLS
 from sim.report.numbers import bounds, measured, strip, threshold
 from sim.study.catalogue import FIGURES
 
@@ -25,11 +26,9 @@ REPORTED = {"reported": ("none", "i")}
 
 PAPERS = {"walton": "Walton", "gallas": "Gallas et al."}
 
-#: Protocols in words. Walton gives no lengths, so what is run once and no longer is ours.
-PROTOCOLS = {
-    "walton": {"published": "Fixed length", "converged": "Converged"},
-    "gallas": {"published": "Published protocol", "converged": "Converged protocol"},
-}
+#: System whose runs decide the claims of a paper.
+SYSTEM = {"walton": "chute", "gallas": "belt"}
+
 _MODEL = "Experiments on the model itself"
 
 
@@ -106,7 +105,7 @@ def claim_rows(
 def _variant(
     variant: Mapping[str, Any], claim: Mapping[str, Any], numbers: Mapping[str, int]
 ) -> dict[str, Any]:
-    words = PROTOCOLS[claim["paper"]].get(variant["protocol"], _MODEL)
+    words = PROTOCOLS[SYSTEM[claim["paper"]]].get(variant["protocol"], _MODEL).capitalize()
     usual = variant["reading"] == claim["headline"]
     named = "" if variant["reading"] == "default" else f", {variant['reading']}"
     return {

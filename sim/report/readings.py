@@ -12,9 +12,7 @@ from sim.dataset.caveats import UNSOUND
 from sim.dataset.results import Results
 from sim.parameters import SYSTEMS
 from sim.parameters.roles import readings as parameters_of
-
-#: System whose runs decide the claims of a paper.
-_SYSTEMS = {"walton": "chute", "gallas": "belt"}
+from sim.report.claims import SYSTEM
 
 
 def reading_tables(claims: Sequence[Mapping[str, Any]], results: Results) -> list[dict[str, Any]]:
@@ -30,7 +28,7 @@ def reading_tables(claims: Sequence[Mapping[str, Any]], results: Results) -> lis
         the verdict under each.
     """
     tables = []
-    for paper, system in _SYSTEMS.items():
+    for paper, system in SYSTEM.items():
         own = [one for one in claims if one["paper"] == paper and one["kind"] != "model"]
         words = list(dict.fromkeys(name for one in own for name in one["by_reading"]))
         if len(words) > 1:

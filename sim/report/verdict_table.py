@@ -11,11 +11,13 @@ from sim.report.publish import PUBLISHED
 _HEAD = """\
 # Verdicts, first and now
 
-Each claim of both papers with the verdict that the first criterion gave on the runs published then, the verdict that
-the present criterion gives **on the same runs**, and why the two differ or why the criterion was restated. Criteria, rules
-and readings were restated before the next campaign and will be judged on its fresh beds; until then this table shows what the rules
-change and what they do not. Sentences, criteria and evidence: the reports
-([Walton](../results/published/paper_walton/report.html), [Gallas](../results/published/paper_gallas/report.html)).
+Each claim of both papers with the verdict that the first criterion gave on the runs published then,
+the verdict that the present criterion gives **on the same runs**, and why the two differ or why the
+criterion was restated. Criteria, rules and readings were restated before the next campaign, whose
+fresh beds will decide; until then this table shows what the rules change and what they do not.
+Sentences, criteria and evidence: the reports
+([Walton](../results/published/paper_walton/report.html),
+[Gallas](../results/published/paper_gallas/report.html)).
 
 `python -m sim.report.verdict_table > docs/verdicts.md` makes this page from `claims.json` of both.
 """
