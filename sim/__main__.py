@@ -34,7 +34,7 @@ COMMANDS = {
     "bench": ("sim.engine.bench:main", "measure speed, start-up and memory"),
     "dataset": ("sim.dataset.build:build", "combine the runs of a study in one dataset"),
     "boundaries": ("sim.dataset.boundaries:build", "write the boundaries found as CSV"),
-    "claims": ("sim.claims.judge:build", "judge the claims of both papers on a study"),
+    "claims": ("sim.claims.written:build", "judge the claims of both papers on a study"),
     "figure": ("sim.figures.several:draw_several", "draw figures from a dataset"),
     "report": ("sim.report.page:build", "write the report of a study"),
     "orphans": ("sim.report.orphans:show", "list or remove runs of points no longer in a study"),

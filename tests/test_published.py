@@ -8,15 +8,17 @@ import numpy as np
 import pytest
 
 from sim.claims import judge as judging
-from sim.claims.judge import as_mapping, judge
+from sim.claims.judge import judge
+from sim.claims.written import as_mapping
 from sim.dataset.gather import read_run
-from sim.dataset.replicates import outcome
+from sim.dataset.replicates import PARAMETERS, outcome
 from sim.dataset.results import load_results
 from sim.dataset.rows import Rows
 from sim.engine.run import run_point
 from sim.parameters import SYSTEMS, parse_point, point_id
 from sim.report.claims import VERDICTS, counts, read_claims
 from sim.report.publish import LARGEST, PUBLISHED, size
+from sim.report.verdict_table import main as verdict_table
 from sim.study.cost import estimate
 from tests.made.processes import ROOT
 
@@ -41,7 +43,8 @@ def test_verdicts_follow_from_the_dataset(study, monkeypatch):
     published = json.loads((study / "claims.json").read_text(encoding="utf-8"))
     again = as_mapping(judge(load_results(study / "dataset.nc")), published["study"])
     verdicts = [
-        {one["id"]: one["verdict"] for one in each["claims"]} for each in (published, again)
+        {one["id"]: (one["verdict"], one["part_verdicts"]) for one in each["claims"]}
+        for each in (published, again)
     ]
     assert verdicts[0] == verdicts[1]
 
@@ -70,6 +73,20 @@ def test_claims_that_do_not_simply_hold_are_explained(study):
     assert open_ <= explained, sorted(open_ - explained)
 
 
+def test_the_page_of_verdicts_is_that_of_what_is_published():
+    """`python -m sim.report.verdict_table > docs/verdicts.md` makes it anew."""
+    text = (ROOT / "docs" / "verdicts.md").read_text(encoding="utf-8")
+    assert text == verdict_table(ROOT / PUBLISHED)
+
+
+@pytest.mark.parametrize("study", STUDIES, ids=name)
+def test_a_verdict_that_changed_or_a_criterion_that_was_restated_has_a_reason(study):
+    for claim in read_claims(study / "claims.json"):
+        first = claim["first"]
+        if first["criterion"] or first["verdict"] != claim["verdict"]:
+            assert first["why"], claim["id"]
+
+
 @pytest.mark.long
 @pytest.mark.parametrize("study", STUDIES, ids=name)
 def test_flows_computed_anew_from_other_beds_agree(study, tmp_path):
@@ -84,7 +101,8 @@ def test_flows_computed_anew_from_other_beds_agree(study, tmp_path):
             continue
         path = tmp_path / f"{point_id(parameters)}.nc"
         assert run_point(parameters, path, quiet=True) == 0
-        before, after = outcome(row), outcome(first_row(read_run(path)))
+        held = first_row(read_run(path)) | {name: row[name] for name in PARAMETERS}
+        before, after = outcome(row), outcome(held)
         allowed = np.hypot(before["half_width"], after["half_width"])
         deviations.append(abs(after["velocity"] - before["velocity"]) / allowed)
         if len(deviations) == SAMPLED:

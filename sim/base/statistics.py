@@ -5,17 +5,21 @@ import numpy as np
 #: Share of cases in which an interval holds the true value.
 CONFIDENCE = 0.95
 
+#: Degrees of freedom from which on Student's distribution is the normal one.
+MANY = 1e6
 
-def student(freedom: float, number: int = 1) -> np.float64:
+
+def student(freedom: float, number: int = 1, sides: int = 2) -> np.float64:
     """Return the half width of a 95 % interval in standard errors, by Student's distribution.
 
-    Of several intervals, so that all of a ``number`` hold together at 95 % (Bonferroni).
+    Of several intervals, so that all of a ``number`` hold together at 95 % (Bonferroni). One of
+    one side is the distance to a bound that holds at 95 %.
     """
     # A run needs it only at its end, and the import takes a quarter of a second.
     from scipy.special import stdtrit
 
     # As numpy's number it makes single precision double, which a float of Python's would not.
-    return stdtrit(freedom, 1 - (1 - CONFIDENCE) / (2 * number))
+    return stdtrit(min(freedom, MANY), 1 - (1 - CONFIDENCE) / (sides * number))
 
 
 def student_half_width(values: np.ndarray) -> np.ndarray:

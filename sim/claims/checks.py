@@ -1,12 +1,13 @@
-"""From a measured quantity and its thresholds to a check."""
+"""From a measured quantity and its thresholds to a check; which checks vote, and on what part."""
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
+from dataclasses import replace
 from math import inf
 
 from uncertainties import UFloat
 
 from sim.claims.place import Place
-from sim.claims.verdict import SIGMAS, Check
+from sim.claims.verdict import SIGMAS, Check, Untestable
 
 
 def within(
@@ -58,6 +59,34 @@ def below(
     return within(what, measured, -inf, threshold, places, unit)
 
 
-def reported(what: str, measured: UFloat | float, places: Iterable[Place] = ()) -> Check:
+def reported(
+    what: str, measured: UFloat | float, places: Iterable[Place] = (), unit: str = ""
+) -> Check:
     """Return a check without thresholds, which decides nothing; arguments as for `within`."""
-    return within(what, measured, -inf, inf, places)
+    return within(what, measured, -inf, inf, places, unit)
+
+
+def beside(checks: Iterable[Check]) -> list[Check]:
+    """Return checks that are shown with their thresholds but have no vote."""
+    return [replace(check, votes=False) for check in checks]
+
+
+def withheld(checks: Iterable[Check], reason: str) -> list[Check]:
+    """Return checks that decide nothing for a reason; as they are where it is empty."""
+    return [replace(check, withheld=reason or check.withheld) for check in checks]
+
+
+def in_parts(**judges: Callable[[], Iterable[Check]]) -> list[Check]:
+    """Return the checks on the parts of a claim, each by its own function.
+
+    A part that the dataset has nothing for has no checks. Raises `Untestable` where none has any.
+    """
+    checks, lacking = [], []
+    for part, judge in judges.items():
+        try:
+            checks += [replace(check, part=part) for check in judge()]
+        except Untestable as error:
+            lacking.append(f"{part}: {error}")
+    if not checks:
+        raise Untestable("; ".join(lacking))
+    return checks

@@ -1,10 +1,9 @@
 """What judges of chute flows share: units, the flows of the base case, which of them are steady."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
-from math import hypot, inf, radians, sin
+from math import hypot, inf, isfinite, radians, sin
 
-import numpy as np
 from uncertainties import UFloat
 
 from sim.claims.evidence import Evidence
@@ -13,6 +12,12 @@ from sim.claims.verdict import SIGMAS, Check, Untestable
 
 #: Largest change of the velocity over the window, relative to it, of a flow that has settled.
 DRIFT = 0.1
+
+#: Widths of the cell in diameters: the paper has 5 or 10, the widest is a control.
+WIDTHS = (5, 10, 20)
+
+#: Ages of flows that are compared, the largest over the smallest, that count as equal.
+EQUAL_AGE = 2.0
 
 #: Cells of the depths at which flows differ in another parameter.
 CELLS = {1.24: 10, 2.5: 10, 5: 10, 10: 5, 20: 5, 40: 5}
@@ -29,8 +34,8 @@ def driving(place: Place) -> float:
 
 
 def acceleration(place: Place) -> UFloat:
-    """Return dV/dt over g sin θ."""
-    return place.value("acceleration", half_width="acceleration_half_width") / driving(place)
+    """Return dV/dt over g sin θ, from the mean signed slope of all replicates."""
+    return place.change / place.window / driving(place)
 
 
 def base(evidence: Evidence, least: float = 0.0) -> dict[float, Place]:
@@ -48,15 +53,16 @@ def steady(evidence: Evidence) -> dict[float, Place]:
 
 
 def speed(place: Place) -> UFloat:
-    """Return the mean velocity (m/s), of flows that are not steady ± its change over the window.
+    """Return the mean velocity (m/s), in its interval also a drift over the window that is sure.
 
-    All replicates share that change, so it does not average out over them.
+    The noise of slopes is none of the mean's. What the velocity changes beyond that noise all
+    replicates share, so it does not average out over them.
     """
-    velocity = place.velocity
-    if place.regime == "steady":
+    velocity, change = place.velocity, place.change
+    drift = max(0.0, abs(change.nominal_value) - SIGMAS * change.std_dev)
+    if not isfinite(drift):
         return velocity
-    half_width = hypot(SIGMAS * velocity.std_dev, _change(place))
-    return measured(velocity.nominal_value, half_width)
+    return measured(velocity.nominal_value, hypot(SIGMAS * velocity.std_dev, drift))
 
 
 def is_flowing(place: Place) -> bool:
@@ -64,14 +70,49 @@ def is_flowing(place: Place) -> bool:
     return place.regime not in ("arrested", "failed")
 
 
-def is_settled(place: Place) -> bool:
-    """Return whether a flow moves, does not accelerate, and changes V by < 10 % over the window.
+def unsettled(place: Place) -> str:
+    """Return why a flow has not settled, empty for one that has.
 
-    All of its replicates do: regimes that contradict each other are none.
+    It moves, its replicates do not contradict each other, and the mean of their slopes changes V by
+    less than 10 % over the window.
     """
-    if not is_flowing(place) or place.regime in ("accelerating", "mixed"):
-        return False
-    return _change(place) < DRIFT * abs(place.velocity.nominal_value)
+    at = f"n = {place['depth']:g}"
+    if not is_flowing(place):
+        return f"the flow at {at} does not move"
+    if place.regime in ("accelerating", "mixed"):
+        says = "accelerates" if place.regime == "accelerating" else "is of several regimes"
+        return f"the flow at {at} {says}"
+    if not abs(place.change.nominal_value) < DRIFT * abs(place.velocity.nominal_value):
+        return f"the flow at {at} has not settled: longer runs"
+    return ""
+
+
+def still_changing(place: Place) -> str:
+    """Return why a flow cannot be ranked yet: it rests, or surely changes by more than 10 %.
+
+    Ranks need no steady mean, so flows in several states count.
+    """
+    at = f"n = {place['depth']:g}"
+    if not is_flowing(place):
+        return f"the flow at {at} does not move"
+    if place.regime == "accelerating":
+        return f"the flow at {at} accelerates"
+    change = place.change
+    sure = abs(change.nominal_value) - SIGMAS * change.std_dev
+    if sure > DRIFT * abs(place.velocity.nominal_value):
+        return f"the flow at {at} still changes: longer runs"
+    return ""
+
+
+def unlike(places: Sequence[Place]) -> str:
+    """Return how flows differ in what a comparison must not mix, cell and age; empty if not."""
+    cells = {place["cell"] for place in places}
+    if len(cells) > 1:
+        return f"cells of {' and '.join(f'{cell:g}' for cell in sorted(cells))} σ are compared"
+    ages = sorted(age(place) for place in places)
+    if ages[-1] > EQUAL_AGE * ages[0]:
+        return f"flows of ages {ages[0]:.0f} and {ages[-1]:.0f} √(σ/g) are compared"
+    return ""
 
 
 def of_settled(checks: Iterable[Check], places: Iterable[Place]) -> list[Check]:
@@ -79,9 +120,11 @@ def of_settled(checks: Iterable[Check], places: Iterable[Place]) -> list[Check]:
 
     ``places`` are all that the checks are on.
     """
-    unsettled = {place.id for place in places if not is_settled(place)}
+    reasons = {place.id: unsettled(place) for place in places}
     return [
-        replace(check, samples=0.0) if unsettled & set(check.points) else check for check in checks
+        replace(check, withheld=check.withheld or "; ".join(dict.fromkeys(found)))
+        for check in checks
+        for found in [[reasons[point] for point in check.points if reasons.get(point)]]
     ]
 
 
@@ -90,11 +133,10 @@ def of_trend(check: Check, place: Place) -> Check:
     return replace(check, samples=inf) if place.regime == "accelerating" else check
 
 
-def _change(place: Place) -> float:
-    """Return by how much the velocity (m/s) changes over the window, root mean square over runs."""
-    end = place.values("steps") * place.values("time_step_used")
-    change = place.values("acceleration") * (end - place.values("average_start"))
-    return float(np.sqrt(np.mean(change**2)))
+def age(place: Place) -> float:
+    """Return the time in √(σ/g) after the start at which averaging began."""
+    unit = natural(place) / place["gravity"]
+    return float(place.values("average_start").mean()) / unit
 
 
 def repeated(line: Mapping[float, Place], replicates: int = 2) -> dict[float, Place]:

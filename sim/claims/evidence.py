@@ -5,6 +5,7 @@ from math import inf
 from typing import Any
 
 import numpy as np
+import pandas as pd
 from uncertainties import UFloat
 
 from sim.claims.place import Place, measured
@@ -87,19 +88,8 @@ class Evidence:
         but one seed at least has none: without those beyond the range the others would agree too
         well.
         """
-        rows = self._results.boundaries
-        if len(rows):
-            same = (rows["system"] == system) & (rows["of"] == of) & (rows["along"] == along)
-            rows = rows[same & (any_protocol | (rows["protocol"] == self.protocol))]
-        if any_protocol and len(rows):
-            where = {"protocol": rows["protocol"].iloc[0]} | where
-        if len(rows):
-            columns = {name: values.to_numpy() for name, values in rows.items()}
-            chosen = rows.iloc[Rows(columns).matching(system, self._wanted(where), along)]
-        else:
-            chosen = rows
-        if chosen.empty:
-            raise Untestable(f"no boundary of {of} along {along} at {_text(where)}")
+        rows = self._bounds(system, of, along, any_protocol)
+        chosen = self._chosen(rows, system, of, along, where)
         settings = [name for name in SYSTEMS[system].model_fields if name not in ("seed", along)]
         found = rows[["low", "high"]].notna().all(axis=1)
         complete = found.groupby([rows[name] for name in settings], dropna=False).transform("all")
@@ -111,6 +101,36 @@ class Evidence:
             raise Unbounded(f"no {what} found from seed {listed}")
         value, half_width, freedom = over_seeds(rows[found], bounded, settings)
         return measured(value, inf if seeds and not freedom else half_width)
+
+    def brackets(self, system: str, of: str, along: str, **where: Any) -> pd.DataFrame:
+        """Return ``low`` and ``high`` of a boundary, a row per ``seed``, unknown ends as NaN.
+
+        Raises `Untestable` when the study looks for no such boundary.
+        """
+        rows = self._bounds(system, of, along, any_protocol=False)
+        chosen = self._chosen(rows, system, of, along, where)
+        return chosen.set_index("seed")[["low", "high"]].astype(float)
+
+    def _bounds(self, system: str, of: str, along: str, any_protocol: bool) -> pd.DataFrame:
+        """Return all boundaries of a kind."""
+        rows = self._results.boundaries
+        if not len(rows):
+            return rows
+        same = (rows["system"] == system) & (rows["of"] == of) & (rows["along"] == along)
+        return rows[same & (any_protocol | (rows["protocol"] == self.protocol))]
+
+    def _chosen(
+        self, rows: pd.DataFrame, system: str, of: str, along: str, where: Mapping[str, Any]
+    ) -> pd.DataFrame:
+        """Return those of some boundaries that are at a place; raise `Untestable` without any."""
+        if len(rows):
+            # A boundary of the other protocol is at that place of its own.
+            wanted = self._wanted({"protocol": rows["protocol"].iloc[0]} | dict(where))
+            columns = {name: values.to_numpy() for name, values in rows.items()}
+            rows = rows.iloc[Rows(columns).matching(system, wanted, along)]
+        if rows.empty:
+            raise Untestable(f"no boundary of {of} along {along} at {_text(where)}")
+        return rows
 
     def _rows(self, system: str, where: Mapping[str, Any], free: str = "") -> np.ndarray:
         return self._points.matching(system, self._wanted(where), free)

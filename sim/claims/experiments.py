@@ -53,9 +53,17 @@ def _read(path: Path, identity: Mapping[str, Any]) -> tuple[Check, ...] | None:
             held = json.loads(file.readline())
         if held["identity"] != identity:
             return None
-        return tuple(Check(**one | {"points": tuple(one["points"])}) for one in held["checks"])
+        return tuple(_check(one) for one in held["checks"])
     except (OSError, ValueError, LookupError, TypeError):
         return None
+
+
+def _check(one: dict[str, Any]) -> Check:
+    tested = one["tested"]
+    return Check(
+        **one
+        | {"points": tuple(one["points"]), "tested": None if tested is None else tuple(tested)}
+    )
 
 
 def _keep(path: Path, identity: Mapping[str, Any], checks: tuple[Check, ...]) -> None:

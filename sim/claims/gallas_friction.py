@@ -3,15 +3,19 @@
 from collections.abc import Sequence
 from math import log, nan, sqrt
 
-import numpy as np
-from scipy.special import ndtri, stdtr
 from uncertainties import ufloat
 
-from sim.claims.checks import above, below, within
+from sim.claims.checks import above, reported, withheld, within
 from sim.claims.evidence import Evidence
-from sim.claims.lines import along, elasticity
+from sim.claims.lines import along, drifting, elasticity
 from sim.claims.place import Place, quotient
 from sim.claims.verdict import Check, Untestable
+
+#: How much larger the scatter is where statistics are poor.
+POOR = 2
+
+#: Share of V(50g) below which there is no transport.
+STOPPED = 0.1
 
 
 def g9(evidence: Evidence) -> list[Check]:
@@ -19,48 +23,34 @@ def g9(evidence: Evidence) -> list[Check]:
     checks = []
     for frequency in (20, 50):
         line = along(evidence, "shear_damping", (0, 10, 20, 50, 100), frequency=frequency)
+        gentle = {value: place for value, place in line.items() if value >= 10}
         start = line[0].velocity
         share = (line[10].velocity - start) / (line[100].velocity - start)
         what = f"[V(10g) - V(0)]/[V(100g) - V(0)] at {frequency} Hz"
-        checks.append(above(what, share, 0.7, (line[0], line[10], line[100])))
-        gentle = {value: place for value, place in line.items() if value >= 20}
-        what = f"d ln V/d ln γ_s, 20g to 100g, at {frequency} Hz"
-        checks.append(within(what, elasticity(gentle), 0, 0.2, gentle.values()))
+        rise = f"d ln V/d ln γ_s, 10g to 100g, at {frequency} Hz"
+        found = [
+            above(what, share, 0.7, (line[0], line[10], line[100])),
+            within(rise, elasticity(gentle), 0, 0.2, gentle.values()),
+        ]
+        reasons = filter(None, (drifting(place) for place in gentle.values()))
+        checks += withheld(found, "; ".join(reasons))
     return checks
 
 
 def g10(evidence: Evidence) -> list[Check]:
-    """Without shear friction the mean over the beds is zero within 3 of its standard errors.
-
-    A scatter so large that anything is zero proves nothing, so the velocity must also be known to
-    be below a tenth of that at 50g.
-    """
+    """Without shear friction |V| is below a tenth of that at 50g."""
     checks = []
     for frequency in (20, 50):
         still = evidence.at("belt", frequency=frequency, shear_damping=0)
         usual = evidence.at("belt", frequency=frequency)
-        what = f"|V|/SE at γ_s = 0, {frequency} Hz"
-        checks.append(below(what, _errors_from_zero(still.values("velocity")), 3, (still,)))
         ratio = quotient(still.velocity, usual.velocity)
         what = f"V(γ_s = 0)/V(50g) at {frequency} Hz"
-        checks.append(within(what, ratio, -0.1, 0.1, (still, usual)))
+        checks.append(within(what, ratio, -STOPPED, STOPPED, (still, usual)))
     return checks
 
 
-def _errors_from_zero(values: np.ndarray) -> float:
-    """Return how many standard errors a mean is from zero.
-
-    Errors of few values are uncertain themselves: given is the number of errors that is as rare
-    among many values.
-    """
-    if values.size < 2:
-        return nan
-    errors = abs(values.mean()) / (values.std(ddof=1) / sqrt(values.size))
-    return float(-ndtri(stdtr(values.size - 1, -errors)))
-
-
 def g11(evidence: Evidence) -> list[Check]:
-    """The relative scatter over beds below γ_s = g is five times that at 50g.
+    """The relative scatter over beds below γ_s = g is more than twice that at 50g.
 
     Variances of 20 and 50 Hz are pooled, and their ratio is judged by its logarithm, whose standard
     deviation is that of Fisher's z.
@@ -77,7 +67,7 @@ def g11(evidence: Evidence) -> list[Check]:
         raise Untestable("no scatter over several beds at γ_s < g, or none at 50g")
     ratio = ufloat(log(scatter / usual_scatter), sqrt(0.5 / freedom + 0.5 / usual_freedom))
     what = "ln of the relative scatter of V at γ_s < g over that at 50g"
-    return [above(what, ratio, log(5), (*few, *usual))]
+    return [above(what, ratio, log(POOR), (*few, *usual))]
 
 
 def relative_scatter(places: Sequence[Place]) -> tuple[float, float]:
@@ -89,19 +79,29 @@ def relative_scatter(places: Sequence[Place]) -> tuple[float, float]:
     return (sqrt(squares / freedom), freedom) if freedom else (nan, nan)
 
 
-def g12(evidence: Evidence) -> list[Check]:
-    """From γ_s = 50g to 100g the velocity at 80 Hz changes by less than 10 %."""
+def g12(evidence: Evidence, weak: float) -> list[Check]:
+    """From γ_s = 50g to 100g the velocity at 80 Hz changes by less than a share."""
     places = evidence.at("belt", frequency=80, shear_damping=100), evidence.at("belt", frequency=80)
     change = quotient(places[0].velocity, places[1].velocity) - 1
-    return [within("V(100g)/V(50g) - 1 at 80 Hz", change, -0.1, 0.1, places)]
+    return [within("V(100g)/V(50g) - 1 at 80 Hz", change, -weak, weak, places)]
 
 
 def g36(evidence: Evidence) -> list[Check]:
-    """V gains relatively more from γ_s, between 20g and 100g, at 20 Hz than at 80 Hz."""
+    """V gains relatively more from γ_s, between 20g and 100g, at 20 Hz than at 80 Hz.
+
+    What it gains where γ_s makes it small is reported.
+    """
     lines = [
         along(evidence, "shear_damping", (20, 50, 100), frequency=frequency)
         for frequency in (20, 80)
     ]
     gain = elasticity(lines[0]) - elasticity(lines[1])
     places = [place for line in lines for place in line.values()]
-    return [above("d ln V/d ln γ_s at 20 Hz less that at 80 Hz", gain, 0, places)]
+    checks = [above("d ln V/d ln γ_s at 20 Hz less that at 80 Hz", gain, 0, places)]
+    slow = evidence.line("belt", "shear_damping", frequency=50)
+    small = {shear: place for shear, place in slow.items() if 0.5 <= shear <= 10}
+    if len(small) > 2:
+        what = f"d ln V/d ln γ_s, {min(small):g}g to {max(small):g}g, at 50 Hz"
+        checks.append(reported(what, elasticity(small), small.values()))
+    reasons = dict.fromkeys(filter(None, map(drifting, places)))
+    return withheld(checks, "; ".join(reasons))

@@ -1,13 +1,12 @@
 """Judges of Gallas' claims about velocity and agitation over height, and about density waves."""
 
-from itertools import pairwise
-
 import numpy as np
 from uncertainties import UFloat
 
 from sim.claims.bed import beads_between, mean_between
-from sim.claims.checks import above, below, within
+from sim.claims.checks import above, below, beside, in_parts, within
 from sim.claims.evidence import Evidence
+from sim.claims.inference import trend
 from sim.claims.lines import along
 from sim.claims.place import Place, joined
 from sim.claims.trends import mean_of_others
@@ -18,15 +17,14 @@ PROFILES = ("velocity_profile", "number_density")
 #: Shares of the beads, from below, that are the middle of the bed and its two ends.
 MIDDLE, LOWEST, HIGHEST = (0.2, 0.8), (0.0, 0.05), (0.95, 1.0)
 
+#: Damping (g) of the dashed line of Fig. 3c, with which beds take longest to relax.
+RELAXING = {"damping": 10, "shear_damping": 10}
+
+#: Angles of vibration (degrees) of Fig. 3b.
+ANGLES = (30, 45, 60, 90)
+
 #: Two of ten layers at the top, and two in the middle.
 TOP_LAYERS, MIDDLE_LAYERS = (0.8, 1.0), (0.4, 0.6)
-
-
-def mean_velocity(place: Place, shares: tuple[float, float]) -> UFloat:
-    """Return the mean velocity (m/s) of the beads between two shares of them."""
-    return place.measure(
-        lambda _, velocity, number: mean_between(velocity, number, *shares), *PROFILES
-    )
 
 
 def relative_velocity(place: Place, shares: tuple[float, float]) -> UFloat:
@@ -40,15 +38,30 @@ def relative_velocity(place: Place, shares: tuple[float, float]) -> UFloat:
 
 
 def g21(evidence: Evidence) -> list[Check]:
-    """Slices in the middle 60 % of the beads differ by less than 10 %; both ends are slower."""
-    checks = []
-    for frequency, place in along(evidence, "frequency", (20, 60, 80)).items():
-        at = f"{frequency} Hz"
-        checks.append(below(f"spread of v_x in the middle, {at}", plateau(place), 0.1, (place,)))
-        for end, shares in (("lowest", LOWEST), ("highest", HIGHEST)):
-            what = f"v_x of the {end} 5 % of the beads over the middle, {at}"
-            checks.append(below(what, relative_velocity(place, shares), 1, (place,)))
-    return checks
+    """A plateau (a), slower beads at the belt (b), and in runs not yet relaxed at the top (c)."""
+    line = along(evidence, "frequency", (20, 60, 80))
+    return in_parts(
+        a=lambda: [
+            below(f"spread of v_x in the middle, {f} Hz", plateau(place), 0.1, (place,))
+            for f, place in line.items()
+        ],
+        b=lambda: [
+            below(_end(f, "lowest"), relative_velocity(place, LOWEST), 1, (place,))
+            for f, place in line.items()
+        ],
+        c=lambda: _falls_at_the_top(evidence),
+    )
+
+
+def _end(frequency: float, end: str) -> str:
+    return f"v_x of the {end} 5 % of the beads over the middle, {frequency} Hz"
+
+
+def _falls_at_the_top(evidence: Evidence) -> list[Check]:
+    """The case that the paper says is not relaxed: 80 Hz with 10g, published lengths."""
+    place = evidence.at("belt", frequency=80, **RELAXING, protocol="published", initial_velocity=0)
+    what = f"{_end(80, 'highest')}, γ = γ_s = 10g, published lengths"
+    return [below(what, relative_velocity(place, HIGHEST), 1, (place,))]
 
 
 def plateau(place: Place) -> UFloat:
@@ -67,21 +80,33 @@ def g22(evidence: Evidence) -> list[Check]:
     """Started fast, the highest 5 % of the beads differ from the middle by less than 5 %.
 
     Started at rest, they lag less in the longer runs of the converged protocol than in published
-    ones. Both at 80 Hz, with the damping of Fig. 3c's dashed line and with the usual one.
+    ones. At 80 Hz with the damping of Fig. 3c's dashed line; with the usual one it is reported.
     """
     checks = []
     for damping in (10, 50):
         where = {"frequency": 80, "damping": damping, "shear_damping": damping}
-        fast = started_fast(evidence, **where)
-        what = f"lag of the highest 5 % of the beads at γ = γ_s = {damping}g"
-        checks.append(within(f"{what}, started fast", lag(fast), -0.05, 0.05, (fast,)))
-        short, long = (
-            evidence.at("belt", **where, initial_velocity=0, protocol=protocol)
-            for protocol in ("published", "converged")
-        )
-        gain = lag(short) - lag(long)
-        checks.append(above(f"{what}, published less converged", gain, 0, (short, long)))
+        try:
+            found = _relaxes(evidence, damping, where)
+        except Untestable:
+            if damping == 10:
+                raise
+            continue
+        checks += found if damping == 10 else beside(found)
     return checks
+
+
+def _relaxes(evidence: Evidence, damping: float, where: dict[str, int]) -> list[Check]:
+    fast = started_fast(evidence, **where)
+    what = f"lag of the highest 5 % of the beads at γ = γ_s = {damping}g"
+    short, long = (
+        evidence.at("belt", **where, initial_velocity=0, protocol=protocol)
+        for protocol in ("published", "converged")
+    )
+    gain = lag(short) - lag(long)
+    return [
+        within(f"{what}, started fast", lag(fast), -0.05, 0.05, (fast,)),
+        above(f"{what}, published less converged", gain, 0, (short, long)),
+    ]
 
 
 def started_fast(evidence: Evidence, **where: float) -> Place:
@@ -101,23 +126,29 @@ def lag(place: Place) -> UFloat:
 def g23(evidence: Evidence) -> list[Check]:
     """The velocity of the middle rises over 10, 20, 60, 80 Hz and falls over 30 to 90 degrees."""
     lines = (
-        ("Hz", 1, along(evidence, "frequency", (10, 20, 60, 80))),
-        ("degrees, 60 Hz", -1, along(evidence, "vibration_angle", (30, 45, 60, 90), frequency=60)),
+        ("f (Hz)", True, along(evidence, "frequency", (10, 20, 60, 80))),
+        ("α (degrees), 60 Hz,", False, along(evidence, "vibration_angle", ANGLES, frequency=60)),
     )
     checks = []
-    for unit, sign, line in lines:
-        for (low, first), (high, second) in pairwise(line.items()):
-            change = sign * (mean_velocity(second, MIDDLE) - mean_velocity(first, MIDDLE))
-            what = (
-                f"v_x of the middle {'gained' if sign > 0 else 'lost'} from {low} to {high} {unit}"
-            )
-            checks.append(above(what, change, 0, (first, second), "m/s"))
+    for name, rises, line in lines:
+        groups = [place.each(middle_velocity, *PROFILES) for place in line.values()]
+        over = ", ".join(f"{value:g}" for value in line)
+        what = f"v_x of the middle over {name} = {over}"
+        checks.append(trend(what, [groups], line.values(), rising=rises, monotone=True))
     return checks
 
 
+def middle_velocity(_: np.ndarray, velocity: np.ndarray, number: np.ndarray) -> float:
+    """Return the mean velocity (m/s) of the beads in the middle of the bed."""
+    return mean_between(velocity, number, *MIDDLE)
+
+
 def g29(evidence: Evidence) -> list[Check]:
-    """Just above the onset the two top layers are twice as agitated as two in the middle."""
-    names = "granular_temperature_profile", "number_density"
+    """Just above the onset the two top layers are twice as agitated as two in the middle.
+
+    The temperature is that about the mean motion at each phase of the cycle.
+    """
+    names = "fluctuation_temperature_profile", "number_density"
 
     def measure(_: np.ndarray, temperature: np.ndarray, number: np.ndarray) -> float:
         top, middle = (

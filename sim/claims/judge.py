@@ -1,38 +1,36 @@
 """From a dataset to verdicts: every claim under every protocol and reading that was run."""
 
-import json
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import asdict, dataclass
-from pathlib import Path
+from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import numpy as np
-import pandas as pd
 
-from sim.base.files import replacing
 from sim.claims.evidence import Evidence
 from sim.claims.experiments import experiment
 from sim.claims.points import Points
+from sim.claims.readings import readings_of
 from sim.claims.table import Claim, claims
 from sim.claims.verdict import (
-    INCONCLUSIVE,
     NOT_REPRODUCED,
+    ON_THE_READING,
+    PAPER_INCONSISTENT,
     REPRODUCED,
     UNTESTABLE,
     Check,
     Untestable,
+    of_parts,
     together,
 )
-from sim.dataset.agreement import require_agreement
-from sim.dataset.results import Results, load_results
+from sim.dataset.results import Results
 from sim.parameters import SYSTEMS, roles
 from sim.parameters.wording import setting
-from sim.study.load import load_study
 
-#: Protocols in the order in which a decided one sets the verdict on a claim.
+#: Protocols in the order in which one that was run decides.
 PROTOCOLS = ("converged", "published")
 
-#: What stands for the protocol of claims that need no runs, and for the papers' own reading.
+#: What stands for the protocol of claims that need no runs, and for the defaults of all readings.
 MODEL, DEFAULT = "model", "default"
 
 #: Readings of the contact law under which claims on the model are judged.
@@ -46,95 +44,151 @@ MODEL_READINGS: tuple[dict[str, Any], ...] = (
 
 @dataclass(frozen=True)
 class Variant:
-    """The verdict on a claim under one protocol and one reading.
+    """A claim under one protocol and one reading.
 
-    ``reason`` says why it is untestable; ``checks`` is then empty.
+    ``reason`` says why it is untestable; ``checks`` is then empty. ``others`` are the checks with
+    other values of a number that the paper does not give. ``control`` says why the reading is none
+    of the paper's, empty where it is one.
     """
 
     protocol: str
     reading: str
     checks: tuple[Check, ...] = ()
     reason: str = ""
+    others: Mapping[float, tuple[Check, ...]] = field(default_factory=dict)
+    control: str = ""
 
-    @property
-    def verdict(self) -> str:
-        """That of all checks together."""
-        return UNTESTABLE if self.reason else together(self.checks)
+    def on(self, part: str) -> list[Check]:
+        """Return the checks that vote on a part of the claim."""
+        return [check for check in self.checks if check.deciding and check.part == part]
+
+    def verdict(self, parts: Iterable[str]) -> str:
+        """Return that of all checks together, part by part."""
+        if self.reason:
+            return UNTESTABLE
+        if not parts:
+            return together(self.checks)
+        found = (self.on(part) for part in parts)
+        return of_parts([together(checks) if checks else UNTESTABLE for checks in found])
 
 
 @dataclass(frozen=True)
 class Judgement:
-    """A claim with its verdicts, those of the default reading first."""
+    """A claim with its verdicts, those of the headline reading first."""
 
     claim: Claim
     variants: tuple[Variant, ...]
+    headline: str = DEFAULT
 
-    @property
+    @cached_property
     def verdict(self) -> str:
-        """The first decided verdict at the default reading; else inconclusive or untestable."""
-        if self._decided:
-            return self._decided[0].verdict
-        found = [one.verdict for one in self._default]
-        return INCONCLUSIVE if INCONCLUSIVE in found else UNTESTABLE
+        """That of the headline reading, unless it depends on the reading or contradicts itself."""
+        found = self.under(self.headline)
+        if self.claim.contradiction and found != UNTESTABLE:
+            return PAPER_INCONSISTENT
+        return ON_THE_READING if self.reading_dependent else found
 
     @property
     def decided_by(self) -> str:
-        """Protocol whose runs give the verdict, empty where none decides."""
-        return self._decided[0].protocol if self._decided else ""
+        """Protocols whose runs give the headline verdict."""
+        parts = [self.deciding(self.headline, part) for part in self._parts]
+        return ", ".join(dict.fromkeys(one.protocol for one in parts if one))
 
     @property
-    def _default(self) -> list[Variant]:
-        return [one for one in self.variants if one.reading == DEFAULT]
+    def of_parts(self) -> dict[str, str]:
+        """The headline verdict on each part, empty for a claim that says one thing."""
+        return {part: self._of_part(self.headline, part) for part in self.claim.parts}
 
     @property
-    def _decided(self) -> list[Variant]:
-        return [one for one in self._default if one.verdict in (REPRODUCED, NOT_REPRODUCED)]
+    def by_number(self) -> dict[float, str]:
+        """The verdict as a function of the number that the paper does not give."""
+        number = self.claim.number
+        if number is None or self.verdict == UNTESTABLE:
+            return {}
+        return {
+            value: self._at(value).under(self.headline)
+            for value in number.values
+            if value == number.headline or self._at(value).variants
+        }
+
+    def _at(self, value: float) -> "Judgement":
+        """Return the judgement with another value of the number."""
+        if self.claim.number is None or value == self.claim.number.headline:
+            return self
+        variants = tuple(
+            Variant(one.protocol, one.reading, one.others[value], control=one.control)
+            for one in self.variants
+            if value in one.others
+        )
+        return Judgement(self.claim, variants, self.headline)
+
+    @property
+    def readings(self) -> list[str]:
+        """The readings and controls that it was judged under."""
+        return list(dict.fromkeys(one.reading for one in self.variants))
+
+    def under(self, reading: str) -> str:
+        """Return the verdict under one reading, each part by the protocol that decides it."""
+        return of_parts([self._of_part(reading, part) for part in self._parts])
+
+    def deciding(self, reading: str, part: str = "") -> Variant | None:
+        """Return the variant that decides a part: the converged one where there is one.
+
+        A converged verdict stands even where it is open: what runs of a fixed length say beside it
+        may come from flows that have not relaxed.
+        """
+        for protocol in (*PROTOCOLS, MODEL):
+            for one in self.variants:
+                if (one.protocol, one.reading) == (protocol, reading) and one.on(part):
+                    return one
+        return None
+
+    def _of_part(self, reading: str, part: str) -> str:
+        found = self.deciding(reading, part)
+        return together(found.on(part)) if found else UNTESTABLE
+
+    @property
+    def _parts(self) -> list[str]:
+        return list(self.claim.parts) or [""]
 
     @property
     def protocol_dependent(self) -> bool:
-        """Whether two protocols decide it differently at the default reading."""
-        return _contradicted(self._default)
+        """Whether two protocols decide it, or a part of it, differently at the headline reading."""
+        return any(
+            _contradict(together(one.on(part)) for one in self._of(self.headline) if one.on(part))
+            for part in self._parts
+        )
 
     @property
     def reading_dependent(self) -> bool:
-        """Whether two readings decide it differently under one protocol."""
+        """Whether two readings of the paper decide it, or a part of it, differently.
+
+        Under the protocol that gives the headline verdict, so that runs of different lengths are
+        not compared; under any where the headline reading has no runs.
+        """
         return any(
-            _contradicted(one for one in self.variants if one.protocol == protocol)
+            _contradict(together(one.on(part)) for one in self._comparable(part, protocol))
+            for part in self._parts
             for protocol in (*PROTOCOLS, MODEL)
         )
 
+    def _comparable(self, part: str, protocol: str) -> list[Variant]:
+        """Return the readings that vote on a part under a protocol, if it is the one to look at."""
+        headline = self.deciding(self.headline, part)
+        if headline is not None and headline.protocol != protocol:
+            return []
+        return [
+            one
+            for one in self.variants
+            if one.protocol == protocol and not one.control and one.on(part)
+        ]
 
-def _contradicted(variants: Iterable[Variant]) -> bool:
-    return {one.verdict for one in variants} >= {REPRODUCED, NOT_REPRODUCED}
+    def _of(self, reading: str) -> list[Variant]:
+        return [one for one in self.variants if one.reading == reading]
 
 
-def build(study_path: str | Path, results: str | Path = "results") -> Path:
-    """Write ``results/<study>/claims.json`` and ``claims.csv`` from the dataset of a study.
-
-    Returns
-    -------
-    Path
-        The JSON file. Both appear complete or not at all.
-
-    Raises
-    ------
-    InputError
-        When the dataset is missing or damaged, naming it, or the study has changed since it was
-        made.
-    """
-    study = load_study(study_path, results)
-    folder = Path(results) / study.name
-    found = load_results(folder / "dataset.nc")
-    require_agreement(study, found, folder / "dataset.nc")
-    judgements = judge(found)
-    with replacing(folder / "claims.csv") as temporary:
-        as_table(judgements).to_csv(temporary, index=False, float_format="%.6g")
-    output = folder / "claims.json"
-    with replacing(output) as temporary:
-        mapping = as_mapping(judgements, study.name)
-        text = json.dumps(mapping, indent=1, ensure_ascii=False, allow_nan=False)
-        temporary.write_text(text + "\n", encoding="utf-8")
-    return output
+def _contradict(verdicts: Iterable[str]) -> bool:
+    return set(verdicts) >= {REPRODUCED, NOT_REPRODUCED}
 
 
 def judge(results: Results) -> list[Judgement]:
@@ -142,45 +196,71 @@ def judge(results: Results) -> list[Judgement]:
     systems = set(results.dataset["system"].values)
     found = [claim for claim in claims() if claim.system in systems]
     every = {system: list(_evidence(results, system)) for system in systems}
-    return [Judgement(claim, tuple(_variants(claim, every[claim.system]))) for claim in found]
+    return [
+        Judgement(
+            claim,
+            tuple(_variants(claim, every[claim.system])),
+            in_words(claim.system, readings_of(claim.system).headline),
+        )
+        for claim in found
+    ]
 
 
 def _evidence(results: Results, system: str) -> Iterator[tuple[str, Evidence]]:
-    """Yield what each protocol and reading offers, the reading in words, the default one first."""
-    points = Points(results)
-    for reading in ({}, *readings(results, system)):
+    """Yield what each protocol and reading offers, the reading in words, the headline first."""
+    points, first = Points(results), readings_of(system).headline
+    others = [one for one in ({}, *readings(results, system)) if one != first]
+    for reading in (first, *others):
         for protocol in PROTOCOLS:
-            yield _in_words(system, reading), Evidence(results, protocol, reading, points)
+            yield in_words(system, reading), Evidence(results, protocol, reading, points)
 
 
-def _in_words(system: str, reading: Mapping[str, Any]) -> str:
+def in_words(system: str, reading: Mapping[str, Any]) -> str:
+    """Return a reading in words, ``default`` for the defaults."""
     return "; ".join(setting(system, name, value) for name, value in reading.items()) or DEFAULT
 
 
 def _variants(claim: Claim, every: list[tuple[str, Evidence]]) -> Iterator[Variant]:
-    """Yield the verdicts at the default reading, then those of readings that have the runs."""
+    """Yield the claim at the headline reading, then at readings that have the runs."""
+    declared = readings_of(claim.system)
     if claim.kind == "model":
         for changes in MODEL_READINGS:
-            words = _in_words(claim.system, changes)
-            yield Variant(MODEL, words, experiment(claim, changes))
+            words, checks = in_words(claim.system, changes), experiment(claim, changes)
+            yield Variant(MODEL, words, checks, control=declared.is_control(changes))
         return
     for reading, evidence in every:
-        variant = _judged(claim, evidence, reading)
-        if reading == DEFAULT or not variant.reason:
+        control = declared.is_control(evidence.reading)
+        variant = _judged(claim, evidence, reading, control)
+        if evidence.reading == declared.headline or not variant.reason:
             yield variant
 
 
-def _judged(claim: Claim, evidence: Evidence, reading: str) -> Variant:
+def _judged(claim: Claim, evidence: Evidence, reading: str, control: str) -> Variant:
+    number = claim.number
     try:
-        checks = tuple(claim.judging()(evidence))
+        checks = _checked(claim, evidence, (number.headline,) if number else ())
     except Untestable as error:
-        return Variant(evidence.protocol, reading, reason=str(error))
+        return Variant(evidence.protocol, reading, reason=str(error), control=control)
     except ZeroDivisionError:
         reason = "a quantity that the claim divides by is exactly zero"
-        return Variant(evidence.protocol, reading, reason=reason)
+        return Variant(evidence.protocol, reading, reason=reason, control=control)
+    others = {}
+    for value in number.values if number else ():
+        try:
+            others[value] = _checked(claim, evidence, (value,))
+        except (Untestable, ZeroDivisionError):
+            continue
+    return Variant(evidence.protocol, reading, checks, others=others, control=control)
+
+
+def _checked(claim: Claim, evidence: Evidence, number: tuple[float, ...]) -> tuple[Check, ...]:
+    checks = tuple(claim.judging()(evidence, *number))
     if not checks:
         raise ValueError(f"{claim.id}: the judge checked nothing")
-    return Variant(evidence.protocol, reading, checks)
+    unknown = {check.part for check in checks if check.deciding} - set(claim.parts or ("",))
+    if unknown:
+        raise ValueError(f"{claim.id}: no part {', '.join(sorted(unknown))} in the table")
+    return checks
 
 
 def readings(results: Results, system: str) -> list[dict[str, Any]]:
@@ -196,60 +276,3 @@ def readings(results: Results, system: str) -> list[dict[str, Any]]:
         if unusual:
             found[tuple(unusual.items())] = unusual
     return list(found.values())
-
-
-def as_mapping(judgements: list[Judgement], study: str) -> dict[str, Any]:
-    """Return the verdicts as what the JSON file holds; endless numbers become ``null``."""
-    return {
-        "study": study,
-        "claims": [
-            {
-                **one.claim.model_dump(exclude={"judge"}),
-                "paper": one.claim.paper,
-                "verdict": one.verdict,
-                "decided_by": one.decided_by,
-                "protocol_dependent": one.protocol_dependent,
-                "reading_dependent": one.reading_dependent,
-                "variants": [
-                    {
-                        "protocol": variant.protocol,
-                        "reading": variant.reading,
-                        "verdict": variant.verdict,
-                        "reason": variant.reason,
-                        "checks": [_check(check) for check in variant.checks],
-                    }
-                    for variant in one.variants
-                ],
-            }
-            for one in judgements
-        ],
-    }
-
-
-def _check(check: Check) -> dict[str, Any]:
-    return {
-        name: None if isinstance(value, float) and not np.isfinite(value) else value
-        for name, value in (asdict(check) | {"verdict": check.verdict}).items()
-    }
-
-
-def as_table(judgements: list[Judgement]) -> pd.DataFrame:
-    """Return one row per check, and one for each variant that is untestable."""
-    rows = []
-    for one in judgements:
-        for variant in one.variants:
-            shared: dict[str, Any] = {
-                "claim": one.claim.id,
-                "title": one.claim.title,
-                "verdict on the claim": one.verdict,
-                "protocol": variant.protocol,
-                "reading": variant.reading,
-                "verdict": variant.verdict,
-            }
-            for check in variant.checks:
-                values = {name: value for name, value in asdict(check).items() if name != "points"}
-                shown = {"points": " ".join(check.points), "verdict on the check": check.verdict}
-                rows.append(shared | values | shown)
-            if not variant.checks:
-                rows.append(shared | {"reason": variant.reason})
-    return pd.DataFrame(rows)

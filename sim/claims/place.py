@@ -12,6 +12,7 @@ from uncertainties import UFloat, ufloat
 from sim.base.errors import InputError
 from sim.base.statistics import student_half_width
 from sim.claims.verdict import SIGMAS, Untestable
+from sim.dataset.replicates import PARAMETERS, SCALARS, outcome
 from sim.dataset.results import Results
 
 # Beds at rest and exact experiments do have no error at all.
@@ -49,7 +50,7 @@ def quotient(over: UFloat, under: UFloat) -> UFloat:
 class Place:
     """One point of a study as a judge sees it: its completed replicates together.
 
-    ``place["frequency"]`` is a parameter, ``place["point_regime"]`` what replicates say together.
+    ``place["frequency"]`` is a parameter.
     """
 
     def __init__(self, results: Results, point: str):
@@ -67,15 +68,16 @@ class Place:
         """Completed replicates."""
         return int(self._done.sum())
 
-    @property
-    def regime(self) -> str:
-        """Regime of all replicates together, as in `sim.dataset.replicates`."""
-        return self["point_regime"]
+    @cached_property
+    def outcome(self) -> dict[str, Any]:
+        """What replicates say together, as in `sim.dataset.replicates`."""
+        names = (*SCALARS, *PARAMETERS)
+        return outcome({name: self._held[name].values[self._number] for name in names})
 
     @property
-    def quality(self) -> str:
-        """What the means are worth, as in `sim.dataset.replicates`."""
-        return self["point_quality"]
+    def regime(self) -> str:
+        """Regime of all replicates together."""
+        return self.outcome["regime"]
 
     @cached_property
     def samples(self) -> float:
@@ -95,7 +97,19 @@ class Place:
     @cached_property
     def velocity(self) -> UFloat:
         """Mean velocity (m/s)."""
-        return measured(self["point_velocity"], self["point_half_width"])
+        return measured(self.outcome["velocity"], self.outcome["half_width"])
+
+    @cached_property
+    def window(self) -> float:
+        """Length of the window over which means are taken (s), mean over replicates."""
+        end = self.values("steps") * self.values("time_step_used")
+        return float((end - self.values("average_start")).mean())
+
+    @cached_property
+    def change(self) -> UFloat:
+        """Change of the velocity (m/s) over the window, from the mean signed slope."""
+        slope = self.outcome["acceleration"], self.outcome["acceleration_half_width"]
+        return self.window * measured(*slope)
 
     def values(self, name: str) -> np.ndarray:
         """Return a scalar of all completed replicates."""
@@ -131,7 +145,11 @@ class Place:
 
         ``function(height, *profiles)`` is called per replicate with one profile (H,) per name.
         """
+        return joined(self.each(function, *names))
+
+    def each(self, function: Callable[..., float], *names: str) -> np.ndarray:
+        """Return a measure of profiles of each completed replicate, (R,); see `measure`."""
         columns = [self.profile(name) for name in names]
         height = columns[0][1]
         rows = zip(*(values for values, _ in columns), strict=True)
-        return joined(np.array([function(height, *row) for row in rows]))
+        return np.array([function(height, *row) for row in rows])

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 import pandas as pd
 
-from sim.base.statistics import student
+from sim.base.statistics import student, student_half_width
 
 
 def over_seeds(
@@ -13,11 +13,9 @@ def over_seeds(
 ) -> tuple[float, float, int]:
     """Return value and half width of the 95 % interval of the boundary with the least bracket.
 
-    Then how many boundaries of the kind repeat one with another seed.
-
-    How much one start differs from another is pooled over all boundaries of a kind that were looked
-    for from several seeds, and goes into the interval of those with a single one too. Without any,
-    the bracket is the interval; it is never smaller than that.
+    Then from how many more seeds than one it was looked for. Its own seeds tell how much one start
+    differs from another; of a single one the bracket is the interval, each of its ends a bound. It
+    is never smaller than that.
 
     Parameters
     ----------
@@ -28,14 +26,11 @@ def over_seeds(
     settings : sequence of str
         Columns in which boundaries must agree to differ in nothing but the seed.
     """
-    middle = 0.5 * (rows["low"] + rows["high"]).astype(float)
     bracket = 0.5 * (rows["high"] - rows["low"]).astype(float)
     narrowest = rows.loc[bracket[chosen.index].idxmin()]
-    starts = rows.index[(rows[settings] == narrowest[settings]).all(axis=1)]
-    groups = middle.groupby([rows[name] for name in settings], dropna=False)
-    half_width = float(bracket[starts].mean())
-    freedom = len(rows) - groups.ngroups
-    if freedom:
-        variance = ((middle - groups.transform("mean")) ** 2).sum() / freedom
-        half_width = max(half_width, float(student(freedom) * np.sqrt(variance / len(starts))))
-    return float(middle[starts].mean()), half_width, freedom
+    starts = rows[(rows[settings] == narrowest[settings]).all(axis=1)]
+    middle = 0.5 * (starts["low"] + starts["high"]).to_numpy(float)
+    half_width = float(bracket[starts.index].mean() * student(np.inf) / student(np.inf, sides=1))
+    if middle.size > 1:
+        half_width = max(half_width, float(student_half_width(middle)))
+    return float(middle.mean()), half_width, middle.size - 1

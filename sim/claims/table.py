@@ -4,9 +4,10 @@ import importlib
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
-from typing import Literal
+from typing import Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic_core import PydanticCustomError
 
 from sim.base.errors import InputError
 from sim.base.messages import input_error
@@ -14,6 +15,35 @@ from sim.base.yaml import read_yaml
 from sim.study.catalogue import FIGURES
 
 _TABLES = ("claims_walton.yaml", "claims_gallas.yaml")
+
+
+class First(BaseModel):
+    """How a claim was judged first, on the runs published then."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
+
+    verdict: Literal["reproduced", "not reproduced", "inconclusive", "untestable"] = Field(
+        description="on the first data"
+    )
+    criterion: str = Field("", description="the first one, where it was restated")
+    why: str = Field("", description="why it was restated, or why the verdict is another now")
+
+
+class Number(BaseModel):
+    """A number that a criterion needs and the paper does not give."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
+
+    what: str = Field(min_length=1, description="the number in words")
+    values: list[float] = Field(min_length=2, description="those under which it is judged")
+    headline: float = Field(description="the one that gives the verdict")
+    unit: str = Field("", description="unit of the values")
+
+    @model_validator(mode="after")
+    def _is_one_of_them(self) -> Self:
+        if self.headline not in self.values:
+            raise PydanticCustomError("headline", "headline must be one of the values")
+        return self
 
 
 class Claim(BaseModel):
@@ -31,6 +61,10 @@ class Claim(BaseModel):
     kind: Literal["model", "flow"] = Field("flow", description="judged by itself or from runs")
     judge: str = Field(pattern=r"^[a-z_]+\.[a-z0-9_]+$", description="module.function")
     figures: list[str] = Field([], description="figures that show it")
+    first: First = Field(description="how it was judged first")
+    parts: dict[str, str] = Field({}, description="what it says, where that is several things")
+    contradiction: str = Field("", description="why its parts cannot both hold")
+    number: Number | None = Field(None, description="what the paper does not give")
 
     @property
     def paper(self) -> str:
@@ -43,7 +77,7 @@ class Claim(BaseModel):
         return {"W": "chute", "G": "belt"}[self.id[0]]
 
     def judging(self) -> Callable:
-        """Return the function that judges it."""
+        """Return the function that judges it, of the evidence and, if it has one, of a number."""
         module, name = self.judge.split(".")
         return getattr(importlib.import_module(f"sim.claims.{module}"), name)
 

@@ -1,37 +1,14 @@
-"""What judges of several flows share: order along a parameter, and all of many differences."""
+"""What judges of several flows share: all of many differences at once, means over flows."""
 
 from collections.abc import Mapping, Sequence
-from itertools import pairwise
 
 import numpy as np
 from uncertainties import UFloat
 
 from sim.base.statistics import student
-from sim.claims.checks import above, within
-from sim.claims.place import Place, measured, quotient
-from sim.claims.verdict import NOT_REPRODUCED, Check
-
-
-def ordered(
-    what: str,
-    along: str,
-    values: Mapping[float, UFloat],
-    places: Mapping[float, Place],
-    rising: bool,
-) -> list[Check]:
-    """Return the checks that a quantity rises or falls along a parameter: ends, then each step.
-
-    ``values`` are positive, in the order of the parameter ``along``.
-    """
-    steps = sorted(values)
-
-    def check(low: float, high: float) -> Check:
-        large, small = (high, low) if rising else (low, high)
-        name = f"{what} at {along} = {large:g} over that at {small:g}"
-        return above(name, quotient(values[large], values[small]), 1, [places[low], places[high]])
-
-    pairs = pairwise(steps) if len(steps) > 2 else ()
-    return [check(low, high) for low, high in [(steps[0], steps[-1]), *pairs]]
+from sim.claims.checks import beside, within
+from sim.claims.place import Place, measured
+from sim.claims.verdict import RISK, Check
 
 
 def pooled(
@@ -40,18 +17,17 @@ def pooled(
     """Return the checks that a quantity lies within bounds in flows of many depths.
 
     The mean of all, weighted by their errors, decides; a single flow counts where it is clearly
-    beyond the bounds as one of so many.
+    beyond the bounds as one of so many, and is shown otherwise.
     """
     weights = np.array([value.std_dev**-2.0 for value in values])
     mean = sum(weight * value for weight, value in zip(weights, values, strict=True))
-    checks = [
-        within(f"{what}, {len(flows)} depths", mean / weights.sum(), low, high, flows.values())
+    single = [
+        within(f"{what}, n = {n:g}", value, low, high, [place])
+        for (n, place), value in zip(flows.items(), values, strict=True)
     ]
-    for (n, place), value in zip(flows.items(), values, strict=True):
-        check = within(f"{what}, n = {n:g}", value, low, high, [place])
-        off = check.verdict == NOT_REPRODUCED and check.fails_among(len(values) + 1)
-        checks += [check] if off else []
-    return checks
+    every = within(f"{what}, {len(flows)} depths", mean / weights.sum(), low, high, flows.values())
+    clear = RISK / (len(single) + 1)
+    return [every, *(one if one.failing < clear else beside([one])[0] for one in single)]
 
 
 def mean_of_others(rows: np.ndarray, axis: int = 0) -> np.ndarray:

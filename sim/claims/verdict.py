@@ -1,29 +1,46 @@
 """What a check of a claim is, and which verdict follows from it."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from math import inf, isfinite
+from math import ceil, inf, isfinite, isnan, nan
 
-from sim.base.statistics import student
+import numpy as np
+from scipy.special import ndtri, stdtr
+
+from sim.base.statistics import CONFIDENCE, MANY, student
 
 REPRODUCED = "reproduced"
+IN_PART = "reproduced in part"
 NOT_REPRODUCED = "not reproduced"
+ON_THE_READING = "depends on the reading"
+PAPER_INCONSISTENT = "paper inconsistent"
 INCONCLUSIVE = "inconclusive"
 UNTESTABLE = "untestable"
 
-#: Of a check without thresholds, which decides nothing.
+#: Of a check that does not vote: without thresholds, or beside the statistic that decides.
 REPORTED = "reported"
 
-VERDICTS = (REPRODUCED, NOT_REPRODUCED, INCONCLUSIVE, UNTESTABLE)
+VERDICTS = (
+    REPRODUCED,
+    IN_PART,
+    NOT_REPRODUCED,
+    ON_THE_READING,
+    PAPER_INCONSISTENT,
+    INCONCLUSIVE,
+    UNTESTABLE,
+)
+
+#: How often a verdict may be wrong: a bound of one side holds at 95 %.
+RISK = 1 - CONFIDENCE
 
 #: Fewer independent samples than this decide nothing.
 TOO_FEW = 8
 
-#: Degrees of freedom from which on Student's distribution is the normal one.
-_MANY = 1e6
-
 #: Half width of a 95 % interval in standard deviations, as tables have it.
-SIGMAS = round(float(student(_MANY)), 2)
+SIGMAS = round(float(student(MANY)), 2)
+
+#: More than so many times the replicates is no plan: the value lies on its threshold.
+NO_PLAN = 1000
 
 
 class Untestable(Exception):
@@ -43,7 +60,8 @@ class Check:
     what : str
         The quantity in words or symbols, its conditions included.
     value, half_width : float
-        Measured value and half width of its 95 % interval, in ``unit``.
+        Measured value and half width of its 95 % interval, in ``unit``. A statistic that has no
+        interval, that of a rank test, has ``tested`` instead.
     low, high : float
         The claim holds strictly between them; one of them may be infinite. A quantity that is
         only reported has no finite one.
@@ -54,7 +72,15 @@ class Check:
     samples : float
         Independent samples behind the poorest of these points; infinite for exact experiments.
     freedom : float
-        Degrees of freedom of the interval, those of the poorest of these points.
+        Least degrees of freedom behind the interval, those of the poorest of these points.
+    part : str
+        Part of the claim that it is on, where the claim says more than one thing.
+    votes : bool
+        Whether it decides. Others are shown with their threshold.
+    withheld : str
+        Why it decides nothing although it is measured: a flow that has not settled, say.
+    tested : (float, float), optional
+        How often chance alone would be as clear that the claim holds, and that it fails.
     """
 
     what: str
@@ -66,40 +92,146 @@ class Check:
     points: tuple[str, ...] = ()
     samples: float = inf
     freedom: float = inf
+    part: str = ""
+    votes: bool = True
+    withheld: str = ""
+    tested: tuple[float, float] | None = None
+
+    @property
+    def deciding(self) -> bool:
+        """Whether it has a vote, decided or not."""
+        return self.votes and (self.low > -inf or self.high < inf)
+
+    @property
+    def known(self) -> bool:
+        """Whether there is enough behind it to decide anything."""
+        measured = self.tested is not None or isfinite(self.value + self.half_width)
+        return measured and self.samples >= TOO_FEW and not self.withheld
+
+    @property
+    def holding(self) -> float:
+        """Probability of being so clear of the thresholds' outside were it there: p of "holds".
+
+        With two thresholds that of the nearer one (two one-sided tests).
+        """
+        if self.tested is not None:
+            return self.tested[0]
+        return max(self._beyond(self.value - self.low), self._beyond(self.high - self.value))
+
+    @property
+    def failing(self) -> float:
+        """Probability of being so clear of the allowed range were it in it: p of "fails"."""
+        if self.tested is not None:
+            return self.tested[1]
+        below, above = self.low - self.value, self.value - self.high
+        return min(self._beyond(below, True), self._beyond(above, True))
+
+    def _beyond(self, distance: float, on_it: bool = False) -> float:
+        """Return p of a distance from a threshold; an exact one is beyond it or not, or ``on_it``.
+
+        Intervals are Student's or not, those of sums and quotients neither; p is the larger of what
+        Student's and the normal distribution with that interval give, so it is never too small.
+        """
+        if not isfinite(self.half_width):
+            return 1.0
+        if self.half_width == 0:
+            return 0.0 if distance > 0 or (on_it and distance == 0) else 1.0
+        chances = (
+            stdtr(freedom, -distance * student(freedom) / self.half_width)
+            for freedom in (min(self.freedom, MANY), MANY)
+        )
+        return float(max(chances))
+
+    @property
+    def bound(self) -> float:
+        """Distance from the value to a bound of one side that holds at 95 %.
+
+        Both bounds are those of two one-sided tests.
+        """
+        return self.half_width * float(student(MANY, sides=1) / student(MANY))
 
     @property
     def verdict(self) -> str:
-        """The interval lies between the thresholds, beyond one of them, or across."""
-        if self.low == -inf and self.high == inf:
+        """What it says by itself: clear of the threshold on one side, on the other, or neither."""
+        if not self.deciding:
             return REPORTED
-        low, high = self.value - self.half_width, self.value + self.half_width
-        if not (isfinite(low) and isfinite(high)) or not self.samples >= TOO_FEW:
+        if not self.known:
             return INCONCLUSIVE
-        if self.low < low and high < self.high:
-            return REPRODUCED
-        return NOT_REPRODUCED if self.fails_among(1) else INCONCLUSIVE
+        if self.failing < RISK:
+            return NOT_REPRODUCED
+        return REPRODUCED if self.holding < RISK else INCONCLUSIVE
 
-    def fails_among(self, number: int) -> bool:
-        """Return whether the quantity is clear of the allowed range as one of several checks.
+    @property
+    def times(self) -> float:
+        """Times as many replicates that would decide it, were the value what it is now.
 
-        One of many checks fails by chance more often than a single one, so the interval widens
-        with their number (Bonferroni), the more the fewer replicates it comes from.
+        NaN where it is decided or waits for something else, infinite where the value lies on its
+        threshold. Bounds close in as one over the root of the replicates.
         """
-        freedom = min(self.freedom, _MANY)
-        wider = student(freedom, number) / student(freedom)
-        half_width = self.half_width * float(wider)
-        return self.value + half_width <= self.low or self.value - half_width >= self.high
+        if self.verdict != INCONCLUSIVE or not self.known:
+            return nan
+        if self.tested is not None:
+            clear = -float(ndtri(min(self.tested)))
+            needed = (float(student(MANY, sides=1)) / clear) ** 2 if clear > 0 else inf
+        else:
+            ends = [end for end in (self.low, self.high) if isfinite(end)]
+            distance = min(abs(self.value - end) for end in ends)
+            needed = (self.bound / distance) ** 2 if distance else inf
+        return needed if needed <= NO_PLAN else inf
 
 
-def together(checks: Sequence[Check]) -> str:
-    """Return the verdict on a claim: all of its checks must hold, and one that fails is enough.
+def holm(chances: Sequence[float]) -> list[float]:
+    """Return p-values adjusted so that none of several is too small by chance (Holm, 1979).
 
-    That one must fail as one of so many. Checks that only report are left out; none at all is
-    inconclusive.
+    >>> holm([0.01, 0.04, 0.03])
+    [0.03, 0.06, 0.06]
     """
-    deciding = [check for check in checks if check.verdict != REPORTED]
-    found = {check.verdict for check in deciding}
-    failing = [check for check in deciding if check.verdict == NOT_REPRODUCED]
-    if any(check.fails_among(len(deciding)) for check in failing):
+    order = np.argsort(chances)
+    raised = np.asarray(chances)[order] * np.arange(len(chances), 0, -1)
+    adjusted = np.empty(len(chances))
+    adjusted[order] = np.maximum.accumulate(np.minimum(raised, 1.0))
+    return adjusted.tolist()
+
+
+def together(checks: Iterable[Check]) -> str:
+    """Return the verdict on one statement: all votes must hold, one that fails is enough.
+
+    That all hold needs no correction for their number. That one fails must be clear as one of so
+    many (Holm). Without any vote it is inconclusive.
+    """
+    deciding = [check for check in checks if check.deciding]
+    known = [check for check in deciding if check.known]
+    if any(chance < RISK for chance in holm([check.failing for check in known])):
         return NOT_REPRODUCED
-    return REPRODUCED if found == {REPRODUCED} else INCONCLUSIVE
+    holds = [check.verdict == REPRODUCED for check in deciding]
+    return REPRODUCED if holds and all(holds) else INCONCLUSIVE
+
+
+def of_parts(verdicts: Sequence[str]) -> str:
+    """Return the verdict on a claim that says several things from those on its parts.
+
+    It is reproduced in part where one at least is and another is not, or not yet.
+    """
+    found = set(verdicts)
+    if found == {UNTESTABLE}:
+        return UNTESTABLE
+    if REPRODUCED in found:
+        return REPRODUCED if found == {REPRODUCED} else IN_PART
+    return NOT_REPRODUCED if NOT_REPRODUCED in found else INCONCLUSIVE
+
+
+def plan(check: Check) -> str:
+    """Say what would decide an open check, empty for one that is decided or does not vote.
+
+    >>> plan(Check("x", 1.5, 1.0, 1.0, inf, freedom=7))
+    'about 3 times the replicates'
+    """
+    if check.verdict != INCONCLUSIVE:
+        return ""
+    if check.withheld:
+        return check.withheld
+    if not check.known:
+        return "more independent samples: longer runs or more replicates"
+    if isnan(check.times) or check.times == inf:
+        return "no number of replicates: the value lies on the threshold"
+    return f"about {max(2, ceil(check.times))} times the replicates"

@@ -1,27 +1,21 @@
 """Judges of Walton's claims about flows as a whole: velocity and depth, energy, forces."""
 
 from dataclasses import replace
-from functools import cache
-from itertools import permutations
 from math import inf, nan, radians, tan
 
 import numpy as np
-from scipy.stats import rankdata
 
-from sim.base.statistics import student
-from sim.claims.checks import above, below, within
-from sim.claims.chute import base, driving, is_settled, repeated, speed, steady
+from sim.claims.checks import below, beside, reported, within
+from sim.claims.chute import WIDTHS, base, driving, repeated, steady, still_changing
 from sim.claims.evidence import Evidence
-from sim.claims.place import joined
+from sim.claims.inference import trend
+from sim.claims.place import Place, joined
 from sim.claims.trends import pooled
 from sim.claims.verdict import Check, Untestable
 from sim.dataset.caveats import CLOSED
 
-#: Largest number of values of which all orders are counted.
-COUNTED = 9
-
-#: Samples of the velocities from which the interval of a rank correlation is taken.
-DRAWS = 4000
+#: Depths over which the velocity tends to rise, the deepest, and how many of them are enough.
+RISING, DEEPEST, ENOUGH = (1.24, 20), 40, 6
 
 #: Least share of the dissipated power that both kinds of losses must have.
 BOTH = 0.05
@@ -56,47 +50,33 @@ def w5(evidence: Evidence) -> list[Check]:
 
 
 def w9(evidence: Evidence) -> list[Check]:
-    """Rank correlation of V and n, its interval from velocities drawn within theirs.
+    """Trend of V over the depths, within each width of the cell.
 
-    The threshold is the correlation that two-sided chance exceeds in one of twenty cases.
+    The deepest flow counts with the lowest velocity that any window of it has: a bound, since it
+    drifts.
     """
-    flows = {n: place for n, place in base(evidence, 1.24).items() if is_settled(place)}
-    if len(flows) < 6 or max(flows) < 40:
-        raise Untestable("fewer than six settled flows of depths from 1.24 to 40")
-    speeds = [speed(place) for place in flows.values()]
-    means, errors = zip(*((each.nominal_value, each.std_dev) for each in speeds), strict=True)
-    drawn = np.random.default_rng(1).normal(means, errors, (DRAWS, len(speeds)))
-    value, correlations = _rank_correlation(np.array([means])), _rank_correlation(drawn)
-    half_width = np.abs(np.quantile(correlations, [0.025, 0.975]) - value).max()
-    what = f"Spearman's ρ of V and n, {len(flows)} depths"
-    check = above(what, float(value[0]), _chance(len(flows)), flows.values())
-    return [replace(check, half_width=float(half_width))]
-
-
-def _rank_correlation(rows: np.ndarray) -> np.ndarray:
-    """Return Spearman's correlation of each row (D, N) of different values with its order."""
-    number = rows.shape[1]
-    apart = rankdata(rows, axis=1) - np.arange(1, number + 1)
-    return 1 - 6 * (apart**2).sum(axis=1) / (number * (number**2 - 1))
-
-
-@cache
-def _chance(number: int) -> float:
-    """Return a threshold above which a rank correlation of this many pairs has p < 0.05.
-
-    Two-sided, of all orders where they can be counted.
-    """
-    if number > COUNTED:
-        t = student(number - 2)
-        return float(t / np.sqrt(number - 2 + t**2))
-    found = _rank_correlation(np.array(list(permutations(range(number)))))
-    values, times = np.unique(np.round(found, 9), return_counts=True)
-    above_or_at = times[::-1].cumsum()[::-1] / len(found)
-    return float(values[2 * above_or_at >= 0.05].max() + 1e-6)
+    strata: list[list[np.ndarray]] = []
+    places: list[Place] = []
+    depths: set[float] = set()
+    for cell in WIDTHS:
+        line = repeated(evidence.line("chute", "depth", cell=cell))
+        flows = {n: place for n, place in line.items() if RISING[0] <= n <= RISING[1]}
+        flows = {n: place for n, place in flows.items() if not still_changing(place)}
+        groups = [place.values("velocity") for place in flows.values()]
+        windows = evidence.line("chute", "transient", depth=DEEPEST, cell=cell)
+        if windows:
+            groups.append(np.array([min(one.values("velocity").min() for one in windows.values())]))
+        if len(groups) > 1:
+            strata.append(groups)
+            places += flows.values()
+            depths |= flows.keys()
+    if len(depths) < ENOUGH or max(depths, default=0) < RISING[1]:
+        raise Untestable("fewer than six depths from 1.24 to 20 whose flow does not accelerate")
+    return [trend(f"V and n, {len(depths)} depths", strata, places)]
 
 
 def w24(evidence: Evidence) -> list[Check]:
-    """Power lost by friction and by normal forces over that of the weight, and both shares."""
+    """Share of friction in the losses of steady flows; their sum over N m g V sin θ is shown."""
     flows = repeated(steady(evidence))
     if not flows:
         raise Untestable(f"no steady {evidence.protocol} flow of the base case with replicates")
@@ -105,10 +85,13 @@ def w24(evidence: Evidence) -> list[Check]:
         rubbed, struck = place.values("frictional_power"), place.values("normal_power")
         weight = place["particles"] * place["mass"] * driving(place)
         total = joined((rubbed + struck) / (weight * place.values("velocity")))
-        share = joined(rubbed / (rubbed + struck))
-        what = f"dissipated power over N m g V sin θ, n = {n:g}"
-        checks.append(within(what, total, 1 - POWER, 1 + POWER, [place]))
-        checks.append(within(f"share of friction in it, n = {n:g}", share, BOTH, 1 - BOTH, [place]))
+        share, at = joined(rubbed / (rubbed + struck)), f"n = {n:g}"
+        checks.append(
+            within(f"share of friction in the losses, {at}", share, BOTH, 1 - BOTH, [place])
+        )
+        checks.append(reported(f"share of collisions in them, {at}", 1 - share, [place]))
+        what = f"dissipated power over N m g V sin θ, {at}"
+        checks += beside([within(what, total, 1 - POWER, 1 + POWER, [place])])
     return checks
 
 

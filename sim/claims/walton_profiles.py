@@ -1,15 +1,17 @@
 """Judges of Walton's claims about profiles: where flows shear, how dense they are, their plugs."""
 
-from collections.abc import Callable, Mapping
-from itertools import pairwise
+from collections.abc import Callable
+from math import inf
 
 import numpy as np
 from uncertainties import UFloat
 
-from sim.claims.checks import above, below, reported
-from sim.claims.chute import base, of_settled, repeated
+from sim.claims.checks import above, below, reported, withheld
+from sim.claims.chute import WIDTHS, age, base, of_settled, repeated, still_changing, unlike
 from sim.claims.evidence import Evidence
-from sim.claims.place import Place, joined, quotient
+from sim.claims.inference import share_above, trend
+from sim.claims.place import Place, joined
+from sim.claims.states import PLUG, PROFILES, plug_shares
 from sim.claims.trends import least, mean_of_others
 from sim.claims.verdict import Check, Untestable
 from sim.dataset.measures import layers
@@ -20,17 +22,17 @@ THIN = 0.01
 #: Replicates without which a statement about all bins at once cannot be decided.
 MANY = 6
 
-#: Depths of each claim: all below 5 and 2.5, intermediate, with a plug, the deepest.
+#: Depths of each claim: all below 5 and 2.5, intermediate, with a plug, the deepest, and those over
+#: which the shear layer thins.
 SHALLOW, SHALLOWEST, MIDDLE, DEEP, DEEPEST = 5, 2.5, (3.5, 5, 10), (10, 20, 40), 40
+THINNING = (5, 10, 20, 40)
 
-#: Least share of the depth that a plug takes.
-PLUG = 0.3
+#: What is more often so than not is often so.
+OFTEN = 0.5
 
-#: Least packing of the plug, its largest relative spread, least difference from the shear layer.
-DENSE, UNIFORM, LOOSER = 0.60, 0.05, 0.05
-
-#: Least share of the largest du/dz that a flow which shears throughout has everywhere.
-THROUGHOUT = 0.2
+#: Least packing of the plug, its largest standard deviation relative to it, least difference from
+#: the shear layer, and the age in √(σ/g) from which a flow of that depth counts.
+DENSE, UNIFORM, LOOSER, OLD = 0.60, 0.05, 0.05, 2000
 
 
 def w10(evidence: Evidence) -> list[Check]:
@@ -46,35 +48,54 @@ def w10(evidence: Evidence) -> list[Check]:
 
 
 def w11(evidence: Evidence) -> list[Check]:
-    """Share of the depth above the height where du/dz falls below 5 % of that below it."""
-    names, flows = ("velocity_profile", "packing_profile"), _deep(evidence, DEEP)
-    checks = (
-        above(
-            f"plug over depth, n = {n:g}", place.measure(_plug_share(place), *names), PLUG, [place]
-        )
-        for n, place in flows.items()
-    )
-    return of_settled(checks, flows.values())
+    """Share of all runs of deep flows, whatever their start and cell, that ride as a plug.
+
+    Runs that accelerate do not count.
+    """
+    cells, places = {}, []
+    for cell in WIDTHS:
+        lines = (evidence.line("chute", "initial_velocity", depth=n, cell=cell) for n in DEEP)
+        flows = [place for line in lines for place in line.values()]
+        found = [_steady_plugs(place) for place in flows]
+        if found:
+            cells[cell] = np.concatenate(found) > PLUG
+            places += flows
+    if len(cells) < 2:
+        raise Untestable("no flows at n = 10, 20 and 40 in cells of two widths")
+    plugs = np.concatenate(list(cells.values()))
+    if not plugs.size:
+        raise Untestable("all flows at n = 10, 20 and 40 accelerate")
+    checks = [share_above("share of runs with a plug", int(plugs.sum()), plugs.size, OFTEN, places)]
+    for cell, own in cells.items():
+        if own.size:
+            what = f"share of runs with a plug in cells of {cell} σ, {own.size} runs"
+            checks.append(reported(what, float(own.mean())))
+    return checks
+
+
+def _steady_plugs(place: Place) -> np.ndarray:
+    """Return the share of the depth that is plug in the replicates that do not accelerate."""
+    return plug_shares(place)[place.values("regime") != "accelerating"]
 
 
 def w12(evidence: Evidence) -> list[Check]:
     """Steps of the packing from each layer of a diameter to the next; all of them at once.
 
-    Slices thinner than a sphere show the gap between layers as well; their largest step from the
-    first centres upwards is reported.
+    Slices thinner than a sphere show the gap between layers as well; their largest steps are
+    reported, from the plane and from the first centres upwards.
     """
     flows = _thin(evidence, SHALLOWEST)
     checks = []
     for n, place in flows.items():
         layered = np.diff(_by_layers(place), axis=1)
-        sliced = _steps(place, "packing_profile", 0.5 * place["diameter"], 1.0)
         if not layered.size:
             raise Untestable(f"fewer than two layers at n = {n:g}")
         what = "largest rise of the packing with height"
-        checks += [
-            below(f"{what}, by layers, n = {n:g}", -least(-layered), 0, [place]),
-            reported(f"{what}, by slices, n = {n:g}", -least(-sliced), [place]),
-        ]
+        checks.append(below(f"{what}, by layers, n = {n:g}", -least(-layered), 0, [place]))
+        for start, lowest in (("the plane", 0.0), ("the first centres", 0.5 * place["diameter"])):
+            sliced = _steps(place, "packing_profile", lowest, 1.0)
+            told = f"{what}, by slices from {start} on, n = {n:g}"
+            checks.append(reported(told, -least(-sliced), [place]))
     return of_settled(checks, flows.values())
 
 
@@ -105,18 +126,18 @@ def _densest_inner(rows: np.ndarray) -> np.ndarray:
 
 def w14(evidence: Evidence) -> list[Check]:
     """The deepest flow above and below its shear depth: packing, its spread, the difference."""
-    ((n, place),) = _deep(evidence, (DEEPEST,)).items()
+    n, place = DEEPEST, evidence.at("chute", depth=DEEPEST)
 
     def measured(function: Callable[[np.ndarray, float], float]) -> UFloat:
-        return place.measure(_of_plug(place, function), "velocity_profile", "packing_profile")
+        return place.measure(_of_plug(place, function), *PROFILES)
 
     checks = [
         above(
             f"packing of the plug, n = {n:g}", measured(lambda plug, _: plug.mean()), DENSE, [place]
         ),
         below(
-            f"relative spread of its packing, n = {n:g}",
-            measured(lambda plug, _: np.ptp(plug) / plug.mean()),
+            f"standard deviation of its packing over its mean, n = {n:g}",
+            measured(lambda plug, _: plug.std(ddof=1) / plug.mean() if plug.size > 1 else np.nan),
             UNIFORM,
             [place],
         ),
@@ -127,34 +148,60 @@ def w14(evidence: Evidence) -> list[Check]:
             [place],
         ),
     ]
-    return of_settled(checks, [place])
+    young = f"averaged from {age(place):.0f} √(σ/g) on: runs of {OLD:,} and more"
+    return withheld(of_settled(checks, [place]), young if age(place) < OLD else "")
 
 
 def w17(evidence: Evidence) -> list[Check]:
-    """Shear depths of successive deep flows, the deeper over the shallower."""
-    flows = _deep(evidence, DEEP)
-    depths = {n: place.value("shear_depth") for n, place in flows.items()}
-    checks = (
-        below(
-            f"shear depth at n = {high:g} over that at n = {low:g}",
-            quotient(depths[high], depths[low]),
-            1,
-            [flows[low], flows[high]],
-        )
-        for low, high in pairwise(DEEP)
-    )
-    return of_settled(checks, flows.values())
+    """Trend of the shear depth over the depths, and of the share of the depth that it takes.
+
+    The flows are those of one cell and one age.
+    """
+    line = max((_thinning(evidence, cell) for cell in WIDTHS), key=len)
+    if len(line) < 3:
+        raise Untestable("no cell with three depths of 5, 10, 20 and 40 that have replicates")
+    places, over = list(line.values()), ", ".join(f"{n:g}" for n in line)
+    depths = [place.values("shear_depth") for place in places]
+    tops = [
+        place.each(lambda z, packing: layers.surface(z, packing), PROFILES[1]) for place in places
+    ]
+    fractions = [depth / top for depth, top in zip(depths, tops, strict=True)]
+    checks = [
+        trend(f"shear depth over n = {over}", [depths], places, rising=False),
+        trend(f"its share of the depth over n = {over}", [fractions], places, rising=False),
+    ]
+    reasons = [unlike(places), *map(still_changing, places)]
+    missing = "" if set(line) == set(THINNING) else f"n = {over} alone in one cell"
+    return withheld(checks, "; ".join(filter(None, [missing, *reasons])))
+
+
+def _thinning(evidence: Evidence, cell: float) -> dict[float, Place]:
+    """Return the flows of one cell over which the shear layer is to thin."""
+    line = repeated(evidence.line("chute", "depth", cell=cell))
+    return {n: place for n, place in line.items() if n in THINNING}
 
 
 def w18(evidence: Evidence) -> list[Check]:
-    """The slowest flow: least over largest mean du/dz over a diameter."""
+    """The slowest flow: the least shear above any height, relative to that below it.
+
+    A plug has less than 5 % there (W11). The least over the largest du/dz is reported.
+    """
     flows = repeated(base(evidence, 1))
     if len(flows) < 3:
         raise Untestable("fewer than three flows with n ≥ 1 that have replicates")
     n, place = min(flows.items(), key=lambda flow: flow[1].velocity.nominal_value)
-    evenness = place.measure(_evenness(place), "velocity_profile", "packing_profile")
-    check = above(f"least over largest du/dz, n = {n:g}", evenness, THROUGHOUT, [place])
-    return of_settled([check], [place])
+
+    def stiffest(height: np.ndarray, velocity: np.ndarray, packing: np.ndarray) -> float:
+        shear = layers.relative_shear(height, velocity, packing, place["diameter"])[1]
+        return min(shear, default=inf)
+
+    shear, even = (place.measure(each, *PROFILES) for each in (stiffest, _evenness(place)))
+    what = f"least shear above a height over that below it, n = {n:g}"
+    checks = [
+        above(what, shear, layers.UNSHEARED, [place]),
+        reported(f"least over largest du/dz, n = {n:g}", even, [place]),
+    ]
+    return of_settled(checks, [place])
 
 
 def _thin(evidence: Evidence, below_depth: float) -> dict[float, Place]:
@@ -164,11 +211,6 @@ def _thin(evidence: Evidence, below_depth: float) -> dict[float, Place]:
     if not found:
         raise Untestable(f"no flow with 1 ≤ n < {below_depth:g} that has {MANY} replicates")
     return found
-
-
-def _deep(evidence: Evidence, depths: tuple[float, ...]) -> Mapping[float, Place]:
-    """Return the flows of these depths; raise `Untestable` where one is missing."""
-    return {n: evidence.at("chute", depth=n) for n in depths}
 
 
 def _steps(place: Place, name: str, lowest: float = 0.0, scale: float | None = None) -> np.ndarray:
@@ -203,16 +245,6 @@ def _evenness(place: Place) -> Callable[..., float]:
         return slopes.min() / slopes.max() if rises else np.nan
 
     return evenness
-
-
-def _plug_share(place: Place) -> Callable[..., float]:
-    """Return the function of profiles that says which share of the depth is plug."""
-
-    def share(height: np.ndarray, velocity: np.ndarray, packing: np.ndarray) -> float:
-        plug = layers.plug_base(height, velocity, packing, place["diameter"])
-        return 1.0 - plug / layers.surface(height, packing)
-
-    return share
 
 
 def _of_plug(place: Place, function: Callable[[np.ndarray, float], float]) -> Callable[..., float]:

@@ -1,143 +1,225 @@
 """Judges of Walton's claims about what the spheres are like: order, restitution, stiffness."""
 
-import numpy as np
-from uncertainties import UFloat
+from functools import partial
+from itertools import chain
 
-from sim.claims.checks import above, below, within
-from sim.claims.chute import CELLS, of_settled, repeated, speed
+import numpy as np
+
+from sim.claims.checks import above, beside, in_parts, reported, withheld, within
+from sim.claims.chute import CELLS, of_settled, repeated, speed, still_changing, unlike
 from sim.claims.evidence import Evidence
+from sim.claims.inference import outranks, trend
 from sim.claims.place import Place, quotient
-from sim.claims.trends import ordered
+from sim.claims.states import has_plug, shares
 from sim.claims.verdict import Check, Untestable
 from sim.dataset.measures import layers
 
-#: Depths with crystals, and the least share of crystalline spheres and amplitude of layers there.
-CRYSTALLINE, SHARE, LAYERED = (10, 20, 40), 0.5, 0.25
+#: Depths with crystals, and the least share of crystalline spheres there.
+CRYSTALLINE, SHARE = (10, 20, 40), 0.5
 
-#: Depth, cell and controls that are to weaken the order.
-CONTROLLED, SPREAD = {"depth": 10, "cell": 5}, 0.1
+#: Depth and cell of the controls, the spread of diameters, and the wide cell.
+CONTROLLED, SPREAD, WIDE = {"depth": 10, "cell": 5}, 0.1, 20
 
-#: Depths at which the restitution is varied: of those with three values each.
-RESILIENT = (5, 10, 20, 40)
+#: Depths at which the restitution is varied, by part; the values that decide and one reported.
+RESILIENT = {"a": 5, "b": 10, "c": 20}
+RESTITUTIONS, LOWEST = (0.7, 0.95), 0.6
 
 #: Overlaps in the paper's words, and the factor that "on the order of" leaves.
-STATIC, DYNAMIC, SLIGHT, ORDER = 0.005, 0.05, 0.005, 2
+DYNAMIC, SLIGHT, ORDER = 0.05, 0.005, 2
 
-#: Depths that depend on the stiffness and those that do not, stiffnesses that decide it, and bounds
-#: of the ratio of velocities.
+#: Depths that depend on the stiffness and those that do not, stiffnesses that decide it, and the
+#: margin of an equality.
 SENSITIVE: tuple[float, ...] = (20, 40)
-INSENSITIVE, SOFT, STIFF = (1.24, 2.5), 100, 1000
-SLOWER, EQUAL = 0.9, 0.05
+INSENSITIVE, SOFT, STIFF, EQUAL = (1.24, 2.5), 100, 1000, 0.05
 
-#: Heights in diameters of the layers above the bottom one.
-ABOVE_BOTTOM = (1, 5)
+#: Heights in diameters of the layer immediately above the bottommost one.
+ABOVE_BOTTOM = (1, 2)
+
+#: Replicates in one state without which states are not compared.
+FEW = 2
 
 
 def w15(evidence: Evidence) -> list[Check]:
-    """Share of crystalline spheres and layers of the plug, and the share under three controls.
+    """Crystals at three depths of one age (a), and three factors that favour them (b, c, d)."""
+    return in_parts(
+        a=lambda: _crystals(evidence),
+        b=lambda: _favoured(evidence, f"diameters ±{100 * SPREAD:g} %", diameter_spread=SPREAD),
+        c=lambda: _on_bumps(evidence),
+        d=lambda: _favoured(evidence, f"a cell of {WIDE} σ", cell=WIDE),
+    )
 
-    Controls: unequal spheres, spheres glued to the plane, and a wider cell, all at one depth.
-    """
+
+def _crystals(evidence: Evidence) -> list[Check]:
     deep = {n: evidence.at("chute", depth=n) for n in CRYSTALLINE}
     checks = []
     for n, place in deep.items():
-        share, order = place.value("crystalline_share"), place.value("layer_order")
-        checks.append(above(f"crystalline share of the plug, n = {n:g}", share, SHARE, [place]))
-        checks.append(above(f"amplitude of its layers, n = {n:g}", order, LAYERED, [place]))
-    usual, controls = evidence.at("chute", **CONTROLLED), _controls(evidence)
-    for name, place in controls.items():
-        change = place.value("crystalline_share") - usual.value("crystalline_share")
-        what = f"change of the crystalline share with {name}, n = {CONTROLLED['depth']:g}"
-        checks.append(below(what, change, 0, [place, usual]))
-    return of_settled(checks, [*deep.values(), usual, *controls.values()])
-
-
-def _controls(evidence: Evidence) -> dict[str, Place]:
-    """Return the flows that differ from the crystalline one in one respect."""
-    bumpy = {size: place for size, place in _line(evidence, "bumps").items() if size > 0}
-    if not bumpy:
-        raise Untestable("no flow over a bumpy plane")
-    size, rough = max(bumpy.items())
-    wide = CONTROLLED | {"cell": 2 * CONTROLLED["cell"]}
-    return {
-        f"diameters ±{100 * SPREAD:g} %": evidence.at(
-            "chute", diameter_spread=SPREAD, **CONTROLLED
-        ),
-        f"bumps of {size:g} σ": rough,
-        f"a cell of {wide['cell']:g} σ": evidence.at("chute", **wide),
-    }
-
-
-def _line(evidence: Evidence, along: str) -> dict[float, Place]:
-    return evidence.line("chute", along, **CONTROLLED)
-
-
-def w16(evidence: Evidence) -> list[Check]:
-    """Velocity and shear depth along the restitution, at each depth with three values of it."""
-    checks = []
-    for n in RESILIENT:
-        line = repeated(evidence.line("chute", "restitution", depth=n, cell=CELLS[n]))
-        if len(line) < 3:
-            continue
-        at = f"n = {n:g}, e"
-        speeds = {e: speed(place) for e, place in line.items()}
-        depths = {e: place.value("shear_depth") for e, place in line.items()}
-        found = ordered("V", at, speeds, line, rising=False)
-        found += ordered("shear depth", at, depths, line, rising=True)
-        checks += of_settled(found, line.values())
-    if not checks:
-        raise Untestable("no depth with three coefficients of restitution that have replicates")
+        share = place.value("crystalline_share")
+        check = above(f"crystalline share of the plug, n = {n:g}", share, SHARE, [place])
+        checks += withheld([check], still_changing(place))
+        layered = place.value("layer_order")
+        checks.append(reported(f"amplitude of its layers, n = {n:g}", layered, [place]))
     return checks
 
 
+def _on_bumps(evidence: Evidence) -> list[Check]:
+    line = evidence.line("chute", "bumps", **CONTROLLED)
+    size = max(line, default=0)
+    if not size > 0:
+        raise Untestable("no flow over a bumpy plane")
+    return _favoured(evidence, f"bumps of {size:g} σ", bumps=size)
+
+
+def _favoured(evidence: Evidence, name: str, **change: float) -> list[Check]:
+    """Return the check that the crystalline share ranks above that of a control, state by state."""
+    usual = evidence.at("chute", **CONTROLLED)
+    control = evidence.at("chute", **CONTROLLED | change)
+    what = f"share of pairs more crystalline than with {name}, n = {CONTROLLED['depth']:g}"
+    first, second = (place.values("crystalline_share") for place in (usual, control))
+    try:
+        first, second, state = same_state(usual, control, first, second)
+        check, reason = outranks(f"{what}, {state}", first, second, [usual, control]), ""
+    except Untestable as error:
+        check, reason = outranks(what, first, second, [usual, control]), str(error)
+    moving = still_changing(usual) or still_changing(control)
+    told = shares("usual", [usual]) + shares(f"with {name}", [control])
+    return [*withheld([check], moving or reason), *told]
+
+
+def same_state(
+    one: Place, other: Place, first: np.ndarray, second: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, str]:
+    """Return quantities (R,) of two points in the state that both are in most often, and which.
+
+    Raises `Untestable` where they share none.
+    """
+    plugs = has_plug(one), has_plug(other)
+    alike = {
+        name: (first[plugs[0] == state], second[plugs[1] == state])
+        for name, state in (("with a plug", True), ("without a plug", False))
+    }
+    name, (ours, theirs) = max(alike.items(), key=lambda held: min(map(len, held[1])))
+    if min(len(ours), len(theirs)) < FEW:
+        raise Untestable("the two are in different states: more replicates of both")
+    return ours, theirs, name
+
+
+def w16(evidence: Evidence) -> list[Check]:
+    """Trends of V and of the shear depth over the restitution, at each of three depths.
+
+    With 1,000 N/m where that was run: flows that 100 N/m lets run away are outside its range.
+    """
+    return in_parts(
+        **{part: partial(_over_restitution, evidence, n) for part, n in RESILIENT.items()}
+    )
+
+
+def _over_restitution(evidence: Evidence, depth: float) -> list[Check]:
+    where = {"depth": depth, "cell": CELLS[depth]}
+    for stiffness in (STIFF, SOFT):
+        line = repeated(evidence.line("chute", "restitution", **where, stiffness=stiffness))
+        flows = {e: p for e, p in line.items() if RESTITUTIONS[0] <= e <= RESTITUTIONS[1]}
+        if len(flows) > 2:
+            break
+    else:
+        raise Untestable(f"no three coefficients of restitution with replicates at n = {depth:g}")
+    places, at = list(flows.values()), f"n = {depth:g}, K1 = {stiffness:g} N/m"
+    checks = []
+    for what, name, rising in (("V", "velocity", False), ("shear depth", "shear_depth", True)):
+        groups = [place.values(name) for place in places]
+        over = ", ".join(f"{e:g}" for e in flows)
+        checks.append(trend(f"{what} over e = {over}, {at}", [groups], places, rising=rising))
+    reasons = dict.fromkeys(filter(None, map(still_changing, places)))
+    found = withheld(checks, "; ".join(reasons))
+    if LOWEST in line:
+        ratio = quotient(speed(line[LOWEST]), speed(places[0]))
+        what = f"V at e = {LOWEST:g} over that at {RESTITUTIONS[0]:g}, {at}"
+        found.append(reported(what, ratio, [line[LOWEST], places[0]]))
+    return found
+
+
 def w20(evidence: Evidence) -> list[Check]:
-    """Quantiles of the overlaps of the softest spheres, within a factor of two of the paper's."""
-    deep = evidence.at("chute", depth=40, stiffness=SOFT)
+    """Overlaps of the softest spheres, within a factor of two of the paper's."""
+    return in_parts(
+        a=lambda: [check for n in INSENSITIVE for check in _shallow_overlap(evidence, n)],
+        b=lambda: _deep_overlap(evidence),
+        c=lambda: _static_overlap(evidence),
+    )
 
-    def check(what: str, place: Place, name: str, size: float) -> Check:
-        percent = 100 * place.value(name)
-        bounds = 100 * size / ORDER, 100 * size * ORDER
-        return within(f"{what}, n = {place['depth']:g}", percent, *bounds, [place], "% of σ")
 
-    thin = [evidence.at("chute", depth=n, stiffness=SOFT) for n in INSENSITIVE]
-    checks = [
-        check("median overlap", deep, "median_overlap", STATIC),
-        check("99.9th percentile of the overlaps", deep, "overlap_999", DYNAMIC),
-        *(check("99.9th percentile of the overlaps", one, "overlap_999", SLIGHT) for one in thin),
-    ]
-    return of_settled(checks, [deep, *thin])
+def _shallow_overlap(evidence: Evidence, depth: float) -> list[Check]:
+    place = evidence.at("chute", depth=depth, stiffness=SOFT)
+    check = _overlap("median overlap", place, "median_overlap", SLIGHT)
+    extreme = _overlap("99.9th percentile of the overlaps", place, "overlap_999", SLIGHT)
+    return of_settled([check, *beside([extreme])], [place])
+
+
+def _deep_overlap(evidence: Evidence) -> list[Check]:
+    place = evidence.at("chute", depth=40, stiffness=SOFT)
+    check = _overlap("99.9th percentile of the overlaps", place, "overlap_999", DYNAMIC)
+    median = 100 * place.value("median_overlap")
+    return of_settled([check, reported("median overlap, n = 40", median, [place])], [place])
+
+
+def _static_overlap(evidence: Evidence) -> list[Check]:
+    place = evidence.at("chute", depth=40, stiffness=SOFT)
+    return [_overlap("mean overlap of the base contacts at rest", place, "base_overlap", SLIGHT)]
+
+
+def _overlap(what: str, place: Place, name: str, size: float) -> Check:
+    percent = 100 * place.value(name)
+    bounds = 100 * size / ORDER, 100 * size * ORDER
+    return within(f"{what}, n = {place['depth']:g}", percent, *bounds, [place], "% of σ")
 
 
 def w21(evidence: Evidence) -> list[Check]:
-    """Velocity and shear depth of stiffer spheres over those of the softest, deep and shallow."""
+    """Stiffer against softest: V of shallow flows (a), V and shear depth of deep ones (b)."""
+    return in_parts(
+        a=lambda: chain.from_iterable(_insensitive(evidence, n) for n in INSENSITIVE),
+        b=lambda: chain.from_iterable(_sensitive(evidence, n) for n in SENSITIVE),
+    )
+
+
+def _insensitive(evidence: Evidence, depth: float) -> list[Check]:
     checks = []
-    for n in SENSITIVE:
-        for stiffness, soft, stiff in _stiffer(evidence, n):
-            at, places = f"K1 = {stiffness:g} N/m over {SOFT} N/m, n = {n:g}", [soft, stiff]
-            ratio = quotient(speed(stiff), speed(soft))
-            deeper = quotient(stiff.value("shear_depth"), soft.value("shear_depth"))
-            found = [
-                below(f"V at {at}", ratio, SLOWER, places),
-                above(f"shear depth at {at}", deeper, 1, places),
-            ]
-            checks += of_settled(found, places)
-    for n in INSENSITIVE:
-        for stiffness, soft, stiff in _stiffer(evidence, n):
-            what = f"V at K1 = {stiffness:g} N/m over {SOFT} N/m, n = {n:g}"
-            ratio = quotient(speed(stiff), speed(soft))
-            check = within(what, ratio, 1 - EQUAL, 1 + EQUAL, [soft, stiff])
-            checks += of_settled([check], [soft, stiff])
+    for stiffness, soft, stiff in _stiffer(evidence, depth):
+        what = f"V at K1 = {stiffness:g} N/m over {SOFT} N/m, n = {depth:g}"
+        ratio = quotient(speed(stiff), speed(soft))
+        check = within(what, ratio, 1 - EQUAL, 1 + EQUAL, [soft, stiff])
+        checks += of_settled([check], [soft, stiff])
+    return checks
+
+
+def _sensitive(evidence: Evidence, depth: float) -> list[Check]:
+    checks = []
+    for stiffness, soft, stiff in _stiffer(evidence, depth):
+        at, pair = f"{stiffness:g} N/m against {SOFT} N/m, n = {depth:g}", [soft, stiff]
+        speeds = [place.values("velocity") for place in pair]
+        depths = [place.values("shear_depth") for place in pair]
+        found = [
+            outranks(f"share of pairs slower with {at}", speeds[0], speeds[1], pair),
+            outranks(f"share of pairs with a deeper shear layer, {at}", depths[1], depths[0], pair),
+        ]
+        reason = still_changing(soft) or still_changing(stiff) or unlike(pair)
+        checks += withheld(found, reason)
+        checks += shares(f"{SOFT} N/m, n = {depth:g}", [soft])
+        checks += shares(f"{stiffness:g} N/m, n = {depth:g}", [stiff])
     return checks
 
 
 def w22(evidence: Evidence) -> list[Check]:
-    """Vertical granular temperature of four layers above the bottom one, stiffer over softest."""
+    """Vertical granular temperature of the layer above the bottommost, stiffer above softest."""
     checks = []
     for n in SENSITIVE:
         for stiffness, soft, stiff in _stiffer(evidence, n):
-            ratio = quotient(_agitation(stiff), _agitation(soft))
-            what = f"vertical temperature at K1 = {stiffness:g} N/m over {SOFT} N/m, n = {n:g}"
-            checks += of_settled([above(what, ratio, 1, [soft, stiff])], [soft, stiff])
+            what = f"share of pairs more agitated with {stiffness:g} N/m than {SOFT} N/m, n = {n:g}"
+            first, second = (_agitation(place) for place in (stiff, soft))
+            reason = still_changing(soft) or still_changing(stiff) or unlike([soft, stiff])
+            try:
+                first, second, state = same_state(stiff, soft, first, second)
+                what += f", {state}"
+            except Untestable as error:
+                reason = reason or str(error)
+            checks += withheld([outranks(what, first, second, [stiff, soft])], reason)
     return checks
 
 
@@ -146,17 +228,17 @@ def _stiffer(evidence: Evidence, depth: float) -> list[tuple[float, Place, Place
 
     Raises `Untestable` where there is none with ten times the stiffness.
     """
-    line = evidence.line("chute", "stiffness", depth=depth)
+    line = repeated(evidence.line("chute", "stiffness", depth=depth))
     if SOFT not in line or STIFF not in line:
         raise Untestable(f"no flows with K1 = {SOFT} and {STIFF} N/m at n = {depth:g}")
     return [(value, line[SOFT], place) for value, place in line.items() if value >= STIFF]
 
 
-def _agitation(place: Place) -> UFloat:
-    """Return the vertical granular temperature (m²/s²) above the bottom layer."""
+def _agitation(place: Place) -> np.ndarray:
+    """Return the vertical granular temperature (R,) in m²/s² above the bottom layer."""
     low, high = (bound * place["diameter"] for bound in ABOVE_BOTTOM)
 
     def mean(height: np.ndarray, temperature: np.ndarray, packing: np.ndarray) -> float:
         return layers.mean_between(height, temperature, packing, low, high)
 
-    return place.measure(mean, "vertical_temperature_profile", "packing_profile")
+    return place.each(mean, "vertical_temperature_profile", "packing_profile")

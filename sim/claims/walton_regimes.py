@@ -1,32 +1,34 @@
 """Judges of Walton's claims about regimes: which flows accelerate, are steady, come to rest."""
 
-from collections.abc import Iterator, Mapping
-from dataclasses import replace
+from collections.abc import Mapping
+from itertools import chain
 from math import inf, nan, radians, tan
 
 from uncertainties import UFloat
 
-from sim.claims.checks import above, below, within
+from sim.claims.checks import above, below, beside, in_parts, reported, withheld, within
 from sim.claims.chute import (
     CELLS,
     acceleration,
     base,
     driving,
     is_flowing,
-    is_settled,
     natural,
     of_trend,
     repeated,
     speed,
+    unsettled,
 )
 from sim.claims.evidence import Evidence
 from sim.claims.place import Place, measured, quotient
+from sim.claims.states import shares
 from sim.claims.verdict import NOT_REPRODUCED, REPRODUCED, Check, Unbounded, Untestable
 
 #: Largest acceleration over g sin θ that counts as none, and the shortest time in √(σ/g).
 STEADY, LONG = 0.01, 100
 
-#: Depths that the paper calls slowest, and the least of those that it compares them with.
+#: Depths that the paper calls slowest lie between these, and are compared with the first one from
+#: this on.
 SLOWEST, FASTER = (1, 2), 2.5
 
 #: Frictions below tan θ, and depths that the flows at each of them must span.
@@ -35,8 +37,14 @@ SLIPPERY, DEPTHS = (0, 0.1, 0.2, 0.25, 0.3), {0.5, 40}
 #: Frictions over tan θ that are somewhat above it, and from where on they greatly exceed it.
 SOMEWHAT, GREATLY = 1.5, 2.0
 
-#: Depths of the sweeps over friction, of starts, and of the windows of angles.
-SWEPT, STARTED, TILTED = (1.24, 2.5, 5, 10, 20), (2.5, 5, 10), (5, 10, 20)
+#: Depths of the sweeps over friction, and of the windows of angles.
+SWEPT, TILTED = (1.24, 2.5, 5, 10, 20), (5, 10, 20)
+
+#: Starts in √(gσ) slightly faster than the expected speed of a flow that comes to rest.
+SLOW_STARTS = (0.5, 1.0)
+
+#: Depths at which starts are compared one by one, and those where states are.
+STARTED, STATED = (2.5, 5), (10, 20)
 
 #: Depths whose windows of angles must be known.
 NEEDED = (5, 10)
@@ -45,7 +53,7 @@ NEEDED = (5, 10)
 #: what they may change.
 SLOW, FAST, NEAR, FORGOTTEN = 2 / 3, 1.5, 0.25, 0.03
 
-#: Least width in degrees of a window of angles: four times what its bounds are known to.
+#: Least width in degrees of a window of angles.
 WINDOW = 1.0
 
 
@@ -72,6 +80,8 @@ def w6(evidence: Evidence) -> list[Check]:
 def w7(evidence: Evidence) -> list[Check]:
     """The flow of half a layer against a sphere that rolls alone, and how fast it has become."""
     place = evidence.at("chute", depth=0.5)
+    if place.completed < 2:
+        raise Untestable("no flow at n = 0.5 that has replicates")
     reached = place.velocity / natural(place)
     rolling = acceleration(place) / (5 / 7)
     checks = [
@@ -79,35 +89,39 @@ def w7(evidence: Evidence) -> list[Check]:
         above("V at which it still does so, n = 0.5", reached, 50, [place], "√(gσ)"),
     ]
     if place.regime in ("undetermined", "mixed"):
-        return [replace(check, samples=0.0) for check in checks]
+        return withheld(checks, f"the flow is {place.regime}")
     # The velocity is that of the window, whose trend is what counts. One that still grows at too
     # low a velocity has been watched for too short a time; a plateau has another trend.
     rolls, fast = (of_trend(check, place) for check in checks)
     short = rolls.verdict == REPRODUCED and fast.verdict == NOT_REPRODUCED
-    return [rolls, replace(fast, samples=0.0) if short else fast]
+    return [rolls, *withheld([fast], "longer runs" if short else "")]
 
 
 def w8(evidence: Evidence) -> list[Check]:
-    """Drift of the flows of one to two layers, and their velocities over those of deeper flows."""
+    """Flows between one and two layers: their drift, and V over that of the next deeper flow.
+
+    The ends are reported, and so is the least depth of a steady flow.
+    """
     flows = repeated(base(evidence))
     thin = {n: place for n, place in flows.items() if SLOWEST[0] <= n <= SLOWEST[1]}
     thin = {n: place for n, place in thin.items() if place["average"] >= LONG}
-    deep = [place for n, place in flows.items() if n >= FASTER]
-    if len(thin) < 3 or len(deep) < 3:
+    between = [n for n in thin if SLOWEST[0] < n < SLOWEST[1]]
+    deep = min((n for n in flows if n >= FASTER), default=None)
+    if len(between) < 2 or deep is None:
         raise Untestable(
-            "fewer than three flows that have replicates, with 1 ≤ n ≤ 2 for 100 √(σ/g) or n ≥ 2.5"
+            "fewer than two flows with 1 < n < 2, replicates and 100 √(σ/g), or none with n ≥ 2.5"
         )
     checks = []
     for n, place in thin.items():
         drift = acceleration(place)
-        check = within(f"dV/dt over g sin θ, n = {n:g}", drift, -STEADY, STEADY, [place])
-        checks.append(of_trend(check, place))
-        for other in deep:
-            what = f"V at n = {n:g} over that at n = {other['depth']:g}"
-            checks.append(below(what, quotient(speed(place), speed(other)), 1, [place, other]))
+        steady = within(f"dV/dt over g sin θ, n = {n:g}", drift, -STEADY, STEADY, [place])
+        ratio, pair = quotient(speed(place), speed(flows[deep])), [place, flows[deep]]
+        slower = below(f"V at n = {n:g} over that at n = {deep:g}", ratio, 1, pair)
+        found = [of_trend(steady, place), slower]
+        checks += found if n in between else beside(found)
     least = _boundary(evidence, "acceleration", "depth", any_protocol=True)
     if least is not None:
-        checks.append(within("least depth of a steady flow", least, 0.5, 1))
+        checks.append(reported("least depth of a steady flow", least))
     return checks
 
 
@@ -126,32 +140,58 @@ def _boundary(
 
 
 def w19(evidence: Evidence) -> list[Check]:
-    """Flows over a sweep of friction: steady a little above tan θ, at rest beyond twice that.
+    """Flows over a sweep of friction: steady a little above tan θ (a), at rest beyond twice (b).
 
-    The base case, whose friction is somewhat above tan θ, is to be steady at all depths.
+    A flow at rest is one started slightly faster than that; fast starts are reported.
     """
-    checks = []
+    return in_parts(a=lambda: _steady_above(evidence), b=lambda: _arrested_beyond(evidence))
+
+
+def _steady_above(evidence: Evidence) -> list[Check]:
+    """Mean slope of all replicates at a depth, whatever the friction just above tan θ."""
+    checks, swept = [], False
     for n in SWEPT:
-        line = evidence.line("chute", "friction", depth=n, cell=CELLS[n])
-        line = {mu / tan(radians(place["angle"])): place for mu, place in line.items()}
-        somewhat = [place for mu, place in line.items() if 1 < mu <= SOMEWHAT]
-        greatly = [place for mu, place in line.items() if mu > GREATLY]
-        if len(somewhat) >= 2 and len(greatly) >= 2:
-            checks += [check for place in somewhat for check in _steady(place)]
-            checks += [_arrested(place) for place in greatly]
-    if not checks:
-        raise Untestable("no depth with two frictions from 1 to 1.5 tan θ and two beyond 2 tan θ")
-    seen = {point for check in checks for point in check.points}
-    others = repeated(base(evidence, SWEPT[0])).values()
-    return checks + [check for one in others if one.id not in seen for check in _steady(one)]
+        somewhat = [
+            place
+            for mu, place in _sweep(evidence, n).items()
+            if 1 < mu <= SOMEWHAT and place.completed > 1
+        ]
+        if not somewhat:
+            continue
+        swept |= len(somewhat) > 1
+        pooled = sum(map(acceleration, somewhat)) / len(somewhat)
+        what = f"dV/dt over g sin θ, {len(somewhat)} frictions, n = {n:g}"
+        stopped = [place for place in somewhat if not is_flowing(place)]
+        check = within(what, pooled, -STEADY, STEADY, somewhat)
+        checks += withheld([check], f"{len(stopped)} of them do not move" if stopped else "")
+    if not swept:
+        raise Untestable("no depth with replicates at two frictions from 1 to 1.5 tan θ")
+    return checks
 
 
-def _steady(place: Place) -> Iterator[Check]:
-    """Yield the checks that a flow moves, without acceleration."""
-    at, moving = _named(place), place.velocity / natural(place)
-    yield above(f"V/√(gσ), {at}", moving, 1e-3, [place])
-    check = within(f"dV/dt over g sin θ, {at}", acceleration(place), -STEADY, STEADY, [place])
-    yield of_trend(check, place)
+def _arrested_beyond(evidence: Evidence) -> list[Check]:
+    """Whether flows much rougher than the slope come to rest, by the velocity they start with."""
+    slow, usual = [], []
+    for n in SWEPT:
+        for start in SLOW_STARTS:
+            sweep = _sweep(evidence, n, initial_velocity=start)
+            slow += [_arrested(place) for mu, place in sweep.items() if mu > GREATLY]
+        sweep = _sweep(evidence, n)
+        usual += [_arrested(place) for mu, place in sweep.items() if mu > GREATLY]
+    if not slow and not usual:
+        raise Untestable("no flow beyond twice tan θ")
+    if not slow:
+        lacking = above("at rest (1) or not (0), starts at 0.5 and 1 √(gσ)", nan, 0.5)
+        slow = withheld(
+            [lacking], "no such start was run: the paper's is slightly faster than rest"
+        )
+    return [*slow, *beside(usual)]
+
+
+def _sweep(evidence: Evidence, depth: float, **where: float) -> dict[float, Place]:
+    """Return the flows of a depth by their friction over tan θ."""
+    line = evidence.line("chute", "friction", depth=depth, cell=CELLS[depth], **where)
+    return {mu / tan(radians(place["angle"])): place for mu, place in line.items()}
 
 
 def _arrested(place: Place) -> Check:
@@ -164,19 +204,16 @@ def _arrested(place: Place) -> Check:
     rests, regimes = nan, set(place.values("regime"))
     if place["average"] >= LONG and regimes == {"arrested"}:
         rests = 1.0
-    elif "arrested" not in regimes and (regimes == {"accelerating"} or is_settled(place)):
+    elif "arrested" not in regimes and (regimes == {"accelerating"} or not unsettled(place)):
         rests = 0.0
-    return above(f"at rest (1) or not (0), {_named(place)}", rests, 0.5, [place])
-
-
-def _named(place: Place) -> str:
-    return f"μ = {place['friction']:g}, n = {place['depth']:g}"
+    named = f"μ = {place['friction']:g}, n = {place['depth']:g}, V0 = {place['initial_velocity']:g}"
+    return above(f"at rest (1) or not (0), {named}", rests, 0.5, [place])
 
 
 def w23(evidence: Evidence) -> list[Check]:
     """Velocities after slower and faster starts over that after the start nearest to it.
 
-    What a start has not forgotten yet counts: flows that still drift do so with their drift.
+    Of deep flows the states are reported by their start.
     """
     checks, missing = [], []
     for n in STARTED:
@@ -199,7 +236,19 @@ def w23(evidence: Evidence) -> list[Check]:
             checks.append(within(what, ratio, *bounds, [place, steady]))
     if missing:
         raise Untestable(f"no starts at V, half and twice of it at n = {', '.join(missing)}")
-    return checks
+    return [*checks, *chain.from_iterable(_states(evidence, n) for n in STATED)]
+
+
+def _states(evidence: Evidence, depth: float) -> list[Check]:
+    """Return what is reported of the states of a deep flow by its start."""
+    line = evidence.line("chute", "initial_velocity", depth=depth, cell=CELLS[depth])
+    found = []
+    for start, place in line.items():
+        try:
+            found += shares(f"start at {start:g} √(gσ), n = {depth:g}", [place])
+        except Untestable:
+            continue
+    return found
 
 
 def _nearest(line: Mapping[float, Place]) -> float | None:
@@ -208,22 +257,32 @@ def _nearest(line: Mapping[float, Place]) -> float | None:
     def off(start: float) -> tuple[bool, float]:
         place = line[start]
         reached = place.velocity.nominal_value / natural(place)
-        return not is_settled(place), abs(start / reached - 1)
+        return bool(unsettled(place)), abs(start / reached - 1)
 
     return min((start for start in line if is_flowing(line[start])), key=off, default=None)
 
 
 def w25(evidence: Evidence) -> list[Check]:
-    """Width of the window between the angles at which flows come to rest and run away."""
+    """The narrowest window, of any seed, between angles at which flows rest and run away.
+
+    Its ends are the inner ones of the brackets: flows are seen to move at the lower one, and seen
+    not to accelerate at the upper one.
+    """
     checks, missing = [], []
     for n in TILTED:
-        runaway = _boundary(evidence, "acceleration", "angle", depth=n)
-        rest = _boundary(evidence, "flow", "angle", depth=n)
-        if runaway is not None and rest is not None:
-            what = f"window from {rest.nominal_value:.3g}° on, n = {n:g}"
-            checks.append(above(what, runaway - rest, WINDOW, unit="°"))
-        elif n in NEEDED:
-            missing.append(f"{n:g}")
+        try:
+            runaway, rest = (
+                evidence.brackets("chute", of, "angle", depth=n) for of in ("acceleration", "flow")
+            )
+        except Untestable:
+            if n in NEEDED:
+                missing.append(f"{n:g}")
+            continue
+        width = (runaway["low"] - rest["high"]).dropna()
+        what = f"narrowest window of {len(width)} seeds, n = {n:g}"
+        check = above(what, float(width.min()), WINDOW, unit="°")
+        known = len(width) == len(runaway) > 1
+        checks += withheld([check], "" if known else "limits from two seeds or more")
     if missing:
         raise Untestable(f"no bounds of the angle of steady flow at n = {', '.join(missing)}")
     return checks

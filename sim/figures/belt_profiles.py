@@ -93,7 +93,7 @@ def _draw_flows(axes: Axes, data: FigureData, table: pd.DataFrame) -> None:
     for label, style in styles.items():
         axes.plot([], [], color=style.colour, linestyle=style.dashes, label=label)
     if beside:
-        name_protocols(axes)
+        name_protocols(axes, "belt")
 
 
 def _range(means: pd.Series) -> tuple[float, float]:

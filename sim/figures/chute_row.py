@@ -16,7 +16,7 @@ from sim.figures.data import FigureData, split_curves
 from sim.figures.kind import Kind
 from sim.figures.style import COLOURS, DOTTED, PALE, place_legend
 from sim.parameters import ChuteParameters
-from sim.parameters.wording import setting
+from sim.parameters.wording import PROTOCOLS, setting
 from sim.study.catalogue.limits import LARGEST_PORTION, SHARE
 
 PIXELS = 640
@@ -29,7 +29,7 @@ def notes(data: FigureData) -> list[str]:
     """Return what the caption says of each flow that is drawn."""
     flows = _flows(data)
     sentences = [
-        f"The instantaneous profiles and the configuration are of the {label}."
+        f"The instantaneous profiles and the configuration are those of the first flow, {label}."
         for label, _ in flows[:1]
     ]
     for label, row in flows:
@@ -49,7 +49,7 @@ def _regimes(row: Mapping[str, Any]) -> str:
 
 
 def _flows(data: FigureData) -> list[tuple[str, dict[str, Any]]]:
-    """Return label and row of the points with a completed replicate, published protocol first."""
+    """Return label and row of the points with a completed replicate, fixed lengths first."""
     rows = data.rows[data.rows["completed"] > 0]
     flows = []
     for names, points in split_curves(
@@ -58,13 +58,13 @@ def _flows(data: FigureData) -> list[tuple[str, dict[str, Any]]]:
         extra = "".join(
             f", {setting('chute', *item)}" for item in names.items() if item[0] != "protocol"
         )
-        label = f"{names['protocol']} protocol{extra}"
+        label = PROTOCOLS["chute"][names["protocol"]] + extra
         flows += [(label, row) for row in points.to_dict("records")]
     return sorted(flows, key=lambda flow: flow[1]["protocol"] != "published")
 
 
 def draw(data: FigureData) -> Figure:
-    """Draw the row of a depth: the published protocol, and the converged one beside it."""
+    """Draw the row of a depth: runs of a fixed length, and converged ones beside them."""
     flows = _flows(data)
     # A deep flow is a tall picture.
     height = 3.6 if data.rows["depth"].iloc[0] <= LARGEST_PORTION else 4.8

@@ -82,7 +82,7 @@ def draw_family(
         beside: dict[str, Any] = {"pale": pale, "shift": shift}
         draw_curve(axes, curve, quantity, along, style, label, unjoined=unjoined, **beside)
     if any(pale for _, _, pale in drawn):
-        name_protocols(axes)
+        name_protocols(axes, str(drawn[0][0]["system"].iloc[0]))
 
 
 def draw_curve(

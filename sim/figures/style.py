@@ -10,6 +10,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.transforms import offset_copy
 
+from sim.parameters.wording import PROTOCOLS
+
 #: Okabe and Ito's colours, told apart by colour-blind readers, darkest first.
 COLOURS = ("#000000", "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00")
 DASHES = ("-", (0, (5, 2)), (0, (5, 2, 1, 2)), (0, (1, 1.5)), (0, (5, 2, 1, 2, 1, 2)))
@@ -126,7 +128,8 @@ def move_aside(axes: Axes, artists: Iterable[Artist], x: float = 0, y: float = 0
         artist.set_transform(offset_copy(axes.transData, figure, x=x, y=y, units="points"))
 
 
-def name_protocols(axes: Axes) -> None:
+def name_protocols(axes: Axes, system: str) -> None:
     """Add entries to the legend that tell pale curves from the others."""
-    axes.plot([], [], color="#666666", label="published protocol")
-    axes.plot([], [], color="#666666", label="converged protocol", **BESIDE)
+    words = PROTOCOLS[system]
+    axes.plot([], [], color="#666666", label=words["published"])
+    axes.plot([], [], color="#666666", label=words["converged"], **BESIDE)

@@ -15,6 +15,14 @@ RATE_DEPTH = 5.0
 RATE_EXPONENT = -0.55
 
 
+def negligible_acceleration(gravity: float, angle: float) -> float:
+    """Return the acceleration (m s⁻²) that is none at an angle (degree): 1 % of g sin θ.
+
+    The sine counts as 0.1 at least.
+    """
+    return 0.01 * gravity * max(math.sin(math.radians(angle)), 0.1)
+
+
 class ChuteParameters(Parameters):
     """Spheres flowing down an inclined frictional plane (Walton 1993).
 

@@ -36,6 +36,15 @@ Real = Annotated[float, BeforeValidator(canonical_number)]
 """A finite float in canonical form; range constraints act on the rounded value."""
 
 
+def drift_beyond(target: float) -> float:
+    """Return the change of a velocity over a window, relative to its mean, that counts as a drift.
+
+    The change of a steady series whose mean is known to the ``target`` is uncertain by √12 times as
+    much, so a smaller one could not be told from none.
+    """
+    return min(max(0.1, 5 * target), 0.25)
+
+
 def broken_rule(key: str, value: Any, allowed: str) -> PydanticCustomError:
     """Return the error of a rule that joins several parameters, blamed on ``key``."""
     return PydanticCustomError("rule", "{allowed}", {"key": key, "got": value, "allowed": allowed})
@@ -171,12 +180,8 @@ class Parameters(BaseModel):
 
     @property
     def drift(self) -> float:
-        """Change of the velocity over the window, relative to its mean, that counts as a drift.
-
-        The change of a steady series whose mean is known to the target is uncertain by √12 times
-        as much, so a smaller one could not be told from none.
-        """
-        return min(max(0.1, 5 * self.target), 0.25)
+        """Change of the velocity over the window that counts as a drift, see `drift_beyond`."""
+        return drift_beyond(self.target)
 
     @property
     def shortest_samples(self) -> int:

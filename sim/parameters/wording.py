@@ -5,6 +5,13 @@ from typing import Any
 
 from sim.parameters import SYSTEMS, field_info
 
+#: The protocols in words, by system. Walton gives no lengths, so what is run once and no longer is
+#: ours.
+PROTOCOLS = {
+    "chute": {"published": "fixed length", "converged": "converged"},
+    "belt": {"published": "published protocol", "converged": "converged protocol"},
+}
+
 
 def quantity(system: str, name: str, values: Sequence[Any]) -> str:
     """Write ``symbol = value unit`` for one or several values of a parameter.

@@ -6,13 +6,17 @@ from pathlib import Path
 from typing import Any
 
 from sim.base.reading import reading
-from sim.report.numbers import measured, strip, threshold
+from sim.parameters.wording import PROTOCOLS
+from sim.report.numbers import bounds, measured, strip, threshold
 from sim.study.catalogue import FIGURES
 
 #: Verdicts from the best, each with its tone and its sign.
 VERDICTS = {
     "reproduced": ("good", "✓"),
+    "reproduced in part": ("part-good", "◐"),
     "not reproduced": ("bad", "✗"),
+    "depends on the reading": ("torn", "⇄"),
+    "paper inconsistent": ("torn-paper", "≠"),
     "inconclusive": ("open", "?"),
     "untestable": ("none", "–"),
 }
@@ -22,15 +26,14 @@ REPORTED = {"reported": ("none", "i")}
 
 PAPERS = {"walton": "Walton", "gallas": "Gallas et al."}
 
-_PROTOCOLS = {
-    "published": "Published protocol",
-    "converged": "Converged protocol",
-    "model": "Experiments on the model itself",
-}
+#: System whose runs decide the claims of a paper.
+SYSTEM = {"walton": "chute", "gallas": "belt"}
+
+_MODEL = "Experiments on the model itself"
 
 
 def read_claims(path: Path) -> list[dict[str, Any]]:
-    """Return the claims that `sim.claims.judge` has written; none where there is no such file.
+    """Return the claims that `sim.claims.written` has written; none where there is no such file.
 
     Raises
     ------
@@ -86,29 +89,39 @@ def claim_rows(
             "by_protocol": {
                 one["protocol"]: one["verdict"]
                 for one in claim["variants"]
-                if one["reading"] == "default"
+                if one["reading"] == claim["headline"]
             },
             "depends": [what for what in ("protocol", "reading") if claim[f"{what}_dependent"]],
-            "variants": [_variant(one, numbers) for one in claim["variants"]],
+            "by_number": [
+                {**one, "checks": [_check(check, numbers) for check in one["checks"]]}
+                for one in claim["by_number"]
+            ],
+            "variants": [_variant(one, claim, numbers) for one in claim["variants"]],
         }
         for claim in claims
     ]
 
 
-def _variant(variant: Mapping[str, Any], numbers: Mapping[str, int]) -> dict[str, Any]:
-    usual = variant["reading"] == "default"
+def _variant(
+    variant: Mapping[str, Any], claim: Mapping[str, Any], numbers: Mapping[str, int]
+) -> dict[str, Any]:
+    words = PROTOCOLS[SYSTEM[claim["paper"]]].get(variant["protocol"], _MODEL).capitalize()
+    usual = variant["reading"] == claim["headline"]
+    named = "" if variant["reading"] == "default" else f", {variant['reading']}"
     return {
         **variant,
-        "title": _PROTOCOLS[variant["protocol"]] + ("" if usual else f", {variant['reading']}"),
+        "title": words + named,
         "usual": usual,
-        "checks": [
-            {
-                **check,
-                "measured": measured(check["value"], check["half_width"]),
-                "threshold": threshold(check["low"], check["high"]),
-                "strip": strip(check),
-                "runs": [(point, numbers.get(point)) for point in check["points"]],
-            }
-            for check in variant["checks"]
-        ],
+        "checks": [_check(check, numbers) for check in variant["checks"]],
+    }
+
+
+def _check(check: Mapping[str, Any], numbers: Mapping[str, int]) -> dict[str, Any]:
+    return {
+        **check,
+        "measured": measured(check["value"], check["half_width"], check["p_holds"]),
+        "bounds": bounds(check),
+        "threshold": threshold(check["low"], check["high"]),
+        "strip": strip(check),
+        "runs": [(point, numbers.get(point)) for point in check["points"]],
     }

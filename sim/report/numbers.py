@@ -9,6 +9,9 @@ from uncertainties import ufloat
 #: Intervals smaller than this part of their value do not set its digits.
 _EXACT = 1e-4
 
+#: p-values below it are not told apart.
+_LEAST = 1e-4
+
 #: Part of a strip that is left free on either side of what it shows.
 _MARGIN = 0.1
 
@@ -18,11 +21,16 @@ def finite(value: float) -> float | None:
     return value if isfinite(value) else None
 
 
-def measured(value: float | None, half_width: float | None) -> str:
+def measured(value: float | None, half_width: float | None, chance: float | None = None) -> str:
     """Write a value with the half width of its interval, to two digits of the latter.
 
     >>> measured(0.51234, 0.0123), measured(3, 0), measured(3, None), measured(None, None)
     ('0.512 ± 0.012', '3', '3 ± ?', '–')
+
+    A statistic without an interval has the p-value of its test.
+
+    >>> measured(0.8, None, 0.0123), measured(0.8, None, 1e-9)
+    ('0.8, p = 0.012', '0.8, p < 0.0001')
 
     Of a value that is known far better than anybody asks, five digits are enough.
 
@@ -31,6 +39,8 @@ def measured(value: float | None, half_width: float | None) -> str:
     """
     if value is None:
         return "–"
+    if half_width is None and chance is not None:
+        return f"{value:.3g}, p " + (f"= {chance:.2g}" if chance >= _LEAST else f"< {_LEAST:g}")
     if half_width is None:
         return f"{value:.4g} ± ?"
     if half_width == 0:
@@ -60,16 +70,34 @@ def threshold(low: float | None, high: float | None) -> str:
     return f"> {low:.4g}" if high is None else f"{low:.4g} to {high:.4g}"
 
 
+def bounds(check: Mapping[str, Any]) -> str:
+    """Write the bounds of one side at 95 % that decide a check: those towards its thresholds.
+
+    >>> bounds({"value": 2.0, "bound": 0.5, "low": 1.0, "high": None})
+    'above 1.5'
+    >>> bounds({"value": 2.0, "bound": 0.5, "low": 1.0, "high": 3.0})
+    '1.5 to 2.5'
+    """
+    value, bound = check["value"], check["bound"]
+    if value is None or bound is None or check["low"] is check["high"]:
+        return ""
+    low, high = f"{value - bound:.3g}", f"{value + bound:.3g}"
+    if check["low"] is None or check["high"] is None:
+        holds = (check["low"] is None) == (check.get("verdict") == "not reproduced")
+        return f"above {low}" if holds else f"below {high}"
+    return f"{low} to {high}"
+
+
 def strip(check: Mapping[str, Any]) -> dict[str, float] | None:
-    """Return where value, interval and the range allowed lie on a strip, in percent of its width.
+    """Return where value, bounds and the range allowed lie on a strip, in percent of its width.
 
     Returns
     -------
     dict or None
-        ``value``, ``start`` and ``length`` of the interval, ``low`` and ``width`` of the range
-        allowed; ``None`` where the interval is not finite.
+        ``value``, ``start`` and ``length`` of what lies between the bounds of one side, ``low`` and
+        ``width`` of the range allowed; ``None`` where the bounds are not finite.
     """
-    value, half_width = check["value"], check["half_width"]
+    value, half_width = check["value"], check["bound"]
     if value is None or half_width is None:
         return None
     limits = [limit for limit in (check["low"], check["high"]) if limit is not None]

@@ -16,6 +16,7 @@ from sim.dataset.results import Results, load_results
 from sim.report.claims import REPORTED, VERDICTS, claim_rows, counts, judged_by_runs, read_claims
 from sim.report.gallery import Address, data_uri, figure_entries, headline
 from sim.report.numbers import percent
+from sim.report.readings import reading_tables
 from sim.report.runs import boundary_rows, parameter_rows, run_rows
 from sim.study.load import Study, load_study
 
@@ -74,7 +75,7 @@ def render(
     figures : Path
         Folder of its figures.
     claims : list of dict
-        Its claims with their verdicts, as `sim.claims.judge` writes them; empty if not judged.
+        Its claims with their verdicts, as `sim.claims.written` writes them; empty if not judged.
     address : callable
         Puts figures into the page or links them, see `sim.report.gallery.figure_entries`.
     """
@@ -100,6 +101,7 @@ def render(
         outcomes=VERDICTS | REPORTED,
         claims=rows,
         counts=counts(rows),
+        reading_tables=reading_tables(rows, results),
         judged_by_runs=judged_by_runs(rows),
         figures=entries,
         headline=headline(entries),

@@ -1,11 +1,15 @@
 """Judges of claims about the shear friction coefficient."""
 
-import numpy as np
+from functools import partial
+
 import pytest
 
-from sim.claims.gallas_friction import _errors_from_zero, g9, g10, g11, g12, g36
+from sim.claims.gallas_friction import g9, g10, g11, g36
+from sim.claims.gallas_friction import g12 as judge_g12
 from sim.claims.verdict import INCONCLUSIVE, NOT_REPRODUCED, REPRODUCED, Untestable
 from tests.made.paper_belt import checks_of, published, verdict_of
+
+g12 = partial(judge_g12, weak=0.15)
 
 SHEAR = (0, 10, 20, 50, 100)
 
@@ -31,6 +35,20 @@ def test_fast_rise_then_gentle():
         checks_of(g9, line(values=(0, 10, 50, 100)))
 
 
+@pytest.mark.parametrize("judge", [g9, g36])
+def test_velocities_that_drift_decide_nothing(judge):
+    """By 12 % in 100 cycles at 20 Hz, by 5 % at 50 Hz."""
+    values = (0, 10, 20, 50, 100)
+    drift = {"acceleration": 0.0025, "acceleration_half_width": 1e-5}
+    points = [
+        published({"velocity": 0.1 + shear / 1e4} | drift, frequency=f, shear_damping=shear)
+        for f in (20, 50, 80)
+        for shear in values
+    ]
+    assert verdict_of(judge, points) == INCONCLUSIVE
+    assert all("longer runs" in check.withheld for check in checks_of(judge, points))
+
+
 def test_beads_that_do_not_move_have_no_slope():
     assert verdict_of(g9, line([0, 0.1, -0.1, 0.1, 0.1])) == INCONCLUSIVE
 
@@ -48,20 +66,14 @@ def still(velocities, frequencies=(20, 50)):
     ("velocities", "verdict"),
     [
         ([0.001, -0.001, 0.002, -0.002, 0.0005], REPRODUCED),
-        ([0.02, 0.021, 0.019, 0.02, 0.02], NOT_REPRODUCED),
+        # More beds make a small velocity no larger.
+        ([0.001, 0.0011, 0.0009, 0.001, 0.001], REPRODUCED),
+        ([0.05, 0.051, 0.049, 0.05, 0.05], NOT_REPRODUCED),
         ([0.05, -0.05, 0.04, -0.06, 0.02], INCONCLUSIVE),
     ],
 )
 def test_no_shear_friction_no_transport(velocities, verdict):
     assert verdict_of(g10, still(velocities)) == verdict
-
-
-def test_errors_of_few_beds_are_uncertain_themselves():
-    """Three beds are as seldom two errors from zero as many are."""
-    rng = np.random.default_rng(3)
-    few = [_errors_from_zero(rng.normal(size=3)) for _ in range(20_000)]
-    assert np.mean(np.array(few) > 2) == pytest.approx(0.0455, abs=0.005)
-    assert _errors_from_zero(np.array([0.02, 0.021, 0.019, 0.02, 0.02])) > 3
 
 
 def test_no_transport_needs_runs_without_shear_friction():
@@ -76,7 +88,7 @@ def scattered(ratio, **rest):
 
 
 @pytest.mark.parametrize(
-    ("ratio", "verdict"), [(20, REPRODUCED), (1, NOT_REPRODUCED), (5, INCONCLUSIVE)]
+    ("ratio", "verdict"), [(20, REPRODUCED), (0.8, NOT_REPRODUCED), (2, INCONCLUSIVE)]
 )
 def test_poor_statistics_at_small_shear_friction(ratio, verdict):
     assert verdict_of(g11, scattered(ratio)) == verdict

@@ -4,7 +4,13 @@ import numpy as np
 import pytest
 
 from sim.claims.gallas_obstacle import g31, g33, g34
-from sim.claims.verdict import INCONCLUSIVE, NOT_REPRODUCED, REPRODUCED, Untestable
+from sim.claims.verdict import (
+    INCONCLUSIVE,
+    NOT_REPRODUCED,
+    REPORTED,
+    REPRODUCED,
+    Untestable,
+)
 from tests.made.paper_belt import BEAD, checks_of, published, velocity, verdict_of
 
 SIZES = (0, 0.5, 1.5, 2.5)
@@ -23,7 +29,7 @@ def rows(velocities=None, sizes=SIZES, **rest):
 def test_an_obstacle_slows_the_flow():
     assert verdict_of(g31, rows()) == REPRODUCED
     assert verdict_of(g31, rows([0.3, 0.25, 0.1, 0.05])) == NOT_REPRODUCED
-    assert verdict_of(g31, rows([0.3, 0.1, 0.2, 0.05])) == NOT_REPRODUCED
+    assert verdict_of(g31, rows([0.3, 0.1, 0.2, 0.05], replicates=8)) == NOT_REPRODUCED
     assert verdict_of(g31, rows(scatter=0.5)) == INCONCLUSIVE
     with pytest.raises(Untestable, match=r"obstacle 2\.5"):
         checks_of(g31, rows(sizes=SIZES[:-1]))
@@ -68,17 +74,16 @@ def blocked(local, scatter=1e-3, far_height=1.2):
 
 def test_the_effect_spreads_over_the_system():
     assert verdict_of(g34, blocked(local=False)) == REPRODUCED
-    assert verdict_of(g34, blocked(local=True)) == NOT_REPRODUCED
-    assert verdict_of(g34, blocked(local=False, scatter=0.5)) == INCONCLUSIVE
+    # The shape changes nowhere but close to the obstacle.
+    assert verdict_of(g34, blocked(local=True, far_height=1.0)) == NOT_REPRODUCED
+    assert verdict_of(g34, blocked(local=False, scatter=1.5)) == INCONCLUSIVE
     with pytest.raises(Untestable, match=r"obstacle 1\.5"):
         checks_of(g34, blocked(local=False)[::2])
 
 
 def test_paths_that_change_only_close_to_the_obstacle_are_no_effect_on_the_system():
-    checks = checks_of(g34, blocked(local=False, far_height=1.02))
-    assert [check.verdict for check in checks] == [REPRODUCED, NOT_REPRODUCED] * 2
-    lower = blocked(local=False, far_height=0.9)
-    assert checks_of(g34, lower)[1].verdict == NOT_REPRODUCED
+    checks = checks_of(g34, blocked(local=False, far_height=0.5))
+    assert [check.verdict for check in checks] == [NOT_REPRODUCED, REPORTED] * 2
 
 
 def test_shares_of_the_slow_down_are_taken_bed_by_bed():
@@ -89,7 +94,7 @@ def test_shares_of_the_slow_down_are_taken_bed_by_bed():
         for size, slowed in ((0, np.ones(20)), (1.5, shape)):
             profiles = {"column_velocity": uneven * slowed}
             points.append(published(profiles=profiles, frequency=frequency, obstacle=size))
-    check = checks_of(g34, points)[0]
+    check = checks_of(g34, points)[1]
     assert check.value == pytest.approx(0.25 / 0.55)
     assert check.half_width == pytest.approx(0, abs=1e-9)
 
@@ -98,4 +103,4 @@ def test_a_uniform_slow_down_has_half_of_it_far_away():
     points = [
         published(frequency=frequency, obstacle=size) for frequency in (20, 80) for size in (0, 1.5)
     ]
-    assert checks_of(g34, points)[0].value == pytest.approx(0.5)
+    assert checks_of(g34, points)[1].value == pytest.approx(0.5)

@@ -1,15 +1,27 @@
 """Verdicts on claims: protocols, readings, and what is written of them."""
 
 import json
+from dataclasses import replace
 from typing import get_args
 
 import pytest
 
 from sim.claims import judge
-from sim.claims.judge import DEFAULT, Judgement, Variant, as_mapping, as_table
-from sim.claims.table import claims
-from sim.claims.verdict import INCONCLUSIVE, NOT_REPRODUCED, REPRODUCED, UNTESTABLE, Check
-from sim.parameters import SYSTEMS, ChuteParameters
+from sim.claims.judge import DEFAULT, Judgement, Variant
+from sim.claims.readings import readings_of
+from sim.claims.table import Number, claims
+from sim.claims.verdict import (
+    IN_PART,
+    INCONCLUSIVE,
+    NOT_REPRODUCED,
+    ON_THE_READING,
+    PAPER_INCONSISTENT,
+    REPRODUCED,
+    UNTESTABLE,
+    Check,
+)
+from sim.claims.written import as_mapping, as_table
+from sim.parameters import SYSTEMS, ChuteParameters, roles
 from sim.study.catalogue import FIGURES
 from tests.made.results import made_point, made_results
 
@@ -41,14 +53,18 @@ def test_the_table_holds_every_claim_once_in_order_with_a_judge():
     [
         ([of(HOLDS, "converged"), of(HOLDS)], REPRODUCED),
         ([of(FAILS, "converged"), of(HOLDS)], NOT_REPRODUCED),
-        ([of(OPEN, "converged"), of(HOLDS)], REPRODUCED),
+        # What a flow that has not relaxed says is shown and gives no verdict.
+        ([of(OPEN, "converged"), of(FAILS)], INCONCLUSIVE),
         ([LACKING, of(FAILS)], NOT_REPRODUCED),
         ([LACKING, of(OPEN)], INCONCLUSIVE),
         ([LACKING], UNTESTABLE),
         ([LACKING, of(HOLDS, reading="other")], UNTESTABLE),
+        ([of(HOLDS), of(FAILS, reading="other")], ON_THE_READING),
+        ([of(HOLDS), of(OPEN, reading="other")], REPRODUCED),
+        ([of(OPEN), of(FAILS, reading="other"), of(HOLDS, reading="third")], ON_THE_READING),
     ],
 )
-def test_the_converged_protocol_speaks_first_where_it_is_decided(variants, verdict):
+def test_the_converged_protocol_decides_where_it_was_run(variants, verdict):
     assert judged(*variants).verdict == verdict
 
 
@@ -58,7 +74,64 @@ def test_only_contradictions_make_a_claim_dependent():
     other = of(FAILS, reading="belt_ghost centred")
     assert judged(of(HOLDS), other).reading_dependent
     assert not judged(of(HOLDS), other).protocol_dependent
-    assert not judged(of(HOLDS, "converged"), other).reading_dependent
+    assert judged(of(HOLDS), other).verdict == ON_THE_READING
+
+
+def test_a_control_is_no_reading():
+    control = replace(of(FAILS, reading="integrator verlet"), control="no reading")
+    assert judged(of(HOLDS), control).verdict == REPRODUCED
+    belt = readings_of("belt")
+    assert belt.is_control({"belt_ghost": "centred", "integrator": "verlet"})
+    assert not belt.is_control({"belt_ghost": "centred"})
+
+
+def test_every_reading_has_the_words_that_leave_it_open():
+    for system, model in SYSTEMS.items():
+        declared = readings_of(system)
+        assert declared.open.keys() == set(roles.readings(model))
+        assert set(declared.headline) <= declared.open.keys()
+
+
+def of_part(part: str, check: Check) -> Check:
+    return replace(check, part=part)
+
+
+@pytest.mark.parametrize(
+    ("converged", "published", "verdict"),
+    [
+        ([("a", HOLDS), ("b", HOLDS)], [], REPRODUCED),
+        ([("a", HOLDS), ("b", FAILS)], [], IN_PART),
+        ([("a", HOLDS), ("b", OPEN)], [], IN_PART),
+        ([("a", OPEN), ("b", FAILS)], [], NOT_REPRODUCED),
+        # Each part is decided by its own protocol, a part without runs is not reproduced yet.
+        ([("a", HOLDS)], [("a", FAILS), ("b", HOLDS)], REPRODUCED),
+        ([("a", HOLDS)], [("a", HOLDS)], IN_PART),
+    ],
+)
+def test_a_claim_that_says_two_things_may_hold_in_part(converged, published, verdict):
+    claim = claims()[0].model_copy(update={"parts": {"a": "one thing", "b": "another"}})
+    variants = [
+        Variant(protocol, DEFAULT, tuple(of_part(part, check) for part, check in checks))
+        for protocol, checks in (("converged", converged), ("published", published))
+        if checks
+    ]
+    assert Judgement(claim, tuple(variants)).verdict == verdict
+    torn = claim.model_copy(update={"contradiction": "both cannot be"})
+    assert Judgement(torn, tuple(variants)).verdict == PAPER_INCONSISTENT
+    assert Judgement(torn, (LACKING,)).verdict == UNTESTABLE
+
+
+def test_a_verdict_is_told_as_a_function_of_a_number_that_is_ours():
+    number = Number(what="weak", values=[0.1, 0.15], headline=0.15)
+    claim = claims()[0].model_copy(update={"number": number})
+    variant = Variant("published", DEFAULT, (HOLDS,), others={0.1: (FAILS,), 0.15: (HOLDS,)})
+    one = Judgement(claim, (variant,))
+    assert one.by_number == {0.1: NOT_REPRODUCED, 0.15: REPRODUCED}
+    document = as_mapping([one], "made")["claims"][0]
+    assert [each["verdict"] for each in document["by_number"]] == [NOT_REPRODUCED, REPRODUCED]
+    assert document["by_number"][0]["checks"][0]["what"] == "y"
+    with pytest.raises(ValueError, match="headline"):
+        Number(what="weak", values=[0.1, 0.2], headline=0.15)
 
 
 def test_readings_are_what_points_have_beyond_the_defaults():
@@ -95,18 +168,25 @@ def test_what_is_written_is_plain_json_and_one_row_per_check():
     assert [one["decided_by"] for one in document["claims"]] == ["converged", ""]
     first = document["claims"][0]
     assert first["verdict"] == REPRODUCED and first["protocol_dependent"]
-    assert first["variants"][0]["checks"][0] == {
-        "what": "x",
-        "value": 2.0,
-        "half_width": 0.1,
-        "low": 1.0,
-        "high": 3.0,
-        "unit": "",
-        "points": ["p"],
-        "samples": 50.0,
-        "freedom": None,
-        "verdict": REPRODUCED,
-    }
+    check = first["variants"][0]["checks"][0]
+    assert (
+        check.items()
+        >= {
+            "what": "x",
+            "value": 2.0,
+            "half_width": 0.1,
+            "low": 1.0,
+            "high": 3.0,
+            "unit": "",
+            "points": ["p"],
+            "samples": 50.0,
+            "freedom": None,
+            "votes": True,
+            "verdict": REPRODUCED,
+            "plan": "",
+        }.items()
+    )
+    assert check["bound"] == pytest.approx(0.0839, abs=1e-4)
     assert first["variants"][1]["checks"][0]["samples"] is None
     table = as_table(judgements)
     assert list(table["verdict on the check"].fillna("")) == [REPRODUCED, NOT_REPRODUCED, ""]
@@ -134,7 +214,7 @@ def test_the_contact_law_is_judged_under_its_readings_too(monkeypatch):
     ]
     monkeypatch.setattr(judge, "MODEL_READINGS", ({}, *readings))
     (first,) = [claim for claim in claims() if claim.id == "W1"]
-    found = {one.reading: one.verdict for one in judge._variants(first, [])}
+    found = {one.reading: one.verdict(()) for one in judge._variants(first, [])}
     assert found == {
         DEFAULT: REPRODUCED,
         "γ = 0; overlap_memory shrink; friction_cap after": REPRODUCED,

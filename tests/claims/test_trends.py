@@ -1,35 +1,10 @@
-"""Order along a parameter, and statements on many quantities at once."""
+"""Statements on many quantities at once."""
 
 import numpy as np
 import pytest
-from uncertainties import ufloat
 
-from sim.claims.trends import least, mean_of_others, ordered
-from sim.claims.verdict import INCONCLUSIVE, NOT_REPRODUCED, REPRODUCED
+from sim.claims.trends import least, mean_of_others
 from tests.made.results import spread
-
-
-class Somewhere:
-    """A place with samples enough."""
-
-    id, samples, freedom = "somewhere", 100.0, 4.0
-
-
-def found(values, error=0.01, rising=True) -> list[str]:
-    """Verdicts on a series of values along 0, 1, 2, ..."""
-    line = {float(k): ufloat(value, error) for k, value in enumerate(values)}
-    checks = ordered("V", "e", line, dict.fromkeys(line, Somewhere()), rising)
-    return [check.verdict for check in checks]
-
-
-def test_order_is_that_of_the_ends_and_of_every_step():
-    assert found([1, 2]) == [REPRODUCED]
-    assert found([1, 2, 3]) == [REPRODUCED] * 3
-    assert found([3, 2, 1], rising=False) == [REPRODUCED] * 3
-    assert found([1, 2, 1.99]) == [REPRODUCED, REPRODUCED, INCONCLUSIVE]
-    assert found([1, 2, 1.5]) == [REPRODUCED, REPRODUCED, NOT_REPRODUCED]
-    assert found([3, 2, 1]) == [NOT_REPRODUCED] * 3
-    assert found([1, 2, 3], error=2.0) == [INCONCLUSIVE] * 3
 
 
 def interval(rows) -> tuple[float, float]:

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from sim.claims.verdict import INCONCLUSIVE, NOT_REPRODUCED, REPRODUCED, Untestable
-from sim.claims.walton_flows import _chance, w5, w9, w24, w26
+from sim.claims.verdict import INCONCLUSIVE, NOT_REPRODUCED, REPRODUCED, Untestable, together
+from sim.claims.walton_flows import w5, w9, w24, w26
 from tests.claims.judging import checks_on, failed, verdict_on
 from tests.made.chute_flows import SLOPE, SPEEDS, base_flows, flow
 from tests.made.results import made_point
@@ -25,18 +25,19 @@ def test_without_flows_nothing_is_tested(judge):
 
 @pytest.mark.parametrize("judge", [w9, w26])
 def test_scattered_flows_decide_nothing(judge):
-    assert verdict_on(judge, base_flows(scatter=1.5, replicates=3)) == INCONCLUSIVE
+    assert verdict_on(judge, base_flows(scatter=5, replicates=2)) == INCONCLUSIVE
 
 
 def test_powers_that_scatter_decide_nothing():
     right = flow(8, depth=5).scalars["normal_power"]
-    scattered = {"normal_power": right * [1.0, 0.9, 1.1, 0.8, 1.2]}
+    scattered = {"normal_power": right * [1.0, 0.01, 0.01, 0.001, 0.01]}
     assert verdict_on(w24, [flow(8, scattered, depth=5)]) == INCONCLUSIVE
 
 
 @pytest.mark.parametrize("judge", [w24, w26])
 def test_balances_are_those_of_steady_flows_alone(judge):
-    wrong = flow(9, {"regime": "undetermined", "base_shear": 1.0, "normal_power": 1.0}, depth=7)
+    drift = {"acceleration": 0.1 * SLOPE, "base_shear": 1.0, "normal_power": 1.0}
+    wrong = flow(9, drift, depth=7)
     assert verdict_on(judge, [*base_flows(), wrong]) == REPRODUCED
     with pytest.raises(Untestable, match="steady"):
         checks_on(judge, [wrong])
@@ -60,50 +61,46 @@ def test_a_replicate_without_a_ledger_leaves_the_claim_open():
 def test_velocities_without_order_fail_and_close_ones_decide_nothing():
     depths = list(SPEEDS)
     shuffled = dict(zip(depths, [9, 4, 12, 3, 8, 15, 5, 10, 4.5, 7], strict=True))
-    assert verdict_on(w9, base_flows(shuffled)) == NOT_REPRODUCED
+    assert verdict_on(w9, base_flows(shuffled, replicates=2)) == INCONCLUSIVE
     falling = dict(zip(depths, range(20, 0, -2), strict=True))
     assert verdict_on(w9, base_flows(falling)) == NOT_REPRODUCED
-    close = dict(zip(depths, [8, 8.2, 8.1, 8.3, 8.2, 8.5, 8.4, 8.6, 8.3, 8.7], strict=True))
-    assert verdict_on(w9, base_flows(close, scatter=0.1)) == INCONCLUSIVE
 
 
-@pytest.mark.parametrize(("number", "least"), [(6, 0.886), (7, 0.786), (8, 0.738), (9, 0.700)])
-def test_chance_is_counted_among_all_orders(number, least):
-    """Tables of Spearman's rank correlation give the least value with p ≤ 0.05."""
-    assert _chance(number) < least < _chance(number) + 0.06
+def test_the_deepest_flow_counts_with_the_lowest_velocity_of_any_window():
+    drift = {"acceleration": 0.1 * SLOPE}
+    windows = [flow(v, drift, depth=40, transient=t) for v, t in ((50, 60), (3, 250))]
+    others = base_flows({n: speed for n, speed in SPEEDS.items() if n < 40})
+    alone, bounded = (checks_on(w9, [*others, *more])[0] for more in (windows[:1], windows))
+    assert alone.value > bounded.value > 0
+    assert alone.verdict == REPRODUCED
 
 
-def test_a_drift_counts_as_uncertainty():
-    flows = base_flows({n: speed for n, speed in SPEEDS.items() if n < 40})
-    # 0.04 g sin θ over 200 √(σ/g) is 2.3 √(gσ): more than there is between depths 20 and 40 here.
-    trend = {"regime": "undetermined", "acceleration": -0.04 * SLOPE}
-    steady, drifting = flow(26, depth=40), flow(26, trend, depth=40)
-    assert checks_on(w9, [*flows, steady])[0].half_width == 0
-    assert checks_on(w9, [*flows, drifting])[0].half_width > 0
+def test_cells_are_not_mixed():
+    """Flows in the narrow cell are twice as fast at any depth, which is no trend."""
+    wide = base_flows({n: 8 + 0.1 * n for n in (1.24, 2.5, 5, 10)})
+    narrow = [flow(v, depth=n, cell=5) for n, v in ((10, 19), (20, 18), (40, 17))]
+    one, two = (
+        checks_on(w9, [*more, flow(4, depth=1.5), flow(5, depth=2)])[0]
+        for more in ([*wide, *narrow], [*wide, *narrow[1:]])
+    )
+    assert two.value > one.value
 
 
 def test_flows_that_accelerate_have_no_place_in_the_order():
-    trend = {"regime": "accelerating", "acceleration": 0.02 * SLOPE}
-    fast = flow(60, trend, depth=5)
+    trend = {"acceleration": 0.02 * SLOPE}
     points = [one for one in base_flows() if one.parameters.depth != 5]
-    assert checks_on(w9, [*points, fast])[0].what.endswith("8 depths")
-    with pytest.raises(Untestable, match="settled"):
-        checks_on(
-            w9,
-            [*base_flows({n: v for n, v in SPEEDS.items() if n < 40}), flow(60, trend, depth=40)],
-        )
+    assert "7 depths" in checks_on(w9, [*points, flow(60, trend, depth=5)])[0].what
+    few = {n: speed for n, speed in SPEEDS.items() if n < 20}
+    with pytest.raises(Untestable, match=r"1\.24 to 20"):
+        checks_on(w9, [*base_flows(few), flow(60, trend, depth=20)])
 
 
-def test_order_needs_the_deepest_flow():
-    with pytest.raises(Untestable, match=r"1\.24 to 40"):
-        checks_on(w9, base_flows({n: speed for n, speed in SPEEDS.items() if n < 40}))
-
-
-@pytest.mark.parametrize("change", [0.97, 1.03])
-def test_dissipated_power_off_by_three_percent_fails(change):
+def test_the_sum_of_the_losses_is_shown_and_does_not_vote():
     right = flow(8, depth=5)
-    power = {name: change * right.scalars[name] for name in ("normal_power", "frictional_power")}
-    assert verdict_on(w24, [flow(8, power, depth=5)]) == NOT_REPRODUCED
+    power = {name: 0.9 * right.scalars[name] for name in ("normal_power", "frictional_power")}
+    checks = checks_on(w24, [flow(8, power, depth=5)])
+    assert together(checks) == REPRODUCED
+    assert checks[-1].value == pytest.approx(0.9) and not checks[-1].votes
 
 
 def test_single_runs_do_not_decide_on_the_power():
@@ -117,7 +114,9 @@ def test_dissipation_by_collisions_alone_fails():
     right = flow(8, depth=5)
     power = {"normal_power": 1.98 * right.scalars["normal_power"]}
     power["frictional_power"] = 0.02 * right.scalars["frictional_power"]
-    assert failed(checks_on(w24, [flow(8, power, depth=5)])) == ["share of friction in it, n = 5"]
+    assert failed(checks_on(w24, [flow(8, power, depth=5)])) == [
+        "share of friction in the losses, n = 5"
+    ]
 
 
 @pytest.mark.parametrize("name", ["base_normal", "base_shear"])
@@ -138,4 +137,5 @@ def test_balances_that_single_flows_leave_open_are_decided_together():
 def test_too_few_independent_samples_decide_nothing():
     few = flow(8.2, {"independent_samples": 1.0}, depth=5)
     assert verdict_on(w26, base_flows({5: 8.2})) == REPRODUCED
-    assert verdict_on(w26, [few]) == INCONCLUSIVE
+    with pytest.raises(Untestable, match="steady"):
+        checks_on(w26, [few])

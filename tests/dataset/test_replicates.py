@@ -4,25 +4,32 @@ import numpy as np
 import pytest
 
 from sim.base.statistics import student_half_width
-from sim.dataset.replicates import outcome, velocity_interval
+from sim.dataset.replicates import mean_interval, outcome, slope_interval
+
+#: 1 % of g sin θ at the paper's angle and the drift of a target of 2 % allow more than this (m/s²).
+NONE = 1e-3
 
 
-def point(regimes, velocities=None):
+def point(regimes, velocities=None, slopes=0.0, slope_half_width=NONE, samples=50.0, **words):
+    """A chute point of 10 s windows, one replicate per regime, at 1 m/s unless told otherwise."""
     count = len(regimes)
-    words = {
-        name: np.full(count, word, object)
-        for name, word in (
-            ("quality", "reliable"),
-            ("stopped", "length"),
-            ("reason", ""),
-            ("status", "completed"),
-        )
+    usual = {"quality": "reliable", "stopped": "length", "reason": "", "status": "completed"}
+    numbers = {
+        "velocity": velocities or [1.0] * count,
+        "velocity_half_width": 1e-3,
+        "acceleration": slopes,
+        "acceleration_half_width": slope_half_width,
+        "independent_samples": samples,
+        "average_start": 10.0,
+        "steps": 20_000.0,
+        "time_step_used": 1e-3,
     }
-    return words | {
-        "regime": np.array(regimes, object),
-        "velocity": np.array(velocities or [1.0] * count),
-        "velocity_half_width": np.full(count, 1e-3),
-    }
+    return (
+        {name: np.full(count, word, object) for name, word in (usual | words).items()}
+        | {name: np.broadcast_to(np.asarray(x, float), count) for name, x in numbers.items()}
+        | {"regime": np.array(regimes, object)}
+        | {"system": "chute", "target": 0.02, "gravity": 9.81, "angle": 17.0}
+    )
 
 
 def test_the_interval_over_replicates_is_students():
@@ -30,24 +37,65 @@ def test_the_interval_over_replicates_is_students():
     assert student_half_width(np.array([1.0, 2.0, 3.0])) == pytest.approx(
         4.30265 / 3**0.5, rel=1e-5
     )
-    half_width, kind = velocity_interval(np.array([1.0, 2.0, 3.0]), np.full(3, 1e-3))
+    half_width, kind = mean_interval(np.array([1.0, 2.0, 3.0]), np.full(3, 1e-3))
     assert (half_width, kind) == (pytest.approx(4.30265 / 3**0.5, rel=1e-5), "replicates")
 
 
 def test_replicates_that_agree_by_accident_know_no_more_than_each_of_itself():
-    half_width, _ = velocity_interval(np.array([1.0, 1.0]), np.array([0.3, 0.4]))
+    half_width, _ = mean_interval(np.array([1.0, 1.0]), np.array([0.3, 0.4]))
     assert half_width == pytest.approx(0.25)
 
 
+def test_slopes_that_scatter_as_each_run_knows_average_out():
+    rng = np.random.default_rng(3)
+    for count in (2, 8, 32):
+        own = np.full(count, 1.96)
+        found = np.array([slope_interval(rng.normal(size=count), own) for _ in range(400)])
+        assert np.median(found) == pytest.approx(1.96 / np.sqrt(count))
+
+
+def test_slopes_of_different_states_do_not():
+    slopes = np.array([10.0, -10.0, 10.0, -10.0])
+    assert slope_interval(slopes, np.full(4, 0.1)) == student_half_width(slopes)
+
+
 @pytest.mark.parametrize(
-    ("regimes", "together"),
+    ("regimes", "slopes", "together"),
     [
-        (["steady", "steady"], "steady"),
-        (["steady", "accelerating"], "mixed"),
-        (["steady", "undetermined"], "steady"),
-        (["steady", "undetermined", "undetermined"], "undetermined"),
-        (["undetermined"], "undetermined"),
+        (["steady"] * 2, 0.0, "steady"),
+        (["undetermined"] * 3, 0.0, "steady"),
+        (["accelerating"] * 2, 0.1, "accelerating"),
+        (["steady", "accelerating"], [0.0, 0.5], "mixed"),
+        (["arrested", "steady"], 0.0, "mixed"),
+        (["arrested", "arrested"], 0.0, "arrested"),
+        # It slows down.
+        (["undetermined"] * 2, -0.1, "undetermined"),
+        ([], 0.0, "failed"),
     ],
 )
-def test_replicates_that_contradict_each_other_are_mixed(regimes, together):
-    assert outcome(point(regimes))["regime"] == together
+def test_the_regime_is_that_of_the_mean_slope(regimes, slopes, together):
+    assert outcome(point(regimes, slopes=slopes))["regime"] == together
+
+
+def test_a_trend_that_single_runs_leave_open_is_decided_by_many():
+    """Each knows its slope to 0.05, the negligible one is 0.01 m/s²."""
+    rng = np.random.default_rng(1)
+    slopes = rng.normal(0, 0.05 / 1.96, 200)
+    few, many = (
+        outcome(point(["undetermined"] * n, slopes=slopes[:n], slope_half_width=0.05))
+        for n in (2, 200)
+    )
+    assert (few["regime"], few["quality"]) == ("undetermined", "short")
+    assert (many["regime"], many["quality"]) == ("steady", "reliable")
+
+
+def test_samples_of_all_replicates_count_together():
+    assert outcome(point(["undetermined"], samples=6.0))["regime"] == "undetermined"
+    three = outcome(point(["undetermined"] * 3, samples=6.0))
+    assert (three["regime"], three["quality"]) == ("steady", "reliable")
+
+
+def test_a_mean_that_drifts_and_one_without_scatter_are_told():
+    assert outcome(point(["undetermined"] * 2, slopes=-0.1))["quality"] == "drifting"
+    rest = outcome(point(["arrested"] * 2, quality="jammed", samples=0.0))
+    assert (rest["regime"], rest["quality"]) == ("arrested", "jammed")

@@ -80,8 +80,8 @@ def test_the_converged_protocol_lies_beside_the_published_one(results):
     labels = [line.get_label() for line in figure.axes[0].get_lines()]
     assert [label for label in labels if not label.startswith("_")] == [
         "instantaneous",
-        "cumulative average, published protocol",
-        "cumulative average, converged protocol",
+        "cumulative average, fixed length",
+        "cumulative average, converged",
         "each replicate",
     ]
 
@@ -102,24 +102,22 @@ def test_files_tell_units_replicates_protocols_and_the_paper(chute_dataset, tmp_
         "Fig. 1.3",
         "n = 5",
         "K1 = 100 N/m",
-        "Published protocol: mean velocity 0.1 ±",
-        "The instantaneous profiles and the configuration are of the published protocol.",
+        "Fixed length: mean velocity 0.1 ±",
+        "profiles and the configuration are those of the first flow, fixed length.",
         "steady; 3 replicates, 3 steady.",
         "steady; 2 replicates, 2 steady.",
         "The paper: ",
     ):
         assert text in caption
     table = pd.read_csv(files["walton_1_3.csv"])
-    assert set(table["flow"]) == {"published protocol", "converged protocol"}
+    assert set(table["flow"]) == {"fixed length", "converged"}
     velocity = table["velocity, cumulative average [m s-1]"]
-    assert velocity[table["flow"] == "published protocol"].to_numpy() == pytest.approx(
-        0.1 * table["height [σ]"][table["flow"] == "published protocol"].to_numpy()
+    assert velocity[table["flow"] == "fixed length"].to_numpy() == pytest.approx(
+        0.1 * table["height [σ]"][table["flow"] == "fixed length"].to_numpy()
     )
     second = table["velocity, replicate 2 [m s-1]"] / velocity
     assert second.to_numpy() == pytest.approx(1 + SPREAD[1], rel=0.06)
-    assert (
-        table["velocity, replicate 3 [m s-1]"].isna().equals(table["flow"] != "published protocol")
-    )
+    assert table["velocity, replicate 3 [m s-1]"].isna().equals(table["flow"] != "fixed length")
 
 
 def test_a_flow_without_stored_particles_still_has_its_profiles(results):

@@ -4,34 +4,34 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from sim.dataset.replicates import velocity_interval
+from sim.dataset.replicates import mean_interval
 from sim.figures.data import split_curves
 
 
 def test_students_interval_over_replicates():
-    half_width, kind = velocity_interval(np.array([1.0, 2.0, 3.0]), np.full(3, 0.9))
+    half_width, kind = mean_interval(np.array([1.0, 2.0, 3.0]), np.full(3, 0.9))
     # Tabulated quantile of Student's t with two degrees of freedom at 0.975: 4.30265.
     assert half_width == pytest.approx(4.30265 / np.sqrt(3), rel=1e-5)
     assert kind == "replicates"
 
 
 def test_replicates_that_agree_by_accident_keep_their_own_intervals():
-    half_width, kind = velocity_interval(np.array([1.0, 1.0, 1.0, 1.0]), np.full(4, 0.6))
+    half_width, kind = mean_interval(np.array([1.0, 1.0, 1.0, 1.0]), np.full(4, 0.6))
     assert (half_width, kind) == (pytest.approx(0.3), "replicates")
 
 
 def test_replicates_without_intervals_of_their_own_still_have_students():
-    half_width, _ = velocity_interval(np.array([1.0, 2.0, 3.0]), np.array([np.nan, 0.1, 0.1]))
+    half_width, _ = mean_interval(np.array([1.0, 2.0, 3.0]), np.array([np.nan, 0.1, 0.1]))
     assert half_width == pytest.approx(4.30265 / np.sqrt(3), rel=1e-5)
 
 
 def test_a_single_run_has_its_own_interval():
-    assert velocity_interval(np.array([1.0]), np.array([0.5])) == (0.5, "within run")
+    assert mean_interval(np.array([1.0]), np.array([0.5])) == (0.5, "within run")
 
 
 @pytest.mark.parametrize("values", [([], []), ([1.0], [np.nan])])
 def test_no_interval_without_an_error(values):
-    half_width, kind = velocity_interval(*map(np.array, values))
+    half_width, kind = mean_interval(*map(np.array, values))
     assert np.isnan(half_width)
     assert kind == "none"
 

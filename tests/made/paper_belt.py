@@ -102,6 +102,7 @@ def published(
     usual = {
         "velocity": velocity(belt),
         "base_occupancy": 0.2 if belt.frequency < 50 else 1e-3,
+        "base_occupancy_at_phase_0": 0.2 if belt.frequency < 50 else 1e-3,
         "wave_power": 2.0,
         "early_wave_power": 4.0,
         "backflow": 1e-3,
@@ -113,6 +114,7 @@ def published(
         "packing_profile": lambda height: 0.8 * number(height) * BEAD**2,
         "velocity_profile": velocity_profile(belt),
         "granular_temperature_profile": temperature_profile(belt),
+        "fluctuation_temperature_profile": temperature_profile(belt),
         "column_velocity": lambda column: np.full(column.size, velocity(belt)),
     }
     return made_point(

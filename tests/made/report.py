@@ -10,9 +10,10 @@ from unittest.mock import patch
 import pandas as pd
 from PIL import Image
 
-from sim.claims.judge import Judgement, Variant, as_mapping, as_table
-from sim.claims.table import Claim
+from sim.claims.judge import Judgement, Variant
+from sim.claims.table import Claim, First, Number
 from sim.claims.verdict import Check
+from sim.claims.written import as_mapping, as_table
 from sim.dataset.results import load_results
 from sim.report.claims import read_claims
 from sim.report.gallery import data_uri
@@ -47,13 +48,14 @@ FOUND = {
 
 
 def made_claims(points: list[str]) -> list[Judgement]:
-    """Return four claims, one of each verdict; W9 depends on the protocol, G4 on a reading."""
+    """Return claims, one of each verdict; W9 depends on the protocol, G4 on a reading."""
     chute = next(point for point in points if DEPTH in point)
     belt = next(point for point in points if FREQUENCY in point)
     good = Check("ρ of V and n", 0.91, 0.02, 0.5, 1.5, points=(chute,), samples=40.0)
     bad = replace(good, value=0.2)
     open_ = Check("onset at α = 30°", 16.9, 0.4, 15.0, 17.0, "Hz", (belt, chute), 12.0)
     unknown = Check("spread", float("nan"), float("inf"), float("-inf"), 1.0, "Hz", (belt,), 9.0)
+    trend = replace(good, half_width=float("nan"), tested=(0.01, 0.99))
     model = Check("error of e", 1e-5, 0.0, float("-inf"), 1e-3)
     ghost = "belt_ghost false"
     return [
@@ -83,6 +85,33 @@ def made_claims(points: list[str]) -> list[Judgement]:
             ),
         ),
         Judgement(
+            _claim(
+                "G6",
+                "Onset at a small amplitude",
+                contradiction="18 Hz is not Γ = 0.8",
+                parts={"a": "18 Hz", "b": "Γ = 0.8"},
+            ),
+            (Variant("published", "default", (replace(bad, part="a"), replace(good, part="b"))),),
+        ),
+        Judgement(
+            _claim(
+                "G13",
+                "Stiffness hardly matters",
+                number=Number(what="weak", values=[0.1, 0.15], headline=0.15),
+            ),
+            (Variant("published", "default", (bad,), others={0.1: (good,), 0.15: (bad,)}),),
+        ),
+        Judgement(
+            _claim("W21", "Stiffer is slower", parts={"a": "shallow", "b": "deep"}),
+            (
+                Variant(
+                    "published",
+                    "default",
+                    (replace(good, part="a"), replace(trend, part="b", withheld="too young")),
+                ),
+            ),
+        ),
+        Judgement(
             _claim("G31", "Obstacles slow the flow"),
             tuple(
                 Variant(each, "default", reason="no obstacle")
@@ -102,6 +131,7 @@ def _claim(name: str, title: str, **others) -> Claim:
         reason="noise of the proposed one",
         needs="chutes and belts",
         judge="made.judge",
+        first=First(verdict="inconclusive", criterion="another", why="a band of ours"),
         **others,
     )
 

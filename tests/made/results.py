@@ -30,6 +30,8 @@ USUAL = {
     "status": "completed",
     "reason": "",
     "independent_samples": 50.0,
+    "acceleration": 0.0,
+    "acceleration_half_width": 1e-6,
 }
 
 

@@ -146,6 +146,7 @@ def _scalars(
         "energy_residual": (np.where(lost, nan, 1e-4), "1"),
         "max_overlap": (np.where(lost, 0.31, 0.01), "1"),
         "steps": (np.where(lost, 1200, parameters.steps), "1"),
+        "time_step_used": (np.where(lost, nan, parameters.time_step), "s"),
         "wall_time": (np.full(count, 1.5), "s"),
         "replicate_seed": (parameters.seed + np.arange(count), "1"),
     }

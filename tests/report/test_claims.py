@@ -2,8 +2,8 @@
 
 import pytest
 
-from sim.claims.judge import as_mapping
 from sim.claims.verdict import VERDICTS as JUDGED
+from sim.claims.written import as_mapping
 from sim.report.claims import VERDICTS, claim_rows, counts, judged_by_runs, read_claims
 from sim.report.numbers import strip
 from tests.made.report import DEPTH, FREQUENCY, made_claims
@@ -26,7 +26,8 @@ def test_they_are_counted_by_paper(rows):
     found = counts(list(rows.values()))
     assert list(found) == ["walton", "gallas"]
     assert found["walton"]["reproduced"] == 2
-    assert list(found["gallas"].values()) == [0, 1, 1, 1]
+    assert found["walton"]["reproduced in part"] == 1
+    assert list(found["gallas"].values()) == [0, 0, 1, 1, 1, 1, 1]
 
 
 def test_figures_that_are_not_drawn_are_told(rows):
@@ -49,6 +50,27 @@ def test_checks_lead_to_the_runs_of_the_study(rows):
     assert rows["G3"]["variants"][0]["checks"][0]["runs"] == [(POINTS[1], None), (POINTS[0], 7)]
 
 
+def test_the_evidence_holds_the_first_verdict_and_what_would_decide(rows):
+    assert rows["G3"]["first"]["criterion"] == "another"
+    plans = [check["plan"] for check in rows["G3"]["variants"][0]["checks"]]
+    assert plans == [
+        "about 12 times the replicates",
+        "more independent samples: longer runs or more replicates",
+    ]
+    assert rows["W21"]["part_verdicts"] == {"a": "reproduced", "b": "inconclusive"}
+    assert rows["W21"]["variants"][0]["checks"][1]["plan"] == "too young"
+
+
+def test_numbers_of_ours_have_a_row_each(rows):
+    found = {one["value"]: one["verdict"] for one in rows["G13"]["by_number"]}
+    assert found == {0.1: "reproduced", 0.15: "not reproduced"}
+
+
+def test_lengths_that_a_paper_does_not_give_are_called_fixed(rows):
+    assert rows["W9"]["variants"][1]["title"] == "Fixed length"
+    assert rows["G13"]["variants"][0]["title"] == "Published protocol"
+
+
 def test_what_is_not_finite_has_no_strip(rows):
     known, unknown = rows["G3"]["variants"][0]["checks"]
     assert known["strip"] is not None and unknown["strip"] is None
@@ -56,17 +78,17 @@ def test_what_is_not_finite_has_no_strip(rows):
 
 
 def test_a_strip_keeps_its_order():
-    place = strip({"value": 16.0, "half_width": 2.0, "low": 15.0, "high": 17.0})
+    place = strip({"value": 16.0, "bound": 2.0, "low": 15.0, "high": 17.0})
     assert place["start"] < place["low"] < place["value"] < place["low"] + place["width"]
     assert place["start"] + place["length"] > place["low"] + place["width"]
     assert place["value"] == pytest.approx(50)
-    open_end = strip({"value": 3.0, "half_width": 0.1, "low": None, "high": 1.0})
+    open_end = strip({"value": 3.0, "bound": 0.1, "low": None, "high": 1.0})
     assert open_end["low"] == 0 and open_end["width"] < open_end["start"]
 
 
 def test_a_strip_of_a_single_number_has_a_place_for_it():
     for high in (1.0, None):
-        place = strip({"value": 1.0, "half_width": 0.0, "low": None, "high": high})
+        place = strip({"value": 1.0, "bound": 0.0, "low": None, "high": high})
         assert 0 < place["value"] < 100
         assert place["length"] == 0
 

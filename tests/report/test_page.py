@@ -128,7 +128,7 @@ def test_a_study_not_judged_says_so(unjudged):
 
 def test_verdicts_are_counted(page):
     text = " ".join(page.text.split())
-    assert "2 of 4 claims tested hold; 1 is not tested by this study" in text
+    assert "2 of 7 claims tested hold; 1 is not tested by this study; 1 in part" in text
     assert "1 depends on the protocol, 1 on how the paper is read" in text
 
 

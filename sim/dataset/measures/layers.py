@@ -62,14 +62,13 @@ def shear_depth(
     return float(height[last - 1] + share * (height[last] - height[last - 1]))
 
 
-def plug_base(
+def relative_shear(
     height: np.ndarray, velocity: np.ndarray, packing: np.ndarray, diameter: float
-) -> float:
-    """Return the lowest height (m) above which the flow shears less than 5 % of what it does below.
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return heights (P,) in m, and the shear above each over that from the lowest centres to it.
 
-    Mean du/dz above it, up to the surface, and that over each diameter there are compared with that
-    from the centres of the lowest spheres to it. So a bulge of the velocity is no plug, though its
-    sides cancel. A plug is at least a diameter thick; without one the surface is returned.
+    The shear above is the larger of the mean du/dz up to the surface and of that over any diameter
+    there. So a bulge of the velocity does not shear nothing, though its sides cancel.
     """
     top, bottom = surface(height, packing), 0.5 * diameter
     places = height[(height > bottom) & (height < top - diameter) & np.isfinite(velocity)]
@@ -83,8 +82,21 @@ def plug_base(
     local = np.abs(at(places + diameter) - at(places)) / diameter
     # The largest of all diameters from a place on.
     local = np.maximum.accumulate(local[::-1])[::-1]
-    rigid = np.maximum(mean, local) < UNSHEARED * below
-    return float(places[rigid][0]) if rigid.any() else top
+    shear = np.full(places.size, np.inf)
+    np.divide(np.maximum(mean, local), below, out=shear, where=below > 0)
+    return places, shear
+
+
+def plug_base(
+    height: np.ndarray, velocity: np.ndarray, packing: np.ndarray, diameter: float
+) -> float:
+    """Return the lowest height (m) above which the flow shears less than 5 % of what it does below.
+
+    A plug is at least a diameter thick; without one the surface is returned.
+    """
+    places, shear = relative_shear(height, velocity, packing, diameter)
+    rigid = shear < UNSHEARED
+    return float(places[rigid][0]) if rigid.any() else surface(height, packing)
 
 
 def packing_by_diameters(

@@ -28,6 +28,7 @@ from sim.engine.systems.chute_start import initial_layer
 from sim.engine.systems.series import CHUTE_LEDGER, CHUTE_SERIES
 from sim.engine.systems.sharing import Thread
 from sim.parameters import ChuteParameters
+from sim.parameters.chute import negligible_acceleration
 
 #: Skin of the neighbor list in diameters.
 SKIN = 0.2
@@ -69,7 +70,7 @@ class Chute:
         self.gravity = (p.gravity * sin(angle), 0.0, -p.gravity * cos(angle))
         self.slice_height = p.slice_height * p.diameter
         slices = ceil((1.5 * layer.height + 10.0 * p.diameter) / self.slice_height)
-        negligible = 0.01 * p.gravity * max(sin(angle), 0.1)
+        negligible = negligible_acceleration(p.gravity, p.angle)
         self.scales = Scales(
             1e-3 * p.velocity_unit, acceleration=negligible, drift=p.drift, target=p.target
         )

@@ -1,0 +1,276 @@
+"""How often the judge is right: verdicts on synthetic flows whose truth is known.
+
+Each flow is a series per replicate with a mean, correlations, a drift or states of its own, and is
+analysed as runs are; statements on it lie a known number of half widths from their threshold, on
+the true or on the false side. `python -m benchmarks.judging` prints the rates of docs/validation.md.
+"""
+
+import argparse
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import xarray as xr
+
+from sim.claims.checks import below, withheld, within
+from sim.claims.chute import acceleration, of_settled, speed, still_changing
+from sim.claims.inference import outranks, share_above, trend
+from sim.claims.place import Place, quotient
+from sim.claims.verdict import NOT_REPRODUCED, REPRODUCED, Check, together
+from sim.dataset.results import Results
+from sim.engine.observe.regime import Scales, analyse
+from sim.parameters import ChuteParameters
+from sim.parameters.chute import negligible_acceleration
+
+PAPER = ChuteParameters()
+
+#: Samples of a series, and the time between them (s).
+SAMPLES, INTERVAL = 200, 0.1
+
+#: Mean velocity (m/s), fluctuation of a sample and scatter of replicates relative to it.
+SPEED, FLUCTUATION, SCATTER = 0.5, 0.05, 0.01
+
+#: Parameters of a flow that judges ask for.
+KNOWN = ("system", "target", "gravity", "angle", "depth", "diameter")
+
+#: Margin of an equality, and trials from which the half width of a statement is taken.
+MARGIN, PILOT = 0.1, 60
+
+#: Distances from the threshold in half widths, the true side positive, and replicates.
+DISTANCES, REPLICATES, TRIALS = (-1, 0, 1, 2), (3, 8), 200
+
+
+@dataclass(frozen=True)
+class Kind:
+    """How series are: correlation from sample to sample, drift over the window, second state.
+
+    ``drift`` is relative to the mean; ``state`` is the velocity of a second state relative to the
+    first, in which half of the replicates are.
+    """
+
+    correlation: float = 0.3
+    drift: float = 0.0
+    state: float = 1.0
+
+
+KINDS = {
+    "stationary": Kind(),
+    "correlated": Kind(correlation=0.9),
+    "drifting": Kind(drift=0.05),
+    "two states": Kind(state=1.3),
+}
+
+
+def flow(rng: np.random.Generator, kind: Kind, mean: float, replicates: int) -> dict[str, list]:
+    """Return the scalars of the replicates of a flow with a mean velocity (m/s)."""
+    slope = negligible_acceleration(PAPER.gravity, PAPER.angle)
+    scales = Scales(1e-3 * PAPER.velocity_unit, slope, PAPER.drift, PAPER.target)
+    rows: dict[str, list] = {}
+    for _ in range(replicates):
+        state = kind.state if rng.random() < 0.5 else 1.0
+        own = mean * state * (1 + SCATTER * rng.normal())
+        found = analyse(_series(rng, kind, own), INTERVAL, scales)
+        row = {
+            "status": "completed",
+            "velocity": found.velocity.value,
+            "velocity_half_width": found.velocity.half_width,
+            "acceleration": found.acceleration.value,
+            "acceleration_half_width": found.acceleration.half_width,
+            "independent_samples": found.independent,
+            "average_start": 0.0,
+            "steps": float(SAMPLES),
+            "time_step_used": INTERVAL,
+            "regime": found.regime,
+            "quality": found.quality,
+            "stopped": "length",
+            "reason": "",
+        }
+        for name, value in row.items():
+            rows.setdefault(name, []).append(value)
+    return rows
+
+
+def _series(rng: np.random.Generator, kind: Kind, mean: float) -> np.ndarray:
+    """Return a velocity per sample (m/s), correlated from one to the next."""
+    noise, rho = rng.normal(size=SAMPLES), kind.correlation
+    fluctuation = np.empty(SAMPLES)
+    fluctuation[0] = noise[0]
+    for k in range(1, SAMPLES):
+        fluctuation[k] = rho * fluctuation[k - 1] + np.sqrt(1 - rho**2) * noise[k]
+    drift = kind.drift * (np.arange(SAMPLES) / SAMPLES - 0.5)
+    return mean * (1 + FLUCTUATION * fluctuation + drift)
+
+
+def places(rng: np.random.Generator, kind: Kind, means: list[float], replicates: int):
+    """Return a place per mean velocity, as a judge sees the points of a study."""
+    rows = [flow(rng, kind, mean, replicates) for mean in means]
+    data = {
+        name: (("point", "replicate"), np.array([row[name] for row in rows], dtype=object))
+        for name in rows[0]
+    }
+    data = {
+        name: (dims, values.astype(float) if not isinstance(values[0, 0], str) else values)
+        for name, (dims, values) in data.items()
+    }
+    ids = [f"flow-{k}" for k in range(len(means))]
+    labels = {name: ("point", [getattr(PAPER, name)] * len(ids)) for name in KNOWN}
+    dataset = xr.Dataset(data, coords={"point": ids} | labels)
+    results = Results(dataset, {}, None)  # type: ignore[arg-type]
+    return [Place(results, one) for one in ids]
+
+
+Statement = Callable[[np.random.Generator, Kind, float, int], Check]
+
+
+def _slower(rng: np.random.Generator, kind: Kind, apart: float, replicates: int) -> Check:
+    """A flow is slower than another; ``apart`` is by how much, relative to it."""
+    one, other = places(rng, kind, [SPEED * (1 - apart), SPEED], replicates)
+    check = below("V over V", quotient(speed(one), speed(other)), 1, (one, other))
+    return of_settled([check], (one, other))[0]
+
+
+def _equal(rng: np.random.Generator, kind: Kind, apart: float, replicates: int) -> Check:
+    """Two flows are equally fast within a margin; ``apart`` is how far within."""
+    one, other = places(rng, kind, [SPEED * (1 + MARGIN - apart), SPEED], replicates)
+    ratio = quotient(speed(one), speed(other))
+    check = within("V over V", ratio, 1 - MARGIN, 1 + MARGIN, (one, other))
+    return of_settled([check], (one, other))[0]
+
+
+def _rising(rng: np.random.Generator, kind: Kind, apart: float, replicates: int) -> Check:
+    """Four flows are ever faster; ``apart`` is the difference of the ends."""
+    means = [SPEED * (1 + apart * k / 3) for k in range(4)]
+    flows = places(rng, kind, means, replicates)
+    found = trend("V", [[one.values("velocity") for one in flows]], flows)
+    return withheld([found], next(filter(None, map(still_changing, flows)), ""))[0]
+
+
+def _above(rng: np.random.Generator, kind: Kind, apart: float, replicates: int) -> Check:
+    """A flow ranks above another; ``apart`` is by how much it is faster."""
+    pair = places(rng, kind, [SPEED * (1 + apart), SPEED], replicates)
+    return outranks("V", pair[0].values("velocity"), pair[1].values("velocity"), pair)
+
+
+STATEMENTS: dict[str, Statement] = {
+    "bound": _slower,
+    "equality": _equal,
+    "trend": _rising,
+    "rank": _above,
+}
+
+
+def half_width(rng: np.random.Generator, kind: Kind, replicates: int) -> float:
+    """Return the median half width of the ratio of two velocities, relative to it."""
+    found = [_slower(rng, kind, 0.0, replicates).half_width for _ in range(PILOT)]
+    return float(np.median(found))
+
+
+def rates(
+    statement: str, kind: str, replicates: int, distance: float, trials: int = TRIALS
+) -> tuple[float, float]:
+    """Return how often a statement is reproduced, and how often it is not reproduced.
+
+    Parameters
+    ----------
+    statement, kind : str
+        Of `STATEMENTS` and `KINDS`.
+    replicates : int
+        Of each flow.
+    distance : float
+        From the threshold, in half widths of the 95 % interval; true where positive.
+    trials : int
+        Sets of flows that are judged.
+
+    Returns
+    -------
+    tuple of float
+        Not-a-number for an equality that is nowhere so far from its margin.
+    """
+    rng = np.random.default_rng([trials, replicates, *map(ord, statement + kind)])
+    apart = distance * half_width(rng, KINDS[kind], replicates)
+    if statement == "equality" and apart > MARGIN:
+        return np.nan, np.nan
+    judge = STATEMENTS[statement]
+    verdicts = [together([judge(rng, KINDS[kind], apart, replicates)]) for _ in range(trials)]
+    return tuple(
+        np.mean([one == wanted for one in verdicts]) for wanted in (REPRODUCED, NOT_REPRODUCED)
+    )
+
+
+def steadiness(gain: float, replicates: int, trials: int = TRIALS) -> tuple[float, float]:
+    """Return how often a flow that gains a share of g sin θ is steady and accelerating.
+
+    The criterion of the papers' steady flows: less than 1 % of g sin θ.
+    """
+    rng = np.random.default_rng([trials, replicates, int(1e4 * gain)])
+    found = []
+    for _ in range(trials):
+        drift = gain * PAPER.gravity * np.sin(np.radians(PAPER.angle)) * SAMPLES * INTERVAL / SPEED
+        (one,) = places(rng, Kind(drift=drift), [SPEED], replicates)
+        found.append(together([within("dV/dt", acceleration(one), -0.01, 0.01, (one,))]))
+    return tuple(
+        np.mean([one == wanted for one in found]) for wanted in (REPRODUCED, NOT_REPRODUCED)
+    )
+
+
+def often(share: float, number: int, trials: int = TRIALS) -> tuple[float, float]:
+    """Return how often more than half of so many runs are found to be in a state, and not to be."""
+    rng = np.random.default_rng([trials, number, int(100 * share)])
+    found = [
+        together([share_above("share", int(count), number, 0.5)])
+        for count in rng.binomial(number, share, trials)
+    ]
+    return tuple(
+        np.mean([one == wanted for one in found]) for wanted in (REPRODUCED, NOT_REPRODUCED)
+    )
+
+
+def tightening(
+    kind: str, numbers: tuple[int, ...], trials: int = TRIALS
+) -> list[tuple[float, float]]:
+    """Return half width and rate of "reproduced" of one true statement by number of replicates.
+
+    It lies one half width of the first number from its threshold.
+    """
+    rng = np.random.default_rng([trials, *map(ord, kind)])
+    apart, rows = half_width(rng, KINDS[kind], numbers[0]), []
+    for replicates in numbers:
+        checks = [_slower(rng, KINDS[kind], apart, replicates) for _ in range(trials)]
+        held = np.mean([check.verdict == REPRODUCED for check in checks])
+        rows.append((float(np.median([check.half_width for check in checks])), float(held)))
+    return rows
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.judging", description=__doc__)
+    parser.add_argument("--trials", type=int, default=TRIALS, help="sets of flows per number")
+    trials = parser.parse_args().trials
+    heads = " | ".join(f"{distance:+d}" for distance in DISTANCES)
+    print(f"| statement | flows | replicates | {heads} |\n|" + " --- |" * (3 + len(DISTANCES)))
+    for statement in STATEMENTS:
+        for kind in KINDS:
+            for replicates in REPLICATES:
+                found = [rates(statement, kind, replicates, d, trials) for d in DISTANCES]
+                cells = " | ".join(
+                    f"{100 * held:.0f} / {100 * failed:.0f}" for held, failed in found
+                )
+                print(f"| {statement} | {kind} | {replicates} | {cells} |", flush=True)
+    print("\n| gain, % of g sin θ | replicates | steady | not steady |\n| --- | --- | --- | --- |")
+    for gain in (0.0, 0.005, 0.01, 0.02):
+        for replicates in REPLICATES:
+            held, failed = steadiness(gain, replicates, trials)
+            print(f"| {100 * gain:g} | {replicates} | {100 * held:.0f} | {100 * failed:.0f} |")
+    print("\n| true share | runs | often | not often |\n| --- | --- | --- | --- |")
+    for share in (0.35, 0.5, 0.65, 0.8):
+        for number in (10, 40):
+            held, failed = often(share, number, trials)
+            print(f"| {share:g} | {number} | {100 * held:.0f} | {100 * failed:.0f} |")
+    print("\n| flows | replicates | half width, % | reproduced, % |\n| --- | --- | --- | --- |")
+    for kind in KINDS:
+        numbers = (3, 6, 12, 24, 48)
+        for number, (width, held) in zip(numbers, tightening(kind, numbers, trials), strict=True):
+            print(f"| {kind} | {number} | {100 * width:.2f} | {100 * held:.0f} |")
+
+
+if __name__ == "__main__":
+    main()

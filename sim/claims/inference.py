@@ -1,0 +1,131 @@
+"""Tests that have no interval: trends, ranks, shares of runs. Their statistics come from scipy."""
+
+from collections.abc import Iterable, Sequence
+from itertools import pairwise
+from math import inf, nan
+
+import numpy as np
+from scipy import stats
+
+from sim.claims.place import Place
+from sim.claims.verdict import Check, holm
+
+Groups = Sequence[np.ndarray]
+
+
+def trend(
+    what: str,
+    strata: Sequence[Groups],
+    places: Iterable[Place] = (),
+    *,
+    rising: bool = True,
+    monotone: bool = False,
+) -> Check:
+    """Return the check that a quantity rises (or falls) along a parameter: Jonckheere's trend test.
+
+    Shown is the mean of Kendall's τ of groups and values; that τ has the same p-value as
+    Jonckheere's and Terpstra's statistic.
+
+    Parameters
+    ----------
+    what : str
+        The quantity and the parameter.
+    strata : sequence of sequence of (R,) arrays
+        For each stratum the groups of replicates in the order of the parameter: one stratum, or one
+        per cell or frequency within which groups can be compared. Their p-values are combined
+        (Stouffer, weighted with the root of their sizes).
+    places : iterable of Place
+        What was measured.
+    rising : bool
+        Which way the claim has it.
+    monotone : bool
+        Whether the sentence says so of every step or stratum: then it also fails where one of them
+        surely goes the other way, as one of so many (Holm).
+    """
+    sign = 1 if rising else -1
+    up: list[float] = []
+    down: list[float] = []
+    taus, sizes, steps = [], [], []
+    for groups in strata:
+        values = sign * np.concatenate(groups)
+        order = np.repeat(np.arange(len(groups)), [len(group) for group in groups])
+        for chances, way in ((up, "greater"), (down, "less")):
+            chances.append(_chance(stats.kendalltau(order, values, alternative=way).pvalue))
+        taus.append(stats.kendalltau(order, values).statistic)
+        sizes.append(values.size)
+        steps += [superior(sign * low, sign * high) for low, high in pairwise(groups)]
+    against = [_combined(down, sizes)]
+    if monotone:
+        against += [*(down if len(strata) > 1 else ()), *steps]
+    tau = float(np.average(taus, weights=sizes))
+    tested = _combined(up, sizes), min(holm(against))
+    # The thresholds are those of the statistic: a trend either way has another sign.
+    return _tested(f"Kendall's τ of {what}", sign * tau, rising, tested, places)
+
+
+def outranks(what: str, first: np.ndarray, second: np.ndarray, places: Iterable[Place]) -> Check:
+    """Return the check that replicates (R,) rank above others: Mann and Whitney's test.
+
+    Shown is how often one of the first exceeds one of the second. It needs no distribution, so
+    replicates may be in different states.
+    """
+    chances = superior(first, second), superior(second, first)
+    exceeds = stats.mannwhitneyu(first, second).statistic / (len(first) * len(second))
+    return _tested(what, float(exceeds), True, chances, places, 0.5)
+
+
+def superior(above: np.ndarray, below: np.ndarray) -> float:
+    """Return the p-value of Mann and Whitney's test that one sample ranks above another."""
+    return _chance(stats.mannwhitneyu(above, below, alternative="greater").pvalue)
+
+
+def share_above(
+    what: str, count: int, number: int, threshold: float, places: Iterable[Place] = ()
+) -> Check:
+    """Return the check that a share exceeds a threshold, by the exact binomial test."""
+    holds, fails = (
+        stats.binomtest(count, number, threshold, alternative=way).pvalue
+        for way in ("greater", "less")
+    )
+    return _tested(what, count / number, True, (holds, fails), places, threshold)
+
+
+def share_of(count: int, number: int) -> tuple[float, float]:
+    """Return the 95 % interval of a share of runs (Wilson's)."""
+    interval = stats.binomtest(count, number).proportion_ci(method="wilson")
+    return float(interval.low), float(interval.high)
+
+
+def _chance(p: float) -> float:
+    """Return a p-value; values that are all the same tell nothing."""
+    return 1.0 if np.isnan(p) else float(p)
+
+
+def _combined(chances: Sequence[float], sizes: Sequence[int]) -> float:
+    if len(chances) == 1:
+        return chances[0]
+    # A chance of exactly one would be infinitely sure of the opposite.
+    inside = np.clip(chances, 1e-15, 1 - 1e-15)
+    weights = np.sqrt(sizes)
+    return float(stats.combine_pvalues(inside, method="stouffer", weights=weights).pvalue)
+
+
+def _tested(
+    what: str,
+    value: float,
+    above: bool,
+    tested: tuple[float, float],
+    places: Iterable[Place],
+    threshold: float = 0.0,
+) -> Check:
+    places = tuple(places)
+    return Check(
+        what=what,
+        value=value,
+        half_width=nan,
+        low=threshold if above else -inf,
+        high=inf if above else threshold,
+        points=tuple(dict.fromkeys(place.id for place in places)),
+        samples=min((place.samples for place in places), default=inf),
+        tested=tested,
+    )

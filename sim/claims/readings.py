@@ -1,0 +1,61 @@
+"""How the papers are read: the headline reading, what leaves others open, what is a control."""
+
+from collections.abc import Mapping
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from sim.base.messages import input_error
+from sim.base.yaml import read_yaml
+
+_TABLE = "readings.yaml"
+
+
+class Control(BaseModel):
+    """Values of parameters that are no reading of the paper, and why."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
+
+    values: dict[str, Any] = Field(min_length=1)
+    why: str = Field(min_length=1)
+
+
+class Readings(BaseModel):
+    """How one system's paper is read."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
+
+    headline: dict[str, Any] = Field(description="what differs from the defaults")
+    why: str = Field(min_length=1, description="why it gives the verdicts")
+    open: dict[str, str] = Field(description="by parameter, the words that leave it open")
+    controls: list[Control] = Field(description="what is no reading")
+
+    def is_control(self, reading: Mapping[str, Any]) -> str:
+        """Return why a reading is none of the paper's, empty where it is one."""
+        for one in self.controls:
+            if one.values.items() <= reading.items():
+                return one.why
+        return ""
+
+    def sentences(self, reading: Mapping[str, Any]) -> list[str]:
+        """Return the words of the paper that leave a reading open."""
+        return [self.open[name] for name in reading if name in self.open]
+
+
+class _Table(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
+
+    chute: Readings
+    belt: Readings
+
+
+@cache
+def readings_of(system: str) -> Readings:
+    """Return how the paper of a system is read."""
+    try:
+        table = _Table.model_validate(read_yaml(Path(__file__).parent / _TABLE))
+    except ValidationError as error:
+        raise input_error(error, _Table, _TABLE) from None
+    return getattr(table, system)

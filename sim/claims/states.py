@@ -1,0 +1,55 @@
+"""States of a deep flow: whether each replicate rides as a plug on its shear layer.
+
+Replicates of one point may be in different states for as long as they are watched; then means of
+all say nothing, and shares of runs and means within a state do.
+"""
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from sim.claims.checks import reported
+from sim.claims.inference import share_of
+from sim.claims.place import Place, joined, measured
+from sim.claims.verdict import Check
+from sim.dataset.measures import layers
+
+#: Least share of the depth that a plug takes.
+PLUG = 0.3
+
+PROFILES = ("velocity_profile", "packing_profile")
+
+
+def plug_share(diameter: float) -> Callable[..., float]:
+    """Return the function of profiles that says which share of the depth is plug."""
+
+    def share(height: np.ndarray, velocity: np.ndarray, packing: np.ndarray) -> float:
+        plug = layers.plug_base(height, velocity, packing, diameter)
+        return 1.0 - plug / layers.surface(height, packing)
+
+    return share
+
+
+def plug_shares(place: Place) -> np.ndarray:
+    """Return the share of the depth that is plug, (R,)."""
+    return place.each(plug_share(place["diameter"]), *PROFILES)
+
+
+def has_plug(place: Place) -> np.ndarray:
+    """Return whether each replicate (R,) rides as a plug of more than 30 % of its depth."""
+    return plug_shares(place) > PLUG
+
+
+def shares(what: str, places: Sequence[Place]) -> list[Check]:
+    """Return what is reported of states: the share of plugs, and the mean V of each state."""
+    plugs = np.concatenate([has_plug(place) for place in places])
+    speeds = np.concatenate([place.values("velocity") for place in places])
+    low, high = share_of(int(plugs.sum()), plugs.size)
+    share = measured(0.5 * (low + high), 0.5 * (high - low))
+    told = f"{what}: {plugs.sum()} of {plugs.size} runs have a plug; its share"
+    checks = [reported(told, share, places)]
+    for name, state in (("with", plugs), ("without", ~plugs)):
+        if state.any():
+            mean = f"{what}: V of the runs {name} a plug"
+            checks.append(reported(mean, joined(speeds[state]), places, "m/s"))
+    return checks

@@ -1,0 +1,153 @@
+"""Verdicts as files: JSON with all evidence, CSV with a row per check."""
+
+import json
+from dataclasses import asdict
+from math import nan
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from sim.base.files import replacing
+from sim.claims.judge import Judgement, Variant, judge
+from sim.claims.verdict import Check, plan
+from sim.dataset.agreement import require_agreement
+from sim.dataset.results import load_results
+from sim.study.load import load_study
+
+
+def build(study_path: str | Path, results: str | Path = "results") -> Path:
+    """Write ``results/<study>/claims.json`` and ``claims.csv`` from the dataset of a study.
+
+    Returns
+    -------
+    Path
+        The JSON file. Both appear complete or not at all.
+
+    Raises
+    ------
+    InputError
+        When the dataset is missing or damaged, naming it, or the study has changed since it was
+        made.
+    """
+    study = load_study(study_path, results)
+    folder = Path(results) / study.name
+    found = load_results(folder / "dataset.nc")
+    require_agreement(study, found, folder / "dataset.nc")
+    return write(judge(found), study.name, folder)
+
+
+def write(judgements: list[Judgement], study: str, folder: Path) -> Path:
+    """Write the verdicts on a study into a folder; return the JSON file."""
+    with replacing(folder / "claims.csv") as temporary:
+        as_table(judgements).to_csv(temporary, index=False, float_format="%.6g")
+    output = folder / "claims.json"
+    with replacing(output) as temporary:
+        mapping = as_mapping(judgements, study)
+        text = json.dumps(mapping, indent=1, ensure_ascii=False, allow_nan=False)
+        temporary.write_text(text + "\n", encoding="utf-8")
+    return output
+
+
+def as_mapping(judgements: list[Judgement], study: str) -> dict[str, Any]:
+    """Return the verdicts as what the JSON file holds; endless numbers become ``null``."""
+    return {
+        "study": study,
+        "claims": [
+            {
+                **one.claim.model_dump(exclude={"judge"}),
+                "paper": one.claim.paper,
+                "verdict": one.verdict,
+                "decided_by": one.decided_by,
+                "headline": one.headline,
+                "protocol_dependent": one.protocol_dependent,
+                "reading_dependent": one.reading_dependent,
+                "part_verdicts": one.of_parts,
+                "by_number": [
+                    {
+                        "value": value,
+                        "verdict": verdict,
+                        "checks": [_check(check) for check in _voting(one, value)],
+                    }
+                    for value, verdict in one.by_number.items()
+                ],
+                "by_reading": {reading: one.under(reading) for reading in one.readings},
+                "variants": [_variant(variant, one) for variant in one.variants],
+            }
+            for one in judgements
+        ],
+    }
+
+
+def _voting(one: Judgement, value: float) -> list[Check]:
+    """Return the checks that give the verdict with a value of the number."""
+    found = []
+    for part in one.claim.parts or ("",):
+        variant = one.deciding(one.headline, part)
+        checks = variant.others.get(value, ()) if variant else ()
+        found += [check for check in checks if check.deciding and check.part == part]
+    return found
+
+
+def _variant(variant: Variant, one: Judgement) -> dict[str, Any]:
+    return {
+        "protocol": variant.protocol,
+        "reading": variant.reading,
+        "control": variant.control,
+        "verdict": variant.verdict(one.claim.parts),
+        "reason": variant.reason,
+        "checks": [_check(check) for check in variant.checks],
+    }
+
+
+def _check(check: Check) -> dict[str, Any]:
+    held = {name: value for name, value in asdict(check).items() if name != "tested"}
+    shown = {
+        "bound": check.bound,
+        "p_holds": _told(check, check.holding),
+        "p_fails": _told(check, check.failing),
+        "verdict": check.verdict,
+        "plan": plan(check),
+    }
+    return {
+        name: None if isinstance(value, float) and not np.isfinite(value) else value
+        for name, value in (held | shown).items()
+    }
+
+
+def _told(check: Check, chance: float) -> float:
+    """Return a p-value of a check that decides, not-a-number of others."""
+    return chance if check.deciding and check.known else nan
+
+
+def as_table(judgements: list[Judgement]) -> pd.DataFrame:
+    """Return one row per check, and one for each variant that is untestable."""
+    rows = []
+    for one in judgements:
+        for variant in one.variants:
+            shared: dict[str, Any] = {
+                "claim": one.claim.id,
+                "title": one.claim.title,
+                "verdict on the claim": one.verdict,
+                "protocol": variant.protocol,
+                "reading": variant.reading,
+                "verdict": variant.verdict(one.claim.parts),
+            }
+            for check in variant.checks:
+                values = {
+                    name: value
+                    for name, value in asdict(check).items()
+                    if name not in ("points", "tested")
+                }
+                shown = {
+                    "p holds": _told(check, check.holding),
+                    "p fails": _told(check, check.failing),
+                    "points": " ".join(check.points),
+                    "verdict on the check": check.verdict,
+                    "what would decide it": plan(check),
+                }
+                rows.append(shared | values | shown)
+            if not variant.checks:
+                rows.append(shared | {"reason": variant.reason})
+    return pd.DataFrame(rows)
