@@ -2,7 +2,8 @@
 
 Each flow is a series per replicate with a mean, correlations, a drift or states of its own, and is
 analysed as runs are; statements on it lie a known number of half widths from their threshold, on
-the true or on the false side. `python -m benchmarks.judging` prints the rates of docs/validation.md.
+the true or on the false side. `python -m benchmarks.judging` prints the rates of
+docs/validation.md.
 """
 
 import argparse
