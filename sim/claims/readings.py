@@ -5,12 +5,19 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from sim.base.messages import input_error
 from sim.base.yaml import read_yaml
+from sim.dataset.results import Results
+from sim.parameters import SYSTEMS, roles
+from sim.parameters.wording import setting
 
 _TABLE = "readings.yaml"
+
+#: What stands for the defaults of all readings.
+DEFAULT = "default"
 
 
 class Control(BaseModel):
@@ -59,3 +66,23 @@ def readings_of(system: str) -> Readings:
     except ValidationError as error:
         raise input_error(error, _Table, _TABLE) from None
     return getattr(table, system)
+
+
+def in_words(system: str, reading: Mapping[str, Any]) -> str:
+    """Return a reading in words, ``default`` for the defaults."""
+    return "; ".join(setting(system, name, value) for name, value in reading.items()) or DEFAULT
+
+
+def readings_run(results: Results, system: str) -> list[dict[str, Any]]:
+    """Return the readings other than the default that some points of a system have."""
+    model = SYSTEMS[system]
+    usual = model()
+    points = results.dataset.isel(point=np.flatnonzero(results.dataset["system"] == system))
+    columns = {name: points[name].values.tolist() for name in roles.readings(model)}
+    found = {}
+    for values in zip(*columns.values(), strict=True):
+        named = zip(columns, values, strict=True)
+        unusual = {name: value for name, value in named if value != getattr(usual, name)}
+        if unusual:
+            found[tuple(unusual.items())] = unusual
+    return list(found.values())

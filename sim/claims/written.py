@@ -10,7 +10,8 @@ import numpy as np
 import pandas as pd
 
 from sim.base.files import replacing
-from sim.claims.judge import Judgement, Variant, judge
+from sim.claims.judge import judge
+from sim.claims.judgement import Judgement, Variant
 from sim.claims.verdict import Check, plan
 from sim.dataset.agreement import require_agreement
 from sim.dataset.results import load_results

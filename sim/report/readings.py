@@ -6,8 +6,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from sim.claims.judge import in_words, readings
-from sim.claims.readings import readings_of
+from sim.claims.readings import in_words, readings_of, readings_run
 from sim.dataset.caveats import UNSOUND
 from sim.dataset.results import Results
 from sim.parameters import SYSTEMS
@@ -52,7 +51,7 @@ def _reading(
 ) -> dict[str, Any]:
     """Return what is known of one reading."""
     declared = readings_of(system)
-    every = [declared.headline, {}, *readings(results, system)]
+    every = [declared.headline, {}, *readings_run(results, system)]
     values = next((one for one in every if in_words(system, one) == words), {})
     verdicts = [one["by_reading"].get(words, "untestable") for one in claims]
     return {

@@ -43,7 +43,7 @@ def test_protocols_and_readings_are_kept_apart():
 
 def test_numerical_settings_may_be_any_but_defaults_and_richer_points_come_first():
     chutes = [
-        made_point("chute", {"velocity": 1.0}, depth=10, replicates=2),
+        made_point("chute", {"velocity": 1.0}, depth=10, replicates=2, sample_interval=0.5),
         made_point("chute", {"velocity": 2.0}, depth=10, replicates=8, cell=5),
         made_point("chute", {"velocity": 3.0}, depth=10, replicates=4),
     ]

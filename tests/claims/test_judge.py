@@ -7,8 +7,8 @@ from typing import get_args
 import pytest
 
 from sim.claims import judge
-from sim.claims.judge import DEFAULT, Judgement, Variant
-from sim.claims.readings import readings_of
+from sim.claims.judgement import MODEL, Judgement, Variant
+from sim.claims.readings import DEFAULT, readings_of, readings_run
 from sim.claims.table import Number, claims
 from sim.claims.verdict import (
     IN_PART,
@@ -142,11 +142,11 @@ def test_readings_are_what_points_have_beyond_the_defaults():
         made_point("belt", {"velocity": 0.1}, integrator="verlet", belt_ghost="centred"),
         made_point("chute", {"velocity": 0.1}, friction_cap="after"),
     )
-    assert judge.readings(results, "belt") == [
+    assert readings_run(results, "belt") == [
         {"integrator": "verlet"},
         {"belt_ghost": "centred", "integrator": "verlet"},
     ]
-    assert judge.readings(results, "chute") == [{"friction_cap": "after"}]
+    assert readings_run(results, "chute") == [{"friction_cap": "after"}]
 
 
 def test_readings_without_the_runs_of_a_claim_are_left_out(monkeypatch):
@@ -157,7 +157,7 @@ def test_readings_without_the_runs_of_a_claim_are_left_out(monkeypatch):
     )
     for one in judge.judge(results):
         assert one.claim.paper == {"chute": "walton", "belt": "gallas"}[one.claim.system]
-        flows = [variant for variant in one.variants if variant.protocol != judge.MODEL]
+        flows = [variant for variant in one.variants if variant.protocol != MODEL]
         assert all(variant.reading == DEFAULT or variant.checks for variant in flows)
 
 

@@ -10,7 +10,7 @@ from unittest.mock import patch
 import pandas as pd
 from PIL import Image
 
-from sim.claims.judge import Judgement, Variant
+from sim.claims.judgement import Judgement, Variant
 from sim.claims.table import Claim, First, Number
 from sim.claims.verdict import Check
 from sim.claims.written import as_mapping, as_table
