@@ -171,7 +171,9 @@ def test_flows_that_accelerate_or_disagree_are_not_joined(
         dataset = opened.load()
     series = (dataset["depth"] == 5) & (dataset["restitution"] == 0.85)
     point = np.flatnonzero(series & (dataset["friction"] == 0.4))[0]
-    for name, values in (("regime", regimes), ("velocity", velocities)):
+    slopes = tuple(2.0 if regime == "accelerating" else 0.0 for regime in regimes)
+    changes = {"regime": regimes, "velocity": velocities, "acceleration": slopes}
+    for name, values in changes.items():
         changed = dataset[name].values
         changed[point, :2] = values
         dataset[name] = dataset[name].dims, changed

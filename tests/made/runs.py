@@ -133,14 +133,16 @@ def _scalars(
 ) -> dict[str, Any]:
     count = len(velocities)
     lost = [index in failed for index in range(count)]
-    acceleration = 2.0 if regime == "accelerating" else 1e-5
+    acceleration = 2.0 if regime == "accelerating" else 1e-8
+    # A trend that cannot be told is what leaves a regime open.
+    unsure = 1.0 if regime == "undetermined" else 1e-7
     numbers = {
         "velocity": (velocities, "m s-1"),
         "velocity_error": (np.where(lost, nan, 0.0004), "m s-1"),
         "velocity_half_width": (np.where(lost, nan, 0.0009), "m s-1"),
         "acceleration": (np.where(lost, nan, acceleration), "m s-2"),
-        "acceleration_error": (np.where(lost, nan, 1e-4), "m s-2"),
-        "acceleration_half_width": (np.where(lost, nan, 2e-4), "m s-2"),
+        "acceleration_error": (np.where(lost, nan, unsure / 2), "m s-2"),
+        "acceleration_half_width": (np.where(lost, nan, unsure), "m s-2"),
         "average_start": (np.where(lost, nan, 0.25), "s"),
         "independent_samples": (np.where(lost, nan, 40.0), "1"),
         "energy_residual": (np.where(lost, nan, 1e-4), "1"),
