@@ -16,7 +16,7 @@ from benchmarks.peers import chute_input
 from benchmarks.peers.environment import PACKAGES
 from sim.base.files import replacing
 from sim.engine.identity import source_hash
-from sim.parameters import point_id
+from sim.parameters import canonical_json, point_id
 
 log = logging.getLogger(__name__)
 
@@ -28,7 +28,7 @@ Task = tuple[str, Flow, int]
 
 def record_path(engine: str, flow: Flow, replicate: int) -> Path:
     """Return where a replicate is kept; the name changes with whatever may change its numbers."""
-    versions = [source_hash()]
+    versions = [source_hash(), canonical_json(flow.parameters())]
     if engine == "LAMMPS":
         versions += [*PACKAGES, Path(chute_input.__file__).read_text()]
     digest = hashlib.sha256("\n".join(versions).encode()).hexdigest()[:8]

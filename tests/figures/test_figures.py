@@ -220,7 +220,7 @@ def test_caption_says_what_is_missing_and_what_the_bars_are(folder, made):
     assert "2 points still accelerating" in caption
     assert "θ = 17°" in caption
     single = (folder / "gallas_1c.caption.txt").read_text()
-    assert "Error bars: 95 % interval within the run, its correlations counted, which" in single
+    assert "for the 4 points with one replicate, which leaves out how much one" in single
     assert "open ones" not in single
 
 
