@@ -12,11 +12,11 @@ PACKAGE = Path(__file__).parents[1] / "sim"
 MODULES = sorted(PACKAGE.rglob("*.py"))
 
 #: Modules of a room that others may import although the table keeps their rooms apart otherwise:
-#: names that run files and datasets share, and what tells of runs under way.
+#: names that run files and datasets share, how much they hold, and what tells of runs under way.
 NAMES_OF_THE_ENGINE = {
-    "dataset": {"identity", "observe.arrays", "observe.scalars"},
+    "dataset": {"held", "identity", "observe.arrays", "observe.scalars"},
     "figures": set(),
-    "report": {"identity", "progress", "observe.scalars"},
+    "report": {"held", "identity", "progress", "observe.scalars"},
 }
 
 

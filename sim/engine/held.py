@@ -51,6 +51,12 @@ def holds(path: Path, parameters: Parameters) -> bool:
     return stage_of(_told(path, parameters), amounts(parameters)) is not None
 
 
+def is_to_grow(path: Path, parameters: Parameters) -> bool:
+    """Return whether a run file of the present numerics has less than is wanted of its point."""
+    held = _told(path, parameters)
+    return bool(held) and stage_of(held, amounts(parameters)) is None
+
+
 def planned_amounts(path: Path, parameters: Parameters) -> dict[str, float]:
     """Return how much a run file will hold once there is all that is wanted of its point.
 

@@ -12,7 +12,7 @@ from pathlib import Path
 ROOT = Path(workflow.current_basedir.get_path_or_uri(secret_free=True)).parents[1]
 sys.path[:0] = [str(ROOT), str(ROOT / "workflow")]
 
-from helpers import correct_future_times, release_stale_lock
+from helpers import OLD, correct_future_times, release_stale_lock
 
 from sim.engine.states import checkpoint_interval
 from sim.base.errors import InputError
@@ -20,7 +20,7 @@ from sim.base.files import replacing
 from sim.base.rooms import files_hash, room_hash
 from sim.study.catalogue import FIGURES
 from sim.parameters import amounts, canonical_json
-from sim.engine.held import holds, planned_amounts
+from sim.engine.held import holds, is_to_grow, planned_amounts
 from sim.engine.identity import numerics_mark
 from sim.dataset.rounds import read_round
 from sim.study.batches import batches
@@ -95,8 +95,15 @@ def amount(point):
 
 
 def is_wanted(point):
-    """Return whether a point of the study has no run file of the present numerics with enough."""
+    """Return whether a point of the study has no run file of the present numerics with enough.
+
+    One with less becomes old. Snakemake forgets the parameters of jobs that were killed, so these
+    cannot tell that the file is still to grow.
+    """
     path = Path(run_file(point))
+    if is_to_grow(path, parameters(point)):
+        with suppress(OSError):
+            os.utime(path, (OLD, OLD))
     return not path.exists() or not holds(path, parameters(point))
 
 
@@ -131,7 +138,10 @@ def run_files(rounds):
     """
     points = list(STUDY.points)
     for number in range(1, rounds + 1):
-        points += read_round(Path(checkpoints.refine.get(round=number).output[0]))
+        added = read_round(Path(checkpoints.refine.get(round=number).output[0]))
+        for point in added:
+            is_wanted(point)
+        points += added
     return list(map(run_file, points))
 
 
