@@ -97,6 +97,8 @@ def test_data_and_caption(name, belt_dataset, tmp_path):
     assert ("v_x [m s-1]" in data) == (name in SNAPSHOTS)
     text = caption.read_text()
     where = FIGURES[name].where
+    # Without shear friction there is no transport, and no trend is small beside a mean of nothing.
+    regime = "steady" if where["shear_damping"] else "undetermined"
     for part in (
         f"Gallas et al. (1992), Fig. {name[-2:]}. ",
         f"f = {where['frequency']} Hz",
@@ -104,7 +106,7 @@ def test_data_and_caption(name, belt_dataset, tmp_path):
         f"γ_s = {where['shear_damping']}g",
         "t_tr = 45 cycles",
         "Published protocol: first replicate that completed of point belt-",
-        "regime steady; the mean velocity of 3 replicates is ",
+        f"regime {regime}; the mean velocity of 3 replicates is ",
         "The paper: ",
     ):
         assert part in text
