@@ -108,6 +108,7 @@ def _check(check: Check) -> dict[str, Any]:
         "bound": check.bound,
         "p_holds": _told(check, check.holding),
         "p_fails": _told(check, check.failing),
+        "tested": check.tested is not None,
         "verdict": check.verdict,
         "plan": plan(check),
     }

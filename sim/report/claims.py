@@ -7,7 +7,7 @@ from typing import Any
 
 from sim.base.reading import reading
 from sim.parameters.wording import PROTOCOLS
-from sim.report.numbers import bounds, measured, strip, threshold
+from sim.report.numbers import bounds, measured, strip, threshold, with_chance
 from sim.study.catalogue import FIGURES
 
 #: Verdicts from the best, each with its tone and its sign.
@@ -119,9 +119,16 @@ def _variant(
 def _check(check: Mapping[str, Any], numbers: Mapping[str, int]) -> dict[str, Any]:
     return {
         **check,
-        "measured": measured(check["value"], check["half_width"], check["p_holds"]),
+        "measured": _measured(check),
         "bounds": bounds(check),
         "threshold": threshold(check["low"], check["high"]),
-        "strip": strip(check),
+        "strip": None if check["verdict"] == "reported" else strip(check),
         "runs": [(point, numbers.get(point)) for point in check["points"]],
     }
+
+
+def _measured(check: Mapping[str, Any]) -> str:
+    """Write what a check measured: with its interval, or with the p-value of its test."""
+    if check["tested"]:
+        return with_chance(check["value"], check["p_holds"])
+    return measured(check["value"], check["half_width"])

@@ -21,16 +21,22 @@ def finite(value: float) -> float | None:
     return value if isfinite(value) else None
 
 
-def measured(value: float | None, half_width: float | None, chance: float | None = None) -> str:
+def with_chance(value: float | None, chance: float | None) -> str:
+    """Write a statistic with the p-value of its test, of one that decides nothing without.
+
+    >>> with_chance(0.8, 0.0123), with_chance(0.8, 1e-9), with_chance(0.33333, None)
+    ('0.8, p = 0.012', '0.8, p < 0.0001', '0.333')
+    """
+    if value is None or chance is None:
+        return "–" if value is None else f"{value:.3g}"
+    return f"{value:.3g}, p " + (f"= {chance:.2g}" if chance >= _LEAST else f"< {_LEAST:g}")
+
+
+def measured(value: float | None, half_width: float | None) -> str:
     """Write a value with the half width of its interval, to two digits of the latter.
 
     >>> measured(0.51234, 0.0123), measured(3, 0), measured(3, None), measured(None, None)
     ('0.512 ± 0.012', '3', '3 ± ?', '–')
-
-    A statistic without an interval has the p-value of its test.
-
-    >>> measured(0.8, None, 0.0123), measured(0.8, None, 1e-9)
-    ('0.8, p = 0.012', '0.8, p < 0.0001')
 
     Of a value that is known far better than anybody asks, five digits are enough.
 
@@ -39,8 +45,6 @@ def measured(value: float | None, half_width: float | None, chance: float | None
     """
     if value is None:
         return "–"
-    if half_width is None and chance is not None:
-        return f"{value:.3g}, p " + (f"= {chance:.2g}" if chance >= _LEAST else f"< {_LEAST:g}")
     if half_width is None:
         return f"{value:.4g} ± ?"
     if half_width == 0:
