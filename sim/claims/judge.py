@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
+from math import isfinite
 from typing import Any
 
 import numpy as np
@@ -13,6 +14,7 @@ from sim.claims.points import Points
 from sim.claims.readings import readings_of
 from sim.claims.table import Claim, claims
 from sim.claims.verdict import (
+    INCONCLUSIVE,
     NOT_REPRODUCED,
     ON_THE_READING,
     PAPER_INCONSISTENT,
@@ -121,6 +123,20 @@ class Judgement:
             if value in one.others
         )
         return Judgement(self.claim, variants, self.headline)
+
+    @property
+    def open(self) -> list[Check]:
+        """The checks that keep the headline verdict open and that more replicates would decide."""
+        decide = (self.deciding(self.headline, part) for part in self._parts)
+        parts = zip(decide, self._parts, strict=True)
+        open_parts = [found.on(part) for found, part in parts if found]
+        return [
+            check
+            for checks in open_parts
+            if together(checks) == INCONCLUSIVE
+            for check in checks
+            if isfinite(check.times)
+        ]
 
     @property
     def readings(self) -> list[str]:

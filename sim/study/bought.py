@@ -29,7 +29,7 @@ def bought_file(folder: Path) -> Path:
 
 
 def read_bought(folder: Path) -> Bought:
-    """Return what was bought of a study, nothing where there is no file; a damaged one is set aside.
+    """Return what was bought of a study, nothing without a file; a damaged one is set aside.
 
     Raises ``InputError`` when it cannot be read.
     """
