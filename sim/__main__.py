@@ -35,6 +35,7 @@ COMMANDS = {
     "dataset": ("sim.dataset.build:build", "combine the runs of a study in one dataset"),
     "boundaries": ("sim.dataset.boundaries:build", "write the boundaries found as CSV"),
     "claims": ("sim.claims.written:build", "judge the claims of both papers on a study"),
+    "decide": ("sim.report.decide:decide", "add the replicates that open questions need"),
     "figure": ("sim.figures.several:draw_several", "draw figures from a dataset"),
     "report": ("sim.report.page:build", "write the report of a study"),
     "orphans": ("sim.report.orphans:show", "list or remove runs of points no longer in a study"),
@@ -114,16 +115,8 @@ def _parser() -> argparse.ArgumentParser:
         description = f"{text[0].upper()}{text[1:]}."
         parsers[name] = commands.add_parser(name, help=text, description=description)
         parsers[name].set_defaults(function=function)
-    for name in (
-        "points",
-        "refine",
-        "dataset",
-        "boundaries",
-        "claims",
-        "report",
-        "orphans",
-        "publish",
-    ):
+    of_studies = "points refine dataset boundaries claims decide report orphans publish"
+    for name in of_studies.split():
         _add_study(parsers[name])
     _add_study(parsers["status"], nargs="?", help="(default: config/quick.yaml)")
     _add_study_options(parsers)
@@ -218,6 +211,12 @@ def _add_result_options(parsers: dict[str, argparse.ArgumentParser]) -> None:
     )
     figure.add_argument(
         "--code", default="", metavar="HASH", help="leave out what this code has drawn of the same"
+    )
+    parsers["decide"].add_argument(
+        "--cores",
+        type=int,
+        metavar="N",
+        help="run snakemake --cores N and decide, in turns, until there is nothing to add",
     )
     parsers["orphans"].add_argument(
         "--remove", action="store_true", help="remove them, with their states and logs"

@@ -3,10 +3,12 @@
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
+from math import isfinite
 
 from sim.claims.readings import DEFAULT
 from sim.claims.table import Claim
 from sim.claims.verdict import (
+    INCONCLUSIVE,
     NOT_REPRODUCED,
     ON_THE_READING,
     PAPER_INCONSISTENT,
@@ -103,6 +105,19 @@ class Judgement:
             if value in one.others
         )
         return Judgement(self.claim, variants, self.headline)
+
+    @property
+    def open(self) -> list[Check]:
+        """The checks that keep the headline verdict open and that more replicates would decide."""
+        decide = (self.deciding(self.headline, part) for part in self._parts)
+        parts = zip(decide, self._parts, strict=True)
+        return [
+            check
+            for checks in [found.on(part) for found, part in parts if found]
+            if together(checks) == INCONCLUSIVE
+            for check in checks
+            if isfinite(check.times)
+        ]
 
     @property
     def readings(self) -> list[str]:

@@ -26,10 +26,10 @@ def covers(held: Mapping[str, float], wanted: Mapping[str, float]) -> bool:
 
 
 def more(parameters: Parameters, held: Mapping[str, float]) -> Parameters:
-    """Return a point with the larger of each amount: its own and one that is held."""
+    """Return a point with the larger of each amount: its own and one that is held, if any."""
     return parameters.model_copy(
         update={
-            name: type(value)(_more(name, held[name], value))
+            name: type(value)(_more(name, held.get(name, value), value))
             for name, value in amounts(parameters).items()
         }
     )

@@ -1,6 +1,6 @@
 """Entries of a study file, whatever their system: parameters, series, boundaries, overrides."""
 
-from typing import TYPE_CHECKING, Any, ClassVar, Self
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
@@ -104,6 +104,29 @@ class SeriesFile(_Family):
     cases: list[Some] = optional("further points, each with the parameters given", min_length=1)
     overrides: list[Override] = Field([], description="changes at certain values")
     figures: list[str] = Field([], description="figures that the series feeds")
+
+
+class DecideFile(Strict):
+    """What is to be decided by more replicates, added in rounds by `python -m sim decide`."""
+
+    budget: Real = Field(description="core hours that all rounds may add", gt=0, le=1e6)
+    claims: list[Annotated[str, Field(pattern=r"^([WG][1-9][0-9]?|all)$")]] = optional(
+        "claims of the papers to be decided, as G3; [all] for all that the study tests",
+        min_length=1,
+    )
+    precision: Real = optional(
+        "half width of the 95 % interval of the mean velocity, relative to it, that is wanted of "
+        "every steady flow",
+        ge=0.001,
+        le=0.5,
+    )
+    replicates: int = Field(100, description="most replicates of a point", ge=2, le=1000)
+
+    @model_validator(mode="after")
+    def _something(self) -> Self:
+        if self.claims is None and self.precision is None:
+            raise broken_rule("claims", None, "claims, precision, or both")
+        return self
 
 
 class BoundaryFile(_Family):

@@ -16,6 +16,7 @@ from sim.study.entries import (
     ALLOWED_NAME,
     NAME,
     BoundaryFile,
+    DecideFile,
     Lists,
     Override,
     SeriesFile,
@@ -170,6 +171,7 @@ class StudyFile(Strict):
         "boundaries between regimes, found by refinement", min_length=1
     )
 
+    decide: DecideFile = optional("what more replicates are to decide, and at what cost")
     parts: list[
         # A lone hyphen would be standard input.
         Annotated[

@@ -7,6 +7,7 @@ from typing import Any
 from sim.base.errors import InputError
 from sim.base.files import require_writable
 from sim.base.yaml import read_yaml
+from sim.study.bought import read_bought, with_bought
 from sim.study.cost import Estimate, estimate
 from sim.study.figure_points import points_of_figures
 from sim.study.model import Boundary, Point, Study
@@ -63,7 +64,10 @@ def parse_study(mapping: Any, path: str | Path, results: str | Path | None = "re
     figures = points_of_figures(file, study.points.values(), fed, source)
     if results is not None:
         require_writable(Path(results) / file.study, f"{source}: study")
-    return replace(study, figures=figures)
+    points = study.points
+    if file.decide and results is not None:
+        points = with_bought(points, read_bought(Path(results) / file.study))
+    return replace(study, points=points, figures=figures, decide=file.decide)
 
 
 def _part(path: Path, source: str, index: int) -> Any:

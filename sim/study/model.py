@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from sim.parameters import Parameters
+from sim.study.entries import DecideFile
 from sim.study.refine import further_rounds
 
 
@@ -76,6 +77,8 @@ class Study:
         Ids of the points of each series (or boundary) and of each figure, in order.
     boundaries : tuple of Boundary
         Boundaries to be found.
+    decide : DecideFile or None
+        What is to be decided by more replicates; those bought so far are in the points' parameters.
     """
 
     name: str
@@ -85,6 +88,7 @@ class Study:
     series: dict[str, tuple[str, ...]]
     figures: dict[str, tuple[str, ...]]
     boundaries: tuple[Boundary, ...]
+    decide: DecideFile | None = None
 
     @property
     def path(self) -> Path:

@@ -1,0 +1,158 @@
+"""More replicates where they decide something: which, at what cost, until the budget is spent."""
+
+import subprocess
+import sys
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from math import ceil
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+from sim.base.errors import InputError
+from sim.claims.judge import judge
+from sim.claims.table import claims
+from sim.dataset.agreement import require_agreement
+from sim.dataset.results import Results, load_results
+from sim.study.bought import Bought, read_bought, write_bought
+from sim.study.load import Study, load_study
+
+#: A round makes a point at most so many times as long as it is: what few replicates say of how many
+#: it takes is not to be trusted far.
+MOST = 4
+
+
+@dataclass(frozen=True)
+class Offer:
+    """A question, and how many replicates of which points would decide it.
+
+    ``hours`` are the core hours that those still to be run will take.
+    """
+
+    question: str
+    replicates: Mapping[str, int]
+    hours: float
+
+    def __str__(self) -> str:
+        many = len(self.replicates)
+        points = f"{many} point" + "s" * (many > 1)
+        return f"{self.question}: replicates of {points}, {self.hours:.2g} core hours"
+
+
+def decide(study_path: Path, results: Path, cores: int | None) -> list[str] | int:
+    """Buy the replicates of the next round; with ``cores``, run study and rounds to their end.
+
+    Returns
+    -------
+    list of str or int
+        What was bought, and what the budget has left; or the exit code of a workflow that failed.
+
+    Raises
+    ------
+    InputError
+        When the study does not say what is to be decided, or its dataset is not there.
+    """
+    if cores is None:
+        return _round(study_path, results)[0]
+    if cores < 1:
+        raise InputError.of_value("--cores", "", cores, "an integer >= 1")
+    workflow = ["snakemake", "--cores", str(cores), "--configfile", str(study_path)]
+    while True:
+        done = subprocess.run([sys.executable, "-m", *workflow])
+        if done.returncode:
+            return done.returncode
+        lines, bought = _round(study_path, results)
+        print(*lines, sep="\n", flush=True)
+        if not bought:
+            return 0
+
+
+def _round(study_path: Path, results: Path) -> tuple[list[str], bool]:
+    """Buy what fits into the budget, the cheapest answers first; return lines and whether any."""
+    study = load_study(study_path, results)
+    if study.decide is None:
+        raise InputError.of_value(study_path, "decide", None, "what is to be decided")
+    folder = results / study.name
+    found = load_results(folder / "dataset.nc")
+    require_agreement(study, found, folder / "dataset.nc")
+    held, taken = read_bought(folder), _hours(found.dataset)
+    before = held.before if held.amounts else taken
+    left = study.decide.budget - (taken - before)
+    offers = sorted(_offers(study, found), key=lambda offer: offer.hours)
+    amounts = {point: dict(wanted) for point, wanted in held.amounts.items()}
+    lines = []
+    for offer in offers:
+        fits = offer.hours <= left
+        lines.append(f"{offer}" if fits else f"{offer}: beyond the budget")
+        for point, number in offer.replicates.items() if fits else ():
+            known = amounts.setdefault(point, {})
+            known["replicates"] = max(known.get("replicates", 0.0), float(number))
+        left -= offer.hours if fits else 0.0
+    bought = amounts != held.amounts
+    if bought:
+        write_bought(folder, Bought(amounts, before))
+        lines.append("bought; run snakemake again")
+    spent = f"{taken - before:.2g} of {study.decide.budget:g} core hours spent"
+    return [*lines, spent if offers else f"nothing is open; {spent}"], bought
+
+
+def _hours(dataset: xr.Dataset) -> float:
+    return float(dataset["wall_time"].sum()) / 3600
+
+
+def _offers(study: Study, results: Results) -> Iterator[Offer]:
+    """Yield what is open of what the study wants decided, and can be by more replicates."""
+    assert study.decide is not None, "asked of studies that decide something"
+    if study.decide.claims is not None:
+        yield from _of_claims(study, results, study.decide.claims)
+    if study.decide.precision is not None:
+        yield from _of_precision(study, results, study.decide.precision)
+
+
+def _of_claims(study: Study, results: Results, wanted: list[str]) -> Iterator[Offer]:
+    known = {claim.id for claim in claims()}
+    if odd := set(wanted) - known - {"all"}:
+        allowed = f"all, or of {', '.join(sorted(known))}"
+        raise InputError.of_value(study.path, "decide.claims", sorted(odd)[0], allowed)
+    for one in judge(results):
+        if one.claim.id in wanted or "all" in wanted:
+            times: dict[str, float] = {}
+            for check in one.open:
+                for point in check.points:
+                    times[point] = max(times.get(point, 1.0), check.times)
+            yield from _offer(one.claim.id, times, study, results)
+
+
+def _of_precision(study: Study, results: Results, precision: float) -> Iterator[Offer]:
+    """Yield an offer for each steady flow whose mean is not known well enough."""
+    dataset = results.dataset
+    columns = ("point", "point_regime", "point_velocity", "point_half_width")
+    for point, regime, velocity, half_width in zip(
+        *(dataset[name].values for name in columns), strict=True
+    ):
+        if regime == "steady" and half_width > precision * abs(velocity):
+            times = (half_width / (precision * velocity)) ** 2
+            yield from _offer(f"{point} to {precision:.2g}", {point: times}, study, results)
+
+
+def _offer(
+    question: str, times: Mapping[str, float], study: Study, results: Results
+) -> Iterator[Offer]:
+    """Yield the offer to make points so many times as large, if the study may."""
+    assert study.decide is not None, "asked of studies that decide something"
+    replicates, hours = {}, 0.0
+    for point, factor in times.items():
+        took = _took(results.dataset, point)
+        number = min(ceil(len(took) * min(factor, MOST)), study.decide.replicates)
+        if number > len(took) > 0:
+            replicates[point] = number
+            hours += (number - len(took)) * float(took.mean()) / 3600
+    if replicates:
+        yield Offer(question, replicates, hours)
+
+
+def _took(dataset: xr.Dataset, point: str) -> np.ndarray:
+    """Return the wall time (s) of each replicate of a point."""
+    took = dataset["wall_time"].sel(point=point).values
+    return took[np.isfinite(took)]

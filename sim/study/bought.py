@@ -1,0 +1,64 @@
+"""What rounds of decisions have added to a study, kept with its results."""
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+from sim.base.files import replacing
+from sim.base.reading import reading
+from sim.parameters import Parameters, more
+from sim.study.model import Point
+
+
+@dataclass(frozen=True)
+class Bought:
+    """How much is wanted beyond the study file.
+
+    ``amounts`` by id of the point and name of the amount; ``before`` are the core hours that the
+    study had taken when the first round was bought.
+    """
+
+    amounts: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    before: float = 0.0
+
+
+def bought_file(folder: Path) -> Path:
+    """Return where a study with its results in a folder keeps what was bought."""
+    return folder / "bought.json"
+
+
+def read_bought(folder: Path) -> Bought:
+    """Return what was bought of a study, nothing without a file; a damaged one is set aside.
+
+    Raises ``InputError`` when it cannot be read.
+    """
+    path = bought_file(folder)
+    if not path.exists():
+        return Bought()
+    with reading(path, "list of what was bought", replaceable=True):
+        held = json.loads(path.read_text(encoding="utf-8"))
+        amounts = {
+            point: {name: float(value) for name, value in wanted.items()}
+            for point, wanted in held["amounts"].items()
+        }
+        return Bought(amounts, float(held["before"]))
+
+
+def write_bought(folder: Path, bought: Bought) -> None:
+    """Write what was bought, complete or not at all."""
+    document = {"before": bought.before, "amounts": bought.amounts}
+    with replacing(bought_file(folder)) as temporary:
+        temporary.write_text(json.dumps(document, indent=1) + "\n", encoding="utf-8")
+
+
+def with_bought(points: Mapping[str, Point], bought: Bought) -> dict[str, Point]:
+    """Return points of which as much is wanted as was bought, or more."""
+    return {
+        name: replace(point, parameters=_grown(point.parameters, bought.amounts.get(name, {})))
+        for name, point in points.items()
+    }
+
+
+def _grown(parameters: Parameters, wanted: Mapping[str, float]) -> Parameters:
+    return more(parameters, wanted) if wanted else parameters

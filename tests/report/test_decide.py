@@ -1,0 +1,166 @@
+"""Replicates that decide something are added in rounds, the cheapest first, for a budget."""
+
+import json
+from types import SimpleNamespace
+
+import pytest
+
+from sim.__main__ import main
+from sim.base.errors import InputError
+from sim.claims.verdict import Check
+from sim.dataset.build import build
+from sim.report import decide as deciding
+from sim.study.bought import bought_file
+from sim.study.load import load_study
+from tests.made.runs import write_run
+
+STUDY = """\
+study: open
+decide: {%s}
+series:
+  - {name: flows, system: chute, base: {replicates: 3}, grid: {depth: [1, 2]}}
+"""
+#: Of the first point the mean is known well, of the second it is not.
+SPREAD = {1: [0.5, 0.501, 0.499], 2: [0.4, 0.5, 0.6]}
+
+
+class Folder:
+    """A study that is run with made-up runs."""
+
+    def __init__(self, root, text: str):
+        self.root, self.path = root, root / "open.yaml"
+        self.path.write_text(STUDY % text)
+
+    @property
+    def points(self):
+        return load_study(self.path, self.root).points
+
+    def run(self, *_, **__) -> SimpleNamespace:
+        """Run what is wanted: further replicates repeat the first."""
+        for point in self.points.values():
+            spread, count = SPREAD[point.parameters.depth], point.parameters.replicates
+            velocities = [spread[number % 3] for number in range(count)]
+            write_run(self.root / "open" / "runs", point.parameters, velocities)
+        build(self.path, self.root)
+        return SimpleNamespace(returncode=0)
+
+    def decide(self, *options: str) -> int:
+        return main(["decide", str(self.path), "--results", str(self.root), *options])
+
+    def replicates(self) -> list[int]:
+        return [point.parameters.replicates for point in self.points.values()]
+
+
+@pytest.fixture
+def made(tmp_path):
+    """Return a function that makes a study, with its runs, that decides something."""
+
+    def make(text: str) -> Folder:
+        folder = Folder(tmp_path, text)
+        folder.run()
+        return folder
+
+    return make
+
+
+def test_a_mean_that_is_not_known_well_enough_gets_replicates(made, capsys):
+    folder = made("budget: 10, precision: 0.05")
+    assert folder.decide() == 0
+    out = capsys.readouterr().out
+    assert "chute-depth2-" in out and "chute-depth1-" not in out
+    assert "replicates of 1 point" in out and out.endswith("0 of 10 core hours spent\n")
+    # A round makes a point four times as long at most.
+    assert folder.replicates() == [3, 12]
+
+
+def test_a_point_gets_as_many_as_the_study_allows(made, capsys):
+    folder = made("budget: 10, precision: 0.05, replicates: 5")
+    folder.decide()
+    assert folder.replicates() == [3, 5]
+    folder.run()
+    before = bought_file(folder.root / "open").read_bytes()
+    capsys.readouterr()
+    folder.decide()
+    assert "nothing is open" in capsys.readouterr().out
+    assert bought_file(folder.root / "open").read_bytes() == before
+
+
+def test_what_the_budget_does_not_hold_is_not_bought(made, capsys):
+    folder = made("budget: 0.0001, precision: 0.05")
+    folder.decide()
+    assert "beyond the budget" in capsys.readouterr().out
+    assert not bought_file(folder.root / "open").exists()
+
+
+def test_rounds_go_on_until_nothing_is_open(made, monkeypatch, capfd):
+    folder = made("budget: 10, precision: 0.05")
+    monkeypatch.setattr(deciding.subprocess, "run", folder.run)
+    assert folder.decide("--cores", "2") == 0
+    out = capfd.readouterr().out
+    assert out.count("bought; run snakemake again") >= 2
+    assert "nothing is open; 0." in out.splitlines()[-1]
+    assert folder.replicates()[1] > 12
+
+
+def test_a_workflow_that_fails_ends_the_rounds(made, monkeypatch):
+    folder = made("budget: 10, precision: 0.05")
+    monkeypatch.setattr(deciding.subprocess, "run", lambda *_: SimpleNamespace(returncode=3))
+    assert folder.decide("--cores", "2") == 3
+    assert folder.replicates() == [3, 3]
+
+
+def test_open_claims_get_the_replicates_of_their_points(made, monkeypatch, capsys):
+    folder = made("budget: 10, claims: [W9]")
+    first = next(iter(folder.points))
+    check = Check("x", 1.5, 0.6, 1.0, 9.0, points=(first,), samples=99)
+    judgements = [
+        SimpleNamespace(claim=SimpleNamespace(id=name), open=checks)
+        for name, checks in (("W8", [check]), ("W9", [check, check]))
+    ]
+    monkeypatch.setattr(deciding, "judge", lambda results: judgements)
+    assert 1 < check.times < 4
+    folder.decide()
+    out = capsys.readouterr().out
+    assert out.startswith("W9: replicates of 1 point") and "W8" not in out
+    assert folder.replicates() == [4, 3]
+    held = json.loads(bought_file(folder.root / "open").read_text())
+    assert held["amounts"] == {first: {"replicates": 4.0}}
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("budget: 1", r"decide.claims: .*claims, precision, or both"),
+        ("budget: 0, precision: 0.1", r"decide.budget: got 0; allowed: a number in \(0"),
+        ("budget: 1, claims: [X1]", r"decide.claims\[0\]: got 'X1'"),
+        ("budget: 1, precision: 2", r"decide.precision: got 2"),
+    ],
+)
+def test_what_cannot_be_decided_is_refused(tmp_path, text, message):
+    (tmp_path / "open.yaml").write_text(STUDY % text)
+    with pytest.raises(InputError, match=message):
+        load_study(tmp_path / "open.yaml", tmp_path)
+
+
+def test_a_claim_that_there_is_not_is_named(made, capsys):
+    folder = made("budget: 1, claims: [W99]")
+    assert folder.decide() == 2
+    assert "decide.claims: got 'W99'" in capsys.readouterr().err
+
+
+def test_a_study_that_decides_nothing_says_so(made, capsys):
+    folder = made("budget: 1, precision: 0.1")
+    text = folder.path.read_text()
+    folder.path.write_text("\n".join(line for line in text.splitlines() if "decide" not in line))
+    assert folder.decide() == 2
+    assert "decide: got" in capsys.readouterr().err
+
+
+def test_a_damaged_list_of_what_was_bought_is_set_aside(made, capsys):
+    folder = made("budget: 10, precision: 0.05")
+    folder.decide()
+    bought_file(folder.root / "open").write_text("{")
+    capsys.readouterr()
+    assert folder.decide() == 2
+    assert "list of what was bought" in capsys.readouterr().err
+    assert folder.replicates() == [3, 3]
