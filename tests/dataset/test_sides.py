@@ -32,7 +32,7 @@ def test_regimes_tell_the_side(regime, flow, acceleration, tmp_path):
 
 @pytest.mark.parametrize(
     ("velocity", "gain", "side"),
-    [(0.1, 0.0, "flowing"), (0.1, 1.0, "flowing"), (0.1, -1.0, None), (5e-4, 0.0, None)],
+    [(0.1, 0.0, "flowing"), (0.1, 1.0, "flowing"), (0.1, -3.0, None), (5e-4, 0.0, None)],
 )
 def test_an_undetermined_flow_flows_if_it_surely_moves_and_does_not_slow_down(
     velocity, gain, side, tmp_path

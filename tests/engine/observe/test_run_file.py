@@ -16,7 +16,7 @@ from tests.engine_motion.points import chute_point
 from tests.made.processes import ROOT
 
 SERIES = {"mean_velocity": ("m s-1", "v")}
-LAYOUT = run_file.Layout(np.arange(3.0), np.arange(2.0), SERIES, ("x", "y", "z"), {})
+LAYOUT = run_file.Layout(0.5, np.arange(2.0), SERIES, ("x", "y", "z"), {})
 
 
 def record() -> Record:
@@ -26,8 +26,9 @@ def record() -> Record:
     return Record(series, profiles, snapshots=snapshot, scalars=scalars)
 
 
-def write(path, records=None, attributes=None):
-    run_file.write(path, chute_point(), records or [record()], LAYOUT, attributes or {"title": "t"})
+def write(path, records=None, layout=LAYOUT, title="t"):
+    stage = run_file.Stage(chute_point(), records or [record()])
+    run_file.write(path, [stage], layout, {"title": title})
 
 
 def test_a_file_holds_what_it_was_given(tmp_path):
@@ -36,6 +37,7 @@ def test_a_file_holds_what_it_was_given(tmp_path):
         assert file.title == "t"
         assert file["mean_velocity"].units == "m s-1"
         assert np.array_equal(file["mean_velocity"][:], [[0.0, 1.0, 2.0]])
+        assert np.array_equal(file["time"][:], [0.5, 1.0, 1.5])
         assert file["regime"][0] == "steady" and file["overlap_memory"][...] == "separation"
         assert list(file["frame"][:]) == ["first", "last"]
     assert [path.name for path in tmp_path.iterdir()] == ["run.nc"]
@@ -52,7 +54,7 @@ def test_tables_and_paths_bring_their_own_dimensions(tmp_path):
     for one in (traced, failed):
         one.tables = {"field_velocity": np.ones((4, 5))}
     layout = replace(LAYOUT, coordinates=coordinates)
-    run_file.write(tmp_path / "run.nc", chute_point(), [traced, failed], layout, {})
+    write(tmp_path / "run.nc", [traced, failed], layout)
     with netCDF4.Dataset(tmp_path / "run.nc") as file:
         file.set_auto_mask(False)
         assert file["field_velocity"].dimensions == ("replicate", "column", "level")
@@ -71,6 +73,19 @@ def test_replicates_of_unequal_lengths_are_padded(tmp_path):
         assert np.array_equal(file["mean_velocity"][:], expected, equal_nan=True)
 
 
+def test_shorter_stages_stand_in_groups_with_their_amounts(tmp_path):
+    shorter, longer = chute_point(), chute_point(average=chute_point().average + 1)
+    short = record()
+    short.series = {"mean_velocity": np.arange(2.0)}
+    stages = [run_file.Stage(longer, [record()]), run_file.Stage(shorter, [short])]
+    run_file.write(tmp_path / "run.nc", stages, LAYOUT, {})
+    with netCDF4.Dataset(tmp_path / "run.nc") as file:
+        assert list(file.groups) == ["shorter_1"]
+        group = file["shorter_1"]
+        assert (file["average"][...], group["average"][...]) == (longer.average, shorter.average)
+        assert len(file["time"]) == 3 and np.array_equal(group["mean_velocity"][:], [[0.0, 1.0]])
+
+
 def test_a_failing_write_leaves_no_file_and_an_old_one_alone(tmp_path):
     broken = record()
     broken.series = {}
@@ -86,8 +101,8 @@ def test_a_failing_write_leaves_no_file_and_an_old_one_alone(tmp_path):
 
 
 def test_a_file_that_exists_is_replaced(tmp_path):
-    write(tmp_path / "run.nc", attributes={"title": "old"})
-    write(tmp_path / "run.nc", attributes={"title": "new"})
+    write(tmp_path / "run.nc", title="old")
+    write(tmp_path / "run.nc", title="new")
     with netCDF4.Dataset(tmp_path / "run.nc") as file:
         assert file.title == "new"
 
@@ -104,7 +119,7 @@ def stuck(*arguments):
 
 # Whoever starts the tests in the background makes them, and what they start, deaf to SIGINT.
 signal.signal(signal.SIGINT, signal.default_int_handler)
-run_file._write_records = stuck
+run_file._write_stage = stuck
 write(Path(sys.argv[1]))
 """
 
