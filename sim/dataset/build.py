@@ -15,7 +15,7 @@ from sim.base.files import replacing, seal
 from sim.dataset.boundaries import table
 from sim.dataset.boundary_table import GROUP
 from sim.dataset.combine import profiles, root, runs
-from sim.dataset.earlier import RUNS
+from sim.dataset.earlier import RUNS, keep
 from sim.dataset.results import PARTICLES
 from sim.dataset.rounds import as_wanted, refined, sides_of
 from sim.dataset.rows import Rows, selected
@@ -86,6 +86,7 @@ def build(
         for group, dataset in _groups(held.rows(study.points), study, found):
             _write(temporary, group, dataset, output)
         seal(temporary)
+        keep(temporary, folder)
     return output
 
 

@@ -1,5 +1,7 @@
 """Rows that an earlier dataset of the study has: run files that are the same are not read again."""
 
+import os
+import shutil
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 from functools import cache
@@ -9,7 +11,7 @@ import netCDF4
 import pandas as pd
 import xarray as xr
 
-from sim.base.files import is_damaged, read_seal
+from sim.base.files import is_damaged, read_seal, replacing
 from sim.base.reading import UNREADABLE
 from sim.base.rooms import files_hash, room_hash
 from sim.dataset.results import PARTICLES
@@ -21,6 +23,10 @@ from sim.engine.observe import arrays, scalars
 #: that had.
 RUNS = "runs"
 
+#: Second name of the last dataset of a study, which stays when the workflow, before it makes a new
+#: one or when it cannot, removes the first.
+EARLIER = ".earlier.nc"
+
 
 @cache
 def reading_code() -> str:
@@ -30,21 +36,30 @@ def reading_code() -> str:
     return f"{room_hash(package, 'dataset')} {files_hash(names)}"
 
 
-def earlier_rows(path: Path, runs: Path, is_shown: Callable[[str], bool]) -> list[Rows]:
+def keep(dataset: Path, folder: Path) -> None:
+    """Keep a dataset, without its taking room twice where links can be made, for `earlier_rows`."""
+    with replacing(folder / EARLIER) as temporary:
+        try:
+            os.link(dataset, temporary)
+        except OSError:
+            shutil.copyfile(dataset, temporary)
+
+
+def earlier_rows(folder: Path, is_shown: Callable[[str], bool]) -> list[Rows]:
     """Return the rows of an earlier dataset that reading their run files again would give.
 
     Parameters
     ----------
-    path : Path
-        The dataset. One that is missing, damaged, or made by other code has no such rows.
-    runs : Path
-        Folder of the run files.
+    folder : Path
+        Results of the study. Without an earlier dataset, or with one that is damaged or made by
+        other code, there are no such rows.
     is_shown : callable
         Tells whether the state of the particles of a point must be there.
     """
+    path = folder / EARLIER
     try:
         if path.is_file() and not is_damaged(path, must_be_sealed=True):
-            return list(_rows(path, runs, is_shown))
+            return list(_rows(path, folder / "runs", is_shown))
     except UNREADABLE:
         pass
     return []

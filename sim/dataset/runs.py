@@ -38,7 +38,7 @@ class Runs:
         self._processes, self._scheduler = processes, scheduler
         self._blocks: list[Rows] = []
         self._places: dict[str, tuple[Rows, int]] = {}
-        self._add(earlier_rows(folder / "dataset.nc", self._folder, is_shown))
+        self._add(earlier_rows(folder, is_shown))
 
     def _add(self, blocks: Iterable[Rows]) -> None:
         for block in blocks:

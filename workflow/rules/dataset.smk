@@ -1,12 +1,12 @@
-# All runs of the study in one labelled file. `update` leaves it to the job, which takes over what it
-# holds of run files that have not changed.
+# All runs of the study in one labelled file. Without `update`: if it cannot be made because a run is
+# damaged, it must be missing for a rerun to compute that again.
 
 
 rule dataset:
     input:
         lambda wildcards: run_files(STUDY.rounds),
     output:
-        update(f"{RESULTS}/dataset.nc"),
+        f"{RESULTS}/dataset.nc",
     log:
         f"{RESULTS}/logs/dataset.log",
     benchmark:
