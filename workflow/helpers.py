@@ -34,6 +34,22 @@ def release_stale_lock(folder: Path = Path(".snakemake")) -> TextIO:
     return held
 
 
+def write_start(path: Path) -> None:
+    """Write a file of the time before all others, and never the same twice, for `age`.
+
+    Snakemake runs a job again whose input is newer than its output and not what it was when the
+    output was made, whatever it has noted of a job that was killed.
+    """
+    path.write_text(str(time.time_ns()), encoding="utf-8")
+    os.utime(path, (2 * OLD, 2 * OLD))
+
+
+def age(path: Path) -> None:
+    """Make an output older than what `write_start` writes."""
+    with suppress(OSError):
+        os.utime(path, (OLD, OLD))
+
+
 def correct_future_times(results: Path) -> None:
     """Give files that a wrong clock has dated into the future times that hide no change.
 

@@ -8,6 +8,7 @@ import netCDF4
 import numpy as np
 import xarray as xr
 
+from sim.base.errors import InputError
 from sim.base.files import read_seal
 from sim.base.reading import reading
 from sim.base.summary import read_summary
@@ -15,6 +16,7 @@ from sim.dataset.measures import measures
 from sim.dataset.measures.belt import columns
 from sim.dataset.rows import KEPT, OVER_HEIGHT, SINGLE, WORDS, Rows
 from sim.dataset.run_file import Replicate, RunFile
+from sim.engine.held import answering, held_amounts
 from sim.engine.identity import numerics_of
 from sim.engine.observe.arrays import SNAPSHOTS
 from sim.engine.observe.scalars import SCALARS
@@ -44,7 +46,7 @@ def read_run(path: Path, wanted: Mapping[str, float] | None = None, shown: bool 
     Raises
     ------
     InputError
-        When there is no such file.
+        When there is no such file, or it holds less than is wanted.
     DamagedError
         When it cannot be read as the run that its name says; it is set aside.
     """
@@ -59,6 +61,11 @@ def read_run(path: Path, wanted: Mapping[str, float] | None = None, shown: bool 
                 raise ValueError("no point in it")
             if run.attrs["point_id"] != path.stem:
                 raise ValueError(f"holds point {run.attrs['point_id']}")
+            if wanted and answering(file, wanted) is None:
+                held = _listed(held_amounts(file, wanted)[0])
+                raise InputError(
+                    f"{path}: holds {held} of {_listed(wanted)}; rerun the study to let it grow"
+                )
             number = numerics_of(run.attrs)
             origin = {
                 "seal": seal,
@@ -83,6 +90,10 @@ def read_run(path: Path, wanted: Mapping[str, float] | None = None, shown: bool 
 def as_text(wanted: Mapping[str, float] | None) -> str:
     """Return how much is wanted of a point as a text that is the same for the same amounts."""
     return json.dumps(dict(wanted or {}), sort_keys=True)
+
+
+def _listed(much: Mapping[str, float]) -> str:
+    return ", ".join(f"{name} {value:g}" for name, value in much.items())
 
 
 def _scalars(run: RunFile) -> dict[str, np.ndarray]:

@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from sim.base.errors import InputError
 from sim.dataset.build import build
 from sim.dataset.summary import summary_of
 from sim.engine.run import run_point
@@ -59,6 +60,15 @@ def test_a_point_that_is_to_grow_waits(tmp_path):
     (tmp_path / "grown.yaml").write_text(STUDY % LONG)
     status = survey(load_study(tmp_path / "grown.yaml", tmp_path), tmp_path)
     assert status.counts["waiting"] == 2 and not status.is_over
+
+
+def test_a_point_that_is_to_grow_is_not_read(tmp_path):
+    made(tmp_path, SHORT)
+    (tmp_path / "grown.yaml").write_text(STUDY % LONG)
+    with pytest.raises(InputError, match=r"\.nc: holds .*average 2 of .*average 4") as error:
+        build(tmp_path / "grown.yaml", tmp_path)
+    assert "(and 1 more)" in str(error.value)
+    assert len(list((tmp_path / "grown" / "runs").glob("*.nc"))) == 2
 
 
 def test_a_summary_is_that_of_what_is_wanted(tmp_path):

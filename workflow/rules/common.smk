@@ -12,7 +12,7 @@ from pathlib import Path
 ROOT = Path(workflow.current_basedir.get_path_or_uri(secret_free=True)).parents[1]
 sys.path[:0] = [str(ROOT), str(ROOT / "workflow")]
 
-from helpers import OLD, correct_future_times, release_stale_lock
+from helpers import age, correct_future_times, release_stale_lock, write_start
 
 from sim.engine.states import checkpoint_interval
 from sim.base.errors import InputError
@@ -97,13 +97,12 @@ def amount(point):
 def is_wanted(point):
     """Return whether a point of the study has no run file of the present numerics with enough.
 
-    One with less becomes old. Snakemake forgets the parameters of jobs that were killed, so these
-    cannot tell that the file is still to grow.
+    One with less becomes old: Snakemake notes the parameters of a job that was killed as if it had
+    been done, so these cannot tell that the file is still to grow.
     """
     path = Path(run_file(point))
     if is_to_grow(path, parameters(point)):
-        with suppress(OSError):
-            os.utime(path, (OLD, OLD))
+        age(path)
     return not path.exists() or not holds(path, parameters(point))
 
 
@@ -225,6 +224,8 @@ except InputError as error:
     print(f"error: {error}", file=sys.stderr)
     sys.exit(2)
 
+# An input of every run, older than all runs but those that are to grow.
+START = Path(".snakemake") / "talus.start"
 LOCK = release_stale_lock() if workflow.is_main_process else None
 RESULTS = f"results/{STUDY.name}"
 
@@ -244,6 +245,7 @@ WATCH = []
 room = partial(room_hash, ROOT / "sim")
 
 if workflow.is_main_process:
+    write_start(START)
     warn_of_namesake()
     correct_future_times(Path(RESULTS))
 

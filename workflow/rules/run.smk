@@ -36,6 +36,7 @@ RUN = "exec python -m sim batch {params.folder} <<< {params.points:q} 2> {log}"
 rule run:
     input:
         rules.warm.output,
+        START,
     output:
         update(run_file("{point}")),
     log:
@@ -66,6 +67,7 @@ for batch, points in BATCHES.items():
             batch
         input:
             rules.warm.output,
+            START,
         output:
             update([run_file(point) for point in points]),
         log:
