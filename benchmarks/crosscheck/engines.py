@@ -11,7 +11,7 @@ from benchmarks.peers.chute_input import chute_request, chute_state, frame_veloc
 from benchmarks.peers.client import Client
 from benchmarks.peers.settings import Settings
 from sim.engine.observe.profiles import VOLUME, Profile, add_sample, empty_profile
-from sim.engine.observe.sums import plus
+from sim.engine.observe.sums import add_samples
 from sim.engine.systems import build
 from sim.parameters import ChuteParameters
 
@@ -56,13 +56,13 @@ def _ours(p: ChuteParameters, replicate: int, lengths: list[int]) -> Iterator[St
     """Yield stretches of so many samples each by Talus."""
     system = build(p, replicate)
     for samples in lengths:
-        velocity, contacts, profile = np.empty(samples), np.empty(samples), None
-        for s in range(samples):
-            sample = system.advance()
-            velocity[s], contacts[s] = sample["mean_velocity"], sample["contact_number"]
-            present, _ = system.sample_profiles()
-            profile = present if profile is None else plus(profile, present)
-        yield Stretch(velocity, contacts, profile)
+        velocity, contacts, (profile, _) = [], [], system.no_profiles()
+        while len(velocity) < samples:
+            taken = system.sample(samples - len(velocity), profiles=True)
+            velocity += list(taken.values["mean_velocity"])
+            contacts += list(taken.values["contact_number"])
+            add_samples(profile, taken.profiles[0], 0, len(taken.values["mean_velocity"]))
+        yield Stretch(np.array(velocity), np.array(contacts), profile)
 
 
 def _theirs(p: ChuteParameters, replicate: int, lengths: list[int]) -> Iterator[Stretch]:

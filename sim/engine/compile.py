@@ -67,6 +67,10 @@ kernel = numba.njit(**_options)
 #: called from there it runs as it is written.
 inlined = register_jitable(**_options, forceinline=True, no_cfunc_wrapper=True)
 
+#: Kernels that round as they are written, whoever calls them: what they add up they add up in that
+#: order, and no product is fused with a sum.
+exact = numba.njit(cache=True, error_model="numpy", nogil=True)
+
 #: ``@implements(generic)`` gives ``generic`` a body that numba picks by the types of the arguments.
 implements = partial(
     overload, jit_options={"fastmath": FASTMATH, "error_model": "numpy", "forceinline": True}

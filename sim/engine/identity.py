@@ -3,6 +3,7 @@
 import hashlib
 import platform
 from collections.abc import Mapping, Sequence
+from functools import cache
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -21,6 +22,7 @@ KNOWN = {"0b14a980090c": 1}
 ENGINE = ("parameters", "engine")
 COMPILED = (
     "engine/compile.py",
+    "engine/calls.py",
     "engine/contact",
     "engine/boundary",
     "engine/dynamics",
@@ -73,6 +75,7 @@ def source_hash(parts: Sequence[str] = ENGINE) -> str:
     return digest.hexdigest()[:12]
 
 
+@cache
 def library_versions() -> dict[str, str]:
     """Return the versions of Python and of the libraries that compute or store numbers."""
     names = ("numpy", "scipy", "numba", "llvmlite", "netCDF4", "pydantic")

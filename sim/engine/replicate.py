@@ -8,6 +8,7 @@ from typing import Any, Protocol, Self
 from sim.engine.dynamics.status import BlowUp
 from sim.engine.leaves import Leaves, below, leaves, with_leaves
 from sim.engine.observe.recorder import Record, Recorder
+from sim.engine.observe.system import Samples
 from sim.engine.systems import build
 from sim.parameters import Parameters, point_id
 
@@ -41,6 +42,8 @@ class Replicate:
         self.failures: list[str] = []
         self.shown = 0
         self._began, self._before = time.monotonic(), 0.0
+        self._looped = 0.0
+        self._sample_steps = parameters.sample_steps
         self._start(substeps)
 
     def _start(self, substeps: int) -> None:
@@ -53,6 +56,11 @@ class Replicate:
         """Wall time so far, s, in all processes that have worked on it."""
         return self._before + time.monotonic() - self._began
 
+    @property
+    def loop_time(self) -> float:
+        """Processor time (s) in the compiled loop over time steps so far, in all processes."""
+        return self._looped + self.system.loop_time
+
     def state(self) -> Leaves:
         """Return all that a replicate to be run on has to know, arrays and numbers by name."""
         told = {
@@ -60,6 +68,7 @@ class Replicate:
             "failures": list(self.failures),
             "shown": self.shown,
             "seconds": self.seconds,
+            "loop_time": self.loop_time,
         }
         moving = {name: getattr(self.system, name) for name in self.system.moving}
         return leaves({"told": told, "moving": moving}) | self.recorder.state()
@@ -75,6 +84,7 @@ class Replicate:
         made.failures = [state[name] for name in failures]
         made.shown = int(state["told.shown"])
         made._before = float(state["told.seconds"])
+        made._looped = float(state["told.loop_time"])
         moving = {name: getattr(made.system, name) for name in made.system.moving}
         held = below("moving", state)
         for name, value in with_leaves(moving, held).items():
@@ -97,6 +107,7 @@ class Replicate:
             if failure and self.substeps == 1:
                 name = point_id(self.parameters)
                 log.warning("%s: %s; again with half the time step", name, failure)
+                self._looped = self.loop_time
                 self._start(SUBSTEPS)
                 failure = self._attempt(advanced, keeper)
             if failure:
@@ -117,18 +128,23 @@ class Replicate:
                 recorder.take_snapshot()
                 keeper.offer(self)
             while not recorder.stopped:
-                recorder.take(self.system.advance())
-                if recorder.taken > self.shown:
-                    self.shown = recorder.taken
-                    advanced(self.parameters.sample_steps)
+                self._take(self.system.sample(*recorder.due()), advanced)
                 keeper.offer(self)
             # What goes on later goes on from here: the path is no part of the run.
             keeper.keep(self)
             recorder.path = self.system.trace()
         except BlowUp as error:
+            if error.samples:
+                self._take(error.samples, advanced)
             self.failures.append(str(error))
             return str(error)
         return ""
+
+    def _take(self, samples: Samples, advanced: Callable[[int], None]) -> None:
+        self.recorder.take(samples)
+        if self.recorder.taken > self.shown:
+            advanced((self.recorder.taken - self.shown) * self._sample_steps)
+            self.shown = self.recorder.taken
 
     def _record(self) -> Record:
         p, recorder = self.parameters, self.recorder
@@ -141,6 +157,7 @@ class Replicate:
             "steps": recorder.taken * p.sample_steps * self.substeps,
             "time_step_used": self.system.time_step,
             "wall_time": self.seconds,
+            "loop_time": self.loop_time,
             "replicate_seed": self.number,
         }
         return record

@@ -39,5 +39,4 @@ def _compile(points: Iterable[Parameters]) -> None:
     for point in points:
         system = build(point, 0)
         system.settle()
-        system.advance()
-        system.profiles(system.sample_profiles())
+        system.sample(1, profiles=True)

@@ -12,6 +12,7 @@ from sim.engine.run import run_point
 from sim.parameters import amounts
 from sim.report.status import survey
 from sim.study.load import load_study
+from tests.golden import CLOCK
 
 STUDY = """\
 study: grown
@@ -43,7 +44,7 @@ def made(folder, *lengths) -> xr.Dataset:
 
 
 def assert_equal(one: xr.Dataset, other: xr.Dataset) -> None:
-    xr.testing.assert_equal(one.drop_vars("wall_time"), other.drop_vars("wall_time"))
+    xr.testing.assert_equal(one.drop_vars(CLOCK), other.drop_vars(CLOCK))
 
 
 def test_more_than_is_asked_for_is_left_out(tmp_path, short):

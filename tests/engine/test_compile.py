@@ -14,8 +14,7 @@ FLOW = """
 from sim.parameters import parse_point
 from sim.engine.systems import build
 system = build(parse_point({"system": "chute", "depth": 0.2, "cell": 5}, "test"), 0)
-system.advance()
-system.sample_profiles()
+system.sample(1, profiles=True)
 """
 
 CONTACT = """

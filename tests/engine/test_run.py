@@ -59,6 +59,7 @@ SCALARS = {
     "steps": "1",
     "time_step_used": "s",
     "wall_time": "s",
+    "loop_time": "s",
     "replicate_seed": "1",
 }
 ATTRIBUTES = {"Conventions", "title", "system", "point_id", "status", "reason", "command"}
@@ -77,11 +78,11 @@ def ran(request, tmp_path_factory):
 
 
 def read(path) -> dict[str, np.ndarray]:
-    """All variables of a run file but the time that it took."""
+    """All variables of a run file but the times that it took."""
     with netCDF4.Dataset(path) as file:
         file.set_auto_mask(False)
         values = {name: np.asarray(v[...]) for name, v in file.variables.items()}
-    del values["wall_time"]
+    del values["wall_time"], values["loop_time"]
     return values
 
 

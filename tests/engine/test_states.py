@@ -21,7 +21,7 @@ from sim.engine.run import run_point
 from sim.engine.states import SHARE, States, checkpoint_interval, packed, unpacked
 from sim.engine.warm import warm
 from sim.parameters import Parameters, canonical
-from tests.engine_motion.points import belt_point, chute_point
+from tests.engine_motion.points import belt_point, chute_point, take_samples_one_by_one
 from tests.golden import contents, digest
 from tests.made.processes import ROOT, program
 
@@ -69,6 +69,7 @@ def test_a_run_continued_from_a_checkpoint_gives_the_same_bits(name, share, tmp_
     for _ in range(2):
         with monkeypatch.context() as patched, pytest.raises(Stopped):
             patched.setattr(States, "offer", stop_after(max(1, int(share * samples / 2))))
+            take_samples_one_by_one(patched)
             run_point(point, output, quiet=True)
         assert not output.exists()
     assert run_point(point, output, quiet=True) == 0
@@ -137,7 +138,7 @@ def started(parameters: Parameters) -> Replicate:
     replicate = Replicate(parameters, 0)
     replicate.system.settle()
     replicate.recorder.take_snapshot()
-    replicate.recorder.take(replicate.system.advance())
+    replicate.recorder.take(replicate.system.sample())
     return replicate
 
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from sim.engine.systems import build
+from sim.engine.systems import belt, build, chute
 from sim.parameters import Parameters, parse_point
 
 
@@ -16,6 +16,12 @@ def belt_point(**values) -> Parameters:
     return parse_point({"system": "belt", **values}, "test")
 
 
+def sums_of(system) -> tuple:
+    """What the profiles of the next sample add."""
+    profiles = system.sample(1, profiles=True).profiles
+    return tuple(type(several)(*(part[0] for part in several)) for several in profiles)
+
+
 def series_of(parameters: Parameters, replicate: int = 0) -> dict[str, np.ndarray]:
     """Time series (T,) of one replicate, transient and average."""
     system = build(parameters, replicate)
@@ -23,3 +29,9 @@ def series_of(parameters: Parameters, replicate: int = 0) -> dict[str, np.ndarra
     total = parameters.transient_samples + parameters.average_samples
     samples = [system.advance() for _ in range(total)]
     return {name: np.array([sample[name] for sample in samples]) for name in system.series}
+
+
+def take_samples_one_by_one(monkeypatch) -> None:
+    """Let a state be offered after each sample, of which a run else takes several in one go."""
+    for system in (belt, chute):
+        monkeypatch.setattr(system, "MOST_WORK", 1)

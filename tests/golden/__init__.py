@@ -32,7 +32,7 @@ TOLERANCE = 1e-9
 FAILING = ("chute_failed",)
 
 #: What differs from run to run.
-CLOCK = ("wall_time",)
+CLOCK = ("wall_time", "loop_time")
 
 
 def points() -> dict[str, Parameters]:

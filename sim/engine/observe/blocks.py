@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from sim.engine.leaves import with_leaves
-from sim.engine.observe.sums import Sums, plus
+from sim.engine.observe.sums import Sums, add_samples, copied, plus
 
 #: Blocks kept; when there are as many, each two become one.
 MOST = 64
@@ -46,17 +46,22 @@ class ProfileBlocks:
         self.latest = next(iter(_unstacked(found["latest"])), None)
 
     def add(self, profiles: Sums) -> None:
-        """Add the profiles of one sample."""
-        self.latest = profiles
-        if self._filled == 0:
-            self._blocks.append(profiles)
-        else:
-            self._blocks[-1] = _plus(self._blocks[-1], profiles)
-        self._filled = (self._filled + 1) % self._length
-        if self._filled == 0 and len(self._blocks) == MOST:
-            pairs = zip(self._blocks[::2], self._blocks[1::2], strict=True)
-            self._blocks = [_plus(first, second) for first, second in pairs]
-            self._length *= 2
+        """Add the profiles of K samples, which lie along the first axis of the arrays."""
+        count, first = len(profiles[0][0]), 0
+        self.latest = tuple(copied(several, count - 1) for several in profiles)
+        while first < count:
+            last = min(count, first + self._length - self._filled)
+            if self._filled == 0:
+                self._blocks.append(tuple(copied(several, first) for several in profiles))
+            start = first + (self._filled == 0)
+            for total, several in zip(self._blocks[-1], profiles, strict=True):
+                add_samples(total, several, start, last)
+            self._filled = (self._filled + last - first) % self._length
+            first = last
+            if self._filled == 0 and len(self._blocks) == MOST:
+                pairs = zip(self._blocks[::2], self._blocks[1::2], strict=True)
+                self._blocks = [_plus(one, other) for one, other in pairs]
+                self._length *= 2
 
     def since(self, start: int) -> Sums | None:
         """Return the sums over all blocks that begin at sample ``start`` or later.

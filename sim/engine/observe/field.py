@@ -1,9 +1,12 @@
 """Mean flow of the beads over squares at rest in the laboratory, and waves of their density."""
 
-from math import ceil, pi
+from math import ceil, cos, pi, sin
 from typing import NamedTuple
 
 import numpy as np
+
+from sim.engine.compile import exact
+from sim.engine.observe.rounding import COMPLEX, product, square, total
 
 #: Levels of the squares, one mean diameter each, from below the belt's lowest position.
 LEVELS = 60
@@ -44,16 +47,10 @@ class Squares(NamedTuple):
             "level": ("m", "height of the level above the mean belt position", level),
         }
 
-    def sample(self, x: np.ndarray, z: np.ndarray, velocity: np.ndarray) -> Field:
-        """Return the field of one state, beads (N,) outside the levels left out."""
-        column = np.floor(x / self.width).astype(int) % self.columns
-        level = np.floor((z - self.lowest) / self.height).astype(int)
-        inside = (level >= 0) & (level < LEVELS)
-        square = (column * LEVELS + level)[inside]
+    def empty(self) -> Field:
+        """Return sums of zero."""
         shape = (self.columns, LEVELS)
-        count = np.bincount(square, minlength=self.columns * LEVELS)
-        moved = np.bincount(square, weights=velocity[inside], minlength=self.columns * LEVELS)
-        return Field(np.ones(1), count.reshape(shape).astype(float), moved.reshape(shape))
+        return Field(np.zeros(1), np.zeros(shape), np.zeros(shape))
 
     def tables(self, field: Field) -> dict[str, np.ndarray]:
         """Return mean velocity along x (m/s), not-a-number where no bead was, and density (m⁻²)."""
@@ -72,7 +69,44 @@ def squares(width: float, diameter: float, amplitude: float) -> Squares:
     return Squares(columns, width / columns, diameter, -ceil(amplitude) * diameter)
 
 
-def wave_power(x: np.ndarray, width: float) -> float:
-    """Return the power of the longest waves of the density along the belt; 1 for random beads."""
-    wave = np.exp(2j * pi / width * x)
-    return sum(abs((wave**k).sum()) ** 2 for k in range(1, WAVES + 1)) / (WAVES * len(x))
+@exact
+def count_beads(field, squares, taylor, time_step):
+    """Add one state of the beads, see ``Disks``; those outside the levels are left out."""
+    field.samples[0] += 1.0
+    for i in range(taylor.shape[2]):
+        level = int(np.floor((taylor[0, 1, i] - squares.lowest) / squares.height))
+        if 0 <= level < LEVELS:
+            column = int(np.floor(taylor[0, 0, i] / squares.width)) % squares.columns
+            field.count[column, level] += 1.0
+            field.moved[column, level] += taylor[1, 0, i] / time_step
+
+
+@exact
+def waves(x, width, found):
+    """Set ``found`` (5, 2) to the sums, real and imaginary, of exp(2πikx/L) over all beads.
+
+    The wave number k goes from 1 to 5; L is the width of the belt (m).
+    """
+    parts = np.empty((WAVES, 2, x.size))
+    for i in range(x.size):
+        angle = 2.0 * pi / width * x[i]
+        wave = cos(angle), sin(angle)
+        second = product(wave, wave)
+        fourth = product(second, second)
+        powers = wave, square(wave), product(wave, second), fourth, product(wave, fourth)
+        for k in range(WAVES):
+            parts[k, 0, i], parts[k, 1, i] = powers[k]
+    for k in range(WAVES):
+        for part in range(2):
+            found[k, part] = total(parts[k, part], COMPLEX)
+
+
+def wave_power(found: np.ndarray, beads: int) -> np.ndarray:
+    """Return the power of the longest waves of the density along the belt; 1 for random beads.
+
+    ``found`` (K, 5, 2) are what ``waves`` finds in K states.
+    """
+    # The square of Python's numbers, which is not always the product.
+    size = np.hypot(found[..., 0], found[..., 1]).tolist()
+    power = [a**2 + b**2 + c**2 + d**2 + e**2 for a, b, c, d, e in size]
+    return np.array(power) / (WAVES * beads)

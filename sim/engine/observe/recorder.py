@@ -12,8 +12,7 @@ from sim.engine.observe.arrays import INSTANTANEOUS
 from sim.engine.observe.blocks import ProfileBlocks
 from sim.engine.observe.force_balance import base_forces
 from sim.engine.observe.regime import FAILED, Trend, analyse
-from sim.engine.observe.sums import zeros
-from sim.engine.observe.system import OnSlope, System
+from sim.engine.observe.system import OnSlope, Samples, System
 
 
 @dataclass
@@ -49,7 +48,7 @@ class Recorder:
         self._reason = ""
         self._published = p.protocol == "published"
         self._interval = p.sample_steps * p.time_step
-        self._start = p.transient_samples
+        self._start = self._transient = p.transient_samples
         self._looks = stopping.looks(p.shortest_samples, p.longest_samples)
         self._trend: Trend | None = None
         self._table = np.full((len(system.series), p.shortest_samples), np.nan)
@@ -57,14 +56,23 @@ class Recorder:
         self.snapshots: dict[str, list[np.ndarray]] = {}
         self.path: np.ndarray | None = None
 
-    def take(self, values: dict[str, float]) -> None:
-        """Store one sample and decide whether it was the last."""
-        if self.taken == self._table.shape[1]:
-            self._table = np.pad(self._table, ((0, 0), (0, self.taken)), constant_values=np.nan)
-        self._table[:, self.taken] = [values[name] for name in self.system.series]
-        if self.taken >= self.system.parameters.transient_samples:
-            self._profiles.add(self.system.sample_profiles())
-        self.taken += 1
+    def due(self) -> tuple[int, bool]:
+        """Return how many samples to take next in one go, and whether with profiles."""
+        stops = [stop for stop in (self._transient, *self._looks) if stop > self.taken]
+        return min(stops) - self.taken, self.taken >= self._transient
+
+    def take(self, samples: Samples) -> None:
+        """Store samples, of which only the last may be one to look at, and decide whether it was
+        the last of all."""
+        rows = np.array([samples.values[name] for name in self.system.series])
+        last = self.taken + rows.shape[1]
+        while last > self._table.shape[1]:
+            more = self._table.shape[1]
+            self._table = np.pad(self._table, ((0, 0), (0, more)), constant_values=np.nan)
+        self._table[:, self.taken : last] = rows
+        if samples.profiles:
+            self._profiles.add(samples.profiles)
+        self.taken = last
         if self.taken in self._looks:
             self._look()
 
@@ -93,7 +101,7 @@ class Recorder:
         self._table = table if taken else self._table
         for place, array in below("snapshots", state).items():
             self.snapshots.setdefault(place.partition(".")[0], []).append(array)
-        self._profiles.restore(below("profiles", state), self.system.sample_profiles())
+        self._profiles.restore(below("profiles", state), self.system.no_profiles())
         if taken in self._looks:
             self._look()
 
@@ -185,8 +193,8 @@ class Recorder:
 
     def _add_profiles(self, record: Record) -> None:
         """Turn the sums into profiles; without a sample past the transient they are undefined."""
-        empty = tuple(map(zeros, self.system.sample_profiles()))
-        window = self._profiles.since(self._start - self.system.parameters.transient_samples)
+        empty = self.system.no_profiles()
+        window = self._profiles.since(self._start - self._transient)
         latest = self._profiles.latest
         with np.errstate(invalid="ignore", divide="ignore"):
             for suffix, sums in (("", window), (INSTANTANEOUS, latest)):

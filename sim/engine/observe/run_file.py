@@ -75,12 +75,15 @@ def write(
         try:
             with netCDF4.Dataset(temporary, "w") as file:
                 file.setncatts(attributes)
-                _write_parameters(file, stages[0].parameters)
-                _write_stage(file, stages[0], layout)
+                drafts = [_Draft(file)]
+                _write_parameters(drafts[0], stages[0].parameters)
+                _write_stage(drafts[0], stages[0], layout)
                 for number, stage in enumerate(stages[1:], start=1):
-                    group = file.createGroup(f"shorter_{number}")
-                    _write_amounts(group, stage.parameters)
-                    _write_stage(group, stage, layout)
+                    drafts.append(_Draft(file.createGroup(f"shorter_{number}")))
+                    _write_amounts(drafts[-1], stage.parameters)
+                    _write_stage(drafts[-1], stage, layout)
+                for draft in drafts:
+                    draft.fill()
         except RuntimeError as error:
             # What the library says of a full disk.
             raise OSError(f"{path}: cannot be written: {error}") from None
@@ -88,10 +91,26 @@ def write(
         seal(temporary)
 
 
-def _write_stage(group: netCDF4.Dataset, stage: Stage, layout: Layout) -> None:
-    _write_axes(group, stage.records, layout)
-    _write_coordinates(group, layout)
-    _write_records(group, stage.records, layout)
+class _Draft:
+    """A group of a file, whose variables are defined first and filled later.
+
+    A definition behind data costs the library as much as all before it together.
+    """
+
+    def __init__(self, group: netCDF4.Dataset):
+        self.group = group
+        self.waiting: list[tuple[netCDF4.Variable, Any]] = []
+
+    def fill(self) -> None:
+        """Write what waits."""
+        for variable, values in self.waiting:
+            variable[...] = values
+
+
+def _write_stage(file: _Draft, stage: Stage, layout: Layout) -> None:
+    _write_axes(file, stage.records, layout)
+    _write_coordinates(file, layout)
+    _write_records(file, stage.records, layout)
 
 
 def _summary(attributes: Mapping[str, Any], stages: Sequence[Stage]) -> dict[str, Any]:
@@ -108,32 +127,29 @@ def _summary(attributes: Mapping[str, Any], stages: Sequence[Stage]) -> dict[str
 
 
 def _put(
-    file: netCDF4.Dataset,
+    file: _Draft,
     name: str,
     dimensions: tuple[str, ...],
     values: Any,
     unit: str = "",
     long_name: str = "",
 ) -> Any:
-    """Create one variable; texts and numbers alike."""
+    """Define one variable; texts and numbers alike."""
     values = np.asarray(values)
     text = values.dtype.kind in "UO"
     whole, single = values.dtype.kind in "ib", values.dtype == np.float32
     kind: Any = str if text else "i8" if whole else "f4" if single else "f8"
     options: dict[str, Any] = {} if text or not dimensions else FILTERS
-    variable = file.createVariable(name, kind, dimensions, **options)
+    variable = file.group.createVariable(name, kind, dimensions, **options)
     if unit:
         variable.units = unit
     if long_name:
         variable.long_name = long_name
-    if text and not dimensions:
-        variable[0] = str(values)
-    else:
-        variable[:] = values.astype(object) if text else values
+    file.waiting.append((variable, values.astype(object) if text else values))
     return variable
 
 
-def _write_parameters(file: netCDF4.Dataset, parameters: Parameters) -> None:
+def _write_parameters(file: _Draft, parameters: Parameters) -> None:
     rows = field_info(parameters)
     for name, value in canonical(parameters).items():
         row = rows[name]
@@ -146,22 +162,22 @@ def _write_parameters(file: netCDF4.Dataset, parameters: Parameters) -> None:
         _put(file, name, (), value, "m s-2", meaning)
 
 
-def _write_amounts(group: netCDF4.Dataset, parameters: Parameters) -> None:
+def _write_amounts(file: _Draft, parameters: Parameters) -> None:
     rows = field_info(parameters)
     for name, value in amounts(parameters).items():
-        _put(group, name, (), value, rows[name].unit, rows[name].description)
+        _put(file, name, (), value, rows[name].unit, rows[name].description)
 
 
-def _write_axes(file: netCDF4.Dataset, records: list[Record], layout: Layout) -> None:
+def _write_axes(file: _Draft, records: list[Record], layout: Layout) -> None:
     first = records[0].snapshots
     samples = _samples(records)
-    file.createDimension("replicate", len(records))
-    file.createDimension("time", samples)
-    file.createDimension("height", len(layout.height))
-    file.createDimension("frame", 2)
-    file.createDimension("particle", first["position"][0].shape[0])
-    file.createDimension("axis", first["position"][0].shape[1])
-    file.createDimension("quaternion", 4)
+    file.group.createDimension("replicate", len(records))
+    file.group.createDimension("time", samples)
+    file.group.createDimension("height", len(layout.height))
+    file.group.createDimension("frame", 2)
+    file.group.createDimension("particle", first["position"][0].shape[0])
+    file.group.createDimension("axis", first["position"][0].shape[1])
+    file.group.createDimension("quaternion", 4)
     _put(file, "replicate", ("replicate",), np.arange(len(records)), "1", "number of the replicate")
     time = np.arange(1, samples + 1) * layout.interval
     _put(
@@ -175,9 +191,9 @@ def _write_axes(file: netCDF4.Dataset, records: list[Record], layout: Layout) ->
     _put(file, "axis", ("axis",), np.array(layout.axes), "", "direction")
 
 
-def _write_coordinates(file: netCDF4.Dataset, layout: Layout) -> None:
+def _write_coordinates(file: _Draft, layout: Layout) -> None:
     for name, (unit, long_name, values) in layout.coordinates.items():
-        file.createDimension(name, len(values))
+        file.group.createDimension(name, len(values))
         _put(file, name, (name,), values, unit, long_name)
 
 
@@ -186,13 +202,13 @@ def _samples(records: list[Record]) -> int:
     return max(len(record.series["mean_velocity"]) for record in records)
 
 
-def _write_tables(file: netCDF4.Dataset, records: list[Record]) -> None:
+def _write_tables(file: _Draft, records: list[Record]) -> None:
     """Write tables, and the paths in single precision: they serve pictures and mean paths."""
     for name, values in records[0].tables.items():
         unit, long_name, dimensions = TABLES[name]
         for dimension, size in zip(dimensions, values.shape, strict=True):
-            if dimension not in file.dimensions:
-                file.createDimension(dimension, size)
+            if dimension not in file.group.dimensions:
+                file.group.createDimension(dimension, size)
         stacked = np.stack([record.tables[name] for record in records])
         _put(file, name, ("replicate", *dimensions), stacked, unit, long_name)
     traced = [record.path for record in records if record.path is not None]
@@ -204,7 +220,7 @@ def _write_tables(file: netCDF4.Dataset, records: list[Record]) -> None:
         _put(file, "path", dimensions, np.array(paths, np.float32), "m", long_name)
 
 
-def _write_records(file: netCDF4.Dataset, records: list[Record], layout: Layout) -> None:
+def _write_records(file: _Draft, records: list[Record], layout: Layout) -> None:
     for name, (unit, long_name) in layout.series.items():
         values = np.full((len(records), _samples(records)), np.nan)
         for row, record in zip(values, records, strict=True):

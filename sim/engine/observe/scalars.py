@@ -33,5 +33,6 @@ SCALARS = {
     "steps": ("1", "time steps computed"),
     "time_step_used": ("s", "time step: that of the point, or half of it after a blow-up"),
     "wall_time": ("s", "wall time"),
+    "loop_time": ("s", "processor time in the compiled loop over time steps"),
     "replicate_seed": ("1", "index that, with the seed, starts the random generator"),
 }

@@ -1,6 +1,7 @@
 """What the recorder needs of a system."""
 
-from typing import Protocol
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
@@ -10,13 +11,29 @@ from sim.engine.observe.sums import Sums
 from sim.parameters import Parameters
 
 
+class Samples(NamedTuple):
+    """K successive samples: ``values`` name -> (K,) of the time series, and the sums that their
+    ``profiles`` add, along a first axis, or nothing where they were not wanted.
+
+    The profiles are good until the next samples are taken.
+    """
+
+    values: Mapping[str, Sequence[float] | np.ndarray]
+    profiles: Sums | None
+
+    def first(self) -> dict[str, float]:
+        """Return the values of the first sample."""
+        return {name: float(values[0]) for name, values in self.values.items()}
+
+
 class System(Protocol):
     """One replicate in motion: what ``sim.engine.run`` needs of a system.
 
     ``parameters`` are those of the point, ``time_step`` (s) is theirs or a fraction of it;
     ``series`` maps the names of the time series to (unit, long name), and ``ledger`` tells which of
     them add up to the energy; ``axes`` names the directions; ``profile_height`` (H,) are the
-    centres of the profiles' slices (m); ``scales`` and ``period`` (samples) serve the analysis of
+    centres of the profiles' slices (m); ``loop_time`` (s) processor time in the compiled loop over
+    time steps; ``scales`` and ``period`` (samples) serve the analysis of
     the velocity's trend; ``mass`` is that of all particles (kg); ``coordinates`` of tables and
     path: name -> (unit, long name, values); ``moving`` names the attributes that motion changes,
     which are arrays and numbers, or tuples, lists and dictionaries of them.
@@ -28,6 +45,7 @@ class System(Protocol):
     ledger: Ledger
     axes: tuple[str, ...]
     mass: float
+    loop_time: float
     profile_height: np.ndarray
     scales: Scales
     period: int
@@ -37,11 +55,17 @@ class System(Protocol):
     def settle(self) -> None:
         """Bring the initial state to rest where the paper does; raise ``BlowUp`` when it fails."""
 
+    def sample(self, most: int = 1, profiles: bool = False) -> Samples:
+        """Advance by at least one and at most so many samples and return what they say.
+
+        Raises ``BlowUp``, which holds the samples taken before that.
+        """
+
     def advance(self) -> dict[str, float]:
         """Advance to the next sample and return a value per time series; may raise ``BlowUp``."""
 
-    def sample_profiles(self) -> Sums:
-        """Return the profiles of the present state as sums that can be added up."""
+    def no_profiles(self) -> Sums:
+        """Return sums of profiles of zero."""
 
     def profiles(self, sums: Sums) -> dict[str, np.ndarray]:
         """Turn sums of profiles into named arrays (H,)."""

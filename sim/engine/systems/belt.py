@@ -1,23 +1,25 @@
 """The vibrating belt of Gallas, Herrmann and Sokolowski: beads on a line that shakes."""
 
 from math import pi, radians, sqrt
+from time import process_time
 
 import numpy as np
 
-from sim.engine.boundary.belt import belt_height, stored_in_belt
-from sim.engine.boundary.obstacle import Obstacle, stored_in_obstacle
+from sim.engine.boundary.obstacle import Obstacle
+from sim.engine.calls import Direct, kind_of
 from sim.engine.contact.spring_damping import spring_damping
 from sim.engine.dynamics.cells import make_box
-from sim.engine.dynamics.disks import make_disks, stored_in_disks
+from sim.engine.dynamics.disks import make_disks
 from sim.engine.dynamics.gear import Gear, Verlet, restarted
 from sim.engine.dynamics.neighbors import empty_pair_list, grown, make_search
-from sim.engine.dynamics.status import LIST_FULL, BlowUp, require_motion
+from sim.engine.dynamics.status import LIST_FULL, REASONS, BlowUp, outcome
 from sim.engine.observe.field import Field, squares, wave_power
-from sim.engine.observe.profiles import AREA, CENTRE, Profile, add_sample, empty_profile
+from sim.engine.observe.profiles import Profile, empty_profile
 from sim.engine.observe.regime import Scales
-from sim.engine.systems import shaking
+from sim.engine.observe.system import Samples
+from sim.engine.systems import bed_samples, shaking
 from sim.engine.systems.belt_start import initial_bed, vibration
-from sim.engine.systems.series import BELT_LEDGER, BELT_SERIES
+from sim.engine.systems.series import BELT_LEDGER, BELT_SERIES, since_start
 from sim.parameters import BeltParameters
 
 #: Skin of the neighbor list in mean diameters.
@@ -28,6 +30,9 @@ SLICES = 80
 
 #: Intervals of the path over the cycle that ends a run: the paper plots every 50th of 2000 steps.
 PATH_INTERVALS = 40
+
+#: Samples that are taken in one go, at most, and particle-steps between them, about 30 ms.
+MOST_SAMPLES, MOST_WORK = 64, 2_000_000
 
 #: Simulated time (s) after which a bed that still moves is given up.
 SETTLING_LIMIT = 30.0
@@ -71,12 +76,17 @@ class Belt:
         self.belt = vibration(p, p.frequency)
         self.integrator = self._integrator(self.time_step)
         self.loop = shaking.make_shaking()
+        self.loop_time = 0.0
+        kind = kind_of(self.law, self.integrator)
+        self._advance = Direct(shaking.advance_disks, kind)
+        self._take = Direct(bed_samples.sample_bed, kind)
         self.scales = Scales(p.least_transport, acceleration=np.inf, drift=p.drift, target=p.target)
         self.mass = float(bed.mass.sum())
         self.period = p.samples_per_cycle
         self.profile_height = (np.arange(SLICES) + 0.5) * p.diameter
         self.normal_loss, self.shear_loss, self.belt_work = 0.0, 0.0, 0.0
         self.squares = squares(width, p.diameter, p.amplitude)
+        self._room = self._make_room()
         self.coordinates = self.squares.coordinates() | {
             "path_time": (
                 "s",
@@ -84,6 +94,11 @@ class Belt:
                 np.linspace(0.0, p.time_unit, PATH_INTERVALS + 1),
             ),
         }
+
+    def _make_room(self) -> bed_samples.BedSamples:
+        beads = self.parameters.beads
+        samples = max(1, min(MOST_SAMPLES, MOST_WORK // (self.sample_steps * beads)))
+        return bed_samples.make_samples(samples, beads, SLICES, self.squares)
 
     def _integrator(self, time_step: float):
         kind = {"gear": Gear, "verlet": Verlet}[self.parameters.integrator]
@@ -132,89 +147,86 @@ class Belt:
         if self.parameters.shear_damping == 0.0:
             self.disks.taylor[1, 0] -= self.disks.taylor[1, 0].mean()
 
+    def _contacts(self, belt) -> shaking.BedContacts:
+        return shaking.BedContacts(self.law, self.pairs, belt, self.obstacle, self.search)
+
+    def _motion(self, integrator) -> shaking.BedMotion:
+        p = self.parameters
+        return shaking.BedMotion(integrator, p.gravity, p.overlap_limit)
+
     def _run(self, integrator, belt, steps: int, where: str) -> None:
-        p, loop = self.parameters, self.loop
-        motion = shaking.BedMotion(integrator, p.gravity, p.overlap_limit)
+        """Advance by a number of steps without taking a sample."""
+        loop, motion = self.loop, self._motion(integrator)
         target = loop.step[0] + steps
-        status = LIST_FULL
+        began, status = process_time(), LIST_FULL
         while status == LIST_FULL:
-            contacts = shaking.BedContacts(self.law, self.pairs, belt, self.obstacle, self.search)
             remaining = target - loop.step[0]
-            status = shaking.advance_disks(self.disks, contacts, loop, motion, remaining)
+            status = self._advance(self.disks, self._contacts(belt), loop, motion, remaining)
             if status == LIST_FULL:
                 self.pairs = grown(self.pairs)
-        require_motion(status, self.disks.taylor, f"{loop.step[0]} {where}")
+        self.loop_time += process_time() - began
+        if wrong := outcome(status, self.disks.taylor):
+            raise BlowUp(f"{wrong} at step {loop.step[0]} {where}")
+
+    def sample(self, most: int = 1, profiles: bool = False) -> Samples:
+        """Advance by at least one and at most so many samples and return what they say."""
+        p, loop, motion = self.parameters, self.loop, self._motion(self.integrator)
+        room, count = self._room, min(most, len(self._room.sums))
+        room.taken[0], room.clock[0] = 0, 0
+        amplitude = p.amplitude * p.diameter
+        how = bed_samples.Sampling(
+            count, self.sample_steps, profiles, amplitude, p.diameter, self.squares
+        )
+        status = LIST_FULL
+        while status == LIST_FULL:
+            contacts = self._contacts(self.belt)
+            calls = bed_samples.make_calls(self.disks, contacts, loop, motion)
+            status = self._take(calls, self.disks, contacts, loop, motion, how, room)
+            if status == LIST_FULL:
+                self.pairs = grown(self.pairs)
+        self.loop_time += 1e-6 * float(room.clock[0])
+        found = Samples(self._values(room), room.profiles() if profiles else None)
+        if status in REASONS:
+            reason = f"{REASONS[status]} at step {loop.step[0]} of the shaking"
+            raise BlowUp(reason, found if room.taken[0] else None)
+        return found
 
     def advance(self) -> dict[str, float]:
-        """Advance by one sample interval and return a value per time series."""
-        self.loop.sums[:] = 0.0
-        self._run(self.integrator, self.belt, self.sample_steps, "of the shaking")
-        return self._sample()
+        """Advance by one sample and return a value per time series."""
+        return self.sample().first()
 
-    def _time(self) -> float:
-        return self.loop.step[0] * self.time_step
+    def _values(self, room: bed_samples.BedSamples) -> dict[str, np.ndarray]:
+        """Return what the time series hold of the samples that have been taken."""
+        p, count = self.parameters, int(room.taken[0])
+        parts = room.sums, room.stored, room.state
+        sums, stored, state = (part[:count].T.copy() for part in parts)
+        number = self.loop.step[0] // self.sample_steps - np.arange(count)[::-1]
+        cycle_step = number * self.sample_steps % self.steps_per_cycle
+        angle = 2.0 * pi * cycle_step / self.steps_per_cycle + radians(p.phase)
+        mean = sums / sums[shaking.STEPS]
+        return {
+            "mean_velocity": mean[shaking.VELOCITY],
+            "mass_flux": mean[shaking.MOMENTUM] / self.box.length[0],
+            "kinetic_energy": state[0],
+            "potential_energy": p.gravity * np.vecdot(room.mass[:count], room.height[:count]),
+            "stored_energy": stored[0] + stored[1] + stored[2],
+            "normal_loss": since_start(self, "normal_loss", sums[shaking.NORMAL_LOSS]),
+            "shear_loss": since_start(self, "shear_loss", sums[shaking.SHEAR_LOSS]),
+            "belt_work": since_start(self, "belt_work", sums[shaking.BELT_WORK]),
+            "height_of_mass": state[1],
+            "contact_number": mean[shaking.CONTACTS] / p.beads,
+            "largest_overlap": sums[shaking.LARGEST],
+            "belt_phase": angle % (2.0 * pi),
+            "base_occupancy": state[2],
+            "wave_power": wave_power(room.waves[:count], p.beads),
+        }
 
     def _velocity(self) -> np.ndarray:
         return self.disks.taylor[1] / self.time_step
 
-    def _sample(self) -> dict[str, float]:
-        p, disks, sums = self.parameters, self.disks, self.loop.sums
-        mean = sums / sums[shaking.STEPS]
-        cycle_step = self.loop.step[0] % self.steps_per_cycle
-        angle = 2.0 * pi * cycle_step / self.steps_per_cycle + radians(p.phase)
-        return {
-            "mean_velocity": mean[shaking.VELOCITY],
-            "mass_flux": mean[shaking.MOMENTUM] / self.box.length[0],
-            "kinetic_energy": 0.5 * (disks.mass * (self._velocity() ** 2).sum(axis=0)).sum(),
-            **self._ledger(),
-            "height_of_mass": np.average(disks.taylor[0, 1], weights=disks.mass),
-            "contact_number": mean[shaking.CONTACTS] / p.beads,
-            "largest_overlap": sums[shaking.LARGEST],
-            "belt_phase": angle % (2.0 * pi),
-            **self._places(),
-        }
-
-    def _places(self) -> dict[str, float]:
-        """Return measures of where the beads are: near the belt, and in waves along it."""
-        x, z = self.disks.taylor[0]
-        near = np.abs(z) < self.parameters.amplitude * self.parameters.diameter
-        return {"base_occupancy": near.mean(), "wave_power": wave_power(x, self.box.length[0])}
-
-    def _ledger(self) -> dict[str, float]:
-        """Return where the energy is, where it has gone and where it came from."""
-        disks, sums = self.disks, self.loop.sums
-        self.normal_loss += sums[shaking.NORMAL_LOSS]
-        self.shear_loss += sums[shaking.SHEAR_LOSS]
-        self.belt_work += sums[shaking.BELT_WORK]
-        stored = (
-            stored_in_disks(self.law, disks, self.pairs)
-            + stored_in_belt(self.law, disks, self.belt, self._time())
-            + stored_in_obstacle(self.law, disks, self.obstacle, self.box)
-        )
-        return {
-            "potential_energy": self.parameters.gravity * float(disks.mass @ disks.taylor[0, 1]),
-            "stored_energy": stored,
-            "normal_loss": self.normal_loss,
-            "shear_loss": self.shear_loss,
-            "belt_work": self.belt_work,
-        }
-
-    def sample_profiles(self) -> tuple[Profile, Profile, Field]:
-        """Return profiles above the present belt, by centres and by area, and the field."""
-        height = self.disks.taylor[0, 1] - belt_height(self.belt, self._time())
-        profiles = []
-        for kind in (CENTRE, AREA):
-            profile = empty_profile(SLICES, 2)
-            add_sample(
-                profile,
-                kind,
-                self.parameters.diameter,
-                height,
-                self.disks.radius,
-                self._velocity(),
-            )
-            profiles.append(profile)
-        return (*profiles, self.squares.sample(*self.disks.taylor[0], self._velocity()[0]))
+    def no_profiles(self) -> tuple[Profile, Profile, Field]:
+        """Return sums of zero: profiles above the belt, by centres and by area, and the field."""
+        return empty_profile(SLICES, 2), empty_profile(SLICES, 2), self.squares.empty()
 
     def profiles(self, sums: tuple[Profile, Profile, Field]) -> dict[str, np.ndarray]:
         """Return velocity, densities and granular temperature per slice."""

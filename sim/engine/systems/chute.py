@@ -2,11 +2,13 @@
 
 from functools import partial
 from math import ceil, cos, radians, sin
-from typing import NamedTuple
+from time import process_time
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from sim.engine.boundary.plane import make_plane, stored_in_plane
+from sim.engine.calls import Direct, kind_of
 from sim.engine.contact import Partners, law_of
 from sim.engine.dynamics.cells import make_box
 from sim.engine.dynamics.neighbors import empty_pair_list, grown
@@ -18,14 +20,17 @@ from sim.engine.dynamics.spheres import (
     make_spheres,
     stored_in_spheres,
 )
-from sim.engine.dynamics.status import LIST_FULL, require_motion
+from sim.engine.dynamics.status import LIST_FULL, BlowUp, outcome
 from sim.engine.dynamics.team import Team
+from sim.engine.observe.flow import flow_energies
 from sim.engine.observe.overlaps import EDGES, Overlaps, count_overlaps, no_overlaps
 from sim.engine.observe.profiles import VOLUME, Profile, add_sample, empty_profile
 from sim.engine.observe.regime import Scales
+from sim.engine.observe.sums import Sums, first_of, stacked
+from sim.engine.observe.system import Samples
 from sim.engine.systems import leap_frog
 from sim.engine.systems.chute_start import initial_layer
-from sim.engine.systems.series import CHUTE_LEDGER, CHUTE_SERIES
+from sim.engine.systems.series import CHUTE_LEDGER, CHUTE_SERIES, since_start
 from sim.engine.systems.sharing import Thread
 from sim.parameters import ChuteParameters
 from sim.parameters.chute import negligible_acceleration
@@ -33,8 +38,23 @@ from sim.parameters.chute import negligible_acceleration
 #: Skin of the neighbor list in diameters.
 SKIN = 0.2
 
+#: Particle-steps between two returns to whoever asks for samples, at most: some tenths of a second.
+MOST_WORK = 4_000_000
+
 #: States of the path that ends a run, and the time (√(σ/g)) from one to the next.
 PATH_STATES, PATH_INTERVAL = 41, 0.1
+
+
+class _Kernels:
+    """What is called for each sample of flows with such laws."""
+
+    def __init__(self, laws: tuple[NamedTuple, NamedTuple]):
+        kind = kind_of(laws)
+        self.advance = Direct(leap_frog.advance_spheres, kind)
+        self.stored_in_spheres = Direct(stored_in_spheres, kind)
+        self.stored_in_plane = Direct(stored_in_plane, kind)
+        self.add_sample = Direct(add_sample, kind)
+        self.count_overlaps = Direct(count_overlaps, kind)
 
 
 class Chute:
@@ -78,6 +98,8 @@ class Chute:
         self.weight = (self.mass * self.gravity[0], -self.mass * self.gravity[2])
         self.period = 1
         self.profile_height = (np.arange(slices) + 0.5) * self.slice_height
+        self._most = max(1, MOST_WORK // (self.sample_steps * number))
+        self.loop_time, self._call = 0.0, _Kernels(self.laws)
         self.travelled, self.lost, self.work_done = 0.0, 0.0, 0.0
         self.coordinates = {
             "overlap_edges": ("1", "edges of the intervals of overlap, in diameters", EDGES),
@@ -99,44 +121,86 @@ class Chute:
     def settle(self) -> None:
         """Do nothing: the paper's flow starts from its initial state."""
 
+    def sample(self, most: int = 1, profiles: bool = False) -> Samples:
+        """Advance by at least one and at most so many samples and return what they say."""
+        count, states = min(most, self._most), []
+        sums = tuple(stacked(count, one) for one in self.no_profiles()) if profiles else None
+        try:
+            for k in range(count):
+                self._run(self.sample_steps)
+                states.append(self._state())
+                if sums:
+                    self._add_profiles(sums, k)
+        except BlowUp as error:
+            raise BlowUp(str(error), self._samples(states, sums) if states else None) from None
+        return self._samples(states, sums)
+
+    def _samples(self, states: list[tuple[float, ...]], sums: Sums | None) -> Samples:
+        """Return the samples of these states, with profiles of the first of the sums."""
+        values = self._values(np.array(states).T)
+        return Samples(values, sums and tuple(first_of(one, len(states)) for one in sums))
+
     def advance(self) -> dict[str, float]:
-        """Advance by one sample interval and return a value per time series."""
-        self._run(self.sample_steps)
-        return self._sample()
+        """Advance by one sample and return a value per time series."""
+        return self.sample().first()
 
     def _run(self, steps: int) -> None:
         """Advance by a number of steps, with the sums of these steps alone."""
         flow = self.flow
         flow.sums[:] = 0.0
         target = flow.step[0] + steps
-        status = LIST_FULL
+        began, status = process_time(), LIST_FULL
         while status == LIST_FULL:
             status = self.team.run(partial(self._advance, target - flow.step[0]))
             if status == LIST_FULL:
                 self.pairs = grown(self.pairs)
                 self.memory = enlarged(self.memory, len(self.pairs.touching))
-        time = flow.step[0] * self.time_step / self.parameters.time_unit
-        require_motion(status, self.spheres.position, f"{flow.step[0]} (t* = {time:.4g})")
+        self.loop_time += process_time() - began
+        if wrong := outcome(status, self.spheres.position):
+            time = flow.step[0] * self.time_step / self.parameters.time_unit
+            raise BlowUp(f"{wrong} at step {flow.step[0]} (t* = {time:.4g})")
 
     def _advance(self, steps: int, rank: int) -> int:
         contacts = leap_frog.FlowContacts(self.laws, self.pairs, self.plane, self.memory)
         motion = leap_frog.Motion(self.gravity, self.time_step, self.parameters.overlap_limit)
         thread = Thread(rank, self.team.gate, self.scratch[rank])
-        return leap_frog.advance_spheres(self.spheres, contacts, self.flow, motion, thread, steps)
+        return self._call.advance(self.spheres, contacts, self.flow, motion, thread, steps)
 
-    def _sample(self) -> dict[str, float]:
-        spheres, sums = self.spheres, self.flow.sums
+    def _state(self) -> tuple[float, ...]:
+        """Return what a sample needs: the sums over its steps, energies, what springs store."""
+        spheres, time_step, step = self.spheres, self.time_step, self.flow.step[0] % 2
+        call, plane = self._call, self.plane
+        return (
+            *self.flow.sums.tolist(),
+            *flow_energies(spheres.position, spheres.velocity, spheres.rim, spheres.mass),
+            *call.stored_in_spheres(
+                self.laws[0], spheres, self.pairs, self.memory[step], time_step
+            ),
+            *call.stored_in_plane(self.laws[1], spheres, plane, plane.memory[step], time_step),
+        )
+
+    def _values(self, states: np.ndarray) -> dict[str, np.ndarray]:
+        """Return what the time series hold of such states (S, K).
+
+        A friction's work is stored or lost.
+        """
+        sums, (kinetic, rotational, height, *stored) = np.split(states, [leap_frog.SUMS])
+        normal, tangential = stored[0] + stored[2], stored[1] + stored[3]
         mean = sums / sums[leap_frog.STEPS]
         velocity = mean[leap_frog.MOMENTUM] / self.mass
-        speed = (spheres.velocity**2).sum(axis=0)
-        rim = (spheres.rim**2).sum(axis=0)
-        height = np.average(spheres.position[2], weights=spheres.mass)
+        way = sums[leap_frog.MOMENTUM] / self.mass * self.time_step
+        along = self.gravity[0] * since_start(self, "travelled", way)
+        across = -self.gravity[2] * height
+        work = since_start(self, "work_done", sums[leap_frog.FRICTION_WORK])
         return {
             "mean_velocity": velocity,
             "mass_flux": velocity * self.mass / self.box.length[0] ** 2,
-            "kinetic_energy": 0.5 * (spheres.mass * speed).sum(),
-            "rotational_energy": 0.5 * SOLID * (spheres.mass * rim).sum(),
-            **self._ledger(height),
+            "kinetic_energy": 0.5 * kinetic,
+            "rotational_energy": 0.5 * SOLID * rotational,
+            "potential_energy": self.mass * (across - along),
+            "stored_energy": normal + tangential,
+            "normal_loss": since_start(self, "lost", sums[leap_frog.NORMAL_LOSS]),
+            "frictional_loss": work - tangential,
             "height_of_mass": height,
             "contact_number": mean[leap_frog.CONTACTS] / self.parameters.particles,
             "largest_overlap": sums[leap_frog.LARGEST],
@@ -144,39 +208,21 @@ class Chute:
             "base_shear_force": -mean[leap_frog.PLANE_X],
         }
 
-    def _ledger(self, height: float) -> dict[str, float]:
-        """Return where the energy is and has gone; a friction's work is stored or lost."""
-        spheres, sums, step = self.spheres, self.flow.sums, self.flow.step[0] % 2
-        self.travelled += sums[leap_frog.MOMENTUM] / self.mass * self.time_step
-        self.lost += sums[leap_frog.NORMAL_LOSS]
-        self.work_done += sums[leap_frog.FRICTION_WORK]
-        pairs = stored_in_spheres(
-            self.laws[0], spheres, self.pairs, self.memory[step], self.time_step
-        )
-        plane = stored_in_plane(
-            self.laws[1], spheres, self.plane, self.plane.memory[step], self.time_step
-        )
-        normal, tangential = pairs[0] + plane[0], pairs[1] + plane[1]
-        along, across = self.gravity[0] * self.travelled, -self.gravity[2] * height
-        return {
-            "potential_energy": self.mass * (across - along),
-            "stored_energy": normal + tangential,
-            "normal_loss": self.lost,
-            "frictional_loss": self.work_done - tangential,
-        }
+    def no_profiles(self) -> tuple[Profile, Overlaps]:
+        """Return sums of zero: the profile, weighted by volume, and the overlaps."""
+        return empty_profile(len(self.profile_height), 3), no_overlaps()
 
-    def sample_profiles(self) -> tuple[Profile, Overlaps]:
-        """Return the profile of the present state, weighted by volume, and its overlaps."""
-        profile = empty_profile(len(self.profile_height), 3)
+    def _add_profiles(self, sums: Any, k: int) -> None:
+        """Add the profile of the present state and its overlaps to those of sample k."""
+        several, overlaps = sums
         spheres = self.spheres
         height, radius, velocity = spheres.position[2], spheres.radius, spheres.velocity
         if self.glued:
             moving = spheres.mass > 0.0
             height, radius, velocity = height[moving], radius[moving], velocity[:, moving].copy()
-        add_sample(profile, VOLUME, self.slice_height, height, radius, velocity)
-        overlaps = no_overlaps()
-        count_overlaps(overlaps.counts, spheres, self.pairs)
-        return profile, overlaps
+        profile = Profile(*(part[k] for part in several))
+        self._call.add_sample(profile, VOLUME, self.slice_height, height, radius, velocity)
+        self._call.count_overlaps(overlaps.counts[k], spheres, self.pairs)
 
     def profiles(self, sums: tuple[Profile, Overlaps]) -> dict[str, np.ndarray]:
         """Return velocity, packing fraction and granular temperature per slice."""

@@ -1,5 +1,9 @@
 """What the time series of both systems are, and which of them add up to the energy."""
 
+from typing import Any
+
+import numpy as np
+
 from sim.engine.observe.ledger import Ledger
 
 #: Name of a time series -> (unit, long name).
@@ -76,3 +80,10 @@ BELT_LEDGER = Ledger(
         "belt_work": "belt_power",
     },
 )
+
+
+def since_start(system: Any, name: str, gained: np.ndarray) -> np.ndarray:
+    """Return a sum since the start at each of some samples, and keep the last in the system."""
+    total = np.cumsum([getattr(system, name), *gained])
+    setattr(system, name, float(total[-1]))
+    return total[1:]

@@ -1,19 +1,36 @@
 """Blocks of profiles: the sum from a late start, in bounded memory."""
 
+import numpy as np
 import pytest
 
 from sim.engine.observe.blocks import MOST, ProfileBlocks
 from sim.engine.observe.profiles import empty_profile
+from sim.engine.observe.sums import stacked
 
 
-def filled(samples: int) -> ProfileBlocks:
-    """Blocks of a profile whose sample k has the weight k."""
+def filled(samples: int, at_once: int = 7) -> ProfileBlocks:
+    """Blocks of a profile whose sample k has the weight k, added some at once."""
     blocks = ProfileBlocks()
-    for number in range(samples):
-        profile = empty_profile(1, 2)
-        profile.samples[0], profile.weight[0] = 1.0, float(number)
-        blocks.add((profile,))
+    for first in range(0, samples, at_once):
+        number = np.arange(first, min(first + at_once, samples))
+        several = stacked(len(number), empty_profile(1, 2))
+        several.samples[:, 0], several.weight[:, 0] = 1.0, number
+        blocks.add((several,))
     return blocks
+
+
+@pytest.mark.parametrize("at_once", [1, 5, 64])
+def test_it_does_not_matter_how_many_come_at_once(at_once):
+    rng, blocks = np.random.default_rng(1), [ProfileBlocks(), ProfileBlocks()]
+    several = stacked(300, empty_profile(2, 2))
+    several.weight[:] = rng.normal(size=several.weight.shape)
+    for sizes, mine in zip((at_once, 300), blocks, strict=True):
+        for first in range(0, 300, sizes):
+            part = type(several)(*(values[first : first + sizes] for values in several))
+            mine.add((part,))
+    (one,), (other,) = (mine.since(100) for mine in blocks)
+    assert np.array_equal(one.weight, other.weight)
+    assert np.array_equal(blocks[0].latest[0].weight, several.weight[-1])
 
 
 @pytest.mark.parametrize("samples", [1, 5, MOST, MOST + 1, 10 * MOST + 3])

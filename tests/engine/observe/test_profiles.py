@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from sim.engine.observe.profiles import AREA, CENTRE, VOLUME, add_sample, empty_profile
-from sim.engine.observe.sums import plus, zeros
+from sim.engine.observe.sums import plus
 
 SLICE = 0.25e-3
 TOTAL = {
@@ -106,12 +106,3 @@ def test_a_mean_velocity_that_changes_between_samples_is_no_temperature():
     assert both.samples[0] == 2.0
     mean = 0.5 * (still.velocity() + faster.velocity())
     assert both.velocity() == pytest.approx(mean, rel=1e-9, nan_ok=True)
-
-
-def test_zeros_of_a_profile_keep_its_shape():
-    profile = profile_of(AREA, *random_state(dimension=2))
-    empty = zeros(profile)
-    assert all(
-        not new.any() and new.shape == old.shape for new, old in zip(empty, profile, strict=True)
-    )
-    assert all(np.array_equal(a, b) for a, b in zip(plus(profile, empty), profile, strict=True))

@@ -9,6 +9,8 @@ from sim.engine.observe.ledger import Ledger
 from sim.engine.observe.profiles import empty_profile
 from sim.engine.observe.recorder import Recorder
 from sim.engine.observe.regime import Scales
+from sim.engine.observe.sums import stacked
+from sim.engine.observe.system import Samples
 
 #: Samples of 0.1 s: 4 of transient and 12 to average, or up to 64 of the converged protocol.
 LENGTHS = {
@@ -39,11 +41,21 @@ class Ramp:
     profile_height = np.array([0.5])
     scales = Scales(arrested=1e-3, acceleration=0.1, drift=0.1, target=0.02)
     period = 1
+    most = 3
 
     def __init__(self, parameters, velocity=float):
         self.parameters, self.velocity, self.number = parameters, velocity, 0
 
-    def advance(self):
+    def sample(self, most, profiles):
+        first = self.number
+        rows = [self.row() for _ in range(min(most, self.most))]
+        several = stacked(len(rows), empty_profile(1, 3))
+        several.samples[:], several.weight[:] = 1.0, 2.0
+        several.moved[:, 0] = 2.0 * np.arange(first + 1, self.number + 1)
+        values = {name: [row[name] for row in rows] for name in self.series}
+        return Samples(values, (several,) if profiles else None)
+
+    def row(self):
         self.number += 1
         return {
             "mean_velocity": self.velocity(self.number),
@@ -54,10 +66,8 @@ class Ramp:
             "lost": 1.02 * self.number,
         }
 
-    def sample_profiles(self):
-        profile = empty_profile(1, 3)
-        profile.samples[0], profile.weight[0], profile.moved[0] = 1.0, 2.0, 2.0 * self.number
-        return (profile,)
+    def no_profiles(self):
+        return (empty_profile(1, 3),)
 
     def profiles(self, sums):
         return {
@@ -81,7 +91,8 @@ def recorded(samples: int = 1000, failure: str = "", parameters=PUBLISHED, veloc
     recorder = Recorder(system)
     recorder.take_snapshot()
     while recorder.taken < samples and not recorder.stopped:
-        recorder.take(system.advance())
+        most, profiles = recorder.due()
+        recorder.take(system.sample(min(most, samples - recorder.taken), profiles))
     recorder.take_snapshot()
     return recorder.finish(failure)
 

@@ -6,7 +6,7 @@ import pytest
 from sim.engine.dynamics.status import BlowUp
 from sim.engine.systems import build
 from sim.parameters import parse_point
-from tests.engine_motion.points import belt_point, series_of
+from tests.engine_motion.points import belt_point, series_of, sums_of
 
 SMALL = {"beads": 40, "width": 8}
 
@@ -123,10 +123,9 @@ def test_sample_is_what_the_state_says():
 
 def test_profiles_count_every_bead_from_the_belt_up():
     system = settled()
-    for _ in range(7):
-        system.advance()
+    system.sample(6)
     p = system.parameters
-    profiles = system.profiles(system.sample_profiles())
+    profiles = system.profiles(sums_of(system))
     assert profiles["number_density"].sum() * p.diameter * 8 * p.diameter == pytest.approx(40)
     above = system.disks.taylor[0, 1] - 1e-3 * np.sin(2 * np.pi * 7 / 20)
     counted = np.histogram(above, bins=80, range=(0, 80e-3))[0] / (8 * p.diameter**2)

@@ -6,7 +6,7 @@ import pytest
 from sim.engine.dynamics.status import BlowUp
 from sim.engine.systems import build
 from tests.engine_motion.helpers import wrapped
-from tests.engine_motion.points import chute_point
+from tests.engine_motion.points import chute_point, sums_of
 
 SMALL = {"cell": 5, "depth": 1.24}
 
@@ -135,9 +135,9 @@ def test_profiles_hold_the_whole_flow():
     """But for what the lowest spheres dip into the plane, some 1e-6 of the volume."""
     p = chute_point(**SMALL)
     system = build(p, 0)
-    for _ in range(20):
+    for _ in range(19):
         system.advance()
-    profiles = system.profiles(system.sample_profiles())
+    profiles = system.profiles(sums_of(system))
     packing, velocity = profiles["packing_profile"], profiles["velocity_profile"]
     volume = packing.sum() * p.slice_height * p.diameter * (5 * p.diameter) ** 2
     assert volume == pytest.approx(p.particles * np.pi / 6 * p.diameter**3, rel=1e-4)

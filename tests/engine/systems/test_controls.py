@@ -6,7 +6,7 @@ import pytest
 from sim.base.errors import InputError
 from sim.engine.systems import build
 from tests.engine_motion.helpers import wrapped
-from tests.engine_motion.points import belt_point, chute_point
+from tests.engine_motion.points import belt_point, chute_point, sums_of
 
 BUMPY = {"cell": 5, "depth": 2, "bumps": 0.8}
 UNEQUAL = {"cell": 5, "depth": 2, "diameter_spread": 0.2}
@@ -77,11 +77,11 @@ def test_glued_spheres_lie_on_the_plane_and_stay():
 
 def test_averages_leave_out_what_is_glued():
     system = build(chute_point(**BUMPY), 0)
+    profile, _ = sums_of(system)
     row = system.advance()
     moving = system.spheres.mass > 0
     now = system.spheres.velocity[0, moving].mean()
     assert row["mean_velocity"] == pytest.approx(now, rel=0.05)
-    profile, _ = system.sample_profiles()
     volume = 4 / 3 * np.pi * (0.5e-3) ** 3
     assert profile.weight.sum() == pytest.approx(moving.sum() * volume, rel=1e-9)
 

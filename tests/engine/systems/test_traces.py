@@ -3,9 +3,11 @@
 import numpy as np
 import pytest
 
+from sim.engine.observe.bed import bed_energies
+from sim.engine.observe.field import wave_power, waves
 from sim.engine.observe.overlaps import EDGES
 from sim.engine.systems import build
-from tests.engine_motion.points import belt_point, chute_point
+from tests.engine_motion.points import belt_point, chute_point, sums_of
 
 
 def settled(**values):
@@ -51,42 +53,42 @@ def test_the_path_of_a_fast_chute_is_not_folded_into_the_cell():
 
 def test_the_field_counts_every_bead_once_where_it_is():
     system = settled(frequency=60)
-    for _ in range(30):
-        system.advance()
-    *_, field = system.sample_profiles()
+    system.sample(29)
+    *_, field = sums = sums_of(system)
     assert field.count.sum() == 40 and field.samples == 1
     x, z = system.disks.taylor[0]
     column, level = int(x[3] / 1e-3) % 8, int(np.floor((z[3] + 1e-3) / 1e-3))
     assert field.count[column, level] >= 1
     assert field.moved.sum() == pytest.approx(system._velocity()[0].sum())
-    tables = system.tables((*system.sample_profiles(),))
+    tables = system.tables(sums)
     assert np.nansum(tables["field_density"]) * 1e-6 == pytest.approx(40)
     assert np.isnan(tables["field_velocity"][tables["field_density"] == 0]).all()
 
 
 def test_waves_of_beads_in_one_place_are_as_strong_as_can_be_and_even_beads_have_none():
-    system = settled(frequency=30)
-    system.disks.taylor[0, 0] = 1e-3
-    assert system._places()["wave_power"] == pytest.approx(40)
-    system.disks.taylor[0, 0] = np.arange(40) * 0.2e-3
-    assert system._places()["wave_power"] == pytest.approx(0, abs=1e-12)
+    found = np.zeros((2, 5, 2))
+    for x, sums in zip((np.full(40, 1e-3), np.arange(40) * 0.2e-3), found, strict=True):
+        waves(x, 8e-3, sums)
+    assert wave_power(found, 40) == pytest.approx([40, 0], abs=1e-12)
 
 
 def test_occupancy_counts_beads_within_an_amplitude_of_the_mean_belt():
-    system = settled(amplitude=1.5)
-    system.disks.taylor[0, 1] = np.linspace(-2e-3, 6e-3, 40)
-    inside = (np.abs(np.linspace(-2e-3, 6e-3, 40)) < 1.5e-3).mean()
-    assert system._places()["base_occupancy"] == inside
+    taylor = np.zeros((6, 2, 40))
+    taylor[0, 1] = np.linspace(-2e-3, 6e-3, 40)
+    *_, found = bed_energies(taylor, np.ones(40), 1e-5, 1.5e-3)
+    assert found == (np.abs(taylor[0, 1]) < 1.5e-3).mean()
 
 
 def test_overlaps_of_all_contacts_are_counted_in_their_intervals():
     system = build(chute_point(cell=4, depth=3), 0)
     rows = [system.advance() for _ in range(60)]
-    _, overlaps = system.sample_profiles()
+    last = system.sample(1, profiles=True)
+    rows.append(last.first())
+    overlaps = last.profiles[1]
     assert 0 < overlaps.counts.sum() < 12 * system.parameters.particles
     largest = EDGES[np.flatnonzero(overlaps.counts).max()]
     assert largest <= max(row["largest_overlap"] for row in rows)
     x, r = system.spheres.position, system.spheres.radius
     resting = ((r - x[2]) / (2 * r))[x[2] < r]
     expected, _ = np.histogram(resting, EDGES)
-    assert (overlaps.counts >= expected).all()
+    assert (overlaps.counts[0] >= expected).all()

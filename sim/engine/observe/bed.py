@@ -1,0 +1,38 @@
+"""Energy and place of the beads of a belt at one moment."""
+
+import numpy as np
+
+from sim.engine.compile import exact
+from sim.engine.observe.rounding import REAL, total
+
+
+@exact
+def bed_energies(taylor, mass, time_step, amplitude):
+    """Return what a sample says of the state of all beads.
+
+    Parameters
+    ----------
+    taylor : (6, 2, N) array
+        Taylor terms of their positions, see ``Disks``.
+    mass : (N,) array
+        Their masses (kg).
+    time_step : float
+        That of the Taylor terms (s).
+    amplitude : float
+        Vertical amplitude of the belt (m).
+
+    Returns
+    -------
+    tuple of 3 floats
+        Kinetic energy (J), height of the centre of mass (m), share of beads whose centres are
+        within an amplitude of the mean belt position.
+    """
+    near, terms, sums = 0, np.empty((3, mass.size)), np.empty(3)
+    for i in range(mass.size):
+        vx, vz, z = taylor[1, 0, i] / time_step, taylor[1, 1, i] / time_step, taylor[0, 1, i]
+        terms[0, i], terms[1, i] = mass[i] * (vx * vx + vz * vz), z * mass[i]
+        terms[2, i] = mass[i]
+        near += abs(z) < amplitude
+    for k in range(3):
+        sums[k] = total(terms[k], REAL)
+    return 0.5 * sums[0], sums[1] / sums[2], near / mass.size

@@ -1,0 +1,187 @@
+"""The loop over samples of the belt: what is measured is taken without leaving compiled code."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import types
+
+from sim.engine.boundary.belt import belt_height, stored_in_belt
+from sim.engine.boundary.obstacle import stored_in_obstacle
+from sim.engine.calls import address_of, call, kind_of
+from sim.engine.compile import exact
+from sim.engine.dynamics.disks import stored_in_disks
+from sim.engine.dynamics.status import NOT_FINITE, OK, all_finite
+from sim.engine.observe.bed import bed_energies
+from sim.engine.observe.field import LEVELS, WAVES, Field, Squares, count_beads, waves
+from sim.engine.observe.profiles import AREA, CENTRE, Profile, add_sample, empty_profile
+from sim.engine.observe.sums import first_of, stacked
+from sim.engine.systems import shaking
+
+
+class Calls(NamedTuple):
+    """Addresses of the kernels that take a sample."""
+
+    advance: int
+    stored_in_disks: int
+    stored_in_belt: int
+    stored_in_obstacle: int
+    belt_height: int
+    add_sample: int
+
+
+class Sampling(NamedTuple):
+    """How samples are taken: so many, ``steps`` apart, with or without ``profiles``; ``amplitude``
+    of the belt (m), height of a ``slice`` (m), ``squares`` of the field."""
+
+    samples: int
+    steps: int
+    profiles: bool
+    amplitude: float
+    slice: float
+    squares: Squares
+
+
+class BedSamples(NamedTuple):
+    """Room for K samples of N beads, and what has been found.
+
+    ``taken`` (1,) samples so far; ``clock`` (1,) processor time (µs) in the loop over time steps;
+    ``sums`` (K, 8) over the steps, see ``Shaking``; ``stored`` (K, 3) energy (J) in the springs
+    between beads, to the belt and to the obstacle; ``state`` (K, 3) see ``bed_energies``; ``waves``
+    (K, 5, 2) see ``waves``; ``mass`` and ``height`` (K, N) of the beads (kg, m); profiles by
+    ``centres`` and ``area`` and the ``field``, with a first axis more.
+    """
+
+    taken: np.ndarray
+    clock: np.ndarray
+    sums: np.ndarray
+    stored: np.ndarray
+    state: np.ndarray
+    waves: np.ndarray
+    mass: np.ndarray
+    height: np.ndarray
+    centres: Profile
+    area: Profile
+    field: Field
+
+    def profiles(self) -> tuple[Profile, Profile, Field]:
+        """Return profiles and fields of the samples that have been taken."""
+        taken = int(self.taken[0])
+        return (
+            first_of(self.centres, taken),
+            first_of(self.area, taken),
+            first_of(self.field, taken),
+        )
+
+
+def make_samples(samples: int, beads: int, slices: int, squares: Squares) -> BedSamples:
+    """Return room for so many samples."""
+    return BedSamples(
+        taken=np.zeros(1, np.int64),
+        clock=np.zeros(1, np.int64),
+        sums=np.zeros((samples, shaking.SUMS)),
+        stored=np.zeros((samples, 3)),
+        state=np.zeros((samples, 3)),
+        waves=np.zeros((samples, WAVES, 2)),
+        mass=np.zeros((samples, beads)),
+        height=np.zeros((samples, beads)),
+        centres=stacked(samples, empty_profile(slices, 2)),
+        area=stacked(samples, empty_profile(slices, 2)),
+        field=stacked(samples, squares.empty()),
+    )
+
+
+def make_calls(disks, contacts, loop, motion) -> Calls:
+    """Return the addresses of the kernels for these arguments and others of the same law."""
+    law, pairs, belt, obstacle, _ = contacts
+    kind = kind_of(law, motion.integrator)
+    profile, x, z = empty_profile(1, 2), disks.taylor[0], disks.radius
+    return Calls(
+        address_of(shaking.advance_disks, kind, disks, contacts, loop, motion, 0),
+        address_of(stored_in_disks, kind, law, disks, pairs),
+        address_of(stored_in_belt, kind, law, disks, belt, 0.0),
+        address_of(stored_in_obstacle, kind, law, disks, obstacle, pairs.box),
+        address_of(belt_height, kind, belt, 0.0),
+        address_of(add_sample, kind, profile, AREA, 0.0, z, z, x),
+    )
+
+
+@exact
+def sample_bed(calls, disks, contacts, loop, motion, sampling, samples):
+    """Take samples; return a status.
+
+    On LIST_FULL nothing is lost, see ``advance_disks``: give the list more room and call again. Any
+    other status but OK ends the sample under way, which is not taken.
+    """
+    law, pairs, belt, obstacle, _ = contacts
+    time_step = motion.integrator.time_step
+    for k in range(samples.taken[0], sampling.samples):
+        done = loop.step[0] % sampling.steps
+        if done == 0:
+            for column in range(loop.sums.size):
+                loop.sums[column] = 0.0
+        began = _clock()
+        status = call(calls.advance, 0, disks, contacts, loop, motion, sampling.steps - done)
+        samples.clock[0] += _clock() - began
+        if status != OK:
+            return status
+        if not all_finite(disks.taylor):
+            return NOT_FINITE
+        time, box = loop.step[0] * time_step, pairs.box
+        stored = samples.stored[k]
+        stored[0] = call(calls.stored_in_disks, 0.0, law, disks, pairs)
+        stored[1] = call(calls.stored_in_belt, 0.0, law, disks, belt, time)
+        stored[2] = call(calls.stored_in_obstacle, 0.0, law, disks, obstacle, box)
+        for column in range(loop.sums.size):
+            samples.sums[k, column] = loop.sums[column]
+        _note_state(samples, k, disks, time_step, sampling.amplitude, box.length[0])
+        if sampling.profiles:
+            height = call(calls.belt_height, 0.0, belt, time)
+            _add_profiles(calls.add_sample, samples, k, disks, height, time_step, sampling)
+        samples.taken[0] += 1
+    return OK
+
+
+@exact
+def _note_state(samples, k, disks, time_step, amplitude, width):
+    """Fill what sample k says of the state alone."""
+    for i in range(disks.mass.size):
+        samples.mass[k, i], samples.height[k, i] = disks.mass[i], disks.taylor[0, 1, i]
+    kinetic, height, near = bed_energies(disks.taylor, disks.mass, time_step, amplitude)
+    samples.state[k, 0], samples.state[k, 1], samples.state[k, 2] = kinetic, height, near
+    waves(disks.taylor[0, 0], width, samples.waves[k])
+
+
+@exact
+def _add_profiles(add, samples, k, disks, belt, time_step, sampling):
+    """Fill the profiles of sample k, above a ``belt`` at this height (m), and its field."""
+    beads = disks.radius.size
+    height, velocity = np.empty(beads), np.empty((2, beads))
+    for i in range(beads):
+        height[i] = disks.taylor[0, 1, i] - belt
+        velocity[0, i] = disks.taylor[1, 0, i] / time_step
+        velocity[1, i] = disks.taylor[1, 1, i] / time_step
+    centres, area = _profile(samples.centres, k), _profile(samples.area, k)
+    call(add, None, centres, CENTRE, sampling.slice, height, disks.radius, velocity)
+    call(add, None, area, AREA, sampling.slice, height, disks.radius, velocity)
+    field = Field(samples.field.samples[k], samples.field.count[k], samples.field.moved[k])
+    field.samples[0] = 0.0
+    for column in range(sampling.squares.columns):
+        for level in range(LEVELS):
+            field.count[column, level] = field.moved[column, level] = 0.0
+    count_beads(field, sampling.squares, disks.taylor, time_step)
+
+
+@exact
+def _profile(several, k):
+    """Return the profile of sample k, cleared."""
+    samples, weight, moved, relative, squared = several
+    samples[k, 0] = 0.0
+    for h in range(weight.shape[1]):
+        weight[k, h] = moved[k, h] = 0.0
+        for d in range(relative.shape[2]):
+            relative[k, h, d] = squared[k, h, d] = 0.0
+    return Profile(samples[k], weight[k], moved[k], relative[k], squared[k])
+
+
+#: Processor time of this process in millionths of a second, by the C library.
+_clock = types.ExternalFunction("clock", types.int64())
