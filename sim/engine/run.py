@@ -5,6 +5,7 @@ import platform
 import shlex
 import sys
 from datetime import UTC, datetime
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -23,6 +24,9 @@ from sim.engine.states import States, checkpoint_interval
 from sim.parameters import Parameters, amounts, more, point_id
 
 log = logging.getLogger("talus")
+
+#: Of the sources that this process has loaded, whatever becomes of the files.
+engine_hash = cache(source_hash)
 
 #: Exit code of a run that was stopped by a blow-up; its file says why.
 BLOWN_UP = 3
@@ -167,7 +171,7 @@ def _attributes(parameters: Parameters, records: list[Record]) -> dict:
         "point_id": point_id(parameters),
         "engine_version": __version__,
         "numerics": NUMERICS,
-        "source_hash": source_hash(),
+        "source_hash": engine_hash(),
         "created": datetime.now(UTC).isoformat(timespec="seconds"),
         "versions": versions,
         "machine": platform.machine(),

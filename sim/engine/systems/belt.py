@@ -80,6 +80,7 @@ class Belt:
         kind = kind_of(self.law, self.integrator)
         self._advance = Direct(shaking.advance_disks, kind)
         self._take = Direct(bed_samples.sample_bed, kind)
+        self._calls: bed_samples.Calls | None = None
         self.scales = Scales(p.least_transport, acceleration=np.inf, drift=p.drift, target=p.target)
         self.mass = float(bed.mass.sum())
         self.period = p.samples_per_cycle
@@ -180,8 +181,9 @@ class Belt:
         status = LIST_FULL
         while status == LIST_FULL:
             contacts = self._contacts(self.belt)
-            calls = bed_samples.make_calls(self.disks, contacts, loop, motion)
-            status = self._take(calls, self.disks, contacts, loop, motion, how, room)
+            if not self._calls:
+                self._calls = bed_samples.make_calls(self.disks, contacts, loop, motion)
+            status = self._take(self._calls, self.disks, contacts, loop, motion, how, room)
             if status == LIST_FULL:
                 self.pairs = grown(self.pairs)
         self.loop_time += 1e-6 * float(room.clock[0])
