@@ -30,9 +30,11 @@ class Calls(NamedTuple):
 
 
 class Sampling(NamedTuple):
-    """How samples are taken: so many, ``steps`` apart, with or without ``profiles``; ``amplitude``
-    of the belt (m), height of a ``slice`` (m), ``squares`` of the field."""
+    """How samples are taken: by which kernels, so many, ``steps`` apart, with or without
+    ``profiles``; ``amplitude`` of the belt (m), height of a ``slice`` (m), ``squares`` of the
+    field."""
 
+    calls: Calls
     samples: int
     steps: int
     profiles: bool
@@ -106,14 +108,14 @@ def make_calls(disks, contacts, loop, motion) -> Calls:
 
 
 @exact
-def sample_bed(calls, disks, contacts, loop, motion, sampling, samples):
+def sample_bed(disks, contacts, loop, motion, sampling, samples):
     """Take samples; return a status.
 
     On LIST_FULL nothing is lost, see ``advance_disks``: give the list more room and call again. Any
     other status but OK ends the sample under way, which is not taken.
     """
     law, pairs, belt, obstacle, _ = contacts
-    time_step = motion.integrator.time_step
+    calls, time_step = sampling.calls, motion.integrator.time_step
     for k in range(samples.taken[0], sampling.samples):
         done = loop.step[0] % sampling.steps
         if done == 0:
@@ -136,7 +138,7 @@ def sample_bed(calls, disks, contacts, loop, motion, sampling, samples):
         _note_state(samples, k, disks, time_step, sampling.amplitude, box.length[0])
         if sampling.profiles:
             height = call(calls.belt_height, 0.0, belt, time)
-            _add_profiles(calls.add_sample, samples, k, disks, height, time_step, sampling)
+            _add_profiles(sampling, samples, k, disks, height, time_step)
         samples.taken[0] += 1
     return OK
 
@@ -152,9 +154,9 @@ def _note_state(samples, k, disks, time_step, amplitude, width):
 
 
 @exact
-def _add_profiles(add, samples, k, disks, belt, time_step, sampling):
+def _add_profiles(sampling, samples, k, disks, belt, time_step):
     """Fill the profiles of sample k, above a ``belt`` at this height (m), and its field."""
-    beads = disks.radius.size
+    add, beads = sampling.calls.add_sample, disks.radius.size
     height, velocity = np.empty(beads), np.empty((2, beads))
     for i in range(beads):
         height[i] = disks.taylor[0, 1, i] - belt

@@ -175,15 +175,15 @@ class Belt:
         room, count = self._room, min(most, len(self._room.sums))
         room.taken[0], room.clock[0] = 0, 0
         amplitude = p.amplitude * p.diameter
-        how = bed_samples.Sampling(
-            count, self.sample_steps, profiles, amplitude, p.diameter, self.squares
-        )
         status = LIST_FULL
         while status == LIST_FULL:
             contacts = self._contacts(self.belt)
             if not self._calls:
                 self._calls = bed_samples.make_calls(self.disks, contacts, loop, motion)
-            status = self._take(self._calls, self.disks, contacts, loop, motion, how, room)
+            how = bed_samples.Sampling(
+                self._calls, count, self.sample_steps, profiles, amplitude, p.diameter, self.squares
+            )
+            status = self._take(self.disks, contacts, loop, motion, how, room)
             if status == LIST_FULL:
                 self.pairs = grown(self.pairs)
         self.loop_time += 1e-6 * float(room.clock[0])
