@@ -12,6 +12,10 @@ from typing import TextIO
 CLOCK_ERROR = 60.0
 OLD = 86400.0
 
+#: The year 2000, before which no run was made, and seconds from a run's time to one before that.
+START = 946684800.0
+FIFTY_YEARS = 50 * 365.25 * 86400
+
 
 def release_stale_lock(folder: Path = Path(".snakemake")) -> TextIO:
     """Remove the lock of a Snakemake that was killed, and only then; return this one's own.
@@ -35,19 +39,22 @@ def release_stale_lock(folder: Path = Path(".snakemake")) -> TextIO:
 
 
 def write_start(path: Path) -> None:
-    """Write a file of the time before all others, and never the same twice, for `age`.
+    """Write a file older than all runs, and never the same twice, for `age`.
 
     Snakemake runs a job again whose input is newer than its output and not what it was when the
     output was made, whatever it has noted of a job that was killed.
     """
     path.write_text(str(time.time_ns()), encoding="utf-8")
-    os.utime(path, (2 * OLD, 2 * OLD))
+    os.utime(path, (START, START))
 
 
-def age(path: Path) -> None:
-    """Make an output older than what `write_start` writes."""
+def age(path: Path, is_old: bool) -> None:
+    """Make an output older than what `write_start` writes, or give it back its time."""
     with suppress(OSError):
-        os.utime(path, (OLD, OLD))
+        then = path.stat().st_mtime
+        if is_old != (then < START):
+            then += -FIFTY_YEARS if is_old else FIFTY_YEARS
+            os.utime(path, (then, then))
 
 
 def correct_future_times(results: Path) -> None:

@@ -97,12 +97,11 @@ def amount(point):
 def is_wanted(point):
     """Return whether a point of the study has no run file of the present numerics with enough.
 
-    One with less becomes old: Snakemake notes the parameters of a job that was killed as if it had
-    been done, so these cannot tell that the file is still to grow.
+    One with less becomes old until less is wanted: Snakemake notes the parameters of a job that was
+    killed as if it had been done, so these cannot tell that the file is still to grow.
     """
     path = Path(run_file(point))
-    if is_to_grow(path, parameters(point)):
-        age(path)
+    age(path, is_to_grow(path, parameters(point)))
     return not path.exists() or not holds(path, parameters(point))
 
 
