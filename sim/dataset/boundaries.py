@@ -9,7 +9,7 @@ import pandas as pd
 from sim.base.errors import InputError
 from sim.base.files import replacing
 from sim.dataset.boundary_table import FOUND, read_table
-from sim.parameters import canonical, field_info
+from sim.parameters import complete, field_info
 from sim.study.load import Study, load_study
 from sim.study.refine import Sides, located
 
@@ -38,7 +38,7 @@ def table(study: Study, found: Sequence[Sides]) -> pd.DataFrame:
         declared = field_info(start)[boundary.along]
         settings = {
             name: value if isinstance(value, str) else float(value)
-            for name, value in canonical(start).items()
+            for name, value in complete(start).items()
         }
         what = {
             "name": boundary.name,

@@ -7,6 +7,7 @@ import pandas as pd
 import xarray as xr
 
 from sim.base.reading import reading
+from sim.dataset.added import with_added
 
 #: Group of the dataset that holds what was found, one row per boundary.
 GROUP = "boundaries"
@@ -29,7 +30,8 @@ def read_table(dataset: Path) -> pd.DataFrame:
             if GROUP not in file.groups:
                 return pd.DataFrame(columns=_COLUMNS)
         with xr.open_dataset(dataset, engine="netcdf4", group=GROUP) as found:
-            return found.to_dataframe()
+            table = found.to_dataframe()
+    return table.assign(**with_added({name: table[name].to_numpy() for name in table}))
 
 
 def is_of_study(dataset: Path) -> bool:

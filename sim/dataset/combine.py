@@ -21,7 +21,7 @@ from sim.dataset.rows import (
     points_of,
     sizes_of,
 )
-from sim.parameters import SYSTEMS, canonical, field_info
+from sim.parameters import SYSTEMS, complete, field_info
 from sim.study.load import Point, Study
 
 _CAVEAT = {"long_name": "what to know before trusting the point"}
@@ -137,7 +137,7 @@ def _labels(study: Study, caveats: Iterable[str], hashes: Iterable[str]) -> dict
 
 def _parameters(points: Sequence[Point]) -> dict[str, Any]:
     """Return every parameter of both systems as a coordinate with its unit."""
-    given = [canonical(point.parameters) for point in points]
+    given = [complete(point.parameters) for point in points]
     names = dict.fromkeys(name for model in SYSTEMS.values() for name in model.model_fields)
     return {name: _parameter(name, given) for name in names}
 

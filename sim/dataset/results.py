@@ -12,7 +12,9 @@ import xarray as xr
 
 from sim.base.errors import InputError
 from sim.base.reading import reading
+from sim.dataset.added import with_added
 from sim.dataset.boundary_table import is_of_study, read_table
+from sim.dataset.grids import number_of, on_grid
 from sim.parameters import SYSTEMS
 
 #: Group of the dataset with one subgroup per point whose particles are kept.
@@ -43,26 +45,41 @@ class Results:
     boundaries: pd.DataFrame
     states: Mapping[str, xr.Dataset] = field(default_factory=dict)
 
-    def profile(self, point: str, name: str) -> tuple[np.ndarray, np.ndarray]:
+    def profile(
+        self, point: str, name: str, grid: str = "centres"
+    ) -> tuple[np.ndarray, np.ndarray]:
         """Return a profile of a point, (R, H) over completed replicates, and heights (H,) in m.
 
-        Profiles along the belt come with the columns' centres instead of heights.
+        Profiles along the belt come with the columns' centres instead of heights. Those over the
+        height above the belt are on one of the grids of `sim.dataset.grids`, however thin the
+        slices are that the run has kept.
 
         Raises
         ------
         InputError
-            When the dataset has no such profile of the point.
+            When the dataset has no such profile of the point, or it is not known on that grid.
         """
-        held, number = self.dataset.variables, self.dataset.indexes["point"].get_loc(point)
-        group = self.profiles.get(str(held["system"].values[number]), xr.Dataset())
+        held, index = self.dataset.variables, self.dataset.indexes["point"].get_loc(point)
+        system = str(held["system"].values[index])
+        group = self.profiles.get(system, xr.Dataset())
         if name not in group.variables or point not in group.indexes["run"]:
             raise InputError(f"{point}: no {name} in the dataset")
         row, profiles = group.indexes["run"].get_loc(point), group.variables
-        completed = held["status"].values[number] == "completed"
+        completed = held["status"].values[index] == "completed"
         values = profiles[name].values[row][completed]
-        centres = profiles["column" if "square" in profiles[name].dims else "height"].values[row]
+        along = "square" in profiles[name].dims
+        centres = profiles["column" if along else "height"].values[row]
         real = np.isfinite(centres)
-        return values[:, real], centres[real]
+        values, centres = values[:, real], centres[real]
+        if along or system != "belt":
+            return values, centres
+        beads = profiles.get(number_of(name))
+        number = None if beads is None else beads.values[row][completed][:, real]
+        diameter = float(held["diameter"].values[index])
+        try:
+            return on_grid(grid, diameter, centres, name, values, number)
+        except ValueError as error:
+            raise InputError(f"{point}: {name} {error}") from None
 
     def particles(self, point: str) -> xr.Dataset:
         """Return last state and path of the particles of a point."""
@@ -117,7 +134,7 @@ def load_results(path: str | Path) -> Results:
             groups = set(file.groups)
             points = list(file.groups[PARTICLES].groups) if PARTICLES in groups else []
         return Results(
-            dataset=_loaded(path, None),
+            dataset=_with_added(_loaded(path, None)),
             profiles=Groups(path, {name: name for name in SYSTEMS if name in groups}),
             boundaries=read_table(path),
             states=Groups(path, {point: f"{PARTICLES}/{point}" for point in points}),
@@ -126,6 +143,14 @@ def load_results(path: str | Path) -> Results:
 
 def _reading(path: Path) -> AbstractContextManager[None]:
     return reading(path, "dataset", replaceable=is_of_study(path))
+
+
+def _with_added(dataset: xr.Dataset) -> xr.Dataset:
+    """Return a dataset that may be from before some parameters with all of them."""
+    held = {str(name): values.values for name, values in dataset.coords.variables.items()}
+    return dataset.assign_coords(
+        {name: ("point", values) for name, values in with_added(held).items()}
+    )
 
 
 def _loaded(path: Path, group: str | None) -> xr.Dataset:

@@ -9,7 +9,7 @@ import pandas as pd
 import xarray as xr
 
 from sim.dataset.measures import MEASURES
-from sim.engine.observe.arrays import INSTANTANEOUS, PROFILES
+from sim.engine.observe.arrays import AT_PHASE_0, INSTANTANEOUS, PHASED, PROFILES
 from sim.engine.observe.scalars import SCALARS
 
 #: Unit and long name of the scalars per replicate that a run file or its measures may hold. A
@@ -27,7 +27,7 @@ OVER_HEIGHT = tuple(
     for name in PROFILES
     for one in (name, name + INSTANTANEOUS)
     if one in PROFILES or name in _SHOWN_LAST
-)
+) + tuple(name + AT_PHASE_0 for name in PHASED)
 
 #: Dimensions of what a row holds.
 OF_SCALARS = dict.fromkeys((*NUMBERS, *WORDS), ("replicate",))

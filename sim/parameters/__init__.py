@@ -12,11 +12,13 @@ from sim.parameters.points import (
     as_yaml,
     canonical,
     canonical_json,
+    complete,
     default_of,
     field_info,
     load_point,
     parse_point,
     point_id,
+    unsaid,
 )
 
 __all__ = [
@@ -32,6 +34,7 @@ __all__ = [
     "canonical",
     "canonical_json",
     "canonical_number",
+    "complete",
     "covers",
     "default_of",
     "field_info",
@@ -39,4 +42,5 @@ __all__ = [
     "more",
     "parse_point",
     "point_id",
+    "unsaid",
 ]

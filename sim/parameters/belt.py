@@ -8,9 +8,34 @@ from pydantic import model_validator
 from sim.parameters.common import MAX_PARTICLES, Parameters, Real, broken_rule
 from sim.parameters.roles import declare
 
-#: Largest product of damping rate and time step for which Gear's corrector of fifth order, with
-#: forces that depend on the velocity, damps rather than excites (spectral radius of its matrix).
-GEAR_STABILITY = 0.15
+#: Stiffness (g⟨m⟩/⟨d⟩) of the paper.
+STIFFNESS = 1000.0
+
+#: Stability of Gear's corrector by its order and how often it corrects: s and k of the largest
+#: damping rate times time step, λΔt = s (1 - k (ωΔt)²), at which it damps an oscillator of
+#: frequency ω (python -m benchmarks.stability; within 2 % for ωΔt up to 0.7).
+GEAR_STABILITY = {
+    (3, 1): (0.545, 0.5),
+    (4, 1): (0.3, 0.92),
+    (5, 1): (0.163, 1.57),
+    (3, 2): (1.729, 0.335),
+    (4, 2): (1.285, 0.375),
+    (5, 2): (0.947, 0.41),
+}
+
+#: Largest damping rate of a packed bed, in multiples of the larger and the smaller of γ and γ_s, by
+#: the mass in the damping terms and that of the belt's ghost; its largest frequency in √(Yg/⟨d⟩);
+#: and the share of both that counts, as its most damped motion is not its stiffest one.
+DAMPING_RATES = {
+    ("own", "infinite"): (5.6, 2.9),
+    ("reduced", "infinite"): (2.6, 1.2),
+    ("reduced", "mean"): (2.6, 1.2),
+}
+FREQUENCY = 3.4
+COUNTED = 0.95
+
+#: What the settling's step times 4.5 (γ + γ_s) is at most: within any corrector's stability.
+SETTLING_DAMPING = 2 / 3 * 0.15
 
 #: Share of the belt's velocity amplitude below which nothing is transported.
 LEAST_TRANSPORT = 0.02
@@ -84,7 +109,7 @@ class BeltParameters(Parameters):
         ge=0,
     )
     stiffness: Real = declare(
-        1000,
+        STIFFNESS,
         symbol="Y",
         unit="1",
         scale="g⟨m⟩/⟨d⟩",
@@ -206,6 +231,26 @@ class BeltParameters(Parameters):
         role="numerics",
         ge=1,
     )
+    slice_height: Real = declare(
+        1,
+        symbol="Δz",
+        unit="1",
+        scale="⟨d⟩",
+        description="height of the slices of the profiles (0.5 gives every grid of ⟨d⟩)",
+        equation="Gallas, Sec. 3",
+        role="numerics",
+        added=True,
+        ge=0.1,
+        le=10,
+    )
+    phase_0_profiles: bool = declare(
+        False,
+        description="also average the profiles at the beginning of the cycle alone, when the "
+        "belt is at its mean height and rises",
+        equation="Gallas, Sec. 3, Fig. 5",
+        role="numerics",
+        added=True,
+    )
     transient: Real = declare(
         45,
         symbol="t_tr",
@@ -269,6 +314,14 @@ class BeltParameters(Parameters):
         equation="Gallas, Sec. 2",
         role="reading",
     )
+    ghost_mass: Literal["infinite", "mean"] = declare(
+        "infinite",
+        description="mass of the bead as which the belt acts: infinite, or that of a bead of mean "
+        "diameter (with damping_mass: reduced)",
+        equation="Gallas, Sec. 2",
+        role="reading",
+        added=True,
+    )
     attraction: Literal["kept", "clipped"] = declare(
         "kept",
         description="an attractive total normal force at the end of a contact is kept or set to 0",
@@ -278,10 +331,39 @@ class BeltParameters(Parameters):
     )
     integrator: Literal["gear", "verlet"] = declare(
         "gear",
-        description="Gear predictor-corrector of fifth order, or velocity Verlet",
+        description="Gear predictor-corrector, or velocity Verlet",
         equation="Gallas, Sec. 2",
         role="reading",
         compiled=True,
+    )
+    corrector_order: int = declare(
+        5,
+        unit="1",
+        description="order of Gear's predictor-corrector: 3, 4 or 5, which keep as many "
+        "derivatives of the position",
+        equation="Gallas, Sec. 2",
+        role="reading",
+        added=True,
+        ge=3,
+        le=5,
+    )
+    corrections: int = declare(
+        1,
+        unit="1",
+        description="how often Gear's corrector acts in a step, with forces evaluated anew",
+        equation="Gallas, Sec. 2",
+        role="reading",
+        added=True,
+        ge=1,
+        le=2,
+    )
+    stiffness_keeps: Literal["damping", "restitution"] = declare(
+        "damping",
+        description="another stiffness than the paper's leaves γ as it is, or multiplies it by "
+        "√(Y/1000), which leaves the restitution",
+        equation="Gallas, Sec. 3",
+        role="reading",
+        added=True,
     )
 
     @property
@@ -293,6 +375,17 @@ class BeltParameters(Parameters):
     def time_step(self) -> float:
         """Time step, s."""
         return self.time_unit / self.steps_per_cycle
+
+    @property
+    def normal_damping(self) -> float:
+        """Normal damping coefficient γ, 1/s, for the stiffness that there is."""
+        return self.damping * self.gravity * self._softening
+
+    @property
+    def _softening(self) -> float:
+        """What γ is multiplied by as the stiffness is not the paper's."""
+        keeps = self.stiffness_keeps == "damping"
+        return 1.0 if keeps else math.sqrt(self.stiffness / STIFFNESS)
 
     @property
     def least_transport(self) -> float:
@@ -310,27 +403,39 @@ class BeltParameters(Parameters):
     def settling_step(self) -> float:
         """Time step while the bed settles, s.
 
-        A twentieth of a collision of the lightest pair, and no more than Gear's corrector bears in
-        a packed bed.
+        A twentieth of a collision of the lightest pair, and no more than any corrector bears in a
+        packed bed.
         """
         reduced_mass = (1 - self.diameter_spread) ** 2 / 2
         squared = reduced_mass * self.diameter / (self.stiffness * self.gravity)
         collision = math.pi * math.sqrt(squared)
-        return (
-            min(collision / 20, 2 / 3 * GEAR_STABILITY / self.damping_rate)
-            if self.damping_rate
-            else collision / 20
-        )
+        rate = 4.5 * (self.damping * self._softening + self.shear_damping) * self.gravity
+        return min(collision / 20, SETTLING_DAMPING / rate) if rate else collision / 20
 
     @property
     def damping_rate(self) -> float:
-        """Largest damping rate of a packed bed, 1/s: the largest eigenvalue of a settled one."""
-        return 4.5 * (self.damping + self.shear_damping) * self.gravity
+        """Largest damping rate of a packed bed, 1/s: about that of settled ones."""
+        larger, smaller = DAMPING_RATES[self.damping_mass, self.ghost_mass]
+        rates = self.normal_damping, self.shear_damping * self.gravity
+        return larger * max(rates) + smaller * min(rates)
+
+    @property
+    def bed_frequency(self) -> float:
+        """Largest frequency ω of a packed bed, 1/s: about that of settled ones."""
+        return FREQUENCY * math.sqrt(self.stiffness * self.gravity / self.diameter)
+
+    @property
+    def is_stable(self) -> bool:
+        """Whether the time step is within the stability of the integrator in a packed bed."""
+        step = COUNTED * self.time_step
+        most, bend = GEAR_STABILITY[self.corrector_order, self.corrections]
+        bears = most * (1 - bend * (self.bed_frequency * step) ** 2)
+        return self.integrator != "gear" or self.damping_rate * step <= bears
 
     @property
     def caveat(self) -> str:
         """Say so when the time step is beyond Gear's stability in a packed bed."""
-        if self.integrator != "gear" or self.damping_rate * self.time_step <= GEAR_STABILITY:
+        if self.is_stable:
             return ""
         return (
             "the time step is beyond the stability of Gear's corrector in a packed bed, which may "
@@ -350,7 +455,7 @@ class BeltParameters(Parameters):
     @property
     def rate(self) -> float:
         """Particle-steps per second, about."""
-        return RATE
+        return RATE / self.corrections
 
     @property
     def settling_steps(self) -> int:
@@ -366,4 +471,15 @@ class BeltParameters(Parameters):
         if self.steps_per_cycle % self.samples_per_cycle:
             allowed = f"a divisor of steps_per_cycle = {self.steps_per_cycle}"
             raise broken_rule("samples_per_cycle", self.samples_per_cycle, allowed)
+        return self
+
+    @model_validator(mode="after")
+    def _of_readings_with_effect(self) -> Self:
+        if self.ghost_mass == "mean" and self.damping_mass == "own":
+            allowed = "'infinite' with damping_mass: own, where no partner's mass counts"
+            raise broken_rule("ghost_mass", self.ghost_mass, allowed)
+        for name, only in (("corrector_order", 5), ("corrections", 1)):
+            if self.integrator == "verlet" and getattr(self, name) != only:
+                allowed = f"{only} with integrator: verlet, which has no corrector"
+                raise broken_rule(name, getattr(self, name), allowed)
         return self

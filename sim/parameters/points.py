@@ -15,7 +15,7 @@ from sim.base.yaml import read_yaml
 from sim.parameters.belt import BeltParameters
 from sim.parameters.chute import ChuteParameters
 from sim.parameters.common import Parameters, canonical_number
-from sim.parameters.roles import Declaration, amounts, declarations, id_parts, numerical
+from sim.parameters.roles import Declaration, added, amounts, declarations, id_parts, numerical
 
 SYSTEMS: dict[str, type[Parameters]] = {"chute": ChuteParameters, "belt": BeltParameters}
 
@@ -78,10 +78,18 @@ def load_point(path: str | Path) -> Parameters:
 
 
 def canonical(parameters: Parameters) -> dict[str, Any]:
-    """Return every parameter, ``system`` included, as plain JSON values.
+    """Return the parameters, ``system`` included, as plain JSON values: what names and files hold.
 
+    Those `added` since points were published are left out where they have their default.
     ``parse_point`` of the result gives an equal point.
     """
+    model, values = type(parameters), complete(parameters)
+    unused = {name for name in added(model) if values[name] == default_of(model, name, values)}
+    return {name: value for name, value in values.items() if name not in unused}
+
+
+def complete(parameters: Parameters) -> dict[str, Any]:
+    """Return every parameter, ``system`` included, as plain JSON values."""
     return parameters.model_dump(mode="json")
 
 
@@ -121,6 +129,12 @@ def default_of(model: type[Parameters], name: str, values: Mapping[str, Any]) ->
     return canonical_number(default)
 
 
+def unsaid(system: str) -> dict[str, Any]:
+    """Return what the added parameters of a system are where a file says nothing of them."""
+    model = SYSTEMS[system]
+    return {name: model.model_fields[name].default for name in added(model)}
+
+
 @dataclass(frozen=True)
 class FieldRow(Declaration):
     """One parameter, ready for documentation and file attributes.
@@ -157,6 +171,6 @@ def field_info(model: type[Parameters] | Parameters) -> dict[str, FieldRow]:
 
 def as_yaml(parameters: Parameters) -> str:
     """Return the text of a point file with every parameter."""
-    values = canonical(parameters)
+    values = complete(parameters)
     # Scalars as JSON writes them are YAML that reads back as the same value.
     return "".join(f"{name}: {json.dumps(values[name])}\n" for name in field_info(parameters))

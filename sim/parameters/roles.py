@@ -31,6 +31,7 @@ class Declaration:
     id_part: str
     compiled: bool
     changes_start: bool
+    added: bool
 
     def __call__(self, schema: dict[str, Any]) -> None:
         """Add symbol, unit, scale and equation to the JSON schema of the parameter."""
@@ -55,6 +56,7 @@ def declare(
     id_part: str = "",
     compiled: bool = False,
     changes_start: bool = False,
+    added: bool = False,
     **options: Any,
 ) -> Any:
     """Declare one parameter.
@@ -85,10 +87,15 @@ def declare(
     changes_start : bool
         Whether an answer may depend on it although it is numerical, because flows start otherwise:
         unless a claim names it, runs with its default come first.
+    added : bool
+        Whether there are points from before it: where it has its default, their canonical form, id
+        and run file know nothing of it, and neither do those of new points.
     **options
         Ranges and defaults as pydantic's ``Field`` takes them.
     """
-    declaration = Declaration(symbol, unit, scale, equation, role, id_part, compiled, changes_start)
+    declaration = Declaration(
+        symbol, unit, scale, equation, role, id_part, compiled, changes_start, added
+    )
     if "default_factory" not in options:
         options["default"] = default
     return Field(description=description, json_schema_extra=declaration, **options)
@@ -122,6 +129,11 @@ def readings(model: type[BaseModel]) -> tuple[str, ...]:
 def compiled(model: type[BaseModel]) -> tuple[str, ...]:
     """Return the parameters whose values choose what is compiled."""
     return _names(model, lambda one: one.compiled)
+
+
+def added(model: type[BaseModel]) -> tuple[str, ...]:
+    """Return the parameters that there are points from before of, see `declare`."""
+    return _names(model, lambda one: one.added)
 
 
 def changing_start(model: type[BaseModel]) -> tuple[str, ...]:

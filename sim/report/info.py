@@ -9,7 +9,7 @@ import numpy as np
 from sim.base.errors import InputError
 from sim.base.reading import reading
 from sim.engine.observe.scalars import SCALARS
-from sim.parameters import SYSTEMS, Parameters, as_yaml, canonical, field_info, parse_point
+from sim.parameters import SYSTEMS, Parameters, as_yaml, complete, field_info, parse_point
 
 _PER_REPLICATE = tuple(name for name in SCALARS if name != "replicate_seed")
 _PROVENANCE = (
@@ -82,7 +82,7 @@ def _indented(rows: list[tuple[str, str]]) -> list[str]:
 
 
 def _parameter_lines(parameters: Parameters) -> list[tuple[str, str]]:
-    values = canonical(parameters)
+    values = complete(parameters)
     lines = []
     for name, row in field_info(parameters).items():
         value, unit = values[name], row.scale or row.unit

@@ -10,7 +10,7 @@ import psutil
 from sim.base.errors import InputError
 from sim.base.files import require_writable
 from sim.base.words import duration
-from sim.parameters import canonical
+from sim.parameters import complete
 from sim.study.cost import Estimate, estimate
 from sim.study.figure_points import left_out
 from sim.study.load import Point, Study, load_study
@@ -64,7 +64,7 @@ def as_json(study: Study) -> str:
             "particles": costs[point.id].particles,
             "steps": costs[point.id].steps,
             "core_seconds": round(costs[point.id].core_seconds, 3),
-            "parameters": canonical(point.parameters),
+            "parameters": complete(point.parameters),
         }
         for point in study.points.values()
     ]

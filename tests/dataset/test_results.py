@@ -13,7 +13,11 @@ from sim.dataset.results import load_results
 @pytest.fixture
 def dataset(tmp_path) -> Path:
     path = tmp_path / "dataset.nc"
-    points = {"point": ["a", "b"], "figures": ("point", ["", ""])}
+    points = {
+        "point": ["a", "b"],
+        "figures": ("point", ["", ""]),
+        "system": ("point", ["belt"] * 2),
+    }
     xr.Dataset({"status": ("point", ["completed"] * 2)}, points).to_netcdf(path)
     for group in ("belt", "states/a", "states/b"):
         xr.Dataset({"x": ("i", [1.0, 2.0])}).to_netcdf(path, mode="a", group=group)

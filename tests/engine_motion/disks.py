@@ -42,6 +42,7 @@ class DiskMotion:
         skin: float = 0.3 * BEAD,
         room: int = 12,
         overlap_limit: float = 0.95,
+        corrections: int = 1,
     ):
         self.law, self.integrator = law or bead_law(), integrator(time_step)
         self.disks = make_disks(position, velocity, radius, mass, time_step)
@@ -50,7 +51,7 @@ class DiskMotion:
         self.pairs = empty_pair_list(self.disks.radius, self.box, skin, room)
         self.search = make_search(len(self.disks.mass))
         self.belt, self.obstacle = belt, obstacle
-        self.gravity, self.overlap_limit = gravity, overlap_limit
+        self.motion = shaking.BedMotion(self.integrator, gravity, overlap_limit, corrections)
 
     def _ordered(self, columns) -> np.ndarray:
         return initial_order(columns, self.disks.label)
@@ -88,8 +89,7 @@ class DiskMotion:
     def advance(self, steps: int) -> int:
         """Advance by a number of steps, once; return the status."""
         contacts = shaking.BedContacts(self.law, self.pairs, self.belt, self.obstacle, self.search)
-        motion = shaking.BedMotion(self.integrator, self.gravity, self.overlap_limit)
-        return shaking.advance_disks(self.disks, contacts, self.loop, motion, steps)
+        return shaking.advance_disks(self.disks, contacts, self.loop, self.motion, steps)
 
     def run(self, steps: int) -> "DiskMotion":
         """Advance by a number of steps, giving the list more room as needed."""

@@ -1,5 +1,6 @@
 """What the engine's tests share: constants, laws, drivers of single contacts, start states."""
 
+from functools import partial
 from math import pi, sqrt
 
 import numba
@@ -13,7 +14,7 @@ from sim.engine.contact.roots import cube_root, inverse_square_root
 from sim.engine.contact.spring_damping import SpringDamping, spring_damping
 from sim.engine.contact.walton_braun import WaltonBraun, walton_braun
 from sim.engine.dynamics.cells import nearest_image
-from sim.engine.dynamics.gear import correct, flush, predict
+from sim.engine.dynamics.gear import CORRECTORS, Gear, correct, flush, predict
 from sim.engine.dynamics.status import LIST_FULL, OK
 from sim.engine.dynamics.team import barrier
 
@@ -58,6 +59,11 @@ def bead_law(**changes) -> SpringDamping:
     """The base case of the belt, changed."""
     base = {"stiffness": YOUNG, "damping": DAMPING, "shear_damping": DAMPING}
     return spring_damping(**base | changes)
+
+
+def gear(order: int):
+    """What makes a corrector of some order for a time step."""
+    return partial(Gear, coefficients=CORRECTORS[order])
 
 
 def collision_time(law: WaltonBraun) -> float:
@@ -178,15 +184,16 @@ def belt_states(belt, time):
 
 
 @kernel
-def damped_oscillation(integrator, taylor, stiffness, damping, steps, drive=0.0):
+def damped_oscillation(integrator, taylor, stiffness, damping, steps, drive=0.0, corrections=1):
     """Advance Taylor terms (6, 2, N) of x'' = drive - stiffness x - damping x' by some steps."""
     for _ in range(steps):
         predict(integrator, taylor)
-        for d in range(2):
-            for i in range(taylor.shape[2]):
-                speed = taylor[1, d, i] / integrator.time_step
-                acceleration = drive - stiffness * taylor[0, d, i] - damping * speed
-                correct(integrator, taylor, d, i, acceleration)
+        for _ in range(corrections):
+            for d in range(2):
+                for i in range(taylor.shape[2]):
+                    speed = taylor[1, d, i] / integrator.time_step
+                    acceleration = drive - stiffness * taylor[0, d, i] - damping * speed
+                    correct(integrator, taylor, d, i, acceleration)
 
 
 @kernel

@@ -6,7 +6,7 @@ from typing import Literal, get_args, get_origin
 import pytest
 
 from sim.engine.states import TERMINATED, States
-from sim.parameters import SYSTEMS, canonical
+from sim.parameters import SYSTEMS, complete
 from tests.engine_motion.points import take_samples_one_by_one
 from tests.golden import (
     BITS,
@@ -86,7 +86,7 @@ def test_a_blow_up_is_retried_in_one_point_of_each_system_and_final_in_another(t
 
 @pytest.mark.parametrize("system", SYSTEMS)
 def test_every_option_and_two_values_of_every_number_occur(system):
-    taken = [canonical(point) for point in POINTS.values() if point.system == system]
+    taken = [complete(point) for point in POINTS.values() if point.system == system]
     for name, field in SYSTEMS[system].model_fields.items():
         values = {point[name] for point in taken}
         if get_origin(field.annotation) is Literal:

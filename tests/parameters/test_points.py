@@ -5,14 +5,20 @@ import re
 
 import pytest
 
+from sim.base.yaml import parse_yaml
 from sim.parameters import (
     AMOUNTS,
     SYSTEMS,
     BeltParameters,
     ChuteParameters,
+    as_yaml,
+    canonical,
+    canonical_json,
+    complete,
     field_info,
     parse_point,
     point_id,
+    unsaid,
 )
 
 
@@ -49,7 +55,11 @@ def test_every_parameter_is_in_the_id_but_how_much_is_wanted(system):
         "steps_per_collision": 41,
         "steps_per_cycle": 2020,
         "samples_per_cycle": 10,
+        "phase_0_profiles": True,
+        "corrector_order": 4,
+        "corrections": 2,
     }
+    needed = {"ghost_mass": {"damping_mass": "reduced"}}
     default = SYSTEMS[system]()
     for name, row in field_info(default).items():
         if name == "system":
@@ -59,8 +69,32 @@ def test_every_parameter_is_in_the_id_but_how_much_is_wanted(system):
             new = re.findall(r"\w+", row.allowed)[-1]
         else:
             new = changed.get(name, 0.9 * value if value else 0.5)
-        point = parse_point({"system": system, name: new}, "point.yaml")
-        assert (point_id(point) == point_id(default)) == (name in AMOUNTS), name
+        rest = {"system": system} | needed.get(name, {})
+        point = parse_point(rest | {name: new}, "point.yaml")
+        same = point_id(point) == point_id(parse_point(rest, "point.yaml"))
+        assert same == (name in AMOUNTS), name
+
+
+def test_a_parameter_added_later_is_in_the_name_where_it_is_used_alone():
+    """Points from before it keep their name, and so do those of today that leave its default."""
+    usual = BeltParameters()
+    for name, value in (("slice_height", 0.5), ("corrections", 2), ("phase_0_profiles", True)):
+        default = unsaid("belt")[name]
+        assert name not in canonical(usual) and name not in canonical_json(usual)
+        assert complete(usual)[name] == default
+        assert point_id(BeltParameters(**{name: default})) == point_id(usual)
+        used = BeltParameters(**{name: value})
+        assert canonical(used) == canonical(usual) | {name: value}
+        assert parse_point(canonical(used), "point.yaml") == used
+    assert "-corrections2-" in point_id(BeltParameters(corrections=2))
+    assert unsaid("chute") == {}
+
+
+@pytest.mark.parametrize("system", SYSTEMS)
+def test_a_point_file_has_every_parameter(system):
+    point = SYSTEMS[system]()
+    assert parse_yaml(as_yaml(point), "point.yaml") == complete(point)
+    assert set(complete(point)) == set(SYSTEMS[system].model_fields)
 
 
 def test_ids_read_well():

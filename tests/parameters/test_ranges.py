@@ -5,7 +5,7 @@ import math
 import pytest
 
 from sim.base.errors import InputError
-from sim.parameters import canonical, parse_point
+from sim.parameters import complete, parse_point
 
 WALTON = {
     "depth": 5,
@@ -46,6 +46,10 @@ GALLAS = {
     "belt_ghost": "below",
     "attraction": "kept",
     "integrator": "gear",
+    "corrector_order": 5,
+    "corrections": 1,
+    "ghost_mass": "infinite",
+    "stiffness_keeps": "damping",
 }
 
 
@@ -92,12 +96,16 @@ REFUSED = [
     ("belt", "samples_per_cycle", 30, "divisor of steps_per_cycle = 2000"),
     ("belt", "phase", 360, "[0, 360)"),
     ("belt", "integrator", "euler", "'gear' or 'verlet'"),
+    ("belt", "ghost_mass", "mean", "'infinite' with damping_mass: own"),
+    ("belt", "corrector_order", 6, "[3, 5]"),
+    ("belt", "corrections", 3, "[1, 2]"),
+    ("belt", "slice_height", 0.05, "[0.1, 10]"),
 ]
 
 
 @pytest.mark.parametrize(("system", "published"), [("chute", WALTON), ("belt", GALLAS)])
 def test_omitted_parameters_have_the_papers_values(system, published):
-    values = canonical(parse_point({"system": system}, "point.yaml"))
+    values = complete(parse_point({"system": system}, "point.yaml"))
     assert {name: values[name] for name in published} == pytest.approx(published)
 
 
@@ -110,6 +118,12 @@ def test_refusals_name_file_key_and_range(system, key, value, allowed):
     assert allowed in message.partition("allowed: ")[2]
     assert "\n" not in message
     assert len(message) < 300
+
+
+@pytest.mark.parametrize(("key", "value"), [("corrector_order", 4), ("corrections", 2)])
+def test_verlet_has_no_corrector(key, value):
+    with pytest.raises(InputError, match=rf"{key}: got {value}; .* with integrator: verlet"):
+        parse_point({"system": "belt", "integrator": "verlet", key: value}, "point.yaml")
 
 
 def test_a_run_too_long_for_its_samples_is_refused():

@@ -10,7 +10,14 @@ from pathlib import Path
 import pytest
 
 from sim.parameters import NUMERICAL, SYSTEMS, parse_point, point_id
-from sim.parameters.roles import changing_start, declarations, id_parts, numerical, readings
+from sim.parameters.roles import (
+    added,
+    changing_start,
+    declarations,
+    id_parts,
+    numerical,
+    readings,
+)
 
 ROOT = Path(__file__).parents[2]
 STORED = json.loads(Path(__file__).with_name("ids.json").read_text(encoding="utf-8"))
@@ -29,6 +36,9 @@ NEW_PARAMETERS = """
     )
     patience: int = declare(
         3, unit="1", description="what is waited for", role="numerics", changes_start=True, ge=1
+    )
+    haste: int = declare(
+        3, unit="1", description="what is not waited for", added=True, ge=1
     )
 
     @property
@@ -55,6 +65,7 @@ print(json.dumps({
     "reference": [line for line in reference_text().splitlines() if "`humidity`" in line],
     "ids": [point_id(point) for point in points],
     "patient": point_id(BeltParameters(patience=9)),
+    "hasty": [point_id(BeltParameters(haste=haste)) for haste in (3, 4)],
     "text": [setting("belt", name, value) for name, value in
              (("humidity", 60.0), ("wetting", "full"))],
     "variants": [point.wetting for point in variants(points)],
@@ -149,6 +160,12 @@ def test_a_name_has_one_role_in_all_systems():
         assert set(model.model_fields) & NUMERICAL == numerical(model)
 
 
+def test_what_is_added_is_no_part_of_every_name_and_has_a_default_of_its_own():
+    for model in SYSTEMS.values():
+        assert not set(added(model)) & {*id_parts(model), "system"}
+        assert not any(model.model_fields[name].default_factory for name in added(model))
+
+
 def test_readings_are_told_choices_first():
     assert readings(SYSTEMS["chute"]) == (
         "law",
@@ -181,6 +198,8 @@ def test_a_parameter_is_added_in_one_place(package):
     assert wet.startswith(f"{usual}40-wetting-full-") and both.startswith(f"{usual}60-wetting-")
     assert found["patient"].rpartition("-")[0] == dry.rpartition("-")[0]
     assert found["patient"] != dry
+    usual, hasty = found["hasty"]
+    assert usual == dry and "-haste4-" in hasty
     assert found["text"] == ["H = 60 m/s²", "wetting full"]
     assert found["variants"] == ["none", "full"]
     assert "wetting" in found["readings"] and "humidity" not in found["readings"]

@@ -51,3 +51,35 @@ def test_the_shortest_run_has_a_sample_and_the_smallest_cell_a_particle():
 def test_parameters_are_immutable():
     with pytest.raises(ValidationError, match="frozen"):
         ChuteParameters().depth = 10
+
+
+def test_damping_follows_the_stiffness_where_the_restitution_is_held():
+    assert BeltParameters(stiffness=4000).normal_damping == 500
+    held = {"stiffness_keeps": "restitution"}
+    assert BeltParameters(stiffness=4000, **held).normal_damping == pytest.approx(1000)
+    assert BeltParameters(**held).normal_damping == 500
+    soft, hard = (BeltParameters(stiffness=y, shear_damping=0, **held) for y in (1000, 9000))
+    assert soft.settling_step / hard.settling_step == pytest.approx(3)
+
+
+@pytest.mark.parametrize(
+    ("readings", "lowest"),
+    [
+        ({}, 15.1),
+        ({"damping_mass": "reduced"}, 9.8),
+        ({"shear_damping": 1}, 11.8),
+        ({"shear_damping": 100}, 22.4),
+        ({"stiffness": 5000}, 21.8),
+        ({"corrector_order": 4}, 9.4),
+        ({"corrector_order": 3}, 6.0),
+        ({"corrections": 2}, 4.51),
+        ({"integrator": "verlet"}, 1.0),
+        ({"steps_per_cycle": 4000}, 7.6),
+        ({"damping": 500, "shear_damping": 500}, 124.2),
+    ],
+)
+def test_a_time_step_beyond_the_corrector_has_a_caveat(readings, lowest):
+    """The frequencies (Hz) are those of docs/physics.md, which rest on real beds."""
+    assert not BeltParameters(frequency=1.01 * lowest, **readings).caveat
+    if lowest > 1:
+        assert "beyond the stability" in BeltParameters(frequency=0.98 * lowest, **readings).caveat

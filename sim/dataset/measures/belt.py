@@ -14,8 +14,10 @@ from sim.base.named import Named
 
 MEASURES = {
     "base_occupancy": ("1", "share of beads with centres within A_z of the mean belt position"),
+    "base_occupancy_at_phase_0": ("1", "the same at the beginning of the cycle alone"),
     "wave_power": ("1", "power of the five longest density waves, relative to beads at random"),
-    "early_wave_power": ("1", "the same over the first 10 cycles"),
+    "wave_power_at_phase_0": ("1", "the same at the beginning of the cycle alone"),
+    "early_wave_power": ("1", "the same at all times of the first 10 cycles"),
     "path_drift": ("m", "mean displacement of the beads along the belt in a cycle"),
     "path_vertical": ("m", "rms vertical distance of the beads from their mean places in a cycle"),
     "path_vertical_far": (
@@ -89,11 +91,21 @@ def _of_series(run: Mapping[Any, Any]) -> dict[str, float]:
     time, power = np.asarray(run["time"]), np.asarray(run["wave_power"])
     window = (time > float(run["average_start"])) & np.isfinite(power)
     early = time < (EARLY_CYCLES + 0.5 / int(run["samples_per_cycle"])) / float(run["frequency"])
+    starts = window & at_phase_0(np.asarray(run["belt_phase"]), int(run["samples_per_cycle"]))
+    occupancy = np.asarray(run["base_occupancy"])
     return {
-        "base_occupancy": float(np.asarray(run["base_occupancy"])[window].mean()),
+        "base_occupancy": float(occupancy[window].mean()),
+        "base_occupancy_at_phase_0": float(occupancy[starts].mean()) if starts.any() else nan,
         "wave_power": float(power[window].mean()),
+        "wave_power_at_phase_0": float(power[starts].mean()) if starts.any() else nan,
         "early_wave_power": float(power[early].mean()),
     }
+
+
+def at_phase_0(phase: np.ndarray, samples_per_cycle: int) -> np.ndarray:
+    """Return which samples are nearest to the beginning of a cycle, by the belt's phase (rad)."""
+    samples = np.round(phase / (2 * pi) * samples_per_cycle)
+    return samples % samples_per_cycle == 0
 
 
 def path_measures(path: np.ndarray) -> dict[str, float]:

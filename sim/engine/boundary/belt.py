@@ -14,7 +14,8 @@ class Belt(NamedTuple):
 
     ``amplitude_x``, ``amplitude_z`` (m); ``angular_frequency`` ω (1/s), 0 for a belt at rest;
     ``phase`` φ (rad); ``surface`` (m), height of the ghost's surface above the line: 0 for a ghost
-    below the line, half a mean diameter for one centred on it.
+    below the line, half a mean diameter for one centred on it; ``inverse_mass`` (1/kg) of the
+    ghost, which tells how it damps: it moves with the belt whatever its mass.
     """
 
     amplitude_x: float
@@ -22,6 +23,7 @@ class Belt(NamedTuple):
     angular_frequency: float
     phase: float
     surface: float
+    inverse_mass: float = 0.0
 
 
 @inlined
@@ -61,7 +63,7 @@ def belt_forces(law, disks, belt, search, time, time_step):
         overlap = -search.gap[i]
         vx = disks.taylor[1, 0, i] * per_step - belt_x
         vz = disks.taylor[1, 1, i] * per_step - belt_z
-        fx, fz = disk_force(law, overlap, (0.0, -1.0), (vx, vz), disks.mass[i], 0.0)
+        fx, fz = disk_force(law, overlap, (0.0, -1.0), (vx, vz), disks.mass[i], belt.inverse_mass)
         disks.force[0, i] += fx
         disks.force[1, i] += fz
         pressed, sheared = dissipated(law, overlap, (0.0, -1.0), (vx, vz), (fx, fz))

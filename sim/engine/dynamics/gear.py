@@ -1,8 +1,9 @@
-"""Integrators of the disks: Gear's predictor-corrector of fifth order and velocity Verlet.
+"""Integrators of the disks: Gear's predictor-corrector and velocity Verlet.
 
 Both act on the Taylor terms of ``Disks`` and have the same two halves around the evaluation of the
-forces. Coefficients: Allen and Tildesley, Computer Simulation of Liquids (1987), appendix E, for
-equations of second order whose forces depend on the velocity.
+forces. Gear's can correct again, after forces at the corrected positions and velocities.
+Coefficients: Allen and Tildesley, Computer Simulation of Liquids (1987), appendix E, for equations
+of second order whose forces depend on the velocity.
 """
 
 from typing import NamedTuple
@@ -12,18 +13,22 @@ import numpy as np
 from sim.engine.compile import implements, inlined
 from sim.engine.dynamics.disks import TERMS
 
-#: Corrector coefficients of the Taylor terms 0 to 5.
-CORRECTOR = (3.0 / 16.0, 251.0 / 360.0, 1.0, 11.0 / 18.0, 1.0 / 6.0, 1.0 / 60.0)
-
+#: Corrector coefficients of the Taylor terms 0 to 5 by order. Terms above the order stay zero.
+CORRECTORS = {
+    3: (1.0 / 6.0, 5.0 / 6.0, 1.0, 1.0 / 3.0, 0.0, 0.0),
+    4: (19.0 / 90.0, 3.0 / 4.0, 1.0, 1.0 / 2.0, 1.0 / 12.0, 0.0),
+    5: (3.0 / 16.0, 251.0 / 360.0, 1.0, 11.0 / 18.0, 1.0 / 6.0, 1.0 / 60.0),
+}
 
 #: Taylor terms (m) below this are set to zero now and then.
 VANISHING = 1e-200
 
 
 class Gear(NamedTuple):
-    """Gear's predictor-corrector with six values."""
+    """Gear's predictor-corrector; ``coefficients`` of its corrector are one of `CORRECTORS`."""
 
     time_step: float
+    coefficients: tuple[float, ...] = CORRECTORS[5]
 
 
 class Verlet(NamedTuple):
@@ -74,12 +79,13 @@ def _predict(integrator, taylor):
 @inlined
 def _correct_gear(integrator, taylor, d, i, acceleration):
     error = 0.5 * acceleration * integrator.time_step**2 - taylor[2, d, i]
-    taylor[0, d, i] += CORRECTOR[0] * error
-    taylor[1, d, i] += CORRECTOR[1] * error
+    c = integrator.coefficients
+    taylor[0, d, i] += c[0] * error
+    taylor[1, d, i] += c[1] * error
     taylor[2, d, i] += error
-    taylor[3, d, i] += CORRECTOR[3] * error
-    taylor[4, d, i] += CORRECTOR[4] * error
-    taylor[5, d, i] += CORRECTOR[5] * error
+    taylor[3, d, i] += c[3] * error
+    taylor[4, d, i] += c[4] * error
+    taylor[5, d, i] += c[5] * error
 
 
 @inlined

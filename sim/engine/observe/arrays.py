@@ -12,6 +12,10 @@ PROFILES = {
 #: Ends the name of a profile of the last sample alone.
 INSTANTANEOUS = "_instantaneous"
 
+#: Ends the name of a profile of the beginning of the belt's cycle alone, and which there are.
+AT_PHASE_0 = "_at_phase_0"
+PHASED = ("velocity_profile", "packing_profile", "number_density")
+
 #: Unit, long name and dimensions of what is known of each particle, at the first and last state.
 SNAPSHOTS = {
     "position": ("m", "position of the centre", ("frame", "particle", "axis")),
@@ -39,4 +43,8 @@ TABLES = {
         "number of bead centres per area in the laboratory",
         ("column", "level"),
     ),
+} | {
+    name + AT_PHASE_0: (unit, f"{long_name} at the beginning of the cycle", ("height",))
+    for name, (unit, long_name) in PROFILES.items()
+    if name in PHASED
 }

@@ -35,6 +35,13 @@ def copied(several: _Kind, number: int) -> _Kind:
     return type(several)(*(part[number].copy() for part in several))
 
 
+def chosen_of(several: _Kind, chosen: np.ndarray) -> _Kind:
+    """Return the sums of several samples, zero where a sample is not among those chosen (K,)."""
+    parts: Iterable[Any] = several
+    kind: Any = type(several)
+    return kind(*(part * chosen.reshape(-1, *[1] * (part.ndim - 1)) for part in parts))
+
+
 def add_samples(total: NamedTuple, several: NamedTuple, first: int, last: int) -> None:
     """Add the sums of samples ``first``..``last`` of several, one after the other."""
     for mine, theirs in zip(total, several, strict=True):

@@ -10,23 +10,21 @@ from sim.engine.calls import Direct, kind_of
 from sim.engine.contact.spring_damping import spring_damping
 from sim.engine.dynamics.cells import make_box
 from sim.engine.dynamics.disks import make_disks
-from sim.engine.dynamics.gear import Gear, Verlet, restarted
+from sim.engine.dynamics.gear import CORRECTORS, Gear, Verlet, restarted
 from sim.engine.dynamics.neighbors import empty_pair_list, grown, make_search
 from sim.engine.dynamics.status import LIST_FULL, REASONS, BlowUp, outcome
-from sim.engine.observe.field import Field, squares, wave_power
-from sim.engine.observe.profiles import Profile, empty_profile
+from sim.engine.observe.field import squares, wave_power
 from sim.engine.observe.regime import Scales
+from sim.engine.observe.sums import Sums
 from sim.engine.observe.system import Samples
 from sim.engine.systems import bed_samples, shaking
+from sim.engine.systems.bed_profiles import bed_profiles
 from sim.engine.systems.belt_start import initial_bed, vibration
 from sim.engine.systems.series import BELT_LEDGER, BELT_SERIES, since_start
 from sim.parameters import BeltParameters
 
 #: Skin of the neighbor list in mean diameters.
 SKIN = 0.3
-
-#: Slices of the profiles, one mean diameter each.
-SLICES = 80
 
 #: Intervals of the path over the cycle that ends a run: the paper plots every 50th of 2000 steps.
 PATH_INTERVALS = 40
@@ -63,7 +61,7 @@ class Belt:
         self.search = make_search(p.beads)
         self.law = spring_damping(
             p.stiffness * p.gravity * p.mass / p.diameter,
-            p.damping * p.gravity,
+            p.normal_damping,
             p.shear_damping * p.gravity,
             p.damping_mass,
             p.attraction,
@@ -84,7 +82,8 @@ class Belt:
         self.scales = Scales(p.least_transport, acceleration=np.inf, drift=p.drift, target=p.target)
         self.mass = float(bed.mass.sum())
         self.period = p.samples_per_cycle
-        self.profile_height = (np.arange(SLICES) + 0.5) * p.diameter
+        self.slices = bed_profiles(p)
+        self.profile_height = self.slices.height()
         self.normal_loss, self.shear_loss, self.belt_work = 0.0, 0.0, 0.0
         self.squares = squares(width, p.diameter, p.amplitude)
         self._room = self._make_room()
@@ -99,11 +98,13 @@ class Belt:
     def _make_room(self) -> bed_samples.BedSamples:
         beads = self.parameters.beads
         samples = max(1, min(MOST_SAMPLES, MOST_WORK // (self.sample_steps * beads)))
-        return bed_samples.make_samples(samples, beads, SLICES, self.squares)
+        return bed_samples.make_samples(samples, beads, self.slices.slices, self.squares)
 
     def _integrator(self, time_step: float):
-        kind = {"gear": Gear, "verlet": Verlet}[self.parameters.integrator]
-        return kind(float(time_step))
+        p = self.parameters
+        if p.integrator == "verlet":
+            return Verlet(float(time_step))
+        return Gear(float(time_step), CORRECTORS[p.corrector_order])
 
     def settle(self) -> None:
         """Let the beads fall onto the resting belt until their mean squared velocity is small."""
@@ -153,7 +154,7 @@ class Belt:
 
     def _motion(self, integrator) -> shaking.BedMotion:
         p = self.parameters
-        return shaking.BedMotion(integrator, p.gravity, p.overlap_limit)
+        return shaking.BedMotion(integrator, p.gravity, p.overlap_limit, p.corrections)
 
     def _run(self, integrator, belt, steps: int, where: str) -> None:
         """Advance by a number of steps without taking a sample."""
@@ -174,20 +175,26 @@ class Belt:
         p, loop, motion = self.parameters, self.loop, self._motion(self.integrator)
         room, count = self._room, min(most, len(self._room.sums))
         room.taken[0], room.clock[0] = 0, 0
-        amplitude = p.amplitude * p.diameter
+        amplitude, slice_height = p.amplitude * p.diameter, self.slices.slice_height
         status = LIST_FULL
         while status == LIST_FULL:
             contacts = self._contacts(self.belt)
             if not self._calls:
                 self._calls = bed_samples.make_calls(self.disks, contacts, loop, motion)
             how = bed_samples.Sampling(
-                self._calls, count, self.sample_steps, profiles, amplitude, p.diameter, self.squares
+                self._calls,
+                count,
+                self.sample_steps,
+                profiles,
+                amplitude,
+                slice_height,
+                self.squares,
             )
             status = self._take(self.disks, contacts, loop, motion, how, room)
             if status == LIST_FULL:
                 self.pairs = grown(self.pairs)
         self.loop_time += 1e-6 * float(room.clock[0])
-        found = Samples(self._values(room), room.profiles() if profiles else None)
+        found = Samples(self._values(room), self._profiles(room) if profiles else None)
         if status in REASONS:
             reason = f"{REASONS[status]} at step {loop.step[0]} of the shaking"
             raise BlowUp(reason, found if room.taken[0] else None)
@@ -202,9 +209,7 @@ class Belt:
         p, count = self.parameters, int(room.taken[0])
         parts = room.sums, room.stored, room.state
         sums, stored, state = (part[:count].T.copy() for part in parts)
-        number = self.loop.step[0] // self.sample_steps - np.arange(count)[::-1]
-        cycle_step = number * self.sample_steps % self.steps_per_cycle
-        angle = 2.0 * pi * cycle_step / self.steps_per_cycle + radians(p.phase)
+        angle = 2.0 * pi * self._cycle_steps(count) / self.steps_per_cycle + radians(p.phase)
         mean = sums / sums[shaking.STEPS]
         return {
             "mean_velocity": mean[shaking.VELOCITY],
@@ -223,29 +228,38 @@ class Belt:
             "wave_power": wave_power(room.waves[:count], p.beads),
         }
 
+    def _cycle_steps(self, count: int) -> np.ndarray:
+        """Return the steps since the belt was last in its initial phase, at the last samples."""
+        number = self.loop.step[0] // self.sample_steps - np.arange(count)[::-1]
+        return number * self.sample_steps % self.steps_per_cycle
+
+    def _profiles(self, room: bed_samples.BedSamples) -> Sums:
+        """Return profiles and field of the samples taken, and profiles of those at phase 0."""
+        centres, area, field = room.profiles()
+        starts = self._begin_cycles(int(room.taken[0]))
+        return centres, area, field, *self.slices.of_starts(centres, area, starts)
+
+    def _begin_cycles(self, count: int) -> np.ndarray:
+        """Return which of the last samples are those nearest to the beginning of a cycle."""
+        p = self.parameters
+        turns = self._cycle_steps(count) / self.steps_per_cycle + p.phase / 360.0
+        return np.round(turns * p.samples_per_cycle) % p.samples_per_cycle == 0
+
     def _velocity(self) -> np.ndarray:
         return self.disks.taylor[1] / self.time_step
 
-    def no_profiles(self) -> tuple[Profile, Profile, Field]:
+    def no_profiles(self) -> Sums:
         """Return sums of zero: profiles above the belt, by centres and by area, and the field."""
-        return empty_profile(SLICES, 2), empty_profile(SLICES, 2), self.squares.empty()
+        centres, area, *starts = self.slices.empty()
+        return centres, area, self.squares.empty(), *starts
 
-    def profiles(self, sums: tuple[Profile, Profile, Field]) -> dict[str, np.ndarray]:
+    def profiles(self, sums: Sums) -> dict[str, np.ndarray]:
         """Return velocity, densities and granular temperature per slice."""
-        centres, area, _ = sums
-        slab = self.box.length[0] * self.parameters.diameter
-        temperature = centres.temperature()
-        return {
-            "velocity_profile": centres.velocity(),
-            "packing_profile": area.weight / (slab * area.samples[0]),
-            "number_density": centres.weight / (slab * centres.samples[0]),
-            "granular_temperature_profile": temperature.mean(axis=1),
-            "vertical_temperature_profile": temperature[:, 1],
-        }
+        return self.slices.profiles(*sums[:2])
 
-    def tables(self, sums: tuple[Profile, Profile, Field]) -> dict[str, np.ndarray]:
-        """Return mean velocity and density in squares of the laboratory."""
-        return self.squares.tables(sums[2])
+    def tables(self, sums: Sums) -> dict[str, np.ndarray]:
+        """Return means in squares of the laboratory, and profiles at the beginning of the cycle."""
+        return self.squares.tables(sums[2]) | self.slices.phased(*sums[3:])
 
     def trace(self) -> np.ndarray:
         """Finish the cycle and return the path of every bead (S, N, 2) in m over one more."""

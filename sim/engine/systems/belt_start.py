@@ -54,4 +54,11 @@ def vibration(p: BeltParameters, frequency: float) -> Belt:
     # Not tan(90°), which rounds to a finite number: a vertical vibration has A_x = 0.
     slope = tan(radians(p.vibration_angle)) if p.vibration_angle < 90.0 else np.inf
     surface = 0.5 * p.diameter if p.belt_ghost == "centred" else 0.0
-    return Belt(amplitude / slope, amplitude, 2.0 * pi * frequency, radians(p.phase), surface)
+    return Belt(
+        amplitude / slope,
+        amplitude,
+        2.0 * pi * frequency,
+        radians(p.phase),
+        surface,
+        inverse_mass=1.0 / p.mass if p.ghost_mass == "mean" else 0.0,
+    )

@@ -34,29 +34,30 @@ class BedContacts(NamedTuple):
 
 
 class BedMotion(NamedTuple):
-    """The ``integrator``, ``gravity`` (m/s²) along -z, and the largest overlap relative to the sum
-    of the radii that is admitted."""
+    """The ``integrator``, ``gravity`` (m/s²) along -z, the largest overlap relative to the sum of
+    the radii that is admitted, and how many ``corrections`` a step has."""
 
     integrator: NamedTuple
     gravity: float
     overlap_limit: float
+    corrections: int = 1
 
 
 class Shaking(NamedTuple):
     """What the loop over steps carries besides beads and neighbor list.
 
-    ``step`` (1,) number of the last completed step; ``predicted`` (1,) whether the positions are
-    those predicted for the next step; ``sums`` (8,) see above.
+    ``step`` (1,) number of the last completed step; ``evaluation`` (1,) which evaluation of the
+    forces of the next step comes next, 0 before its prediction; ``sums`` (8,) see above.
     """
 
     step: np.ndarray
-    predicted: np.ndarray
+    evaluation: np.ndarray
     sums: np.ndarray
 
 
 def make_shaking() -> Shaking:
     """Return the state before the first step."""
-    return Shaking(np.zeros(1, np.int64), np.zeros(1, np.bool_), np.zeros(SUMS))
+    return Shaking(np.zeros(1, np.int64), np.zeros(1, np.int64), np.zeros(SUMS))
 
 
 @inlined
@@ -120,22 +121,22 @@ def move_disks(integrator, disks, gravity):
 def advance_disks(disks, contacts, shaking, motion, steps):
     """Advance the beads by a number of steps; return a status.
 
-    On LIST_FULL nothing is lost: the positions are already those predicted for the next step, so
-    give the pair list more room and call again for the steps that ``shaking.step`` says are
-    missing.
+    Losses are those of a step's last evaluation of the forces. On LIST_FULL nothing is lost: the
+    positions are already those predicted for the next step, or corrected once, so give the pair
+    list more room and call again for the steps that ``shaking.step`` says are missing.
     """
     wide_vectors()
     law, pairs, belt, obstacle, search = contacts
-    integrator, gravity, overlap_limit = motion
+    integrator, gravity, overlap_limit, corrections = motion
     sums = shaking.sums
     last = shaking.step[0] + steps
     time_step = integrator.time_step
     while shaking.step[0] < last:
         step = shaking.step[0] + 1
-        if not shaking.predicted[0]:
+        if shaking.evaluation[0] == 0:
             predict(integrator, disks.taylor)
-            shaking.predicted[0] = True
-            pairs.valid[0] = pairs.valid[0] and list_holds(disks, pairs, time_step)
+            shaking.evaluation[0] = 1
+        pairs.valid[0] = pairs.valid[0] and list_holds(disks, pairs, time_step)
         if not pairs.valid[0]:
             status = refresh_beads(disks, pairs)
             if status != OK:
@@ -149,6 +150,9 @@ def advance_disks(disks, contacts, shaking, motion, steps):
             law, disks, obstacle, pairs.box, search, time_step
         )
         moved, momentum = move_disks(integrator, disks, gravity)
+        if shaking.evaluation[0] < corrections:
+            shaking.evaluation[0] += 1
+            continue
         overlap = max(overlap, belt_overlap, obstacle_overlap)
         sums[STEPS] += 1.0
         sums[VELOCITY] += moved / (time_step * disks.radius.size)
@@ -161,7 +165,7 @@ def advance_disks(disks, contacts, shaking, motion, steps):
         if step % FLUSH_INTERVAL == 0:
             flush(disks.taylor)
         shaking.step[0] = step
-        shaking.predicted[0] = False
+        shaking.evaluation[0] = 0
         if not overlap < overlap_limit:
             return OVERLAP
     return OK

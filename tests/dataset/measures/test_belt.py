@@ -4,7 +4,14 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from sim.dataset.measures.belt import backflow, columns, far_height, measure, path_measures
+from sim.dataset.measures.belt import (
+    at_phase_0,
+    backflow,
+    columns,
+    far_height,
+    measure,
+    path_measures,
+)
 
 BEAD = 1e-3
 
@@ -58,14 +65,20 @@ def test_backflow_counts_beads_not_squares():
 
 
 def run():
-    """Return one replicate of 30 cycles at 20 Hz with 4 samples each, averaged from cycle 20 on."""
+    """Return one replicate of 30 cycles at 20 Hz with 4 samples each, averaged from cycle 20 on.
+
+    At the beginning of a cycle there are fewer beads near the belt and weaker waves.
+    """
     usual = {"frequency": 20.0, "width": 20.0, "diameter": BEAD}
     usual |= {"samples_per_cycle": 4, "average_start": 1.0}
-    time = np.arange(1, 121) / 80
+    sample = np.arange(1, 121)
+    time, less = sample / 80, np.where(sample % 4 == 0, 0.5, 1.0)
+    waves = np.where(time <= 0.5, 5.0, np.where(time > 1.0, 2.0, 3.0))
     return xr.Dataset(
         {
-            "base_occupancy": ("time", np.where(time > 1.0, 0.25, 0.75)),
-            "wave_power": ("time", np.where(time <= 0.5, 5.0, np.where(time > 1.0, 2.0, 3.0))),
+            "belt_phase": ("time", 0.5 * np.pi * (sample % 4)),
+            "base_occupancy": ("time", less * np.where(time > 1.0, 0.4, 0.8)),
+            "wave_power": ("time", less * waves),
             "path": (("path_time", "particle", "axis"), ellipse(0.5, beads=5)),
             **{name: ((), value) for name, value in usual.items()},
         },
@@ -75,9 +88,23 @@ def run():
 
 def test_series_are_averaged_over_the_window_and_the_first_cycles():
     found = measure(run())
-    assert found["base_occupancy"] == pytest.approx(0.25)
-    assert found["wave_power"] == pytest.approx(2.0)
-    assert found["early_wave_power"] == pytest.approx(5.0)
+    assert found["base_occupancy"] == pytest.approx(0.4 * 7 / 8)
+    assert found["base_occupancy_at_phase_0"] == pytest.approx(0.2)
+    assert found["wave_power"] == pytest.approx(2.0 * 7 / 8)
+    assert found["wave_power_at_phase_0"] == pytest.approx(1.0)
+    assert found["early_wave_power"] == pytest.approx(5.0 * 7 / 8)
+
+
+def test_a_cycle_begins_at_the_sample_nearest_to_the_belts_mean_height_on_its_way_up():
+    phase = np.radians([0, 17, 90, 180, 270, 300, 316, 359.9])
+    found = at_phase_0(phase, 4)
+    assert found.tolist() == [True, True, False, False, False, False, True, True]
+
+
+def test_a_window_without_the_beginning_of_a_cycle_says_nothing_of_it():
+    found = measure(run().isel(time=[0, 1, 81, 82]))
+    assert np.isnan(found["base_occupancy_at_phase_0"])
+    assert np.isnan(found["wave_power_at_phase_0"])
 
 
 def test_a_run_with_paths_has_their_height_everywhere_and_far_from_the_middle():

@@ -20,6 +20,7 @@ from tests.engine_motion.helpers import (
 
 INTEGRATORS = [Gear, Verlet]
 SUNK = BEAD_MASS * BEAD_GRAVITY / YOUNG
+REDUCED = bead_law(damping_mass="reduced", attraction="clipped")
 
 
 def shaken(frequency: float, along: float = BEAD, up: float = BEAD, phase=0.0, surface=0.0) -> Belt:
@@ -83,6 +84,33 @@ def test_bead_bounces_off_the_resting_belt_as_a_damped_oscillator(surface, integ
     rate, frequency = 0.5 * DAMPING, YOUNG / BEAD_MASS
     expected = np.exp(-np.pi * rate / np.sqrt(frequency - rate**2))
     assert motion.velocity[0, 1] / 0.1 == pytest.approx(expected, abs=1e-3)
+
+
+@pytest.mark.parametrize("share", [1.0, 0.25])
+@pytest.mark.parametrize("size", [0.6, 1.0, 1.4])
+def test_a_ghost_of_finite_mass_damps_with_the_reduced_mass(size, share):
+    """A bead of mass m and a ghost of mass M: rate γ/2 M/(m + M), from γ/2 m M/(m + M)/m.
+
+    The contact ends where spring and damping cancel, as attraction is clipped.
+    """
+    mass, ghost = size**2 * BEAD_MASS, share * BEAD_MASS
+    rate, squared = 0.5 * DAMPING * ghost / (mass + ghost), YOUNG / mass
+    frequency = np.sqrt(squared - rate**2)
+    release = np.pi - np.arctan2(2 * rate * frequency, frequency**2 - rate**2)
+    options = {"mass": mass, "radius": 0.5 * size * BEAD, "time_step": 1e-6, "integrator": Verlet}
+    options |= {"law": REDUCED, "belt": AT_REST._replace(inverse_mass=1 / ghost)}
+    motion = DiskMotion([[0.0, 0.5 * size * BEAD + 1e-8]], [[0.0, -0.1]], **options).run(2500)
+    assert motion.velocity[0, 1] / 0.1 == pytest.approx(
+        np.exp(-rate / frequency * release), abs=1e-3
+    )
+
+
+def test_a_bead_on_a_ghost_of_its_own_mass_relaxes_to_the_belt_half_as_fast():
+    options = {"law": REDUCED, "belt": AT_REST._replace(inverse_mass=1 / BEAD_MASS)}
+    options |= {"integrator": Verlet, "acceleration": [[-0.15 * DAMPING, 0.0]]}
+    motion = held((0.3, 0.0), **options).run(200)
+    expected = 0.3 * np.exp(-0.5 * DAMPING * 200 * 2.5e-5)
+    assert motion.velocity[0, 0] == pytest.approx(expected, abs=1e-3 * 0.3)
 
 
 @pytest.mark.parametrize("radius", [0.25 * BEAD, 0.75 * BEAD])

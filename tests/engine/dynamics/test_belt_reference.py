@@ -5,7 +5,7 @@ import pytest
 
 from sim.engine.boundary.belt import Belt
 from sim.engine.boundary.obstacle import Obstacle
-from sim.engine.dynamics.gear import Gear, Verlet
+from sim.engine.dynamics.gear import Verlet
 from sim.engine.systems import shaking
 from tests.engine.reference import belt as slow
 from tests.engine_motion.disks import DiskMotion
@@ -17,6 +17,7 @@ from tests.engine_motion.helpers import (
     DAMPING,
     YOUNG,
     bead_law,
+    gear,
     lattice,
     wrapped,
 )
@@ -24,7 +25,6 @@ from tests.engine_motion.helpers import (
 STEPS = 80
 SPEED, FREQUENCY, PHASE = 0.1, 30.0, 0.7
 ALONG, UP = 0.6 * BEAD, BEAD
-INTEGRATORS = {"gear": Gear, "verlet": Verlet}
 GHOSTS = {"below": 0.0, "centred": 0.5 * BEAD}
 
 
@@ -42,7 +42,12 @@ def dense_state(seed: int, shape=(5, 6)):
 
 
 def both(seed, integrator, ghost, obstacle, shear=DAMPING, shape=(5, 6), **readings):
-    """A bed of the engine and of the reference; the obstacle stands between two of its beads."""
+    """A bed of the engine and of the reference; the obstacle stands between two of its beads.
+
+    Of the readings ``order``, ``corrections`` and ``ghost_mass`` are none of the law of beads.
+    """
+    order, corrections = readings.pop("order", 5), readings.pop("corrections", 1)
+    ghost_mass = readings.pop("ghost_mass", np.inf)
     position, velocity, radius, mass = dense_state(seed, shape)
     position[:, 1] += GHOSTS[ghost]
     width, time_step = max(5, shape[0]) * BEAD, 1 / (2000 * FREQUENCY)
@@ -59,6 +64,7 @@ def both(seed, integrator, ghost, obstacle, shear=DAMPING, shape=(5, 6), **readi
         PHASE,
         obstacle,
         belt_ghost=ghost,
+        ghost_mass=ghost_mass,
         **readings,
     )
     force = slow.forces(expected, 2 * radius, mass, position, velocity, 0.0)
@@ -67,13 +73,14 @@ def both(seed, integrator, ghost, obstacle, shear=DAMPING, shape=(5, 6), **readi
         velocity,
         acceleration=force / mass[:, None] - np.array([0.0, BEAD_GRAVITY]),
         law=bead_law(shear_damping=shear, **readings),
-        integrator=INTEGRATORS[integrator],
+        integrator=Verlet if integrator == "verlet" else gear(order),
+        corrections=corrections,
         time_step=time_step,
         radius=radius,
         mass=mass,
         width=width,
         gravity=BEAD_GRAVITY,
-        belt=Belt(ALONG, UP, rate, PHASE, GHOSTS[ghost]),
+        belt=Belt(ALONG, UP, rate, PHASE, GHOSTS[ghost], 1 / ghost_mass),
         obstacle=Obstacle(0.5 * width, UP, 0.5 * obstacle),
         skin=0.05 * BEAD,
         overlap_limit=1.0,
@@ -85,12 +92,32 @@ def both(seed, integrator, ghost, obstacle, shear=DAMPING, shape=(5, 6), **readi
 @pytest.mark.parametrize("ghost", GHOSTS)
 @pytest.mark.parametrize(("readings", "integrator"), BEAD_LAWS)
 def test_short_shaking_equals_the_reference(readings, integrator, ghost, obstacle):
-    motion, belt = both(1, integrator, ghost, obstacle, shear=0.6 * DAMPING, **readings)
+    equal_after_a_while(1, integrator, ghost, obstacle, **readings)
+
+
+@pytest.mark.parametrize(("order", "corrections"), [(3, 1), (4, 2), (5, 2)])
+def test_other_correctors_equal_the_reference(order, corrections):
+    equal_after_a_while(2, "gear", "below", 0.0, order=order, corrections=corrections)
+
+
+@pytest.mark.parametrize("ghost_mass", [BEAD_MASS, 0.1 * BEAD_MASS])
+def test_a_ghost_of_finite_mass_equals_the_reference(ghost_mass):
+    readings, integrator = BEAD_LAWS[2]
+    assert readings["damping_mass"] == "reduced"
+    equal_after_a_while(2, integrator, "below", 0.0, ghost_mass=ghost_mass, **readings)
+
+
+def equal_after_a_while(seed, integrator, ghost, obstacle, **readings):
+    """Hold the engine to the reference over a short run in which beads, belt and obstacle meet."""
+    order, corrections = readings.get("order", 5), readings.get("corrections", 1)
+    motion, belt = both(seed, integrator, ghost, obstacle, shear=0.6 * DAMPING, **readings)
     start = motion.position.copy(), motion.velocity.copy()
     sizes = 2 * motion.radius, motion.mass
     motion.run(STEPS)
     step = motion.integrator.time_step
-    places, velocities = slow.run(belt, *sizes, *start, step, STEPS, integrator)
+    places, velocities = slow.run(
+        belt, *sizes, *start, step, STEPS, integrator, gear_order=order, corrections=corrections
+    )
     apart = wrapped(motion.position - places[-1], belt.width, 0.0)
     assert np.abs(apart).max() < 1e-10 * BEAD
     assert motion.velocity == pytest.approx(velocities[-1], abs=1e-10 * SPEED)

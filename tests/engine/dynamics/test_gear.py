@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from sim.engine.dynamics.disks import TERMS, make_disks
-from sim.engine.dynamics.gear import CORRECTOR, Gear, Verlet, restarted
-from tests.engine_motion.helpers import damped_oscillation, flushed
+from sim.engine.dynamics.gear import CORRECTORS, Gear, Verlet, restarted
+from tests.engine.reference.integrators import GEAR_COEFFICIENTS
+from tests.engine_motion.helpers import damped_oscillation, flushed, gear
 
 RATE, END = 0.3, 10.0
 
@@ -19,20 +20,22 @@ def derivatives(time: float) -> np.ndarray:
     return np.array([2 * (weight * root**k * np.exp(root * time)).real for k in range(TERMS)])
 
 
-def oscillated(integrator, steps: int, known: int = TERMS):
+def oscillated(integrator, steps: int, known: int = TERMS, corrections: int = 1):
     """Taylor terms (6,) at END from an exact start that knows some derivatives."""
     step = END / steps
     scale = np.array([step**k / factorial(k) for k in range(TERMS)])
     taylor = np.zeros((TERMS, 2, 1))
     taylor[:known, :, 0] = (derivatives(0.0) * scale)[:known, None]
-    damped_oscillation(integrator(step), taylor, 1.0, 2 * RATE, steps)
+    damped_oscillation(integrator(step), taylor, 1.0, 2 * RATE, steps, 0.0, corrections)
     return taylor[:, 0, 0] / scale
 
 
-def orders(integrator, known: int = TERMS) -> np.ndarray:
+def orders(integrator, known: int = TERMS, corrections: int = 1) -> np.ndarray:
     """Observed orders of position and velocity between 200, 400 and 800 steps."""
     exact = derivatives(END)[:2]
-    errors = [oscillated(integrator, steps, known)[:2] - exact for steps in (200, 400, 800)]
+    errors = [
+        oscillated(integrator, steps, known, corrections)[:2] - exact for steps in (200, 400, 800)
+    ]
     return np.log2(np.abs(np.array(errors[:-1]) / np.array(errors[1:])))
 
 
@@ -42,9 +45,19 @@ def test_exact_solution_obeys_its_equation():
     assert derivatives(0.0)[:2] == pytest.approx([1.0, 0.0])
 
 
-def test_gear_is_of_fifth_order_or_better():
-    assert orders(Gear).min() > 4.7
+@pytest.mark.parametrize("corrections", [1, 2])
+@pytest.mark.parametrize("order", CORRECTORS)
+def test_gear_is_of_the_order_that_it_says(order, corrections):
+    assert orders(gear(order), order + 1, corrections).min() == pytest.approx(order, abs=0.2)
+
+
+def test_gear_is_accurate():
     assert abs(oscillated(Gear, 400)[0] - derivatives(END)[0]) < 1e-8
+
+
+@pytest.mark.parametrize("order", [3, 4])
+def test_terms_above_the_order_stay_zero(order):
+    assert not oscillated(gear(order), 50, order + 1)[order + 1 :].any()
 
 
 def test_gear_started_from_the_acceleration_alone_is_of_second_order_or_better():
@@ -74,8 +87,10 @@ def test_free_fall_is_exact(integrator):
     assert taylor[1, 0] / step == pytest.approx(3.0 - 1.0, rel=1e-12)
 
 
-def test_corrector_coefficients_are_those_for_forces_that_depend_on_the_velocity():
-    assert pytest.approx((3 / 16, 251 / 360, 1, 11 / 18, 1 / 6, 1 / 60), rel=1e-15) == CORRECTOR
+@pytest.mark.parametrize("order", GEAR_COEFFICIENTS)
+def test_corrector_coefficients_are_those_for_forces_that_depend_on_the_velocity(order):
+    padded = (*GEAR_COEFFICIENTS[order], *[0.0] * (TERMS - order - 1))
+    assert CORRECTORS[order] == pytest.approx(padded, rel=1e-15)
 
 
 @pytest.mark.parametrize("integrator", [Gear, Verlet])

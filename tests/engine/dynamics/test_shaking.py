@@ -15,9 +15,11 @@ from tests.engine_motion.helpers import (
     DAMPING,
     YOUNG,
     bead_law,
+    gear,
     lattice,
     wrapped,
 )
+from tests.engine_motion.points import belt_point
 
 INTEGRATORS = [Gear, Verlet]
 REDUCED = {"damping_mass": "reduced", "attraction": "clipped"}
@@ -25,14 +27,14 @@ SPEED = 0.1
 FAR = 30 * BEAD
 
 
-def struck(law, integrator, time_step=1e-6, sizes=(1.0, 1.0), gap=0.3) -> float:
+def struck(law, integrator, time_step=1e-6, sizes=(1.0, 1.0), gap=0.3, corrections=1) -> float:
     """Restitution of two beads that meet head-on, ``gap`` steps after the start."""
     diameter = BEAD * np.array(sizes)
     distance = diameter.mean() + gap * SPEED * time_step
     place = [[5 * BEAD, FAR], [5 * BEAD + distance, FAR]]
     mass = BEAD_MASS * np.array(sizes) ** 2
     options = {"radius": 0.5 * diameter, "mass": mass, "time_step": time_step}
-    options |= {"law": law, "integrator": integrator}
+    options |= {"law": law, "integrator": integrator, "corrections": corrections}
     motion = DiskMotion(place, [[SPEED / 2, 0], [-SPEED / 2, 0]], **options)
     motion.run(int(1.5e-3 / time_step))
     return float(motion.velocity[1, 0] - motion.velocity[0, 0]) / SPEED
@@ -70,6 +72,25 @@ def test_with_the_reduced_mass_half_the_rate_damps_and_a_clipped_contact_ends_ea
         clipped(*oscillator), abs=1e-3
     )
     assert clipped(*oscillator) > damped(*oscillator) + 2e-3
+
+
+@pytest.mark.parametrize("order", [3, 4, 5])
+@pytest.mark.parametrize("corrections", [1, 2])
+def test_every_corrector_gives_the_restitution(order, corrections):
+    expected = damped(DAMPING, 2 * YOUNG / BEAD_MASS)
+    found = struck(bead_law(), gear(order), corrections=corrections)
+    assert found == pytest.approx(expected, abs=1e-3)
+
+
+def test_damping_that_goes_with_the_root_of_the_stiffness_keeps_the_restitution():
+    """Of all pairs, as rate over frequency stays; at a fixed rate it rises with the stiffness."""
+    for sizes in ((1.0, 1.0), (0.6, 1.4)):
+        usual = struck(bead_law(), Gear, sizes=sizes)
+        for factor in (0.7, 5.0):
+            p = belt_point(stiffness=1e3 * factor, stiffness_keeps="restitution")
+            law = bead_law(stiffness=factor * YOUNG, damping=p.normal_damping)
+            assert struck(law, Gear, sizes=sizes) == pytest.approx(usual, abs=1e-3)
+        assert struck(bead_law(stiffness=5 * YOUNG), Gear, sizes=sizes) > usual + 0.1
 
 
 @pytest.mark.parametrize("integrator", INTEGRATORS)
@@ -147,9 +168,10 @@ def test_skin_changes_the_trajectory_by_rounding_only(base):
     assert thin.velocity == pytest.approx(thick.velocity, abs=1e-9 * SPEED)
 
 
-@pytest.mark.parametrize("integrator", INTEGRATORS)
-def test_a_list_that_grows_gives_the_same_bits_as_one_with_room(integrator):
+@pytest.mark.parametrize(("integrator", "corrections"), [(Gear, 1), (Gear, 2), (Verlet, 1)])
+def test_a_list_that_grows_gives_the_same_bits_as_one_with_room(integrator, corrections):
     options = {"shape": (7, 6), "integrator": integrator, "gravity": BEAD_GRAVITY}
+    options |= {"corrections": corrections}
     tight, roomy = (crowd(base=0.0, room=room, **options) for room in (0, 60))
     capacity = tight.pairs.second.size
     tight.run(1500)
@@ -170,6 +192,19 @@ def test_gear_and_verlet_agree_as_the_time_step_falls():
         ]
         apart.append(np.abs(ends[0].position - ends[1].position).max())
     assert apart[0] < 1e-2 * BEAD
+    assert apart[1] < 0.2 * apart[0]
+
+
+def test_two_corrections_go_to_the_limit_that_one_goes_to():
+    """Both are exact as the step falls; the second correction is a matter of the step alone."""
+    apart = []
+    for time_step in (2e-5, 2e-6):
+        ends = [
+            crowd(corrections=number, time_step=time_step).run(int(1e-3 / time_step))
+            for number in (1, 2)
+        ]
+        apart.append(np.abs(ends[0].position - ends[1].position).max())
+    assert 0 < apart[0] < 1e-3 * BEAD
     assert apart[1] < 0.2 * apart[0]
 
 

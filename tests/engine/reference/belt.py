@@ -21,8 +21,8 @@ class Belt:
     zero but keeps its amplitude, which also places the obstacle.
 
     damping_mass: "own" or "reduced" mass of the bead in the damping terms. belt_ghost: the belt
-    acts as a disk of diameter <d> right "below" its line or "centred" on it. attraction: a normal
-    force that pulls is "kept" or "clipped" to zero.
+    acts as a disk of diameter <d> right "below" its line or "centred" on it, of ghost_mass (kg).
+    attraction: a normal force that pulls is "kept" or "clipped" to zero.
     """
 
     width: float
@@ -37,6 +37,7 @@ class Belt:
     obstacle: float = 0.0
     damping_mass: str = "own"
     belt_ghost: str = "below"
+    ghost_mass: float = np.inf
     attraction: str = "kept"
 
 
@@ -91,7 +92,7 @@ def damping_masses(belt: Belt, mass_i: float, mass_j: float) -> tuple[float, flo
     """Masses (kg) in the damping terms of the force on i and of that on j."""
     if belt.damping_mass == "own":
         return mass_i, mass_j
-    reduced = mass_i * mass_j / (mass_i + mass_j)
+    reduced = 1 / (1 / mass_i + 1 / mass_j)
     return reduced, reduced
 
 
@@ -128,15 +129,16 @@ def belt_force(
     velocity: np.ndarray,
     time: float,
 ) -> np.ndarray:
-    """Force (2, N) of the belt on one bead: a heavy disk of diameter <d> straight below the bead.
+    """Force (2, N) of the belt on one bead: a disk of diameter <d> straight below the bead.
 
-    Its reduced mass with the bead is the bead's own, so both damping masses agree.
+    It moves with the belt whatever its mass, which counts with the reduced mass alone.
     """
     place, motion = belt_motion(belt, time)
     centre = place[1] - (0.5 * belt.mean_diameter if belt.belt_ghost == "below" else 0.0)
     to_ghost = np.array([0.0, centre - position[1]])
     reach = 0.5 * (diameter + belt.mean_diameter)
-    return contact_force(belt, to_ghost, velocity - motion, reach, mass)
+    damped, _ = damping_masses(belt, mass, belt.ghost_mass)
+    return contact_force(belt, to_ghost, velocity - motion, reach, damped)
 
 
 def obstacle_force(
@@ -166,11 +168,14 @@ def run(
     steps: int,
     integrator: str = "gear",
     start: float = 0.0,
+    gear_order: int = 5,
+    corrections: int = 1,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Positions (steps + 1, N, 2) and velocities of a run that begins at time start (s).
 
-    The shapes are those of `forces`; integrator is "gear" or "verlet". The first row is the
-    initial state, positions are not wrapped.
+    The shapes are those of `forces`; integrator is "gear", of an order and with a number of
+    corrections per step, or "verlet". The first row is the initial state; positions are not
+    wrapped.
     """
 
     def acceleration(x: np.ndarray, v: np.ndarray, t: float) -> np.ndarray:
@@ -180,9 +185,9 @@ def run(
     positions, velocities = [position], [velocity]
     times = start + time_step * np.arange(steps)
     if integrator == "gear":
-        scaled = gear_start(acceleration, position, velocity, start, time_step)
+        scaled = gear_start(acceleration, position, velocity, start, time_step, gear_order)
         for time in times:
-            scaled = gear_step(acceleration, scaled, time, time_step)
+            scaled = gear_step(acceleration, scaled, time, time_step, corrections)
             positions.append(scaled[0])
             velocities.append(scaled[1] / time_step)
     else:

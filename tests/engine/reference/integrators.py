@@ -1,7 +1,7 @@
 """The two integrators of the belt for x'' = a(x, v, t), one step at a time.
 
-Gear predictor-corrector: Allen and Tildesley, Computer Simulation of Liquids (1987), six values,
-coefficients for second-order equations whose acceleration depends on the velocity.
+Gear predictor-corrector: Allen and Tildesley, Computer Simulation of Liquids (1987), four to six
+values, coefficients for second-order equations whose acceleration depends on the velocity.
 """
 
 from collections.abc import Callable
@@ -11,7 +11,12 @@ import numpy as np
 
 Acceleration = Callable[[np.ndarray, np.ndarray, float], np.ndarray]
 
-GEAR_COEFFICIENTS = (3 / 16, 251 / 360, 1.0, 11 / 18, 1 / 6, 1 / 60)
+#: By the order, one less than the number of values.
+GEAR_COEFFICIENTS = {
+    3: (1 / 6, 5 / 6, 1.0, 1 / 3),
+    4: (19 / 90, 3 / 4, 1.0, 1 / 2, 1 / 12),
+    5: (3 / 16, 251 / 360, 1.0, 11 / 18, 1 / 6, 1 / 60),
+}
 
 
 def gear_start(
@@ -20,26 +25,34 @@ def gear_start(
     velocity: np.ndarray,
     time: float,
     time_step: float,
+    gear_order: int = 5,
 ) -> np.ndarray:
-    """Scaled derivatives (6, ...): row k is x^(k) dt^k/k!; those above the second are zero."""
+    """Scaled derivatives (order + 1, ...): row k is x^(k) dt^k/k!, zero above the second."""
     derivatives = [position, velocity, acceleration(position, velocity, time)]
-    scaled = np.zeros((6, *np.shape(position)))
+    scaled = np.zeros((gear_order + 1, *np.shape(position)))
     for order, derivative in enumerate(derivatives):
         scaled[order] = derivative * time_step**order / factorial(order)
     return scaled
 
 
 def gear_step(
-    acceleration: Acceleration, scaled: np.ndarray, time: float, time_step: float
+    acceleration: Acceleration,
+    scaled: np.ndarray,
+    time: float,
+    time_step: float,
+    corrections: int = 1,
 ) -> np.ndarray:
-    """Scaled derivatives at time + time_step from those at time: predict, evaluate, correct."""
-    predicted = np.zeros_like(scaled)
-    for order in range(6):
-        for higher in range(order, 6):
-            predicted[order] += comb(higher, order) * scaled[higher]
-    found = acceleration(predicted[0], predicted[1] / time_step, time + time_step)
-    error = 0.5 * time_step**2 * found - predicted[2]
-    return np.array([row + c * error for row, c in zip(predicted, GEAR_COEFFICIENTS, strict=True)])
+    """Scaled derivatives at time + time_step: predict, then evaluate and correct, maybe again."""
+    values = np.zeros_like(scaled)
+    for order in range(len(scaled)):
+        for higher in range(order, len(scaled)):
+            values[order] += comb(higher, order) * scaled[higher]
+    coefficients = GEAR_COEFFICIENTS[len(scaled) - 1]
+    for _ in range(corrections):
+        found = acceleration(values[0], values[1] / time_step, time + time_step)
+        error = 0.5 * time_step**2 * found - values[2]
+        values = np.array([row + c * error for row, c in zip(values, coefficients, strict=True)])
+    return values
 
 
 def verlet_step(

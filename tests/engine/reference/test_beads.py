@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tests.engine.reference.belt import Belt, belt_force, belt_motion, forces
-from tests.engine.reference.integrators import gear_step
+from tests.engine.reference.integrators import GEAR_COEFFICIENTS, gear_step
 from tests.engine_motion.helpers import BEAD as DIAMETER
 from tests.engine_motion.helpers import BEAD_GRAVITY as GRAVITY
 from tests.engine_motion.helpers import BEAD_MASS as MASS
@@ -62,20 +62,56 @@ def test_ghost_touches_half_a_diameter_above_the_line_or_above_its_own_radius():
         assert found[0] == pytest.approx(DAMPING * MASS * 0.01, rel=1e-9)
 
 
-def test_gear_corrects_each_row_by_its_share_of_the_error():
+@pytest.mark.parametrize(
+    ("ghost_mass", "counted"), [(np.inf, 1.0), (MASS, 1 / (1 + 1.44)), (1e-3 * MASS, 1e-3 / 1.441)]
+)
+def test_the_mass_of_the_ghost_damps_with_the_reduced_mass_alone(ghost_mass, counted):
+    mass = 1.44 * MASS
+    place = np.array([0.0, 0.6 * DIAMETER - 1e-5])
+    for damping_mass, share in (("own", 1.0), ("reduced", counted)):
+        belt = replace(BELT, damping_mass=damping_mass, ghost_mass=ghost_mass)
+        found = belt_force(belt, 1.2 * DIAMETER, mass, place, np.array([0.01, -0.02]), 0.0)
+        drag, push = DAMPING * share * mass * np.array([0.01, 0.02])
+        assert found == pytest.approx([-drag, STIFFNESS * 1e-5 + push], rel=1e-6)
+
+
+@pytest.mark.parametrize("order", [3, 4, 5])
+def test_gear_corrects_each_row_by_its_share_of_the_error(order):
     def pushed(x, v, t):
         return np.array([2.0 / 0.1**2])
 
-    found = gear_step(pushed, np.zeros((6, 1)), 0.0, 0.1)[:, 0]
-    assert found == pytest.approx([3 / 16, 251 / 360, 1, 11 / 18, 1 / 6, 1 / 60], rel=1e-14)
+    found = gear_step(pushed, np.zeros((order + 1, 1)), 0.0, 0.1)[:, 0]
+    assert found == pytest.approx(GEAR_COEFFICIENTS[order], rel=1e-14)
+    # A force that does not depend on the state leaves no error to the second correction.
+    again = gear_step(pushed, np.zeros((order + 1, 1)), 0.0, 0.1, corrections=2)[:, 0]
+    assert again == pytest.approx(found, rel=1e-14)
 
 
-def test_gear_follows_a_quintic_exactly():
+def test_a_second_correction_sees_the_first():
+    """x'' = -x' from x' = 1: each correction takes the speed that it finds."""
+
+    def dragged(x, v, t):
+        return -v
+
+    start = np.array([[0.0], [0.1], [0.0], [0.0]])
+    speed, acceleration = 0.1, 0.0
+    for corrections in (1, 2):
+        error = -0.5 * 0.1 * speed - acceleration
+        speed, acceleration = speed + 5 / 6 * error, acceleration + error
+        found = gear_step(dragged, start, 0.0, 0.1, corrections)[:, 0]
+        assert found[1:3] == pytest.approx([speed, acceleration], rel=1e-14)
+
+
+@pytest.mark.parametrize("corrections", [1, 2])
+@pytest.mark.parametrize("order", [3, 4, 5])
+def test_gear_follows_a_polynomial_of_its_order_exactly(order, corrections):
     def jerky(x, v, t):
-        return np.array([20.0 * t**3 - 6.0 * t])
+        return np.array([order * (order - 1) * t ** (order - 2) - 6.0 * t])
 
-    scaled = np.array([[0.0], [2.0], [0.0], [-1.0], [0.0], [1.0]])
-    scaled *= 0.1 ** np.arange(6)[:, None]
+    scaled = np.zeros((order + 1, 1))
+    scaled[1], scaled[3] = 2.0, -1.0
+    scaled[order] += 1.0
+    scaled *= 0.1 ** np.arange(order + 1)[:, None]
     for number in range(30):
-        scaled = gear_step(jerky, scaled, 0.1 * number, 0.1)
-    assert scaled[0, 0] == pytest.approx(3.0**5 - 3.0**3 + 2 * 3.0, rel=1e-12)
+        scaled = gear_step(jerky, scaled, 0.1 * number, 0.1, corrections)
+    assert scaled[0, 0] == pytest.approx(3.0**order - 3.0**3 + 2 * 3.0, rel=1e-12)

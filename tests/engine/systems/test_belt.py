@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 
 from sim.engine.dynamics.status import BlowUp
+from sim.engine.observe.arrays import AT_PHASE_0, PHASED
+from sim.engine.observe.sums import copied, plus
 from sim.engine.systems import build
 from sim.parameters import parse_point
 from tests.engine_motion.points import belt_point, series_of, sums_of
@@ -15,6 +17,11 @@ def settled(replicate=0, **values):
     system = build(belt_point(**SMALL | values), replicate)
     system.settle()
     return system
+
+
+def taken(system):
+    """Advance by one sample and return the sums of its profiles."""
+    return tuple(copied(sums, 0) for sums in system.sample(profiles=True).profiles)
 
 
 @pytest.mark.parametrize("ghost", ["below", "centred"])
@@ -132,6 +139,43 @@ def test_profiles_count_every_bead_from_the_belt_up():
     assert profiles["number_density"] == pytest.approx(counted, rel=1e-12)
 
 
+def test_thin_slices_count_what_thick_ones_do():
+    thick, thin = (settled(slice_height=height) for height in (1.0, 0.5))
+    found = []
+    for system in (thick, thin):
+        for _ in range(6):
+            system.advance()
+        found.append(system.profiles(taken(system)))
+    assert thin.profile_height == pytest.approx((np.arange(160) + 0.5) * 0.5e-3)
+    for name in ("number_density", "packing_profile"):
+        assert found[1][name].reshape(80, 2).mean(axis=1) == pytest.approx(found[0][name])
+        assert np.abs(found[1][name][::2] - found[0][name]).max() > 0.1 * found[0][name].max()
+
+
+@pytest.mark.parametrize(("phase", "begins"), [(0.0, 0), (90.0, 15), (80.0, 16)])
+def test_profiles_of_the_start_of_the_cycle_are_those_of_one_sample_in_twenty(phase, begins):
+    """Samples are 18 degrees apart: from 80 on number 16, at 8 degrees, is nearer than 15."""
+    system = settled(phase=phase, phase_0_profiles=True, slice_height=0.5)
+    total, started = system.no_profiles(), []
+    for number in range(1, 41):
+        sums = taken(system)
+        total = [plus(*pair) for pair in zip(total, sums, strict=True)]
+        if number % 20 == begins:
+            started.append(system.profiles(sums))
+    tables, profiles = system.tables(total), system.profiles(total)
+    for name in PHASED:
+        mean = np.mean([each[name] for each in started], axis=0)
+        if name != "velocity_profile":
+            assert tables[name + AT_PHASE_0] == pytest.approx(mean)
+        assert not np.array_equal(tables[name + AT_PHASE_0], profiles[name], equal_nan=True)
+    assert profiles["number_density"].sum() == pytest.approx(np.sum(mean))
+
+
+def test_profiles_of_the_start_of_the_cycle_are_kept_where_they_are_asked_for():
+    system = settled()
+    assert not {name + AT_PHASE_0 for name in PHASED} & set(system.tables(taken(system)))
+
+
 @pytest.mark.parametrize("beads", [1, 2, 5])
 def test_few_beads_settle_and_shake(beads):
     system = settled(beads=beads, width=5)
@@ -215,6 +259,11 @@ def test_transport_sets_in_between_15_and_17_hz():
 def test_transport_depends_neither_on_integrator_nor_ghost_nor_time_step():
     """At 40 Hz, within four standard errors of the difference of two means over three beds."""
     published = mean_transport(40, beds=3, transient=6, average=8).mean()
-    for change in ({"integrator": "verlet"}, {"belt_ghost": "centred"}, {"steps_per_cycle": 4000}):
+    for change in (
+        {"integrator": "verlet"},
+        {"corrector_order": 3, "corrections": 2},
+        {"belt_ghost": "centred"},
+        {"steps_per_cycle": 4000},
+    ):
         found = mean_transport(40, beds=3, transient=6, average=8, **change).mean()
         assert found == pytest.approx(published, abs=0.1)

@@ -1,0 +1,87 @@
+"""Profiles over the height above the belt on a grid of ⟨d⟩, from slices that may be thinner.
+
+"With a grid size ⟨d⟩" (Gallas, Sec. 3) leaves open what is counted where. The grids:
+
+``centres``
+    cells [k, k + 1) ⟨d⟩, a value standing for the centre of its cell;
+``edges``
+    the same cells, a value standing for the lower edge;
+``points``
+    points k ⟨d⟩, a value being that of what is nearest to the point: half a cell at the belt,
+    counted as a whole one;
+``slices``
+    the slices of the run file as they are.
+"""
+
+import numpy as np
+
+from sim.engine.observe.arrays import AT_PHASE_0
+
+GRIDS = ("centres", "edges", "points", "slices")
+
+#: Profiles that count what is in a slice; all others are means over the beads in it.
+DENSITIES = ("number_density", "packing_profile")
+
+
+def number_of(name: str) -> str:
+    """Return the name of the number density that goes with a profile."""
+    return "number_density" + (AT_PHASE_0 if name.endswith(AT_PHASE_0) else "")
+
+
+def on_grid(
+    grid: str,
+    diameter: float,
+    height: np.ndarray,
+    name: str,
+    values: np.ndarray,
+    number: np.ndarray | None,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return a profile on a grid (R, K) and its places (K,) in m.
+
+    Granular temperatures leave out what the mean velocities of slices in a cell differ by.
+
+    Parameters
+    ----------
+    grid : str
+        One of `GRIDS`.
+    diameter : float
+        ⟨d⟩, m.
+    height : (H,) array
+        Centres of the slices, m.
+    name : str
+        Name of the profile.
+    values, number : (R, H) array
+        The profile and the number density of the beads in the slices; without the latter only
+        densities can be put on another grid.
+
+    Raises
+    ------
+    ValueError
+        When the slices are too thick for the grid, or do not fill its cells.
+    """
+    share = diameter / (height[1] - height[0]) if height.size > 1 else 1.0
+    slices = round(share)
+    whole = abs(share - slices) < 1e-6 and slices > 0
+    if grid == "slices" or (grid == "centres" and whole and slices == 1):
+        return values, height
+    if not whole or (grid == "points" and slices % 2):
+        raise ValueError(f"is not known on the grid of {grid}: its slices are {1 / share:.3g} ⟨d⟩")
+    shift = slices // 2 if grid == "points" else 0
+    cells = (height.size + shift) // slices
+    if name.startswith(DENSITIES):
+        found = _cells(values, shift, slices, cells) / slices
+    elif number is None:
+        raise ValueError("is not known on that grid: it needs the number density")
+    else:
+        weight = np.where(np.isfinite(values), number, 0.0)
+        beads = _cells(weight, shift, slices, cells)
+        moved = _cells(np.nan_to_num(values) * weight, shift, slices, cells)
+        found = np.divide(moved, beads, out=np.full_like(moved, np.nan), where=beads > 0)
+    offset = 0.5 if grid == "centres" else 0.0
+    return found, (np.arange(cells) + offset) * diameter
+
+
+def _cells(values: np.ndarray, shift: int, slices: int, cells: int) -> np.ndarray:
+    """Return sums of ``slices`` slices each, the first cell with ``shift`` empty ones below."""
+    padded = np.pad(values, ((0, 0), (shift, 0)))[:, : cells * slices]
+    return padded.reshape(len(values), cells, slices).sum(axis=-1)

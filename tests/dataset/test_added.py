@@ -1,0 +1,39 @@
+"""Datasets from before some parameters were added have all of them when they are read."""
+
+import numpy as np
+import xarray as xr
+
+from sim.dataset.added import with_added
+from sim.dataset.results import load_results
+from sim.parameters import SYSTEMS, unsaid
+from tests.test_published import STUDIES
+
+
+def test_rows_without_a_value_get_the_default_of_their_system():
+    found = with_added(
+        {
+            "system": np.array(["belt", "chute", "belt"], object),
+            "slice_height": np.array([np.nan, 0.25, 0.5]),
+            "ghost_mass": np.array(["", "", "mean"], object),
+        }
+    )
+    assert found["slice_height"].tolist() == [1.0, 0.25, 0.5]
+    assert found["ghost_mass"].tolist() == ["infinite", "", "mean"]
+    assert found["corrector_order"][[0, 2]].tolist() == [5.0, 5.0]
+    assert np.isnan(found["corrector_order"][1])
+
+
+def test_a_dataset_of_another_system_needs_none():
+    assert with_added({"system": np.array(["chute"])}) == {}
+
+
+def test_what_is_published_has_every_parameter_of_today():
+    for study in STUDIES:
+        with xr.open_dataset(study / "dataset.nc") as held:
+            before = set(held.coords)
+        dataset = load_results(study / "dataset.nc").dataset
+        for system in set(dataset["system"].values):
+            assert set(SYSTEMS[system].model_fields) <= set(dataset.coords)
+            for name, default in unsaid(system).items():
+                assert name not in before or system == "chute" or name == "slice_height"
+                assert (dataset[name].values == default).all()
