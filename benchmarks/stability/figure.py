@@ -14,7 +14,7 @@ from sim.figures.style import COLOURS, DASHES, SETTINGS
 
 #: Frequencies (Hz) that are marked on the paths of beds, and the largest that is written there.
 MARKED = (10, 12, 15, 20, 30, 50)
-NAMED = 15
+NAMED = 12
 
 #: Largest λΔt of the maps, by corrections.
 TOPS = {1: 0.6, 2: 1.9}
@@ -46,7 +46,7 @@ def draw(paths: list[Path]) -> Figure:
         axes.set_ylim(0, top)
         axes.set_xlabel("frequency ωΔt")
         axes.set_ylabel("damping rate λΔt")
-    axes.legend(loc="upper right")
+    figure.legend(*axes.get_legend_handles_labels(), loc="outside lower center", ncols=5)
     return figure
 
 
@@ -60,7 +60,7 @@ def _draw_path(axes: Axes, path: Path, dashes: object) -> None:
         axes.plot(*place, marker="o", markersize=3, color=COLOURS[0])
         if frequency <= NAMED:
             text = f"{frequency} Hz"
-            axes.annotate(text, place, (4, 1), textcoords="offset points", fontsize=7)
+            axes.annotate(text, place, (5, -7), textcoords="offset points", fontsize=7)
 
 
 def write(file: FilePath, paths: list[Path]) -> None:

@@ -21,9 +21,9 @@ DENSITY = "number_density"
 #: Frequencies (Hz) of Fig. 2a.
 FREQUENCIES = (10, 20, 60, 80)
 
-#: How beads are counted "with a grid size ⟨d⟩": slices between whole diameters, drawn at their
-#: centres or lower edges, or slices about them. The last needs slices of half a diameter.
-GRIDS = ("cells", "points")
+#: How beads are counted "with a grid size ⟨d⟩" (`sim.dataset.grids`): in cells, drawn at their
+#: centres or lower edges, or about points. The last needs slices of half a diameter.
+GRIDS = {"cells": "centres", "points": "points"}
 
 
 def g15(evidence: Evidence) -> list[Check]:
@@ -37,7 +37,7 @@ def g15(evidence: Evidence) -> list[Check]:
     inside = (height > 2 * diameter) & (height < 8 * diameter)
     plateau = density[:, inside]
     off = plateau / plateau.mean(axis=1, keepdims=True) - 1
-    end = place.measure(plateau_end(diameter), DENSITY) / diameter
+    end = place.measure(plateau_end(diameter), DENSITY, grid="slices") / diameter
     top = place.measure(half_height, DENSITY) / diameter
     beads = place.measure(lambda height, number: number.sum() * (height[1] - height[0]), DENSITY)
     expected = place["beads"] / (place["width"] * diameter)
@@ -51,7 +51,7 @@ def g15(evidence: Evidence) -> list[Check]:
         )
         for at, column in zip(height[inside], off.T, strict=True)
     ]
-    thick = (height[1] - height[0]) / diameter
+    thick = float(np.diff(place.profile(DENSITY, "slices")[1][:2])[0]) / diameter
     return [
         *slices,
         within(f"end of the plateau, slices of {thick:g}⟨d⟩", end, 8, 10, (place,), "⟨d⟩"),
@@ -96,9 +96,9 @@ def g16(evidence: Evidence) -> list[Check]:
     checks = []
     for frequency, place in flowing.items():
         for name, when in ((DENSITY, "time mean"), (f"{DENSITY}_at_phase_0", "phase 0")):
-            for grid in GRIDS:
+            for grid, of in GRIDS.items():
                 try:
-                    share = place.measure(at_belt(grid, place["diameter"]), name)
+                    share = place.measure(at_belt, name, grid=of)
                 except Untestable:
                     continue
                 what = f"ρ at the belt over the largest, {frequency:g} Hz, {when}, grid of {grid}"
@@ -107,22 +107,9 @@ def g16(evidence: Evidence) -> list[Check]:
     return checks
 
 
-def at_belt(grid: str, diameter: float) -> Callable[[np.ndarray, np.ndarray], float]:
-    """Return the measure that is the density at the belt over the largest, on a grid of ⟨d⟩.
-
-    Raises `Untestable` when called with slices too thick for the grid.
-    """
-
-    def measure(height: np.ndarray, number: np.ndarray) -> float:
-        parts = round(diameter / (height[1] - height[0]))
-        if grid == "points" and parts % 2:
-            raise Untestable("slices of half a diameter are needed")
-        # Half of the slice about the point on the belt is below it, where no bead is.
-        padded = np.concatenate([np.zeros(parts // 2 if grid == "points" else 0), number])
-        whole = padded[: padded.size // parts * parts].reshape(-1, parts).mean(axis=1)
-        return float(whole[0] / whole.max())
-
-    return measure
+def at_belt(_: np.ndarray, number: np.ndarray) -> float:
+    """Return the density at the belt over the largest."""
+    return float(number[0] / number.max())
 
 
 def g17(evidence: Evidence) -> list[Check]:

@@ -133,23 +133,28 @@ class Place:
         scatter = over.std_dev if values.size > 1 else 0.0
         return ufloat(over.nominal_value, max(least, scatter))
 
-    def profile(self, name: str) -> tuple[np.ndarray, np.ndarray]:
-        """Return a profile (R, H) of all completed replicates and its heights (H,) in m."""
+    def profile(self, name: str, grid: str = "centres") -> tuple[np.ndarray, np.ndarray]:
+        """Return a profile (R, H) of all completed replicates and its heights (H,) in m.
+
+        That of a belt is on one of the grids of `sim.dataset.grids`.
+        """
         try:
-            return self._results.profile(self.id, name)
+            return self._results.profile(self.id, name, grid)
         except InputError as error:
             raise Untestable(str(error)) from None
 
-    def measure(self, function: Callable[..., float], *names: str) -> UFloat:
+    def measure(self, function: Callable[..., float], *names: str, grid: str = "centres") -> UFloat:
         """Return a measure of profiles with its interval over replicates.
 
         ``function(height, *profiles)`` is called per replicate with one profile (H,) per name.
         """
-        return joined(self.each(function, *names))
+        return joined(self.each(function, *names, grid=grid))
 
-    def each(self, function: Callable[..., float], *names: str) -> np.ndarray:
+    def each(
+        self, function: Callable[..., float], *names: str, grid: str = "centres"
+    ) -> np.ndarray:
         """Return a measure of profiles of each completed replicate, (R,); see `measure`."""
-        columns = [self.profile(name) for name in names]
+        columns = [self.profile(name, grid) for name in names]
         height = columns[0][1]
         rows = zip(*(values for values, _ in columns), strict=True)
         return np.array([function(height, *row) for row in rows])

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from sim.claims.gallas_density import (
-    at_belt,
     g15,
     g16,
     g17,
@@ -74,12 +73,18 @@ def test_a_plateau_ends_where_the_density_begins_to_fall(slices, end, fall):
 
 def test_grids_of_cells_and_of_points_count_other_beads():
     """Beads that lie on the belt are at half a diameter: at no point but in the first cell."""
-    height = (np.arange(20) + 0.5) * BEAD / 2
-    lying = np.where(np.arange(20) == 1, 2.0, 0) + np.where(np.arange(20) > 2, 1.0, 0)
-    assert at_belt("cells", BEAD)(height, lying) == pytest.approx(1.0)
-    assert at_belt("points", BEAD)(height, lying) == pytest.approx(0.0)
-    with pytest.raises(Untestable, match="half a diameter"):
-        at_belt("points", BEAD)((np.arange(10) + 0.5) * BEAD, np.ones(10))
+    thin = {"height": (np.arange(60) + 0.5) * BEAD / 2, "slice_height": 0.5}
+    place = np.arange(60)
+    lying = np.where(place == 1, 2.0, 0) + np.where((place > 2) & (place < 20), 1.0, 0)
+    profiles = {"number_density": lambda _: lying, "number_density_at_phase_0": lambda _: lying}
+    checks = checks_of(
+        g16, [published(frequency=f, profiles=profiles, **thin) for f in (20, 60, 80)]
+    )
+    for check in checks:
+        assert check.value == pytest.approx(1.0 if "cells" in check.what else 0.0)
+        assert (check.verdict == REPORTED) == ("points" in check.what)
+    assert len(checks) == 3 * 2 * 2
+    assert len(checks_of(g16, row((20, 60, 80)))) == 3
 
 
 def test_a_plateau_that_differs_from_bed_to_bed_decides_nothing():

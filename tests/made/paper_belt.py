@@ -95,6 +95,7 @@ def published(
     *,
     replicates: int = 5,
     scatter: float = 1e-3,
+    height: np.ndarray | None = None,
     **parameters: object,
 ) -> MadePoint:
     """Return a point of the belt as the paper has it, but for what is given."""
@@ -123,6 +124,7 @@ def published(
         shapes | dict(profiles or {}),
         replicates=replicates,
         scatter=scatter,
+        height=height,
         **parameters,
     )
 

@@ -10,7 +10,7 @@ from scipy.special import ndtri
 
 from sim.dataset.replicates import outcomes
 from sim.dataset.results import Results
-from sim.parameters import SYSTEMS, Parameters, canonical, field_info, parse_point, point_id
+from sim.parameters import SYSTEMS, Parameters, complete, field_info, parse_point, point_id
 
 #: A number, one per replicate, or a word.
 Given = float | str | Sequence[float]
@@ -159,7 +159,7 @@ def made_boundary(
     point = parse_point({"system": system} | parameters, "tests.made.results")
     settings = {
         name: value if isinstance(value, str) else float(value)
-        for name, value in canonical(point).items()
+        for name, value in complete(point).items()
     }
     declared = field_info(point)[along]
     return settings | {
