@@ -16,6 +16,13 @@ from tests.golden import CLOCK, contents, digest
 CHUTE = chute_point(depth=2, cell=5, transient=5, average=6, replicates=2)
 BELT = belt_point(beads=20, width=5, transient=1, average=3, replicates=2)
 CONVERGED = {"protocol": "converged", "limit": 8}
+OPEN = {
+    "corrector_order": 4,
+    "corrections": 2,
+    "slice_height": 0.5,
+    "phase_0_profiles": True,
+    "phase": 90.0,
+}
 
 
 def grown(point: Parameters, **changes) -> Parameters:
@@ -52,6 +59,7 @@ WAYS = {
     "average": (CHUTE, {"average": 11.0}),
     "both": (BELT, {"average": 5.0, "replicates": 3}),
     "limit": (grown(BELT, **CONVERGED), {"limit": 16.0}),
+    "readings": (grown(BELT, **OPEN), {"average": 5.0, "replicates": 3}),
 }
 
 
