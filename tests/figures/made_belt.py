@@ -112,7 +112,7 @@ def made_profiles(parameters: BeltParameters) -> dict[str, tuple]:
 def made_series(parameters: BeltParameters) -> dict[str, tuple]:
     """Return a share of the beads near the belt, and waves twice as strong in the first 10 cycles.
 
-    Both are 1/f of the frequency f in Hz.
+    Both are 1/f of the frequency f in Hz, in any phase of the belt.
     """
     cycles = np.linspace(0, parameters.transient + parameters.average, SAMPLES + 1)[1:]
     power = np.where(cycles <= 10, 2, 1) / parameters.frequency
@@ -123,6 +123,7 @@ def made_series(parameters: BeltParameters) -> dict[str, tuple]:
             np.outer(1 + SPREAD, np.full(SAMPLES, 1 / parameters.frequency)),
         ),
         "wave_power": (dims, np.outer(1 + SPREAD, power)),
+        "belt_phase": (dims, np.tile(2 * np.pi * (cycles % 1), (SPREAD.size, 1))),
     }
 
 

@@ -254,7 +254,7 @@ def test_a_boundary_alone_is_a_study_of_its_first_round(parse):
 
 
 def test_the_json_has_what_figures_leave_out_and_caveats(parse):
-    series = {"name": "a", "system": "belt", "grid": {"frequency": [10, 15, 60]}}
+    series = {"name": "a", "system": "belt", "grid": {"frequency": [10, 16, 60]}}
     study = parse({"study": "s", "series": [series | {"figures": ["gallas_2a"]}]})
     points = json.loads(as_json(study))["points"]
     assert [point["left_out"] for point in points] == [[], ["gallas_2a"], []]
