@@ -17,7 +17,13 @@ REGIMES = [name for name, spec in FIGURES.items() if spec.regimes]
 
 
 @pytest.mark.parametrize(
-    ("name", "figures"), [("quick", HEADLINES), ("paper", list(FIGURES)), ("regimes", REGIMES)]
+    ("name", "figures"),
+    [
+        ("quick", HEADLINES),
+        ("paper", list(FIGURES)),
+        ("regimes", REGIMES),
+        ("trial_belt", ["gallas_1a", "onset_acceleration"]),
+    ],
 )
 def test_shipped_studies_feed_their_figures(name, figures, tmp_path):
     study = load_study(CONFIG / f"{name}.yaml", tmp_path)
