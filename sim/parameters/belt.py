@@ -251,6 +251,12 @@ class BeltParameters(Parameters):
         role="numerics",
         added=True,
     )
+    belt_forces: bool = declare(
+        False,
+        description="also keep the forces on the belt and when it is touched, as time series",
+        role="numerics",
+        added=True,
+    )
     transient: Real = declare(
         45,
         symbol="t_tr",

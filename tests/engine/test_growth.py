@@ -21,6 +21,7 @@ OPEN = {
     "corrections": 2,
     "slice_height": 0.5,
     "phase_0_profiles": True,
+    "belt_forces": True,
     "phase": 90.0,
 }
 

@@ -56,6 +56,7 @@ def test_every_parameter_is_in_the_id_but_how_much_is_wanted(system):
         "steps_per_cycle": 2020,
         "samples_per_cycle": 10,
         "phase_0_profiles": True,
+        "belt_forces": True,
         "corrector_order": 4,
         "corrections": 2,
     }

@@ -18,6 +18,8 @@ MEASURES = {
     "wave_power": ("1", "power of the five longest density waves, relative to beads at random"),
     "wave_power_at_phase_0": ("1", "the same at the beginning of the cycle alone"),
     "early_wave_power": ("1", "the same at all times of the first 10 cycles"),
+    "belt_contact_time": ("1", "share of the time in which any bead touches the belt"),
+    "belt_force_phase": ("rad", "phase of the belt about which the force on it lies, 0 to 2π"),
     "path_drift": ("m", "mean displacement of the beads along the belt in a cycle"),
     "path_vertical": ("m", "rms vertical distance of the beads from their mean places in a cycle"),
     "path_vertical_far": (
@@ -54,6 +56,8 @@ def measure(run: Mapping[Any, Any]) -> dict[str, float]:
     found: dict[str, float] = {}
     if "base_occupancy" in run:
         found |= _of_series(run)
+    if "belt_normal_force" in run:
+        found |= _of_forces(run)
     if "path" in run:
         path, diameter = np.asarray(run["path"]), float(run["diameter"])
         found |= path_measures(path)
@@ -99,6 +103,21 @@ def _of_series(run: Mapping[Any, Any]) -> dict[str, float]:
         "wave_power": float(power[window].mean()),
         "wave_power_at_phase_0": float(power[starts].mean()) if starts.any() else nan,
         "early_wave_power": float(power[early].mean()),
+    }
+
+
+def _of_forces(run: Mapping[Any, Any]) -> dict[str, float]:
+    """Return when in the cycle the belt is touched and pressed, over the averaging window.
+
+    A sample stands for the interval that it ends, whose middle is half a sample before it.
+    """
+    force, touched = np.asarray(run["belt_normal_force"]), np.asarray(run["belt_contact_time"])
+    window = (np.asarray(run["time"]) > float(run["average_start"])) & np.isfinite(force)
+    phase = np.asarray(run["belt_phase"])[window] - pi / int(run["samples_per_cycle"])
+    centre = np.angle((force[window] * np.exp(1j * phase)).sum()) % (2 * pi)
+    return {
+        "belt_contact_time": float(touched[window].mean()) if window.any() else nan,
+        "belt_force_phase": float(centre) if window.any() else nan,
     }
 
 

@@ -49,12 +49,12 @@ def belt_forces(law, disks, belt, search, time, time_step):
 
     The ghost lies right below the bead and moves with the belt, so the normal is vertical. Returns
     the number of contacts, the largest overlap per diameter, the powers (W) that normal and shear
-    damping take, and the power of the belt.
+    damping take, the power of the belt, and the force (x, z) (N) on all beads.
     """
     vectorised()
     height, (belt_x, belt_z) = belt_state(belt, time)
     largest, per_step, beads = 0.0, 1.0 / time_step, disks.radius.size
-    normal_loss, shear_loss, power = 0.0, 0.0, 0.0
+    normal_loss, shear_loss, power, push_x, push_z = 0.0, 0.0, 0.0, 0.0, 0.0
     for i in range(beads):
         search.gap[i] = disks.taylor[0, 1, i] - disks.radius[i] - (belt.surface + height)
     contacts = np.int64(append_negative(search.gap, beads, 0, search.touching, np.uint64(0)))
@@ -70,8 +70,10 @@ def belt_forces(law, disks, belt, search, time, time_step):
         normal_loss += pressed
         shear_loss += sheared
         power += fx * belt_x + fz * belt_z
+        push_x += fx
+        push_z += fz
         largest = max(largest, 0.5 * overlap / disks.radius[i])
-    return contacts, largest, normal_loss, shear_loss, power
+    return contacts, largest, normal_loss, shear_loss, power, (push_x, push_z)
 
 
 @kernel

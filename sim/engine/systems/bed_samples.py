@@ -47,7 +47,7 @@ class BedSamples(NamedTuple):
     """Room for K samples of N beads, and what has been found.
 
     ``taken`` (1,) samples so far; ``clock`` (1,) processor time (µs) in the loop over time steps;
-    ``sums`` (K, 8) over the steps, see ``Shaking``; ``stored`` (K, 3) energy (J) in the springs
+    ``sums`` (K, 12) over the steps, see ``Shaking``; ``stored`` (K, 3) energy (J) in the springs
     between beads, to the belt and to the obstacle; ``state`` (K, 3) see ``bed_energies``; ``waves``
     (K, 5, 2) see ``waves``; ``mass`` and ``height`` (K, N) of the beads (kg, m); profiles by
     ``centres`` and ``area`` and the ``field``, with a first axis more.

@@ -20,7 +20,7 @@ from sim.engine.observe.system import Samples
 from sim.engine.systems import bed_samples, shaking
 from sim.engine.systems.bed_profiles import bed_profiles
 from sim.engine.systems.belt_start import initial_bed, vibration
-from sim.engine.systems.series import BELT_LEDGER, BELT_SERIES, since_start
+from sim.engine.systems.series import BELT_FORCES, BELT_LEDGER, BELT_SERIES, since_start
 from sim.parameters import BeltParameters
 
 #: Skin of the neighbor list in mean diameters.
@@ -39,13 +39,13 @@ SETTLING_LIMIT = 30.0
 class Belt:
     """One replicate of beads on the belt in motion."""
 
-    series = BELT_SERIES
     ledger = BELT_LEDGER
     axes = ("x", "z")
     moving = ("disks", "pairs", "search", "loop", "normal_loss", "shear_loss", "belt_work")
 
     def __init__(self, parameters: BeltParameters, replicate: int, substeps: int = 1):
         self.parameters = p = parameters
+        self.series = BELT_SERIES | (BELT_FORCES if p.belt_forces else {})
         self.time_step = p.time_step / substeps
         self.settling_step = p.settling_step / substeps
         self.steps_per_cycle = p.steps_per_cycle * substeps
@@ -226,6 +226,10 @@ class Belt:
             "belt_phase": angle % (2.0 * pi),
             "base_occupancy": state[2],
             "wave_power": wave_power(room.waves[:count], p.beads),
+            "belt_normal_force": mean[shaking.BELT_PUSH_Z],
+            "belt_shear_force": -mean[shaking.BELT_PUSH_X],
+            "belt_contacts": mean[shaking.RESTING],
+            "belt_contact_time": mean[shaking.TOUCHED],
         }
 
     def _cycle_steps(self, count: int) -> np.ndarray:

@@ -64,6 +64,14 @@ BELT_SERIES = {
     ),
 }
 
+#: Time series of the belt that are kept where they are asked for; means over the sample interval.
+BELT_FORCES = {
+    "belt_normal_force": ("N", "mean force of the beads on the belt, downwards"),
+    "belt_shear_force": ("N", "mean force of the beads on the belt, along it"),
+    "belt_contacts": ("1", "mean number of beads that touch the belt"),
+    "belt_contact_time": ("1", "share of the time in which any bead touches the belt"),
+}
+
 BELT_LEDGER = Ledger(
     terms={
         "kinetic_energy": 1,

@@ -17,7 +17,8 @@ from sim.engine.dynamics.status import OK, OVERLAP
 # Columns of ``Shaking.sums``: sums over the steps since they were last cleared, but for the largest
 # overlap.
 STEPS, MOMENTUM, CONTACTS, LARGEST, NORMAL_LOSS, SHEAR_LOSS, BELT_WORK, VELOCITY = range(8)
-SUMS = 8
+BELT_PUSH_X, BELT_PUSH_Z, RESTING, TOUCHED = range(8, 12)
+SUMS = 12
 
 #: Steps between two searches for vanishing Taylor terms.
 FLUSH_INTERVAL = 32
@@ -47,7 +48,7 @@ class Shaking(NamedTuple):
     """What the loop over steps carries besides beads and neighbor list.
 
     ``step`` (1,) number of the last completed step; ``evaluation`` (1,) which evaluation of the
-    forces of the next step comes next, 0 before its prediction; ``sums`` (8,) see above.
+    forces of the next step comes next, 0 before its prediction; ``sums`` (12,) see above.
     """
 
     step: np.ndarray
@@ -143,7 +144,7 @@ def advance_disks(disks, contacts, shaking, motion, steps):
                 return status
         _clear_forces(disks)
         touching, overlap, pressed, sheared = disk_forces(law, disks, pairs, search, time_step)
-        resting, belt_overlap, belt_pressed, belt_sheared, power = belt_forces(
+        resting, belt_overlap, belt_pressed, belt_sheared, power, push = belt_forces(
             law, disks, belt, search, step * time_step, time_step
         )
         blocked, obstacle_overlap, fixed_pressed, fixed_sheared = obstacle_forces(
@@ -162,6 +163,10 @@ def advance_disks(disks, contacts, shaking, motion, steps):
         sums[NORMAL_LOSS] += (pressed + belt_pressed + fixed_pressed) * time_step
         sums[SHEAR_LOSS] += (sheared + belt_sheared + fixed_sheared) * time_step
         sums[BELT_WORK] += power * time_step
+        sums[BELT_PUSH_X] += push[0]
+        sums[BELT_PUSH_Z] += push[1]
+        sums[RESTING] += resting
+        sums[TOUCHED] += 1.0 if resting > 0 else 0.0
         if step % FLUSH_INTERVAL == 0:
             flush(disks.taylor)
         shaking.step[0] = step

@@ -95,6 +95,19 @@ def test_series_are_averaged_over_the_window_and_the_first_cycles():
     assert found["early_wave_power"] == pytest.approx(5.0 * 7 / 8)
 
 
+def test_the_force_on_the_belt_lies_about_the_middle_of_the_intervals_in_which_it_acts():
+    """It is pressed in the last two of four intervals of a cycle, after the transient alone."""
+    made = run()
+    pressed = np.isin(np.arange(1, 121) % 4, (3, 0))
+    late = made["time"].values > 1.0
+    made["belt_normal_force"] = "time", np.where(late, pressed, 1.0)
+    made["belt_contact_time"] = "time", np.where(late, np.where(pressed, 1.0, 0.2), 1.0)
+    found = measure(made)
+    assert found["belt_force_phase"] == pytest.approx(1.5 * np.pi)
+    assert found["belt_contact_time"] == pytest.approx(0.6)
+    assert "belt_force_phase" not in measure(run())
+
+
 def test_a_cycle_begins_at_the_sample_nearest_to_the_belts_mean_height_on_its_way_up():
     phase = np.radians([0, 17, 90, 180, 270, 300, 316, 359.9])
     found = at_phase_0(phase, 4)

@@ -5,7 +5,7 @@ import pytest
 
 from sim.engine.dynamics.status import BlowUp
 from sim.engine.observe.arrays import AT_PHASE_0, PHASED
-from sim.engine.observe.sums import copied, plus
+from sim.engine.observe.sums import plus
 from sim.engine.systems import build
 from sim.parameters import parse_point
 from tests.engine_motion.points import belt_point, series_of, sums_of
@@ -17,11 +17,6 @@ def settled(replicate=0, **values):
     system = build(belt_point(**SMALL | values), replicate)
     system.settle()
     return system
-
-
-def taken(system):
-    """Advance by one sample and return the sums of its profiles."""
-    return tuple(copied(sums, 0) for sums in system.sample(profiles=True).profiles)
 
 
 @pytest.mark.parametrize("ghost", ["below", "centred"])
@@ -145,7 +140,7 @@ def test_thin_slices_count_what_thick_ones_do():
     for system in (thick, thin):
         for _ in range(6):
             system.advance()
-        found.append(system.profiles(taken(system)))
+        found.append(system.profiles(sums_of(system)))
     assert thin.profile_height == pytest.approx((np.arange(160) + 0.5) * 0.5e-3)
     for name in ("number_density", "packing_profile"):
         assert found[1][name].reshape(80, 2).mean(axis=1) == pytest.approx(found[0][name])
@@ -158,7 +153,7 @@ def test_profiles_of_the_start_of_the_cycle_are_those_of_one_sample_in_twenty(ph
     system = settled(phase=phase, phase_0_profiles=True, slice_height=0.5)
     total, started = system.no_profiles(), []
     for number in range(1, 41):
-        sums = taken(system)
+        sums = sums_of(system)
         total = [plus(*pair) for pair in zip(total, sums, strict=True)]
         if number % 20 == begins:
             started.append(system.profiles(sums))
@@ -171,9 +166,40 @@ def test_profiles_of_the_start_of_the_cycle_are_those_of_one_sample_in_twenty(ph
     assert profiles["number_density"].sum() == pytest.approx(np.sum(mean))
 
 
+def test_the_force_on_the_belt_is_what_changes_the_momentum_of_the_bed():
+    """Forces of pairs with the reduced mass are opposite, so they leave the momentum as it is."""
+    shaken = {"frequency": 25, "steps_per_cycle": 8000}
+    p = belt_point(beads=40, width=10, damping_mass="reduced", belt_forces=True, **shaken)
+    system = build(p, 0)
+    system.settle()
+    mass, interval = system.disks.mass, p.sample_steps * p.time_step
+    weight = mass.sum() * p.gravity
+    before, samples = np.zeros(2), []
+    for _ in range(60):
+        samples.append(system.advance())
+        after = system._velocity() @ mass
+        shear, normal = samples[-1]["belt_shear_force"], samples[-1]["belt_normal_force"]
+        gained = (after - before) / interval
+        assert np.array([-shear, normal - weight]) == pytest.approx(gained, abs=0.02 * weight)
+        before = after
+    forces = [sample["belt_normal_force"] for sample in samples]
+    assert 0.0 in forces and max(forces) > 2 * weight
+    for sample in samples:
+        touched, resting = sample["belt_contact_time"], sample["belt_contacts"]
+        assert 0.0 <= touched <= 1.0 and touched <= resting <= 40 * touched
+        assert (sample["belt_normal_force"] == 0.0) == (touched == 0.0)
+    times = [sample["belt_contact_time"] for sample in samples]
+    assert min(times) == 0.0 and max(times) == 1.0
+
+
+def test_forces_on_the_belt_are_kept_where_they_are_asked_for():
+    assert "belt_normal_force" in settled(belt_forces=True).series
+    assert "belt_normal_force" not in settled().series
+
+
 def test_profiles_of_the_start_of_the_cycle_are_kept_where_they_are_asked_for():
     system = settled()
-    assert not {name + AT_PHASE_0 for name in PHASED} & set(system.tables(taken(system)))
+    assert not {name + AT_PHASE_0 for name in PHASED} & set(system.tables(sums_of(system)))
 
 
 @pytest.mark.parametrize("beads", [1, 2, 5])
