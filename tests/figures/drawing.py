@@ -1,5 +1,6 @@
 """Figures as their kinds of plot draw them, without files."""
 
+import io
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -14,6 +15,7 @@ from sim.dataset.results import Results, load_results
 from sim.figures.animation import Animation
 from sim.figures.data import FigureData, figure_data
 from sim.figures.kind import load_kind
+from sim.figures.render import derived
 from sim.figures.style import SETTINGS
 from sim.study.catalogue import FIGURES
 
@@ -35,6 +37,12 @@ def drawn(name: str, results: Results | Path) -> tuple[Any, FigureData]:
     """Return a figure as its kind draws it, and what it was drawn from."""
     data = load_kind(FIGURES[name].kind).select(fed(name, results))
     return picture(data), data
+
+
+def texts(name: str, dataset: Path) -> tuple[pd.DataFrame, str]:
+    """Return what the files with the data and the caption of a figure hold."""
+    data, caption = derived(FIGURES[name], _loaded(dataset))
+    return pd.read_csv(io.StringIO(data)), caption
 
 
 def table(data: FigureData) -> pd.DataFrame:

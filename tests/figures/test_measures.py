@@ -1,13 +1,11 @@
 """Figures of measures: overlaps of spheres; the belt's onset, void, stiffness and density waves."""
 
 import numpy as np
-import pandas as pd
 import pytest
 
 from sim.figures.belt_acceleration import relative_velocity
-from sim.figures.render import draw
 from sim.figures.style import LONG_DASH
-from tests.figures.drawing import dashes, drawn, table
+from tests.figures.drawing import dashes, drawn, table, texts
 from tests.figures.made_belt import transport
 from tests.figures.made_chute import overlap
 
@@ -92,11 +90,9 @@ def test_stiffness_is_a_curve_per_frequency(belt_dataset):
         ("density_waves", "power in the averaging window [1]"),
     ],
 )
-def test_data_and_caption(name, heading, belt_dataset, tmp_path):
-    _, _, csv, caption = draw(name, belt_dataset, tmp_path)
-    data = pd.read_csv(csv)
+def test_data_and_caption(name, heading, belt_dataset):
+    data, text = texts(name, belt_dataset)
     assert heading in data
     assert data[heading].notna().all()
-    text = caption.read_text()
     assert "95 % interval" in text
     assert "The paper: " in text
