@@ -1,13 +1,15 @@
 """A run file as arrays by name, each read when it is first asked for."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import netCDF4
 import numpy as np
-import xarray as xr
 
 from sim.engine.held import answering
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 
 class RunFile(Mapping[str, np.ndarray]):
@@ -54,8 +56,11 @@ class RunFile(Mapping[str, np.ndarray]):
         """Return the names of the dimensions of a variable."""
         return self._variables[name].dimensions
 
-    def variable(self, name: str) -> xr.Variable:
+    def variable(self, name: str) -> "xr.Variable":
         """Return a variable with its dimensions and attributes."""
+        # Not for those who want numbers alone: it takes a third of a second to import.
+        import xarray as xr
+
         held = self._variables[name]
         attrs = {key: held.getncattr(key) for key in held.ncattrs() if key != "_FillValue"}
         return xr.Variable(held.dimensions, self[name], attrs)

@@ -6,15 +6,10 @@ from pathlib import Path
 from typing import Any
 
 import netCDF4
-import numpy as np
 
 from sim.base.files import is_damaged
 from sim.base.summary import read_summary
 from sim.engine.identity import NUMERICS, numerics_of
-from sim.engine.observe.arrays import SNAPSHOTS, TABLES
-from sim.engine.observe.recorder import Record
-from sim.engine.observe.run_file import Stage
-from sim.engine.observe.scalars import SCALARS
 from sim.parameters import Parameters, amounts, covers, more, point_id
 
 
@@ -28,7 +23,7 @@ def current_status(path: Path, parameters: Parameters) -> str:
     with suppress(OSError, LookupError, ValueError):
         if not is_damaged(path):
             with netCDF4.Dataset(path) as file:
-                ours = _is_of(_attributes(file), parameters)
+                ours = is_of(attributes(file), parameters)
                 if ours and answering(file, amounts(parameters)):
                     return file.status
     return ""
@@ -70,24 +65,26 @@ def _told(path: Path, parameters: Parameters) -> list[dict[str, float]]:
     """Return the amounts that a run file of a point and of the present numerics says it holds."""
     with suppress(OSError, LookupError, ValueError):
         if told := read_summary(path):
-            return told["held"] if _is_of(told["attributes"], parameters) else []
+            return told["held"] if is_of(told["attributes"], parameters) else []
         with netCDF4.Dataset(path) as file:
-            if _is_of(_attributes(file), parameters):
+            if is_of(attributes(file), parameters):
                 return held_amounts(file, amounts(parameters))
     return []
 
 
-def _attributes(file: netCDF4.Dataset) -> dict[str, Any]:
+def attributes(file: netCDF4.Dataset) -> dict[str, Any]:
+    """Return the global attributes of an open run file."""
     return {name: file.getncattr(name) for name in file.ncattrs()}
 
 
-def _is_of(held: Mapping[str, Any], parameters: Parameters) -> bool:
+def is_of(held: Mapping[str, Any], parameters: Parameters) -> bool:
+    """Return whether a run file with these attributes is of a point and of the present numerics."""
     return held["point_id"] == point_id(parameters) and numerics_of(held) == NUMERICS
 
 
 def held_amounts(file: netCDF4.Dataset, names: Iterable[str]) -> list[dict[str, float]]:
     """Return the amounts that an open run file holds, the longest run first."""
-    return [{name: float(group[name][...]) for name in names} for group in _groups(file)]
+    return [{name: float(group[name][...]) for name in names} for group in groups(file)]
 
 
 def answering(file: netCDF4.Dataset, wanted: Mapping[str, float]) -> netCDF4.Dataset | None:
@@ -96,54 +93,9 @@ def answering(file: netCDF4.Dataset, wanted: Mapping[str, float]) -> netCDF4.Dat
     Of its replicates the first are those wanted.
     """
     number = stage_of(held_amounts(file, wanted), wanted)
-    return None if number is None else _groups(file)[number]
+    return None if number is None else groups(file)[number]
 
 
-def _groups(file: netCDF4.Dataset) -> list[netCDF4.Dataset]:
+def groups(file: netCDF4.Dataset) -> list[netCDF4.Dataset]:
     """Return the groups of a run file that hold all of a run, the longest run first."""
     return [file, *file.groups.values()]
-
-
-def read_stages(path: Path, parameters: Parameters) -> list[Stage]:
-    """Return what a run file of the same point and numerics holds, the longest run first.
-
-    Empty where there is no such file, or it is damaged.
-    """
-    with suppress(OSError, LookupError, ValueError):
-        if not is_damaged(path):
-            with netCDF4.Dataset(path) as file:
-                file.set_auto_mask(False)
-                if _is_of(_attributes(file), parameters):
-                    held = held_amounts(file, amounts(parameters))
-                    stages = zip(_groups(file), held, strict=True)
-                    return [_stage(group, parameters, one) for group, one in stages]
-    return []
-
-
-def _stage(group: netCDF4.Dataset, parameters: Parameters, held: Mapping[str, float]) -> Stage:
-    ran = {name: type(getattr(parameters, name))(value) for name, value in held.items()}
-    records = [_record(group, index) for index in range(group.dimensions["replicate"].size)]
-    return Stage(parameters.model_copy(update=ran), records)
-
-
-def _record(group: netCDF4.Dataset, index: int) -> Record:
-    """Return what a group holds of a replicate."""
-    record = Record({})
-    for name, variable in group.variables.items():
-        dimensions = variable.dimensions
-        if dimensions[:1] != ("replicate",) or name == "replicate":
-            continue
-        values = variable[index]
-        if name in SCALARS:
-            record.scalars[name] = str(values) if variable.dtype is str else values.item()
-        elif name in SNAPSHOTS:
-            record.snapshots[name] = list(values) if "frame" in dimensions else [values]
-        elif name in TABLES:
-            record.tables[name] = values
-        elif name == "path":
-            record.path = None if np.isnan(values).all() else values
-        elif dimensions == ("replicate", "time"):
-            record.series[name] = values
-        else:
-            record.profiles[name] = values
-    return record

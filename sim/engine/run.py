@@ -13,13 +13,14 @@ import numpy as np
 from sim import __version__
 from sim.base.files import alone
 from sim.base.statistics import student_half_width
-from sim.engine.held import current_status, read_stages
+from sim.engine.held import current_status
 from sim.engine.identity import NUMERICS, library_versions, source_hash
 from sim.engine.observe.recorder import Record
 from sim.engine.observe.run_file import Layout, Stage, write
 from sim.engine.observe.system import System
 from sim.engine.progress import length, progress
 from sim.engine.replicate import Replicate
+from sim.engine.stages import read_stages
 from sim.engine.states import States, checkpoint_interval
 from sim.parameters import Parameters, amounts, more, point_id
 

@@ -12,7 +12,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 from types import FrameType
-from typing import Any, BinaryIO, Self
+from typing import TYPE_CHECKING, Any, BinaryIO, Self
 
 import numpy as np
 
@@ -20,8 +20,10 @@ from sim.base.errors import InputError
 from sim.base.files import is_damaged, replacing, seal, set_aside
 from sim.engine.identity import NUMERICS
 from sim.engine.leaves import Leaves
-from sim.engine.replicate import Replicate
 from sim.parameters import Parameters, point_id
+
+if TYPE_CHECKING:
+    from sim.engine.replicate import Replicate
 
 log = logging.getLogger("talus")
 
@@ -130,11 +132,14 @@ class States:
     def _terminate(self, *_: object) -> None:
         self._terminated = True
 
-    def replicate(self, parameters: Parameters, number: int) -> Replicate | None:
+    def replicate(self, parameters: Parameters, number: int) -> "Replicate | None":
         """Return a replicate as far as it is known, to be run to the lengths of ``parameters``.
 
         None where nothing is known of it, or what is known is none of this program's states.
         """
+        # Who asks for the interval alone, as every start of the workflow, waits for no numba.
+        from sim.engine.replicate import Replicate
+
         archive = self._archives.get(number)
         if archive is None:
             return None
@@ -152,7 +157,7 @@ class States:
         """Return how many samples of a replicate are known."""
         return numbers(self._archives[number]).get("told.shown", 0)
 
-    def offer(self, replicate: Replicate) -> None:
+    def offer(self, replicate: "Replicate") -> None:
         """Write the states if it is time. That it cannot be done stops no run.
 
         Raises ``SystemExit`` after SIGTERM.
@@ -168,7 +173,7 @@ class States:
         ended = time.monotonic()
         self._due = ended + max(self.interval, (ended - began) / SHARE)
 
-    def keep(self, replicate: Replicate) -> None:
+    def keep(self, replicate: "Replicate") -> None:
         """Take the present state of a replicate into what will be written."""
         self._archives[replicate.number] = packed(replicate.state())
 
