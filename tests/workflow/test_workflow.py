@@ -54,16 +54,6 @@ def test_everything_is_made(tree):
     assert not (results / "rounds").exists()
 
 
-def test_figures_of_spheres_are_made(tmp_path):
-    done = snakemake(bare_folder(tmp_path, "flows.yaml"), "figures", study="flows.yaml")
-    assert done.returncode == 0, done.stderr
-    assert jobs(done.stderr) == {"warm": 1, "batch": 1, "dataset": 1, "figures": 1}
-    folder = tmp_path / "results" / "flows" / "figures"
-    for name in ("walton_2", "walton_1_1"):
-        for suffix in FIGURES[name].suffixes:
-            assert (folder / f"{name}{suffix}").stat().st_size > 0
-
-
 def test_a_failed_point_is_recorded_and_leaves_the_rest_standing(tree):
     with xr.open_dataset(tree / "results" / "tiny" / "dataset.nc") as dataset:
         status = dataset["status"].values[:, 0]
