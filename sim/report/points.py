@@ -45,7 +45,11 @@ def as_table(study: Study) -> str:
         aligned(_HEADINGS, rows, _RIGHT),
         left_out(study),
         _caveats(study),
-        [_totals(list(costs.values())), *([_refinement(study)] if study.rounds else [])],
+        [
+            _totals(list(costs.values())),
+            *([_refinement(study)] if study.rounds else []),
+            *([_decisions(study.decide.budget)] if study.decide else []),
+        ],
     ]
     return "\n\n".join("\n".join(lines) for lines in sections if lines)
 
@@ -73,6 +77,8 @@ def as_json(study: Study) -> str:
         "steps": sum(cost.steps for cost in costs.values()),
         "core_seconds": round(sum(cost.core_seconds for cost in costs.values()), 3),
     }
+    if study.decide:
+        totals["decisions_core_hours"] = study.decide.budget
     document = {"study": study.name, "title": study.title, "points": points, "totals": totals}
     return json.dumps(document, indent=2, ensure_ascii=False)
 
@@ -144,6 +150,10 @@ def _totals(costs: Sequence[Estimate]) -> str:
         f"on {CORES} cores {duration(max(total / CORES, longest))}; computing alone, without "
         "compilation, Snakemake and figures"
     )
+
+
+def _decisions(budget: float) -> str:
+    return f"decisions (python -m sim decide) may add up to {budget:g} core hours"
 
 
 def _refinement(study: Study) -> str:

@@ -3,7 +3,7 @@
 import re
 import socket
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime, timedelta
 from functools import cache
 from pathlib import Path
@@ -18,6 +18,7 @@ from sim.engine.held import holds
 from sim.engine.identity import NUMERICS, numerics_of
 from sim.engine.progress import CREDIT, Progress, may_end_early, progress_file, read_progress
 from sim.parameters import Parameters, amounts
+from sim.study.bought import Bought, read_bought, with_bought
 from sim.study.cost import PROCESS_TIME, estimate
 from sim.study.load import Study
 
@@ -63,6 +64,19 @@ class PointStatus:
 
 
 @dataclass(frozen=True)
+class Budget:
+    """What rounds of decisions may add and have added, both in core hours."""
+
+    hours: float
+    spent: float
+
+    @property
+    def left(self) -> float:
+        """Core hours that they may still add."""
+        return max(0.0, self.hours - self.spent)
+
+
+@dataclass(frozen=True)
 class StudyStatus:
     """How far a study is.
 
@@ -83,6 +97,8 @@ class StudyStatus:
     orphans : tuple of str
         Points no longer in the study that have run files. None as long as rounds are to come, which
         may ask for any.
+    budget : Budget, optional
+        That of a study that decides something.
     """
 
     name: str
@@ -93,6 +109,7 @@ class StudyStatus:
     at_most: bool
     rounds_left: int = 0
     orphans: tuple[str, ...] = ()
+    budget: Budget | None = None
 
     @property
     def counts(self) -> dict[str, int]:
@@ -145,6 +162,8 @@ def survey(study: Study, results: str | Path = "results") -> StudyStatus:
         When a file with further points of the study cannot be read.
     """
     folder = Path(results) / study.name
+    bought = read_bought(folder) if study.decide else Bought()
+    study = replace(study, points=with_bought(study.points, bought))
     parameters = _all_points(study, folder)
     runs = folder / "runs"
     try:
@@ -156,7 +175,13 @@ def survey(study: Study, results: str | Path = "results") -> StudyStatus:
     there = (name.removesuffix(".nc") for name in sorted(present) if RUN_FILE.fullmatch(name))
     orphans = () if to_come else tuple(name for name in there if name not in points)
     left = _left(points, parameters)
-    return StudyStatus(study.name, study.title, points, *left, to_come, orphans)
+    budget = _budget(study.decide.budget, points, bought) if study.decide else None
+    return StudyStatus(study.name, study.title, points, *left, to_come, orphans, budget)
+
+
+def _budget(hours: float, points: Mapping[str, PointStatus], bought: Bought) -> Budget:
+    taken = sum(point.core_seconds for point in points.values()) / 3600
+    return Budget(hours, max(0.0, taken - bought.before) if bought.amounts else 0.0)
 
 
 def _all_points(study: Study, folder: Path) -> dict[str, Parameters]:

@@ -91,6 +91,7 @@ def as_json(status: StudyStatus) -> str:
         "at_most": status.at_most,
         "rounds_left": status.rounds_left,
         "orphans": list(status.orphans),
+        "budget": _budget(status),
     }
     return json.dumps(document, indent=2, ensure_ascii=False)
 
@@ -157,6 +158,10 @@ def _closing(status: StudyStatus) -> list[str]:
         lines.append(f"time left {about} {duration(status.left)} on {cores}")
     if status.rounds_left:
         lines.append(f"rounds of refinement to come, not counted: {status.rounds_left}")
+    if status.budget:
+        held = status.budget
+        hours = f"{held.spent:.2g} of {held.hours:g} core hours spent, {held.left:.2g} left"
+        lines.append(f"decisions: {hours}")
     outdated = sum(point.outdated for point in status.points.values())
     if outdated:
         lines.append(f"of other numerics, to be run again: {outdated:,} points")
@@ -192,6 +197,14 @@ def _point(key: str, point: PointStatus) -> dict[str, Any]:
         entry |= {"reason": point.reason} if point.reason else {}
         entry |= {"caveat": point.caveat} if point.caveat else {}
     return entry
+
+
+def _budget(status: StudyStatus) -> dict[str, float] | None:
+    """Return the budget of decisions in core hours, none where nothing is to be decided."""
+    if status.budget is None:
+        return None
+    held = status.budget
+    return {"hours": held.hours, "spent": round(held.spent, 4), "left": round(held.left, 4)}
 
 
 def _rounded(seconds: float | None) -> float | None:

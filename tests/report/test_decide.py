@@ -102,6 +102,30 @@ def test_rounds_go_on_until_nothing_is_open(made, monkeypatch, capfd):
     assert folder.replicates()[1] > 12
 
 
+def test_points_and_status_tell_the_budget(made, capsys):
+    folder = made("budget: 10, precision: 0.05")
+    told = ("--results", str(folder.root), "--format", "json")
+
+    def status() -> dict:
+        assert main(["status", str(folder.path), *told]) == 0
+        return json.loads(capsys.readouterr().out)
+
+    assert main(["points", str(folder.path), *told]) == 0
+    assert json.loads(capsys.readouterr().out)["totals"]["decisions_core_hours"] == 10
+    assert status()["budget"] == {"hours": 10, "spent": 0, "left": 10}
+    taken = status()["core_seconds"]
+    assert folder.decide() == 0
+    capsys.readouterr()
+    assert status()["counts"]["waiting"] == 1
+    folder.run()
+    after = status()
+    spent = pytest.approx((after["core_seconds"] - taken) / 3600, abs=1e-3)
+    assert after["counts"]["done"] == 2 and after["budget"]["spent"] == spent
+    assert after["budget"]["left"] == pytest.approx(10 - after["budget"]["spent"], abs=1e-3)
+    assert main(["status", str(folder.path), "--results", str(folder.root)]) == 0
+    assert "decisions: " in capsys.readouterr().out
+
+
 def test_a_workflow_that_fails_ends_the_rounds(made, monkeypatch):
     folder = made("budget: 10, precision: 0.05")
     monkeypatch.setattr(deciding.subprocess, "run", lambda *_: SimpleNamespace(returncode=3))
