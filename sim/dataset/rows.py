@@ -9,7 +9,7 @@ import pandas as pd
 import xarray as xr
 
 from sim.dataset.measures import MEASURES
-from sim.engine.observe.arrays import AT_PHASE_0, INSTANTANEOUS, PHASED, PROFILES
+from sim.engine.observe.arrays import ASKED_FOR, AT_PHASE_0, INSTANTANEOUS, PHASED, PROFILES
 from sim.engine.observe.scalars import SCALARS
 
 #: Unit and long name of the scalars per replicate that a run file or its measures may hold. A
@@ -22,12 +22,16 @@ WORDS = tuple(name for name, (unit, _) in KEPT.items() if not unit)
 _SHOWN_LAST = ("velocity_profile", "packing_profile")
 
 #: Arrays over height that a dataset keeps.
-OVER_HEIGHT = tuple(
-    one
-    for name in PROFILES
-    for one in (name, name + INSTANTANEOUS)
-    if one in PROFILES or name in _SHOWN_LAST
-) + tuple(name + AT_PHASE_0 for name in PHASED)
+OVER_HEIGHT = (
+    *(
+        one
+        for name in PROFILES
+        for one in (name, name + INSTANTANEOUS)
+        if one in PROFILES or name in _SHOWN_LAST
+    ),
+    *(name + AT_PHASE_0 for name in PHASED),
+    *ASKED_FOR,
+)
 
 #: Dimensions of what a row holds.
 OF_SCALARS = dict.fromkeys((*NUMBERS, *WORDS), ("replicate",))

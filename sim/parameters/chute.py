@@ -270,6 +270,14 @@ class ChuteParameters(Parameters):
         role="numerics",
         ge=0.01,
     )
+    stress_profiles: bool = declare(
+        False,
+        description="also keep profiles of stress, spin and slip, and how the profiles change "
+        "with time",
+        role="numerics",
+        compiled=True,
+        added=True,
+    )
     overlap_limit: Real = declare(
         0.25,
         symbol="α_lim",

@@ -23,8 +23,9 @@ def test_rows_without_a_value_get_the_default_of_their_system():
     assert np.isnan(found["corrector_order"][1])
 
 
-def test_a_dataset_of_another_system_needs_none():
-    assert with_added({"system": np.array(["chute"])}) == {}
+def test_a_dataset_of_one_system_needs_its_own_alone():
+    for system in SYSTEMS:
+        assert set(with_added({"system": np.array([system])})) == set(unsaid(system))
 
 
 def test_what_is_published_has_every_parameter_of_today():

@@ -8,7 +8,7 @@ from sim.dataset.combine import profiles
 from sim.dataset.gather import STATE
 from sim.dataset.measures.belt import columns
 from sim.dataset.rows import OVER_HEIGHT, Rows
-from sim.engine.observe.arrays import AT_PHASE_0, PHASED, PROFILES, SNAPSHOTS
+from sim.engine.observe.arrays import ASKED_FOR, AT_PHASE_0, PHASED, PROFILES, SNAPSHOTS
 
 
 def run(name, width, slices, replicates):
@@ -45,5 +45,5 @@ def test_belts_of_different_lengths_are_filled_up():
 
 def test_every_profile_and_what_pictures_show_of_particles_is_kept():
     assert set(PROFILES) < set(OVER_HEIGHT)
-    assert {name + AT_PHASE_0 for name in PHASED} < set(OVER_HEIGHT)
+    assert {name + AT_PHASE_0 for name in PHASED} | set(ASKED_FOR) < set(OVER_HEIGHT)
     assert set(SNAPSHOTS) - set(STATE) == {"particle_spin", "orientation"}

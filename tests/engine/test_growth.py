@@ -62,6 +62,7 @@ WAYS = {
     "both": (BELT, {"average": 5.0, "replicates": 3}),
     "limit": (grown(BELT, **CONVERGED), {"limit": 16.0}),
     "readings": (grown(BELT, **OPEN), {"average": 5.0, "replicates": 3}),
+    "profiles": (grown(CHUTE, stress_profiles=True), {"average": 11.0, "replicates": 3}),
 }
 
 

@@ -9,6 +9,28 @@ PROFILES = {
     "vertical_temperature_profile": ("m2 s-2", "granular temperature of the vertical direction"),
 }
 
+#: Unit and long name of the profiles that are kept where they are asked for, each the average of
+#: the window. Stresses are those of what is above on what is below, x pointing down the slope.
+ASKED_FOR = {
+    "contact_longitudinal_stress_profile": ("Pa", "stress xx that contacts carry"),
+    "contact_transverse_stress_profile": ("Pa", "stress yy that contacts carry"),
+    "contact_normal_stress_profile": ("Pa", "stress zz that contacts carry"),
+    "contact_shear_stress_profile": ("Pa", "stress xz that contacts carry"),
+    "kinetic_longitudinal_stress_profile": ("Pa", "stress xx that motion carries"),
+    "kinetic_transverse_stress_profile": ("Pa", "stress yy that motion carries"),
+    "kinetic_normal_stress_profile": ("Pa", "stress zz that motion carries"),
+    "kinetic_shear_stress_profile": ("Pa", "stress xz that motion carries"),
+    "overburden_profile": ("Pa", "weight of what is above, normal to the plane, per area"),
+    "spin_profile": ("s-1", "mean angular velocity about y"),
+    "sliding_share_profile": ("1", "share of the contacts with a force that slide"),
+    "slip_velocity_profile": ("m s-1", "mean slip velocity at the contacts that slide"),
+}
+
+#: Ends the name of a profile of successive blocks of samples, where its course is asked for, and
+#: which there are.
+HISTORY = "_history"
+FOLLOWED = ("velocity_profile", "packing_profile", "granular_temperature_profile")
+
 #: Ends the name of a profile of the last sample alone.
 INSTANTANEOUS = "_instantaneous"
 
@@ -48,3 +70,8 @@ TABLES = {
     for name, (unit, long_name) in PROFILES.items()
     if name in PHASED
 }
+TABLES |= {name: (unit, long_name, ("height",)) for name, (unit, long_name) in ASKED_FOR.items()}
+TABLES |= {
+    name + HISTORY: (PROFILES[name][0], f"{PROFILES[name][1]}, by block", ("block", "height"))
+    for name in FOLLOWED
+} | {"block_end": ("s", "end of the block, since the start", ("block",))}

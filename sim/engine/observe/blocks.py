@@ -63,6 +63,13 @@ class ProfileBlocks:
                 self._blocks = [_plus(one, other) for one, other in pairs]
                 self._length *= 2
 
+    def each(self) -> list[tuple[int, Sums]]:
+        """Return the sums of each block, and how many samples there are up to its end."""
+        ends = [(number + 1) * self._length for number in range(len(self._blocks))]
+        if self._filled:
+            ends[-1] += self._filled - self._length
+        return list(zip(ends, self._blocks, strict=True))
+
     def since(self, start: int) -> Sums | None:
         """Return the sums over all blocks that begin at sample ``start`` or later.
 

@@ -8,8 +8,8 @@ import numpy as np
 
 from sim.engine.leaves import Leaves, below, leaves
 from sim.engine.observe import stopping
-from sim.engine.observe.arrays import INSTANTANEOUS
-from sim.engine.observe.blocks import ProfileBlocks
+from sim.engine.observe.arrays import HISTORY, INSTANTANEOUS
+from sim.engine.observe.blocks import MOST, ProfileBlocks
 from sim.engine.observe.force_balance import base_forces
 from sim.engine.observe.regime import FAILED, Trend, analyse
 from sim.engine.observe.system import OnSlope, Samples, System
@@ -201,3 +201,21 @@ class Recorder:
                 for name, values in self.system.profiles(sums or empty).items():
                     record.profiles[name + suffix] = values
             record.tables = self.system.tables(window or empty)
+            if self.system.followed:
+                record.tables |= self._history()
+
+    def _history(self) -> dict[str, np.ndarray]:
+        """Return profiles (B, H) of the blocks of samples, and when each ends (B,) in s.
+
+        Not-a-number where there are fewer blocks.
+        """
+        slices, blocks = len(self.system.profile_height), self._profiles.each()
+        end = np.full(MOST, np.nan)
+        end[: len(blocks)] = [(self._transient + taken) * self._interval for taken, _ in blocks]
+        profiles = [self.system.profiles(sums) for _, sums in blocks]
+        found = {"block_end": end}
+        for name in self.system.followed:
+            held = found[name + HISTORY] = np.full((MOST, slices), np.nan, np.float32)
+            for row, block in zip(held, profiles, strict=False):
+                row[:] = block[name]
+        return found

@@ -35,7 +35,8 @@ class System(Protocol):
     centres of the profiles' slices (m); ``loop_time`` (s) processor time in the compiled loop over
     time steps; ``scales`` and ``period`` (samples) serve the analysis of
     the velocity's trend; ``mass`` is that of all particles (kg); ``coordinates`` of tables and
-    path: name -> (unit, long name, values); ``moving`` names the attributes that motion changes,
+    path: name -> (unit, long name, values); ``followed`` names the profiles whose course in time is
+    kept; ``moving`` names the attributes that motion changes,
     which are arrays and numbers, or tuples, lists and dictionaries of them.
     """
 
@@ -50,6 +51,7 @@ class System(Protocol):
     scales: Scales
     period: int
     coordinates: dict[str, tuple[str, str, np.ndarray]]
+    followed: tuple[str, ...]
     moving: tuple[str, ...]
 
     def settle(self) -> None:

@@ -41,6 +41,7 @@ class Belt:
 
     ledger = BELT_LEDGER
     axes = ("x", "z")
+    followed = ()
     moving = ("disks", "pairs", "search", "loop", "normal_loss", "shear_loss", "belt_work")
 
     def __init__(self, parameters: BeltParameters, replicate: int, substeps: int = 1):

@@ -22,14 +22,17 @@ from sim.engine.dynamics.spheres import (
 )
 from sim.engine.dynamics.status import LIST_FULL, BlowUp, outcome
 from sim.engine.dynamics.team import Team
+from sim.engine.observe.arrays import FOLLOWED
+from sim.engine.observe.contacts import Sampling, add_contacts
 from sim.engine.observe.flow import flow_energies
-from sim.engine.observe.overlaps import EDGES, Overlaps, count_overlaps, no_overlaps
-from sim.engine.observe.profiles import VOLUME, Profile, add_sample, empty_profile
+from sim.engine.observe.overlaps import EDGES, count_overlaps
+from sim.engine.observe.profiles import VOLUME, add_sample
 from sim.engine.observe.regime import Scales
 from sim.engine.observe.sums import Sums, first_of, stacked
 from sim.engine.observe.system import Samples
 from sim.engine.systems import leap_frog
 from sim.engine.systems.chute_start import initial_layer
+from sim.engine.systems.flow_profiles import FlowProfiles
 from sim.engine.systems.series import CHUTE_LEDGER, CHUTE_SERIES, since_start
 from sim.engine.systems.sharing import Thread
 from sim.parameters import ChuteParameters
@@ -55,6 +58,7 @@ class _Kernels:
         self.stored_in_plane = Direct(stored_in_plane, kind)
         self.add_sample = Direct(add_sample, kind)
         self.count_overlaps = Direct(count_overlaps, kind)
+        self.add_contacts = Direct(add_contacts, kind)
 
 
 class Chute:
@@ -88,8 +92,14 @@ class Chute:
         self.laws = (self._law(p.friction, 0.5 * p.mass), self._law(p.friction_plane, p.mass))
         angle = radians(p.angle)
         self.gravity = (p.gravity * sin(angle), 0.0, -p.gravity * cos(angle))
-        self.slice_height = p.slice_height * p.diameter
-        slices = ceil((1.5 * layer.height + 10.0 * p.diameter) / self.slice_height)
+        slice_height = p.slice_height * p.diameter
+        self.slices = FlowProfiles(
+            ceil((1.5 * layer.height + 10.0 * p.diameter) / slice_height),
+            slice_height,
+            area=self.box.length[0] * self.box.length[1],
+            gravity=-self.gravity[2],
+            stress=p.stress_profiles,
+        )
         negligible = negligible_acceleration(p.gravity, p.angle)
         self.scales = Scales(
             1e-3 * p.velocity_unit, acceleration=negligible, drift=p.drift, target=p.target
@@ -97,7 +107,8 @@ class Chute:
         self.mass = float(self.spheres.mass.sum())
         self.weight = (self.mass * self.gravity[0], -self.mass * self.gravity[2])
         self.period = 1
-        self.profile_height = (np.arange(slices) + 0.5) * self.slice_height
+        self.profile_height = self.slices.height()
+        self.followed = FOLLOWED if p.stress_profiles else ()
         self._most = max(1, MOST_WORK // (self.sample_steps * number))
         self.loop_time, self._call = 0.0, _Kernels(self.laws)
         self.travelled, self.lost, self.work_done = 0.0, 0.0, 0.0
@@ -160,11 +171,13 @@ class Chute:
             time = flow.step[0] * self.time_step / self.parameters.time_unit
             raise BlowUp(f"{wrong} at step {flow.step[0]} (t* = {time:.4g})")
 
+    def _contacts(self) -> leap_frog.FlowContacts:
+        return leap_frog.FlowContacts(self.laws, self.pairs, self.plane, self.memory)
+
     def _advance(self, steps: int, rank: int) -> int:
-        contacts = leap_frog.FlowContacts(self.laws, self.pairs, self.plane, self.memory)
         motion = leap_frog.Motion(self.gravity, self.time_step, self.parameters.overlap_limit)
         thread = Thread(rank, self.team.gate, self.scratch[rank])
-        return self._call.advance(self.spheres, contacts, self.flow, motion, thread, steps)
+        return self._call.advance(self.spheres, self._contacts(), self.flow, motion, thread, steps)
 
     def _state(self) -> tuple[float, ...]:
         """Return what a sample needs: the sums over its steps, energies, what springs store."""
@@ -208,37 +221,36 @@ class Chute:
             "base_shear_force": -mean[leap_frog.PLANE_X],
         }
 
-    def no_profiles(self) -> tuple[Profile, Overlaps]:
-        """Return sums of zero: the profile, weighted by volume, and the overlaps."""
-        return empty_profile(len(self.profile_height), 3), no_overlaps()
+    def no_profiles(self) -> Sums:
+        """Return sums of zero: the profile, weighted by volume, the overlaps, what is asked for."""
+        return self.slices.empty()
 
-    def _add_profiles(self, sums: Any, k: int) -> None:
-        """Add the profile of the present state and its overlaps to those of sample k."""
-        several, overlaps = sums
-        spheres = self.spheres
+    def _add_profiles(self, several: Any, k: int) -> None:
+        """Add what the present state says to the sums of sample k."""
+        spheres, slice_height = self.spheres, self.slices.slice_height
         height, radius, velocity = spheres.position[2], spheres.radius, spheres.velocity
+        rim = spheres.rim[1:2]
         if self.glued:
             moving = spheres.mass > 0.0
             height, radius, velocity = height[moving], radius[moving], velocity[:, moving].copy()
-        profile = Profile(*(part[k] for part in several))
-        self._call.add_sample(profile, VOLUME, self.slice_height, height, radius, velocity)
-        self._call.count_overlaps(overlaps.counts[k], spheres, self.pairs)
+            rim = rim[:, moving]
+        profile, overlaps, *inside = (type(one)(*(part[k] for part in one)) for one in several)
+        self._call.add_sample(profile, VOLUME, slice_height, height, radius, velocity)
+        self._call.count_overlaps(overlaps.counts, spheres, self.pairs)
+        if inside:
+            spin, *carried = inside
+            self._call.add_sample(spin, VOLUME, slice_height, height, radius, rim / radius)
+            friction = self.parameters.friction, self.parameters.friction_plane
+            sampling = Sampling(int(self.flow.step[0]), slice_height, self.time_step, friction)
+            self._call.add_contacts(tuple(carried), spheres, self._contacts(), sampling)
 
-    def profiles(self, sums: tuple[Profile, Overlaps]) -> dict[str, np.ndarray]:
+    def profiles(self, sums: Any) -> dict[str, np.ndarray]:
         """Return velocity, packing fraction and granular temperature per slice."""
-        profile, _ = sums
-        slab = self.box.length[0] * self.box.length[1] * self.slice_height
-        temperature = profile.temperature()
-        return {
-            "velocity_profile": profile.velocity(),
-            "packing_profile": profile.weight / (slab * profile.samples[0]),
-            "granular_temperature_profile": temperature.mean(axis=1),
-            "vertical_temperature_profile": temperature[:, 2],
-        }
+        return self.slices.profiles(sums[0])
 
-    def tables(self, sums: tuple[Profile, Overlaps]) -> dict[str, np.ndarray]:
-        """Return how many contacts overlapped by how much."""
-        return {"overlap_histogram": sums[1].counts}
+    def tables(self, sums: Any) -> dict[str, np.ndarray]:
+        """Return how many contacts overlapped by how much, and what else is kept."""
+        return self.slices.tables(*sums[1:])
 
     def trace(self) -> np.ndarray:
         """Go on for a while and return the path of every sphere (S, N, 3) in m, unwrapped."""

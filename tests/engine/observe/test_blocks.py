@@ -58,3 +58,14 @@ def test_memory_is_bounded_and_the_last_sample_is_kept():
 
 def test_nothing_before_the_first_sample():
     assert ProfileBlocks().since(0) is None and ProfileBlocks().latest is None
+
+
+@pytest.mark.parametrize("samples", [1, 5, MOST, MOST + 1, 10 * MOST + 3])
+def test_each_block_tells_where_it_ends(samples):
+    blocks, first = filled(samples).each(), 0
+    assert len(blocks) < MOST
+    for end, (total,) in blocks:
+        assert total.samples[0] == end - first
+        assert total.weight[0] == sum(range(first, end))
+        first = end
+    assert first == samples

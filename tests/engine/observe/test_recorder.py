@@ -5,6 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from sim.engine.observe.blocks import MOST
 from sim.engine.observe.ledger import Ledger
 from sim.engine.observe.profiles import empty_profile
 from sim.engine.observe.recorder import Recorder
@@ -42,6 +43,7 @@ class Ramp:
     scales = Scales(arrested=1e-3, acceleration=0.1, drift=0.1, target=0.02)
     period = 1
     most = 3
+    followed = ()
 
     def __init__(self, parameters, velocity=float):
         self.parameters, self.velocity, self.number = parameters, velocity, 0
@@ -95,6 +97,20 @@ def recorded(samples: int = 1000, failure: str = "", parameters=PUBLISHED, veloc
         recorder.take(system.sample(min(most, samples - recorder.taken), profiles))
     recorder.take_snapshot()
     return recorder.finish(failure)
+
+
+def test_the_course_of_profiles_is_told_block_by_block_where_it_is_asked_for(monkeypatch):
+    """Twelve samples of the window, one to a block; before them there are no profiles."""
+    assert "block_end" not in recorded().tables
+    monkeypatch.setattr(Ramp, "followed", ("velocity_profile",))
+    tables = recorded().tables
+    end, course = tables["block_end"], tables["velocity_profile_history"]
+    assert end.shape == (MOST,) and course.shape == (MOST, 1)
+    assert end[:12] == pytest.approx(0.1 * np.arange(5, 17))
+    assert course[:12, 0].tolist() == list(range(5, 17))
+    assert np.isnan(end[12:]).all() and np.isnan(course[12:]).all()
+    failed = recorded(samples=2, failure="an overlap").tables
+    assert np.isnan(failed["block_end"]).all()
 
 
 def test_averages_are_over_the_window_and_extremes_over_the_whole_run():

@@ -1,0 +1,242 @@
+"""What a chute flow carries over its height, and how its contacts slip.
+
+Momentum is where the centres are, and a slice [a, a + Δz) has a share h = (z - a)/Δz, cut to
+[0, 1], of what is at z above its middle. A step of leap-frog is a drift from z to z' and a kick
+there, so it changes the momentum above, Σ m v h, by exactly
+
+    Σ m v (h(z') - h(z)) + Δt Σ (F + m g) h(z').
+
+The first sum is what spheres carry upwards, each in the slices that its way crosses; the second
+has the forces of contacts, each in the slices that its branch crosses, and the weight above. Both
+shares are those of length, and both are means over the slice of what passes through planes. So the
+stresses of a sample add up to the weight above, but for what the momentum above gains in that step.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from sim.engine.compile import inlined, kernel
+from sim.engine.dynamics.spheres import (
+    DEPTH,
+    FX,
+    NX,
+    ROWS,
+    STRIDE,
+    SX,
+    Meeting,
+    approach,
+    nearest,
+    react,
+    recall,
+)
+
+#: Components of the stress that the symmetry of the flow leaves, and how many; the last is the
+#: force along x through planes of constant z.
+XX, YY, ZZ, XZ = range(4)
+COMPONENTS = 4
+
+#: A friction this close to its limit, relative, slides.
+SLIDES = 1e-6
+
+
+class Stress(NamedTuple):
+    """Sums over samples, one row per slice of H.
+
+    ``samples`` (1,); ``branches`` (H, 4) force times branch (J) of the contacts; of the spheres in
+    the slice ``mass`` (H,) (kg), ``momentum`` (H, 3), ``relative`` (H,), the same along x relative
+    to all spheres (kg m/s), and ``flux`` (H, 4), momentum times velocity (J), with the relative
+    velocity where that along x is squared; ``above`` (H,) mass above the slice's middle (kg).
+    """
+
+    samples: np.ndarray
+    branches: np.ndarray
+    mass: np.ndarray
+    momentum: np.ndarray
+    relative: np.ndarray
+    flux: np.ndarray
+    above: np.ndarray
+
+    def contact(self, volume: float) -> np.ndarray:
+        """Return the stress (Pa) that contacts carry in slices of a volume (m³), (H, 4)."""
+        return self.branches / (volume * self.samples[0])
+
+    def kinetic(self, volume: float) -> np.ndarray:
+        """Return the stress (Pa) that motion about the mean profile carries, (H, 4).
+
+        The mean is that of all samples: a slice that moves up and down as a whole does carry
+        momentum, and any other mean would leave a rest in the balance.
+        """
+        px, py, pz = self.momentum.T
+        squares = np.stack([self.relative**2, py * py, pz * pz, px * pz], axis=1)
+        mean = np.zeros_like(squares)
+        np.divide(squares, self.mass[:, None], out=mean, where=self.mass[:, None] > 0.0)
+        stress = (self.flux - mean) / (volume * self.samples[0])
+        stress[:, XZ] *= -1.0
+        return stress
+
+
+class Slip(NamedTuple):
+    """Sums over samples, one row per slice: ``contacts`` (H,) with a force, those ``sliding`` (H,)
+    and their ``speed`` (H,), the slip velocity (m/s)."""
+
+    contacts: np.ndarray
+    sliding: np.ndarray
+    speed: np.ndarray
+
+
+class Sampling(NamedTuple):
+    """Number of the last ``step``; height of a ``slice`` (m); ``time_step`` (s); ``friction``
+    coefficients between spheres and with the plane."""
+
+    step: int
+    slice: float
+    time_step: float
+    friction: tuple[float, float]
+
+
+def no_stress(slices: int) -> Stress:
+    """Return sums of zero."""
+    tensors = [np.zeros((slices, COMPONENTS)) for _ in range(2)]
+    return Stress(
+        samples=np.zeros(1),
+        branches=tensors[0],
+        mass=np.zeros(slices),
+        momentum=np.zeros((slices, 3)),
+        relative=np.zeros(slices),
+        flux=tensors[1],
+        above=np.zeros(slices),
+    )
+
+
+def no_slip(slices: int) -> Slip:
+    """Return sums of zero."""
+    return Slip(np.zeros(slices), np.zeros(slices), np.zeros(slices))
+
+
+@inlined
+def _share_in(s, low, high, slice_height):
+    """Return the share of what reaches from ``low`` to ``high`` (m) that lies in slice s."""
+    if int(np.floor(low / slice_height)) == int(np.floor(high / slice_height)):
+        return 1.0
+    inside = min(high, (s + 1) * slice_height) - max(low, s * slice_height)
+    return max(0.0, inside) / (high - low)
+
+
+@inlined
+def _slices_of(low, high, slice_height, slices):
+    """Return the slices that what reaches from ``low`` to ``high`` (m) crosses, as a range."""
+    first = max(0, int(np.floor(low / slice_height)))
+    return range(first, min(slices, int(np.floor(high / slice_height)) + 1))
+
+
+@inlined
+def _normal_and_slip(rows, time_step):
+    """Return normal and slip velocity (m/s) of the contact in column 0, to which no law is
+    applied yet."""
+    sx, sy, sz = rows[SX * STRIDE], rows[(SX + 1) * STRIDE], rows[(SX + 2) * STRIDE]
+    normal = (rows[NX * STRIDE], rows[(NX + 1) * STRIDE], rows[(NX + 2) * STRIDE])
+    return normal, (sx * sx + sy * sy + sz * sz) ** 0.5 / time_step
+
+
+@inlined
+def _add_contact(sums, sampling, rows, place, normal, speed, friction):
+    """Add a contact with the force of column 0 and a slip velocity ``speed`` (m/s).
+
+    ``place``: its branch (x, y, z) (m) from j to i, and the heights of i and of the contact.
+    """
+    stress, slip = sums
+    (bx, by, bz), top, at = place
+    fx, fy, fz = rows[FX * STRIDE], rows[(FX + 1) * STRIDE], rows[(FX + 2) * STRIDE]
+    low, high = min(top, top - bz), max(top, top - bz)
+    for s in _slices_of(low, high, sampling.slice, stress.mass.size):
+        share = _share_in(s, low, high, sampling.slice)
+        stress.branches[s, XX] += fx * bx * share
+        stress.branches[s, YY] += fy * by * share
+        stress.branches[s, ZZ] += fz * bz * share
+        stress.branches[s, XZ] -= fx * bz * share
+    pressed = -(fx * normal[0] + fy * normal[1] + fz * normal[2])
+    for s in _slices_of(at, at, sampling.slice, stress.mass.size):
+        if pressed > 0.0:
+            tx, ty = fx + pressed * normal[0], fy + pressed * normal[1]
+            tz = fz + pressed * normal[2]
+            slides = (tx * tx + ty * ty + tz * tz) ** 0.5 >= (1.0 - SLIDES) * friction * pressed
+            slip.contacts[s] += 1.0
+            slip.sliding[s] += 1.0 if slides else 0.0
+            slip.speed[s] += speed if slides else 0.0
+
+
+@inlined
+def _add_spheres(stress, spheres, sampling):
+    """Add what the spheres carry on their way from the last positions, and their weight."""
+    x, v, slices, height = spheres.position, spheres.velocity, stress.mass.size, sampling.slice
+    total, along = 0.0, 0.0
+    for i in range(spheres.mass.size):
+        total += spheres.mass[i]
+        along += spheres.mass[i] * v[0, i]
+    whole = np.zeros(slices + 1)
+    for i in range(spheres.mass.size):
+        mass, vx, vy, vz = spheres.mass[i], v[0, i], v[1, i], v[2, i]
+        before = x[2, i] - vz * sampling.time_step
+        low, high, relative = min(before, x[2, i]), max(before, x[2, i]), vx - along / total
+        for s in _slices_of(low, high, height, slices):
+            part = mass * _share_in(s, low, high, height)
+            stress.mass[s] += part
+            stress.momentum[s, 0] += part * vx
+            stress.momentum[s, 1] += part * vy
+            stress.momentum[s, 2] += part * vz
+            stress.relative[s] += part * relative
+            stress.flux[s, XX] += part * relative * relative
+            stress.flux[s, YY] += part * vy * vy
+            stress.flux[s, ZZ] += part * vz * vz
+            stress.flux[s, XZ] += part * vx * vz
+        top = min(slices, max(0, int(np.floor(x[2, i] / height))))
+        whole[top] += mass
+        if top < slices:
+            stress.above[top] += mass * max(0.0, x[2, i] / height - top)
+    for s in range(slices - 1, -1, -1):
+        stress.above[s] += whole[s + 1]
+        whole[s] += whole[s + 1]
+
+
+@kernel
+def add_contacts(sums, spheres, contacts, sampling):
+    """Add the present state to sums of stress and slip.
+
+    The forces are those with which the next step begins, so the same for all laws. ``contacts``
+    are those of the loop over steps. Where the pair list no longer holds, those are missing that
+    the last step has opened.
+    """
+    stress, _ = sums
+    x, v, w, step = spheres.position, spheres.velocity, spheres.rim, sampling.time_step
+    law, plane_law = contacts.laws
+    friction, plane_friction = sampling.friction
+    pairs, slot = contacts.pairs, contacts.plane.slot
+    memory = contacts.memory[sampling.step % 2]
+    plane_memory = contacts.plane.memory[sampling.step % 2]
+    rows = np.zeros(ROWS * STRIDE)
+    stress.samples[0] += 1.0
+    for p in range(pairs.start[-1]):
+        i, j = pairs.first[p], pairs.second[p]
+        dx, dy, dz = nearest(x, pairs.box, i, j)
+        fixed = spheres.mass[i] + spheres.mass[j] == 0.0
+        if fixed or dx * dx + dy * dy + dz * dz >= pairs.reach[p] * pairs.reach[p]:
+            continue
+        velocity = (v[0, j] - v[0, i], v[1, j] - v[1, i], v[2, j] - v[2, i])
+        rim = (w[0, j] + w[0, i], w[1, j] + w[1, i], w[2, j] + w[2, i])
+        approach(rows, 0, Meeting((dx, dy, dz), velocity, rim, pairs.reach[p]), step)
+        normal, speed = _normal_and_slip(rows, step)
+        react(law, rows, 0, recall(memory, pairs.slot[p]))
+        at = x[2, i] + (spheres.radius[i] - 0.5 * rows[DEPTH * STRIDE]) * normal[2]
+        place = (-dx, -dy, -dz), x[2, i], at
+        _add_contact(sums, sampling, rows, place, normal, speed, friction)
+    for i in range(spheres.mass.size):
+        if spheres.mass[i] == 0.0 or x[2, i] >= spheres.radius[i]:
+            continue
+        velocity, rim = (-v[0, i], -v[1, i], -v[2, i]), (w[0, i], w[1, i], w[2, i])
+        approach(rows, 0, Meeting((0.0, 0.0, -x[2, i]), velocity, rim, spheres.radius[i]), step)
+        normal, speed = _normal_and_slip(rows, step)
+        react(plane_law, rows, 0, recall(plane_memory, slot[0, i]))
+        place = (0.0, 0.0, x[2, i]), x[2, i], 0.0
+        _add_contact(sums, sampling, rows, place, normal, speed, plane_friction)
+    _add_spheres(stress, spheres, sampling)

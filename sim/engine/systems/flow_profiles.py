@@ -1,0 +1,77 @@
+"""Profiles of a chute flow over the height: what is always kept, and what a parameter asks for."""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from sim.engine.observe.contacts import XX, XZ, YY, ZZ, Slip, Stress, no_slip, no_stress
+from sim.engine.observe.overlaps import Overlaps, no_overlaps
+from sim.engine.observe.profiles import Profile, empty_profile
+from sim.engine.observe.sums import Sums
+
+#: Names of the components of the stress.
+STRESSES = {
+    "longitudinal_stress": XX,
+    "transverse_stress": YY,
+    "normal_stress": ZZ,
+    "shear_stress": XZ,
+}
+
+
+class FlowProfiles(NamedTuple):
+    """How a flow is cut into ``slices`` of ``slice_height`` (m) above an ``area`` (m²).
+
+    ``gravity`` (m/s²) is that normal to the plane. Sums are the profile, weighted by volume, and
+    the overlaps; where ``stress`` is true, the profile of the spin, stress and slip follow.
+    """
+
+    slices: int
+    slice_height: float
+    area: float
+    gravity: float
+    stress: bool
+
+    def height(self) -> np.ndarray:
+        """Return the centres of the slices, m."""
+        return (np.arange(self.slices) + 0.5) * self.slice_height
+
+    def empty(self) -> Sums:
+        """Return sums of zero."""
+        usual = empty_profile(self.slices, 3), no_overlaps()
+        if not self.stress:
+            return usual
+        return (
+            *usual,
+            empty_profile(self.slices, 1),
+            no_stress(self.slices),
+            no_slip(self.slices),
+        )
+
+    def profiles(self, profile: Profile) -> dict[str, np.ndarray]:
+        """Return velocity, packing fraction and granular temperature per slice."""
+        slab = self.area * self.slice_height
+        temperature = profile.temperature()
+        return {
+            "velocity_profile": profile.velocity(),
+            "packing_profile": profile.weight / (slab * profile.samples[0]),
+            "granular_temperature_profile": temperature.mean(axis=1),
+            "vertical_temperature_profile": temperature[:, 2],
+        }
+
+    def tables(self, overlaps: Overlaps, *inside: Any) -> dict[str, np.ndarray]:
+        """Return how many contacts overlapped by how much, and what else is kept."""
+        return {"overlap_histogram": overlaps.counts} | (self._inside(*inside) if inside else {})
+
+    def _inside(self, spin: Profile, stress: Stress, slip: Slip) -> dict[str, np.ndarray]:
+        """Return stress, spin and slip per slice."""
+        slab = self.area * self.slice_height
+        contact, kinetic = stress.contact(slab), stress.kinetic(slab)
+        weight = self.gravity * stress.above / (self.area * stress.samples[0])
+        found = {"overburden_profile": weight, "spin_profile": spin.velocity()}
+        for name, component in STRESSES.items():
+            found[f"contact_{name}_profile"] = contact[:, component]
+            found[f"kinetic_{name}_profile"] = kinetic[:, component]
+        with np.errstate(invalid="ignore", divide="ignore"):
+            found["sliding_share_profile"] = slip.sliding / slip.contacts
+            found["slip_velocity_profile"] = slip.speed / slip.sliding
+        return found
