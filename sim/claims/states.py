@@ -4,7 +4,8 @@ Replicates of one point may be in different states for as long as they are watch
 all say nothing, and shares of runs and means within a state do.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
+from functools import partial
 
 import numpy as np
 
@@ -14,30 +15,17 @@ from sim.claims.place import Place, joined, measured
 from sim.claims.verdict import Check
 from sim.dataset.measures import layers
 
-#: Least share of the depth that a plug takes.
-PLUG = 0.3
-
 PROFILES = ("velocity_profile", "packing_profile")
-
-
-def plug_share(diameter: float) -> Callable[..., float]:
-    """Return the function of profiles that says which share of the depth is plug."""
-
-    def share(height: np.ndarray, velocity: np.ndarray, packing: np.ndarray) -> float:
-        plug = layers.plug_base(height, velocity, packing, diameter)
-        return 1.0 - plug / layers.surface(height, packing)
-
-    return share
 
 
 def plug_shares(place: Place) -> np.ndarray:
     """Return the share of the depth that is plug, (R,)."""
-    return place.each(plug_share(place["diameter"]), *PROFILES)
+    return place.each(partial(layers.plug_share, diameter=place["diameter"]), *PROFILES)
 
 
 def has_plug(place: Place) -> np.ndarray:
     """Return whether each replicate (R,) rides as a plug of more than 30 % of its depth."""
-    return plug_shares(place) > PLUG
+    return plug_shares(place) > layers.PLUG
 
 
 def shares(what: str, places: Sequence[Place]) -> list[Check]:

@@ -11,7 +11,7 @@ from sim.claims.chute import WIDTHS, age, base, of_settled, repeated, still_chan
 from sim.claims.evidence import Evidence
 from sim.claims.inference import share_above, trend
 from sim.claims.place import Place, joined
-from sim.claims.states import PLUG, PROFILES, plug_shares
+from sim.claims.states import PROFILES, plug_shares
 from sim.claims.trends import least, mean_of_others
 from sim.claims.verdict import Check, Untestable
 from sim.dataset.measures import layers
@@ -58,7 +58,7 @@ def w11(evidence: Evidence) -> list[Check]:
         flows = [place for line in lines for place in line.values()]
         found = [_steady_plugs(place) for place in flows]
         if found:
-            cells[cell] = np.concatenate(found) > PLUG
+            cells[cell] = np.concatenate(found) > layers.PLUG
             places += flows
     if len(cells) < 2:
         raise Untestable("no flows at n = 10, 20 and 40 in cells of two widths")

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from sim.dataset.measures import layers, order
+from sim.dataset.measures import layers, order, plug
 
 MEASURES = {
     "shear_depth": ("m", "height at which the velocity is 90 % of the surface's"),
@@ -13,7 +13,11 @@ MEASURES = {
     "layer_order": ("1", "amplitude of layers in the density above the shear depth"),
     "median_overlap": ("1", "median overlap of the contacts, in diameters"),
     "overlap_999": ("1", "99.9th percentile of the overlaps of the contacts, in diameters"),
-}
+    "base_rolling": (
+        "1",
+        "spin times radius over velocity of the spheres at the plane, 1 where they roll",
+    ),
+} | plug.MEASURES
 
 #: Measures that are quantiles of the overlaps.
 _QUANTILES = {"median_overlap": 0.5, "overlap_999": 0.999}
@@ -21,7 +25,7 @@ _QUANTILES = {"median_overlap": 0.5, "overlap_999": 0.999}
 
 def measure(run: Mapping[Any, Any]) -> dict[str, float]:
     """Return the measures that the arrays of a replicate allow."""
-    return _of_profiles(run) | _of_overlaps(run)
+    return _of_profiles(run) | _of_overlaps(run) | _of_spin(run)
 
 
 def _of_profiles(run: Mapping[Any, Any]) -> dict[str, float]:
@@ -32,16 +36,29 @@ def _of_profiles(run: Mapping[Any, Any]) -> dict[str, float]:
     diameter = float(run["diameter"])
     height, velocity = np.asarray(run["height"]), np.asarray(run["velocity_profile"])
     depth = layers.shear_depth(height, velocity, packing, diameter)
+    found = {"shear_depth": depth} | plug.measure(run)
     if "position" not in run:
-        return {"shear_depth": depth}
+        return found
     position = np.asarray(run["position"])[-1]
-    plug = position[:, 2] > depth
+    above = position[:, 2] > depth
     side = float(run["cell"]) * diameter
-    return {
-        "shear_depth": depth,
-        "crystalline_share": order.crystalline_share(position, plug, side, diameter),
-        "layer_order": order.layer_order(position[plug, 2], diameter),
+    return found | {
+        "crystalline_share": order.crystalline_share(position, above, side, diameter),
+        "layer_order": order.layer_order(position[above, 2], diameter),
     }
+
+
+def _of_spin(run: Mapping[Any, Any]) -> dict[str, float]:
+    """Return how the spheres at the plane roll, from what is below their centres, where kept."""
+    if "spin_profile" not in run:
+        return {}
+    radius, height = 0.5 * float(run["diameter"]), np.asarray(run["height"])
+    packing = np.asarray(run["packing_profile"])
+    spin, velocity = (
+        layers.mean_between(height, np.asarray(run[name]), packing, 0.0, radius)
+        for name in ("spin_profile", "velocity_profile")
+    )
+    return {"base_rolling": radius * spin / velocity if velocity else np.nan}
 
 
 def _of_overlaps(run: Mapping[Any, Any]) -> dict[str, float]:

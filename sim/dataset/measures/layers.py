@@ -18,6 +18,9 @@ SHEARED = 0.9
 #: A plug shears less than this over any of its diameters, relative to what is below it.
 UNSHEARED = 0.05
 
+#: Least share of the depth that a plug takes.
+PLUG = 0.3
+
 
 def level(height: np.ndarray, density: np.ndarray, share: float) -> float:
     """Return the height (m) below which a share of what a density counts lies."""
@@ -97,6 +100,14 @@ def plug_base(
     places, shear = relative_shear(height, velocity, packing, diameter)
     rigid = shear < UNSHEARED
     return float(places[rigid][0]) if rigid.any() else surface(height, packing)
+
+
+def plug_share(
+    height: np.ndarray, velocity: np.ndarray, packing: np.ndarray, diameter: float
+) -> float:
+    """Return the share of the depth that is plug, 0 without one."""
+    top = surface(height, packing)
+    return 1.0 - plug_base(height, velocity, packing, diameter) / top
 
 
 def packing_by_diameters(

@@ -52,3 +52,10 @@ def test_quantiles_of_overlaps():
     assert np.isnan(quantile(0 * counts, edges, 0.5))
     run = made_run(overlap_histogram=("overlap_bin", counts), overlap_edges=("overlap_edge", edges))
     assert measure(run)["median_overlap"] == median
+
+
+def test_rolling_of_the_lowest_spheres_is_told_where_spins_were_kept():
+    """By what is below their centres, where those above them do not count."""
+    spin = np.where(HEIGHT < 0.5 * SIZE, 0.5 * HEIGHT / (2 * SIZE) / (0.5 * SIZE), 99.0)
+    assert measure(made_run(spin_profile=("height", spin)))["base_rolling"] == pytest.approx(0.5)
+    assert "base_rolling" not in measure(made_run())

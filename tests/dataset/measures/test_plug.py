@@ -1,0 +1,95 @@
+"""States of a plug: their shares and lifetimes, from courses of time that are made up."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from sim.dataset.measures.plug import STATES, measure, spells
+
+SIZE, GRAVITY = 1e-3, 10.0
+UNIT = np.sqrt(SIZE / GRAVITY)
+HEIGHT = (np.arange(48) + 0.5) * 0.25 * SIZE
+PACKING = 0.6 * (HEIGHT < 10 * SIZE)
+VELOCITY = {"plug": np.minimum(HEIGHT / (2 * SIZE), 1.0), "shear": HEIGHT / SIZE}
+
+
+def made_run(contacts, plugs=None, length=20.0, start=100.0) -> xr.Dataset:
+    """A flow after ``start`` √(σ/g): contact numbers and plugs of blocks of some length each."""
+    samples = round(4 * length)
+    before = round(4 * start)
+    number = np.concatenate([np.full(before, 9.0), np.repeat(np.asarray(contacts, float), samples)])
+    data = {
+        "contact_number": ("time", number),
+        "velocity_profile": ("height", VELOCITY["plug"]),
+        "packing_profile": ("height", PACKING),
+        "average_start": start * UNIT,
+        "diameter": SIZE,
+        "gravity": GRAVITY,
+    }
+    if plugs is not None:
+        end, blocks = np.full(64, np.nan), len(plugs)
+        end[:blocks] = (start + length * np.arange(1, blocks + 1)) * UNIT
+        velocity, packing = (np.full((64, len(HEIGHT)), np.nan, np.float32) for _ in range(2))
+        velocity[:blocks] = [VELOCITY["plug" if plug else "shear"] for plug in plugs]
+        packing[:blocks] = PACKING
+        data |= {
+            "block_end": ("block", end),
+            "velocity_profile_history": (("block", "height"), velocity),
+            "packing_profile_history": (("block", "height"), packing),
+        }
+    time = 0.25 * UNIT * np.arange(1, len(number) + 1)
+    return xr.Dataset(data, {"time": time, "height": HEIGHT})
+
+
+def test_shares_and_lifetimes_of_a_flow_that_passes_through_all_states():
+    contacts = [1, 1, 3, 3, 3, 1, 1, 1, 1, 3]
+    plugs = [1, 1, 1, 1, 1, 0, 0, 1, 1, 1]
+    found = measure(made_run(contacts, plugs))
+    assert [found[f"{state}_share"] for state in STATES] == pytest.approx([0.2, 0.4, 0.4])
+    # Two spells of agitation ended, one of deep shear, and one of two locked ones.
+    lifetimes = [found[f"{state}_lifetime"] / UNIT for state in STATES]
+    assert lifetimes == pytest.approx([40, 40, 80])
+
+
+def test_short_blocks_are_taken_together():
+    """A plug that comes and goes within 10 √(σ/g) is none of its own."""
+    contacts, plugs = [1] * 40, [1, 1, 1, 0] * 10
+    found = measure(made_run(contacts, plugs, length=2.5))
+    assert (found["deep_shear_share"], found["deep_shear_lifetime"]) == (1.0, np.inf)
+
+
+def test_without_a_history_the_plug_is_that_of_the_window():
+    found = measure(made_run([1, 1, 3, 3]))
+    assert (found["agitated_share"], found["locked_share"]) == pytest.approx((0.5, 0.5))
+    assert found["deep_shear_share"] == 0.0 and np.isnan(found["deep_shear_lifetime"])
+    assert found["agitated_lifetime"] == pytest.approx(40 * UNIT)
+    assert found["locked_lifetime"] == np.inf
+
+
+def test_a_flow_that_shears_throughout_is_in_one_state():
+    made = made_run([3, 3, 1, 3])
+    made["velocity_profile"] = "height", VELOCITY["shear"]
+    found = measure(made)
+    assert found["deep_shear_share"] == 1.0 and found["locked_share"] == 0.0
+
+
+def test_a_window_of_less_than_a_spell_has_no_states():
+    assert measure(made_run([1], length=9.0)) == {}
+    assert measure(made_run([1]).drop_vars("contact_number")) == {}
+
+
+def test_blocks_before_the_window_do_not_count():
+    made = made_run([3, 3, 1, 1], [1, 1, 1, 1])
+    made["average_start"] = 140.0 * UNIT
+    found = measure(made)
+    assert found["agitated_share"] == 1.0 and found["agitated_lifetime"] == np.inf
+
+
+@pytest.mark.parametrize("lifetime", [50.0, 200.0])
+def test_the_lifetime_of_a_state_that_ends_at_random_is_found_again(lifetime):
+    rng = np.random.default_rng(1)
+    changes = rng.random(20_000) < 10.0 / lifetime
+    inside = np.cumsum(changes) % 2 == 0
+    share, found = spells(inside, np.full(inside.size, 10.0))
+    assert share == pytest.approx(0.5, abs=0.05)
+    assert found == pytest.approx(lifetime, rel=0.05)
