@@ -251,6 +251,13 @@ class BeltParameters(Parameters):
         role="numerics",
         added=True,
     )
+    fluctuation_profiles: bool = declare(
+        False,
+        description="also keep the granular temperature about the mean velocity at each phase of "
+        "the cycle, of which there are samples_per_cycle",
+        role="numerics",
+        added=True,
+    )
     belt_forces: bool = declare(
         False,
         description="also keep the forces on the belt and when it is touched, as time series",

@@ -23,6 +23,7 @@ OPEN = {
     "slice_height": 0.5,
     "phase_0_profiles": True,
     "belt_forces": True,
+    "fluctuation_profiles": True,
     "phase": 90.0,
 }
 

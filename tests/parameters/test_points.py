@@ -58,6 +58,7 @@ def test_every_parameter_is_in_the_id_but_how_much_is_wanted(system):
         "phase_0_profiles": True,
         "belt_forces": True,
         "stress_profiles": True,
+        "fluctuation_profiles": True,
         "corrector_order": 4,
         "corrections": 2,
     }

@@ -24,6 +24,10 @@ ASKED_FOR = {
     "spin_profile": ("s-1", "mean angular velocity about y"),
     "sliding_share_profile": ("1", "share of the contacts with a force that slide"),
     "slip_velocity_profile": ("m s-1", "mean slip velocity at the contacts that slide"),
+    "fluctuation_temperature_profile": (
+        "m2 s-2",
+        "granular temperature about the mean velocity at each phase of the cycle",
+    ),
 }
 
 #: Ends the name of a profile of successive blocks of samples, where its course is asked for, and

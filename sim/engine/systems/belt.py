@@ -239,32 +239,33 @@ class Belt:
         return number * self.sample_steps % self.steps_per_cycle
 
     def _profiles(self, room: bed_samples.BedSamples) -> Sums:
-        """Return profiles and field of the samples taken, and profiles of those at phase 0."""
+        """Return profiles and field of the samples taken, and what is asked for by phase."""
         centres, area, field = room.profiles()
-        starts = self._begin_cycles(int(room.taken[0]))
-        return centres, area, field, *self.slices.of_starts(centres, area, starts)
+        phase = self._phases(int(room.taken[0]))
+        return centres, area, field, *self.slices.of_phases(centres, area, phase)
 
-    def _begin_cycles(self, count: int) -> np.ndarray:
-        """Return which of the last samples are those nearest to the beginning of a cycle."""
+    def _phases(self, count: int) -> np.ndarray:
+        """Return the numbers of the last samples in their cycle; 0 is nearest to its beginning."""
         p = self.parameters
         turns = self._cycle_steps(count) / self.steps_per_cycle + p.phase / 360.0
-        return np.round(turns * p.samples_per_cycle) % p.samples_per_cycle == 0
+        return np.round(turns * p.samples_per_cycle).astype(int) % p.samples_per_cycle
 
     def _velocity(self) -> np.ndarray:
         return self.disks.taylor[1] / self.time_step
 
     def no_profiles(self) -> Sums:
         """Return sums of zero: profiles above the belt, by centres and by area, and the field."""
-        centres, area, *starts = self.slices.empty()
-        return centres, area, self.squares.empty(), *starts
+        centres, area, *phased = self.slices.empty()
+        return centres, area, self.squares.empty(), *phased
 
     def profiles(self, sums: Sums) -> dict[str, np.ndarray]:
         """Return velocity, densities and granular temperature per slice."""
         return self.slices.profiles(*sums[:2])
 
     def tables(self, sums: Sums) -> dict[str, np.ndarray]:
-        """Return means in squares of the laboratory, and profiles at the beginning of the cycle."""
-        return self.squares.tables(sums[2]) | self.slices.phased(*sums[3:])
+        """Return means in squares of the laboratory, and what is asked for by phase."""
+        centres, _, field, *phased = sums
+        return self.squares.tables(field) | self.slices.tables(centres, phased)
 
     def trace(self) -> np.ndarray:
         """Finish the cycle and return the path of every bead (S, N, 2) in m over one more."""

@@ -1,6 +1,7 @@
 """The belt: its settled bed, its samples, tiny systems, transport above take-off and none below."""
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from sim.engine.dynamics.status import BlowUp
@@ -195,6 +196,28 @@ def test_the_force_on_the_belt_is_what_changes_the_momentum_of_the_bed():
 def test_forces_on_the_belt_are_kept_where_they_are_asked_for():
     assert "belt_normal_force" in settled(belt_forces=True).series
     assert "belt_normal_force" not in settled().series
+
+
+def test_the_temperature_about_the_mean_motion_of_each_phase_is_that_of_all_beads():
+    """Every bead of 100 samples against the mean of those in its slice at its phase."""
+    system = settled(phase=90.0, fluctuation_profiles=True, phase_0_profiles=True)
+    total, beads = list(system.no_profiles()), []
+    for number in range(100):
+        sums = sums_of(system)
+        total = [plus(*pair) for pair in zip(total, sums, strict=True)]
+        belt = 1e-3 * np.sin(2 * np.pi * (number + 1) / 20 + np.pi / 2)
+        velocity = system._velocity() - system._velocity().mean(axis=1, keepdims=True)
+        level = np.floor((system.disks.taylor[0, 1] - belt) / 1e-3).astype(int)
+        beads += [(z, number % 20, *v) for z, v in zip(level, velocity.T, strict=True)]
+    table = pd.DataFrame(beads, columns=["slice", "phase", "x", "z"])
+    groups = table.groupby(["slice", "phase"])[["x", "z"]]
+    squares = ((table[["x", "z"]] - groups.transform("mean")) ** 2).mean(axis=1)
+    squares = squares.groupby(table["slice"]).sum()
+    freedom = table.groupby("slice").size() - table.groupby("slice")["phase"].nunique()
+    found = system.tables(total)["fluctuation_temperature_profile"]
+    for level in freedom.index[(freedom.index >= 0) & (freedom > 0)]:
+        assert found[level] == pytest.approx(squares[level] / freedom[level], rel=1e-6)
+    assert np.isfinite(found).sum() > 5
 
 
 def test_profiles_of_the_start_of_the_cycle_are_kept_where_they_are_asked_for():
