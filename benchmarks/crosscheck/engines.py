@@ -75,11 +75,12 @@ def _theirs(p: ChuteParameters, replicate: int, lengths: list[int]) -> Iterator[
         client.setup(request, chute_state(p, snapshot, SETTINGS))
         for samples in lengths:
             record = client.record(p.sample_steps, samples)
-            profile = empty_profile(len(system.profile_height), 3)
+            profile = empty_profile(system.slices.slices, 3)
+            thickness = system.slices.slice_height
             record["velocity"][:, 0] += drift
             for height, velocity in zip(record["height"], record["velocity"], strict=True):
                 radius = snapshot["radius"]
-                add_sample(profile, VOLUME, system.slice_height, height, radius, velocity)
+                add_sample(profile, VOLUME, thickness, height, radius, velocity)
             along = record["velocity"][:, 0].mean(axis=1)
             yield Stretch(along, record["contacts"], profile)
 
