@@ -42,7 +42,7 @@ def test_what_the_bed_does_in_every_cycle_is_no_fluctuation():
     assert found == pytest.approx((1 - 1 / BEADS) * noise**2, rel=0.06)
 
 
-@pytest.mark.parametrize("cycles", [2, 3, 50])
+@pytest.mark.parametrize("cycles", [1, 3, 50])
 def test_few_cycles_are_not_colder(cycles):
     """A mean over few beads takes some of their scatter with it; that is allowed for."""
     slices, (centres, phases) = shaken(cycles, 0.1, 0.0)
