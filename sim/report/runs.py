@@ -7,7 +7,7 @@ import pandas as pd
 import xarray as xr
 
 from sim.dataset.replicates import outcomes
-from sim.parameters import SYSTEMS, field_info
+from sim.parameters import SYSTEMS, Parameters, field_info
 from sim.parameters.wording import setting
 from sim.report.numbers import finite, measured
 from sim.study.load import Study
@@ -74,7 +74,7 @@ def parameter_rows(dataset: xr.Dataset) -> dict[str, list[dict[str, Any]]]:
                     "symbol": row.symbol,
                     "unit": row.scale or _shown(row.unit),
                     "description": row.description,
-                    "values": _values(points[name].values.tolist()),
+                    "values": _values(points[name].values.tolist(), model, name),
                 }
                 for name, row in field_info(model).items()
                 if name != "system"
@@ -86,7 +86,9 @@ def _shown(unit: str) -> str:
     return "" if unit == "1" else unit
 
 
-def _values(values: Sequence[Any]) -> str:
-    """List distinct values in order, numbers with up to six digits."""
+def _values(values: Sequence[Any], model: type[Parameters], name: str) -> str:
+    """List distinct values in order, numbers with up to six digits, and what is true or false."""
     distinct = sorted(set(values))
+    if model.model_fields[name].annotation is bool:
+        return ", ".join("true" if value else "false" for value in distinct)
     return ", ".join(f"{v:.6g}" if isinstance(v, float) else str(v) for v in distinct)

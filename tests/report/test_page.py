@@ -228,6 +228,7 @@ def test_parameters_have_their_units(page):
     text = " ".join(page.text.split())
     assert "N m-1 normal stiffness" in text
     assert "0.4, 0.5 friction coefficient" in text
+    assert "false also average the profiles" in text
 
 
 def test_markup_in_a_title_is_text(tmp_path):
