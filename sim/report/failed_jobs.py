@@ -12,13 +12,14 @@ EVENT = "job_error"
 #: How sentences begin that tell nothing, in what Snakemake says of a failed job of a cluster.
 ADVICE = ("Detailed failure reason unavailable", "For further error details")
 
-#: How it begins what Snakemake says of each output of a failed job that was not there before.
-NO_BACKUP = "Cannot restore "
+#: How it begins what Snakemake says of each output of a failed job of which there is no backup, and
+#: of its whole command.
+NO_NEWS = ("Cannot restore ", "RuleException:\nCalledProcessError ")
 
 
 def is_news(record: logging.LogRecord) -> bool:
-    """Return whether Snakemake says something that matters: new outputs need no backup."""
-    return not record.getMessage().startswith(NO_BACKUP)
+    """Return whether Snakemake says something that the line of a failed job does not."""
+    return not record.getMessage().startswith(NO_NEWS)
 
 
 class FailedJobs(logging.Handler):

@@ -74,8 +74,13 @@ def test_a_job_without_a_log_is_told_by_its_rule(log, lines):
     assert lines == ["run: job failed"]
 
 
-def test_outputs_that_were_not_there_before_are_no_news():
-    log = logging.Logger("snakemake")
-    assert is_news(log.makeRecord("", logging.INFO, "", 0, "submitted", (), None))
-    said = "Cannot restore results/a.nc: no backup found."
-    assert not is_news(log.makeRecord("", logging.WARNING, "", 0, said, (), None))
+@pytest.mark.parametrize(
+    ("said", "is_told"),
+    [
+        ("submitted", True),
+        ("Cannot restore results/a.nc: no backup found.", False),
+        ("RuleException:\nCalledProcessError in file run.smk, line 20:\nCommand ...", False),
+    ],
+)
+def test_what_the_line_of_a_failed_job_makes_superfluous_is_no_news(log, said, is_told):
+    assert is_news(log.makeRecord("", logging.WARNING, "", 0, said, (), None)) == is_told

@@ -29,8 +29,13 @@ rule warm:
 # The input must not be `ancient`: Snakemake does not look at the parameters of a job below one that
 # is to run.
 #
-# Without a shell in between: that would not wait, on SIGTERM, until the run has saved its state.
-RUN = "exec python -m sim batch {params.folder} <<< {params.points:q} 2> {log}"
+# After a failure, Snakemake would put back the files as they were when the job began, those too that
+# the job has finished since; hence the end of its backups. And there is no shell in between: it
+# would not wait, on SIGTERM, until the run has saved its state.
+RUN = (
+    "rm -f {params.backups:q}; "
+    "exec python -m sim batch {params.folder} <<< {params.points:q} 2> {log}"
+)
 
 
 rule run:
@@ -52,6 +57,7 @@ rule run:
         runtime=lambda wildcards: minutes([wildcards.point]),
     params:
         folder=lambda wildcards, output: RESULTS,
+        backups=lambda wildcards, output: [f".snakemake/backups/{path}" for path in output],
         points=lambda wildcards, output: in_json([wildcards.point]),
         amount=lambda wildcards: amount(wildcards.point),
         numerics=numerics_mark(),
@@ -83,6 +89,7 @@ for batch, points in BATCHES.items():
             runtime=minutes(points),
         params:
             folder=lambda wildcards, output: RESULTS,
+            backups=lambda wildcards, output: [f".snakemake/backups/{path}" for path in output],
             points=lambda wildcards, output: in_json(Path(path).stem for path in output),
             amount=amount(points[0]),
             numerics=numerics_mark(),
