@@ -110,8 +110,10 @@ class Submitted:
         ours = [job for job in self.accounts() if job["Comment"].startswith(f"rule_{rule}")]
         return [job["State"].split()[0] for job in ours]
 
-    def checkpoint(self, point: str) -> Path:
-        return self.runs / f".{point}.nc.checkpoint"
+    def is_midway(self, point: str) -> bool:
+        """Return whether a run has saved a state and is not at its end."""
+        run = self.runs / f"{point}.nc"
+        return run.with_name(f".{run.name}.state").exists() and not run.exists()
 
     def freeze(self, point: str) -> None:
         """Stop a run that computes, until a signal lets it go on: no machine then is too fast."""
@@ -144,20 +146,20 @@ def test_a_study_with_ended_jobs_comes_to_the_dataset_of_a_local_one(local, subm
 
     # The long run meets a limit of a minute; the batch is cancelled halfway.
     workflow = submitted.start("--set-resources", "run:runtime=1")
-    wait_until(submitted.checkpoint(long).exists, workflow)
+    wait_until(lambda: submitted.is_midway(long), workflow)
     submitted.freeze(long)
     ((batch, members),) = json.loads((runs / ".batches").read_text(encoding="utf-8")).items()
     assert set(members) == set(points) - {long}
 
     def halfway() -> bool:
         there = any((runs / f"{name}.nc").exists() for name in members)
-        return there and any(submitted.checkpoint(name).exists() for name in members)
+        return there and any(map(submitted.is_midway, members))
 
     wait_until(halfway, workflow)
     submitted.cancel(batch)
     assert workflow.wait() == 1, submitted.said()
     assert (submitted.states(batch), submitted.states("run")) == (["CANCELLED"], ["TIMEOUT"])
-    assert submitted.checkpoint(long).exists()
+    assert submitted.is_midway(long)
     lines = submitted.said().splitlines()
     for name, state in ((batch, "CANCELLED"), (long, "TIMEOUT")):
         (line,) = (line for line in lines if line.startswith(f"{name}: job failed"))
@@ -189,7 +191,7 @@ def test_a_study_with_ended_jobs_comes_to_the_dataset_of_a_local_one(local, subm
         "1",
         "10",
     }
-    assert all(int(job["ReqMem"].removesuffix("M")) >= 600 for job in found)
+    assert all(int(job["ReqMem"].removesuffix("M")) >= 700 for job in found)
 
     # Folders of logs stay: another study in the same folder may be about to need them.
     assert (submitted.tree / ".snakemake" / "slurm_logs" / "rule_warm").is_dir()

@@ -67,7 +67,7 @@ def seconds(points):
 
 def memory(megabytes):
     """Return the memory (MB) to ask for: on a cluster a job is two Snakemakes besides its command."""
-    return 300 + len(STUDY.points) // 50 + megabytes
+    return 400 + len(STUDY.points) // 50 + megabytes
 
 
 def minutes(points):
