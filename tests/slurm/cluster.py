@@ -105,7 +105,11 @@ class Cluster:
         return self._call(*words, check=True).stdout
 
     def stop(self) -> None:
-        """End the daemons and whatever else lives on in the cluster, by their numbers."""
+        """End the jobs, the daemons, and whatever else lives on in the cluster."""
+        self._call("scancel", f"--user={getpass.getuser()}")
+        # The process that looks after a job outlives the daemons.
+        while self._call("squeue", "-h").stdout:
+            time.sleep(0.5)
         for daemon in reversed(self._daemons):
             daemon.terminate()
             daemon.wait()
