@@ -8,6 +8,7 @@ import sys
 import sysconfig
 import tomllib
 from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
@@ -110,15 +111,23 @@ class Submitted:
         ours = [job for job in self.accounts() if job["Comment"].startswith(f"rule_{rule}")]
         return [job["State"].split()[0] for job in ours]
 
-    def is_midway(self, point: str) -> bool:
+    def is_begun(self, point: str) -> bool:
         """Return whether a run has saved a state and is not at its end."""
         run = self.runs / f"{point}.nc"
         return run.with_name(f".{run.name}.state").exists() and not run.exists()
 
-    def freeze(self, point: str) -> None:
-        """Stop a run that computes, until a signal lets it go on: no machine then is too fast."""
-        progress = json.loads(progress_file(self.runs / f"{point}.nc").read_text(encoding="utf-8"))
-        os.kill(progress["pid"], signal.SIGSTOP)
+    def freeze(self, *points: str) -> bool:
+        """Stop the process that runs one of some points, if it is in the first half of that.
+
+        No machine is too fast then: a signal of Slurm lets the process go on, and ends it.
+        """
+        for point in filter(self.is_begun, points):
+            with suppress(FileNotFoundError):
+                said = json.loads(progress_file(self.runs / f"{point}.nc").read_text("utf-8"))
+                if 2 * said["done"] < said["total"]:
+                    os.kill(said["pid"], signal.SIGSTOP)
+                    return True
+        return False
 
 
 @pytest.fixture
@@ -146,20 +155,15 @@ def test_a_study_with_ended_jobs_comes_to_the_dataset_of_a_local_one(local, subm
 
     # The long run meets a limit of a minute; the batch is cancelled halfway.
     workflow = submitted.start("--set-resources", "run:runtime=1")
-    wait_until(lambda: submitted.is_midway(long), workflow)
-    submitted.freeze(long)
+    wait_until(lambda: submitted.freeze(long), workflow)
     ((batch, members),) = json.loads((runs / ".batches").read_text(encoding="utf-8")).items()
     assert set(members) == set(points) - {long}
-
-    def halfway() -> bool:
-        there = any((runs / f"{name}.nc").exists() for name in members)
-        return there and any(map(submitted.is_midway, members))
-
-    wait_until(halfway, workflow)
+    wait_until(lambda: any((runs / f"{name}.nc").exists() for name in members), workflow)
+    wait_until(lambda: submitted.freeze(*members), workflow)
     submitted.cancel(batch)
     assert workflow.wait() == 1, submitted.said()
     assert (submitted.states(batch), submitted.states("run")) == (["CANCELLED"], ["TIMEOUT"])
-    assert submitted.is_midway(long)
+    assert submitted.is_begun(long)
     lines = submitted.said().splitlines()
     for name, state in ((batch, "CANCELLED"), (long, "TIMEOUT")):
         (line,) = (line for line in lines if line.startswith(f"{name}: job failed"))
