@@ -138,7 +138,7 @@ class Cluster:
             "folder": self.folder,
             "user": getpass.getuser(),
             "host": socket.gethostname().partition(".")[0],
-            "cpus": os.cpu_count(),
+            "cpus": max(2, os.cpu_count() or 1),
             "memory": psutil.virtual_memory().total // 2**21,
             **dict(zip(("controller_port", "node_port", "accounting_port"), ports, strict=True)),
         }
