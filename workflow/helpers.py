@@ -12,8 +12,8 @@ from typing import TextIO
 CLOCK_ERROR = 60.0
 OLD = 86400.0
 
-#: The year 2000, before which no run was made, and seconds from a run's time to one before that.
-START = 946684800.0
+#: A time before which no run was made, and seconds from a run's time to one before that.
+YEAR_2000 = 946684800.0
 FIFTY_YEARS = 50 * 365.25 * 86400
 
 
@@ -45,14 +45,14 @@ def write_start(path: Path) -> None:
     output was made, whatever it has noted of a job that was killed.
     """
     path.write_text(str(time.time_ns()), encoding="utf-8")
-    os.utime(path, (START, START))
+    os.utime(path, (YEAR_2000, YEAR_2000))
 
 
 def age(path: Path, is_old: bool) -> None:
     """Make an output older than what `write_start` writes, or give it back its time."""
     with suppress(OSError):
         then = path.stat().st_mtime
-        if is_old != (then < START):
+        if is_old != (then < YEAR_2000):
             then += -FIFTY_YEARS if is_old else FIFTY_YEARS
             os.utime(path, (then, then))
 

@@ -16,7 +16,7 @@ from sim.dataset.measures import measures
 from sim.dataset.measures.belt import columns
 from sim.dataset.rows import KEPT, OVER_HEIGHT, SINGLE, WORDS, Rows
 from sim.dataset.run_file import Replicate, RunFile
-from sim.engine.held import answering, held_amounts
+from sim.engine.held import held_amounts
 from sim.engine.identity import numerics_of
 from sim.engine.observe.arrays import SNAPSHOTS
 from sim.engine.observe.scalars import SCALARS
@@ -61,7 +61,7 @@ def read_run(path: Path, wanted: Mapping[str, float] | None = None, shown: bool 
                 raise ValueError("no point in it")
             if run.attrs["point_id"] != path.stem:
                 raise ValueError(f"holds point {run.attrs['point_id']}")
-            if wanted and answering(file, wanted) is None:
+            if wanted and not run.is_enough:
                 held = _listed(held_amounts(file, wanted)[0])
                 raise InputError(
                     f"{path}: holds {held} of {_listed(wanted)}; rerun the study to let it grow"

@@ -15,8 +15,8 @@ if TYPE_CHECKING:
 class RunFile(Mapping[str, np.ndarray]):
     """An open run file as if no more had been run than is wanted; ``attrs`` are its attributes.
 
-    Where it holds less, all that there is. ``known`` are the scalars of its longest run as its end
-    tells them, which spare reading a third of what a dataset keeps.
+    Where it holds less, all that there is, and ``is_enough`` is false. ``known`` are the scalars of
+    its longest run as its end tells them, which spare reading a third of what a dataset keeps.
 
     xarray takes a twentieth of a second to find out about the hundred variables of a run, of which
     a dataset keeps a part.
@@ -29,7 +29,8 @@ class RunFile(Mapping[str, np.ndarray]):
         known: Mapping[str, Sequence[Any]] | None = None,
     ):
         file.set_auto_mask(False)
-        group = (answering(file, wanted) if wanted else None) or file
+        found = answering(file, wanted) if wanted else file
+        self.is_enough, group = found is not None, found or file
         self._first = slice(int(wanted["replicates"]) if wanted else None)
         self._variables = {**file.variables, **group.variables}
         told = known if known and group is file else {}

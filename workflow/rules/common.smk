@@ -100,9 +100,10 @@ def is_wanted(point):
     One with less becomes old until less is wanted: Snakemake notes the parameters of a job that was
     killed as if it had been done, so these cannot tell that the file is still to grow.
     """
-    path = Path(run_file(point))
-    age(path, is_to_grow(path, parameters(point)))
-    return not path.exists() or not holds(path, parameters(point))
+    path, wanted = Path(run_file(point)), parameters(point)
+    is_enough = holds(path, wanted)
+    age(path, not is_enough and is_to_grow(path, wanted))
+    return not is_enough
 
 
 def planned_batches():
