@@ -24,13 +24,9 @@ GEAR_STABILITY = {
 }
 
 #: Largest damping rate of a packed bed, in multiples of the larger and the smaller of γ and γ_s, by
-#: the mass in the damping terms and that of the belt's ghost; its largest frequency in √(Yg/⟨d⟩);
-#: and the share of both that counts, as its most damped motion is not its stiffest one.
-DAMPING_RATES = {
-    ("own", "infinite"): (5.6, 2.9),
-    ("reduced", "infinite"): (2.6, 1.2),
-    ("reduced", "mean"): (2.6, 1.2),
-}
+#: the mass in the damping terms, whatever that of the belt's ghost; its largest frequency in
+#: √(Yg/⟨d⟩); and the share of both that counts, as its most damped motion is not its stiffest one.
+DAMPING_RATES = {"own": (5.6, 2.9), "reduced": (2.6, 1.2)}
 FREQUENCY = 3.4
 COUNTED = 0.95
 
@@ -428,7 +424,7 @@ class BeltParameters(Parameters):
     @property
     def damping_rate(self) -> float:
         """Largest damping rate of a packed bed, 1/s: about that of settled ones."""
-        larger, smaller = DAMPING_RATES[self.damping_mass, self.ghost_mass]
+        larger, smaller = DAMPING_RATES[self.damping_mass]
         rates = self.normal_damping, self.shear_damping * self.gravity
         return larger * max(rates) + smaller * min(rates)
 
