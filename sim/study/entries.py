@@ -48,6 +48,10 @@ class Lists(Some):
         return self
 
 
+class Readings(Lists):
+    """Lists of readings of the paper; of each the first is the one that figures show."""
+
+
 class Override(Strict):
     """Parameters that change at the points where others have certain values."""
 

@@ -1,6 +1,6 @@
 """What a study file may contain, as pydantic models: validation, schema and reference in one."""
 
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from functools import reduce
 from operator import or_
 from types import GenericAlias
@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple, Self
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, create_model, model_validator
 
 from sim.base.messages import input_error
-from sim.parameters import SYSTEMS
+from sim.parameters import SYSTEMS, roles
 from sim.parameters.common import broken_rule
 from sim.study.catalogue import FIGURES
 from sim.study.entries import (
@@ -19,6 +19,7 @@ from sim.study.entries import (
     DecideFile,
     Lists,
     Override,
+    Readings,
     SeriesFile,
     Some,
     Strict,
@@ -42,6 +43,7 @@ class Models(NamedTuple):
     """What a study file may contain of one system."""
 
     some: type[Some]
+    readings: type[Lists]
     override: type[Override]
     series: type[SeriesFile]
     boundary: type[BoundaryFile]
@@ -53,6 +55,7 @@ def _models_of(system: str) -> Models:
     numbers = [name for name, field in model.model_fields.items() if field.annotation is float]
     figures = [name for name, spec in FIGURES.items() if spec.system == system]
     some, lists = _given(Some, system), _given(Lists, system)
+    readings = _given(Readings, system, roles.readings(model))
     override = _concrete(
         Override,
         system,
@@ -79,20 +82,21 @@ def _models_of(system: str) -> Models:
         shared | {"of": Literal[model.boundaries], "along": Literal[tuple(numbers)]},
         **({"of": Field(description=_WHAT_CHANGES)} if system == first else {}),
     )
-    return Models(some, override, series, boundary)
+    return Models(some, readings, override, series, boundary)
 
 
-def _given(base: type[Some], system: str) -> type[Some]:
-    """Make ``base`` concrete with the parameters of a system, each of them optional."""
+def _given(base: type[Some], system: str, names: Collection[str] | None = None) -> Any:
+    """Make ``base`` concrete with the parameters of a system, or some of them, each optional."""
     fields: dict[str, Any] = {}
     for key, declared in SYSTEMS[system].model_fields.items():
+        if key == "system" or (names is not None and key not in names):
+            continue
         value: Any = declared.annotation
         if declared.metadata:
             value = Annotated[(value, *declared.metadata)]
         if issubclass(base, Lists):
             value = Annotated[_list_of(value), Field(min_length=1)]
         fields[key] = value, optional(declared.description)
-    del fields["system"]
     name = f"{system.capitalize()}{base.__name__}"
     made = create_model(name, __base__=base, __doc__=base.__doc__, **fields)
     made.parameters = SYSTEMS[system]
@@ -122,15 +126,26 @@ def _any_of(kinds: Iterable[type[BaseModel]]) -> Any:
 
 MODELS = {system: _models_of(system) for system in SYSTEMS}
 
-_BY_SYSTEM: dict[str, Any] = {
-    system: (one.some, optional(f"shared by all series of the {system}"))
-    for system, one in MODELS.items()
-}
+
+def _by_system(kind: str, said: str) -> dict[str, Any]:
+    """Return a key for each system that may be left out, with one of its `Models` behind it."""
+    return {
+        system: (getattr(one, kind), optional(said.format(system)))
+        for system, one in MODELS.items()
+    }
+
+
 Defaults = create_model(
     "Defaults",
     __base__=Strict,
     __doc__="Parameters shared by all series of a system.",
-    **_BY_SYSTEM,
+    **_by_system("some", "shared by all series of the {}"),
+)
+SharedReadings = create_model(
+    "SharedReadings",
+    __base__=Strict,
+    __doc__="Readings of the papers under which all series of a system are run.",
+    **_by_system("readings", "of the {}: every combination; figures and boundaries take the first"),
 )
 
 if TYPE_CHECKING:
@@ -164,6 +179,9 @@ class StudyFile(Strict):
         "all figures of the study, each fed by a series (omitted: those that are fed)"
     )
     defaults: Defaults = Field(Defaults(), description="parameters shared by series")
+    readings: SharedReadings = Field(
+        SharedReadings(), description="readings of the papers under which every series is run"
+    )
     series: list[_AnySeries] = optional(
         "the series of points (omitted: none, if there are boundaries or parts)", min_length=1
     )

@@ -31,13 +31,17 @@ def collected(mapping: Any, path: Path) -> tuple[StudyFile, Study, Fed]:
     points: dict[str, Point] = {}
     series: dict[str, tuple[str, ...]] = {}
     for place, one in _entries(file, "series"):
-        parameters = [finished(one, draft, place, source) for draft in starts(file, one, place)]
-        series[one.name] = _add(points, one, parameters, source)
+        members = [
+            (finished(one, draft, place, source), _shown(one.figures, draft))
+            for draft in starts(file, one, place)
+        ]
+        series[one.name] = _add(points, one, members, source)
     boundaries: list[Boundary] = []
     for place, one in _entries(file, "boundaries"):
         found = list(_boundaries(file, one, place, source))
         first = [each.at(value) for each in found for value in divided(each.low, each.high)]
-        series[one.name] = _add(points, one, first, source)
+        members = [(parameters, one.figures) for parameters in first]
+        series[one.name] = _add(points, one, members, source)
         boundaries += found
     fed = {
         name: (source, f"{place}.figures[{index}]")
@@ -68,7 +72,9 @@ def _require_feasible_number(file: StudyFile, source: str) -> None:
     for path, one in _entries(file, "series") + _entries(file, "boundaries"):
         lists = one.grid.given().values() if one.grid else []
         if isinstance(one, SeriesFile):
-            total += (prod(map(len, lists)) if lists else 0) + len(one.cases or [])
+            read = getattr(file.readings, one.system)
+            times = prod(map(len, read.given().values())) if read else 1
+            total += times * ((prod(map(len, lists)) if lists else 0) + len(one.cases or []))
         else:
             total += prod(map(len, lists)) * _most_points(one)
         if total > MAX_POINTS:
@@ -108,16 +114,21 @@ def _boundaries(file: StudyFile, one: BoundaryFile, path: str, source: str) -> I
         )
 
 
+def _shown(figures: Iterable[str], draft: Draft) -> list[str]:
+    """Return the figures that a point feeds: of other readings those that tell them apart."""
+    return [name for name in figures if draft.other <= set(FIGURES[name].curves)]
+
+
 def _add(
     points: dict[str, Point],
     one: SeriesFile | BoundaryFile,
-    parameters: Iterable[Parameters],
+    members: Iterable[tuple[Parameters, Iterable[str]]],
     source: str,
 ) -> tuple[str, ...]:
-    """Add points, or their series and figures, to ``points``; return their ids."""
+    """Add points with their figures, or series and figures, to ``points``; return their ids."""
     keys = {}
-    for each in parameters:
-        point = joined(points, each, one.name, one.figures)
+    for each, figures in members:
+        point = joined(points, each, one.name, figures)
         require_same(point, each, source)
         keys[point.id] = points[point.id] = point
     return tuple(keys)

@@ -11,7 +11,7 @@ from pydantic.json_schema import models_json_schema
 from sim.base.errors import InputError
 from sim.parameters import SYSTEMS, FieldRow, field_info
 from sim.study.catalogue import FIGURES
-from sim.study.file import MODELS, Defaults, StudyFile
+from sim.study.file import MODELS, Defaults, SharedReadings, StudyFile
 
 SCHEMA_NAME = "schema.json"
 GUIDE_NAME = "README.md"
@@ -62,6 +62,8 @@ def reference_text() -> str:
         _keys_table(entries.override),
         "### Keys of `defaults`",
         _keys_table(Defaults),
+        "### Keys of `readings`",
+        _keys_table(SharedReadings),
     ]
     parts += ["### Figures", _figures_table()]
     for name, model in SYSTEMS.items():

@@ -1,8 +1,8 @@
-"""Points of a study while they are collected: defaults, base, grid or cases, overrides."""
+"""Points of a study while they are collected: defaults to overrides, under every reading."""
 
 import itertools
-from collections.abc import Iterator
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from sim.parameters import Parameters, parse_point
@@ -12,15 +12,26 @@ from sim.study.file import StudyFile
 
 @dataclass
 class Draft:
-    """Values of one point while they are collected, and where each stands in the file."""
+    """Values of one point while they are collected, and where each stands in the file.
+
+    ``other`` are the readings in which it differs from those that the study gives first.
+    """
 
     values: dict[str, Any] = field(default_factory=dict)
     paths: dict[str, str] = field(default_factory=dict)
+    other: frozenset[str] = frozenset()
 
     def with_values(self, values: dict[str, Any], path: str) -> "Draft":
         """Return a copy in which ``values``, given at ``path``, replace earlier ones."""
         paths = {name: f"{path}.{name}" for name in values}
-        return Draft(self.values | values, self.paths | paths)
+        return replace(self, values=self.values | values, paths=self.paths | paths)
+
+    def with_choice(self, lists: dict[str, list[Any]], chosen: Sequence[int], path: str) -> "Draft":
+        """Return a copy with one value of each list at ``path``, those of the numbers chosen."""
+        places = dict(zip(lists, chosen, strict=True))
+        values = {name: lists[name][number] for name, number in places.items()}
+        paths = {name: f"{path}.{name}[{number}]" for name, number in places.items()}
+        return replace(self, values=self.values | values, paths=self.paths | paths)
 
 
 def starts(file: StudyFile, one: SeriesFile | BoundaryFile, path: str) -> Iterator[Draft]:
@@ -35,34 +46,37 @@ def starts(file: StudyFile, one: SeriesFile | BoundaryFile, path: str) -> Iterat
     path : str
         Where it stands in the file.
     """
-    draft = _base(file, one, path)
     cases = one.cases if isinstance(one, SeriesFile) else None
-    if one.grid:
-        yield from _combinations(one, draft, path)
-    for index, case in enumerate(cases or []):
-        yield draft.with_values(case.given(), f"{path}.cases[{index}]")
-    if not one.grid and not cases:
-        yield draft
+    for draft in _bases(file, one, path):
+        if one.grid:
+            lists = one.grid.given()
+            for chosen in _combinations(lists):
+                yield draft.with_choice(lists, chosen, f"{path}.grid")
+        for index, case in enumerate(cases or []):
+            yield draft.with_values(case.given(), f"{path}.cases[{index}]")
+        if not one.grid and not cases:
+            yield draft
 
 
-def _base(file: StudyFile, one: SeriesFile | BoundaryFile, path: str) -> Draft:
-    """Return what all points of a series or boundary share."""
+def _bases(file: StudyFile, one: SeriesFile | BoundaryFile, path: str) -> Iterator[Draft]:
+    """Yield what all points of a series share under each reading, of a boundary under the first."""
     draft = Draft({"system": one.system}, {"system": f"{path}.system"})
-    shared = getattr(file.defaults, one.system)
+    shared, readings = getattr(file.defaults, one.system), getattr(file.readings, one.system)
     if shared:
         draft = draft.with_values(shared.given(), f"defaults.{one.system}")
-    return draft.with_values(one.base.given(), f"{path}.base") if one.base else draft
+    lists = readings.given() if readings else {}
+    for chosen in _combinations(lists):
+        if any(chosen) and not isinstance(one, SeriesFile):
+            return
+        read = draft.with_choice(lists, chosen, f"readings.{one.system}")
+        base = read.with_values(one.base.given(), f"{path}.base") if one.base else read
+        other = (name for name, number in zip(lists, chosen, strict=True) if number)
+        yield replace(base, other=frozenset(other))
 
 
-def _combinations(one: SeriesFile | BoundaryFile, draft: Draft, path: str) -> Iterator[Draft]:
-    """Yield a draft for every combination of a grid."""
-    lists = one.grid.given()
-    for chosen in itertools.product(*(enumerate(values) for values in lists.values())):
-        places = dict(zip(lists, chosen, strict=True))
-        yield Draft(
-            draft.values | {name: value for name, (_, value) in places.items()},
-            draft.paths | {name: f"{path}.grid.{name}[{i}]" for name, (i, _) in places.items()},
-        )
+def _combinations(lists: dict[str, list[Any]]) -> Iterator[tuple[int, ...]]:
+    """Yield the numbers of the values for every combination of some lists, the first ones first."""
+    yield from itertools.product(*(range(len(values)) for values in lists.values()))
 
 
 def finished(one: SeriesFile | BoundaryFile, draft: Draft, path: str, source: str) -> Parameters:
