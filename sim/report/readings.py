@@ -22,9 +22,10 @@ def reading_tables(claims: Sequence[Mapping[str, Any]], results: Results) -> lis
     list of dict
         ``paper``, ``why`` the headline reading is that; ``readings``, each with its ``words``, the
         ``sentences`` that leave it open or why it is a ``control``, how many claims ``hold`` of
-        those ``tested``, how many runs of the published protocol are ``sound`` of all, the worst
-        ledger of these (``missing``); and ``rows``, claims that more than one reading tests, with
-        the verdict under each.
+        those ``tested``; of the points with a run of the published protocol (``points``) how many
+        have a time step within the integrator's stability (``stable``) and close their ledger
+        (``sound``), the worst ledger of these (``missing``); and ``rows``, claims that more than
+        one reading tests, with the verdict under each.
     """
     tables = []
     for paper, system in SYSTEM.items():
@@ -61,20 +62,27 @@ def _reading(
         "control": declared.is_control(values),
         "hold": sum(verdict.startswith("reproduced") for verdict in verdicts),
         "tested": sum(verdict != "untestable" for verdict in verdicts),
-        **_ledger(results.dataset, system, values),
+        **_step(results.dataset, system, values),
     }
 
 
-def _ledger(dataset: xr.Dataset, system: str, values: Mapping[str, Any]) -> dict[str, Any]:
-    """Return how many points close their ledger with the published step, and the worst share."""
-    usual = SYSTEMS[system]()
+def _step(dataset: xr.Dataset, system: str, values: Mapping[str, Any]) -> dict[str, Any]:
+    """Return whether the published step bears a reading, by theory and by the energy of runs."""
+    model = SYSTEMS[system]
+    usual = model()
     chosen = (dataset["system"] == system) & (dataset["protocol"] == "published")
-    for name in parameters_of(SYSTEMS[system]):
+    for name in parameters_of(model):
         chosen = chosen & (dataset[name] == values.get(name, getattr(usual, name)))
-    missing = np.abs(dataset["missing_energy"].values[np.flatnonzero(chosen)])
-    worst = np.array([np.nanmax(row) for row in missing if np.isfinite(row).any()])
+    points = dataset.isel(point=np.flatnonzero(chosen))
+    missing = np.abs(points["missing_energy"].values)
+    known = np.isfinite(missing).any(axis=1)
+    worst = np.nanmax(missing[known], axis=1)
+    names = model.model_fields
+    rows = zip(*(points[name].values[known].tolist() for name in names), strict=True)
+    run = [model.model_construct(**dict(zip(names, row, strict=True))) for row in rows]
     return {
-        "points": int(worst.size),
+        "points": len(run),
+        "stable": sum(one.is_stable for one in run),
         "sound": int((worst <= UNSOUND).sum()),
-        "missing": float(worst.max()) if worst.size else float("nan"),
+        "missing": float(worst.max(initial=0)) if run else float("nan"),
     }
