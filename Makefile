@@ -27,7 +27,7 @@ $(STAMP): requirements.lock
 figures: setup  ## the quick study: figures and report into results/quick
 	$(BIN)/snakemake --cores $(CORES)
 
-paper: $(PAPERS:%=paper-%)  ## both papers in full, published into results/published (an hour or two)
+paper: $(PAPERS:%=paper-%)  ## both papers in full, published into results/published (hours: see config/README.md)
 
 $(PAPERS:%=paper-%): paper-%: setup
 	$(BIN)/snakemake --cores $(CORES) --configfile config/paper_$*.yaml
