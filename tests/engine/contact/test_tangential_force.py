@@ -187,3 +187,27 @@ def test_cutting_before_or_after_the_slip_is_a_matter_of_the_step_alone(exponent
         found = np.log2(errors[0] / errors[2]) / 4
         assert found == pytest.approx(order, abs=0.25) if order == 1 else found > 1.75
     assert limits[0] == pytest.approx(limits[1], rel=1e-5)
+
+
+def impulse_of(law, steps: int, reach: float) -> float:
+    """Mean friction (N) over an impact with a half sine of overlap, whose slip turns half way.
+
+    It slips, at first, by ``reach`` times the way on which a linear spring would reach the limit.
+    """
+    time = (np.arange(steps) + 0.5) / steps
+    slip = np.zeros((steps, 3))
+    slip[:, 0] = reach * limit_of(law) / law.tangential * np.cos(np.pi * time) * np.pi / steps
+    overlap = OVERLAP * np.sin(np.pi * time)
+    return contact_path(law, overlap, np.tile(Z, (steps, 1)), slip)[1][:, 0].mean()
+
+
+@pytest.mark.parametrize("cap", CAPS)
+@pytest.mark.parametrize("reach", [0.9, 9])
+def test_friction_of_an_impact_converges_with_the_step_whenever_the_limit_is_applied(cap, reach):
+    """Both readings of the limit are of first order in the step, and the same without one."""
+    law = sphere_law(friction_cap=cap)
+    exact = impulse_of(sphere_law(friction_cap="after"), 80_000, reach)
+    errors = [abs(impulse_of(law, steps, reach) / exact - 1) for steps in (40, 160, 640)]
+    assert errors[2] < 0.005
+    for coarse, fine in pairwise(errors):
+        assert coarse / fine == pytest.approx(4, abs=2)
