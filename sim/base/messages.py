@@ -19,8 +19,9 @@ _TAG = "system"
 def allowed_values(field: FieldInfo) -> str:
     """Describe the values a field accepts: ``a number in (0, 1]``, ``one of kept, clipped``."""
     extra = field.json_schema_extra
-    if isinstance(extra, dict) and "allowed" in extra:
-        return str(extra["allowed"])
+    said = extra.get("allowed") if isinstance(extra, dict) else getattr(extra, "allowed", "")
+    if said:
+        return str(said)
     if typing.get_origin(field.annotation) is typing.Literal:
         choices = typing.get_args(field.annotation)
         return "one of " + ", ".join(choices) if len(choices) > 1 else str(choices[0])

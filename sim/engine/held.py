@@ -7,10 +7,12 @@ from typing import Any
 
 import netCDF4
 
+from sim.base.errors import InputError
 from sim.base.files import is_damaged
+from sim.base.reading import reading
 from sim.base.summary import read_summary
 from sim.engine.identity import NUMERICS, numerics_of
-from sim.parameters import Parameters, amounts, covers, more, point_id
+from sim.parameters import SYSTEMS, Parameters, amounts, covers, more, parse_point, point_id
 
 
 def current_status(path: Path, parameters: Parameters) -> str:
@@ -70,6 +72,37 @@ def _told(path: Path, parameters: Parameters) -> list[dict[str, float]]:
             if is_of(attributes(file), parameters):
                 return held_amounts(file, amounts(parameters))
     return []
+
+
+def read_parameters(path: Path) -> Parameters:
+    """Return the point of a run file, with how much of it the file holds.
+
+    Raises
+    ------
+    InputError
+        When there is no such file, or it is not a run file.
+    """
+    with reading(path, "run file", replaceable=False), netCDF4.Dataset(path) as file:
+        file.set_auto_mask(False)
+        return parameters_of(file, path)
+
+
+def parameters_of(file: netCDF4.Dataset, path: Path) -> Parameters:
+    """Return the point of an open run file, from the scalar variables named like its parameters.
+
+    Raises `InputError` for a dataset, ``ValueError`` for what else is no run file.
+    """
+    if "study" in file.ncattrs():
+        raise InputError(f"{path}: the dataset of study {file.study}, not a run file")
+    if not {"point_id", "system", "status"} <= set(file.ncattrs()):
+        raise ValueError("no point in it")
+    values = {}
+    for name, field in SYSTEMS[file.getncattr("system")].model_fields.items():
+        if name in file.variables:
+            value = file.variables[name][...]
+            value = value if isinstance(value, str) else value.item()
+            values[name] = bool(value) if field.annotation is bool else value
+    return parse_point(values, path)
 
 
 def attributes(file: netCDF4.Dataset) -> dict[str, Any]:

@@ -8,7 +8,7 @@ from typing import Any, Protocol, Self
 from sim.engine.dynamics.status import BlowUp
 from sim.engine.leaves import Leaves, below, leaves, with_leaves
 from sim.engine.observe.recorder import Record, Recorder
-from sim.engine.observe.system import Samples
+from sim.engine.observe.system import Samples, System
 from sim.engine.systems import build
 from sim.parameters import Parameters, point_id
 
@@ -16,6 +16,10 @@ log = logging.getLogger("talus")
 
 #: By how much the time step is divided when a replicate that blew up is run again.
 SUBSTEPS = 2
+
+
+#: Puts the system of a replicate, by its number, into the state that it starts from.
+Origin = Callable[[System, int], None]
 
 
 class Keeper(Protocol):
@@ -92,7 +96,9 @@ class Replicate:
         made.recorder.restore(state)
         return made
 
-    def run(self, advanced: Callable[[int], None], keeper: Keeper) -> Record:
+    def run(
+        self, advanced: Callable[[int], None], keeper: Keeper, origin: Origin | None = None
+    ) -> Record:
         """Run to the end, or to the second blow-up.
 
         Parameters
@@ -101,30 +107,37 @@ class Replicate:
             Is told of every number of steps, as the point counts them, that is done.
         keeper : Keeper
             Is shown this replicate whenever its state may be kept.
+        origin : callable, optional
+            Puts the system into the state that it starts from; else it starts as in the paper.
         """
-        if not self._failed:
-            failure = self._attempt(advanced, keeper)
+        if not self.has_failed:
+            failure = self._attempt(advanced, keeper, origin)
             if failure and self.substeps == 1:
                 name = point_id(self.parameters)
                 log.warning("%s: %s; again with half the time step", name, failure)
                 self._looped = self.loop_time
                 self._start(SUBSTEPS)
-                failure = self._attempt(advanced, keeper)
+                failure = self._attempt(advanced, keeper, origin)
             if failure:
                 keeper.keep(self)
         return self._record()
 
     @property
-    def _failed(self) -> bool:
+    def has_failed(self) -> bool:
         """Whether it has blown up with half the time step, too."""
         return len(self.failures) > 1
 
-    def _attempt(self, advanced: Callable[[int], None], keeper: Keeper) -> str:
+    def _attempt(
+        self, advanced: Callable[[int], None], keeper: Keeper, origin: Origin | None
+    ) -> str:
         """Run to the end or to a blow-up; return its reason."""
         recorder = self.recorder
         try:
             if not recorder.snapshots:
-                self.system.settle()
+                if origin:
+                    origin(self.system, self.number)
+                else:
+                    self.system.settle()
                 recorder.take_snapshot()
                 keeper.offer(self)
             while not recorder.stopped:
@@ -151,7 +164,7 @@ class Replicate:
         if not recorder.snapshots:
             recorder.take_snapshot()
         recorder.take_snapshot()
-        reason = "; with half the time step: ".join(self.failures) if self._failed else ""
+        reason = "; with half the time step: ".join(self.failures) if self.has_failed else ""
         record = recorder.finish(reason)
         record.scalars |= {
             "steps": recorder.taken * p.sample_steps * self.substeps,

@@ -18,6 +18,7 @@ from sim.engine.identity import NUMERICS, library_versions, source_hash
 from sim.engine.observe.recorder import Record
 from sim.engine.observe.run_file import Layout, Stage, write
 from sim.engine.observe.system import System
+from sim.engine.origin import origin_of
 from sim.engine.progress import length, progress
 from sim.engine.replicate import Replicate
 from sim.engine.stages import read_stages
@@ -83,11 +84,12 @@ def _compute(parameters: Parameters, output: Path, quiet: bool) -> str:
     known = [states.samples(number) for number in left if number in states]
     if held or known:
         log.info("%s: %s", output, "grows" if held else "continued from a checkpoint")
+    origin = origin_of(parameters, output)
     done = len(records) * parameters.steps + sum(known) * parameters.sample_steps
     with states, progress(parameters, output, quiet, done) as advanced:
         for number in left:
             replicate = states.replicate(parameters, number) or Replicate(parameters, number)
-            records.append(replicate.run(advanced, states))
+            records.append(replicate.run(advanced, states, origin))
     # They shall know at least as much as the run file.
     states.save()
     stages = [Stage(parameters, records), *(held[1:] if same else held)]

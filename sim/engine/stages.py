@@ -1,4 +1,4 @@
-"""The records that a run file holds, for the run to go on from them."""
+"""The records that a run file holds, for a run to go on from them."""
 
 from collections.abc import Mapping
 from contextlib import suppress

@@ -7,6 +7,7 @@ from sim.parameters.common import Parameters, canonical_number
 from sim.parameters.points import (
     AMOUNTS,
     NUMERICAL,
+    RUN_FILE,
     SYSTEMS,
     FieldRow,
     as_yaml,
@@ -18,12 +19,14 @@ from sim.parameters.points import (
     load_point,
     parse_point,
     point_id,
+    require_alike,
     unsaid,
 )
 
 __all__ = [
     "AMOUNTS",
     "NUMERICAL",
+    "RUN_FILE",
     "SYSTEMS",
     "BeltParameters",
     "ChuteParameters",
@@ -42,5 +45,6 @@ __all__ = [
     "more",
     "parse_point",
     "point_id",
+    "require_alike",
     "unsaid",
 ]

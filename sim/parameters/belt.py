@@ -53,6 +53,10 @@ class BeltParameters(Parameters):
     sampling_key: ClassVar[str] = "samples_per_cycle"
     boundaries: ClassVar[tuple[str, ...]] = ("flow", "transport")
     smallest: ClassVar[dict[str, Any]] = {"beads": 2, "settle_velocity_squared": 1e6}
+    kept: ClassVar[tuple[str, ...]] = (
+        *("seed", "beads", "width", "diameter", "diameter_spread", "mass", "obstacle", "phase"),
+        *("belt_ghost", "integrator", "corrector_order"),
+    )
 
     system: Literal["belt"] = declare("belt", description="which of the two systems")
     frequency: Real = declare(

@@ -33,6 +33,11 @@ class ChuteParameters(Parameters):
     sampling_key: ClassVar[str] = "sample_interval"
     boundaries: ClassVar[tuple[str, ...]] = ("flow", "acceleration")
     smallest: ClassVar[dict[str, Any]] = {"depth": 0.2, "cell": 5}
+    kept: ClassVar[tuple[str, ...]] = (
+        *("seed", "depth", "cell", "diameter", "diameter_spread", "mass", "bumps", "bump_coverage"),
+        *("restitution", "stiffness", "law", "tangential_ratio", "tangential_exponent"),
+        *("overlap_memory", "initial_packing", "orientations", "threads"),
+    )
 
     system: Literal["chute"] = declare("chute", description="which of the two systems")
     depth: Real = declare(

@@ -67,6 +67,8 @@ class Parameters(BaseModel):
         What may change at a boundary between its regimes.
     smallest : dict
         Values that make a run as small and short as may be.
+    kept : tuple of str
+        What a flow cannot change on its way: it shares them with the run that it starts from.
     """
 
     model_config = ConfigDict(
@@ -79,6 +81,7 @@ class Parameters(BaseModel):
     sampling_key: ClassVar[str]
     boundaries: ClassVar[tuple[str, ...]]
     smallest: ClassVar[dict[str, Any]]
+    kept: ClassVar[tuple[str, ...]]
 
     if TYPE_CHECKING:
         # What every concrete system adds; each declares its own ranges, defaults and meanings.
@@ -124,6 +127,18 @@ class Parameters(BaseModel):
         role="amount",
         ge=1,
         le=1000,
+    )
+
+    start_from: str = declare(
+        "",
+        description="run from whose final states the replicates start: the id of a point of the "
+        "same study, or a run file (*.nc); omitted, they start as in the paper",
+        role="numerics",
+        changes_start=True,
+        added=True,
+        allowed="the id of a point of the study, or a run file (*.nc)",
+        pattern=r"^(|(chute|belt)-[\w.-]+-[0-9a-f]{8}|[^\x00-\x1f\x7f]+\.nc)$",
+        max_length=1000,
     )
 
     # No amount: names of points and curves tell a flow under one protocol from that under another.

@@ -19,6 +19,9 @@ from sim.parameters.roles import Declaration, added, amounts, declarations, id_p
 
 SYSTEMS: dict[str, type[Parameters]] = {"chute": ChuteParameters, "belt": BeltParameters}
 
+#: How the name of a run file ends.
+RUN_FILE = ".nc"
+
 #: Longest readable part of a name; file systems take 255 bytes for the whole file name.
 _ID_LENGTH = 160
 
@@ -135,16 +138,44 @@ def unsaid(system: str) -> dict[str, Any]:
     return {name: model.model_fields[name].default for name in added(model)}
 
 
+def require_alike(parameters: Parameters, source: Parameters, where: str) -> None:
+    """Refuse a point that a flow cannot turn into on its way.
+
+    Parameters
+    ----------
+    parameters, source : Parameters
+        The point, and the one that it starts from.
+    where : str
+        The file or the point that is to be named.
+
+    Raises
+    ------
+    InputError
+        When the two have other particles, laws with another memory, or the latter too few
+        replicates.
+    """
+    allowed = ""
+    if source.system != parameters.system:
+        allowed = f"a run of the {parameters.system}"
+    elif source.replicates < parameters.replicates:
+        allowed = f"a run of {parameters.replicates} replicates or more, as of the point itself"
+    else:
+        for name in parameters.kept:
+            if getattr(source, name) != (own := getattr(parameters, name)):
+                allowed = f"a run with {name} = {own}, as of the point itself"
+    if allowed:
+        raise InputError.of_value(where, "start_from", parameters.start_from, allowed)
+
+
 @dataclass(frozen=True)
 class FieldRow(Declaration):
     """One parameter, ready for documentation and file attributes.
 
-    ``default`` is ``None`` when it depends on other parameters.
+    ``allowed`` is said of all; ``default`` is ``None`` when it depends on other parameters.
     """
 
     name: str
     description: str
-    allowed: str
     default: Any
 
 
@@ -159,9 +190,8 @@ def field_info(model: type[Parameters] | Parameters) -> dict[str, FieldRow]:
         name: FieldRow(
             name=name,
             description=field.description or "",
-            allowed=allowed_values(field),
             default=None if field.default_factory else field.default,
-            **vars(declared[name]),
+            **vars(declared[name]) | {"allowed": allowed_values(field)},
         )
         for name, field in model.model_fields.items()
     }

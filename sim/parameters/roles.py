@@ -32,6 +32,7 @@ class Declaration:
     compiled: bool
     changes_start: bool
     added: bool
+    allowed: str
 
     def __call__(self, schema: dict[str, Any]) -> None:
         """Add symbol, unit, scale and equation to the JSON schema of the parameter."""
@@ -57,6 +58,7 @@ def declare(
     compiled: bool = False,
     changes_start: bool = False,
     added: bool = False,
+    allowed: str = "",
     **options: Any,
 ) -> Any:
     """Declare one parameter.
@@ -90,11 +92,13 @@ def declare(
     added : bool
         Whether there are points from before it: where it has its default, their canonical form, id
         and run file know nothing of it, and neither do those of new points.
+    allowed : str
+        What is allowed, in words, where type and range do not say it.
     **options
         Ranges and defaults as pydantic's ``Field`` takes them.
     """
     declaration = Declaration(
-        symbol, unit, scale, equation, role, id_part, compiled, changes_start, added
+        symbol, unit, scale, equation, role, id_part, compiled, changes_start, added, allowed
     )
     if "default_factory" not in options:
         options["default"] = default

@@ -4,12 +4,11 @@ import json
 from pathlib import Path
 
 import netCDF4
-import numpy as np
 
-from sim.base.errors import InputError
 from sim.base.reading import reading
+from sim.engine.held import parameters_of
 from sim.engine.observe.scalars import SCALARS
-from sim.parameters import SYSTEMS, Parameters, as_yaml, complete, field_info, parse_point
+from sim.parameters import Parameters, as_yaml, complete, field_info
 
 _PER_REPLICATE = tuple(name for name in SCALARS if name != "replicate_seed")
 _PROVENANCE = (
@@ -41,25 +40,8 @@ def describe(path: str | Path, as_point: bool = False) -> str:
     path = Path(path)
     with reading(path, "run file", replaceable=False), netCDF4.Dataset(path) as file:
         file.set_auto_mask(False)
-        if "study" in file.ncattrs():
-            raise InputError(f"{path}: the dataset of study {file.study}, not a run file")
-        if not {"point_id", "system", "status"} <= set(file.ncattrs()):
-            raise ValueError("no point in it")
-        parameters = _parameters(file, path)
+        parameters = parameters_of(file, path)
         return as_yaml(parameters).rstrip() if as_point else _summary(file, parameters)
-
-
-def _parameters(file: netCDF4.Dataset, path: Path) -> Parameters:
-    """Read the point back from the scalar variables named like its parameters."""
-    model = SYSTEMS[file.getncattr("system")]
-    values = {}
-    for name, field in model.model_fields.items():
-        if name not in file.variables:
-            continue
-        value = file.variables[name][...]
-        value = value if isinstance(value, str) else np.asarray(value).item()
-        values[name] = bool(value) if field.annotation is bool else value
-    return parse_point(values, path)
 
 
 def _summary(file: netCDF4.Dataset, parameters: Parameters) -> str:

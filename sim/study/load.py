@@ -7,6 +7,7 @@ from typing import Any
 from sim.base.errors import InputError
 from sim.base.files import require_writable
 from sim.base.yaml import read_yaml
+from sim.parameters import RUN_FILE, require_alike
 from sim.study.bought import read_bought, with_bought
 from sim.study.cost import Estimate, estimate
 from sim.study.figure_points import points_of_figures
@@ -61,6 +62,7 @@ def parse_study(mapping: Any, path: str | Path, results: str | Path | None = "re
     if len(study.points) > MAX_POINTS:
         allowed = f"at most {MAX_POINTS:,} points in the study"
         raise InputError.of_value(source, "parts", f"{len(study.points):,} points", allowed)
+    _require_starts(study, source)
     figures = points_of_figures(file, study.points.values(), fed, source)
     if results is not None:
         require_writable(Path(results) / file.study, f"{source}: study")
@@ -68,6 +70,17 @@ def parse_study(mapping: Any, path: str | Path, results: str | Path | None = "re
     if file.decide and results is not None:
         points = with_bought(points, read_bought(Path(results) / file.study))
     return replace(study, points=points, figures=figures, decide=file.decide)
+
+
+def _require_starts(study: Study, source: str) -> None:
+    """Refuse a point that starts from what is none of the study's points, nor a run file."""
+    for point in study.points.values():
+        start = point.parameters.start_from
+        if start in study.points:
+            require_alike(point.parameters, study.points[start].parameters, source)
+        elif start and not (start.endswith(RUN_FILE) and Path(start).is_file()):
+            allowed = "the id of a point of the study, or a run file (*.nc) that is there"
+            raise InputError.of_value(source, "start_from", start, allowed)
 
 
 def _part(path: Path, source: str, index: int) -> Any:

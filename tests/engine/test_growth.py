@@ -47,12 +47,12 @@ class Counted:
         self.samples = 0
         advanced = Replicate.run
 
-        def run(replicate, told, keeper):
+        def run(replicate, told, keeper, origin):
             def counting(steps):
                 self.samples += steps // replicate.parameters.sample_steps
                 told(steps)
 
-            return advanced(replicate, counting, keeper)
+            return advanced(replicate, counting, keeper, origin)
 
         monkeypatch.setattr(Replicate, "run", run)
 

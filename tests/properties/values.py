@@ -66,6 +66,8 @@ def allowed(field: FieldInfo) -> st.SearchStrategy:
         return st.sampled_from(typing.get_args(field.annotation))
     if field.annotation is bool:
         return st.booleans()
+    if field.annotation is str:
+        return st.sampled_from(["", "run.nc", "../ä b.nc", "belt-frequency20-00000000"])
     low, high, open_end = 0, None, False
     for bound in field.metadata:
         match bound:

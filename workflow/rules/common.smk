@@ -19,7 +19,7 @@ from sim.base.errors import InputError
 from sim.base.files import replacing
 from sim.base.rooms import files_hash, room_hash
 from sim.study.catalogue import FIGURES
-from sim.parameters import amounts, canonical_json
+from sim.parameters import RUN_FILE, amounts, canonical_json
 from sim.engine.held import holds, is_to_grow, planned_amounts
 from sim.engine.identity import numerics_mark
 from sim.dataset.rounds import read_round
@@ -80,6 +80,12 @@ def cores_here():
     return workflow.resource_settings.cores if workflow.is_main_process else None
 
 
+def origin_file(point):
+    """Return the run file that a point starts from, as a list, which is empty for most."""
+    start = parameters(point).start_from
+    return [start if start.endswith(RUN_FILE) else run_file(start)] if start else []
+
+
 def in_json(points):
     """Return the parameters of points as a JSON list."""
     return f"[{','.join(canonical_json(parameters(point)) for point in points)}]"
@@ -109,14 +115,15 @@ def is_wanted(point):
 def planned_batches():
     """Return the batches of short points that are to be run, or run on.
 
-    Those of a batch are wanted in equal amounts, which are a parameter of the rule. Jobs that start
-    a Snakemake of their own, as on a cluster, have the batches of the one that planned.
+    Those of a batch are wanted in equal amounts, which are a parameter of the rule, and start from
+    no other's end. Jobs that start a Snakemake of their own, as on a cluster, have the batches of the one that planned.
     """
     if not workflow.is_main_process:
         return json.loads(PLANNED.read_text(encoding="utf-8"))
     alike = defaultdict(dict)
     for point in filter(is_wanted, STUDY.points):
-        alike[amount(point)][point] = parameters(point)
+        if not origin_file(point):
+            alike[amount(point)][point] = parameters(point)
     return {
         name: each
         for points in alike.values()

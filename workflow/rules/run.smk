@@ -42,6 +42,7 @@ rule run:
     input:
         rules.warm.output,
         START,
+        lambda wildcards: origin_file(wildcards.point),
     output:
         update(run_file("{point}")),
     log:

@@ -1,7 +1,7 @@
 """What the recorder needs of a system."""
 
 from collections.abc import Mapping, Sequence
-from typing import NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
@@ -56,6 +56,12 @@ class System(Protocol):
 
     def settle(self) -> None:
         """Bring the initial state to rest where the paper does; raise ``BlowUp`` when it fails."""
+
+    def take_over(self, other: Any) -> None:
+        """Start from the state of another such system with the same particles, instead.
+
+        Raises ``ValueError``, which says why, where that state is none to start from.
+        """
 
     def sample(self, most: int = 1, profiles: bool = False) -> Samples:
         """Advance by at least one and at most so many samples and return what they say.

@@ -129,6 +129,13 @@ class Belt:
         self.disks.taylor[1, 0] += p.initial_velocity * p.velocity_unit * self.time_step
         self.loop = shaking.make_shaking()
 
+    def take_over(self, other: "Belt") -> None:
+        """Go on with the beads of another bed, the belt in its initial phase."""
+        if other.loop.step[0] % other.steps_per_cycle:
+            raise ValueError("that bed has been shaken for no whole number of cycles")
+        self.disks, self.pairs, self.search = other.disks, other.pairs, other.search
+        restarted(self.disks.taylor, other.time_step, self.time_step)
+
     def _shake_before(self, step: float) -> float:
         """Shake at the prior frequency for whole cycles; return the time step used."""
         p = self.parameters

@@ -132,6 +132,11 @@ class Chute:
     def settle(self) -> None:
         """Do nothing: the paper's flow starts from its initial state."""
 
+    def take_over(self, other: "Chute") -> None:
+        """Go on with the spheres of another flow, and with what their contacts remember."""
+        for name in ("spheres", "pairs", "plane", "memory", "scratch", "flow"):
+            setattr(self, name, getattr(other, name))
+
     def sample(self, most: int = 1, profiles: bool = False) -> Samples:
         """Advance by at least one and at most so many samples and return what they say."""
         count, states = min(most, self._most), []
