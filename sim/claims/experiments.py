@@ -15,7 +15,7 @@ from typing import Any
 from sim.base.files import is_damaged, replacing, seal
 from sim.claims.table import Claim
 from sim.claims.verdict import Check
-from sim.engine.compile import cache_directory
+from sim.engine.cache import cache_directory
 from sim.engine.identity import library_versions, source_hash
 
 log = logging.getLogger("talus")

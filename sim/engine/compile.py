@@ -5,31 +5,14 @@ of an imported contact law would replay old code. Here the cache folder carries 
 kernels' sources instead: any edit starts a new folder.
 """
 
+import logging
 import os
 import sys
-import tempfile
-from functools import partial
-from pathlib import Path
+from functools import partial, wraps
 
-from sim.engine.identity import COMPILED, source_hash
+from sim.engine.cache import cache_directory
 
-
-def cache_directory() -> Path:
-    """Return the folder of compiled code for the present sources.
-
-    ``TALUS_CACHE_DIR`` overrides the default ``~/.cache/talus`` (``XDG_CACHE_HOME`` is honoured);
-    where neither can be written, the system's temporary folder serves.
-    """
-    base = os.environ.get("TALUS_CACHE_DIR")
-    if not base:
-        base = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "talus"
-    path = Path(base) / source_hash(COMPILED)
-    try:
-        path.mkdir(parents=True, exist_ok=True)
-    except OSError:
-        path = Path(tempfile.gettempdir()) / f"talus-{os.getuid()}" / path.name
-        path.mkdir(parents=True, exist_ok=True)
-    return path
+log = logging.getLogger("talus")
 
 
 os.environ["NUMBA_CACHE_DIR"] = str(cache_directory())
@@ -38,6 +21,7 @@ import numba  # noqa: E402  (the cache folder must be named before numba is impo
 import numpy as np  # noqa: E402
 from llvmlite import ir  # noqa: E402
 from numba import types  # noqa: E402
+from numba.core.caching import IndexDataCacheFile  # noqa: E402
 from numba.extending import intrinsic, overload, register_jitable  # noqa: E402
 
 # Whoever has imported numba before has made it read its settings before.
@@ -50,6 +34,25 @@ if "scipy.linalg" not in sys.modules:
     import numba.np.arraymath
 
     del sys.modules["scipy.linalg"]
+
+
+def _if_possible(save):
+    """Return numba's function that keeps compiled code, for which no run shall fail."""
+
+    @wraps(save)
+    def saved(*arguments):
+        try:
+            save(*arguments)
+        except OSError as error:
+            if not saved.failed:
+                log.warning("compiled code is not kept: %s", error.strerror or error)
+            saved.failed = True
+
+    saved.failed = False
+    return saved
+
+
+IndexDataCacheFile.save = _if_possible(IndexDataCacheFile.save)
 
 #: Reordering of sums and fused multiply-add are allowed; ``nnan`` and ``ninf`` are left out because
 #: the blow-up checks need honest comparisons with not-a-number.

@@ -6,7 +6,6 @@ import sys
 
 import pytest
 
-from sim.engine import compile as engine
 from sim.engine.identity import COMPILED, ENGINE, PACKAGE, source_files, source_hash
 from tests.made.processes import ROOT
 
@@ -78,19 +77,3 @@ def test_hash_changes_with_any_file_of_its_parts_and_with_no_other(parts, tmp_pa
         assert source_hash(parts) != before, path
         path.write_text(text)
     assert source_hash(parts) == before
-
-
-def test_cache_folder_follows_the_environment(tmp_path, monkeypatch):
-    monkeypatch.setenv("TALUS_CACHE_DIR", str(tmp_path / "mine"))
-    assert engine.cache_directory() == tmp_path / "mine" / source_hash(COMPILED)
-    monkeypatch.delenv("TALUS_CACHE_DIR")
-    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "shared"))
-    assert engine.cache_directory() == tmp_path / "shared" / "talus" / source_hash(COMPILED)
-
-
-def test_a_cache_that_cannot_be_written_is_replaced_by_a_temporary_one(tmp_path, monkeypatch):
-    (tmp_path / "file").write_text("in the way")
-    monkeypatch.setenv("TALUS_CACHE_DIR", str(tmp_path / "file"))
-    monkeypatch.setattr("tempfile.tempdir", str(tmp_path / "temporary"))
-    found = engine.cache_directory()
-    assert found.is_dir() and found.is_relative_to(tmp_path / "temporary")

@@ -1,0 +1,99 @@
+"""The folder of compiled code: its own, whoever else can write where it is looked for."""
+
+import os
+import stat
+from pathlib import Path
+
+import pytest
+
+from sim.base.errors import InputError
+from sim.engine import cache
+from sim.engine import compile as engine
+from sim.engine.identity import COMPILED, source_hash
+
+NAME = source_hash(COMPILED)
+
+
+@pytest.fixture(autouse=True)
+def temporary(tmp_path, monkeypatch) -> Path:
+    """The system's folder of temporary files; nothing is named and there is no home."""
+    folder = tmp_path / "temporary"
+    folder.mkdir()
+    monkeypatch.setattr("tempfile.tempdir", str(folder))
+    for name in ("TALUS_CACHE_DIR", "XDG_CACHE_HOME"):
+        monkeypatch.delenv(name, raising=False)
+
+    def unknown():
+        raise RuntimeError("Could not determine home directory.")
+
+    monkeypatch.setattr(Path, "home", unknown)
+    cache._temporary.cache_clear()
+    yield folder
+    cache._temporary.cache_clear()
+
+
+def test_it_follows_the_environment(tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "shared"))
+    assert cache.cache_directory() == tmp_path / "shared" / "talus" / NAME
+    monkeypatch.setenv("TALUS_CACHE_DIR", str(tmp_path / "mine"))
+    found = cache.cache_directory()
+    assert found == tmp_path / "mine" / NAME
+    assert stat.S_IMODE(found.stat().st_mode) == 0o700
+
+
+def test_without_a_home_it_is_a_temporary_one_of_the_user_and_said_once(temporary, caplog):
+    found = {cache.cache_directory() for _ in range(3)}
+    assert found == {temporary / f"talus-{os.geteuid()}" / NAME}
+    assert len(caplog.messages) == 1 and str(*found) in caplog.text
+
+
+def planted(folder: Path, how: str, monkeypatch) -> None:
+    """Make a folder as somebody else would, before it is looked for."""
+    if how == "link":
+        (folder.parent / "elsewhere").mkdir()
+        folder.symlink_to(folder.parent / "elsewhere")
+    elif how == "file":
+        folder.write_text("in the way")
+    else:
+        folder.mkdir()
+        folder.chmod(0o777 if how == "open" else 0o700)
+    if how == "other":
+        owner = os.geteuid()
+        monkeypatch.setattr(os, "geteuid", lambda: owner + 1)
+
+
+@pytest.mark.parametrize("how", ["link", "file", "open", "other"])
+def test_a_folder_that_others_have_planted_is_not_used(how, temporary, monkeypatch):
+    owner = os.geteuid() + (how == "other")
+    predictable = temporary / f"talus-{owner}"
+    planted(predictable, how, monkeypatch)
+    found = cache.cache_directory()
+    assert found.parent == temporary and found != predictable
+    assert stat.S_IMODE(found.stat().st_mode) == 0o700
+
+
+@pytest.mark.parametrize(
+    ("how", "message"),
+    [("link", "is a link"), ("open", "others can write"), ("other", "belongs to user")],
+)
+def test_a_folder_that_is_named_and_not_ones_own_is_refused(how, message, tmp_path, monkeypatch):
+    planted(tmp_path / NAME, how, monkeypatch)
+    monkeypatch.setenv("TALUS_CACHE_DIR", str(tmp_path))
+    with pytest.raises(InputError, match=rf"environment: TALUS_CACHE_DIR: .*{message}.*allowed: "):
+        cache.cache_directory()
+
+
+def test_one_that_cannot_be_written_is_replaced(tmp_path, temporary, monkeypatch):
+    (tmp_path / "file").write_text("in the way")
+    monkeypatch.setenv("TALUS_CACHE_DIR", str(tmp_path / "file"))
+    assert cache.cache_directory().is_relative_to(temporary)
+
+
+def test_a_full_disk_keeps_no_code_and_stops_no_run(caplog):
+    def save():
+        raise OSError(28, "No space left on device")
+
+    keep = engine._if_possible(save)
+    keep()
+    keep()
+    assert caplog.messages == ["compiled code is not kept: No space left on device"]
