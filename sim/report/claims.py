@@ -64,7 +64,9 @@ def judged_by_runs(claims: Iterable[Mapping[str, Any]]) -> bool:
 
 
 def claim_rows(
-    claims: Iterable[Mapping[str, Any]], numbers: Mapping[str, int], drawn: Iterable[str]
+    claims: Iterable[Mapping[str, Any]],
+    runs: Iterable[Mapping[str, Any]],
+    drawn: Iterable[str],
 ) -> list[dict[str, Any]]:
     """Return one row per claim with all that its evidence needs to be shown.
 
@@ -72,12 +74,14 @@ def claim_rows(
     ----------
     claims : iterable of mapping
         Claims, as `read_claims` returns them.
-    numbers : mapping of str to int
-        Number of each point in the table of runs.
+    runs : iterable of mapping
+        The table of runs, as `sim.report.runs.run_rows` returns it.
     drawn : iterable of str
         Names of the figures in the report.
     """
     drawn = set(drawn)
+    rows = {run["point"]: run for run in runs}
+    numbers = {point: run["number"] for point, run in rows.items()}
     return [
         {
             **claim,
@@ -97,9 +101,20 @@ def claim_rows(
                 for one in claim["by_number"]
             ],
             "variants": [_variant(one, claim, numbers) for one in claim["variants"]],
+            "cost": _cost(claim, rows),
         }
         for claim in claims
     ]
+
+
+def _cost(
+    claim: Mapping[str, Any], runs: Mapping[str, Mapping[str, Any]]
+) -> dict[str, float] | None:
+    """Return how many points the checks under the headline reading rest on, and their core time."""
+    usual = [one for one in claim["variants"] if one["reading"] == claim["headline"]]
+    points = {point for one in usual for check in one["checks"] for point in check["points"]}
+    known = [runs[point]["wall_time"] for point in points if point in runs]
+    return {"points": len(known), "seconds": float(sum(known))} if known else None
 
 
 def _variant(

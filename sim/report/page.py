@@ -90,7 +90,7 @@ def render(
     dataset = results.dataset
     caveats = Counter(str(text) for text in dataset["caveat"].values if text).most_common()
     runs = run_rows(dataset, [text for text, _ in caveats])
-    rows = claim_rows(claims, {run["point"]: run["number"] for run in runs}, study.figures)
+    rows = claim_rows(claims, runs, study.figures)
     entries = figure_entries(study.figures, figures, rows, address)
     return environment.get_template("report.html.j2").render(
         study=study,

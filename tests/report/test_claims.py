@@ -14,7 +14,8 @@ POINTS = [f"chute-{DEPTH}-1", f"belt-{FREQUENCY}-2"]
 @pytest.fixture
 def rows():
     claims = as_mapping(made_claims(POINTS), "made")["claims"]
-    return {row["id"]: row for row in claim_rows(claims, {POINTS[0]: 7}, ["walton_2"])}
+    runs = [{"point": POINTS[0], "number": 7, "wall_time": 90.0}]
+    return {row["id"]: row for row in claim_rows(claims, runs, ["walton_2"])}
 
 
 def test_every_verdict_has_a_sign():
@@ -48,6 +49,11 @@ def test_checks_lead_to_the_runs_of_the_study(rows):
     (check,) = rows["W9"]["variants"][0]["checks"]
     assert check["runs"] == [(POINTS[0], 7)]
     assert rows["G3"]["variants"][0]["checks"][0]["runs"] == [(POINTS[1], None), (POINTS[0], 7)]
+
+
+def test_the_cost_of_a_verdict_is_that_of_the_points_it_rests_on(rows):
+    assert rows["W9"]["cost"] == {"points": 1, "seconds": 90.0}
+    assert rows["W21"]["cost"] is None or rows["W21"]["cost"]["points"] == 1
 
 
 def test_the_evidence_holds_the_first_verdict_and_what_would_decide(rows):
