@@ -84,11 +84,17 @@ def test_a_blow_up_is_retried_in_one_point_of_each_system_and_final_in_another(t
         assert (list(held["status"]) == ["failed"]) == (name in FAILING)
 
 
+#: What takes a second run; tests/engine/test_origin.py compares bits.
+OF_TWO_RUNS = {"start_from"}
+
+
 @pytest.mark.parametrize("system", SYSTEMS)
 def test_every_option_and_two_values_of_every_number_occur(system):
     taken = [complete(point) for point in POINTS.values() if point.system == system]
     for name, field in SYSTEMS[system].model_fields.items():
         values = {point[name] for point in taken}
+        if name in OF_TWO_RUNS:
+            continue
         if get_origin(field.annotation) is Literal:
             assert values == set(get_args(field.annotation)), name
         else:
