@@ -14,7 +14,7 @@ import numpy as np
 import xarray as xr
 
 from sim.claims.checks import below, withheld, within
-from sim.claims.chute import acceleration, of_settled, speed, still_changing
+from sim.claims.chute import acceleration, of_settled, still_changing
 from sim.claims.inference import outranks, share_above, trend
 from sim.claims.place import Place, quotient
 from sim.claims.verdict import NOT_REPRODUCED, REPRODUCED, Check, together
@@ -126,14 +126,14 @@ Statement = Callable[[np.random.Generator, Kind, float, int], Check]
 def _slower(rng: np.random.Generator, kind: Kind, apart: float, replicates: int) -> Check:
     """A flow is slower than another; ``apart`` is by how much, relative to it."""
     one, other = places(rng, kind, [SPEED * (1 - apart), SPEED], replicates)
-    check = below("V over V", quotient(speed(one), speed(other)), 1, (one, other))
+    check = below("V over V", quotient(one.velocity, other.velocity), 1, (one, other))
     return of_settled([check], (one, other))[0]
 
 
 def _equal(rng: np.random.Generator, kind: Kind, apart: float, replicates: int) -> Check:
     """Two flows are equally fast within a margin; ``apart`` is how far within."""
     one, other = places(rng, kind, [SPEED * (1 + MARGIN - apart), SPEED], replicates)
-    ratio = quotient(speed(one), speed(other))
+    ratio = quotient(one.velocity, other.velocity)
     check = within("V over V", ratio, 1 - MARGIN, 1 + MARGIN, (one, other))
     return of_settled([check], (one, other))[0]
 

@@ -2,13 +2,13 @@
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
-from math import hypot, inf, isfinite, radians, sin
+from math import inf, radians, sin
 
 from uncertainties import UFloat
 
 from sim.claims.evidence import Evidence
-from sim.claims.place import Place, measured
-from sim.claims.verdict import SIGMAS, Check, Untestable
+from sim.claims.place import Place
+from sim.claims.verdict import Check, Untestable
 
 #: Largest change of the velocity over the window, relative to it, of a flow that has settled.
 DRIFT = 0.1
@@ -52,19 +52,6 @@ def steady(evidence: Evidence) -> dict[float, Place]:
     return found
 
 
-def speed(place: Place) -> UFloat:
-    """Return the mean velocity (m/s), in its interval also a drift over the window that is sure.
-
-    The noise of slopes is none of the mean's. What the velocity changes beyond that noise all
-    replicates share, so it does not average out over them.
-    """
-    velocity, change = place.velocity, place.change
-    drift = max(0.0, abs(change.nominal_value) - SIGMAS * change.std_dev)
-    if not isfinite(drift):
-        return velocity
-    return measured(velocity.nominal_value, hypot(SIGMAS * velocity.std_dev, drift))
-
-
 def is_flowing(place: Place) -> bool:
     """Return whether a flow moves."""
     return place.regime not in ("arrested", "failed")
@@ -88,7 +75,7 @@ def unsettled(place: Place) -> str:
 
 
 def still_changing(place: Place) -> str:
-    """Return why a flow cannot be ranked yet: it rests, or surely changes by more than 10 %.
+    """Return why a flow cannot be ranked yet: it rests, or its mean slope changes V by 10 %.
 
     Ranks need no steady mean, so flows in several states count.
     """
@@ -97,18 +84,19 @@ def still_changing(place: Place) -> str:
         return f"the flow at {at} does not move"
     if place.regime == "accelerating":
         return f"the flow at {at} accelerates"
-    change = place.change
-    sure = abs(change.nominal_value) - SIGMAS * change.std_dev
-    if sure > DRIFT * abs(place.velocity.nominal_value):
+    if not abs(place.change.nominal_value) < DRIFT * abs(place.velocity.nominal_value):
         return f"the flow at {at} still changes: longer runs"
     return ""
 
 
-def unlike(places: Sequence[Place]) -> str:
-    """Return how flows differ in what a comparison must not mix, cell and age; empty if not."""
-    cells = {place["cell"] for place in places}
-    if len(cells) > 1:
-        return f"cells of {' and '.join(f'{cell:g}' for cell in sorted(cells))} σ are compared"
+def unlike(places: Sequence[Place], cells: bool = True) -> str:
+    """Return how flows differ in what a comparison must not mix, age and cell; empty if not.
+
+    Where the cell is what is compared, or none is, ``cells`` is false.
+    """
+    widths = sorted({place["cell"] for place in places}) if cells else []
+    if len(widths) > 1:
+        return f"cells of {' and '.join(f'{cell:g}' for cell in widths)} σ are compared"
     ages = sorted(age(place) for place in places)
     if ages[-1] > EQUAL_AGE * ages[0]:
         return f"flows of ages {ages[0]:.0f} and {ages[-1]:.0f} √(σ/g) are compared"

@@ -45,6 +45,13 @@ class Evidence:
         self._points = points or Points(results)
         self._places: dict[str, Place] = {}
 
+    def without(self, name: str) -> "Evidence":
+        """Return what the same protocol offers under a reading that leaves one parameter usual."""
+        if name not in self.reading:
+            return self
+        reading = {key: value for key, value in self.reading.items() if key != name}
+        return Evidence(self._results, self.protocol, reading, self._points)
+
     def at(self, system: str, **where: Any) -> Place:
         """Return the place with these parameters, all others at the paper's values.
 

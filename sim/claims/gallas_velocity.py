@@ -134,7 +134,7 @@ def g23(evidence: Evidence) -> list[Check]:
         groups = [place.each(middle_velocity, *PROFILES) for place in line.values()]
         over = ", ".join(f"{value:g}" for value in line)
         what = f"v_x of the middle over {name} = {over}"
-        checks.append(trend(what, [groups], line.values(), rising=rises, monotone=True))
+        checks.append(trend(what, [groups], line.values(), rising=rises))
     return checks
 
 

@@ -118,6 +118,7 @@ def _tested(
     places: Iterable[Place],
     threshold: float = 0.0,
 ) -> Check:
+    # The replicate is what is ranked or counted, however many independent samples it has.
     places = tuple(places)
     return Check(
         what=what,
@@ -126,6 +127,5 @@ def _tested(
         low=threshold if above else -inf,
         high=inf if above else threshold,
         points=tuple(dict.fromkeys(place.id for place in places)),
-        samples=min((place.samples for place in places), default=inf),
         tested=tested,
     )

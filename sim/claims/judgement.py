@@ -1,6 +1,6 @@
 """What becomes of a claim: its checks under every protocol and reading, and one verdict."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from math import isfinite
@@ -13,8 +13,11 @@ from sim.claims.verdict import (
     ON_THE_READING,
     PAPER_INCONSISTENT,
     REPRODUCED,
+    RISK,
     UNTESTABLE,
     Check,
+    chances,
+    holm,
     of_parts,
     together,
 )
@@ -89,11 +92,7 @@ class Judgement:
         number = self.claim.number
         if number is None or self.verdict == UNTESTABLE:
             return {}
-        return {
-            value: self._at(value).under(self.headline)
-            for value in number.values
-            if value == number.headline or self._at(value).variants
-        }
+        return {value: self._at(value).under(self.headline) for value in number.values}
 
     def _at(self, value: float) -> "Judgement":
         """Return the judgement with another value of the number."""
@@ -161,10 +160,11 @@ class Judgement:
         """Whether two readings of the paper decide it, or a part of it, differently.
 
         Under the protocol that gives the headline verdict, so that runs of different lengths are
-        not compared; under any where the headline reading has no runs.
+        not compared; under any where the headline reading has no runs. Of many readings one that
+        differs must do so clearly as one of so many (Holm).
         """
         return any(
-            _contradict(together(one.on(part)) for one in self._comparable(part, protocol))
+            _differ([chances(one.on(part)) for one in self._comparable(part, protocol)])
             for part in self._parts
             for protocol in (*PROTOCOLS, MODEL)
         )
@@ -182,6 +182,12 @@ class Judgement:
 
     def _of(self, reading: str) -> list[Variant]:
         return [one for one in self.variants if one.reading == reading]
+
+
+def _differ(found: Sequence[tuple[float, float]]) -> bool:
+    """Return whether a statement holds under one reading and fails under another, by p-values."""
+    held, failed = ([one[way] for one in found] for way in (0, 1))
+    return all(min(holm(each), default=1.0) <= RISK for each in (held, failed))
 
 
 def _contradict(verdicts: Iterable[str]) -> bool:

@@ -53,18 +53,20 @@ def common_beds(places: Sequence[Place]) -> list[np.ndarray]:
     return [np.flatnonzero(np.isin(each, shared)) for each in numbers]
 
 
-def rising(line: Mapping[float, Place], what: str, *, rising: bool = True) -> Check:
-    """Return the check that V rises (or falls) along a line, and surely nowhere the other way."""
+def rising(
+    line: Mapping[float, Place], what: str, *, rising: bool = True, monotone: bool = False
+) -> Check:
+    """Return the check that V rises (or falls) along a line; see `sim.claims.inference.trend`."""
     groups = [place.values("velocity") for place in line.values()]
     over = ", ".join(f"{value:g}" for value in line)
     text = f"V over {what} = {over}"
-    return trend(text, [groups], line.values(), rising=rising, monotone=True)
+    return trend(text, [groups], line.values(), rising=rising, monotone=monotone)
 
 
 def ordered(
     evidence: Evidence, name: str, fastest_first: Sequence[float], lowest: float
 ) -> Check | None:
-    """Return the check that V falls along values of a parameter, at no frequency the other way.
+    """Return the check that V falls along values of a parameter.
 
     Frequencies count from ``lowest`` (Hz) on where all values have been run; none if there are
     none.
@@ -79,18 +81,19 @@ def ordered(
     places = [line[frequency] for frequency in shared for line in lines]
     values = ", ".join(f"{value:g}" for value in fastest_first)
     text = f"V over {name} {values}, {len(shared)} frequencies from {shared[0]:g} Hz on"
-    return trend(text, strata, places, rising=False, monotone=True)
+    return trend(text, strata, places, rising=False)
 
 
 def drifting(place: Place) -> str:
-    """Return why a velocity has not converged: it surely drifts by 2 % in 100 cycles or more."""
+    """Return why a velocity is not known to have converged: it may drift by 2 % in 100 cycles."""
     cycles = place.window * place["frequency"]
     drift = place.change / place.velocity.nominal_value * CYCLES / cycles
-    if abs(drift.nominal_value) - SIGMAS * drift.std_dev < DRIFTING:
+    most = abs(drift.nominal_value) + SIGMAS * drift.std_dev
+    if most < DRIFTING:
         return ""
     return (
-        f"V changes by {abs(drift.nominal_value):.0%} in {CYCLES} cycles at "
-        f"γ_s = {place['shear_damping']:g}g: longer runs"
+        f"V changes by {abs(drift.nominal_value):.1%}, or up to {most:.1%}, in {CYCLES} cycles at "
+        f"γ_s = {place['shear_damping']:g}g: longer runs or more beds"
     )
 
 

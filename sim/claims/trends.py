@@ -16,16 +16,16 @@ def pooled(
 ) -> list[Check]:
     """Return the checks that a quantity lies within bounds in flows of many depths.
 
-    The mean of all, weighted by their errors, decides; a single flow counts where it is clearly
+    The mean of all decides, in which each counts alike: weights from the errors of a few replicates
+    would favour what seems sure by chance. A single flow counts where it is clearly
     beyond the bounds as one of so many, and is shown otherwise.
     """
-    weights = np.array([value.std_dev**-2.0 for value in values])
-    mean = sum(weight * value for weight, value in zip(weights, values, strict=True))
+    mean = sum(values) / len(values)
     single = [
         within(f"{what}, n = {n:g}", value, low, high, [place])
         for (n, place), value in zip(flows.items(), values, strict=True)
     ]
-    every = within(f"{what}, {len(flows)} depths", mean / weights.sum(), low, high, flows.values())
+    every = within(f"{what}, {len(flows)} depths", mean, low, high, flows.values())
     clear = RISK / (len(single) + 1)
     return [every, *(one if one.failing < clear else beside([one])[0] for one in single)]
 

@@ -30,8 +30,9 @@ VERDICTS = (
     UNTESTABLE,
 )
 
-#: How often a verdict may be wrong: a bound of one side holds at 95 %.
-RISK = 1 - CONFIDENCE
+#: How often a verdict may be wrong: a bound of one side holds at 95 %. At the risk itself it is
+#: decided: three replicates that all rank above three others have p = 0.05.
+RISK = round(1 - CONFIDENCE, 12)
 
 #: Fewer independent samples than this decide nothing.
 TOO_FEW = 8
@@ -157,9 +158,9 @@ class Check:
             return REPORTED
         if not self.known:
             return INCONCLUSIVE
-        if self.failing < RISK:
+        if self.failing <= RISK:
             return NOT_REPRODUCED
-        return REPRODUCED if self.holding < RISK else INCONCLUSIVE
+        return REPRODUCED if self.holding <= RISK else INCONCLUSIVE
 
     @property
     def times(self) -> float:
@@ -199,12 +200,19 @@ def together(checks: Iterable[Check]) -> str:
     That all hold needs no correction for their number. That one fails must be clear as one of so
     many (Holm). Without any vote it is inconclusive.
     """
+    holds, fails = chances(checks)
+    if fails <= RISK:
+        return NOT_REPRODUCED
+    return REPRODUCED if holds <= RISK else INCONCLUSIVE
+
+
+def chances(checks: Iterable[Check]) -> tuple[float, float]:
+    """Return the p-values that all votes on a statement hold, and that one of so many fails."""
     deciding = [check for check in checks if check.deciding]
     known = [check for check in deciding if check.known]
-    if any(chance < RISK for chance in holm([check.failing for check in known])):
-        return NOT_REPRODUCED
-    holds = [check.verdict == REPRODUCED for check in deciding]
-    return REPRODUCED if holds and all(holds) else INCONCLUSIVE
+    fails = min(holm([check.failing for check in known]), default=1.0)
+    every = known and len(known) == len(deciding)
+    return max(check.holding for check in known) if every else 1.0, fails
 
 
 def of_parts(verdicts: Sequence[str]) -> str:

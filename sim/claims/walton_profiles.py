@@ -9,8 +9,8 @@ from uncertainties import UFloat
 from sim.claims.checks import above, below, reported, withheld
 from sim.claims.chute import WIDTHS, age, base, of_settled, repeated, still_changing, unlike
 from sim.claims.evidence import Evidence
-from sim.claims.inference import share_above, trend
-from sim.claims.place import Place, joined
+from sim.claims.inference import share_above, share_of, trend
+from sim.claims.place import Place, joined, measured
 from sim.claims.states import PROFILES, plug_shares
 from sim.claims.trends import least, mean_of_others
 from sim.claims.verdict import Check, Untestable
@@ -33,6 +33,9 @@ OFTEN = 0.5
 #: Least packing of the plug, its largest standard deviation relative to it, least difference from
 #: the shear layer, and the age in √(σ/g) from which a flow of that depth counts.
 DENSE, UNIFORM, LOOSER, OLD = 0.60, 0.05, 0.05, 2000
+
+#: What rounding to whole samples leaves of an age.
+ROUNDED = 0.99
 
 
 def w10(evidence: Evidence) -> list[Check]:
@@ -69,7 +72,8 @@ def w11(evidence: Evidence) -> list[Check]:
     for cell, own in cells.items():
         if own.size:
             what = f"share of runs with a plug in cells of {cell} σ, {own.size} runs"
-            checks.append(reported(what, float(own.mean())))
+            low, high = share_of(int(own.sum()), own.size)
+            checks.append(reported(what, measured(0.5 * (low + high), 0.5 * (high - low))))
     return checks
 
 
@@ -126,30 +130,40 @@ def _densest_inner(rows: np.ndarray) -> np.ndarray:
 
 def w14(evidence: Evidence) -> list[Check]:
     """The deepest flow above and below its shear depth: packing, its spread, the difference."""
-    n, place = DEEPEST, evidence.at("chute", depth=DEEPEST)
+    n, place = DEEPEST, _oldest(evidence, DEEPEST)
 
-    def measured(function: Callable[[np.ndarray, float], float]) -> UFloat:
+    def mean_of(function: Callable[[np.ndarray, float], float]) -> UFloat:
         return place.measure(_of_plug(place, function), *PROFILES)
 
     checks = [
         above(
-            f"packing of the plug, n = {n:g}", measured(lambda plug, _: plug.mean()), DENSE, [place]
+            f"packing of the plug, n = {n:g}", mean_of(lambda plug, _: plug.mean()), DENSE, [place]
         ),
         below(
             f"standard deviation of its packing over its mean, n = {n:g}",
-            measured(lambda plug, _: plug.std(ddof=1) / plug.mean() if plug.size > 1 else np.nan),
+            mean_of(lambda plug, _: plug.std(ddof=1) / plug.mean() if plug.size > 1 else np.nan),
             UNIFORM,
             [place],
         ),
         above(
             f"packing of the plug less that of the shear layer, n = {n:g}",
-            measured(lambda plug, sheared: plug.mean() - sheared),
+            mean_of(lambda plug, sheared: plug.mean() - sheared),
             LOOSER,
             [place],
         ),
     ]
     young = f"averaged from {age(place):.0f} √(σ/g) on: runs of {OLD:,} and more"
-    return withheld(of_settled(checks, [place]), young if age(place) < OLD else "")
+    return withheld(of_settled(checks, [place]), young if age(place) < ROUNDED * OLD else "")
+
+
+def _oldest(evidence: Evidence, depth: float) -> Place:
+    """Return the flow of a depth that was averaged from the latest time on, one with replicates
+    before others."""
+    flows = evidence.line("chute", "transient", depth=depth)
+    if not flows:
+        raise Untestable(f"no {evidence.protocol} run of the chute at depth {depth:g}")
+    line = repeated(flows) or flows
+    return line[max(line)]
 
 
 def w17(evidence: Evidence) -> list[Check]:
@@ -157,7 +171,7 @@ def w17(evidence: Evidence) -> list[Check]:
 
     The flows are those of one cell and one age.
     """
-    line = max((_thinning(evidence, cell) for cell in WIDTHS), key=len)
+    line = _thinning(evidence)
     if len(line) < 3:
         raise Untestable("no cell with three depths of 5, 10, 20 and 40 that have replicates")
     places, over = list(line.values()), ", ".join(f"{n:g}" for n in line)
@@ -175,10 +189,22 @@ def w17(evidence: Evidence) -> list[Check]:
     return withheld(checks, "; ".join(filter(None, [missing, *reasons])))
 
 
-def _thinning(evidence: Evidence, cell: float) -> dict[float, Place]:
-    """Return the flows of one cell over which the shear layer is to thin."""
-    line = repeated(evidence.line("chute", "depth", cell=cell))
-    return {n: place for n, place in line.items() if n in THINNING}
+def _thinning(evidence: Evidence) -> dict[float, Place]:
+    """Return the flows over which the shear layer is to thin: the most depths of one cell and age.
+
+    Of as many those of the narrowest cell, then the oldest.
+    """
+    found: list[dict[float, Place]] = [{}]
+    for cell in WIDTHS:
+        starts = {
+            start
+            for n in THINNING
+            for start in evidence.line("chute", "transient", depth=n, cell=cell)
+        }
+        for start in sorted(starts, reverse=True):
+            line = repeated(evidence.line("chute", "depth", cell=cell, transient=start))
+            found.append({n: place for n, place in line.items() if n in THINNING})
+    return max(found, key=len)
 
 
 def w18(evidence: Evidence) -> list[Check]:

@@ -6,7 +6,7 @@ from itertools import chain
 import numpy as np
 
 from sim.claims.checks import above, beside, in_parts, reported, withheld, within
-from sim.claims.chute import CELLS, of_settled, repeated, speed, still_changing, unlike
+from sim.claims.chute import CELLS, of_settled, repeated, still_changing, unlike
 from sim.claims.evidence import Evidence
 from sim.claims.inference import outranks, trend
 from sim.claims.place import Place, quotient
@@ -55,7 +55,8 @@ def _crystals(evidence: Evidence) -> list[Check]:
     for n, place in deep.items():
         share = place.value("crystalline_share")
         check = above(f"crystalline share of the plug, n = {n:g}", share, SHARE, [place])
-        checks += withheld([check], still_changing(place))
+        reason = still_changing(place) or unlike([*deep.values()], cells=False)
+        checks += withheld([check], reason)
         layered = place.value("layer_order")
         checks.append(reported(f"amplitude of its layers, n = {n:g}", layered, [place]))
     return checks
@@ -80,7 +81,12 @@ def _favoured(evidence: Evidence, name: str, **change: float) -> list[Check]:
         check, reason = outranks(f"{what}, {state}", first, second, [usual, control]), ""
     except Untestable as error:
         check, reason = outranks(what, first, second, [usual, control]), str(error)
-    moving = still_changing(usual) or still_changing(control)
+    changed = usual["cell"] != control["cell"]
+    moving = (
+        still_changing(usual)
+        or still_changing(control)
+        or unlike([usual, control], cells=not changed)
+    )
     told = shares("usual", [usual]) + shares(f"with {name}", [control])
     return [*withheld([check], moving or reason), *told]
 
@@ -128,10 +134,10 @@ def _over_restitution(evidence: Evidence, depth: float) -> list[Check]:
         groups = [place.values(name) for place in places]
         over = ", ".join(f"{e:g}" for e in flows)
         checks.append(trend(f"{what} over e = {over}, {at}", [groups], places, rising=rising))
-    reasons = dict.fromkeys(filter(None, map(still_changing, places)))
+    reasons = dict.fromkeys(filter(None, [*map(still_changing, places), unlike(places)]))
     found = withheld(checks, "; ".join(reasons))
     if LOWEST in line:
-        ratio = quotient(speed(line[LOWEST]), speed(places[0]))
+        ratio = quotient(line[LOWEST].velocity, places[0].velocity)
         what = f"V at e = {LOWEST:g} over that at {RESTITUTIONS[0]:g}, {at}"
         found.append(reported(what, ratio, [line[LOWEST], places[0]]))
     return found
@@ -183,9 +189,9 @@ def _insensitive(evidence: Evidence, depth: float) -> list[Check]:
     checks = []
     for stiffness, soft, stiff in _stiffer(evidence, depth):
         what = f"V at K1 = {stiffness:g} N/m over {SOFT} N/m, n = {depth:g}"
-        ratio = quotient(speed(stiff), speed(soft))
-        check = within(what, ratio, 1 - EQUAL, 1 + EQUAL, [soft, stiff])
-        checks += of_settled([check], [soft, stiff])
+        ratio = quotient(stiff.velocity, soft.velocity)
+        found = [within(what, ratio, 1 - EQUAL, 1 + EQUAL, [soft, stiff])]
+        checks += _of_stiffness(of_settled(found, [soft, stiff]), stiffness)
     return checks
 
 
@@ -200,7 +206,7 @@ def _sensitive(evidence: Evidence, depth: float) -> list[Check]:
             outranks(f"share of pairs with a deeper shear layer, {at}", depths[1], depths[0], pair),
         ]
         reason = still_changing(soft) or still_changing(stiff) or unlike(pair)
-        checks += withheld(found, reason)
+        checks += _of_stiffness(withheld(found, reason), stiffness)
         checks += shares(f"{SOFT} N/m, n = {depth:g}", [soft])
         checks += shares(f"{stiffness:g} N/m, n = {depth:g}", [stiff])
     return checks
@@ -219,7 +225,8 @@ def w22(evidence: Evidence) -> list[Check]:
                 what += f", {state}"
             except Untestable as error:
                 reason = reason or str(error)
-            checks += withheld([outranks(what, first, second, [stiff, soft])], reason)
+            found = withheld([outranks(what, first, second, [stiff, soft])], reason)
+            checks += _of_stiffness(found, stiffness)
     return checks
 
 
@@ -232,6 +239,11 @@ def _stiffer(evidence: Evidence, depth: float) -> list[tuple[float, Place, Place
     if SOFT not in line or STIFF not in line:
         raise Untestable(f"no flows with K1 = {SOFT} and {STIFF} N/m at n = {depth:g}")
     return [(value, line[SOFT], place) for value, place in line.items() if value >= STIFF]
+
+
+def _of_stiffness(checks: list[Check], stiffness: float) -> list[Check]:
+    """Return checks that vote at ten times the softest; stiffer spheres are shown beside."""
+    return checks if stiffness == STIFF else beside(checks)
 
 
 def _agitation(place: Place) -> np.ndarray:

@@ -105,7 +105,7 @@ def test_hardly_a_bead_at_the_belt():
 
 def test_faster_shaking_smears_the_bed():
     assert verdict_of(g17, row()) == REPRODUCED
-    assert verdict_of(g17, changed(row(), block, frequency=80)) == NOT_REPRODUCED
+    assert verdict_of(g17, changed(row(), block, frequency=80)) == INCONCLUSIVE
     few = {"replicates": 2, "scatter": 0.5}
     assert verdict_of(g17, row(**few)) == INCONCLUSIVE
     with pytest.raises(Untestable, match="frequency 60"):
@@ -140,7 +140,7 @@ def angles(excess, noise=0.01, values=(30, 45, 60, 90)):
 
 
 def test_density_whatever_the_angle():
-    assert verdict_of(g19, angles(0.0)) == REPRODUCED
+    assert verdict_of(g19, angles(0.0, noise=0.003)) == REPRODUCED
     assert verdict_of(g19, angles(0.2)) == NOT_REPRODUCED
     # As large as the scatter of one bed.
     assert verdict_of(g19, angles(0.025)) == INCONCLUSIVE

@@ -10,6 +10,7 @@ from sim.claims.verdict import (
     NOT_REPRODUCED,
     REPORTED,
     REPRODUCED,
+    RISK,
     Untestable,
     together,
 )
@@ -235,12 +236,13 @@ def test_flows_of_other_ages_are_not_compared():
     assert "flows of ages 300 and 900" in checks[-1].withheld
 
 
-def test_stiffest_spheres_count_where_they_were_run():
+def test_stiffer_spheres_are_shown_beside():
     plug = stiff()[4].profiles
     fast = flow(26, {"shear_depth": 3 * SIZE}, plug, depth=20, stiffness=10_000)
-    assert failed(checks_on(w21, [*stiff(), fast])) == [
-        "share of pairs slower with 10000 N/m against 100 N/m, n = 20"
-    ]
+    checks = checks_on(w21, [*stiff(), fast])
+    assert failed(checks) == []
+    (slower,) = (one for one in checks if one.what.startswith("share of pairs slower with 10000"))
+    assert slower.failing <= RISK and not slower.votes
 
 
 def runaway(points, number: int):

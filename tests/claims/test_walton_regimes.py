@@ -159,14 +159,6 @@ def test_points_that_a_bisection_leaves_do_not_count():
         checks_on(w8, base_flows(replicates=1))
 
 
-def test_thin_flows_that_drift_may_have_been_faster():
-    # 0.009 g sin θ over 200 √(σ/g) is 0.5 √(gσ).
-    drift = {"acceleration": -0.009 * SLOPE}
-    others = [point for point in base_flows() if point.parameters.depth != 1.5]
-    assert verdict_on(w8, [*others, flow(4.5, depth=1.5)]) == REPRODUCED
-    assert verdict_on(w8, [*others, flow(4.5, drift, depth=1.5)]) == INCONCLUSIVE
-
-
 RESTING = {"regime": "arrested", "quality": "jammed", "independent_samples": 0.0}
 
 
@@ -215,7 +207,7 @@ def test_fast_starts_beyond_twice_the_tangent_are_reported():
     fast = flow(3, friction=0.8, depth=5)
     assert parts(w19, [*swept(), fast])["b"] == REPRODUCED
     checks = checks_on(w19, [*swept(starts=()), fast])
-    assert "no such start was run" in next(one for one in checks if one.part == "b").withheld
+    assert [one.deciding for one in checks if one.part == "b"] == [False]
 
 
 def test_flows_that_slow_decide_nothing_and_those_that_go_on_fail():
@@ -261,9 +253,9 @@ def test_the_start_is_forgotten_or_not(late, scatter, verdict):
 
 @pytest.mark.parametrize(
     ("late", "gain", "verdict"),
-    [(1.6, -0.02, NOT_REPRODUCED), (1.6, 0.02, NOT_REPRODUCED), (1.0, -0.02, INCONCLUSIVE)],
+    [(1.6, -0.02, INCONCLUSIVE), (1.6, 0.02, INCONCLUSIVE), (1.6, -0.005, NOT_REPRODUCED)],
 )
-def test_a_start_that_is_not_forgotten_yet_counts_with_its_drift(late, gain, verdict):
+def test_a_flow_that_still_forgets_its_start_decides_nothing(late, gain, verdict):
     # 0.02 g sin θ over 200 √(σ/g) is 1.2 √(gσ), 16 % of 1.6 times the velocity at depth 2.5.
     drift = {"acceleration": gain * SLOPE}
     points = [*started(depths=(5,)), *started(late, depths=(2.5,), scalars=drift)]
