@@ -143,11 +143,12 @@ def test_the_lowest_restitution_is_reported():
 def soft(median=0.003, dynamic=0.05, static=None, **options):
     """Flows of the softest spheres with quantiles of their overlaps."""
     thin = {"median_overlap": median, "overlap_999": 0.025}
-    rest = {} if static is None else {"base_overlap": static}
-    deep = {"median_overlap": 0.003, "overlap_999": dynamic} | rest
+    deep = {"median_overlap": 0.003, "overlap_999": dynamic}
+    rest = {"regime": "arrested", "quality": "jammed", "independent_samples": 0.0}
     return [
         *(flow(4.5, thin, depth=n, **options) for n in (1.24, 2.5)),
         flow(30, deep, depth=40, **options),
+        *([flow(0, rest | {"base_overlap": static}, depth=40, angle=0)] if static else []),
     ]
 
 

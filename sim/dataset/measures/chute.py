@@ -13,6 +13,10 @@ MEASURES = {
     "layer_order": ("1", "amplitude of layers in the density above the shear depth"),
     "median_overlap": ("1", "median overlap of the contacts, in diameters"),
     "overlap_999": ("1", "99.9th percentile of the overlaps of the contacts, in diameters"),
+    "base_overlap": (
+        "1",
+        "mean overlap of contacts with the plane in the last state, in diameters",
+    ),
     "base_rolling": (
         "1",
         "spin times radius over velocity of the spheres at the plane, 1 where they roll",
@@ -25,7 +29,7 @@ _QUANTILES = {"median_overlap": 0.5, "overlap_999": 0.999}
 
 def measure(run: Mapping[Any, Any]) -> dict[str, float]:
     """Return the measures that the arrays of a replicate allow."""
-    return _of_profiles(run) | _of_overlaps(run) | _of_spin(run)
+    return _of_profiles(run) | _of_overlaps(run) | _of_spin(run) | _of_base(run)
 
 
 def _of_profiles(run: Mapping[Any, Any]) -> dict[str, float]:
@@ -59,6 +63,17 @@ def _of_spin(run: Mapping[Any, Any]) -> dict[str, float]:
         for name in ("spin_profile", "velocity_profile")
     )
     return {"base_rolling": radius * spin / velocity if velocity else np.nan}
+
+
+def _of_base(run: Mapping[Any, Any]) -> dict[str, float]:
+    """Return how much spheres overlap the plane in the last state, nothing where none does."""
+    if "position" not in run or "radius" not in run:
+        return {}
+    overlap = np.asarray(run["radius"]) - np.asarray(run["position"])[-1, :, 2]
+    touching = overlap > 0
+    if not touching.any():
+        return {}
+    return {"base_overlap": float(overlap[touching].mean() / float(run["diameter"]))}
 
 
 def _of_overlaps(run: Mapping[Any, Any]) -> dict[str, float]:
