@@ -12,13 +12,18 @@ EVENT = "job_error"
 #: How sentences begin that tell nothing, in what Snakemake says of a failed job of a cluster.
 ADVICE = ("Detailed failure reason unavailable", "For further error details")
 
-#: How it begins what Snakemake says of each output of a failed job of which there is no backup, and
-#: of its whole command.
-NO_NEWS = ("Cannot restore ", "RuleException:\nCalledProcessError ")
+#: How it begins what Snakemake says of each output of a failed job of which there is no backup, of
+#: its whole command, and of each turn of its scheduler.
+NO_NEWS = (
+    "Cannot restore ",
+    "RuleException:\nCalledProcessError ",
+    "Select jobs to execute",
+    "Execute ",
+)
 
 
 def is_news(record: logging.LogRecord) -> bool:
-    """Return whether Snakemake says something that the line of a failed job does not."""
+    """Return whether Snakemake says something that lines of points and failed jobs do not."""
     return not record.getMessage().startswith(NO_NEWS)
 
 

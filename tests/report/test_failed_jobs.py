@@ -80,6 +80,8 @@ def test_a_job_without_a_log_is_told_by_its_rule(log, lines):
         ("submitted", True),
         ("Cannot restore results/a.nc: no backup found.", False),
         ("RuleException:\nCalledProcessError in file run.smk, line 20:\nCommand ...", False),
+        ("Select jobs to execute...", False),
+        ("Execute 2 jobs...", False),
     ],
 )
 def test_what_the_line_of_a_failed_job_makes_superfluous_is_no_news(log, said, is_told):
