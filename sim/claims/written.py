@@ -124,14 +124,21 @@ def _told(check: Check, chance: float) -> float:
 
 
 def as_table(judgements: list[Judgement]) -> pd.DataFrame:
-    """Return one row per check, and one for each variant that is untestable."""
+    """Return one row per check, and one for each variant that is untestable.
+
+    Verdicts on the claim, on the part that a check is of and by number are those at the headline
+    reading; ``verdict`` is that of the variant.
+    """
     rows = []
     for one in judgements:
         for variant in one.variants:
             shared: dict[str, Any] = {
                 "claim": one.claim.id,
                 "title": one.claim.title,
+                "first verdict": one.claim.first.verdict,
+                "first criterion": one.claim.first.criterion,
                 "verdict on the claim": one.verdict,
+                "verdict by number": _by_number(one),
                 "protocol": variant.protocol,
                 "reading": variant.reading,
                 "verdict": variant.verdict(one.claim.parts),
@@ -140,7 +147,7 @@ def as_table(judgements: list[Judgement]) -> pd.DataFrame:
                 values = {
                     name: value
                     for name, value in asdict(check).items()
-                    if name not in ("points", "tested")
+                    if name not in ("part", "points", "tested")
                 }
                 shown = {
                     "p holds": _told(check, check.holding),
@@ -149,7 +156,13 @@ def as_table(judgements: list[Judgement]) -> pd.DataFrame:
                     "verdict on the check": check.verdict,
                     "what would decide it": plan(check),
                 }
-                rows.append(shared | values | shown)
+                part = {"part": check.part, "verdict on the part": one.of_parts.get(check.part, "")}
+                rows.append(shared | part | values | shown)
             if not variant.checks:
                 rows.append(shared | {"reason": variant.reason})
     return pd.DataFrame(rows)
+
+
+def _by_number(one: Judgement) -> str:
+    """Return the verdict with each value of the number that the paper does not give, in words."""
+    return "; ".join(f"{value:g}: {verdict}" for value, verdict in one.by_number.items())

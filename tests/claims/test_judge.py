@@ -193,6 +193,22 @@ def test_what_is_written_is_plain_json_and_one_row_per_check():
     assert table["reason"].iloc[-1] == "no runs"
 
 
+def test_the_table_has_the_first_verdict_those_on_parts_and_those_by_number():
+    number = Number(what="weak", values=[0.1, 0.15], headline=0.15)
+    parts = {"a": "one thing", "b": "another"}
+    claim = claims()[0].model_copy(update={"number": number, "parts": parts})
+    checks = of_part("a", HOLDS), of_part("b", OPEN)
+    others = {0.1: (of_part("a", FAILS), of_part("b", FAILS)), 0.15: checks}
+    table = as_table([Judgement(claim, (Variant("published", DEFAULT, checks, others=others),))])
+    assert set(table["first verdict"]) == {claim.first.verdict}
+    assert set(table["first criterion"]) == {claim.first.criterion}
+    assert list(table["part"]) == ["a", "b"]
+    assert list(table["verdict on the part"]) == [REPRODUCED, INCONCLUSIVE]
+    by_number = f"0.1: {NOT_REPRODUCED}; 0.15: {IN_PART}"
+    assert set(table["verdict by number"]) == {by_number}
+    assert list(as_table([judged(of(HOLDS))])["verdict on the part"]) == [""]
+
+
 def test_a_study_of_nothing_relevant_leaves_the_claims_on_flows_untestable():
     results = made_results(made_point("belt", {"velocity": 0.1}, diameter_spread=0.1))
     judgements = judge.judge(results)
