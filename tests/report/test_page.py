@@ -12,8 +12,11 @@ import xarray as xr
 from sim.base.errors import InputError
 from sim.base.reading import DamagedError
 from sim.dataset.build import build as build_dataset
+from sim.dataset.results import load_results
 from sim.figures.render import draw
-from sim.report.page import build
+from sim.report.claims import read_claims
+from sim.report.gallery import data_uri
+from sim.report.page import build, render
 from sim.study.load import load_study
 from tests.made.figures import make_built_regimes, make_figures
 from tests.made.report import write_claims
@@ -110,6 +113,16 @@ def test_provenance_is_shown(page):
     assert "0123456789ab" in page.text
     assert "snakemake --cores 2 --configfile" in page.text
     assert "2026-01-01" in page.text
+
+
+def test_a_number_with_which_no_runs_decide_is_shown_as_untestable(made, page):
+    folder = made[1] / "made"
+    claims = read_claims(folder / "claims.json")
+    (claim,) = [one for one in claims if one["by_number"]]
+    claim["by_number"].append({"value": 0.77, "verdict": "untestable", "checks": []})
+    found = load_results(folder / "dataset.nc")
+    shown = Page(render(load_study(*made), found, folder / "figures", claims, data_uri))
+    assert "0.77– untestable no runs decide it" in " ".join(shown.text.split())
 
 
 def test_the_study_file_is_shown_with_its_parts(tmp_path, page):
