@@ -22,10 +22,12 @@ def reading_tables(claims: Sequence[Mapping[str, Any]], results: Results) -> lis
     list of dict
         ``paper``, ``why`` the headline reading is that; ``readings``, each with its ``words``, the
         ``sentences`` that leave it open or why it is a ``control``, how many claims ``hold`` of
-        those ``tested``; of the points with a run of the published protocol (``points``) how many
-        have a time step within the integrator's stability (``stable``) and close their ledger
-        (``sound``), the worst ledger of these (``missing``); and ``rows``, claims that more than
-        one reading tests, with the verdict under each.
+        those ``tested``, and of those that the headline reading tests too (``common``) how many
+        hold under it (``common_hold``) and under the headline reading (``headline_hold``); of the
+        points with a run of the published protocol (``points``) how many have a time step within
+        the integrator's stability (``stable``, none where its system knows no bound) and close
+        their ledger (``sound``), the worst ledger of these (``missing``); and ``rows``, claims
+        that more than one reading tests, with the verdict under each.
     """
     tables = []
     for paper, system in SYSTEM.items():
@@ -54,16 +56,26 @@ def _reading(
     declared = readings_of(system)
     every = [declared.headline, {}, *readings_run(results, system)]
     values = next((one for one in every if in_words(system, one) == words), {})
-    verdicts = [one["by_reading"].get(words, "untestable") for one in claims]
+    first = in_words(system, declared.headline)
+    pairs = [_verdicts(one, (words, first)) for one in claims]
+    common = [pair for pair in pairs if "untestable" not in pair]
     return {
         "words": words,
         "is_headline": values == declared.headline,
         "sentences": declared.sentences(values),
         "control": declared.is_control(values),
-        "hold": sum(verdict.startswith("reproduced") for verdict in verdicts),
-        "tested": sum(verdict != "untestable" for verdict in verdicts),
+        "hold": sum(_holds(here) for here, _ in pairs),
+        "tested": sum(here != "untestable" for here, _ in pairs),
+        "common": len(common),
+        "common_hold": sum(_holds(here) for here, _ in common),
+        "headline_hold": sum(_holds(there) for _, there in common),
         **_step(results.dataset, system, values),
     }
+
+
+def _holds(verdict: str) -> bool:
+    """Return whether a claim holds, wholly or in part."""
+    return verdict.startswith("reproduced")
 
 
 def _step(dataset: xr.Dataset, system: str, values: Mapping[str, Any]) -> dict[str, Any]:
@@ -82,7 +94,7 @@ def _step(dataset: xr.Dataset, system: str, values: Mapping[str, Any]) -> dict[s
     run = [model.model_construct(**dict(zip(names, row, strict=True))) for row in rows]
     return {
         "points": len(run),
-        "stable": sum(one.is_stable for one in run),
+        "stable": sum(one.is_stable for one in run) if model.bounds_step else None,
         "sound": int((worst <= UNSOUND).sum()),
         "missing": float(worst.max(initial=0)) if run else float("nan"),
     }

@@ -40,6 +40,22 @@ def test_claims_that_hold_are_counted_under_each_reading(table):
     assert [row["id"] for row in table["rows"]] == ["G1"]
 
 
+def test_a_reading_is_compared_with_the_headline_over_the_claims_that_both_test(table):
+    _, reduced = table["readings"]
+    assert (reduced["common"], reduced["common_hold"], reduced["headline_hold"]) == (1, 1, 0)
+
+
+def test_no_step_is_called_stable_where_no_bound_of_it_is_known():
+    by_reading = {"default": "reproduced", "friction_cap after": "reproduced"}
+    shared = {"id": "W1", "title": "A claim", "paper": "walton", "kind": "flow"}
+    quantities = {"velocity": 0.1, "missing_energy": 1e-5}
+    results = made_results(
+        made_point("chute", quantities), made_point("chute", quantities, friction_cap="after")
+    )
+    (found,) = reading_tables([shared | {"by_reading": by_reading}], results)
+    assert [(one["points"], one["stable"]) for one in found["readings"]] == [(1, None), (1, None)]
+
+
 def test_the_published_step_is_looked_at_by_theory_and_by_energy(table):
     default, reduced = table["readings"]
     assert (default["points"], default["stable"], default["sound"]) == (2, 1, 1)
