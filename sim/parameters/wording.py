@@ -16,13 +16,17 @@ PROTOCOLS = {
 def quantity(system: str, name: str, values: Sequence[Any]) -> str:
     """Write ``symbol = value unit`` for one or several values of a parameter.
 
+    One without a symbol goes by its name.
+
     >>> quantity("belt", "frequency", [20.0, 50.0])
     'f = 20, 50 Hz'
+    >>> quantity("belt", "corrections", [2])
+    'corrections = 2'
     """
     row = field_info(SYSTEMS[system])[name]
     numbers = ", ".join(f"{value:.4g}" for value in sorted(set(values)))
     scale = "g" if row.scale == "g" else f" {row.scale}" if row.scale else ""
-    return f"{row.symbol} = {numbers}{row.unit_text}{scale}"
+    return f"{row.symbol or name} = {numbers}{row.unit_text}{scale}"
 
 
 def setting(system: str, name: str, value: object) -> str:
