@@ -85,11 +85,16 @@ def test_a_control_is_no_reading():
     assert not belt.is_control({"belt_ghost": "centred"})
 
 
-def test_every_reading_has_the_words_that_leave_it_open():
+def test_every_reading_has_the_words_that_leave_it_open_or_is_a_control():
     for system, model in SYSTEMS.items():
         declared = readings_of(system)
-        assert declared.open.keys() == set(roles.readings(model))
+        for name in set(roles.readings(model)) - declared.open.keys():
+            others = set(get_args(model.model_fields[name].annotation)) - {getattr(model(), name)}
+            assert others, f"{name}: neither open nor a choice of which all others are controls"
+            assert all(declared.is_control({name: value}) for value in others), name
+        assert declared.open.keys() <= set(roles.readings(model))
         assert set(declared.headline) <= declared.open.keys()
+        assert all(words.count('"') >= 2 for words in declared.open.values())
 
 
 def of_part(part: str, check: Check) -> Check:
