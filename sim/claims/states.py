@@ -12,8 +12,8 @@ import numpy as np
 from sim.claims.checks import reported
 from sim.claims.inference import share_of
 from sim.claims.place import Place, joined, measured
-from sim.claims.verdict import Check
-from sim.dataset.measures import layers
+from sim.claims.verdict import Check, Untestable
+from sim.dataset.measures import layers, plug
 
 PROFILES = ("velocity_profile", "packing_profile")
 
@@ -40,4 +40,27 @@ def shares(what: str, places: Sequence[Place]) -> list[Check]:
         if state.any():
             mean = f"{what}: V of the runs {name} a plug"
             checks.append(reported(mean, joined(speeds[state]), places, "m/s"))
+    return [*checks, *_lifetimes(what, places)]
+
+
+def _lifetimes(what: str, places: Sequence[Place]) -> list[Check]:
+    """Return what is reported of each state in which a flow was seen: its share and its lifetime.
+
+    Nothing of runs from before such states were told.
+    """
+    checks = []
+    for state in plug.STATES:
+        try:
+            share, lifetime = (
+                np.concatenate([place.values(f"{state}_{name}") for place in places])
+                for name in ("share", "lifetime")
+            )
+        except Untestable:
+            continue
+        if not np.nansum(share) > 0:
+            continue
+        told = f"{what}: share of the time {state}"
+        checks.append(reported(told, joined(share[np.isfinite(share)]), places))
+        lived = joined(lifetime[np.isfinite(lifetime)])
+        checks.append(reported(f"{what}: lifetime of the state {state}", lived, places, "s"))
     return checks

@@ -21,7 +21,7 @@ from sim.claims.chute import (
     unsettled,
 )
 from sim.claims.evidence import Evidence
-from sim.claims.place import Place, measured, quotient
+from sim.claims.place import Place, joined, measured, quotient
 from sim.claims.states import shares
 from sim.claims.verdict import NOT_REPRODUCED, REPRODUCED, Check, Unbounded, Untestable
 
@@ -175,11 +175,14 @@ def _steady_above(evidence: Evidence) -> list[Check]:
 
 def _arrested_beyond(evidence: Evidence) -> list[Check]:
     """Whether flows much rougher than the slope come to rest, by the velocity they start with."""
-    slow, usual = [], []
+    slow: list[Check] = []
+    usual: list[Check] = []
     for n in SWEPT:
         for start in SLOW_STARTS:
             sweep = _sweep(evidence, n, initial_velocity=start)
-            slow += [_arrested(place) for mu, place in sweep.items() if mu > GREATLY]
+            rough = [place for mu, place in sweep.items() if mu > GREATLY]
+            slow += [_arrested(place) for place in rough]
+            usual += chain.from_iterable(map(_waited, rough))
         sweep = _sweep(evidence, n)
         usual += [_arrested(place) for mu, place in sweep.items() if mu > GREATLY]
     if not slow and not usual:
@@ -207,6 +210,18 @@ def _arrested(place: Place) -> Check:
         rests = 0.0
     named = f"μ = {place['friction']:g}, n = {place['depth']:g}, V0 = {place['initial_velocity']:g}"
     return above(f"at rest (1) or not (0), {named}", rests, 0.5, [place])
+
+
+def _waited(place: Place) -> list[Check]:
+    """Return what is reported of the time, in √(σ/g), after which a flow was at rest, if it is."""
+    if place.regime != "arrested":
+        return []
+    named = f"μ = {place['friction']:g}, n = {place['depth']:g}, V0 = {place['initial_velocity']:g}"
+    try:
+        waited = joined(place.values("transient_end")) / (natural(place) / place["gravity"])
+    except Untestable:
+        return []
+    return [reported(f"time until at rest, {named}", waited, [place], "√(σ/g)")]
 
 
 def w23(evidence: Evidence) -> list[Check]:

@@ -159,7 +159,12 @@ def test_points_that_a_bisection_leaves_do_not_count():
         checks_on(w8, base_flows(replicates=1))
 
 
-RESTING = {"regime": "arrested", "quality": "jammed", "independent_samples": 0.0}
+RESTING = {
+    "regime": "arrested",
+    "quality": "jammed",
+    "independent_samples": 0.0,
+    "transient_end": 0.5,
+}
 
 
 def swept(steady=(0.32, 0.4), arrested=(0.65, 0.8), moving=(), depth=5, starts=(0.5, 1.0)):
@@ -201,6 +206,12 @@ def test_slopes_of_a_depth_count_together():
     assert parts(w19, points)["a"] == REPRODUCED
     with pytest.raises(Untestable, match="two frictions"):
         checks_on(w19, points[:1])
+
+
+def test_the_time_until_a_flow_rests_is_reported():
+    waited = [one for one in checks_on(w19, swept()) if one.what.startswith("time until at rest")]
+    assert len(waited) == 4 and not any(one.deciding for one in waited)
+    assert waited[0].value == pytest.approx(0.5 / PAPER.time_unit)
 
 
 def test_fast_starts_beyond_twice_the_tangent_are_reported():
