@@ -4,11 +4,13 @@ from functools import partial
 
 import pytest
 
+from sim.claims.evidence import Evidence
 from sim.claims.gallas_flux import g1, g2, g8
 from sim.claims.gallas_flux import g13 as judge_g13
 from sim.claims.gallas_onset import g14 as judge_g14
 from sim.claims.verdict import INCONCLUSIVE, NOT_REPRODUCED, REPORTED, REPRODUCED, Untestable
 from tests.made.paper_belt import checks_of, published, verdict_of
+from tests.made.results import made_results
 
 #: Judges with the numbers of ours that give the verdict.
 g13, g14 = partial(judge_g13, weak=0.15), partial(judge_g14, least=0.02)
@@ -123,6 +125,19 @@ def test_stiffness_hardly_matters():
     assert verdict_of(g13, rows("stiffness", STIFF, scatter=0.2)) == INCONCLUSIVE
     with pytest.raises(Untestable, match="no stiffness above 500"):
         checks_of(g13, rows("stiffness", (500, 1000)))
+
+
+def test_with_the_restitution_kept_stiffer_beads_are_compared_with_the_usual_ones():
+    usual = [published({"velocity": 0.1}, frequency=f) for f in (20, 50, 80)]
+    stiff = {"stiffness_keeps": "restitution"}
+    kept = [
+        published({"velocity": 0.1}, frequency=f, stiffness=y, **stiff)
+        for f in (20, 50, 80)
+        for y in (700, 2000, 5000)
+    ]
+    evidence = Evidence(made_results(*usual, *kept), "published", stiff)
+    checks = [check for check in g13(evidence) if check.what.startswith("change of V")]
+    assert len(checks) == 9 and {check.verdict for check in checks} == {REPRODUCED}
 
 
 def test_a_stiffness_that_was_not_run_leaves_the_claim_open():

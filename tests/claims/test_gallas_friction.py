@@ -49,6 +49,17 @@ def test_velocities_that_drift_decide_nothing(judge):
     assert all("longer runs" in check.withheld for check in checks_of(judge, points))
 
 
+@pytest.mark.parametrize(("half_width", "verdict"), [(1e-6, REPRODUCED), (2e-3, INCONCLUSIVE)])
+def test_velocities_must_be_known_not_to_drift(half_width, verdict):
+    steady = {"acceleration": 0.0, "acceleration_half_width": half_width}
+    points = [
+        published({"velocity": velocity} | steady, frequency=f, shear_damping=shear)
+        for f in (20, 50)
+        for shear, velocity in ((0, 0.0), (10, 0.1), (20, 0.102), (50, 0.105), (100, 0.108))
+    ]
+    assert verdict_of(g9, points) == verdict
+
+
 def test_beads_that_do_not_move_have_no_slope():
     assert verdict_of(g9, line([0, 0.1, -0.1, 0.1, 0.1])) == INCONCLUSIVE
 

@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import replace
+from math import inf, nan
 from typing import get_args
 
 import pytest
@@ -75,6 +76,15 @@ def test_only_contradictions_make_a_claim_dependent():
     assert judged(of(HOLDS), other).reading_dependent
     assert not judged(of(HOLDS), other).protocol_dependent
     assert judged(of(HOLDS), other).verdict == ON_THE_READING
+
+
+def test_of_many_readings_one_that_differs_must_do_so_clearly():
+    """p = 0.01 of one that fails is clear among two readings, and not as one of twelve."""
+    likely = Check("z", 0.0, nan, 0.0, inf, tested=(1.0, 0.01))
+    other = of(likely, reading="belt_ghost centred")
+    alike = [of(HOLDS, reading=f"corrections = {number}") for number in range(10)]
+    assert judged(of(HOLDS), other).reading_dependent
+    assert not judged(of(HOLDS), other, *alike).reading_dependent
 
 
 def test_a_control_is_no_reading():

@@ -7,7 +7,7 @@ from sim.claims.place import joined
 from sim.claims.verdict import INCONCLUSIVE, NOT_REPRODUCED, REPORTED, REPRODUCED, Untestable
 from sim.claims.walton_profiles import _densest_inner, w10, w11, w12, w13, w14, w17, w18
 from tests.claims.judging import checks_on, failed, verdict_on
-from tests.made.chute_flows import PACKING, SIZE, SLOPE, SPEEDS, UNIT, base_flows, bent, flow
+from tests.made.chute_flows import PACKING, PAPER, SIZE, SLOPE, SPEEDS, UNIT, base_flows, bent, flow
 from tests.made.results import SCATTER
 
 
@@ -230,6 +230,14 @@ def test_a_young_block_and_one_that_still_changes_decide_nothing():
     assert check.verdict == INCONCLUSIVE
     assert check.withheld == "averaged from 300 √(σ/g) on: runs of 2,000 and more"
     assert verdict_on(w14, block(scalars={"acceleration": -0.1 * SLOPE})) == INCONCLUSIVE
+
+
+def test_an_age_may_be_rounded_to_whole_samples_and_the_oldest_flow_counts():
+    # As a run with transient: 2000 has it, which ends with a whole sample.
+    rounded = {"average_start": np.full(5, 1999.947 * PAPER.time_unit)}
+    old = block(scalars=rounded, transient=2000)
+    assert verdict_on(w14, old) == REPRODUCED
+    assert verdict_on(w14, [*block(transient=300, replicates=9), *old]) == REPRODUCED
 
 
 def with_depths(*depths, scatter=SCATTER, **options):
