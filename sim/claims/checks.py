@@ -7,7 +7,7 @@ from math import inf
 from uncertainties import UFloat
 
 from sim.claims.place import Place
-from sim.claims.verdict import SIGMAS, Check, Untestable
+from sim.claims.verdict import LONGER, SIGMAS, Check, Untestable
 
 
 def within(
@@ -73,7 +73,14 @@ def beside(checks: Iterable[Check]) -> list[Check]:
 
 def withheld(checks: Iterable[Check], reason: str) -> list[Check]:
     """Return checks that decide nothing for a reason; as they are where it is empty."""
-    return [replace(check, withheld=reason or check.withheld) for check in checks]
+    return [
+        replace(
+            check,
+            withheld=reason or check.withheld,
+            short=check.points if LONGER in reason else check.short,
+        )
+        for check in checks
+    ]
 
 
 def in_parts(**judges: Callable[[], Iterable[Check]]) -> list[Check]:

@@ -8,7 +8,7 @@ from uncertainties import UFloat
 
 from sim.claims.evidence import Evidence
 from sim.claims.place import Place
-from sim.claims.verdict import Check, Untestable
+from sim.claims.verdict import LONGER, Check, Untestable
 
 #: Largest change of the velocity over the window, relative to it, of a flow that has settled.
 DRIFT = 0.1
@@ -70,7 +70,7 @@ def unsettled(place: Place) -> str:
         says = "accelerates" if place.regime == "accelerating" else "is of several regimes"
         return f"the flow at {at} {says}"
     if not abs(place.change.nominal_value) < DRIFT * abs(place.velocity.nominal_value):
-        return f"the flow at {at} has not settled: longer runs"
+        return f"the flow at {at} has not settled: {LONGER}"
     return ""
 
 
@@ -85,7 +85,7 @@ def still_changing(place: Place) -> str:
     if place.regime == "accelerating":
         return f"the flow at {at} accelerates"
     if not abs(place.change.nominal_value) < DRIFT * abs(place.velocity.nominal_value):
-        return f"the flow at {at} still changes: longer runs"
+        return f"the flow at {at} still changes: {LONGER}"
     return ""
 
 
@@ -109,11 +109,13 @@ def of_settled(checks: Iterable[Check], places: Iterable[Place]) -> list[Check]:
     ``places`` are all that the checks are on.
     """
     reasons = {place.id: unsettled(place) for place in places}
-    return [
-        replace(check, withheld=check.withheld or "; ".join(dict.fromkeys(found)))
-        for check in checks
-        for found in [[reasons[point] for point in check.points if reasons.get(point)]]
-    ]
+    of_checks = []
+    for check in checks:
+        found = {point: reasons[point] for point in check.points if reasons.get(point)}
+        short = tuple(point for point, reason in found.items() if LONGER in reason)
+        told = check.withheld or "; ".join(dict.fromkeys(found.values()))
+        of_checks.append(replace(check, withheld=told, short=check.short or short))
+    return of_checks
 
 
 def of_trend(check: Check, place: Place) -> Check:

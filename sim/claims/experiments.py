@@ -62,7 +62,11 @@ def _check(one: dict[str, Any]) -> Check:
     tested = one["tested"]
     return Check(
         **one
-        | {"points": tuple(one["points"]), "tested": None if tested is None else tuple(tested)}
+        | {
+            "points": tuple(one["points"]),
+            "short": tuple(one["short"]),
+            "tested": None if tested is None else tuple(tested),
+        }
     )
 
 

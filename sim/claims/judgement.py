@@ -108,15 +108,20 @@ class Judgement:
     @property
     def open(self) -> list[Check]:
         """The checks that keep the headline verdict open and that more replicates would decide."""
+        return [check for check in self._undecided if isfinite(check.times)]
+
+    @property
+    def short(self) -> list[str]:
+        """The points that have been watched for too short a time for the headline verdict."""
+        return list(dict.fromkeys(point for check in self._undecided for point in check.short))
+
+    @property
+    def _undecided(self) -> list[Check]:
+        """The checks on those parts of the headline verdict that are inconclusive."""
         decide = (self.deciding(self.headline, part) for part in self._parts)
         parts = zip(decide, self._parts, strict=True)
-        return [
-            check
-            for checks in [found.on(part) for found, part in parts if found]
-            if together(checks) == INCONCLUSIVE
-            for check in checks
-            if isfinite(check.times)
-        ]
+        votes = [found.on(part) for found, part in parts if found]
+        return [check for checks in votes if together(checks) == INCONCLUSIVE for check in checks]
 
     @property
     def readings(self) -> list[str]:

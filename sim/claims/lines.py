@@ -11,7 +11,7 @@ from uncertainties import UFloat, ufloat, umath
 from sim.claims.evidence import Evidence
 from sim.claims.inference import trend
 from sim.claims.place import Place
-from sim.claims.verdict import SIGMAS, Check
+from sim.claims.verdict import LONGER, SIGMAS, Check
 
 #: Lowest frequency (Hz) at which the bed certainly flows.
 FLOWING = 20.0
@@ -93,7 +93,7 @@ def drifting(place: Place) -> str:
         return ""
     return (
         f"V changes by {abs(drift.nominal_value):.1%}, or up to {most:.1%}, in {CYCLES} cycles at "
-        f"γ_s = {place['shear_damping']:g}g: longer runs or more beds"
+        f"γ_s = {place['shear_damping']:g}g: {LONGER} or more beds"
     )
 
 

@@ -40,6 +40,9 @@ TOO_FEW = 8
 #: Half width of a 95 % interval in standard deviations, as tables have it.
 SIGMAS = round(float(student(MANY)), 2)
 
+#: How the reason ends why a check is withheld that longer runs would decide.
+LONGER = "longer runs"
+
 #: More than so many times the replicates is no plan: the value lies on its threshold.
 NO_PLAN = 1000
 
@@ -82,6 +85,8 @@ class Check:
         Why it decides nothing although it is measured: a flow that has not settled, say.
     tested : (float, float), optional
         How often chance alone would be as clear that the claim holds, and that it fails.
+    short : tuple of str
+        Of the points those that have been watched for too short a time.
     """
 
     what: str
@@ -97,6 +102,7 @@ class Check:
     votes: bool = True
     withheld: str = ""
     tested: tuple[float, float] | None = None
+    short: tuple[str, ...] = ()
 
     @property
     def deciding(self) -> bool:

@@ -23,7 +23,7 @@ from sim.claims.chute import (
 from sim.claims.evidence import Evidence
 from sim.claims.place import Place, joined, measured, quotient
 from sim.claims.states import shares
-from sim.claims.verdict import NOT_REPRODUCED, REPRODUCED, Check, Unbounded, Untestable
+from sim.claims.verdict import LONGER, NOT_REPRODUCED, REPRODUCED, Check, Unbounded, Untestable
 
 #: Largest acceleration over g sin θ that counts as none, and the shortest time in √(σ/g).
 STEADY, LONG = 0.01, 100
@@ -98,7 +98,7 @@ def w7(evidence: Evidence) -> list[Check]:
     # low a velocity has been watched for too short a time; a plateau has another trend.
     rolls, fast = (of_trend(check, place) for check in checks)
     short = rolls.verdict == REPRODUCED and fast.verdict == NOT_REPRODUCED
-    return [rolls, *withheld([fast], "longer runs" if short else "")]
+    return [rolls, *withheld([fast], LONGER if short else "")]
 
 
 def w8(evidence: Evidence) -> list[Check]:

@@ -103,7 +103,7 @@ def _variant(variant: Variant, one: Judgement) -> dict[str, Any]:
 
 
 def _check(check: Check) -> dict[str, Any]:
-    held = {name: value for name, value in asdict(check).items() if name != "tested"}
+    held = {name: value for name, value in asdict(check).items() if name not in ("tested", "short")}
     shown = {
         "bound": check.bound,
         "p_holds": _told(check, check.holding),
@@ -147,7 +147,7 @@ def as_table(judgements: list[Judgement]) -> pd.DataFrame:
                 values = {
                     name: value
                     for name, value in asdict(check).items()
-                    if name not in ("part", "points", "tested")
+                    if name not in ("part", "points", "tested", "short")
                 }
                 shown = {
                     "p holds": _told(check, check.holding),

@@ -1,8 +1,8 @@
-"""More replicates where they decide something: which, at what cost, until the budget is spent."""
+"""More replicates and longer runs where they decide something, until the budget is spent."""
 
 import subprocess
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from math import ceil
 from pathlib import Path
@@ -22,22 +22,28 @@ from sim.study.load import Study, load_study
 #: it takes is not to be trusted far.
 MOST = 4
 
+#: Times as long that a round makes a run that is too short.
+TIMES = 2
+
 
 @dataclass(frozen=True)
 class Offer:
-    """A question, and how many replicates of which points would decide it.
+    """A question, and how much of which points would decide it.
 
-    ``hours`` are the core hours that those still to be run will take.
+    ``amounts`` by id of the point and name of the amount; ``hours`` are the core hours that what is
+    still to be run will take.
     """
 
     question: str
-    replicates: Mapping[str, int]
+    amounts: Mapping[str, Mapping[str, float]]
     hours: float
 
     def __str__(self) -> str:
-        many = len(self.replicates)
+        many = len(self.amounts)
         points = f"{many} point" + "s" * (many > 1)
-        return f"{self.question}: replicates of {points}, {self.hours:.2g} core hours"
+        more = any("replicates" in wanted for wanted in self.amounts.values())
+        what = "replicates" if more else "longer runs"
+        return f"{self.question}: {what} of {points}, {self.hours:.2g} core hours"
 
 
 def decide(study_path: Path, results: Path, cores: int | None) -> list[str] | int:
@@ -85,9 +91,9 @@ def _round(study_path: Path, results: Path) -> tuple[list[str], bool]:
     for offer in offers:
         fits = offer.hours <= left
         lines.append(f"{offer}" if fits else f"{offer}: beyond the budget")
-        for point, number in offer.replicates.items() if fits else ():
+        for point, wanted in offer.amounts.items() if fits else ():
             known = amounts.setdefault(point, {})
-            known["replicates"] = max(known.get("replicates", 0.0), float(number))
+            known |= {name: max(known.get(name, 0.0), value) for name, value in wanted.items()}
         left -= offer.hours if fits else 0.0
     bought = amounts != held.amounts
     if bought:
@@ -102,7 +108,7 @@ def _hours(dataset: xr.Dataset) -> float:
 
 
 def _offers(study: Study, results: Results) -> Iterator[Offer]:
-    """Yield what is open of what the study wants decided, and can be by more replicates."""
+    """Yield what is open of what the study wants decided, and can be by more or longer runs."""
     assert study.decide is not None, "asked of studies that decide something"
     if study.decide.claims is not None:
         yield from _of_claims(study, results, study.decide.claims)
@@ -122,6 +128,7 @@ def _of_claims(study: Study, results: Results, wanted: list[str]) -> Iterator[Of
                 for point in check.points:
                     times[point] = max(times.get(point, 1.0), check.times)
             yield from _offer(one.claim.id, times, study, results)
+            yield from _longer(one.claim.id, one.short, study, results)
 
 
 def _of_precision(study: Study, results: Results, precision: float) -> Iterator[Offer]:
@@ -141,15 +148,33 @@ def _offer(
 ) -> Iterator[Offer]:
     """Yield the offer to make points so many times as large, if the study may."""
     assert study.decide is not None, "asked of studies that decide something"
-    replicates, hours = {}, 0.0
+    amounts, hours = {}, 0.0
     for point, factor in times.items():
         took = _took(results.dataset, point)
         number = min(ceil(len(took) * min(factor, MOST)), study.decide.replicates)
         if number > len(took) > 0:
-            replicates[point] = number
+            amounts[point] = {"replicates": float(number)}
             hours += (number - len(took)) * float(took.mean()) / 3600
-    if replicates:
-        yield Offer(question, replicates, hours)
+    if amounts:
+        yield Offer(question, amounts, hours)
+
+
+def _longer(question: str, short: Iterable[str], study: Study, results: Results) -> Iterator[Offer]:
+    """Yield the offer to run points for longer, if the study may: what a run has of them grows."""
+    assert study.decide is not None, "asked of studies that decide something"
+    first = load_study(study.path, None).points
+    amounts, hours = {}, 0.0
+    for point in set(short) & first.keys():
+        now, own = study.points[point].parameters, first[point].parameters
+        name = "limit" if now.protocol == "converged" else "average"
+        had, most = getattr(now, name), study.decide.longer * getattr(own, name)
+        wanted = min(TIMES * had, most)
+        if wanted > had:
+            amounts[point] = {name: wanted}
+            share = (wanted - had) / (had if name == "limit" else now.transient + had)
+            hours += share * float(_took(results.dataset, point).sum()) / 3600
+    if amounts:
+        yield Offer(question, amounts, hours)
 
 
 def _took(dataset: xr.Dataset, point: str) -> np.ndarray:

@@ -111,7 +111,7 @@ class SeriesFile(_Family):
 
 
 class DecideFile(Strict):
-    """What is to be decided by more replicates, added in rounds by `python -m sim decide`."""
+    """What is to be decided by more replicates and longer runs, added in rounds."""
 
     budget: Real = Field(description="core hours that all rounds may add", gt=0, le=1e6)
     claims: list[Annotated[str, Field(pattern=r"^([WG][1-9][0-9]?|all)$")]] = optional(
@@ -125,6 +125,9 @@ class DecideFile(Strict):
         le=0.5,
     )
     replicates: int = Field(100, description="most replicates of a point", ge=2, le=1000)
+    longer: Real = Field(
+        8, description="most times as long as the study has it that a run may become", ge=1, le=1000
+    )
 
     @model_validator(mode="after")
     def _something(self) -> Self:

@@ -189,7 +189,9 @@ class StudyFile(Strict):
         "boundaries between regimes, found by refinement", min_length=1
     )
 
-    decide: DecideFile = optional("what more replicates are to decide, and at what cost")
+    decide: DecideFile = optional(
+        "what more replicates and longer runs are to decide, and at what cost"
+    )
     parts: list[
         # A lone hyphen would be standard input.
         Annotated[

@@ -138,7 +138,7 @@ def test_open_claims_get_the_replicates_of_their_points(made, monkeypatch, capsy
     first = next(iter(folder.points))
     check = Check("x", 1.5, 0.6, 1.0, 9.0, points=(first,), samples=99)
     judgements = [
-        SimpleNamespace(claim=SimpleNamespace(id=name), open=checks)
+        SimpleNamespace(claim=SimpleNamespace(id=name), open=checks, short=[])
         for name, checks in (("W8", [check]), ("W9", [check, check]))
     ]
     monkeypatch.setattr(deciding, "judge", lambda results: judgements)
@@ -187,4 +187,22 @@ def test_a_damaged_list_of_what_was_bought_is_set_aside(made, capsys):
     capsys.readouterr()
     assert folder.decide() == 2
     assert "list of what was bought" in capsys.readouterr().err
+    assert folder.replicates() == [3, 3]
+
+
+def test_runs_that_are_too_short_for_a_claim_get_longer(made, monkeypatch, capsys):
+    folder = made("budget: 10, claims: [W9], longer: 3")
+    first, _ = folder.points
+    judgement = SimpleNamespace(claim=SimpleNamespace(id="W9"), open=[], short=[first])
+    monkeypatch.setattr(deciding, "judge", lambda results: [judgement])
+
+    def average() -> list[float]:
+        return [point.parameters.average for point in folder.points.values()]
+
+    before = average()
+    for times in (2, 3, 3):
+        folder.decide()
+        assert average() == [times * before[0], before[1]]
+        folder.run()
+    assert "W9: longer runs of 1 point" in capsys.readouterr().out
     assert folder.replicates() == [3, 3]
