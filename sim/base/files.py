@@ -106,7 +106,10 @@ def alone(path: Path) -> Iterator[bool]:
     The kernel drops the lock with the process. Where the file system knows no locks, nobody waits.
     """
     name = path.with_name(f".{path.name}.lock")
-    # A folder that takes no files says so here: that is no lack of locks.
+    # A folder that takes no files says so here: that is no lack of locks. A link that somebody has
+    # put there would have what it leads to emptied.
+    if name.is_symlink():
+        name.unlink()
     name.touch()
     lock, waited = FileLock(name, fallback_to_soft=False), False
     with suppress(OSError):

@@ -82,3 +82,12 @@ def test_who_gives_up_waiting_leaves_the_lock_to_its_holder(tmp_path, monkeypatc
 def test_a_folder_that_takes_no_files_is_no_lack_of_locks(tmp_path):
     with pytest.raises(FileNotFoundError), alone(tmp_path / "nowhere" / "made.txt"):
         pass
+
+
+def test_a_link_in_the_place_of_the_lock_leads_to_nothing_that_is_changed(tmp_path):
+    precious = tmp_path / "precious"
+    precious.write_text("kept")
+    (tmp_path / ".made.txt.lock").symlink_to(precious)
+    with alone(tmp_path / "made.txt"):
+        assert precious.read_text() == "kept"
+    assert precious.read_text() == "kept"

@@ -185,7 +185,8 @@ def warn_of_namesake():
     Runs are named by what their points are, so the two studies share those they have in common and
     keep the others; the rest of the folder follows whichever study file was run last.
     """
-    with suppress(OSError, InputError):
+    # A damaged note names no study; the workflow writes it anew.
+    with suppress(OSError, InputError, ValueError):
         other = load_study(OWNER.read_text(encoding="utf-8"))
         if other.name == STUDY.name and set(other.points) != set(STUDY.points):
             print(
