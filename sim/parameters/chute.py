@@ -376,6 +376,13 @@ class ChuteParameters(Parameters):
         return max(1, round(self.depth * self.cell * self.cell))
 
     @property
+    def glued(self) -> int:
+        """Spheres glued to the plane: their circles cover the share of it that is wanted."""
+        if not self.bumps:
+            return 0
+        return max(1, round(self.bump_coverage * self.cell**2 / (math.pi / 4 * self.bumps**2)))
+
+    @property
     def cores(self) -> int:
         """Cores that a run can keep busy: one per thread."""
         return self.threads
@@ -407,4 +414,9 @@ class ChuteParameters(Parameters):
         if not self.depth * self.cell * self.cell <= MAX_PARTICLES:
             allowed = f"a value that gives at most {MAX_PARTICLES:.0e} particles in the cell"
             raise broken_rule("depth", self.depth, allowed)
+        if not self.particles + self.glued <= MAX_PARTICLES:
+            allowed = (
+                f"a value that gives at most {MAX_PARTICLES:.0e} particles, glued ones included"
+            )
+            raise broken_rule("bumps", self.bumps, allowed)
         return self

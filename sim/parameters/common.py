@@ -162,6 +162,11 @@ class Parameters(BaseModel):
     )
 
     @property
+    def glued(self) -> int:
+        """Number of particles that are fixed to the boundary, besides those that move."""
+        return 0
+
+    @property
     def is_stable(self) -> bool:
         """Whether the time step is within the bound that is known, if there is one."""
         return True

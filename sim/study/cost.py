@@ -27,12 +27,13 @@ class Estimate:
 
 
 def estimate(parameters: Parameters) -> Estimate:
-    """Estimate what all replicates of a point take together."""
+    """Estimate what all replicates of a point take together, glued particles included."""
+    every = parameters.particles + parameters.glued
     steps = parameters.replicates * (parameters.settling_steps + parameters.steps)
     return Estimate(
         particles=parameters.particles,
         steps=steps,
-        core_seconds=PROCESS_TIME + steps * parameters.particles / parameters.rate,
+        core_seconds=PROCESS_TIME + steps * every / parameters.rate,
         threads=parameters.cores,
-        memory=round(PROCESS_MEMORY + PARTICLE_MEMORY * parameters.particles),
+        memory=round(PROCESS_MEMORY + PARTICLE_MEMORY * every),
     )

@@ -379,6 +379,16 @@ def test_durations_are_written_in_the_unit_that_suits(seconds, text):
     assert duration(seconds) == text
 
 
+def test_glued_spheres_count_and_have_a_limit():
+    smooth, rough = (estimate(ChuteParameters(bumps=bumps)) for bumps in (0.0, 0.03))
+    # Circles of 0.03 σ that cover 40 % of 100 σ².
+    assert ChuteParameters(bumps=0.03).glued == 56_588
+    assert rough.core_seconds > 50 * smooth.core_seconds
+    assert rough.memory - smooth.memory == pytest.approx(56_588 * 4e-3, abs=1)
+    with pytest.raises(InputError, match=r"bumps: got 0\.001; allowed: .* glued ones included"):
+        parse_point({"system": "chute", "bumps": 0.001}, "point.yaml")
+
+
 def test_what_went_before_counts():
     alone = estimate(BeltParameters())
     shaken = estimate(BeltParameters(prior_frequency=30, prior_cycles=7, replicates=2))

@@ -47,9 +47,8 @@ def initial_layer(p: ChuteParameters, box: Box, replicate: int) -> Layer:
 def _above_bumps(mobile: Layer, p: ChuteParameters, box: Box, replicate: int) -> Layer:
     """Lift the spheres and put those that are glued to the plane below them."""
     rng = np.random.default_rng([p.seed, replicate, 1])
-    area = box.length[0] * box.length[1]
     diameter = p.bumps * p.diameter
-    radius = np.full(max(1, round(p.bump_coverage * area / (pi / 4 * diameter**2))), diameter / 2)
+    radius = np.full(p.glued, diameter / 2)
     glued = random_packing(box, 0.0, radius, rng)
     lifted = mobile.position + np.array([0.0, 0.0, diameter])
     return Layer(
