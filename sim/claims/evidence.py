@@ -61,7 +61,8 @@ class Evidence:
         """
         found = self._rows(system, where)
         if not found.size:
-            raise Untestable(f"no {self.protocol} run of the {system} at {_text(where)}")
+            at = f"{_text(where)}, all else as in the paper"
+            raise Untestable(f"no {self.protocol} run of the {system} at {at}")
         return self._place(self._points.richest(system, found, where))
 
     def line(self, system: str, along: str, **where: Any) -> dict[float, Place]:

@@ -108,7 +108,11 @@ class Judgement:
     @property
     def open(self) -> list[Check]:
         """The checks that keep the headline verdict open and that more replicates would decide."""
-        return [check for check in self._undecided if isfinite(check.times)]
+        return [
+            check
+            for check in self._undecided
+            if isfinite(check.times) or not (check.known or check.withheld)
+        ]
 
     @property
     def short(self) -> list[str]:

@@ -104,7 +104,7 @@ def _logged(parameters: Parameters, runs: Path, logs: Path) -> int:
     except SystemExit:
         print(f"{name}: terminated; the next start continues it", file=sys.stderr)
         raise
-    except _BeyondAllMachines as error:
+    except (_BeyondAllMachines, InputError) as error:
         log.error("error: %s", error)
         print(f"error: {error}", file=sys.stderr)
         return SYSTEM_ERROR
@@ -126,7 +126,8 @@ def _run_one(parameters: Parameters, output: Path, quiet: bool, record_failure: 
     from sim.engine.held import current_status
     from sim.engine.run import BLOWN_UP, run_point
 
-    if status := current_status(output, parameters):
+    # A run that starts from another is current only if that has not gone on.
+    if not parameters.start_from and (status := current_status(output, parameters)):
         log.info("%s: already there", output)
         return BLOWN_UP if status == "failed" and not record_failure else 0
     try:

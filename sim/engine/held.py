@@ -74,6 +74,16 @@ def _told(path: Path, parameters: Parameters) -> list[dict[str, float]]:
     return []
 
 
+def started_at(path: Path) -> list[int]:
+    """Return how many samples the replicates of another run had taken that these started from.
+
+    Empty for a run that starts as in the paper, and where there is no run file.
+    """
+    with suppress(OSError, ValueError), netCDF4.Dataset(path) as file:
+        return [int(number) for number in getattr(file, "origin", "").split()]
+    return []
+
+
 def read_parameters(path: Path) -> Parameters:
     """Return the point of a run file, with how much of it the file holds.
 

@@ -19,7 +19,7 @@ SUBSTEPS = 2
 
 
 #: Puts the system of a replicate, by its number, into the state that it starts from.
-Origin = Callable[[System, int], None]
+Start = Callable[[System, int], None]
 
 
 class Keeper(Protocol):
@@ -97,7 +97,7 @@ class Replicate:
         return made
 
     def run(
-        self, advanced: Callable[[int], None], keeper: Keeper, origin: Origin | None = None
+        self, advanced: Callable[[int], None], keeper: Keeper, start: Start | None = None
     ) -> Record:
         """Run to the end, or to the second blow-up.
 
@@ -107,17 +107,17 @@ class Replicate:
             Is told of every number of steps, as the point counts them, that is done.
         keeper : Keeper
             Is shown this replicate whenever its state may be kept.
-        origin : callable, optional
+        start : callable, optional
             Puts the system into the state that it starts from; else it starts as in the paper.
         """
         if not self.has_failed:
-            failure = self._attempt(advanced, keeper, origin)
+            failure = self._attempt(advanced, keeper, start)
             if failure and self.substeps == 1:
                 name = point_id(self.parameters)
                 log.warning("%s: %s; again with half the time step", name, failure)
                 self._looped = self.loop_time
                 self._start(SUBSTEPS)
-                failure = self._attempt(advanced, keeper, origin)
+                failure = self._attempt(advanced, keeper, start)
             if failure:
                 keeper.keep(self)
         return self._record()
@@ -127,15 +127,13 @@ class Replicate:
         """Whether it has blown up with half the time step, too."""
         return len(self.failures) > 1
 
-    def _attempt(
-        self, advanced: Callable[[int], None], keeper: Keeper, origin: Origin | None
-    ) -> str:
+    def _attempt(self, advanced: Callable[[int], None], keeper: Keeper, start: Start | None) -> str:
         """Run to the end or to a blow-up; return its reason."""
         recorder = self.recorder
         try:
             if not recorder.snapshots:
-                if origin:
-                    origin(self.system, self.number)
+                if start:
+                    start(self.system, self.number)
                 else:
                     self.system.settle()
                 recorder.take_snapshot()

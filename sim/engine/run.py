@@ -13,12 +13,12 @@ import numpy as np
 from sim import __version__
 from sim.base.files import alone
 from sim.base.statistics import student_half_width
-from sim.engine.held import current_status
+from sim.engine.held import current_status, started_at
 from sim.engine.identity import NUMERICS, library_versions, source_hash
 from sim.engine.observe.recorder import Record
 from sim.engine.observe.run_file import Layout, Stage, write
 from sim.engine.observe.system import System
-from sim.engine.origin import origin_of
+from sim.engine.origin import Origin, is_alike, origin_of
 from sim.engine.progress import length, progress
 from sim.engine.replicate import Replicate
 from sim.engine.stages import read_stages
@@ -61,39 +61,47 @@ def run_point(
     if parameters.caveat:
         log.warning("%s: %s", name, parameters.caveat)
     with alone(output):
-        status = current_status(output, parameters)
+        origin = origin_of(parameters, output)
+        is_old = origin is not None and not is_alike(origin.samples, started_at(output))
+        if is_old:
+            log.info("%s: what it starts from has gone on; computed anew", name)
+        status = "" if is_old else current_status(output, parameters)
         if not status:
-            status = _compute(parameters, output, quiet)
+            status = _compute(parameters, output, quiet, origin, is_old)
             log.info("%s: written", output)
     return BLOWN_UP if status == "failed" and not record_failure else 0
 
 
-def _compute(parameters: Parameters, output: Path, quiet: bool) -> str:
+def _compute(
+    parameters: Parameters, output: Path, quiet: bool, origin: Origin | None, is_old: bool
+) -> str:
     """Run what is wanted and not known yet of a point; write the file and return its status.
 
     Known are the records of a run file of the same point, as far as the lengths are the same, and
-    the states of replicates, which are run on.
+    the states of replicates, which are run on; where ``is_old``, its start is another, nothing is.
     """
-    held = read_stages(output, parameters)
+    held = [] if is_old else read_stages(output, parameters)
     if held:
         parameters = more(parameters, amounts(held[0].parameters))
     same = bool(held) and _lengths(held[0].parameters) == _lengths(parameters)
     records = list(held[0].records) if same else []
-    states = States(output, parameters, checkpoint_interval())
+    samples = origin.samples if origin else ()
+    states = States(output, parameters, checkpoint_interval(), samples)
     left = range(len(records), parameters.replicates)
     known = [states.samples(number) for number in left if number in states]
     if held or known:
         log.info("%s: %s", output, "grows" if held else "continued from a checkpoint")
-    origin = origin_of(parameters, output)
     done = len(records) * parameters.steps + sum(known) * parameters.sample_steps
     with states, progress(parameters, output, quiet, done) as advanced:
         for number in left:
             replicate = states.replicate(parameters, number) or Replicate(parameters, number)
-            records.append(replicate.run(advanced, states, origin))
+            records.append(replicate.run(advanced, states, origin and origin.start))
     # They shall know at least as much as the run file.
     states.save()
     stages = [Stage(parameters, records), *(held[1:] if same else held)]
     attributes = _attributes(parameters, records)
+    if origin:
+        attributes["origin"] = " ".join(map(str, samples[: parameters.replicates]))
     write(output, stages, _layout(parameters, replicate.system), attributes)
     _tell(parameters, output, records)
     return attributes["status"]

@@ -8,7 +8,7 @@ import signal
 import threading
 import time
 import zipfile
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from pathlib import Path
 from types import FrameType
@@ -108,12 +108,26 @@ class States:
         The point; states of another one are not accepted.
     interval : float
         Seconds of wall time between two writes.
+    origin : sequence of int
+        For runs that start from another's end, how many samples that had (`sim.engine.origin`).
+    own : bool
+        Whether the run is that of this process, which sets damaged states aside; of another's it is
+        an error that they are.
     """
 
-    def __init__(self, output: Path, parameters: Parameters, interval: float = INTERVAL):
+    def __init__(
+        self,
+        output: Path,
+        parameters: Parameters,
+        interval: float = INTERVAL,
+        origin: Sequence[int] = (),
+        own: bool = True,
+    ):
         self.path = output.with_name(f".{output.name}.state")
         self.interval = interval
         self._identity = {"format": FORMAT, "numerics": NUMERICS, "point": point_id(parameters)}
+        self._origin = list(origin)
+        self._own = own
         self._due = time.monotonic() + interval
         self._terminated = False
         self._before: _Handler = None
@@ -188,7 +202,8 @@ class States:
         sizes = {number: len(archive) for number, archive in sorted(self._archives.items())}
         with replacing(self.path) as temporary:
             with temporary.open("wb") as file:
-                file.write(json.dumps(self._identity | {"sizes": sizes}).encode() + b"\n")
+                header = self._identity | {"sizes": sizes, "origin": self._origin}
+                file.write(json.dumps(header).encode() + b"\n")
                 for number in sizes:
                     file.write(self._archives[number])
             seal(temporary)
@@ -207,6 +222,8 @@ class States:
                 sizes = self._sizes(file)
                 return {int(number): file.read(size) for number, size in sizes.items()}
             except (ValueError, LookupError, TypeError, AttributeError) as error:
+                if not self._own:
+                    raise InputError(f"{self.path}: {error}") from None
                 aside = set_aside(self.path)
                 log.warning("%s: %s; set aside as %s", self.path, error, aside)
         return {}
@@ -221,6 +238,9 @@ class States:
             raise ValueError("damaged or no states of a run") from None
         if differ:
             raise ValueError(f"states of other {differ[0]}")
+        known = zip(header.get("origin", []), self._origin, strict=False)
+        if any(one != other for one, other in known):
+            raise ValueError("states from before the run that they start from went on")
         if is_damaged(self.path, must_be_sealed=True):
             raise ValueError("damaged: the checksum is wrong")
         return header["sizes"]

@@ -162,7 +162,8 @@ def require_alike(parameters: Parameters, source: Parameters, where: str) -> Non
     else:
         for name in parameters.kept:
             if getattr(source, name) != (own := getattr(parameters, name)):
-                allowed = f"a run with {name} = {own}, as of the point itself"
+                theirs = getattr(source, name)
+                allowed = f"a run with {name} = {own}, as of the point itself, not {theirs}"
     if allowed:
         raise InputError.of_value(where, "start_from", parameters.start_from, allowed)
 

@@ -12,7 +12,6 @@ import xarray as xr
 
 from sim.base.errors import InputError
 from sim.claims.judge import judge
-from sim.claims.table import claims
 from sim.dataset.agreement import require_agreement
 from sim.dataset.results import Results, load_results
 from sim.study.bought import Bought, read_bought, write_bought
@@ -117,16 +116,14 @@ def _offers(study: Study, results: Results) -> Iterator[Offer]:
 
 
 def _of_claims(study: Study, results: Results, wanted: list[str]) -> Iterator[Offer]:
-    known = {claim.id for claim in claims()}
-    if odd := set(wanted) - known - {"all"}:
-        allowed = f"all, or of {', '.join(sorted(known))}"
-        raise InputError.of_value(study.path, "decide.claims", sorted(odd)[0], allowed)
     for one in judge(results):
         if one.claim.id in wanted or "all" in wanted:
             times: dict[str, float] = {}
             for check in one.open:
                 for point in check.points:
-                    times[point] = max(times.get(point, 1.0), check.times)
+                    # Too few samples to tell how many it takes.
+                    needed = check.times if check.known else MOST
+                    times[point] = max(times.get(point, 1.0), needed)
             yield from _offer(one.claim.id, times, study, results)
             yield from _longer(one.claim.id, one.short, study, results)
 

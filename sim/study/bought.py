@@ -7,7 +7,7 @@ from pathlib import Path
 
 from sim.base.files import replacing
 from sim.base.reading import reading
-from sim.parameters import Parameters, more
+from sim.parameters import AMOUNTS, Parameters, more
 from sim.study.model import Point
 
 
@@ -39,10 +39,18 @@ def read_bought(folder: Path) -> Bought:
     with reading(path, "list of what was bought", replaceable=True):
         held = json.loads(path.read_text(encoding="utf-8"))
         amounts = {
-            point: {name: float(value) for name, value in wanted.items()}
+            point: {name: _usable(name, value) for name, value in wanted.items()}
             for point, wanted in held["amounts"].items()
         }
         return Bought(amounts, float(held["before"]))
+
+
+def _usable(name: str, value: float) -> float:
+    """Return an amount that a point may have; raise ``ValueError`` for any other."""
+    most = 1000 if name == "replicates" else 1e12
+    if name not in AMOUNTS or not 0 < float(value) <= most:
+        raise ValueError(f"{name}: {value} is no amount of a run")
+    return float(value)
 
 
 def write_bought(folder: Path, bought: Bought) -> None:
@@ -53,11 +61,21 @@ def write_bought(folder: Path, bought: Bought) -> None:
 
 
 def with_bought(points: Mapping[str, Point], bought: Bought) -> dict[str, Point]:
-    """Return points of which as much is wanted as was bought, or more."""
-    return {
+    """Return points of which as much is wanted as was bought, or more.
+
+    What points start from has as many replicates as they have.
+    """
+    grown = {
         name: replace(point, parameters=_grown(point.parameters, bought.amounts.get(name, {})))
         for name, point in points.items()
     }
+    for point in list(grown.values()):
+        name, wanted = point.parameters.start_from, {"replicates": point.parameters.replicates}
+        while name in grown:
+            source = grown[name]
+            grown[name] = replace(source, parameters=more(source.parameters, wanted))
+            name = source.parameters.start_from
+    return grown
 
 
 def _grown(parameters: Parameters, wanted: Mapping[str, float]) -> Parameters:

@@ -110,11 +110,15 @@ class SeriesFile(_Family):
     figures: list[str] = Field([], description="figures that the series feeds")
 
 
+#: A claim of the papers, or all of them.
+CLAIM = r"^(W([1-9]|1[0-9]|2[0-6])|G([1-9]|[12][0-9]|3[0-6])|all)$"
+
+
 class DecideFile(Strict):
     """What is to be decided by more replicates and longer runs, added in rounds."""
 
     budget: Real = Field(description="core hours that all rounds may add", gt=0, le=1e6)
-    claims: list[Annotated[str, Field(pattern=r"^([WG][1-9][0-9]?|all)$")]] = optional(
+    claims: list[Annotated[str, Field(pattern=CLAIM)]] = optional(
         "claims of the papers to be decided, as G3; [all] for all that the study tests",
         min_length=1,
     )

@@ -78,9 +78,17 @@ def _require_starts(study: Study, source: str) -> None:
         start = point.parameters.start_from
         if start in study.points:
             require_alike(point.parameters, study.points[start].parameters, source)
-        elif start and not (start.endswith(RUN_FILE) and Path(start).is_file()):
+        elif start and not (start.endswith(RUN_FILE) and _is_there(Path(start))):
             allowed = "the id of a point of the study, or a run file (*.nc) that is there"
             raise InputError.of_value(source, "start_from", start, allowed)
+
+
+def _is_there(path: Path) -> bool:
+    """Return whether there is a file; a name that is too long is that of none."""
+    try:
+        return path.is_file()
+    except OSError:
+        return False
 
 
 def _part(path: Path, source: str, index: int) -> Any:

@@ -11,8 +11,10 @@ from sim.engine.run import run_point
 from sim.parameters import Parameters, parse_point, point_id
 from sim.study.load import parse_study
 from tests.engine_motion.points import belt_point, chute_point
+from tests.golden import digest
 
 CHUTE = chute_point(depth=2, cell=5, transient=2, average=4, replicates=2, stress_profiles=True)
+FAILING = parse_point(CHUTE.model_dump() | {"overlap_limit": 1e-6}, "point")
 BELT = belt_point(beads=20, width=5, transient=1, average=3, replicates=2)
 
 
@@ -79,8 +81,31 @@ def test_what_a_flow_cannot_turn_into_is_refused(changes, message, tmp_path):
 def test_a_run_without_its_states_is_refused(tmp_path):
     first = run(tmp_path, CHUTE)
     first.with_name(f".{first.name}.state").unlink()
-    with pytest.raises(InputError, match="replicate 0 has ended well, with its states beside it"):
+    with pytest.raises(InputError, match=r"the state of its replicate 0 in .* beside it"):
         run(tmp_path, CHUTE, start_from=first.stem, angle=20.0)
+
+
+def test_what_starts_from_a_failure_has_failed(tmp_path):
+    """So that the rest of a study goes on."""
+    first = tmp_path / f"{point_id(FAILING)}.nc"
+    assert run_point(FAILING, first, quiet=True, record_failure=True) == 0
+    then = parse_point(CHUTE.model_dump() | {"start_from": first.stem}, "point")
+    path = tmp_path / f"{point_id(then)}.nc"
+    assert run_point(then, path, quiet=True, record_failure=True) == 0
+    with xr.open_dataset(path) as found:
+        assert set(found["status"].values) == {"failed"}
+        assert "from which it starts, has failed" in str(found["reason"].values[0])
+
+
+def test_the_states_of_another_run_are_left_where_they_are(tmp_path):
+    first = run(tmp_path, CHUTE)
+    states = first.with_name(f".{first.name}.state")
+    states.write_bytes(b"none")
+    with pytest.raises(InputError, match="damaged or no states of a run"):
+        run(tmp_path, CHUTE, start_from=first.stem)
+    assert states.read_bytes() == b"none"
+    with pytest.raises(InputError, match="another run than that to be made"):
+        run_point(parse_point(CHUTE.model_dump() | {"start_from": str(first)}, "point"), first)
 
 
 def test_a_run_that_is_not_there_is_named(tmp_path):
@@ -110,6 +135,22 @@ def test_a_study_names_points_of_its_own_or_files_that_are_there(tmp_path):
             study({"depth": 2, "start_from": start})
     with pytest.raises(InputError, match=r"a run with depth = 3\.0"):
         study({"depth": 2}, {"depth": 3, "start_from": first})
+
+
+def test_a_start_that_has_gone_on_is_another_start(tmp_path):
+    """Bits of what then starts from it are those of a run that always had."""
+    late = {"start_from": run(tmp_path / "late", CHUTE, average=6).stem, "angle": 24.0}
+    expected = run(tmp_path / "late", CHUTE, **late)
+    early = run(
+        tmp_path / "early", CHUTE, **late | {"start_from": run(tmp_path / "early", CHUTE).stem}
+    )
+    before = digest(early)
+    run(tmp_path / "early", CHUTE, replicates=3)
+    assert digest(run(tmp_path / "early", CHUTE, **late)) == before
+    run(tmp_path / "early", CHUTE, average=6)
+    assert digest(run(tmp_path / "early", CHUTE, **late)) == digest(expected) != before
+    inode = early.stat().st_ino
+    assert run(tmp_path / "early", CHUTE, **late).stat().st_ino == inode
 
 
 def test_what_is_neither_an_id_nor_a_run_file_is_refused():

@@ -1,16 +1,20 @@
 """Replicates that decide something are added in rounds, the cheapest first, for a budget."""
 
 import json
+import re
+from math import inf
 from types import SimpleNamespace
 
 import pytest
 
 from sim.__main__ import main
 from sim.base.errors import InputError
+from sim.claims.table import claims
 from sim.claims.verdict import Check
 from sim.dataset.build import build
 from sim.report import decide as deciding
 from sim.study.bought import bought_file
+from sim.study.entries import CLAIM
 from sim.study.load import load_study
 from tests.made.runs import write_run
 
@@ -166,10 +170,19 @@ def test_what_cannot_be_decided_is_refused(tmp_path, text, message):
         load_study(tmp_path / "open.yaml", tmp_path)
 
 
-def test_a_claim_that_there_is_not_is_named(made, capsys):
-    folder = made("budget: 1, claims: [W99]")
-    assert folder.decide() == 2
-    assert "decide.claims: got 'W99'" in capsys.readouterr().err
+def test_claims_of_the_papers_may_be_decided_and_no_others():
+    assert all(re.fullmatch(CLAIM, claim.id) for claim in claims())
+    assert not any(re.fullmatch(CLAIM, name) for name in ("W0", "W27", "G37", "G99", "X1"))
+
+
+def test_what_has_too_few_samples_to_tell_gets_some(made, monkeypatch):
+    folder = made("budget: 10, claims: [W9]")
+    first, _ = folder.points
+    check = Check("x", 1.5, inf, 1.0, 9.0, points=(first,), samples=3)
+    judgement = SimpleNamespace(claim=SimpleNamespace(id="W9"), open=[check], short=[])
+    monkeypatch.setattr(deciding, "judge", lambda results: [judgement])
+    folder.decide()
+    assert folder.replicates() == [12, 3]
 
 
 def test_a_study_that_decides_nothing_says_so(made, capsys):
@@ -180,10 +193,13 @@ def test_a_study_that_decides_nothing_says_so(made, capsys):
     assert "decide: got" in capsys.readouterr().err
 
 
-def test_a_damaged_list_of_what_was_bought_is_set_aside(made, capsys):
+@pytest.mark.parametrize("amounts", [None, "replicates: NaN", "average: Infinity", "foo: 2"])
+def test_a_damaged_list_of_what_was_bought_is_set_aside(amounts, made, capsys):
     folder = made("budget: 10, precision: 0.05")
     folder.decide()
-    bought_file(folder.root / "open").write_text("{")
+    name, _, value = (amounts or "").partition(": ")
+    wanted = f'{{"before": 0, "amounts": {{"{next(iter(folder.points))}": {{"{name}": {value}}}}}}}'
+    bought_file(folder.root / "open").write_text(wanted if amounts else "{")
     capsys.readouterr()
     assert folder.decide() == 2
     assert "list of what was bought" in capsys.readouterr().err

@@ -13,6 +13,7 @@ from sim.base.errors import InputError
 from sim.base.words import duration
 from sim.parameters import BeltParameters, ChuteParameters, parse_point, point_id
 from sim.report.points import as_json, as_table, warnings
+from sim.study.bought import Bought, with_bought
 from sim.study.catalogue import FIGURES
 from sim.study.load import MAX_POINTS, Study, estimate, parse_study
 
@@ -419,3 +420,15 @@ def test_a_grid_has_one_value_of_how_much_is_run():
     series = {"name": "a", "system": "belt", "grid": {"replicates": [1, 2]}}
     with pytest.raises(InputError, match=r"s.yaml: series\[0\].grid.replicates: got \[1, 2\]; "):
         parse_study({"study": "s", "series": [series]}, "s.yaml", None)
+
+
+def test_what_points_start_from_is_bought_as_many_replicates_as_they(parse):
+    series = [{"name": "a", "system": "chute"}]
+    first = next(iter(parse({"study": "s", "series": series}).points))
+    for name in ("b", "c"):
+        base = {"angle": 20 + len(series), "start_from": first}
+        series.append({"name": name, "system": "chute", "base": base})
+        study = parse({"study": "s", "series": series})
+        *_, first = study.points
+    bought = with_bought(study.points, Bought({first: {"replicates": 5.0}}))
+    assert [point.parameters.replicates for point in bought.values()] == [5, 5, 5]

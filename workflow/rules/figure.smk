@@ -19,7 +19,7 @@ rule figures:
     params:
         folder=subpath(output[0], parent=True),
         names=list(STUDY.figures),
-        entries=[repr(FIGURES[name]) for name in STUDY.figures],
+        entries=lambda wildcards: [repr(FIGURES[name]) for name in STUDY.figures],
         code=room("figures"),
     shell:
         "python -m sim figure {params.names} {input} --output {params.folder}"
