@@ -2,8 +2,6 @@
 
 PYTHON ?= python3
 CORES ?= 2
-# One more than cores, as tests of workflows wait for processes of theirs.
-WORKERS ?= $(shell expr $(CORES) + 1)
 VENV := .venv
 BIN := $(VENV)/bin
 STAMP := $(VENV)/.locked
@@ -36,7 +34,7 @@ $(PAPERS:%=paper-%): paper-%: setup
 	$(BIN)/python -m sim publish config/paper_$*.yaml
 
 test: setup  ## the whole test suite
-	$(BIN)/python -m pytest -n $(WORKERS) --dist loadfile --no-loadscope-reorder
+	$(BIN)/python -m pytest -n $(CORES) --dist loadfile --no-loadscope-reorder
 
 long: setup  ## tests that take long: published results computed anew, more examples
 	$(BIN)/python -m pytest -m long

@@ -309,8 +309,7 @@ def test_what_only_reads_needs_no_place_to_write(tmp_path, monkeypatch, capsys):
     ("point", "word"),
     [
         ("{system: belt, width: 1.0e+13}", "allocate"),
-        ("{system: chute, bumps: 1.0e-7}", "allocate"),
-        ("{system: chute, bumps: 1.0e-15}", "dimension"),
+        ("{system: chute, depth: 1.0e-15, cell: 1.0e+10}", "dimension"),
     ],
 )
 def test_what_no_machine_can_compute_ends_in_one_line(point, word, tmp_path, monkeypatch, capsys):

@@ -15,8 +15,8 @@ log = logging.getLogger("talus")
 
 SYSTEM_ERROR = 1
 
-#: What numpy says of an array that no address could reach.
-TOO_LARGE = "Maximum allowed dimension exceeded"
+#: What numpy says of an array that no address could reach, and of one that no integer could count.
+TOO_LARGE = ("Maximum allowed dimension exceeded", "negative dimensions are not allowed")
 
 
 class _BeyondAllMachines(Exception):
@@ -134,7 +134,7 @@ def _run_one(parameters: Parameters, output: Path, quiet: bool, record_failure: 
         return run_point(parameters, output, quiet=quiet, record_failure=record_failure)
     except (MemoryError, ArithmeticError, ValueError) as error:
         # From values that are allowed one by one, and together beyond all memory or numbers.
-        if isinstance(error, ValueError) and TOO_LARGE not in str(error):
+        if isinstance(error, ValueError) and not str(error).startswith(TOO_LARGE):
             raise
         said = " ".join(str(error).split()) or "out of memory"
         raise _BeyondAllMachines(f"{point_id(parameters)}: cannot be computed: {said}") from None
