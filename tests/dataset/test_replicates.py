@@ -54,6 +54,16 @@ def test_slopes_that_scatter_as_each_run_knows_average_out():
         assert np.median(found) == pytest.approx(1.96 / np.sqrt(count))
 
 
+@pytest.mark.parametrize("between", [0.0, 0.5, 1.0, 2.0])
+@pytest.mark.parametrize("count", [3, 6, 16])
+def test_the_interval_of_a_slope_holds_however_much_replicates_differ(count, between):
+    rng = np.random.default_rng([count, int(10 * between)])
+    slopes = rng.normal(size=(1500, count)) * np.hypot(1.0, between)
+    own = np.full(count, 1.96)
+    held = [abs(one.mean()) < slope_interval(one, own) for one in slopes]
+    assert np.mean(held) > 0.9
+
+
 def test_slopes_of_different_states_do_not():
     slopes = np.array([10.0, -10.0, 10.0, -10.0])
     assert slope_interval(slopes, np.full(4, 0.1)) == student_half_width(slopes)
