@@ -57,6 +57,11 @@ def is_flowing(place: Place) -> bool:
     return place.regime not in ("arrested", "failed")
 
 
+def _changes(place: Place) -> bool:
+    """Return whether the mean slope of its replicates changes V by 10 % over the window."""
+    return not abs(place.change.nominal_value) < DRIFT * abs(place.velocity.nominal_value)
+
+
 def unsettled(place: Place) -> str:
     """Return why a flow has not settled, empty for one that has.
 
@@ -69,7 +74,7 @@ def unsettled(place: Place) -> str:
     if place.regime in ("accelerating", "mixed"):
         says = "accelerates" if place.regime == "accelerating" else "is of several regimes"
         return f"the flow at {at} {says}"
-    if not abs(place.change.nominal_value) < DRIFT * abs(place.velocity.nominal_value):
+    if _changes(place):
         return f"the flow at {at} has not settled: {LONGER}"
     return ""
 
@@ -84,7 +89,7 @@ def still_changing(place: Place) -> str:
         return f"the flow at {at} does not move"
     if place.regime == "accelerating":
         return f"the flow at {at} accelerates"
-    if not abs(place.change.nominal_value) < DRIFT * abs(place.velocity.nominal_value):
+    if _changes(place):
         return f"the flow at {at} still changes: {LONGER}"
     return ""
 

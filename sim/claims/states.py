@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from functools import partial
 
 import numpy as np
+from uncertainties import UFloat
 
 from sim.claims.checks import reported
 from sim.claims.inference import share_of
@@ -28,14 +29,18 @@ def has_plug(place: Place) -> np.ndarray:
     return plug_shares(place) > layers.PLUG
 
 
+def share_with(plugs: np.ndarray) -> UFloat:
+    """Return the share of runs (R,) with a plug: the middle of its 95 % interval, and that."""
+    low, high = share_of(int(plugs.sum()), plugs.size)
+    return measured(0.5 * (low + high), 0.5 * (high - low))
+
+
 def shares(what: str, places: Sequence[Place]) -> list[Check]:
     """Return what is reported of states: the share of plugs, and the mean V of each state."""
     plugs = np.concatenate([has_plug(place) for place in places])
     speeds = np.concatenate([place.values("velocity") for place in places])
-    low, high = share_of(int(plugs.sum()), plugs.size)
-    share = measured(0.5 * (low + high), 0.5 * (high - low))
     told = f"{what}: {plugs.sum()} of {plugs.size} runs have a plug; its share"
-    checks = [reported(told, share, places)]
+    checks = [reported(told, share_with(plugs), places)]
     for name, state in (("with", plugs), ("without", ~plugs)):
         if state.any():
             mean = f"{what}: V of the runs {name} a plug"

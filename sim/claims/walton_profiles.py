@@ -9,9 +9,9 @@ from uncertainties import UFloat
 from sim.claims.checks import above, below, reported, withheld
 from sim.claims.chute import WIDTHS, age, base, of_settled, repeated, still_changing, unlike
 from sim.claims.evidence import Evidence
-from sim.claims.inference import share_above, share_of, trend
-from sim.claims.place import Place, joined, measured
-from sim.claims.states import PROFILES, plug_shares
+from sim.claims.inference import share_above, trend
+from sim.claims.place import Place, joined
+from sim.claims.states import PROFILES, plug_shares, share_with
 from sim.claims.trends import least, mean_of_others
 from sim.claims.verdict import Check, Untestable
 from sim.dataset.measures import layers
@@ -72,8 +72,7 @@ def w11(evidence: Evidence) -> list[Check]:
     for cell, own in cells.items():
         if own.size:
             what = f"share of runs with a plug in cells of {cell} σ, {own.size} runs"
-            low, high = share_of(int(own.sum()), own.size)
-            checks.append(reported(what, measured(0.5 * (low + high), 0.5 * (high - low))))
+            checks.append(reported(what, share_with(own)))
     return checks
 
 

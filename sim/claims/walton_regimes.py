@@ -208,20 +208,23 @@ def _arrested(place: Place) -> Check:
         rests = 1.0
     elif "arrested" not in regimes and (regimes == {"accelerating"} or not unsettled(place)):
         rests = 0.0
-    named = f"μ = {place['friction']:g}, n = {place['depth']:g}, V0 = {place['initial_velocity']:g}"
-    return above(f"at rest (1) or not (0), {named}", rests, 0.5, [place])
+    return above(f"at rest (1) or not (0), {_rough(place)}", rests, 0.5, [place])
+
+
+def _rough(place: Place) -> str:
+    """Return what tells a flow of the sweeps over friction from others."""
+    return f"μ = {place['friction']:g}, n = {place['depth']:g}, V0 = {place['initial_velocity']:g}"
 
 
 def _waited(place: Place) -> list[Check]:
     """Return what is reported of the time, in √(σ/g), after which a flow was at rest, if it is."""
     if place.regime != "arrested":
         return []
-    named = f"μ = {place['friction']:g}, n = {place['depth']:g}, V0 = {place['initial_velocity']:g}"
     try:
         waited = joined(place.values("transient_end")) / (natural(place) / place["gravity"])
     except Untestable:
         return []
-    return [reported(f"time until at rest, {named}", waited, [place], "√(σ/g)")]
+    return [reported(f"time until at rest, {_rough(place)}", waited, [place], "√(σ/g)")]
 
 
 def w23(evidence: Evidence) -> list[Check]:

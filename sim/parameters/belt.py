@@ -57,7 +57,6 @@ class BeltParameters(Parameters):
         *("seed", "beads", "width", "diameter", "diameter_spread", "mass", "obstacle", "phase"),
         *("belt_ghost", "integrator", "corrector_order"),
     )
-    bounds_step: ClassVar[bool] = True
 
     system: Literal["belt"] = declare("belt", description="which of the two systems")
     frequency: Real = declare(

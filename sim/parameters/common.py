@@ -69,8 +69,6 @@ class Parameters(BaseModel):
         Values that make a run as small and short as may be.
     kept : tuple of str
         What a flow cannot change on its way: it shares them with the run that it starts from.
-    bounds_step : bool
-        Whether a bound of the time step is known, so that `is_stable` says something.
     """
 
     model_config = ConfigDict(
@@ -84,7 +82,6 @@ class Parameters(BaseModel):
     boundaries: ClassVar[tuple[str, ...]]
     smallest: ClassVar[dict[str, Any]]
     kept: ClassVar[tuple[str, ...]]
-    bounds_step: ClassVar[bool] = False
 
     if TYPE_CHECKING:
         # What every concrete system adds; each declares its own ranges, defaults and meanings.
@@ -167,9 +164,9 @@ class Parameters(BaseModel):
         return 0
 
     @property
-    def is_stable(self) -> bool:
-        """Whether the time step is within the bound that is known, if there is one."""
-        return True
+    def is_stable(self) -> bool | None:
+        """Whether the time step is within the bound that is known; none where there is no bound."""
+        return None
 
     @property
     def caveat(self) -> str:

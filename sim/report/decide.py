@@ -15,7 +15,7 @@ from sim.claims.judge import judge
 from sim.dataset.agreement import require_agreement
 from sim.dataset.results import Results, load_results
 from sim.study.bought import Bought, read_bought, write_bought
-from sim.study.load import Study, load_study
+from sim.study.load import Point, Study, load_study
 
 #: A round makes a point at most so many times as long as it is: what few replicates say of how many
 #: it takes is not to be trusted far.
@@ -116,6 +116,7 @@ def _offers(study: Study, results: Results) -> Iterator[Offer]:
 
 
 def _of_claims(study: Study, results: Results, wanted: list[str]) -> Iterator[Offer]:
+    first = load_study(study.path, None).points
     for one in judge(results):
         if one.claim.id in wanted or "all" in wanted:
             times: dict[str, float] = {}
@@ -125,7 +126,7 @@ def _of_claims(study: Study, results: Results, wanted: list[str]) -> Iterator[Of
                     needed = check.times if check.known else MOST
                     times[point] = max(times.get(point, 1.0), needed)
             yield from _offer(one.claim.id, times, study, results)
-            yield from _longer(one.claim.id, one.short, study, results)
+            yield from _longer(one.claim.id, one.short, first, study, results)
 
 
 def _of_precision(study: Study, results: Results, precision: float) -> Iterator[Offer]:
@@ -156,12 +157,20 @@ def _offer(
         yield Offer(question, amounts, hours)
 
 
-def _longer(question: str, short: Iterable[str], study: Study, results: Results) -> Iterator[Offer]:
-    """Yield the offer to run points for longer, if the study may: what a run has of them grows."""
+def _longer(
+    question: str,
+    short: Iterable[str],
+    first: Mapping[str, Point],
+    study: Study,
+    results: Results,
+) -> Iterator[Offer]:
+    """Yield the offer to run points for longer, if the study may: what a run has of them grows.
+
+    ``first`` are the points as the study file has them, without what was bought.
+    """
     assert study.decide is not None, "asked of studies that decide something"
-    first = load_study(study.path, None).points
     amounts, hours = {}, 0.0
-    for point in set(short) & first.keys():
+    for point in filter(first.__contains__, short):
         now, own = study.points[point].parameters, first[point].parameters
         name = "limit" if now.protocol == "converged" else "average"
         had, most = getattr(now, name), study.decide.longer * getattr(own, name)

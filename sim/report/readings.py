@@ -94,7 +94,7 @@ def _step(dataset: xr.Dataset, system: str, values: Mapping[str, Any]) -> dict[s
     run = [model.model_construct(**dict(zip(names, row, strict=True))) for row in rows]
     return {
         "points": len(run),
-        "stable": sum(one.is_stable for one in run) if model.bounds_step else None,
+        "stable": None if usual.is_stable is None else sum(bool(one.is_stable) for one in run),
         "sound": int((worst <= UNSOUND).sum()),
         "missing": float(worst.max(initial=0)) if run else float("nan"),
     }

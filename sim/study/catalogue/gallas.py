@@ -1,5 +1,6 @@
 """What the figures of the vibrating belt share: values and names of parameters in the paper."""
 
+from collections.abc import Container
 from typing import Any
 
 from sim.study.catalogue.spec import FigureSpec
@@ -24,6 +25,11 @@ BLACK, BLUE, RED, GREEN, PINK, ORANGE = (
     "#cc79a7",
     "#e69f00",
 )
+
+
+def usual_without(names: Container[str]) -> dict[str, Any]:
+    """Return the usual values of all parameters but those that a figure is over."""
+    return {name: value for name, value in USUAL.items() if name not in names}
 
 
 def figure(name: str, place: str, axes: str = "", curves: str = "", **rest: Any) -> FigureSpec:

@@ -14,10 +14,10 @@ from sim.study.catalogue.gallas import (
     ORANGE,
     PINK,
     RED,
-    USUAL,
     WINDOW,
     figure,
     panel,
+    usual_without,
 )
 from sim.study.catalogue.spec import FigureSpec
 
@@ -136,8 +136,7 @@ def _described(
     **rest: Any,
 ) -> FigureSpec:
     """Return a figure that the paper describes but does not show."""
-    keys = {*axes.split(), *curves.split()}
-    usual = {key: value for key, value in USUAL.items() if key not in keys}
+    usual = usual_without({*axes.split(), *curves.split()})
     return figure(name, place, axes, curves, where=usual | (where or {}), **rest)
 
 

@@ -10,6 +10,7 @@ from sim.study.catalogue.gallas import (
     RED,
     USUAL,
     figure,
+    usual_without,
 )
 from sim.study.catalogue.spec import FigureSpec
 
@@ -31,11 +32,6 @@ def _panel(label: str, axis: str, curves: str, what: str, lead: str, **rest: Any
         lead=f"{lead}, {_EACH}",
         **rest,
     )
-
-
-def _without(*names: str) -> dict[str, float]:
-    """Return the usual values of all parameters but those that a figure is over."""
-    return {name: value for name, value in USUAL.items() if name not in names}
 
 
 READINGS = (
@@ -62,7 +58,7 @@ READINGS = (
         "Transport velocity V_x of the beads against the shear friction coefficient γ_s at several "
         "frequencies f of the belt",
         kind="belt_curves",
-        where=_without("shear_damping"),
+        where=usual_without(("shear_damping",)),
         named=FLOW,
         says="The paper: the flux rises rapidly up to γ_s = 10g and only gently from there on.",
         options={
