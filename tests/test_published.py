@@ -1,6 +1,5 @@
 """What is published: its verdicts follow from its dataset, and its flows can be had again."""
 
-import json
 import re
 from pathlib import Path
 
@@ -40,11 +39,10 @@ def test_what_is_published_is_small():
 def test_verdicts_follow_from_the_dataset(study, monkeypatch):
     # Verdicts are those of the default readings, and others take long to compile.
     monkeypatch.setattr(judging, "MODEL_READINGS", ({},))
-    published = json.loads((study / "claims.json").read_text(encoding="utf-8"))
-    again = as_mapping(judge(load_results(study / "dataset.nc")), published["study"])
+    again = as_mapping(judge(load_results(study / "dataset.nc")), study.name)["claims"]
     verdicts = [
-        {one["id"]: (one["verdict"], one["part_verdicts"]) for one in each["claims"]}
-        for each in (published, again)
+        {one["id"]: (one["verdict"], one["part_verdicts"]) for one in each}
+        for each in (read_claims(study / "claims.json"), again)
     ]
     assert verdicts[0] == verdicts[1]
 

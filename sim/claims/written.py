@@ -1,6 +1,6 @@
 """Verdicts as files: JSON with all evidence, CSV with a row per check."""
 
-import json
+import hashlib
 from dataclasses import asdict
 from math import nan
 from pathlib import Path
@@ -10,6 +10,7 @@ import numpy as np
 import pandas as pd
 
 from sim.base.files import replacing
+from sim.base.sealed_json import as_sealed
 from sim.claims.judge import judge
 from sim.claims.judgement import Judgement, Variant
 from sim.claims.verdict import Check, plan
@@ -40,14 +41,17 @@ def build(study_path: str | Path, results: str | Path = "results") -> Path:
 
 
 def write(judgements: list[Judgement], study: str, folder: Path) -> Path:
-    """Write the verdicts on a study into a folder; return the JSON file."""
+    """Write the verdicts on a study into a folder; return the JSON file.
+
+    That has the checksums of both.
+    """
+    table = as_table(judgements).to_csv(index=False, float_format="%.6g").encode()
     with replacing(folder / "claims.csv") as temporary:
-        as_table(judgements).to_csv(temporary, index=False, float_format="%.6g")
+        temporary.write_bytes(table)
     output = folder / "claims.json"
     with replacing(output) as temporary:
-        mapping = as_mapping(judgements, study)
-        text = json.dumps(mapping, indent=1, ensure_ascii=False, allow_nan=False)
-        temporary.write_text(text + "\n", encoding="utf-8")
+        told = {"claims.csv": hashlib.sha256(table).hexdigest()}
+        temporary.write_text(as_sealed(as_mapping(judgements, study) | told), encoding="utf-8")
     return output
 
 

@@ -42,10 +42,17 @@ def cache_directory() -> Path:
         except OSError as error:
             return _temporary(name, f"{named}: {error.strerror or error}")
     try:
-        home = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
+        home = os.environ.get("XDG_CACHE_HOME") or _home() / ".cache"
         return _private(Path(home) / "talus" / name)
     except (OSError, RuntimeError, _Unfit) as error:
         return _temporary(name, str(error))
+
+
+def _home() -> Path:
+    """Return the user's home; raise ``RuntimeError`` where there is none."""
+    if os.environ.get("HOME") == "":
+        raise RuntimeError("HOME is empty")
+    return Path.home()
 
 
 class _Unfit(Exception):
@@ -55,17 +62,23 @@ class _Unfit(Exception):
 def _private(path: Path) -> Path:
     """Make a folder, if need be, and return it if it is fit to hold what will be run."""
     path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+    if _others_may_write(above := path.parent.stat()) and not above.st_mode & stat.S_ISVTX:
+        raise _Unfit(f"others can write {path.parent}")
     path.mkdir(mode=0o700, exist_ok=True)
     found = path.lstat()
     if not stat.S_ISDIR(found.st_mode):
         raise _Unfit(f"{path} is a link or no folder")
     if found.st_uid != os.geteuid():
         raise _Unfit(f"{path} belongs to user {found.st_uid}")
-    if found.st_mode & (stat.S_IWGRP | stat.S_IWOTH):
+    if _others_may_write(found):
         raise _Unfit(f"others can write {path}")
     with tempfile.TemporaryFile(dir=path) as file:
         file.write(b"\0" * 4096)
     return path
+
+
+def _others_may_write(found: os.stat_result) -> bool:
+    return bool(found.st_mode & (stat.S_IWGRP | stat.S_IWOTH))
 
 
 @cache

@@ -26,7 +26,11 @@ class Keeper(Protocol):
     """What is shown a replicate under way, to keep its state."""
 
     def offer(self, replicate: "Replicate") -> None:
-        """Look at a replicate that may be kept now; called after every sample."""
+        """Look at a replicate that may be kept now; called at least every few tenths of a second
+        of its time."""
+
+    def heed(self) -> None:
+        """End the process if that has been asked for, without a further look at the replicate."""
 
     def keep(self, replicate: "Replicate") -> None:
         """Keep a replicate that has run to the end of its lengths, or blown up for good."""
@@ -74,6 +78,8 @@ class Replicate:
             "seconds": self.seconds,
             "loop_time": self.loop_time,
         }
+        if self.system.stage:
+            told["stage"] = self.system.stage
         moving = {name: getattr(self.system, name) for name in self.system.moving}
         return leaves({"told": told, "moving": moving}) | self.recorder.state()
 
@@ -89,6 +95,7 @@ class Replicate:
         made.shown = int(state["told.shown"])
         made._before = float(state["told.seconds"])
         made._looped = float(state["told.loop_time"])
+        made.system.stage = str(state.get("told.stage", ""))
         moving = {name: getattr(made.system, name) for name in made.system.moving}
         held = below("moving", state)
         for name, value in with_leaves(moving, held).items():
@@ -129,21 +136,23 @@ class Replicate:
 
     def _attempt(self, advanced: Callable[[int], None], keeper: Keeper, start: Start | None) -> str:
         """Run to the end or to a blow-up; return its reason."""
-        recorder = self.recorder
+        recorder, system = self.recorder, self.system
+        system.pause = lambda: keeper.offer(self)
         try:
             if not recorder.snapshots:
                 if start:
-                    start(self.system, self.number)
+                    start(system, self.number)
                 else:
-                    self.system.settle()
+                    system.settle()
                 recorder.take_snapshot()
                 keeper.offer(self)
             while not recorder.stopped:
-                self._take(self.system.sample(*recorder.due()), advanced)
+                self._take(system.sample(*recorder.due()), advanced)
                 keeper.offer(self)
             # What goes on later goes on from here: the path is no part of the run.
             keeper.keep(self)
-            recorder.path = self.system.trace()
+            system.pause = keeper.heed
+            recorder.path = system.trace()
         except BlowUp as error:
             if error.samples:
                 self._take(error.samples, advanced)

@@ -98,7 +98,7 @@ class States:
     A line of JSON names point, numerics and the sizes of what follows: one archive per replicate,
     then the seal. It is written now and then while the run is under way, and stays when the run is
     done. As a context, it makes SIGTERM end the process when a replicate is next offered, after
-    saving it: that is how batch systems ask first.
+    saving it, or at once before the first offer: that is how batch systems ask first.
 
     Parameters
     ----------
@@ -130,6 +130,7 @@ class States:
         self._own = own
         self._due = time.monotonic() + interval
         self._terminated = False
+        self._under_way = False
         self._before: _Handler = None
         self._archives = self._load()
 
@@ -145,6 +146,9 @@ class States:
 
     def _terminate(self, *_: object) -> None:
         self._terminated = True
+        # Loops that are being compiled for the first time hold nothing to save.
+        if not self._under_way:
+            raise SystemExit(TERMINATED)
 
     def replicate(self, parameters: Parameters, number: int) -> "Replicate | None":
         """Return a replicate as far as it is known, to be run to the lengths of ``parameters``.
@@ -176,16 +180,23 @@ class States:
 
         Raises ``SystemExit`` after SIGTERM.
         """
+        self._under_way = True
         began = time.monotonic()
         if began < self._due and not self._terminated:
             return
         self.keep(replicate)
-        self.save()
         if self._terminated:
-            log.warning("%s: terminated; the next start continues from here", self.path)
-            raise SystemExit(TERMINATED)
+            self.heed()
+        self.save()
         ended = time.monotonic()
         self._due = ended + max(self.interval, (ended - began) / SHARE)
+
+    def heed(self) -> None:
+        """Save and raise ``SystemExit`` after SIGTERM."""
+        if self._terminated:
+            self.save()
+            log.warning("%s: terminated; the next start continues from here", self.path)
+            raise SystemExit(TERMINATED)
 
     def keep(self, replicate: "Replicate") -> None:
         """Take the present state of a replicate into what will be written."""

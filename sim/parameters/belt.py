@@ -5,7 +5,7 @@ from typing import Any, ClassVar, Literal, Self
 
 from pydantic import model_validator
 
-from sim.parameters.common import MAX_PARTICLES, Parameters, Real, broken_rule
+from sim.parameters.common import MAX_PARTICLES, MAX_STEPS, Parameters, Real, broken_rule
 from sim.parameters.roles import declare
 
 #: Stiffness (g⟨m⟩/⟨d⟩) of the paper.
@@ -419,11 +419,14 @@ class BeltParameters(Parameters):
         A twentieth of a collision of the lightest pair, and no more than any corrector bears in a
         packed bed.
         """
-        reduced_mass = (1 - self.diameter_spread) ** 2 / 2
-        squared = reduced_mass * self.diameter / (self.stiffness * self.gravity)
-        collision = math.pi * math.sqrt(squared)
         rate = 4.5 * (self.damping * self._softening + self.shear_damping) * self.gravity
-        return min(collision / 20, SETTLING_DAMPING / rate) if rate else collision / 20
+        return min(self._collision / 20, SETTLING_DAMPING / rate if rate else math.inf)
+
+    @property
+    def _collision(self) -> float:
+        """Duration of a collision of the lightest pair, s."""
+        reduced_mass = (1 - self.diameter_spread) ** 2 / 2
+        return math.pi * math.sqrt(reduced_mass * self.diameter / (self.stiffness * self.gravity))
 
     @property
     def damping_rate(self) -> float:
@@ -484,6 +487,19 @@ class BeltParameters(Parameters):
         if self.steps_per_cycle % self.samples_per_cycle:
             allowed = f"a divisor of steps_per_cycle = {self.steps_per_cycle}"
             raise broken_rule("samples_per_cycle", self.samples_per_cycle, allowed)
+        return self
+
+    @model_validator(mode="after")
+    def _of_feasible_settling(self) -> Self:
+        if self.settling_steps > MAX_STEPS:
+            resisting = {
+                "damping": self.damping * self._softening,
+                "shear_damping": self.shear_damping,
+            }
+            is_damped = self.settling_step < self._collision / 20
+            key = max(resisting, key=resisting.__getitem__) if is_damped else "stiffness"
+            allowed = f"a value with which the bed settles in at most {MAX_STEPS:.0e} time steps"
+            raise broken_rule(key, getattr(self, key), allowed)
         return self
 
     @model_validator(mode="after")

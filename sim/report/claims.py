@@ -1,11 +1,12 @@
 """Claims and the evidence for their verdicts as the report shows them."""
 
-import json
+import hashlib
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from sim.base.reading import reading
+from sim.base.sealed_json import read_sealed
 from sim.parameters.wording import PROTOCOLS
 from sim.report.numbers import bounds, measured, strip, threshold, with_chance
 from sim.study.catalogue import FIGURES
@@ -40,10 +41,29 @@ def read_claims(path: Path) -> list[dict[str, Any]]:
     DamagedError
         When it cannot be read.
     """
-    if not path.is_file():
-        return []
+    return _read(path)["claims"] if path.is_file() else []
+
+
+def require_table(folder: Path) -> None:
+    """Refuse a table of verdicts, ``claims.csv``, that is not the one written with the claims.
+
+    Raises
+    ------
+    InputError
+        Where it, or ``claims.json``, is missing.
+    DamagedError
+        When it has changed since, or ``claims.json`` cannot be read.
+    """
+    table = folder / "claims.csv"
+    with reading(table, "table of verdicts", replaceable=True):
+        told = _read(folder / "claims.json")[table.name]
+        if hashlib.sha256(table.read_bytes()).hexdigest() != told:
+            raise ValueError("the checksum is wrong")
+
+
+def _read(path: Path) -> dict[str, Any]:
     with reading(path, "table of verdicts", replaceable=True):
-        return json.loads(path.read_text(encoding="utf-8"))["claims"]
+        return read_sealed(path.read_text(encoding="utf-8"))
 
 
 def counts(claims: Sequence[Mapping[str, Any]]) -> dict[str, dict[str, int]]:

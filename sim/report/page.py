@@ -13,6 +13,7 @@ from sim.base.words import duration
 from sim.dataset.agreement import require_agreement
 from sim.dataset.caveats import CLOSED
 from sim.dataset.results import Results, load_results
+from sim.figures.drawn import require_unchanged
 from sim.report.claims import REPORTED, VERDICTS, claim_rows, counts, judged_by_runs, read_claims
 from sim.report.gallery import Address, data_uri, figure_entries, headline
 from sim.report.numbers import percent
@@ -42,13 +43,14 @@ def build(study_path: str | Path, results: str | Path = "results") -> Path:
     Raises
     ------
     InputError
-        When the dataset or a file of a figure is missing or damaged, naming it, or the study has
-        changed since the dataset was made.
+        When the dataset, the verdicts or a file of a figure is damaged, or it or that is missing,
+        naming it, or the study has changed since the dataset was made.
     """
     study = load_study(study_path, results)
     folder = Path(results) / study.name
     found = load_results(folder / "dataset.nc")
     require_agreement(study, found, folder / "dataset.nc")
+    require_unchanged(study.figures, folder / "figures")
     output = folder / "report.html"
     with replacing(output) as temporary:
         claims = read_claims(folder / "claims.json")

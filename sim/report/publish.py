@@ -1,7 +1,9 @@
 """Publishing a study: a folder with all that a reader needs, small enough for a repository."""
 
+import hashlib
 import json
 import shutil
+from collections.abc import Sequence
 from pathlib import Path
 
 import xarray as xr
@@ -22,6 +24,9 @@ PUBLISHED = Path("results/published")
 #: What a published study consists of besides its figures.
 NEEDED = ("dataset.nc", "claims.json", "claims.csv")
 
+#: What is made for it, and the checksums of all files.
+MADE = PROVENANCE, REPORT, CHECKSUMS = "provenance.json", "report.html", "SHA256SUMS"
+
 #: Largest size of all published studies together, bytes.
 LARGEST = 25_000_000
 
@@ -32,9 +37,10 @@ def publish(
     """Copy report, figures, dataset and verdicts of a study to ``<target>/<study>``.
 
     Of figures that do not move only the pictures that scale are published. The study file and
-    those of its parts go with them, and ``provenance.json``: versions, hash of the engine's
-    sources, dates and cost. The report links its figures, which would be there twice otherwise.
-    What was published of the study before is replaced after all is copied.
+    those of its parts go with them, ``provenance.json``: versions, hash of the engine's sources,
+    dates and cost, and ``SHA256SUMS``, the checksums of all, for ``sha256sum --check``. The report
+    links its figures, which would be there twice otherwise. What was published of the study before
+    is replaced after all is copied.
 
     Returns
     -------
@@ -59,6 +65,7 @@ def publish(
     for name in names:
         if not (folder / name).is_file():
             raise InputError(f"{folder / name}: missing; run the study to its end first")
+    _require_distinct(study.files, names)
     output, draft = target / study.name, target / f".{study.name}.part"
     _require_replaceable(output, folder, target)
     found = load_results(folder / "dataset.nc")
@@ -74,8 +81,9 @@ def publish(
             shutil.copyfile(folder / name, draft / name)
         for file in study.files:
             shutil.copyfile(file, draft / file.name)
-        (draft / "provenance.json").write_text(made + "\n", encoding="utf-8")
-        (draft / "report.html").write_text(page, encoding="utf-8")
+        (draft / PROVENANCE).write_text(made + "\n", encoding="utf-8")
+        (draft / REPORT).write_text(page, encoding="utf-8")
+        write_checksums(draft)
         _require_small(draft, output, target)
         _replace(draft, output)
     finally:
@@ -83,14 +91,33 @@ def publish(
     return output
 
 
+def _require_distinct(files: Sequence[Path], names: Sequence[str]) -> None:
+    """Refuse study files that are named like something else that is published."""
+    taken = {Path(name).parts[0] for name in (*names, *MADE, "boundaries.csv")}
+    for file in files:
+        if file.name in taken:
+            allowed = f"another name, as {file.name} is published of every study"
+            raise InputError.of_value(file, "", file.name, allowed)
+
+
 def _require_replaceable(output: Path, folder: Path, target: Path) -> None:
     """Refuse to put a published study in the place of results, or of anything but another one."""
     own, place = folder.resolve(), output.resolve()
     apart = not (place.is_relative_to(own) or own.is_relative_to(place))
-    published = not output.exists() or (output / "provenance.json").is_file()
+    published = not output.exists() or (output / PROVENANCE).is_file()
     if not (apart and published):
         allowed = f"a folder whose {output.name} is new or an earlier publication, not results"
         raise InputError.of_value("--to", "", str(target), allowed)
+
+
+def write_checksums(folder: Path) -> None:
+    """Write the checksums of all files in a folder to a file there."""
+    files = sorted(path for path in folder.rglob("*") if path.is_file() and path.name != CHECKSUMS)
+    lines = [
+        f"{hashlib.sha256(path.read_bytes()).hexdigest()}  {path.relative_to(folder).as_posix()}\n"
+        for path in files
+    ]
+    (folder / CHECKSUMS).write_text("".join(lines), encoding="utf-8")
 
 
 def _require_small(draft: Path, output: Path, target: Path) -> None:

@@ -83,6 +83,24 @@ def test_a_folder_that_is_named_and_not_ones_own_is_refused(how, message, tmp_pa
         cache.cache_directory()
 
 
+def test_a_folder_that_others_could_replace_is_refused(tmp_path, monkeypatch):
+    shared = tmp_path / "shared"
+    shared.mkdir()
+    shared.chmod(0o777)
+    monkeypatch.setenv("TALUS_CACHE_DIR", str(shared))
+    with pytest.raises(InputError, match=f"others can write {shared}; allowed: "):
+        cache.cache_directory()
+    # Where only the owner may rename, as in the system's temporary folder, nobody can.
+    shared.chmod(0o1777)
+    assert cache.cache_directory() == shared / NAME
+
+
+def test_an_empty_home_is_none(temporary, monkeypatch):
+    monkeypatch.setattr(Path, "home", lambda: Path("/"))
+    monkeypatch.setenv("HOME", "")
+    assert cache.cache_directory().is_relative_to(temporary)
+
+
 def test_one_that_cannot_be_written_is_replaced(tmp_path, temporary, monkeypatch):
     (tmp_path / "file").write_text("in the way")
     monkeypatch.setenv("TALUS_CACHE_DIR", str(tmp_path / "file"))

@@ -1,5 +1,6 @@
 """An interrupted run keeps its state; before there is any, it just ends."""
 
+import os
 import signal
 
 import pytest
@@ -10,14 +11,23 @@ from sim.engine.warm import warm
 from tests.engine_motion.points import belt_point
 from tests.made.processes import start_run, wait_until
 
+#: Runs that last: one of a long average, one whose bed never comes to rest, one that is shaken
+#: before for long.
+LASTING = {
+    "flow": belt_point(frequency=20, average=1e5),
+    "fall": belt_point(beads=400, settle_velocity_squared=1e-15),
+    "prior shaking": belt_point(prior_frequency=20, prior_cycles=10**5),
+}
 
-@pytest.fixture
-def process(tmp_path):
-    """A long run that has started."""
-    point = belt_point(frequency=20, average=1e5)
-    warm([point])
-    process = start_run(point, tmp_path / "run.nc")
-    wait_until(progress_file(tmp_path / "run.nc").exists, process)
+
+@pytest.fixture(params=LASTING)
+def process(request, tmp_path):
+    """A long run that has kept a state."""
+    point = LASTING[request.param]
+    warm([LASTING["flow"]])
+    often = os.environ | {"TALUS_CHECKPOINT_SECONDS": "0.01"}
+    process = start_run(point, tmp_path / "run.nc", env=often)
+    wait_until((tmp_path / ".run.nc.state").exists, process)
     yield process
     process.kill()
     process.wait()

@@ -25,6 +25,9 @@ class Nobody:
     def offer(self, replicate: Replicate) -> None:
         pass
 
+    def heed(self) -> None:
+        pass
+
     def keep(self, replicate: Replicate) -> None:
         pass
 

@@ -21,7 +21,7 @@ from sim.engine.run import run_point
 from sim.engine.states import SHARE, States, checkpoint_interval, packed, unpacked
 from sim.engine.warm import warm
 from sim.parameters import Parameters, canonical
-from tests.engine_motion.points import belt_point, chute_point, take_samples_one_by_one
+from tests.engine_motion.points import belt_point, chute_point, pause_within_samples
 from tests.golden import contents, digest
 from tests.made.processes import ROOT, program
 
@@ -29,6 +29,9 @@ POINTS = {
     "chute": chute_point(depth=2, cell=5, transient=5, average=10, replicates=2),
     "chute of two threads": chute_point(depth=2, cell=5, transient=5, average=10, threads=2),
     "belt": belt_point(beads=20, width=5, transient=1, average=6, replicates=2),
+    "belt shaken before": belt_point(
+        beads=20, width=5, prior_frequency=30, prior_cycles=3, transient=1, average=2
+    ),
 }
 LONG = belt_point(beads=60, width=8, transient=10, average=20, replicates=2)
 
@@ -64,12 +67,12 @@ def stop_after(offers: int):
 def test_a_run_continued_from_a_checkpoint_gives_the_same_bits(name, share, tmp_path, monkeypatch):
     point = POINTS[name]
     assert run_point(point, tmp_path / "whole.nc", quiet=True) == 0
-    samples = point.replicates * point.steps // point.sample_steps
+    offers = 3 * point.replicates * point.steps // point.sample_steps
     output = tmp_path / "run.nc"
     for _ in range(2):
         with monkeypatch.context() as patched, pytest.raises(Stopped):
-            patched.setattr(States, "offer", stop_after(max(1, int(share * samples / 2))))
-            take_samples_one_by_one(patched)
+            patched.setattr(States, "offer", stop_after(max(1, int(share * offers / 2))))
+            pause_within_samples(patched, point)
             run_point(point, output, quiet=True)
         assert not output.exists()
     assert run_point(point, output, quiet=True) == 0
@@ -131,6 +134,53 @@ def test_a_killed_run_goes_on_where_it_was(tmp_path, point_file):
     assert {path.name for path in tmp_path.iterdir()} == {"run.nc", ".run.nc.state"}
     run_point(LONG, tmp_path / "whole.nc", quiet=True)
     assert_same(output, tmp_path / "whole.nc")
+
+
+class Watching:
+    """Keeps every state that is offered before the first sample."""
+
+    def __init__(self):
+        self.states: list[dict] = []
+
+    def offer(self, replicate: Replicate) -> None:
+        if replicate.system.stage:
+            self.states.append(unpacked(packed(replicate.state())))
+
+    def heed(self) -> None:
+        pass
+
+    def keep(self, replicate: Replicate) -> None:
+        pass
+
+
+def test_a_bed_that_has_not_settled_yet_goes_on_where_it_was(monkeypatch):
+    point = POINTS["belt shaken before"]
+    pause_within_samples(monkeypatch, point)
+    watching = Watching()
+    whole = Replicate(point, 0).run(lambda steps: None, watching)
+    assert {state["told.stage"] for state in watching.states} == {"falling", "shaken before"}
+    for state in watching.states[:: len(watching.states) // 6]:
+        again = Replicate.restored(point, 0, state).run(lambda steps: None, Watching())
+        assert np.array_equal(again.snapshots["position"], whole.snapshots["position"])
+        assert np.array_equal(again.series["mean_velocity"], whole.series["mean_velocity"])
+
+
+def test_before_there_is_a_state_a_run_ends_at_once(tmp_path):
+    with pytest.raises(SystemExit) as ended, States(tmp_path / "run.nc", POINTS["belt"]):
+        signal.raise_signal(signal.SIGTERM)
+    assert ended.value.code == states.TERMINATED
+    assert not list(tmp_path.iterdir())
+
+
+def test_after_the_end_a_run_ends_with_what_was_kept(tmp_path):
+    kept, replicate = States(tmp_path / "run.nc", POINTS["belt"]), started(POINTS["belt"])
+    with pytest.raises(SystemExit), kept:
+        kept.offer(replicate)
+        kept.keep(replicate)
+        signal.raise_signal(signal.SIGTERM)
+        replicate.system.advance()
+        kept.heed()
+    assert read(tmp_path).recorder.taken == 1
 
 
 def started(parameters: Parameters) -> Replicate:

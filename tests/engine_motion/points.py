@@ -31,7 +31,8 @@ def series_of(parameters: Parameters, replicate: int = 0) -> dict[str, np.ndarra
     return {name: np.array([sample[name] for sample in samples]) for name in system.series}
 
 
-def take_samples_one_by_one(monkeypatch) -> None:
-    """Let a state be offered after each sample, of which a run else takes several in one go."""
+def pause_within_samples(monkeypatch, point: Parameters) -> None:
+    """Let a state be offered three times in each sample, of which a run else takes several in one
+    go."""
     for system in (belt, chute):
-        monkeypatch.setattr(system, "MOST_WORK", 1)
+        monkeypatch.setattr(system, "MOST_WORK", point.particles * point.sample_steps // 3 + 1)

@@ -6,7 +6,8 @@ import pytest
 
 from sim.base.errors import InputError
 from sim.figures import several
-from sim.figures.several import DRAWN, draw_several
+from sim.figures.drawn import DRAWN
+from sim.figures.several import draw_several
 from sim.study.catalogue import FIGURES
 
 NAMES = ("gallas_2b", "gallas_6")

@@ -7,7 +7,7 @@ import pytest
 
 from sim.engine.states import TERMINATED, States
 from sim.parameters import SYSTEMS, complete
-from tests.engine_motion.points import take_samples_one_by_one
+from tests.engine_motion.points import pause_within_samples
 from tests.golden import (
     BITS,
     FAILING,
@@ -63,7 +63,7 @@ def test_a_run_that_goes_on_from_a_checkpoint_has_the_same_bits(name, tmp_path, 
         offer(self, replicate)
 
     monkeypatch.setattr(States, "offer", terminated_now_and_then)
-    take_samples_one_by_one(monkeypatch)
+    pause_within_samples(monkeypatch, POINTS[name])
     folder = tmp_path / "interrupted"
     folder.mkdir()
     path, starts = folder / "run.nc", 0

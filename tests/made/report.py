@@ -1,6 +1,5 @@
 """A made-up study with everything a report can show: verdicts of each kind, an animation."""
 
-import json
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
@@ -13,7 +12,7 @@ from PIL import Image
 from sim.claims.judgement import Judgement, Variant
 from sim.claims.table import Claim, First, Number
 from sim.claims.verdict import Check
-from sim.claims.written import as_mapping, as_table
+from sim.claims.written import write
 from sim.dataset.results import load_results
 from sim.report.claims import read_claims
 from sim.report.gallery import data_uri
@@ -138,9 +137,7 @@ def _claim(name: str, title: str, **others) -> Claim:
 
 def write_claims(path: Path, points: list[str]) -> None:
     """Write what the judge would write about the made-up claims, as JSON and as CSV."""
-    judgements = made_claims(points)
-    path.write_text(json.dumps(as_mapping(judgements, "made")), encoding="utf-8")
-    as_table(judgements).to_csv(path.with_suffix(".csv"), index=False, float_format="%.6g")
+    write(made_claims(points), "made", path.parent)
 
 
 @contextmanager

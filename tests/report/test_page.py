@@ -1,7 +1,6 @@
 """The report as a browser sees it: everything inside, nothing loaded, nothing hidden."""
 
 import base64
-import json
 import re
 from html.parser import HTMLParser
 from pathlib import Path
@@ -11,9 +10,10 @@ import xarray as xr
 
 from sim.base.errors import InputError
 from sim.base.reading import DamagedError
+from sim.base.sealed_json import as_sealed, read_sealed
 from sim.dataset.build import build as build_dataset
 from sim.dataset.results import load_results
-from sim.figures.render import draw
+from sim.figures.several import draw_several
 from sim.report.claims import read_claims
 from sim.report.gallery import data_uri
 from sim.report.page import build, render
@@ -148,9 +148,9 @@ def test_verdicts_are_counted(page):
 def test_a_study_that_tests_no_claim_says_so_once_and_shows_its_figures_first(made, page):
     path = made[1] / "made" / "claims.json"
     content = path.read_text(encoding="utf-8")
-    document = json.loads(content)
+    document = read_sealed(content)
     kept = [one for one in document["claims"] if one["id"] in ("W1", "G31")]
-    path.write_text(json.dumps(document | {"claims": kept}), encoding="utf-8")
+    path.write_text(as_sealed(document | {"claims": kept}), encoding="utf-8")
     found = read(made)
     path.write_text(content, encoding="utf-8")
     text = " ".join(found.text.split())
@@ -226,8 +226,7 @@ def test_boundaries_have_a_table_of_their_own(page, tmp_path):
     study_path, results = make_built_regimes(tmp_path)
     dataset = results / "regimes" / "dataset.nc"
     study = load_study(study_path, results)
-    for name in study.figures:
-        draw(name, dataset, results / "regimes" / "figures")
+    draw_several(list(study.figures), dataset, results / "regimes" / "figures", code="made")
     text = build(study_path, results).read_text(encoding="utf-8")
     assert "Boundaries between regimes" in Page(text).text
     row = re.search(r"<tr><th scope=.row.>onset</th>.*?</tr>", text, re.DOTALL).group()
@@ -264,6 +263,6 @@ def test_a_missing_figure_is_named_and_the_old_report_stays(made, tmp_path):
         build(study_path, results)
     build_dataset(study_path, results)
     (results / "made" / "report.html").write_text("old")
-    with pytest.raises(InputError, match=r"walton_2\.caption"):
+    with pytest.raises(InputError, match=r"walton_2\.png"):
         build(study_path, results)
     assert (results / "made" / "report.html").read_text() == "old"

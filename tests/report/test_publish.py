@@ -1,9 +1,9 @@
 """Publishing: what readers need, whole, and small enough for a repository."""
 
+import hashlib
 import json
 import re
 import shutil
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -11,13 +11,12 @@ import pytest
 from sim.__main__ import main
 from sim.base.errors import InputError
 from sim.base.reading import DamagedError
-from sim.dataset.results import load_results
+from sim.figures.drawn import DRAWN
 from sim.report import publish
-from sim.report.whole import require_whole
 from sim.study.catalogue import FIGURES
 from sim.study.load import load_study
 from tests.made.figures import make_figures
-from tests.made.report import animated, write_claims
+from tests.made.report import write_claims
 
 
 @pytest.fixture(scope="module")
@@ -56,6 +55,7 @@ def test_everything_a_reader_needs_is_there(finished, tmp_path):
         *pictures(),
         "made.yaml",
         "provenance.json",
+        "SHA256SUMS",
     }
     assert (output / "made.yaml").read_text() == study.read_text()
     origin = json.loads((output / "provenance.json").read_text())
@@ -169,22 +169,50 @@ def test_a_table_without_its_last_row_is_noticed(finished, tmp_path, name):
         publish.publish(study, results, tmp_path / "published")
 
 
-def test_an_animation_that_ends_early_is_noticed(finished):
+@pytest.mark.parametrize("place", [0.1, 0.5, 0.99])
+@pytest.mark.parametrize("command", ["publish", "report"])
+@pytest.mark.parametrize(
+    "name", ["claims.json", "figures/walton_2.svg", "figures/gallas_1a.png", "figures/walton_2.csv"]
+)
+def test_a_flipped_bit_is_noticed(finished, tmp_path, name, command, place, capsys):
     study, results = finished
-    folder = results / "made"
-    with animated(folder / "figures") as name, pytest.MonkeyPatch.context() as patched:
-        texts = [(folder / f"figures/{name}{end}").read_text() for end in (".csv", ".caption.txt")]
-        patched.setattr("sim.report.whole.derived", lambda *_: texts)
-        moving = replace(load_study(study, results), figures={name: ()})
-        found = load_results(folder / "dataset.nc")
-        require_whole(moving, found, folder)
-        for end in (".gif", ".png"):
-            path = folder / f"figures/{name}{end}"
-            content = path.read_bytes()
-            path.write_bytes(content[: len(content) // 2])
-            with pytest.raises(DamagedError, match=re.escape(str(path))):
-                require_whole(moving, found, folder)
-            path.write_bytes(content)
+    path = results / "made" / name
+    content = bytearray(path.read_bytes())
+    content[int(place * len(content))] ^= 1
+    path.write_bytes(content)
+    options = ["--to", str(tmp_path / "published")] if command == "publish" else []
+    assert main([command, str(study), "--results", str(results), *options]) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith(f"error: {path}: damaged") and "rerun the study" in line
+    assert not path.exists()
+
+
+def test_a_figure_whose_drawing_nobody_has_noted_is_refused(finished, tmp_path):
+    study, results = finished
+    (results / "made" / "figures" / DRAWN).unlink()
+    with pytest.raises(DamagedError, match=r"walton_2.*\.drawn\.json does not know it"):
+        publish.publish(study, results, tmp_path / "published")
+
+
+def test_what_is_published_can_be_checked_by_its_checksums(finished, tmp_path):
+    output = publish.publish(*finished, tmp_path / "published")
+    lines = (output / "SHA256SUMS").read_text().splitlines()
+    told = {name: sum for sum, name in (line.split("  ") for line in lines)}
+    files = {path.relative_to(output).as_posix() for path in output.rglob("*") if path.is_file()}
+    assert told.keys() == files - {"SHA256SUMS"}
+    for name, checksum in told.items():
+        assert hashlib.sha256((output / name).read_bytes()).hexdigest() == checksum
+
+
+@pytest.mark.parametrize("name", ["dataset.nc", "claims.csv", "figures", "SHA256SUMS"])
+def test_a_study_file_named_like_what_is_published_is_refused(finished, tmp_path, name, capsys):
+    study, results = finished
+    study = study.rename(study.with_name(name))
+    target = tmp_path / "published"
+    assert main(["publish", str(study), "--results", str(results), "--to", str(target)]) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith(f"error: {study}: got '{name}'; allowed: another name")
+    assert not target.exists()
 
 
 def test_an_unfinished_study_is_refused(finished, tmp_path):

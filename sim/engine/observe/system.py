@@ -1,6 +1,6 @@
 """What the recorder needs of a system."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
@@ -26,6 +26,10 @@ class Samples(NamedTuple):
         return {name: float(values[0]) for name, values in self.values.items()}
 
 
+def no_pause() -> None:
+    """Do nothing: nobody wants to know of the pauses of a system."""
+
+
 class System(Protocol):
     """One replicate in motion: what ``sim.engine.run`` needs of a system.
 
@@ -37,7 +41,9 @@ class System(Protocol):
     the velocity's trend; ``mass`` is that of all particles (kg); ``coordinates`` of tables and
     path: name -> (unit, long name, values); ``followed`` names the profiles whose course in time is
     kept; ``moving`` names the attributes that motion changes,
-    which are arrays and numbers, or tuples, lists and dictionaries of them.
+    which are arrays and numbers, or tuples, lists and dictionaries of them; ``stage`` names what
+    comes before the first sample, empty once that may be taken. ``pause`` is called in all that
+    takes long, some tenths of a second apart: a state taken then goes on to the same bits.
     """
 
     parameters: Parameters
@@ -53,9 +59,14 @@ class System(Protocol):
     coordinates: dict[str, tuple[str, str, np.ndarray]]
     followed: tuple[str, ...]
     moving: tuple[str, ...]
+    stage: str
+    pause: Callable[[], None]
 
     def settle(self) -> None:
-        """Bring the initial state to rest where the paper does; raise ``BlowUp`` when it fails."""
+        """Bring the initial state to rest where the paper does; raise ``BlowUp`` when it fails.
+
+        It goes on from its ``stage``.
+        """
 
     def take_over(self, other: Any) -> None:
         """Start from the state of another such system with the same particles, instead.

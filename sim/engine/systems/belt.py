@@ -16,7 +16,7 @@ from sim.engine.dynamics.status import LIST_FULL, REASONS, BlowUp, outcome
 from sim.engine.observe.field import squares, wave_power
 from sim.engine.observe.regime import Scales
 from sim.engine.observe.sums import Sums
-from sim.engine.observe.system import Samples
+from sim.engine.observe.system import Samples, no_pause
 from sim.engine.systems import bed_samples, shaking
 from sim.engine.systems.bed_profiles import bed_profiles
 from sim.engine.systems.belt_start import initial_bed, vibration
@@ -29,11 +29,18 @@ SKIN = 0.3
 #: Intervals of the path over the cycle that ends a run: the paper plots every 50th of 2000 steps.
 PATH_INTERVALS = 40
 
-#: Samples that are taken in one go, at most, and particle-steps between them, about 30 ms.
+#: Samples that are taken in one go, at most, and particle-steps from one pause to the next: some
+#: tenths of a second at most.
 MOST_SAMPLES, MOST_WORK = 64, 2_000_000
 
 #: Simulated time (s) after which a bed that still moves is given up.
 SETTLING_LIMIT = 30.0
+
+#: Simulated time (s) between two looks at whether a bed that has fallen is at rest.
+LOOK = 0.01
+
+#: What comes before the first sample.
+FALLING, SHAKEN_BEFORE = "falling", "shaken before"
 
 
 class Belt:
@@ -46,6 +53,7 @@ class Belt:
 
     def __init__(self, parameters: BeltParameters, replicate: int, substeps: int = 1):
         self.parameters = p = parameters
+        self.pause, self.stage = no_pause, FALLING
         self.series = BELT_SERIES | (BELT_FORCES if p.belt_forces else {})
         self.time_step = p.time_step / substeps
         self.settling_step = p.settling_step / substeps
@@ -98,6 +106,7 @@ class Belt:
 
     def _make_room(self) -> bed_samples.BedSamples:
         beads = self.parameters.beads
+        self._stretch = max(1, MOST_WORK // beads)
         samples = max(1, min(MOST_SAMPLES, MOST_WORK // (self.sample_steps * beads)))
         return bed_samples.make_samples(samples, beads, self.slices.slices, self.squares)
 
@@ -108,26 +117,40 @@ class Belt:
         return Gear(float(time_step), CORRECTORS[p.corrector_order])
 
     def settle(self) -> None:
-        """Let the beads fall onto the resting belt until their mean squared velocity is small."""
+        """Let the beads fall onto the resting belt, and shake them before if that is asked for.
+
+        After a pause it goes on where it was.
+        """
         p, step = self.parameters, self.settling_step
+        before = 1.0 / (p.prior_frequency * self.steps_per_cycle) if p.prior_frequency else step
+        if self.stage == FALLING:
+            self._fall()
+            if p.prior_frequency:
+                restarted(self.disks.taylor, step, before)
+                self.loop, self.stage = shaking.make_shaking(), SHAKEN_BEFORE
+        if self.stage == SHAKEN_BEFORE:
+            self._shake_before(before)
+        restarted(self.disks.taylor, before, self.time_step)
+        self.disks.taylor[1, 0] += p.initial_velocity * p.velocity_unit * self.time_step
+        self.loop, self.stage = shaking.make_shaking(), ""
+
+    def _fall(self) -> None:
+        """Let the beads come to rest on the resting belt: their mean squared velocity is small."""
+        p, step, loop = self.parameters, self.settling_step, self.loop
         belt, integrator = vibration(p, 0.0), self._integrator(step)
-        stretch = max(1, int(self.fall_time / step))
+        fall, look = (max(1, int(time / step)) for time in (self.fall_time, LOOK))
         squared = np.inf
         while squared >= p.settle_velocity_squared:
-            if self.loop.step[0] * step > SETTLING_LIMIT:
+            done = int(loop.step[0])
+            if done * step > SETTLING_LIMIT:
                 raise BlowUp(
                     f"the bed is not at rest after {SETTLING_LIMIT:g} s: mean squared velocity "
                     f"{squared:.3g} m2/s2, wanted {p.settle_velocity_squared:g}"
                 )
-            self._run(integrator, belt, stretch, "while the bed settles")
+            left = fall - done if done < fall else look - (done - fall) % look
+            self._run(integrator, belt, left, "while the bed settles")
             self._stop_free_drift()
             squared = float(((self.disks.taylor[1] / step) ** 2).sum(axis=0).mean())
-            stretch = max(1, int(0.01 / step))
-        if p.prior_frequency > 0.0:
-            step = self._shake_before(step)
-        restarted(self.disks.taylor, step, self.time_step)
-        self.disks.taylor[1, 0] += p.initial_velocity * p.velocity_unit * self.time_step
-        self.loop = shaking.make_shaking()
 
     def take_over(self, other: "Belt") -> None:
         """Go on with the beads of another bed, the belt in its initial phase."""
@@ -135,18 +158,14 @@ class Belt:
             raise ValueError("that bed has been shaken for no whole number of cycles")
         self.disks, self.pairs, self.search = other.disks, other.pairs, other.search
         restarted(self.disks.taylor, other.time_step, self.time_step)
+        self.stage = ""
 
-    def _shake_before(self, step: float) -> float:
-        """Shake at the prior frequency for whole cycles; return the time step used."""
+    def _shake_before(self, step: float) -> None:
+        """Shake at the prior frequency for whole cycles, in steps of this length."""
         p = self.parameters
-        prior_step = 1.0 / (p.prior_frequency * self.steps_per_cycle)
-        restarted(self.disks.taylor, step, prior_step)
-        self.loop = shaking.make_shaking()
-        before = vibration(p, p.prior_frequency)
-        for _ in range(p.prior_cycles):
-            where = "of the shaking at the prior frequency"
-            self._run(self._integrator(prior_step), before, self.steps_per_cycle, where)
-        return prior_step
+        left = p.prior_cycles * self.steps_per_cycle - int(self.loop.step[0])
+        where = "of the shaking at the prior frequency"
+        self._run(self._integrator(step), vibration(p, p.prior_frequency), left, where)
 
     def _stop_free_drift(self) -> None:
         """Take the bed's uniform drift out where nothing else would: on a belt without friction.
@@ -165,21 +184,36 @@ class Belt:
         return shaking.BedMotion(integrator, p.gravity, p.overlap_limit, p.corrections)
 
     def _run(self, integrator, belt, steps: int, where: str) -> None:
-        """Advance by a number of steps without taking a sample."""
+        """Advance by a number of steps without taking a sample, with pauses on the way."""
         loop, motion = self.loop, self._motion(integrator)
-        target = loop.step[0] + steps
-        began, status = process_time(), LIST_FULL
-        while status == LIST_FULL:
-            remaining = target - loop.step[0]
-            status = self._advance(self.disks, self._contacts(belt), loop, motion, remaining)
-            if status == LIST_FULL:
-                self.pairs = grown(self.pairs)
-        self.loop_time += process_time() - began
-        if wrong := outcome(status, self.disks.taylor):
-            raise BlowUp(f"{wrong} at step {loop.step[0]} {where}")
+        last = loop.step[0] + steps
+        while loop.step[0] < last:
+            target = min(last, loop.step[0] + self._stretch)
+            began, status = process_time(), LIST_FULL
+            while status == LIST_FULL:
+                remaining = target - loop.step[0]
+                status = self._advance(self.disks, self._contacts(belt), loop, motion, remaining)
+                if status == LIST_FULL:
+                    self.pairs = grown(self.pairs)
+            self.loop_time += process_time() - began
+            if wrong := outcome(status, self.disks.taylor):
+                raise BlowUp(f"{wrong} at step {loop.step[0]} {where}")
+            if target < last:
+                self.pause()
+
+    def _approach(self) -> None:
+        """Advance towards the next sample, where that takes longer than from pause to pause."""
+        done = self.loop.step[0] % self.sample_steps
+        if self.sample_steps - done > self._stretch:
+            if done == 0:
+                self.loop.sums[:] = 0.0
+            steps = self.sample_steps - done - self._stretch
+            self._run(self.integrator, self.belt, steps, "of the shaking")
+            self.pause()
 
     def sample(self, most: int = 1, profiles: bool = False) -> Samples:
         """Advance by at least one and at most so many samples and return what they say."""
+        self._approach()
         p, loop, motion = self.parameters, self.loop, self._motion(self.integrator)
         room, count = self._room, min(most, len(self._room.sums))
         room.taken[0], room.clock[0] = 0, 0

@@ -29,7 +29,7 @@ from sim.engine.observe.overlaps import EDGES, count_overlaps
 from sim.engine.observe.profiles import VOLUME, add_sample
 from sim.engine.observe.regime import Scales
 from sim.engine.observe.sums import Sums, first_of, stacked
-from sim.engine.observe.system import Samples
+from sim.engine.observe.system import Samples, no_pause
 from sim.engine.systems import leap_frog
 from sim.engine.systems.chute_start import initial_layer
 from sim.engine.systems.flow_profiles import FlowProfiles
@@ -41,7 +41,7 @@ from sim.parameters.chute import negligible_acceleration
 #: Skin of the neighbor list in diameters.
 SKIN = 0.2
 
-#: Particle-steps between two returns to whoever asks for samples, at most: some tenths of a second.
+#: Particle-steps from one pause to the next, at most: some tenths of a second.
 MOST_WORK = 4_000_000
 
 #: States of the path that ends a run, and the time (√(σ/g)) from one to the next.
@@ -74,6 +74,7 @@ class Chute:
 
     def __init__(self, parameters: ChuteParameters, replicate: int, substeps: int = 1):
         self.parameters = p = parameters
+        self.pause, self.stage = no_pause, ""
         self.substeps = substeps
         self.time_step = p.time_step / substeps
         self.sample_steps = p.sample_steps * substeps
@@ -109,7 +110,7 @@ class Chute:
         self.period = 1
         self.profile_height = self.slices.height()
         self.followed = FOLLOWED if p.stress_profiles else ()
-        self._most = max(1, MOST_WORK // (self.sample_steps * number))
+        self._stretch = max(1, MOST_WORK // number)
         self.loop_time, self._call = 0.0, _Kernels(self.laws)
         self.travelled, self.lost, self.work_done = 0.0, 0.0, 0.0
         self.coordinates = {
@@ -136,14 +137,15 @@ class Chute:
         """Go on with the spheres of another flow, and with what their contacts remember."""
         for name in ("spheres", "pairs", "plane", "memory", "scratch", "flow"):
             setattr(self, name, getattr(other, name))
+        self.flow.sums[:] = 0.0
 
     def sample(self, most: int = 1, profiles: bool = False) -> Samples:
         """Advance by at least one and at most so many samples and return what they say."""
-        count, states = min(most, self._most), []
+        count, states = min(most, max(1, self._stretch // self.sample_steps)), []
         sums = tuple(stacked(count, one) for one in self.no_profiles()) if profiles else None
         try:
             for k in range(count):
-                self._run(self.sample_steps)
+                self._finish_sample()
                 states.append(self._state())
                 if sums:
                     self._add_profiles(sums, k)
@@ -160,11 +162,29 @@ class Chute:
         """Advance by one sample and return a value per time series."""
         return self.sample().first()
 
+    def _finish_sample(self) -> None:
+        """Advance to the end of the sample under way, or of the next one."""
+        done = int(self.flow.sums[leap_frog.STEPS])
+        if done in (0, self.sample_steps):
+            self._run(self.sample_steps)
+        else:
+            self._go_on(self.sample_steps - done)
+
     def _run(self, steps: int) -> None:
         """Advance by a number of steps, with the sums of these steps alone."""
+        self.flow.sums[:] = 0.0
+        self._go_on(steps)
+
+    def _go_on(self, steps: int) -> None:
+        """Advance by a number of steps, with pauses on the way."""
+        last = self.flow.step[0] + steps
+        while self.flow.step[0] < last:
+            self._advance_to(min(last, self.flow.step[0] + self._stretch))
+            if self.flow.step[0] < last:
+                self.pause()
+
+    def _advance_to(self, target: int) -> None:
         flow = self.flow
-        flow.sums[:] = 0.0
-        target = flow.step[0] + steps
         began, status = process_time(), LIST_FULL
         while status == LIST_FULL:
             status = self.team.run(partial(self._advance, target - flow.step[0]))
