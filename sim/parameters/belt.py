@@ -491,14 +491,13 @@ class BeltParameters(Parameters):
 
     @model_validator(mode="after")
     def _of_feasible_settling(self) -> Self:
-        if self.settling_steps > MAX_STEPS:
-            resisting = {
-                "damping": self.damping * self._softening,
-                "shear_damping": self.shear_damping,
-            }
-            is_damped = self.settling_step < self._collision / 20
-            key = max(resisting, key=resisting.__getitem__) if is_damped else "stiffness"
-            allowed = f"a value with which the bed settles in at most {MAX_STEPS:.0e} time steps"
+        if SETTLING / self.settling_step > MAX_STEPS:
+            if self.settling_step == self._collision / 20:
+                key = "stiffness"
+            else:
+                strong = self.damping * self._softening > self.shear_damping
+                key = "damping" if strong else "shear_damping"
+            allowed = f"a value that lets the run begin after at most {MAX_STEPS:.0e} time steps"
             raise broken_rule(key, getattr(self, key), allowed)
         return self
 

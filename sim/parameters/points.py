@@ -4,7 +4,9 @@ import hashlib
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 from pydantic import ValidationError
@@ -180,12 +182,16 @@ class FieldRow(Declaration):
     default: Any
 
 
-def field_info(model: type[Parameters] | Parameters) -> dict[str, FieldRow]:
+def field_info(model: type[Parameters] | Parameters) -> Mapping[str, FieldRow]:
     """Return the declaration of every parameter of a system by name.
 
     ``system`` comes first, then what only this system has, then what both share.
     """
-    model = model if isinstance(model, type) else type(model)
+    return _rows(model if isinstance(model, type) else type(model))
+
+
+@cache
+def _rows(model: type[Parameters]) -> Mapping[str, FieldRow]:
     declared = declarations(model)
     rows = {
         name: FieldRow(
@@ -197,7 +203,7 @@ def field_info(model: type[Parameters] | Parameters) -> dict[str, FieldRow]:
         for name, field in model.model_fields.items()
     }
     order = {"system": 0} | dict.fromkeys(Parameters.model_fields, 2)
-    return dict(sorted(rows.items(), key=lambda row: order.get(row[0], 1)))
+    return MappingProxyType(dict(sorted(rows.items(), key=lambda row: order.get(row[0], 1))))
 
 
 def as_yaml(parameters: Parameters) -> str:

@@ -5,7 +5,8 @@ import math
 import pytest
 from pydantic import ValidationError
 
-from sim.parameters import BeltParameters, ChuteParameters
+from sim.base.errors import InputError
+from sim.parameters import BeltParameters, ChuteParameters, parse_point
 
 
 def test_defaults_that_follow_other_parameters():
@@ -83,3 +84,16 @@ def test_a_time_step_beyond_the_corrector_has_a_caveat(readings, lowest):
     assert not BeltParameters(frequency=1.01 * lowest, **readings).caveat
     if lowest > 1:
         assert "beyond the stability" in BeltParameters(frequency=0.98 * lowest, **readings).caveat
+
+
+@pytest.mark.parametrize(
+    ("values", "key"),
+    [
+        ({"damping": 1e10}, "damping"),
+        ({"shear_damping": 1e15}, "shear_damping"),
+        ({"stiffness": 1e15, "diameter_spread": 0.99999999}, "stiffness"),
+    ],
+)
+def test_a_bed_that_would_settle_for_ages_is_refused(values, key):
+    with pytest.raises(InputError, match=f"point: {key}: .* begin after at most 1e\\+12 time"):
+        parse_point({"system": "belt"} | values, "point")
