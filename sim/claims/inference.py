@@ -8,7 +8,7 @@ import numpy as np
 from scipy import stats
 
 from sim.claims.place import Place
-from sim.claims.verdict import Check, holm
+from sim.claims.verdict import Check, least
 
 Groups = Sequence[np.ndarray]
 
@@ -58,7 +58,7 @@ def trend(
     if monotone:
         against += [*(down if len(strata) > 1 else ()), *steps]
     tau = float(np.average(taus, weights=sizes))
-    tested = _combined(up, sizes), min(holm(against))
+    tested = _combined(up, sizes), least(against)
     # The thresholds are those of the statistic: a trend either way has another sign.
     return _tested(f"Kendall's τ of {what}", sign * tau, rising, tested, places)
 

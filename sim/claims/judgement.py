@@ -17,7 +17,7 @@ from sim.claims.verdict import (
     UNTESTABLE,
     Check,
     chances,
-    holm,
+    least,
     of_parts,
     together,
 )
@@ -196,7 +196,7 @@ class Judgement:
 def _differ(found: Sequence[tuple[float, float]]) -> bool:
     """Return whether a statement holds under one reading and fails under another, by p-values."""
     held, failed = ([one[way] for one in found] for way in (0, 1))
-    return all(min(holm(each), default=1.0) <= RISK for each in (held, failed))
+    return all(least(each) <= RISK for each in (held, failed))
 
 
 def _contradict(verdicts: Iterable[str]) -> bool:

@@ -4,7 +4,6 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from math import ceil, inf, isfinite, isnan, nan
 
-import numpy as np
 from scipy.special import ndtri, stdtr
 
 from sim.base.statistics import CONFIDENCE, MANY, student
@@ -187,17 +186,15 @@ class Check:
         return needed if needed <= NO_PLAN else inf
 
 
-def holm(chances: Sequence[float]) -> list[float]:
-    """Return p-values adjusted so that none of several is too small by chance (Holm, 1979).
+def least(chances: Sequence[float]) -> float:
+    """Return the smallest of several p-values, as that of one of so many; 1 for none.
 
-    >>> holm([0.01, 0.04, 0.03])
-    [0.03, 0.06, 0.06]
+    It is the first of those that Holm (1979) adjusts: whether any is too small by chance.
+
+    >>> least([0.01, 0.04, 0.03])
+    0.03
     """
-    order = np.argsort(chances)
-    raised = np.asarray(chances)[order] * np.arange(len(chances), 0, -1)
-    adjusted = np.empty(len(chances))
-    adjusted[order] = np.maximum.accumulate(np.minimum(raised, 1.0))
-    return adjusted.tolist()
+    return min(1.0, len(chances) * min(chances)) if chances else 1.0
 
 
 def together(checks: Iterable[Check]) -> str:
@@ -216,7 +213,7 @@ def chances(checks: Iterable[Check]) -> tuple[float, float]:
     """Return the p-values that all votes on a statement hold, and that one of so many fails."""
     deciding = [check for check in checks if check.deciding]
     known = [check for check in deciding if check.known]
-    fails = min(holm([check.failing for check in known]), default=1.0)
+    fails = least([check.failing for check in known])
     every = known and len(known) == len(deciding)
     return max(check.holding for check in known) if every else 1.0, fails
 

@@ -68,7 +68,8 @@ def profiles(blocks: Sequence[Rows], points: Sequence[str], replicates: int) -> 
 
     Coordinate ``run`` is the id of the point. Fewer slices or replicates than those of another run
     are filled up with NaN; ``height`` (run, slice) holds the centres of the slices. Profiles along
-    the belt are over (run, replicate, square), and ``column`` (run, square) holds the centres.
+    the belt are over (run, replicate, square), and ``column`` (run, square) holds the centres;
+    those over its cycle (run, replicate, moment), and ``cycle_phase`` (run, moment) the phases.
     """
     order, sizes = _order(blocks, points), sizes_of(blocks) | {"replicate": replicates}
     held = {

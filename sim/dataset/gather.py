@@ -13,7 +13,7 @@ from sim.base.files import read_seal
 from sim.base.reading import reading
 from sim.base.summary import read_summary
 from sim.dataset.measures import measures
-from sim.dataset.measures.belt import columns
+from sim.dataset.measures.belt import columns, over_cycle
 from sim.dataset.rows import KEPT, OVER_HEIGHT, SINGLE, WORDS, Rows
 from sim.dataset.run_file import Replicate, RunFile
 from sim.engine.held import held_amounts
@@ -105,8 +105,9 @@ def _scalars(run: RunFile) -> dict[str, np.ndarray]:
 
 
 def _profiles(run: RunFile) -> dict[str, np.ndarray]:
-    """Return profiles over height and along the belt, and where their slices and squares are."""
-    held = {name: run[name] for name in ("height", *OVER_HEIGHT) if name in run} | columns(run)
+    """Return profiles over height, along the belt and over its cycle, and where they lie."""
+    held = {name: run[name] for name in ("height", *OVER_HEIGHT) if name in run}
+    held |= columns(run) | over_cycle(run)
     return {name: one.astype(np.float32 if name in SINGLE else float) for name, one in held.items()}
 
 

@@ -15,6 +15,7 @@ from sim.base.reading import reading
 from sim.dataset.added import with_added
 from sim.dataset.boundary_table import is_of_study, read_table
 from sim.dataset.grids import number_of, on_grid
+from sim.dataset.rows import CENTRES
 from sim.parameters import SYSTEMS
 
 #: Group of the dataset with one subgroup per point whose particles are kept.
@@ -32,7 +33,8 @@ class Results:
     profiles : mapping of str to xarray.Dataset
         Per system its profiles over (run, replicate, slice), with ``height`` (run, slice) in m; of
         a belt also those over (run, replicate, square) along it, with ``column`` (run, square) in
-        m; ``run`` is the id of the point.
+        m, and those over (run, replicate, moment) of its cycle, with ``cycle_phase`` (run, moment)
+        in rad; ``run`` is the id of the point.
     boundaries : pandas.DataFrame
         What was found of boundaries between regimes.
     states : mapping of str to xarray.Dataset
@@ -50,7 +52,8 @@ class Results:
     ) -> tuple[np.ndarray, np.ndarray]:
         """Return a profile of a point, (R, H) over completed replicates, and heights (H,) in m.
 
-        Profiles along the belt come with the columns' centres instead of heights. Those over the
+        Profiles along the belt come with the columns' centres (m) instead of heights, those over
+        its cycle with phases (rad). Those over the
         height above the belt are on one of the grids of `sim.dataset.grids`, however thin the
         slices are that the run has kept.
 
@@ -67,11 +70,11 @@ class Results:
         row, profiles = group.indexes["run"].get_loc(point), group.variables
         completed = held["status"].values[index] == "completed"
         values = profiles[name].values[row][completed]
-        along = "square" in profiles[name].dims
-        centres = profiles["column" if along else "height"].values[row]
+        axis = str(profiles[name].dims[-1])
+        centres = profiles[CENTRES[axis]].values[row]
         real = np.isfinite(centres)
         values, centres = values[:, real], centres[real]
-        if along or system != "belt":
+        if axis != "slice" or system != "belt":
             return values, centres
         beads = profiles.get(number_of(name))
         number = None if beads is None else beads.values[row][completed][:, real]

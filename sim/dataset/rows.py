@@ -9,6 +9,7 @@ import pandas as pd
 import xarray as xr
 
 from sim.dataset.measures import MEASURES
+from sim.dataset.measures.belt import OVER_CYCLE
 from sim.engine.observe.arrays import ASKED_FOR, AT_PHASE_0, INSTANTANEOUS, PHASED, PROFILES
 from sim.engine.observe.scalars import SCALARS
 
@@ -40,14 +41,19 @@ OF_PROFILES = (
     | dict.fromkeys(OVER_HEIGHT, ("replicate", "slice"))
     | dict.fromkeys(("column_velocity", "column_density"), ("replicate", "square"))
     | {"column": ("square",)}
+    | dict.fromkeys(OVER_CYCLE, ("replicate", "moment"))
+    | {"cycle_phase": ("moment",)}
 )
 DIMENSIONS = OF_SCALARS | OF_PROFILES
 
 #: What is held in single precision: seven digits, of which statistics know three.
 SINGLE = OF_PROFILES.keys() - {"height"}
 
+#: Where the values of profiles lie in each of their dimensions.
+CENTRES = {"slice": "height", "square": "column", "moment": "cycle_phase"}
+
 #: What tells how long a run is in each dimension: it has neither NaN nor ``""`` of its own.
-_LENGTHS = {"replicate": "status", "slice": "height", "square": "column"}
+_LENGTHS = {"replicate": "status"} | CENTRES
 
 
 class Rows(NamedTuple):

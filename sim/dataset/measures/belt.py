@@ -68,6 +68,14 @@ def measure(run: Mapping[Any, Any]) -> dict[str, float]:
     return found
 
 
+#: Means over the cycle of the vibration, by the time series that they are means of.
+OVER_CYCLE = {
+    "cycle_normal_force": "belt_normal_force",
+    "cycle_shear_force": "belt_shear_force",
+    "cycle_contact_time": "belt_contact_time",
+}
+
+
 def columns(run: Mapping[str, Any]) -> dict[str, np.ndarray]:
     """Return velocity and density along the belt, means over all levels of the field.
 
@@ -88,6 +96,38 @@ def columns(run: Mapping[str, Any]) -> dict[str, np.ndarray]:
         "column_density": beads * float(level[1] - level[0]),
         "column": np.asarray(run["column"]),
     }
+
+
+def over_cycle(run: Mapping[str, Any]) -> dict[str, np.ndarray]:
+    """Return forces on the belt and contact time against its phase, means over the window.
+
+    Returns
+    -------
+    dict
+        ``cycle_normal_force`` and ``cycle_shear_force`` (N), and ``cycle_contact_time``, each over
+        (replicate, moment), and ``cycle_phase`` (moment,), the phase of the belt (rad) in the
+        middle of the intervals that they are means of; nothing for a run that has not kept them.
+    """
+    if "belt_normal_force" not in run:
+        return {}
+    number = int(run["samples_per_cycle"])
+    moment = np.round(np.asarray(run["belt_phase"]) / (2 * pi) * number) % number
+    start = np.asarray(run["average_start"])[:, None]
+    found = {}
+    for name, series in OVER_CYCLE.items():
+        values = np.asarray(run[series])
+        counted = (np.asarray(run["time"]) > start) & np.isfinite(values)
+        found[name] = np.full((len(values), number), nan)
+        for k in range(number):
+            held = counted & (moment == k)
+            np.divide(
+                np.where(held, values, 0.0).sum(axis=1),
+                held.sum(axis=1),
+                out=found[name][:, k],
+                where=held.any(axis=1),
+            )
+    # A sample stands for the interval that it ends, whose middle is half a sample before it.
+    return found | {"cycle_phase": (np.arange(number) - 0.5) * 2 * pi / number}
 
 
 def _of_series(run: Mapping[Any, Any]) -> dict[str, float]:

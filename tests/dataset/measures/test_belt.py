@@ -10,6 +10,7 @@ from sim.dataset.measures.belt import (
     columns,
     far_height,
     measure,
+    over_cycle,
     path_measures,
 )
 
@@ -106,6 +107,25 @@ def test_the_force_on_the_belt_lies_about_the_middle_of_the_intervals_in_which_i
     assert found["belt_force_phase"] == pytest.approx(1.5 * np.pi)
     assert found["belt_contact_time"] == pytest.approx(0.6)
     assert "belt_force_phase" not in measure(run())
+
+
+def test_over_the_cycle_each_moment_has_the_mean_of_its_samples_in_the_window():
+    """Two replicates of three cycles of four samples, the first cycle before the window."""
+    phase = np.tile([0.5, 1.0, 1.5, 2.0], 3) * np.pi % (2 * np.pi)
+    force = np.array([[9.0] * 4 + [1, 2, 3, 4] + [3, 4, 5, 8], [9.0] * 4 + [np.nan] * 8])
+    over_time = ("replicate", "time")
+    made = xr.Dataset(
+        {name: (over_time, force) for name in ("belt_normal_force", "belt_shear_force")}
+        | {"belt_contact_time": (over_time, force / 10), "belt_phase": (over_time, [phase] * 2)},
+        coords={"time": np.arange(1, 13) / 4},
+    ).assign(samples_per_cycle=4, average_start=("replicate", [1.0, 1.0]))
+    found = over_cycle(made)
+    # The interval about phase 0 ends a quarter turn after phase -π/2: it is the last sample's.
+    assert found["cycle_phase"] == pytest.approx(np.array([-0.25, 0.25, 0.75, 1.25]) * np.pi)
+    assert found["cycle_normal_force"][0] == pytest.approx([6.0, 2.0, 3.0, 4.0])
+    assert np.isnan(found["cycle_normal_force"][1]).all()
+    assert found["cycle_contact_time"][0] == pytest.approx([0.6, 0.2, 0.3, 0.4])
+    assert not over_cycle(xr.Dataset())
 
 
 def test_a_cycle_begins_at_the_sample_nearest_to_the_belts_mean_height_on_its_way_up():
