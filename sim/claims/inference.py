@@ -12,6 +12,9 @@ from sim.claims.verdict import Check, least
 
 Groups = Sequence[np.ndarray]
 
+#: Most values whose trend is tested by permutations, and how many of these.
+FEW, PERMUTATIONS = 12, 4999
+
 
 def trend(
     what: str,
@@ -50,7 +53,7 @@ def trend(
         values = sign * np.concatenate(groups)
         order = np.repeat(np.arange(len(groups)), [len(group) for group in groups])
         for chances, way in ((up, "greater"), (down, "less")):
-            chances.append(_chance(stats.kendalltau(order, values, alternative=way).pvalue))
+            chances.append(_rising(order, values, way))
         taus.append(stats.kendalltau(order, values).statistic)
         sizes.append(values.size)
         steps += [superior(sign * low, sign * high) for low, high in pairwise(groups)]
@@ -61,6 +64,29 @@ def trend(
     tested = _combined(up, sizes), least(against)
     # The thresholds are those of the statistic: a trend either way has another sign.
     return _tested(f"Kendall's τ of {what}", sign * tau, rising, tested, places)
+
+
+def _rising(order: np.ndarray, values: np.ndarray, way: str) -> float:
+    """Return the p-value that values (N,) rise with their order, or fall.
+
+    Of few values by permutations: the distribution of τ where many share an order is normal for
+    many only.
+    """
+    if values.size > FEW:
+        return _chance(stats.kendalltau(order, values, alternative=way).pvalue)
+    first, second = np.nonzero(order[:, None] < order)
+
+    def score(permuted: np.ndarray, axis: int) -> np.ndarray:
+        return np.sign(permuted[..., second] - permuted[..., first]).sum(axis=axis)
+
+    return stats.permutation_test(
+        (values,),
+        score,
+        permutation_type="pairings",
+        alternative=way,
+        n_resamples=PERMUTATIONS,
+        rng=np.random.default_rng(0),
+    ).pvalue
 
 
 def outranks(what: str, first: np.ndarray, second: np.ndarray, places: Iterable[Place]) -> Check:

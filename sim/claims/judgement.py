@@ -55,8 +55,7 @@ class Variant:
             return UNTESTABLE
         if not parts:
             return together(self.checks)
-        found = (self.on(part) for part in parts)
-        return of_parts([together(checks) if checks else UNTESTABLE for checks in found])
+        return of_parts([self.on(part) for part in parts])
 
 
 @dataclass(frozen=True)
@@ -84,7 +83,8 @@ class Judgement:
     @property
     def of_parts(self) -> dict[str, str]:
         """The headline verdict on each part, empty for a claim that says one thing."""
-        return {part: self._of_part(self.headline, part) for part in self.claim.parts}
+        votes = {part: self._votes(self.headline, part) for part in self.claim.parts}
+        return {part: together(found) if found else UNTESTABLE for part, found in votes.items()}
 
     @property
     def by_number(self) -> dict[float, str]:
@@ -134,7 +134,7 @@ class Judgement:
 
     def under(self, reading: str) -> str:
         """Return the verdict under one reading, each part by the protocol that decides it."""
-        return of_parts([self._of_part(reading, part) for part in self._parts])
+        return of_parts([self._votes(reading, part) for part in self._parts])
 
     def deciding(self, reading: str, part: str = "") -> Variant | None:
         """Return the variant that decides a part: the converged one where there is one.
@@ -148,9 +148,9 @@ class Judgement:
                     return one
         return None
 
-    def _of_part(self, reading: str, part: str) -> str:
+    def _votes(self, reading: str, part: str) -> list[Check]:
         found = self.deciding(reading, part)
-        return together(found.on(part)) if found else UNTESTABLE
+        return found.on(part) if found else []
 
     @property
     def _parts(self) -> list[str]:

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from functools import partial
 
 import numpy as np
+from scipy.stats import chi2
 from uncertainties import UFloat
 
 from sim.claims.checks import reported
@@ -53,19 +54,36 @@ def _lifetimes(what: str, places: Sequence[Place]) -> list[Check]:
 
     Nothing of runs from before such states were told.
     """
-    checks = []
-    for state in plug.STATES:
-        try:
-            share, lifetime = (
-                np.concatenate([place.values(f"{state}_{name}") for place in places])
-                for name in ("share", "lifetime")
-            )
-        except Untestable:
-            continue
-        if not np.nansum(share) > 0:
-            continue
-        told = f"{what}: share of the time {state}"
-        checks.append(reported(told, joined(share[np.isfinite(share)]), places))
-        lived = joined(lifetime[np.isfinite(lifetime)])
-        checks.append(reported(f"{what}: lifetime of the state {state}", lived, places, "s"))
+    try:
+        times, endings = (
+            {
+                state: np.concatenate([place.values(f"{state}_{name}") for place in places])
+                for state in plug.STATES
+            }
+            for name in ("time", "endings")
+        )
+    except Untestable:
+        return []
+    window, checks = sum(times.values()), []
+    for state, time in times.items():
+        if np.nansum(time) > 0:
+            share = (time / window)[np.isfinite(time)]
+            checks.append(reported(f"{what}: share of the time {state}", joined(share), places))
+            lived = float(np.nansum(time)), int(np.nansum(endings[state]))
+            told, lifetime = f"{what}: lifetime of the state {state}", lifetime_of(*lived)
+            if not lived[1]:
+                told += ", which never ended: longer than"
+            checks.append(reported(told, lifetime, places, "s"))
     return checks
+
+
+def lifetime_of(time: float, endings: int) -> UFloat | float:
+    """Return the lifetime of a state that ends at random, from the time in it over all runs.
+
+    With its 95 % interval, that of a rate of so many events: as far to both sides as to the farther
+    one. Where it was never seen to end, what the lifetime exceeds with 95 % confidence.
+    """
+    if not endings:
+        return 2.0 * time / float(chi2.ppf(0.95, 2))
+    longest = 2.0 * time / float(chi2.ppf(0.025, 2 * endings))
+    return measured(time / endings, longest - time / endings)

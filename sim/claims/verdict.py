@@ -218,17 +218,23 @@ def chances(checks: Iterable[Check]) -> tuple[float, float]:
     return max(check.holding for check in known) if every else 1.0, fails
 
 
-def of_parts(verdicts: Sequence[str]) -> str:
-    """Return the verdict on a claim that says several things from those on its parts.
+def of_parts(parts: Sequence[Sequence[Check]]) -> str:
+    """Return the verdict on a claim that says several things from the votes on each of its parts.
 
-    It is reproduced in part where one at least is and another is not, or not yet.
+    It is reproduced in part where one at least is and another is not, or not yet. That one of them
+    holds, or that one fails, must be clear as one of so many (Holm).
     """
-    found = set(verdicts)
-    if found == {UNTESTABLE}:
+    voted = [checks for checks in parts if checks]
+    if not voted:
         return UNTESTABLE
-    if REPRODUCED in found:
-        return REPRODUCED if found == {REPRODUCED} else IN_PART
-    return NOT_REPRODUCED if NOT_REPRODUCED in found else INCONCLUSIVE
+    verdicts = [together(checks) for checks in voted]
+    if len(voted) == len(parts) and set(verdicts) == {REPRODUCED}:
+        return REPRODUCED
+    if REPRODUCED in verdicts:
+        holds = least([chances(checks)[0] for checks in voted])
+        return IN_PART if holds <= RISK else INCONCLUSIVE
+    fails = least([chances(checks)[1] for checks in voted])
+    return NOT_REPRODUCED if fails <= RISK else INCONCLUSIVE
 
 
 def plan(check: Check) -> str:

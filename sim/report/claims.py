@@ -33,15 +33,17 @@ SYSTEM = {"walton": "chute", "gallas": "belt"}
 _MODEL = "Experiments on the model itself"
 
 
-def read_claims(path: Path) -> list[dict[str, Any]]:
+def read_claims(path: Path, replaceable: bool = True) -> list[dict[str, Any]]:
     """Return the claims that `sim.claims.written` has written; none where there is no such file.
+
+    A damaged file is set aside if it is ``replaceable``, as the workflow makes it again.
 
     Raises
     ------
     DamagedError
         When it cannot be read.
     """
-    return _read(path)["claims"] if path.is_file() else []
+    return _read(path, replaceable)["claims"] if path.is_file() else []
 
 
 def require_table(folder: Path) -> None:
@@ -61,8 +63,8 @@ def require_table(folder: Path) -> None:
             raise ValueError("the checksum is wrong")
 
 
-def _read(path: Path) -> dict[str, Any]:
-    with reading(path, "table of verdicts", replaceable=True):
+def _read(path: Path, replaceable: bool = True) -> dict[str, Any]:
+    with reading(path, "table of verdicts", replaceable=replaceable):
         return read_sealed(path.read_text(encoding="utf-8"))
 
 

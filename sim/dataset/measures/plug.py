@@ -6,7 +6,7 @@ touch, and agitated where they do not.
 
 from collections.abc import Mapping
 from itertools import pairwise
-from math import inf, sqrt
+from math import sqrt
 from typing import Any
 
 import numpy as np
@@ -17,13 +17,20 @@ from sim.engine.observe.arrays import HISTORY
 STATES = ("deep_shear", "agitated", "locked")
 _WORDS = ("without a plug", "with an agitated plug", "with a locked plug")
 
-MEASURES = {
-    f"{state}_share": ("1", f"share of the window {words}")
-    for state, words in zip(STATES, _WORDS, strict=True)
-} | {
-    f"{state}_lifetime": ("s", f"mean time for which the flow stays {words}")
-    for state, words in zip(STATES, _WORDS, strict=True)
-}
+MEASURES = (
+    {
+        f"{state}_share": ("1", f"share of the window {words}")
+        for state, words in zip(STATES, _WORDS, strict=True)
+    }
+    | {
+        f"{state}_time": ("s", f"time of the window {words}")
+        for state, words in zip(STATES, _WORDS, strict=True)
+    }
+    | {
+        f"{state}_endings": ("1", f"how often the flow was seen to stop being {words}")
+        for state, words in zip(STATES, _WORDS, strict=True)
+    }
+)
 
 #: Contacts per sphere from which a plug is locked: agitated ones have about 1, locked ones 2.7 or
 #: more.
@@ -34,7 +41,7 @@ SPELL = 10.0
 
 
 def measure(run: Mapping[Any, Any]) -> dict[str, float]:
-    """Return shares and lifetimes of the states of a replicate over its averaging window.
+    """Return shares, times and endings of the states of a replicate over its averaging window.
 
     Whether there is a plug is told for each spell where the run has kept how its profiles change,
     else for the whole window. Nothing for a run without contact numbers, or of less than a spell.
@@ -49,7 +56,8 @@ def measure(run: Mapping[Any, Any]) -> dict[str, float]:
     state = np.where(plug, np.where(np.array(number) > LOCKED, 2, 1), 0)
     found = {}
     for index, name in enumerate(STATES):
-        found[f"{name}_share"], found[f"{name}_lifetime"] = spells(state == index, np.diff(ends))
+        told = zip(("share", "time", "endings"), spells(state == index, np.diff(ends)), strict=True)
+        found |= {f"{name}_{what}": value for what, value in told}
     return found
 
 
@@ -93,11 +101,8 @@ def _mean(velocity: np.ndarray, packing: np.ndarray) -> tuple[np.ndarray, np.nda
     return mean, weight / len(packing)
 
 
-def spells(inside: np.ndarray, length: np.ndarray) -> tuple[float, float]:
-    """Return the share of the time in a state, and its mean lifetime.
-
-    The lifetime is the time in the state over how often it was seen to end, the most likely one if
-    it ends at random: endless where it never did, not-a-number where it never was.
+def spells(inside: np.ndarray, length: np.ndarray) -> tuple[float, float, float]:
+    """Return the share of the time in a state, that time, and how often it was seen to end.
 
     Parameters
     ----------
@@ -108,5 +113,4 @@ def spells(inside: np.ndarray, length: np.ndarray) -> tuple[float, float]:
     """
     time = float(length[inside].sum())
     ended = int((inside[:-1] & ~inside[1:]).sum())
-    lifetime = time / ended if ended else (inf if time else np.nan)
-    return time / float(length.sum()), lifetime
+    return time / float(length.sum()), time, float(ended)

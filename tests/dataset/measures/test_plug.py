@@ -47,23 +47,24 @@ def test_shares_and_lifetimes_of_a_flow_that_passes_through_all_states():
     found = measure(made_run(contacts, plugs))
     assert [found[f"{state}_share"] for state in STATES] == pytest.approx([0.2, 0.4, 0.4])
     # Two spells of agitation ended, one of deep shear, and one of two locked ones.
-    lifetimes = [found[f"{state}_lifetime"] / UNIT for state in STATES]
-    assert lifetimes == pytest.approx([40, 40, 80])
+    assert [found[f"{state}_endings"] for state in STATES] == [1, 2, 1]
+    times = [found[f"{state}_time"] / UNIT for state in STATES]
+    assert times == pytest.approx([40, 80, 80])
 
 
 def test_short_blocks_are_taken_together():
     """A plug that comes and goes within 10 √(σ/g) is none of its own."""
     contacts, plugs = [1] * 40, [1, 1, 1, 0] * 10
     found = measure(made_run(contacts, plugs, length=2.5))
-    assert (found["deep_shear_share"], found["deep_shear_lifetime"]) == (1.0, np.inf)
+    assert (found["deep_shear_share"], found["deep_shear_endings"]) == (1.0, 0)
 
 
 def test_without_a_history_the_plug_is_that_of_the_window():
     found = measure(made_run([1, 1, 3, 3]))
     assert (found["agitated_share"], found["locked_share"]) == pytest.approx((0.5, 0.5))
-    assert found["deep_shear_share"] == 0.0 and np.isnan(found["deep_shear_lifetime"])
-    assert found["agitated_lifetime"] == pytest.approx(40 * UNIT)
-    assert found["locked_lifetime"] == np.inf
+    assert found["deep_shear_share"] == found["deep_shear_time"] == 0.0
+    assert found["agitated_time"] == pytest.approx(40 * UNIT)
+    assert (found["agitated_endings"], found["locked_endings"]) == (1, 0)
 
 
 def test_a_flow_that_shears_throughout_is_in_one_state():
@@ -82,7 +83,7 @@ def test_blocks_before_the_window_do_not_count():
     made = made_run([3, 3, 1, 1], [1, 1, 1, 1])
     made["average_start"] = 140.0 * UNIT
     found = measure(made)
-    assert found["agitated_share"] == 1.0 and found["agitated_lifetime"] == np.inf
+    assert found["agitated_share"] == 1.0 and found["agitated_endings"] == 0
 
 
 @pytest.mark.parametrize("lifetime", [50.0, 200.0])
@@ -90,6 +91,6 @@ def test_the_lifetime_of_a_state_that_ends_at_random_is_found_again(lifetime):
     rng = np.random.default_rng(1)
     changes = rng.random(20_000) < 10.0 / lifetime
     inside = np.cumsum(changes) % 2 == 0
-    share, found = spells(inside, np.full(inside.size, 10.0))
+    share, time, endings = spells(inside, np.full(inside.size, 10.0))
     assert share == pytest.approx(0.5, abs=0.05)
-    assert found == pytest.approx(lifetime, rel=0.05)
+    assert time / endings == pytest.approx(lifetime, rel=0.05)
