@@ -66,7 +66,7 @@ def source_files(parts: Sequence[str] = ENGINE) -> list[Path]:
 def source_hash(parts: Sequence[str] = ENGINE) -> str:
     """Return 12 hex digits that change with any source file of parts of the package.
 
-    Checkpoints belong to that of the engine, compiled code to that of `COMPILED`.
+    Run files tell that of the engine, compiled code belongs to that of `COMPILED`.
     """
     digest = hashlib.sha256()
     for path in source_files(parts):
