@@ -144,8 +144,9 @@ def wider(one: Place, other: Place, how: str) -> list[Check]:
     return checks
 
 
-def g18(evidence: Evidence) -> list[Check]:
-    """Above 1.5 times the height of the bed at 10 Hz there are beads at 60 and 80 Hz, none at 10.
+def g18(evidence: Evidence, none: float) -> list[Check]:
+    """Above 1.5 times the height of the bed at 10 Hz there are beads at 60 and 80 Hz, none at 10:
+    a density below ``none`` (⟨d⟩⁻²).
 
     The density compared is that of the first slice wholly above.
     """
@@ -155,7 +156,7 @@ def g18(evidence: Evidence) -> list[Check]:
     for place in (bed, *fluid):
         density = place.measure(_first_above(top), DENSITY) * place["diameter"] ** 2
         what = f"ρ⟨d⟩² above 1.5 bed heights, {place['frequency']:g} Hz"
-        checks.append((below if place is bed else above)(what, density, 1e-3, (place,)))
+        checks.append((below if place is bed else above)(what, density, none, (place,)))
     return checks
 
 

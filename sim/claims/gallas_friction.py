@@ -11,15 +11,9 @@ from sim.claims.lines import along, drifting, elasticity
 from sim.claims.place import Place, quotient
 from sim.claims.verdict import Check, Untestable
 
-#: How much larger the scatter is where statistics are poor.
-POOR = 2
 
-#: Share of V(50g) below which there is no transport.
-STOPPED = 0.1
-
-
-def g9(evidence: Evidence) -> list[Check]:
-    """Most of the rise with γ_s is over at 10g, and what follows is gentle, at 20 and 50 Hz."""
+def g9(evidence: Evidence, most: float) -> list[Check]:
+    """More than ``most`` of the rise with γ_s is over at 10g, and what follows is gentle."""
     checks = []
     for frequency in (20, 50):
         line = along(evidence, "shear_damping", (0, 10, 20, 50, 100), frequency=frequency)
@@ -29,7 +23,7 @@ def g9(evidence: Evidence) -> list[Check]:
         what = f"[V(10g) - V(0)]/[V(100g) - V(0)] at {frequency} Hz"
         rise = f"d ln V/d ln γ_s, 10g to 100g, at {frequency} Hz"
         found = [
-            above(what, share, 0.7, (line[0], line[10], line[100])),
+            above(what, share, most, (line[0], line[10], line[100])),
             within(rise, elasticity(gentle), 0, 0.2, gentle.values()),
         ]
         reasons = filter(None, (drifting(place) for place in gentle.values()))
@@ -37,20 +31,20 @@ def g9(evidence: Evidence) -> list[Check]:
     return checks
 
 
-def g10(evidence: Evidence) -> list[Check]:
-    """Without shear friction |V| is below a tenth of that at 50g."""
+def g10(evidence: Evidence, stopped: float) -> list[Check]:
+    """Without shear friction |V| is below a share ``stopped`` of that at 50g."""
     checks = []
     for frequency in (20, 50):
         still = evidence.at("belt", frequency=frequency, shear_damping=0)
         usual = evidence.at("belt", frequency=frequency)
         ratio = quotient(still.velocity, usual.velocity)
         what = f"V(γ_s = 0)/V(50g) at {frequency} Hz"
-        checks.append(within(what, ratio, -STOPPED, STOPPED, (still, usual)))
+        checks.append(within(what, ratio, -stopped, stopped, (still, usual)))
     return checks
 
 
-def g11(evidence: Evidence) -> list[Check]:
-    """The relative scatter over beds below γ_s = g is more than twice that at 50g.
+def g11(evidence: Evidence, poor: float) -> list[Check]:
+    """The relative scatter over beds below γ_s = g is more than ``poor`` times that at 50g.
 
     Variances of 20 and 50 Hz are pooled, and their ratio is judged by its logarithm, whose standard
     deviation is that of Fisher's z.
@@ -67,7 +61,7 @@ def g11(evidence: Evidence) -> list[Check]:
         raise Untestable("no scatter over several beds at γ_s < g, or none at 50g")
     ratio = ufloat(log(scatter / usual_scatter), sqrt(0.5 / freedom + 0.5 / usual_freedom))
     what = "ln of the relative scatter of V at γ_s < g over that at 50g"
-    return [above(what, ratio, log(POOR), (*few, *usual))]
+    return [above(what, ratio, log(poor), (*few, *usual))]
 
 
 def relative_scatter(places: Sequence[Place]) -> tuple[float, float]:

@@ -13,9 +13,6 @@ from sim.dataset.measures.belt import FAR
 #: Frequencies (Hz) of Fig. 6.
 FREQUENCIES = (20, 80)
 
-#: Share of an effect that must be seen far away for it to be more than local.
-SPREAD = 0.3
-
 
 def g31(evidence: Evidence) -> list[Check]:
     """Each larger obstacle slows the flow further, and one of half a bead takes 30 % of it."""
@@ -29,21 +26,21 @@ def g31(evidence: Evidence) -> list[Check]:
     return checks
 
 
-def g33(evidence: Evidence) -> list[Check]:
-    """At 80 Hz less than 1 % of the beads are where the mean flow runs backwards."""
+def g33(evidence: Evidence, hardly: float) -> list[Check]:
+    """At 80 Hz less than a share ``hardly`` of the beads is where the mean flow runs backwards."""
     return [
         below(
             f"share of the beads where the mean flow runs backwards, d_o = {size:g}⟨d⟩",
             place.value("backflow"),
-            0.01,
+            hardly,
             (place,),
         )
         for size, place in along(evidence, "obstacle", (1.5, 2.5), frequency=80).items()
     ]
 
 
-def g34(evidence: Evidence) -> list[Check]:
-    """Far from an obstacle the shape of the paths changes by 30 % of what it does overall.
+def g34(evidence: Evidence, spread: float) -> list[Check]:
+    """Far from an obstacle the paths change their shape by a share ``spread`` of what all do.
 
     The shape is the height over the drift. The share of the slow-down there is reported: the flux
     is the same through all columns.
@@ -55,12 +52,12 @@ def g34(evidence: Evidence) -> list[Check]:
             evidence.at("belt", frequency=frequency, obstacle=1.5),
         )
         what = (
-            f"change of ln(height over drift) beyond {FAR}⟨d⟩ less {SPREAD:.0%} of that of all, "
+            f"change of ln(height over drift) beyond {FAR}⟨d⟩ less {spread:.0%} of that of all, "
             f"{frequency} Hz"
         )
         slowed = f"share of the slow-down beyond {FAR}⟨d⟩ at {frequency} Hz"
         checks += [
-            above(what, far_shape_change(*places), 0, places),
+            above(what, far_shape_change(*places, spread), 0, places),
             reported(slowed, far_slow_down(*places), places),
         ]
     return checks
@@ -78,11 +75,11 @@ def far_slow_down(free: Place, blocked: Place) -> UFloat:
     return joined(far.mean() * (before - beyond) / (before - overall))
 
 
-def far_shape_change(free: Place, blocked: Place) -> UFloat:
-    """Return by how much ln(height over drift) of the far paths changes beyond `SPREAD`.
+def far_shape_change(free: Place, blocked: Place, spread: float) -> UFloat:
+    """Return by how much ln(height over drift) of the far paths changes more than that of all does.
 
-    That is, beyond this share of the change for all beads, whose sign counts as positive. The drift
-    of the far paths is that of the columns there; the flow without obstacle is alike in all.
+    That is, than a share ``spread`` of it, whose sign counts as positive. The drift of the far
+    paths is that of the columns there; the flow without obstacle is alike in all.
     """
     first, second = common_beds((free, blocked))
     heights = [
@@ -93,7 +90,7 @@ def far_shape_change(free: Place, blocked: Place) -> UFloat:
     after, far = blocked.profile("column_velocity")[0][second], _is_far(blocked)
     drifts = [np.log(each.mean(axis=1) / before) for each in (after, after[:, far])]
     everywhere, beyond = (height - drift for height, drift in zip(heights, drifts, strict=True))
-    return joined(np.sign(everywhere.mean()) * (beyond - SPREAD * everywhere))
+    return joined(np.sign(everywhere.mean()) * (beyond - spread * everywhere))
 
 
 def _is_far(blocked: Place) -> np.ndarray:

@@ -50,10 +50,10 @@ def w10(evidence: Evidence) -> list[Check]:
     return of_settled(checks, flows.values())
 
 
-def w11(evidence: Evidence) -> list[Check]:
+def w11(evidence: Evidence, least_share: float) -> list[Check]:
     """Share of all runs of deep flows, whatever their start and cell, that ride as a plug.
 
-    Runs that accelerate do not count.
+    A plug is more than ``least_share`` of the depth. Runs that accelerate do not count.
     """
     cells, places = {}, []
     for cell in WIDTHS:
@@ -61,7 +61,7 @@ def w11(evidence: Evidence) -> list[Check]:
         flows = [place for line in lines for place in line.values()]
         found = [_steady_plugs(place) for place in flows]
         if found:
-            cells[cell] = np.concatenate(found) > layers.PLUG
+            cells[cell] = np.concatenate(found) > least_share
             places += flows
     if len(cells) < 2:
         raise Untestable("no flows at n = 10, 20 and 40 in cells of two widths")

@@ -26,13 +26,12 @@ CONTROLLED, SPREAD, WIDE = {"depth": 10, "cell": 5}, 0.1, 20
 RESILIENT = {"a": 5, "b": 10, "c": 20}
 RESTITUTIONS, LOWEST = (0.7, 0.95), 0.6
 
-#: Overlaps in the paper's words, and the factor that "on the order of" leaves.
-DYNAMIC, SLIGHT, ORDER = 0.05, 0.005, 2
+#: Overlaps in the paper's words.
+DYNAMIC, SLIGHT = 0.05, 0.005
 
-#: Depths that depend on the stiffness and those that do not, stiffnesses that decide it, and the
-#: margin of an equality.
+#: Depths that depend on the stiffness and those that do not, and stiffnesses that decide it.
 SENSITIVE: tuple[float, ...] = (20, 40)
-INSENSITIVE, SOFT, STIFF, EQUAL = (1.24, 2.5), 100, 1000, 0.05
+INSENSITIVE, SOFT, STIFF = (1.24, 2.5), 100, 1000
 
 #: Heights in diameters of the layer immediately above the bottommost one.
 ABOVE_BOTTOM = (1, 2)
@@ -145,58 +144,63 @@ def _over_restitution(evidence: Evidence, depth: float) -> list[Check]:
     return found
 
 
-def w20(evidence: Evidence) -> list[Check]:
-    """Overlaps of the softest spheres, within a factor of two of the paper's."""
+def w20(evidence: Evidence, order: float) -> list[Check]:
+    """Overlaps of the softest spheres, within a factor ``order`` of the paper's."""
     return in_parts(
-        a=lambda: [check for n in INSENSITIVE for check in _shallow_overlap(evidence, n)],
-        b=lambda: _deep_overlap(evidence),
-        c=lambda: _static_overlap(evidence),
+        a=lambda: [check for n in INSENSITIVE for check in _shallow_overlap(evidence, n, order)],
+        b=lambda: _deep_overlap(evidence, order),
+        c=lambda: _static_overlap(evidence, order),
     )
 
 
-def _shallow_overlap(evidence: Evidence, depth: float) -> list[Check]:
+def _shallow_overlap(evidence: Evidence, depth: float, order: float) -> list[Check]:
     place = evidence.at("chute", depth=depth, stiffness=SOFT)
-    check = _overlap("median overlap", place, "median_overlap", SLIGHT)
-    extreme = _overlap("99.9th percentile of the overlaps", place, "overlap_999", SLIGHT)
+    bounds = SLIGHT / order, SLIGHT * order
+    check = _overlap("median overlap", place, "median_overlap", bounds)
+    extreme = _overlap("99.9th percentile of the overlaps", place, "overlap_999", bounds)
     return of_settled([check, *beside([extreme])], [place])
 
 
-def _deep_overlap(evidence: Evidence) -> list[Check]:
+def _deep_overlap(evidence: Evidence, order: float) -> list[Check]:
     place = evidence.at("chute", depth=40, stiffness=SOFT)
-    check = _overlap("99.9th percentile of the overlaps", place, "overlap_999", DYNAMIC)
+    bounds = DYNAMIC / order, DYNAMIC * order
+    check = _overlap("99.9th percentile of the overlaps", place, "overlap_999", bounds)
     median = 100 * place.value("median_overlap")
     return of_settled([check, reported("median overlap, n = 40", median, [place])], [place])
 
 
-def _static_overlap(evidence: Evidence) -> list[Check]:
+def _static_overlap(evidence: Evidence, order: float) -> list[Check]:
     place = evidence.at("chute", depth=40, stiffness=SOFT, angle=0)
-    check = _overlap("mean overlap of the base contacts at rest", place, "base_overlap", SLIGHT)
+    bounds = SLIGHT / order, SLIGHT * order
+    check = _overlap("mean overlap of the base contacts at rest", place, "base_overlap", bounds)
     moves = "" if place.regime == "arrested" else "the bed on the level plane is not at rest"
     # At rest nothing fluctuates, so that samples are not what is lacking.
     return withheld([replace(check, samples=inf)], moves)
 
 
-def _overlap(what: str, place: Place, name: str, size: float) -> Check:
-    percent = 100 * place.value(name)
-    bounds = 100 * size / ORDER, 100 * size * ORDER
-    return within(f"{what}, n = {place['depth']:g}", percent, *bounds, [place], "% of σ")
+def _overlap(what: str, place: Place, name: str, bounds: tuple[float, float]) -> Check:
+    low, high = (100 * bound for bound in bounds)
+    what = f"{what}, n = {place['depth']:g}"
+    return within(what, 100 * place.value(name), low, high, [place], "% of σ")
 
 
-def w21(evidence: Evidence) -> list[Check]:
-    """Stiffer against softest: V of shallow flows (a), V and shear depth of deep ones (b)."""
+def w21(evidence: Evidence, equal: float) -> list[Check]:
+    """Stiffer against softest: V of shallow flows the same but for a share ``equal`` (a), V and
+    shear depth of deep ones not (b)."""
     return in_parts(
-        a=lambda: chain.from_iterable(_insensitive(evidence, n) for n in INSENSITIVE),
+        a=lambda: chain.from_iterable(_insensitive(evidence, n, equal) for n in INSENSITIVE),
         b=lambda: chain.from_iterable(_sensitive(evidence, n) for n in SENSITIVE),
     )
 
 
-def _insensitive(evidence: Evidence, depth: float) -> list[Check]:
+def _insensitive(evidence: Evidence, depth: float, equal: float) -> list[Check]:
     checks = []
     for stiffness, soft, stiff in _stiffer(evidence, depth):
         what = f"V at K1 = {stiffness:g} N/m over {SOFT} N/m, n = {depth:g}"
         ratio = quotient(stiff.velocity, soft.velocity)
-        found = [within(what, ratio, 1 - EQUAL, 1 + EQUAL, [soft, stiff])]
-        checks += _of_stiffness(of_settled(found, [soft, stiff]), stiffness)
+        pair = [soft, stiff]
+        found = withheld([within(what, ratio, 1 - equal, 1 + equal, pair)], unlike(pair))
+        checks += _of_stiffness(of_settled(found, pair), stiffness)
     return checks
 
 

@@ -50,12 +50,8 @@ STARTED, STATED = (2.5, 5), (10, 20)
 #: Depths whose windows of angles must be known.
 NEEDED = (5, 10)
 
-#: How far starts must lie from the steady velocity, relative to it, how near the usual one, and
-#: what they may change.
-SLOW, FAST, NEAR, FORGOTTEN = 2 / 3, 1.5, 0.25, 0.03
-
-#: Least width in degrees of a window of angles.
-WINDOW = 1.0
+#: How far starts must lie from the steady velocity, relative to it, and how near the usual one.
+SLOW, FAST, NEAR = 2 / 3, 1.5, 0.25
 
 
 def w6(evidence: Evidence) -> list[Check]:
@@ -143,15 +139,16 @@ def _boundary(
         return None
 
 
-def w19(evidence: Evidence) -> list[Check]:
+def w19(evidence: Evidence, steady: float) -> list[Check]:
     """Flows over a sweep of friction: steady a little above tan θ (a), at rest beyond twice (b).
 
-    A flow at rest is one started slightly faster than that; fast starts are reported.
+    Steady is a flow whose velocity changes by less than a share ``steady`` of g sin θ. A flow at
+    rest is one started slightly faster than that; fast starts are reported.
     """
-    return in_parts(a=lambda: _steady_above(evidence), b=lambda: _arrested_beyond(evidence))
+    return in_parts(a=lambda: _steady_above(evidence, steady), b=lambda: _arrested_beyond(evidence))
 
 
-def _steady_above(evidence: Evidence) -> list[Check]:
+def _steady_above(evidence: Evidence, steady: float) -> list[Check]:
     """Mean slope of all replicates at a depth, whatever the friction just above tan θ."""
     checks, swept = [], False
     for n in SWEPT:
@@ -166,7 +163,7 @@ def _steady_above(evidence: Evidence) -> list[Check]:
         pooled = sum(map(acceleration, somewhat)) / len(somewhat)
         what = f"dV/dt over g sin θ, {len(somewhat)} frictions, n = {n:g}"
         stopped = [place for place in somewhat if not is_flowing(place)]
-        check = within(what, pooled, -STEADY, STEADY, somewhat)
+        check = within(what, pooled, -steady, steady, somewhat)
         checks += withheld([check], f"{len(stopped)} of them do not move" if stopped else "")
     if not swept:
         raise Untestable("no depth with replicates at two frictions from 1 to 1.5 tan θ")
@@ -227,8 +224,9 @@ def _waited(place: Place) -> list[Check]:
     return [reported(f"time until at rest, {_rough(place)}", waited, [place], "√(σ/g)")]
 
 
-def w23(evidence: Evidence) -> list[Check]:
-    """Velocities after slower and faster starts over that after the start nearest to it.
+def w23(evidence: Evidence, forgotten: float) -> list[Check]:
+    """Velocities after slower and faster starts over that after the start nearest to it: the same
+    but for a share ``forgotten``.
 
     Of deep flows the states are reported by their start.
     """
@@ -249,7 +247,7 @@ def w23(evidence: Evidence) -> list[Check]:
         for start, place in line.items():
             ratio = quotient(place.velocity, steady.velocity)
             what = f"V after a start at {relative[start]:.2g} V, n = {n:g}, over the usual V"
-            bounds = 1 - FORGOTTEN, 1 + FORGOTTEN
+            bounds = 1 - forgotten, 1 + forgotten
             pair = [place, steady]
             # A flow that has come to rest has not forgotten its start.
             moving = [one for one in pair if is_flowing(one)]
@@ -282,8 +280,9 @@ def _nearest(line: Mapping[float, Place]) -> float | None:
     return min((start for start in line if is_flowing(line[start])), key=off, default=None)
 
 
-def w25(evidence: Evidence) -> list[Check]:
-    """The narrowest window, of any seed, between angles at which flows rest and run away.
+def w25(evidence: Evidence, least_width: float) -> list[Check]:
+    """The narrowest window, of any seed, between angles at which flows rest and run away, is wider
+    than ``least_width`` (degrees).
 
     Its ends are the inner ones of the brackets: flows are seen to move at the lower one, and seen
     not to accelerate at the upper one.
@@ -300,7 +299,7 @@ def w25(evidence: Evidence) -> list[Check]:
             continue
         width = (runaway["low"] - rest["high"]).dropna()
         what = f"narrowest window of {len(width)} seeds, n = {n:g}"
-        check = above(what, float(width.min()), WINDOW, unit="°")
+        check = above(what, float(width.min()), least_width, unit="°")
         known = len(width) == len(runaway) > 1
         checks += withheld([check], "" if known else "limits from two seeds or more")
     if missing:

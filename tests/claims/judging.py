@@ -2,12 +2,14 @@
 
 from sim.claims.evidence import Evidence
 from sim.claims.verdict import NOT_REPRODUCED, together
-from tests.made.results import made_results
+from tests.made.results import headline_number, made_results
 
 
 def checks_on(judge, points, boundaries=()) -> list:
     """What a judge checks on points of the published protocol."""
-    return judge(Evidence(made_results(*points, boundaries=boundaries), "published"))
+    return judge(
+        Evidence(made_results(*points, boundaries=boundaries), "published"), *headline_number(judge)
+    )
 
 
 def verdict_on(judge, points, boundaries=()) -> str:

@@ -7,7 +7,7 @@ import numpy as np
 from sim.claims.evidence import Evidence
 from sim.claims.verdict import Check, together
 from sim.parameters import BeltParameters, parse_point
-from tests.made.results import MadePoint, made_point, made_results
+from tests.made.results import MadePoint, headline_number, made_point, made_results
 
 #: Mean diameter, m.
 BEAD = 1e-3
@@ -136,7 +136,8 @@ def checks_of(
     protocol: str = "published",
 ) -> list[Check]:
     """Return what a judge checks on made-up points."""
-    return judge(Evidence(made_results(*points, boundaries=boundaries), protocol))
+    found = made_results(*points, boundaries=boundaries)
+    return judge(Evidence(found, protocol), *headline_number(judge))
 
 
 def verdict_of(judge: Callable, points: Sequence[MadePoint], **rest: object) -> str:

@@ -8,6 +8,7 @@ import pandas as pd
 import xarray as xr
 from scipy.special import ndtri
 
+from sim.claims.table import claims
 from sim.dataset.replicates import outcomes
 from sim.dataset.results import Results
 from sim.parameters import SYSTEMS, Parameters, complete, field_info, parse_point, point_id
@@ -265,3 +266,9 @@ def _padded(rows: Sequence[np.ndarray], shape: tuple[int, ...]) -> np.ndarray:
     for filled, row in zip(table, rows, strict=True):
         filled[tuple(slice(size) for size in row.shape)] = row
     return table
+
+
+def headline_number(judge: Callable) -> tuple[float, ...]:
+    """The number that a judge is given for the headline verdict, if it takes one."""
+    numbers = [claim.number for claim in claims() if claim.number and claim.judging() is judge]
+    return tuple(number.headline for number in numbers[:1])

@@ -54,7 +54,7 @@ def measure(run: Mapping[Any, Any]) -> dict[str, float]:
     time, contacts = np.asarray(run["time"]), np.asarray(run["contact_number"])
     number = [contacts[(time > a) & (time <= b)].mean() for a, b in pairwise(ends)]
     state = np.where(plug, np.where(np.array(number) > LOCKED, 2, 1), 0)
-    found = {}
+    found: dict[str, float] = {}
     for index, name in enumerate(STATES):
         told = zip(("share", "time", "endings"), spells(state == index, np.diff(ends)), strict=True)
         found |= {f"{name}_{what}": value for what, value in told}
