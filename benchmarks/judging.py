@@ -226,20 +226,43 @@ def often(share: float, number: int, trials: int = TRIALS) -> tuple[float, float
     )
 
 
-def tightening(
-    kind: str, numbers: tuple[int, ...], trials: int = TRIALS
-) -> list[tuple[float, float]]:
-    """Return half width and rate of "reproduced" of one true statement by number of replicates.
+def several(
+    votes: int, distance: float, odd: float, replicates: int, trials: int = TRIALS
+) -> tuple[float, float]:
+    """Return how often a claim of so many bounds is reproduced, and how often it is not reproduced.
 
-    It lies one half width of the first number from its threshold.
+    All but one lie ``distance`` half widths from their thresholds, and one lies ``odd`` of them.
     """
-    rng = np.random.default_rng([trials, *map(ord, kind)])
-    apart, rows = half_width(rng, KINDS[kind], numbers[0]), []
-    for replicates in numbers:
-        checks = [_slower(rng, KINDS[kind], apart, replicates) for _ in range(trials)]
-        held = np.mean([check.verdict == REPRODUCED for check in checks])
-        rows.append((float(np.median([check.half_width for check in checks])), float(held)))
-    return rows
+    rng = np.random.default_rng([trials, votes, replicates, int(10 + distance), int(10 + odd)])
+    kind = KINDS["stationary"]
+    width = half_width(rng, kind, replicates)
+    apart = [odd * width] + [distance * width] * (votes - 1)
+    found = [together([_slower(rng, kind, a, replicates) for a in apart]) for _ in range(trials)]
+    return tuple(
+        np.mean([one == wanted for one in found]) for wanted in (REPRODUCED, NOT_REPRODUCED)
+    )
+
+
+def tightening(
+    statement: str, kind: str, numbers: tuple[int, ...], trials: int = TRIALS
+) -> list[float]:
+    """Return how often a true statement is reproduced by number of replicates.
+
+    It lies one half width of a bound with the first number from its threshold.
+    """
+    rng = np.random.default_rng([trials, *map(ord, statement + kind)])
+    apart, judge = half_width(rng, KINDS[kind], numbers[0]), STATEMENTS[statement]
+    return [
+        float(
+            np.mean(
+                [
+                    judge(rng, KINDS[kind], apart, replicates).verdict == REPRODUCED
+                    for _ in range(trials)
+                ]
+            )
+        )
+        for replicates in numbers
+    ]
 
 
 def main() -> None:
@@ -266,11 +289,20 @@ def main() -> None:
         for number in (10, 40):
             held, failed = often(share, number, trials)
             print(f"| {share:g} | {number} | {100 * held:.0f} | {100 * failed:.0f} |")
-    print("\n| flows | replicates | half width, % | reproduced, % |\n| --- | --- | --- | --- |")
-    for kind in KINDS:
-        numbers = (3, 6, 12, 24, 48)
-        for number, (width, held) in zip(numbers, tightening(kind, numbers, trials), strict=True):
-            print(f"| {kind} | {number} | {100 * width:.2f} | {100 * held:.0f} |")
+    print("\n| votes | one at | replicates | reproduced | not |\n| --- | --- | --- | --- | --- |")
+    for votes in (1, 3, 10):
+        for odd in (2, 0, -1, -2):
+            for replicates in REPLICATES:
+                held, failed = several(votes, 2, odd, replicates, trials)
+                cells = f"{100 * held:.0f} | {100 * failed:.0f}"
+                print(f"| {votes} | {odd:+d} | {replicates} | {cells} |", flush=True)
+    numbers = (3, 6, 12, 24, 48)
+    heads = " | ".join(map(str, numbers))
+    print(f"\n| statement | flows | {heads} |\n|" + " --- |" * (2 + len(numbers)))
+    for statement in STATEMENTS:
+        for kind in KINDS:
+            cells = [f"{100 * one:.0f}" for one in tightening(statement, kind, numbers, trials)]
+            print(f"| {statement} | {kind} | {' | '.join(cells)} |", flush=True)
 
 
 if __name__ == "__main__":
