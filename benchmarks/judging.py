@@ -248,10 +248,13 @@ def tightening(
 ) -> list[float]:
     """Return how often a true statement is reproduced by number of replicates.
 
-    It lies one half width of a bound with the first number from its threshold.
+    It lies one half width of a bound with the first number from its threshold. Not-a-number for an
+    equality that is nowhere so far from its margin.
     """
     rng = np.random.default_rng([trials, *map(ord, statement + kind)])
     apart, judge = half_width(rng, KINDS[kind], numbers[0]), STATEMENTS[statement]
+    if statement == "equality" and apart > MARGIN:
+        return [np.nan] * len(numbers)
     return [
         float(
             np.mean(
@@ -293,7 +296,7 @@ def main() -> None:
     for votes in (1, 3, 10):
         for odd in (2, 0, -1, -2):
             for replicates in REPLICATES:
-                held, failed = several(votes, 2, odd, replicates, trials)
+                held, failed = several(votes, 2, odd, replicates, trials // 2)
                 cells = f"{100 * held:.0f} | {100 * failed:.0f}"
                 print(f"| {votes} | {odd:+d} | {replicates} | {cells} |", flush=True)
     numbers = (3, 6, 12, 24, 48)
@@ -301,7 +304,8 @@ def main() -> None:
     print(f"\n| statement | flows | {heads} |\n|" + " --- |" * (2 + len(numbers)))
     for statement in STATEMENTS:
         for kind in KINDS:
-            cells = [f"{100 * one:.0f}" for one in tightening(statement, kind, numbers, trials)]
+            held = tightening(statement, kind, numbers, trials // 2)
+            cells = ["–" if np.isnan(one) else f"{100 * one:.0f}" for one in held]
             print(f"| {statement} | {kind} | {' | '.join(cells)} |", flush=True)
 
 
