@@ -5,6 +5,7 @@ libraries of the figures and a figure without those of the engine.
 """
 
 import argparse
+import io
 import os
 import sys
 from collections.abc import Sequence
@@ -58,6 +59,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         ``run`` for a run that failed, 130 after an interrupt; 143 from a ``run`` that saved its
         state first.
     """
+    for stream in (sys.stdout, sys.stderr):
+        # What a terminal cannot show is shown by its number, and ends no command.
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")
     options = vars(_parser().parse_args(arguments))
     try:
         code = _call(options.pop("function"), options)

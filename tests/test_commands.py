@@ -387,3 +387,10 @@ def test_no_command_and_wrong_options_are_refused():
         assert done.returncode == 2
         assert "usage: python -m sim" in done.stderr
         assert "Traceback" not in done.stderr
+
+
+def test_a_terminal_that_knows_few_letters_is_shown_the_others_by_their_numbers():
+    plain = {"PYTHONCOERCECLOCALE": "0", "PYTHONUTF8": "0", "LC_ALL": "C"}
+    done = program("schema", env=os.environ | plain)
+    assert done.returncode == 0, done.stderr
+    assert "\\u27e8d\\u27e9" in done.stdout

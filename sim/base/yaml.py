@@ -18,7 +18,7 @@ else:
 
 _Path = tuple[str | int, ...]
 
-MAX_BYTES = 4_000_000
+MAX_BYTES = 1_000_000
 MAX_DEPTH = 50
 MAX_KEYS = 1_000_000
 _MAX_PROBLEM = 200

@@ -1,5 +1,6 @@
 """The page as a whole: what it is made from, its summary, its template."""
 
+import shlex
 from collections import Counter
 from pathlib import Path
 from typing import Any
@@ -88,7 +89,7 @@ def render(
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters |= {"duration": duration, "percent": percent}
+    environment.filters |= {"duration": duration, "percent": percent, "quoted": shlex.quote}
     dataset = results.dataset
     caveats = Counter(str(text) for text in dataset["caveat"].values if text).most_common()
     runs = run_rows(dataset, [text for text, _ in caveats])

@@ -162,7 +162,7 @@ def test_pipes_and_sockets_that_nobody_writes_to(tmp_path, monkeypatch):
 
 def test_standard_input_without_end(tmp_path):
     with Path("/dev/zero").open("rb") as endless:
-        assert "<stdin>: larger than 4 MB" in refused_by_a_process("-", tmp_path, endless)
+        assert "<stdin>: larger than 1 MB" in refused_by_a_process("-", tmp_path, endless)
 
 
 def test_huge_files_are_refused_unread(tmp_path):
@@ -171,7 +171,7 @@ def test_huge_files_are_refused_unread(tmp_path):
         file.write(b"study: mine\n#")
         file.truncate(10**9)
     message = refused_by_a_process(str(path), tmp_path)
-    assert message.endswith("study.yaml: larger than 4 MB\n")
+    assert message.endswith("study.yaml: larger than 1 MB\n")
 
 
 def test_a_file_of_the_largest_size_is_read(tmp_path):

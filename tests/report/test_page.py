@@ -257,6 +257,14 @@ def test_markup_in_a_title_is_text(tmp_path):
     assert "<b>1 < 2</b>" in page.text
 
 
+def test_the_command_that_repeats_a_study_is_quoted_for_the_shell(made, tmp_path):
+    study_path, results = made
+    odd = tmp_path / "$(touch PWN) {a} b.yaml"
+    odd.write_text(study_path.read_text())
+    page = Page(build(odd, results).read_text(encoding="utf-8"))
+    assert f"--configfile '{odd}'" in page.text
+
+
 def test_a_missing_figure_is_named_and_the_old_report_stays(made, tmp_path):
     study_path, results = make_study(tmp_path)
     with pytest.raises(InputError, match=r"dataset\.nc"):
