@@ -1,0 +1,102 @@
+"""One bit of a stored file changes: what is read is refused or as it was, never another number."""
+
+import random
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from sim.base.errors import InputError
+from sim.dataset.gather import read_run
+from sim.dataset.results import load_results
+from sim.engine.run import run_point
+from sim.engine.states import States
+from sim.figures.drawn import DRAWN, require_unchanged
+from sim.parameters import point_id
+from sim.report.claims import read_claims, require_table
+from sim.study.load import load_study
+from tests.engine_motion.points import belt_point
+from tests.made.figures import make_figures
+from tests.made.report import write_claims
+
+POINT = belt_point(beads=12, width=5, transient=1, average=2)
+
+
+def plain(value: Any) -> Any:
+    """Return what was read as numbers and words that can be compared."""
+    if isinstance(value, np.ndarray):
+        return value.shape, list(map(str, value.ravel()))
+    if isinstance(value, dict):
+        return {name: plain(part) for name, part in value.items()}
+    return value
+
+
+def run_values(path: Path) -> Any:
+    return plain(read_run(path).values)
+
+
+def state_values(run: Path) -> Any:
+    found = States(run, POINT).replicate(POINT, 0)
+    if found is None:
+        raise InputError("no states")
+    kept = found.state()
+    return plain({name: one for name, one in kept.items() if name != "told.seconds"})
+
+
+def dataset_values(path: Path) -> Any:
+    found = load_results(path)
+    scalars = {name: one.values for name, one in found.dataset.variables.items()}
+    profiles = {
+        f"{system}.{name}": one.values
+        for system, group in found.profiles.items()
+        for name, one in group.variables.items()
+    }
+    return plain(scalars | profiles)
+
+
+Read = Callable[[], Any]
+
+
+@pytest.fixture
+def stored(tmp_path) -> dict[Path, Read]:
+    """Every kind of file that is read again, each with what reads it."""
+    study_path, results = make_figures(tmp_path)
+    made, figures = results / "made", results / "made" / "figures"
+    study = load_study(study_path, results)
+    write_claims(made / "claims.json", list(study.points))
+    run = tmp_path / f"{point_id(POINT)}.nc"
+    assert run_point(POINT, run, quiet=True) == 0
+    drawn = {path: lambda: require_unchanged(study.figures, figures) for path in figures.iterdir()}
+    return drawn | {
+        run: lambda: run_values(run),
+        run.with_name(f".{run.name}.state"): lambda: state_values(run),
+        made / "dataset.nc": lambda: dataset_values(made / "dataset.nc"),
+        made / "claims.json": lambda: read_claims(made / "claims.json"),
+        made / "claims.csv": lambda: require_table(made),
+    }
+
+
+@pytest.mark.parametrize("flips", [30, pytest.param(500, marks=pytest.mark.long)])
+def test_no_flipped_bit_is_served_as_a_number(stored, flips, capsys):
+    chance, refused = random.Random(flips), 0
+    before = {path: (path.read_bytes(), read()) for path, read in stored.items()}
+    for number in range(flips):
+        path = sorted(stored)[number % len(stored)]
+        content, expected = before[path]
+        damaged, place = bytearray(content), chance.randrange(8 * len(content))
+        damaged[place // 8] ^= 1 << place % 8
+        path.write_bytes(damaged)
+        try:
+            assert stored[path]() == expected, f"{path.name}, bit {place}"
+            # Unread, as the notes on figures that another program has written between the words.
+            assert path.name == DRAWN, f"{path.name}, bit {place}"
+        except InputError:
+            refused += 1
+        path.write_bytes(content)
+        for aside in path.parent.glob(f"{path.name}.damaged*"):
+            aside.unlink()
+    with capsys.disabled():
+        print(f"\n{flips} flipped bits in {len(stored)} files: {refused} refused")
+    assert refused > 0.9 * flips
