@@ -116,7 +116,7 @@ def table(comparisons: list[Comparison]) -> str:
     """Return the comparisons as a table in Markdown, the ratios of all flows pooled at its end."""
     rows = [HEADINGS, ["---"] * len(HEADINGS), *(_row(c) for c in comparisons)]
     mean = {
-        scalar: shown(pooled([c.ratio(scalar) for c in comparisons]), 3)
+        scalar: mean_and_interval(pooled([c.ratio(scalar) for c in comparisons]), 3)
         for scalar in ("velocity", "contacts")
     }
     rows.append(["all", "", "", mean["velocity"], "", "", mean["contacts"], "", "", ""])
@@ -127,12 +127,19 @@ def _row(c: Comparison) -> list[str]:
     cells = [c.flow.name]
     for scalar, digits in (("velocity", 2), ("contacts", 3)):
         ours, theirs = getattr(c.talus, scalar), getattr(c.lammps, scalar)
-        cells += [shown(ours, digits), shown(theirs, digits), shown(c.ratio(scalar), 3)]
+        cells += [
+            mean_and_interval(ours, digits),
+            mean_and_interval(theirs, digits),
+            mean_and_interval(c.ratio(scalar), 3),
+        ]
     cells.append(f"{100 * c.share('speed'):.0f} / {100 * c.share('packing'):.0f} %")
     cells.append(f"{100 * c.gap('speed'):.1f} / {100 * c.gap('packing'):.1f} %")
-    return [*cells, f"{shown(c.talus.drift, 2)} / {shown(c.lammps.drift, 2)}"]
+    return [
+        *cells,
+        f"{mean_and_interval(c.talus.drift, 2)} / {mean_and_interval(c.lammps.drift, 2)}",
+    ]
 
 
-def shown(value: Estimate, digits: int) -> str:
+def mean_and_interval(value: Estimate, digits: int) -> str:
     """Return a mean with its interval."""
     return f"{value.mean:.{digits}f} ± {value.half_width:.{digits}f}"

@@ -1,4 +1,4 @@
-"""The one exception a user of Talus gets to see, and how values are shown in it."""
+"""The one exception a user of Talus gets to see, and how values are written in it."""
 
 import reprlib
 from collections.abc import Iterable
@@ -32,7 +32,7 @@ class InputError(Exception):
             What would have been accepted, in words.
         """
         where = f"{source}: {key}" if key else f"{source}"
-        return cls(f"{where}: got {shown(value)}; allowed: {allowed}")
+        return cls(f"{where}: got {in_short(value)}; allowed: {allowed}")
 
 
 class _Short(reprlib.Repr):
@@ -58,7 +58,7 @@ class _Short(reprlib.Repr):
         return "nothing"
 
 
-def shown(value: Any) -> str:
+def in_short(value: Any) -> str:
     """Return ``value`` as one short line, spelled as in YAML where the two languages differ."""
     return " ".join(_Short().repr(value).split())
 
@@ -70,6 +70,8 @@ def key_path(location: Iterable[str | int]) -> str:
         if isinstance(part, int):
             path += f"[{part}]"
         else:
-            name = part if part.isprintable() and len(part) <= _Short().maxstring else shown(part)
+            name = (
+                part if part.isprintable() and len(part) <= _Short().maxstring else in_short(part)
+            )
             path += f".{name}" if path else name
     return path

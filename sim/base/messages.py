@@ -10,7 +10,7 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails, ValidationError
 
-from sim.base.errors import InputError, key_path, shown
+from sim.base.errors import InputError, in_short, key_path
 
 _UNKNOWN = {"extra_forbidden", "invalid_key"}
 _TAG = "system"
@@ -62,7 +62,7 @@ def unknown_key(source: str, path: str, value: Any, known: Iterable[str]) -> Inp
     names = list(known)
     close = difflib.get_close_matches(path.rpartition(".")[2], names, n=1)
     question = f"did you mean {close[0]!r}? " if close else ""
-    message = f"unknown key, got {shown(value)}; {question}allowed: {', '.join(names)}"
+    message = f"unknown key, got {in_short(value)}; {question}allowed: {', '.join(names)}"
     return InputError(f"{source}: {path}: {message}")
 
 

@@ -82,10 +82,10 @@ def build(study_path: str | Path, results: str | Path = "results") -> Path:
 
 def as_csv(study: Study, rows: pd.DataFrame) -> str:
     """Return the text of ``boundaries.csv``."""
-    return shown(study, rows).to_csv(index=False, float_format="%.10g")
+    return reader_columns(study, rows).to_csv(index=False, float_format="%.10g")
 
 
-def shown(study: Study, rows: pd.DataFrame) -> pd.DataFrame:
+def reader_columns(study: Study, rows: pd.DataFrame) -> pd.DataFrame:
     """Return the columns of the table that a reader wants: those that grids vary among them.
 
     A parameter is blank for the boundaries along it.

@@ -6,7 +6,7 @@ import netCDF4
 import pandas as pd
 import xarray as xr
 
-from sim.base.reading import reading
+from sim.base.damage import checked_read
 from sim.dataset.added import with_added
 
 #: Group of the dataset that holds what was found, one row per boundary.
@@ -25,7 +25,7 @@ def read_table(dataset: Path) -> pd.DataFrame:
     InputError
         When there is no dataset, or it is damaged. That of a study is then set aside.
     """
-    with reading(dataset, "dataset", replaceable=is_of_study(dataset)):
+    with checked_read(dataset, "dataset", replaceable=is_of_study(dataset)):
         with netCDF4.Dataset(dataset) as file:
             if GROUP not in file.groups:
                 return pd.DataFrame(columns=_COLUMNS)

@@ -13,6 +13,7 @@ import xarray as xr
 
 from sim.base.files import replacing, seal
 from sim.dataset.boundaries import table
+from sim.dataset.boundary_side import side
 from sim.dataset.boundary_table import GROUP
 from sim.dataset.combine import profiles, root, runs
 from sim.dataset.earlier import RUNS, keep
@@ -20,7 +21,6 @@ from sim.dataset.results import PARTICLES
 from sim.dataset.rounds import as_wanted, refined, sides_of
 from sim.dataset.rows import Rows, selected
 from sim.dataset.runs import Runs
-from sim.dataset.sides import side
 from sim.parameters import SYSTEMS, Parameters, point_id
 from sim.study.catalogue import FIGURES
 from sim.study.load import Boundary, Study, load_study
@@ -118,7 +118,7 @@ def _groups(
 
 
 def _write(temporary: Path, group: str | None, dataset: xr.Dataset, output: Path) -> None:
-    """Write a group to the draft of the file ``output``, the root first."""
+    """Write a group to the temporary name of the file ``output``, the root first."""
     encoding = {name: _stored(dataset[name], group) for name in dataset.data_vars}
     mode: Literal["a", "w"] = "a" if group else "w"
     try:

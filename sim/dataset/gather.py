@@ -8,18 +8,18 @@ import netCDF4
 import numpy as np
 import xarray as xr
 
+from sim.base.damage import checked_read
 from sim.base.errors import InputError
 from sim.base.files import read_seal
-from sim.base.reading import reading
 from sim.base.summary import read_summary
 from sim.dataset.measures import measures
 from sim.dataset.measures.belt import columns, over_cycle
 from sim.dataset.rows import KEPT, OVER_HEIGHT, SINGLE, WORDS, Rows
 from sim.dataset.run_file import Replicate, RunFile
-from sim.engine.held import held_amounts
 from sim.engine.identity import numerics_of
 from sim.engine.observe.arrays import SNAPSHOTS
 from sim.engine.observe.scalars import SCALARS
+from sim.engine.stored_run import held_amounts
 
 #: Without these attributes a file is no run file.
 ATTRIBUTES = {"point_id", "system", "engine_version", "source_hash", "versions", "created"}
@@ -50,7 +50,7 @@ def read_run(path: Path, wanted: Mapping[str, float] | None = None, shown: bool 
     DamagedError
         When it cannot be read as the run that its name says; it is set aside.
     """
-    with reading(path, "run file", replaceable=True):
+    with checked_read(path, "run file", replaceable=True):
         # First: if another file takes the name in between, its numbers get a seal that is not its
         # own, and it is read again the next time.
         seal = read_seal(path)

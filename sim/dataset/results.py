@@ -10,8 +10,8 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from sim.base.damage import checked_read
 from sim.base.errors import InputError
-from sim.base.reading import reading
 from sim.dataset.added import with_added
 from sim.dataset.boundary_table import is_of_study, read_table
 from sim.dataset.grids import number_of, on_grid
@@ -145,7 +145,7 @@ def load_results(path: str | Path) -> Results:
 
 
 def _reading(path: Path) -> AbstractContextManager[None]:
-    return reading(path, "dataset", replaceable=is_of_study(path))
+    return checked_read(path, "dataset", replaceable=is_of_study(path))
 
 
 def _with_added(dataset: xr.Dataset) -> xr.Dataset:

@@ -6,12 +6,12 @@ from dataclasses import replace
 from itertools import zip_longest
 from pathlib import Path
 
+from sim.base.damage import checked_read
 from sim.base.errors import InputError
 from sim.base.files import replacing
-from sim.base.reading import reading
-from sim.dataset.sides import side_of_run
+from sim.dataset.boundary_side import side_of_run
 from sim.parameters import Parameters, canonical, parse_point, point_id
-from sim.study.load import Boundary, Study, joined, load_study
+from sim.study.load import Boundary, Study, as_member, load_study
 from sim.study.refine import Sides, divided, next_values
 
 #: Tells on which side of a boundary the run of a point is.
@@ -26,7 +26,7 @@ def read_round(path: Path) -> dict[str, Parameters]:
     InputError
         When there is no such file, or it is not one.
     """
-    with reading(path, "round of refinement", replaceable=True):
+    with checked_read(path, "round of refinement", replaceable=True):
         held = json.loads(path.read_text(encoding="utf-8"))
         try:
             points = {key: parse_point(values, path) for key, values in held.items()}
@@ -116,7 +116,7 @@ def refined(study: Study, found: Sequence[Sides]) -> Study:
     points, series = dict(study.points), dict(study.series)
     for boundary, sides in zip(study.boundaries, found, strict=True):
         for value in sides:
-            point = joined(points, boundary.at(value), boundary.name, boundary.figures)
+            point = as_member(points, boundary.at(value), boundary.name, boundary.figures)
             points[point.id] = point
             series[boundary.name] = tuple(dict.fromkeys((*series[boundary.name], point.id)))
     figures = {

@@ -79,7 +79,7 @@ class Rows(NamedTuple):
     states: dict[str, xr.Dataset]
 
 
-def joined(blocks: Iterable[Rows]) -> list[Rows]:
+def merged(blocks: Iterable[Rows]) -> list[Rows]:
     """Return rows in as few blocks as there are sets of variables."""
     alike: dict[tuple[str, ...], list[Rows]] = {}
     for block in blocks:

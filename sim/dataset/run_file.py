@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 import netCDF4
 import numpy as np
 
-from sim.engine.held import answering
+from sim.engine.stored_run import answering
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 from sim.base.errors import InputError
 from sim.dataset.earlier import reading_code
 from sim.dataset.gather import read_run
-from sim.dataset.rows import Rows, joined
+from sim.dataset.rows import Rows, merged
 
 #: Most run files that are read before what they hold is handed over.
 BATCH = 40
@@ -96,7 +96,7 @@ def read_batch(files: Sequence[File]) -> Batch:
                 found.append(read_run(path, wanted, shown))
             except InputError as error:
                 problems.append(str(error))
-    return Batch(joined(found), problems)
+    return Batch(merged(found), problems)
 
 
 @contextmanager

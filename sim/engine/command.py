@@ -123,8 +123,8 @@ def _logged(parameters: Parameters, runs: Path, logs: Path) -> int:
 def _run_one(parameters: Parameters, output: Path, quiet: bool, record_failure: bool) -> int:
     """Run a point unless its run file is there; return the exit code."""
     # A mistake in a point is told without waiting for these.
-    from sim.engine.held import current_status
     from sim.engine.run import BLOWN_UP, run_point
+    from sim.engine.stored_run import current_status
 
     # A run that starts from another is current only if that has not gone on.
     if not parameters.start_from and (status := current_status(output, parameters)):

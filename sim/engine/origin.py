@@ -6,10 +6,10 @@ from typing import NamedTuple
 
 from sim.base.errors import InputError
 from sim.engine.dynamics.status import BlowUp
-from sim.engine.held import read_parameters
 from sim.engine.observe.system import System
 from sim.engine.replicate import Start
 from sim.engine.states import States
+from sim.engine.stored_run import read_parameters
 from sim.parameters import RUN_FILE, Parameters, point_id, require_alike
 
 

@@ -236,12 +236,12 @@ class _Meter:
 
 
 def _remove(file: Path) -> None:
-    for path in (file, _draft(file)):
+    for path in (file, _temporary(file)):
         with suppress(OSError):
             path.unlink(missing_ok=True)
 
 
-def _draft(file: Path) -> Path:
+def _temporary(file: Path) -> Path:
     return file.with_name(f"{file.name}.part")
 
 
@@ -251,5 +251,5 @@ def _write(file: Path, now: Progress) -> None:
     It need not survive a power cut, so nothing waits for the disk.
     """
     with suppress(OSError):
-        _draft(file).write_text(now.model_dump_json(indent=2) + "\n")
-        _draft(file).replace(file)
+        _temporary(file).write_text(now.model_dump_json(indent=2) + "\n")
+        _temporary(file).replace(file)

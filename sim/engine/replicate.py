@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from typing import Any, Protocol, Self
 
 from sim.engine.dynamics.status import BlowUp
-from sim.engine.leaves import Leaves, below, leaves, with_leaves
+from sim.engine.flatten import FlatState, flattened, part_at, refilled
 from sim.engine.observe.recorder import Record, Recorder
 from sim.engine.observe.system import Samples, System
 from sim.engine.systems import build
@@ -69,7 +69,7 @@ class Replicate:
         """Processor time (s) in the compiled loop over time steps so far, in all processes."""
         return self._looped + self.system.loop_time
 
-    def state(self) -> Leaves:
+    def state(self) -> FlatState:
         """Return all that a replicate to be run on has to know, arrays and numbers by name."""
         told = {
             "substeps": self.substeps,
@@ -81,7 +81,7 @@ class Replicate:
         if self.system.stage:
             told["stage"] = self.system.stage
         moving = {name: getattr(self.system, name) for name in self.system.moving}
-        return leaves({"told": told, "moving": moving}) | self.recorder.state()
+        return flattened({"told": told, "moving": moving}) | self.recorder.state()
 
     @classmethod
     def restored(cls, parameters: Parameters, number: int, state: Mapping[str, Any]) -> Self:
@@ -97,8 +97,8 @@ class Replicate:
         made._looped = float(state["told.loop_time"])
         made.system.stage = str(state.get("told.stage", ""))
         moving = {name: getattr(made.system, name) for name in made.system.moving}
-        held = below("moving", state)
-        for name, value in with_leaves(moving, held).items():
+        held = part_at("moving", state)
+        for name, value in refilled(moving, held).items():
             setattr(made.system, name, value)
         made.recorder.restore(state)
         return made

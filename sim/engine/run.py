@@ -13,7 +13,6 @@ import numpy as np
 from sim import __version__
 from sim.base.files import alone
 from sim.base.statistics import student_half_width
-from sim.engine.held import current_status, started_at
 from sim.engine.identity import NUMERICS, library_versions, source_hash
 from sim.engine.observe.recorder import Record
 from sim.engine.observe.run_file import Layout, Stage, write
@@ -23,6 +22,7 @@ from sim.engine.progress import length, progress
 from sim.engine.replicate import Replicate
 from sim.engine.stages import read_stages
 from sim.engine.states import States, checkpoint_interval
+from sim.engine.stored_run import current_status, started_at
 from sim.parameters import Parameters, amounts, more, point_id
 
 log = logging.getLogger("talus")

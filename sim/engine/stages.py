@@ -8,11 +8,11 @@ import netCDF4
 import numpy as np
 
 from sim.base.files import is_damaged
-from sim.engine.held import attributes, groups, held_amounts, is_of
 from sim.engine.observe.arrays import SNAPSHOTS, TABLES
 from sim.engine.observe.recorder import Record
 from sim.engine.observe.run_file import Stage
 from sim.engine.observe.scalars import SCALARS
+from sim.engine.stored_run import attributes, groups, held_amounts, is_of
 from sim.parameters import Parameters, amounts
 
 

@@ -18,8 +18,8 @@ import numpy as np
 
 from sim.base.errors import InputError
 from sim.base.files import is_damaged, replacing, seal, set_aside
+from sim.engine.flatten import FlatState
 from sim.engine.identity import NUMERICS
-from sim.engine.leaves import Leaves
 from sim.parameters import Parameters, point_id
 
 if TYPE_CHECKING:
@@ -57,7 +57,7 @@ def checkpoint_interval() -> float:
     raise InputError.of_value("environment", name, text, "a number of seconds >= 0")
 
 
-def packed(state: Leaves) -> bytes:
+def packed(state: FlatState) -> bytes:
     """Return a state as a compressed archive of its arrays and a JSON text of its numbers."""
     buffer = io.BytesIO()
     numbers = {name: value for name, value in state.items() if not isinstance(value, np.ndarray)}
@@ -78,7 +78,7 @@ def numbers(archive: bytes) -> dict[str, Any]:
         return {}
 
 
-def unpacked(archive: bytes) -> Leaves:
+def unpacked(archive: bytes) -> FlatState:
     """Return the state that was packed; raises ``ValueError`` when that was none."""
     try:
         with zipfile.ZipFile(io.BytesIO(archive)) as file:

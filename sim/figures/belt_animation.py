@@ -40,7 +40,7 @@ def notes(data: FigureData) -> list[str]:
     return [f"Transport velocity of the averaging window {velocity_text(row)} ({row['regime']})."]
 
 
-class Belt:
+class BeltScene:
     """Beads and belt in mean diameters: ``path`` (S, N, 2), ``time`` (S,), ``speed`` (S, N)."""
 
     def __init__(self, row: Mapping[str, Any], state: xr.Dataset):
@@ -89,7 +89,7 @@ def draw(data: FigureData) -> Animation:
     state = data.results.states.get(row["point"])
     if state is None or "path" not in state:
         return still("no motion stored")
-    belt = Belt(row, state)
+    belt = BeltScene(row, state)
     # To scale, with room for the axes and the colours.
     aspect = (belt.frame.top - belt.frame.bottom) / belt.width
     width = min(4.8, 4.8 / aspect)
@@ -117,7 +117,7 @@ def draw(data: FigureData) -> Animation:
     return Animation(figure, (len(belt.time) - 1) // EVERY, show, DURATION)
 
 
-def _draw_surroundings(axes: Axes, belt: Belt) -> None:
+def _draw_surroundings(axes: Axes, belt: BeltScene) -> None:
     """Draw the belt's extreme positions, an obstacle, the axes and the colours."""
     for level in (-belt.amplitude, belt.amplitude):
         axes.axhline(level, color="#888888", linestyle=SHORT_DASH, linewidth=0.8, zorder=1)

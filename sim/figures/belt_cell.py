@@ -27,7 +27,7 @@ OBSTACLE = "#e69f00"
 TALLEST = 30.0
 
 
-class Shown(NamedTuple):
+class PointParticles(NamedTuple):
     """A point and the particles of its first completed replicate."""
 
     row: Mapping[Hashable, Any]
@@ -62,7 +62,7 @@ def notes(data: FigureData) -> list[str]:
     return sentences
 
 
-def shown(data: FigureData, *names: str) -> list[Shown]:
+def with_particles(data: FigureData, *names: str) -> list[PointParticles]:
     """Return the selected points with their particles, none where no replicate completed.
 
     Raises
@@ -76,11 +76,11 @@ def shown(data: FigureData, *names: str) -> list[Shown]:
         for name in names:
             if name not in state:
                 raise InputError(f"{row['point']}: no {name} of the particles in the dataset")
-        found.append(Shown(row, state))
+        found.append(PointParticles(row, state))
     return found
 
 
-def cells(points: Sequence[Shown], top: float) -> tuple[Figure, list[Axes]]:
+def cells(points: Sequence[PointParticles], top: float) -> tuple[Figure, list[Axes]]:
     """Return axes in ⟨d⟩ to scale, one per point, of a period of the belt up to ``top`` (⟨d⟩)."""
     if not points:
         figure = Figure(figsize=(5.6, 3.9), layout="constrained")
@@ -104,7 +104,7 @@ def cells(points: Sequence[Shown], top: float) -> tuple[Figure, list[Axes]]:
     return figure, list(panels)
 
 
-def draw_surroundings(axes: Axes, point: Shown) -> None:
+def draw_surroundings(axes: Axes, point: PointParticles) -> None:
     """Draw the average position of the belt, and the obstacle, if any, at x = L/2, z = A_z."""
     row = point.row
     if row["obstacle"] > 0:
@@ -123,6 +123,6 @@ def tell_beyond(axes: Axes, lowest: np.ndarray) -> None:
         axes.text(0.01, 0.985, text, transform=axes.transAxes, va="top", fontsize=8)
 
 
-def wrapped(x: np.ndarray, point: Shown) -> np.ndarray:
+def wrapped(x: np.ndarray, point: PointParticles) -> np.ndarray:
     """Return positions along the belt within its period [0, L), all in ⟨d⟩."""
     return np.mod(x, point.row["width"])

@@ -5,13 +5,13 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from sim.figures.belt_cell import (
-    Shown,
+    PointParticles,
     cells,
     draw_surroundings,
     notes,
     select,
-    shown,
     tell_beyond,
+    with_particles,
     wrapped,
 )
 from sim.figures.data import FigureData
@@ -21,7 +21,7 @@ from sim.figures.style import place_legend
 
 def draw(data: FigureData) -> Figure:
     """Draw the paths; what leaves the periodic cell on one side comes back on the other."""
-    points = shown(data, "path", "path_time")
+    points = with_particles(data, "path", "path_time")
     paths = [_path(point) for point in points]
     figure, panels = cells(points, max((path[..., 1].max() for path in paths), default=0) + 0.5)
     for axes, point, path in zip(panels, points, paths, strict=True):
@@ -45,7 +45,7 @@ def draw(data: FigureData) -> Figure:
 def table(data: FigureData) -> pd.DataFrame:
     """Return the paths: a row per bead and time, positions along the belt not wrapped."""
     parts = []
-    for point in shown(data, "path", "path_time"):
+    for point in with_particles(data, "path", "path_time"):
         path = np.round(_path(point), 3)
         steps, beads, _ = path.shape
         columns = {
@@ -61,7 +61,7 @@ def table(data: FigureData) -> pd.DataFrame:
     return pd.concat(parts) if parts else pd.DataFrame(columns=["protocol", "bead"])
 
 
-def _path(point: Shown) -> np.ndarray:
+def _path(point: PointParticles) -> np.ndarray:
     """Return the positions (S, N, 2) in ⟨d⟩."""
     return point.state["path"].values.astype(float) / point.row["diameter"]
 

@@ -9,13 +9,13 @@ from matplotlib.collections import EllipseCollection, LineCollection
 from matplotlib.figure import Figure
 
 from sim.figures.belt_cell import (
-    Shown,
+    PointParticles,
     cells,
     draw_surroundings,
     notes,
     select,
-    shown,
     tell_beyond,
+    with_particles,
     wrapped,
 )
 from sim.figures.data import FigureData
@@ -28,7 +28,7 @@ _ABOVE = 2.0
 
 def draw(data: FigureData) -> Figure:
     """Draw the beads; those that cross an end of the periodic cell are drawn at both ends."""
-    points = shown(data, "position", "particle_velocity", "radius")
+    points = with_particles(data, "position", "particle_velocity", "radius")
     tables = [_beads(point) for point in points]
     tops = [(beads["z [⟨d⟩]"] + beads["diameter [⟨d⟩]"] / 2).max() for beads in tables]
     figure, panels = cells(points, max(tops, default=0) + _ABOVE)
@@ -48,7 +48,7 @@ def draw(data: FigureData) -> Figure:
 
 def table(data: FigureData) -> pd.DataFrame:
     """Return the beads: a row for each, positions along the belt within the cell."""
-    points = shown(data, "position", "particle_velocity", "radius")
+    points = with_particles(data, "position", "particle_velocity", "radius")
     parts = [_beads(point) for point in points]
     return pd.concat(parts) if parts else pd.DataFrame(columns=["protocol", "bead"])
 
@@ -69,7 +69,7 @@ def round_speed(mean_square: float) -> float:
     )
 
 
-def _beads(point: Shown) -> pd.DataFrame:
+def _beads(point: PointParticles) -> pd.DataFrame:
     row, state = point
     place = state["position"].values.astype(float) / row["diameter"]
     velocity = state["particle_velocity"].values.astype(float)

@@ -115,13 +115,13 @@ def boundary_sentence(found: pd.DataFrame, plane: Sequence[str]) -> str:
         missing = "; ".join(_missing(rows, part))
         if len(rows):
             parts.append(f"{len(rows)} {text}" + (f" ({missing})" if missing else ""))
-    shown = "; ".join(f"{label} ({len(bars)})" for label, _, bars in _kinds(found, plane))
+    kinds = "; ".join(f"{label} ({len(bars)})" for label, _, bars in _kinds(found, plane))
     return (
         f"Bars: intervals that hold a boundary, of {len(part)} looked for"
         + (": " if parts else "")
         + "; ".join(parts)
         + "."
-        + (f" Shown: {shown}." if shown else "")
+        + (f" Shown: {kinds}." if kinds else "")
     )
 
 

@@ -7,8 +7,8 @@ from pathlib import Path
 
 from pydantic import BaseModel, TypeAdapter, ValidationError
 
+from sim.base.damage import checked_read
 from sim.base.files import replacing
-from sim.base.reading import reading
 from sim.study.catalogue import FIGURES
 
 #: The file beside the figures.
@@ -79,7 +79,7 @@ def require_unchanged(names: Iterable[str], folder: Path) -> None:
         known = drawn[name].files if name in drawn else {}
         for suffix in FIGURES[name].suffixes:
             path = folder / f"{name}{suffix}"
-            with reading(path, "file of a figure", replaceable=True):
+            with checked_read(path, "file of a figure", replaceable=True):
                 if suffix not in known:
                     raise ValueError(f"{DRAWN} does not know it")
                 if _checksum(path) != known[suffix]:

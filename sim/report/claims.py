@@ -5,7 +5,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from sim.base.reading import reading
+from sim.base.damage import checked_read
 from sim.base.sealed_json import read_sealed
 from sim.parameters.wording import PROTOCOLS
 from sim.report.numbers import bounds, measured, strip, threshold, with_chance
@@ -57,14 +57,14 @@ def require_table(folder: Path) -> None:
         When it has changed since, or ``claims.json`` cannot be read.
     """
     table = folder / "claims.csv"
-    with reading(table, "table of verdicts", replaceable=True):
+    with checked_read(table, "table of verdicts", replaceable=True):
         told = _read(folder / "claims.json")[table.name]
         if hashlib.sha256(table.read_bytes()).hexdigest() != told:
             raise ValueError("the checksum is wrong")
 
 
 def _read(path: Path, replaceable: bool = True) -> dict[str, Any]:
-    with reading(path, "table of verdicts", replaceable=replaceable):
+    with checked_read(path, "table of verdicts", replaceable=replaceable):
         return read_sealed(path.read_text(encoding="utf-8"))
 
 

@@ -14,7 +14,7 @@ from sim.base.errors import InputError
 from sim.claims.judge import judge
 from sim.dataset.agreement import require_agreement
 from sim.dataset.results import Results, load_results
-from sim.study.bought import Bought, read_bought, write_bought
+from sim.study.extra_amounts import ExtraAmounts, read_extra_amounts, write_extra_amounts
 from sim.study.load import Point, Study, load_study
 
 #: A round makes a point at most so many times as long as it is: what few replicates say of how many
@@ -81,7 +81,7 @@ def _round(study_path: Path, results: Path) -> tuple[list[str], bool]:
     folder = results / study.name
     found = load_results(folder / "dataset.nc")
     require_agreement(study, found, folder / "dataset.nc")
-    held, taken = read_bought(folder), _hours(found.dataset)
+    held, taken = read_extra_amounts(folder), _hours(found.dataset)
     before = held.before if held.amounts else taken
     left = study.decide.budget - (taken - before)
     offers = sorted(_offers(study, found), key=lambda offer: offer.hours)
@@ -96,7 +96,7 @@ def _round(study_path: Path, results: Path) -> tuple[list[str], bool]:
         left -= offer.hours if fits else 0.0
     bought = amounts != held.amounts
     if bought:
-        write_bought(folder, Bought(amounts, before))
+        write_extra_amounts(folder, ExtraAmounts(amounts, before))
         lines.append("bought; run snakemake again")
     spent = f"{taken - before:.2g} of {study.decide.budget:g} core hours spent"
     return [*lines, spent if offers else f"nothing is open; {spent}"], bought

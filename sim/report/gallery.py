@@ -8,7 +8,7 @@ from xml.etree import ElementTree
 
 import pandas as pd
 
-from sim.base.reading import reading
+from sim.base.damage import checked_read
 from sim.study.catalogue import FIGURES
 
 #: Figures of the first screen, where a study has them.
@@ -78,9 +78,9 @@ def figure_entry(name: str, folder: Path, address: Address) -> dict[str, Any]:
     """
     spec = FIGURES[name]
     files = {suffix: folder / f"{name}{suffix}" for suffix in (*_MEDIA, ".caption.txt")}
-    with reading(files[".caption.txt"], "caption", replaceable=True):
+    with checked_read(files[".caption.txt"], "caption", replaceable=True):
         caption = files[".caption.txt"].read_text(encoding="utf-8").strip()
-    with reading(files[".csv"], _KINDS[".csv"], replaceable=True):
+    with checked_read(files[".csv"], _KINDS[".csv"], replaceable=True):
         held = ranges(pd.read_csv(files[".csv"]))
     entry = {
         "name": name,
@@ -106,7 +106,7 @@ def figure_entry(name: str, folder: Path, address: Address) -> dict[str, Any]:
 
 
 def _is_broad(svg: Path) -> bool:
-    with reading(svg, _KINDS[".svg"], replaceable=True):
+    with checked_read(svg, _KINDS[".svg"], replaceable=True):
         box = ElementTree.parse(svg).getroot().attrib["viewBox"]
         width, height = map(float, box.split()[2:])
     return width > _BROAD * height
@@ -135,7 +135,7 @@ def ranges(table: pd.DataFrame) -> str:
 
 def data_uri(path: Path) -> str:
     """Return a file as a data URI."""
-    with reading(path, _KINDS[path.suffix], replaceable=True):
+    with checked_read(path, _KINDS[path.suffix], replaceable=True):
         content = base64.b64encode(path.read_bytes()).decode("ascii")
     return f"data:{_MEDIA[path.suffix]};base64,{content}"
 

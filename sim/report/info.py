@@ -5,9 +5,9 @@ from pathlib import Path
 
 import netCDF4
 
-from sim.base.reading import reading
-from sim.engine.held import parameters_of
+from sim.base.damage import checked_read
 from sim.engine.observe.scalars import SCALARS
+from sim.engine.stored_run import parameters_of
 from sim.parameters import Parameters, as_yaml, complete, field_info
 
 _PER_REPLICATE = tuple(name for name in SCALARS if name != "replicate_seed")
@@ -38,7 +38,7 @@ def describe(path: str | Path, as_point: bool = False) -> str:
         When there is no such file, or it is not a run file.
     """
     path = Path(path)
-    with reading(path, "run file", replaceable=False), netCDF4.Dataset(path) as file:
+    with checked_read(path, "run file", replaceable=False), netCDF4.Dataset(path) as file:
         file.set_auto_mask(False)
         parameters = parameters_of(file, path)
         return as_yaml(parameters).rstrip() if as_point else _summary(file, parameters)

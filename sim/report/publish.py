@@ -13,8 +13,8 @@ from sim.dataset.agreement import require_agreement
 from sim.dataset.results import load_results
 from sim.report.claims import read_claims
 from sim.report.gallery import beside
+from sim.report.integrity import require_intact
 from sim.report.page import render
-from sim.report.whole import require_whole
 from sim.study.catalogue import FIGURES
 from sim.study.load import load_study
 
@@ -66,28 +66,28 @@ def publish(
         if not (folder / name).is_file():
             raise InputError(f"{folder / name}: missing; run the study to its end first")
     _require_distinct(study.files, names)
-    output, draft = target / study.name, target / f".{study.name}.part"
+    output, temporary = target / study.name, target / f".{study.name}.part"
     _require_replaceable(output, folder, target)
     found = load_results(folder / "dataset.nc")
     require_agreement(study, found, folder / "dataset.nc")
-    require_whole(study, found, folder)
+    require_intact(study, found, folder)
     claims = read_claims(folder / "claims.json")
     page = render(study, found, folder / "figures", claims, beside)
     made = json.dumps(provenance(found.dataset), indent=1, ensure_ascii=False, allow_nan=False)
-    shutil.rmtree(draft, ignore_errors=True)
+    shutil.rmtree(temporary, ignore_errors=True)
     try:
-        (draft / "figures").mkdir(parents=True)
+        (temporary / "figures").mkdir(parents=True)
         for name in names:
-            shutil.copyfile(folder / name, draft / name)
+            shutil.copyfile(folder / name, temporary / name)
         for file in study.files:
-            shutil.copyfile(file, draft / file.name)
-        (draft / PROVENANCE).write_text(made + "\n", encoding="utf-8")
-        (draft / REPORT).write_text(page, encoding="utf-8")
-        write_checksums(draft)
-        _require_small(draft, output, target)
-        _replace(draft, output)
+            shutil.copyfile(file, temporary / file.name)
+        (temporary / PROVENANCE).write_text(made + "\n", encoding="utf-8")
+        (temporary / REPORT).write_text(page, encoding="utf-8")
+        write_checksums(temporary)
+        _require_small(temporary, output, target)
+        _replace(temporary, output)
     finally:
-        shutil.rmtree(draft, ignore_errors=True)
+        shutil.rmtree(temporary, ignore_errors=True)
     return output
 
 
@@ -120,26 +120,26 @@ def write_checksums(folder: Path) -> None:
     (folder / CHECKSUMS).write_text("".join(lines), encoding="utf-8")
 
 
-def _require_small(draft: Path, output: Path, target: Path) -> None:
-    """Refuse a draft that makes all published studies together too large."""
+def _require_small(temporary: Path, output: Path, target: Path) -> None:
+    """Refuse a folder that makes all published studies together too large."""
     others = [
         path
         for path in target.iterdir()
         if path.is_dir() and path != output and not path.name.startswith(".")
     ]
-    total = sum(map(size, [draft, *others]))
+    total = sum(map(size, [temporary, *others]))
     if total > LARGEST:
         allowed = f"at most {LARGEST / 1e6:g} MB"
         raise InputError.of_value(target, "", f"{total / 1e6:.1f} MB", allowed)
 
 
-def _replace(draft: Path, output: Path) -> None:
+def _replace(temporary: Path, output: Path) -> None:
     """Put a folder in the place of another, which is gone only when the new one is there."""
     aside = output.with_name(f".{output.name}.old")
     shutil.rmtree(aside, ignore_errors=True)
     if output.exists():
         output.replace(aside)
-    draft.replace(output)
+    temporary.replace(output)
     shutil.rmtree(aside, ignore_errors=True)
 
 

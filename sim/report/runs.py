@@ -57,7 +57,7 @@ def boundary_rows(study: Study, found: pd.DataFrame) -> list[dict[str, Any]]:
         row["at"] = "; ".join(
             setting(row["system"], name, value) for name, value in boundary.grid.items()
         )
-        row["unit"] = _shown(row["unit"])
+        row["unit"] = _unit_text(row["unit"])
         row["tolerance"] = boundary.tolerance
     return rows
 
@@ -72,7 +72,7 @@ def parameter_rows(dataset: xr.Dataset) -> dict[str, list[dict[str, Any]]]:
                 {
                     "name": name,
                     "symbol": row.symbol,
-                    "unit": row.scale or _shown(row.unit),
+                    "unit": row.scale or _unit_text(row.unit),
                     "description": row.description,
                     "values": _values(points[name].values.tolist(), model, name),
                 }
@@ -82,7 +82,7 @@ def parameter_rows(dataset: xr.Dataset) -> dict[str, list[dict[str, Any]]]:
     return tables
 
 
-def _shown(unit: str) -> str:
+def _unit_text(unit: str) -> str:
     return "" if unit == "1" else unit
 
 

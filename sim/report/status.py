@@ -10,21 +10,21 @@ from pathlib import Path
 
 import psutil
 
-from sim.base.reading import UNREADABLE
+from sim.base.damage import UNREADABLE
 from sim.dataset.caveats import caveat_of_run
 from sim.dataset.rounds import read_round
 from sim.dataset.summary import summary_of
-from sim.engine.held import holds
 from sim.engine.identity import NUMERICS, numerics_of
 from sim.engine.progress import CREDIT, Progress, may_end_early, progress_file, read_progress
+from sim.engine.stored_run import holds
 from sim.parameters import Parameters, amounts
-from sim.study.bought import Bought, read_bought, with_bought
 from sim.study.cost import PROCESS_TIME, estimate
+from sim.study.extra_amounts import ExtraAmounts, read_extra_amounts, with_extra_amounts
 from sim.study.load import Study
 
 STATES = ("done", "failed", "running", "interrupted", "waiting")
 
-#: Names of run files; those that begin with a dot are states, progress and drafts.
+#: Names of run files; those that begin with a dot are states, progress and temporary files.
 RUN_FILE = re.compile(r"[^.].*\.nc")
 
 #: Seconds by which the start of a process may seem later than it was: the kernel tells the time of
@@ -162,8 +162,8 @@ def survey(study: Study, results: str | Path = "results") -> StudyStatus:
         When a file with further points of the study cannot be read.
     """
     folder = Path(results) / study.name
-    bought = read_bought(folder) if study.decide else Bought()
-    study = replace(study, points=with_bought(study.points, bought))
+    extra = read_extra_amounts(folder) if study.decide else ExtraAmounts()
+    study = replace(study, points=with_extra_amounts(study.points, extra))
     parameters = _all_points(study, folder)
     runs = folder / "runs"
     try:
@@ -175,13 +175,13 @@ def survey(study: Study, results: str | Path = "results") -> StudyStatus:
     there = (name.removesuffix(".nc") for name in sorted(present) if RUN_FILE.fullmatch(name))
     orphans = () if to_come else tuple(name for name in there if name not in points)
     left = _left(points, parameters)
-    budget = _budget(study.decide.budget, points, bought) if study.decide else None
+    budget = _budget(study.decide.budget, points, extra) if study.decide else None
     return StudyStatus(study.name, study.title, points, *left, to_come, orphans, budget)
 
 
-def _budget(hours: float, points: Mapping[str, PointStatus], bought: Bought) -> Budget:
+def _budget(hours: float, points: Mapping[str, PointStatus], extra: ExtraAmounts) -> Budget:
     taken = sum(point.core_seconds for point in points.values()) / 3600
-    return Budget(hours, max(0.0, taken - bought.before) if bought.amounts else 0.0)
+    return Budget(hours, max(0.0, taken - extra.before) if extra.amounts else 0.0)
 
 
 def _all_points(study: Study, folder: Path) -> dict[str, Parameters]:

@@ -8,19 +8,19 @@ from sim.base.errors import InputError
 from sim.base.files import require_writable
 from sim.base.yaml import read_yaml
 from sim.parameters import RUN_FILE, require_alike
-from sim.study.bought import read_bought, with_bought
 from sim.study.cost import Estimate, estimate
+from sim.study.extra_amounts import read_extra_amounts, with_extra_amounts
 from sim.study.figure_points import points_of_figures
 from sim.study.model import Boundary, Point, Study
-from sim.study.points import MAX_POINTS, collected, joined, require_same
+from sim.study.points import MAX_POINTS, as_member, collected, require_same
 
 __all__ = [
     "Boundary",
     "Estimate",
     "Point",
     "Study",
+    "as_member",
     "estimate",
-    "joined",
     "load_study",
     "parse_study",
 ]
@@ -57,7 +57,7 @@ def parse_study(mapping: Any, path: str | Path, results: str | Path | None = "re
     file, study, fed = collected(mapping, Path(path))
     for index, name in enumerate(file.parts or []):
         _, part, also = collected(_part(folder / name, source, index), folder / name)
-        study = _joined(study, part, f"{source}: parts[{index}]")
+        study = _with_part(study, part, f"{source}: parts[{index}]")
         fed = also | fed
     if len(study.points) > MAX_POINTS:
         allowed = f"at most {MAX_POINTS:,} points in the study"
@@ -68,7 +68,7 @@ def parse_study(mapping: Any, path: str | Path, results: str | Path | None = "re
         require_writable(Path(results) / file.study, f"{source}: study")
     points = study.points
     if file.decide and results is not None:
-        points = with_bought(points, read_bought(Path(results) / file.study))
+        points = with_extra_amounts(points, read_extra_amounts(Path(results) / file.study))
     return replace(study, points=points, figures=figures, decide=file.decide)
 
 
@@ -103,7 +103,7 @@ def _part(path: Path, source: str, index: int) -> Any:
     return mapping
 
 
-def _joined(study: Study, part: Study, source: str) -> Study:
+def _with_part(study: Study, part: Study, source: str) -> Study:
     """Return a study with the points, series, boundaries and figures of a part as well."""
     for name in part.series:
         if name in study.series:
@@ -112,7 +112,7 @@ def _joined(study: Study, part: Study, source: str) -> Study:
     points = dict(study.points)
     for one in part.points.values():
         for name in one.series:
-            points[one.id] = joined(points, one.parameters, name, one.figures + one.left_out)
+            points[one.id] = as_member(points, one.parameters, name, one.figures + one.left_out)
         require_same(points[one.id], one.parameters, source)
     return replace(
         study,

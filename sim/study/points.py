@@ -32,7 +32,7 @@ def collected(mapping: Any, path: Path) -> tuple[StudyFile, Study, Fed]:
     series: dict[str, tuple[str, ...]] = {}
     for place, one in _entries(file, "series"):
         members = [
-            (finished(one, draft, place, source), _shown(one.figures, draft))
+            (finished(one, draft, place, source), _fed(one.figures, draft))
             for draft in starts(file, one, place)
         ]
         series[one.name] = _add(points, one, members, source)
@@ -114,7 +114,7 @@ def _boundaries(file: StudyFile, one: BoundaryFile, path: str, source: str) -> I
         )
 
 
-def _shown(figures: Iterable[str], draft: Draft) -> list[str]:
+def _fed(figures: Iterable[str], draft: Draft) -> list[str]:
     """Return the figures that a point feeds: of other readings those that tell them apart."""
     return [name for name in figures if draft.other <= set(FIGURES[name].curves)]
 
@@ -128,7 +128,7 @@ def _add(
     """Add points with their figures, or series and figures, to ``points``; return their ids."""
     keys = {}
     for each, figures in members:
-        point = joined(points, each, one.name, figures)
+        point = as_member(points, each, one.name, figures)
         require_same(point, each, source)
         keys[point.id] = points[point.id] = point
     return tuple(keys)
@@ -143,7 +143,7 @@ def require_same(point: Point, parameters: Parameters, source: str) -> None:
         )
 
 
-def joined(
+def as_member(
     points: dict[str, Point], parameters: Parameters, series: str, figures: Iterable[str]
 ) -> Point:
     """Return the point among ``points``, or a new one, as a member of a series and of figures.
@@ -154,11 +154,11 @@ def joined(
     key = point_id(parameters)
     known = points.get(key, Point(key, parameters, (), ()))
     asked = dict.fromkeys((*known.figures, *known.left_out, *figures))
-    shown = {name: FIGURES[name].shows(parameters) for name in asked}
+    shows = {name: FIGURES[name].shows(parameters) for name in asked}
     return replace(
         known,
         parameters=more(known.parameters, amounts(parameters)),
         series=tuple(dict.fromkeys((*known.series, series))),
-        figures=tuple(name for name in asked if shown[name]),
-        left_out=tuple(name for name in asked if not shown[name]),
+        figures=tuple(name for name in asked if shows[name]),
+        left_out=tuple(name for name in asked if not shows[name]),
     )

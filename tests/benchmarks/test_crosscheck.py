@@ -11,7 +11,7 @@ from benchmarks.crosscheck.contacts import parameters
 from benchmarks.crosscheck.engines import Record, run, synchronised
 from benchmarks.crosscheck.flows import BLOCKS, FLOWS, Flow
 from benchmarks.crosscheck.impact import damping_constant, impact, turned
-from benchmarks.crosscheck.results import Comparison, Measured, measured, shown, table
+from benchmarks.crosscheck.results import Comparison, Measured, mean_and_interval, measured, table
 from benchmarks.crosscheck.statistics import (
     Estimate,
     agree,
@@ -205,7 +205,7 @@ def test_a_drift_is_the_second_half_less_the_first():
 
 
 def test_values_are_shown_with_their_interval():
-    assert shown(Estimate(7.0549, 0.118), 2) == "7.05 ± 0.12"
+    assert mean_and_interval(Estimate(7.0549, 0.118), 2) == "7.05 ± 0.12"
 
 
 def test_quick_flows_average_less_of_the_same_flow():

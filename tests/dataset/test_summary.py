@@ -4,7 +4,7 @@ import netCDF4
 import numpy as np
 import pytest
 
-from sim.dataset.sides import side_of_run
+from sim.dataset.boundary_side import side_of_run
 from sim.dataset.summary import summary_of
 from sim.engine.observe.scalars import SCALARS
 from sim.engine.run import run_point

@@ -6,10 +6,10 @@ import netCDF4
 import numpy as np
 import pytest
 
-from sim.engine.held import answering, current_status
 from sim.engine.replicate import Replicate
 from sim.engine.run import run_point
 from sim.engine.stages import read_stages
+from sim.engine.stored_run import answering, current_status
 from sim.parameters import Parameters, amounts, point_id
 from tests.engine_motion.points import belt_point, chute_point
 from tests.golden import CLOCK, contents, digest

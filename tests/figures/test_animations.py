@@ -66,7 +66,7 @@ def test_no_sphere_goes_further_than_the_eye_follows(results):
 def test_a_belt_goes_once_up_and_down_along_the_angle_of_vibration(results):
     moving, data = drawn("animation_onset", results)
     (row,) = data.rows.to_dict("records")
-    belt = belt_animation.Belt(row, results.particles(row["point"]))
+    belt = belt_animation.BeltScene(row, results.particles(row["point"]))
     assert belt_animation.EVERY * moving.frames == 40
     levels = [belt.line(number)[1] for number in range(41)]
     marks = [belt.line(number)[0][0] for number in range(41)]

@@ -13,8 +13,8 @@ from sim.claims.table import claims
 from sim.claims.verdict import Check
 from sim.dataset.build import build
 from sim.report import decide as deciding
-from sim.study.bought import bought_file
 from sim.study.entries import CLAIM
+from sim.study.extra_amounts import extra_amounts_file
 from sim.study.load import load_study
 from tests.made.runs import write_run
 
@@ -82,18 +82,18 @@ def test_a_point_gets_as_many_as_the_study_allows(made, capsys):
     folder.decide()
     assert folder.replicates() == [3, 5]
     folder.run()
-    before = bought_file(folder.root / "open").read_bytes()
+    before = extra_amounts_file(folder.root / "open").read_bytes()
     capsys.readouterr()
     folder.decide()
     assert "nothing is open" in capsys.readouterr().out
-    assert bought_file(folder.root / "open").read_bytes() == before
+    assert extra_amounts_file(folder.root / "open").read_bytes() == before
 
 
 def test_what_the_budget_does_not_hold_is_not_bought(made, capsys):
     folder = made("budget: 0.0001, precision: 0.05")
     folder.decide()
     assert "beyond the budget" in capsys.readouterr().out
-    assert not bought_file(folder.root / "open").exists()
+    assert not extra_amounts_file(folder.root / "open").exists()
 
 
 def test_rounds_go_on_until_nothing_is_open(made, monkeypatch, capfd):
@@ -151,7 +151,7 @@ def test_open_claims_get_the_replicates_of_their_points(made, monkeypatch, capsy
     out = capsys.readouterr().out
     assert out.startswith("W9: replicates of 1 point") and "W8" not in out
     assert folder.replicates() == [4, 3]
-    held = json.loads(bought_file(folder.root / "open").read_text())
+    held = json.loads(extra_amounts_file(folder.root / "open").read_text())
     assert held["amounts"] == {first: {"replicates": 4.0}}
 
 
@@ -199,7 +199,7 @@ def test_a_damaged_list_of_what_was_bought_is_set_aside(amounts, made, capsys):
     folder.decide()
     name, _, value = (amounts or "").partition(": ")
     wanted = f'{{"before": 0, "amounts": {{"{next(iter(folder.points))}": {{"{name}": {value}}}}}}}'
-    bought_file(folder.root / "open").write_text(wanted if amounts else "{")
+    extra_amounts_file(folder.root / "open").write_text(wanted if amounts else "{")
     capsys.readouterr()
     assert folder.decide() == 2
     assert "list of what was bought" in capsys.readouterr().err

@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 import xarray as xr
 
+from sim.base.damage import DamagedError
 from sim.base.errors import InputError
-from sim.base.reading import DamagedError
 from sim.base.sealed_json import as_sealed, read_sealed
 from sim.dataset.build import build as build_dataset
 from sim.dataset.results import load_results

@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 
 from sim.__main__ import main
+from sim.base.damage import DamagedError
 from sim.base.errors import InputError
-from sim.base.reading import DamagedError
 from sim.figures.drawn import DRAWN
 from sim.report import publish
 from sim.study.catalogue import FIGURES

@@ -13,8 +13,8 @@ from sim.base.errors import InputError
 from sim.base.words import duration
 from sim.parameters import BeltParameters, ChuteParameters, parse_point, point_id
 from sim.report.points import as_json, as_table, warnings
-from sim.study.bought import Bought, with_bought
 from sim.study.catalogue import FIGURES
+from sim.study.extra_amounts import ExtraAmounts, with_extra_amounts
 from sim.study.load import MAX_POINTS, Study, estimate, parse_study
 
 CONFIG = Path(__file__).parents[2] / "config"
@@ -430,8 +430,8 @@ def test_what_points_start_from_is_bought_as_many_replicates_as_they(parse):
         series.append({"name": name, "system": "chute", "base": base})
         study = parse({"study": "s", "series": series})
         *_, first = study.points
-    bought = with_bought(study.points, Bought({first: {"replicates": 5.0}}))
-    assert [point.parameters.replicates for point in bought.values()] == [5, 5, 5]
+    longer = with_extra_amounts(study.points, ExtraAmounts({first: {"replicates": 5.0}}))
+    assert [point.parameters.replicates for point in longer.values()] == [5, 5, 5]
 
 
 @pytest.mark.parametrize("letter", ["\n", "\x1b", "\u202e", "\u2028"])

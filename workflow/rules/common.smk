@@ -20,7 +20,7 @@ from sim.base.files import replacing
 from sim.base.rooms import files_hash, room_hash
 from sim.study.catalogue import FIGURES
 from sim.parameters import RUN_FILE, amounts, canonical_json
-from sim.engine.held import holds, is_to_grow, planned_amounts
+from sim.engine.stored_run import holds, is_to_grow, planned_amounts
 from sim.engine.identity import numerics_mark
 from sim.dataset.rounds import read_round
 from sim.study.batches import batches

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from sim.engine.leaves import with_leaves
+from sim.engine.flatten import refilled
 from sim.engine.observe.sums import Sums, add_samples, copied, plus
 
 #: Blocks kept; when there are as many, each two become one.
@@ -40,7 +40,7 @@ class ProfileBlocks:
         """
         some = any(place.startswith("latest") for place in held)
         kind = {name: _stacked([like] if some else []) for name in ("blocks", "latest")}
-        found = with_leaves({"length": 0, "filled": 0} | kind, held)
+        found = refilled({"length": 0, "filled": 0} | kind, held)
         self._length, self._filled = found["length"], found["filled"]
         self._blocks = _unstacked(found["blocks"])
         self.latest = next(iter(_unstacked(found["latest"])), None)

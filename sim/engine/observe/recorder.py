@@ -6,7 +6,7 @@ from typing import Any, cast
 
 import numpy as np
 
-from sim.engine.leaves import Leaves, below, leaves
+from sim.engine.flatten import FlatState, flattened, part_at
 from sim.engine.observe import stopping
 from sim.engine.observe.arrays import HISTORY, INSTANTANEOUS
 from sim.engine.observe.blocks import MOST, ProfileBlocks
@@ -76,11 +76,11 @@ class Recorder:
         if self.taken in self._looks:
             self._look()
 
-    def state(self) -> Leaves:
+    def state(self) -> FlatState:
         """Return what has been collected, arrays and numbers by name."""
         table = self._table[:, : self.taken]
         collected = {"taken": self.taken, "table": table, "snapshots": self.snapshots}
-        return leaves(collected | {"profiles": self._profiles.state()})
+        return flattened(collected | {"profiles": self._profiles.state()})
 
     def restore(self, state: Mapping[str, Any]) -> None:
         """Put what another recorder of such a system has collected into this new one.
@@ -99,9 +99,9 @@ class Recorder:
             raise ValueError("it has been run for longer than is wanted")
         self.taken = taken
         self._table = table if taken else self._table
-        for place, array in below("snapshots", state).items():
+        for place, array in part_at("snapshots", state).items():
             self.snapshots.setdefault(place.partition(".")[0], []).append(array)
-        self._profiles.restore(below("profiles", state), self.system.no_profiles())
+        self._profiles.restore(part_at("profiles", state), self.system.no_profiles())
         if taken in self._looks:
             self._look()
 

@@ -75,15 +75,15 @@ def write(
         try:
             with netCDF4.Dataset(temporary, "w") as file:
                 file.setncatts(attributes)
-                drafts = [_Draft(file)]
-                _write_parameters(drafts[0], stages[0].parameters)
-                _write_stage(drafts[0], stages[0], layout)
+                groups = [_GroupWriter(file)]
+                _write_parameters(groups[0], stages[0].parameters)
+                _write_stage(groups[0], stages[0], layout)
                 for number, stage in enumerate(stages[1:], start=1):
-                    drafts.append(_Draft(file.createGroup(f"shorter_{number}")))
-                    _write_amounts(drafts[-1], stage.parameters)
-                    _write_stage(drafts[-1], stage, layout)
-                for draft in drafts:
-                    draft.fill()
+                    groups.append(_GroupWriter(file.createGroup(f"shorter_{number}")))
+                    _write_amounts(groups[-1], stage.parameters)
+                    _write_stage(groups[-1], stage, layout)
+                for group in groups:
+                    group.fill()
         except RuntimeError as error:
             # What the library says of a full disk.
             raise OSError(f"{path}: cannot be written: {error}") from None
@@ -91,7 +91,7 @@ def write(
         seal(temporary)
 
 
-class _Draft:
+class _GroupWriter:
     """A group of a file, whose variables are defined first and filled later.
 
     A definition behind data costs the library as much as all before it together.
@@ -107,7 +107,7 @@ class _Draft:
             variable[...] = values
 
 
-def _write_stage(file: _Draft, stage: Stage, layout: Layout) -> None:
+def _write_stage(file: _GroupWriter, stage: Stage, layout: Layout) -> None:
     _write_axes(file, stage.records, layout)
     _write_coordinates(file, layout)
     _write_records(file, stage.records, layout)
@@ -127,7 +127,7 @@ def _summary(attributes: Mapping[str, Any], stages: Sequence[Stage]) -> dict[str
 
 
 def _put(
-    file: _Draft,
+    file: _GroupWriter,
     name: str,
     dimensions: tuple[str, ...],
     values: Any,
@@ -149,7 +149,7 @@ def _put(
     return variable
 
 
-def _write_parameters(file: _Draft, parameters: Parameters) -> None:
+def _write_parameters(file: _GroupWriter, parameters: Parameters) -> None:
     rows = field_info(parameters)
     for name, value in canonical(parameters).items():
         row = rows[name]
@@ -162,13 +162,13 @@ def _write_parameters(file: _Draft, parameters: Parameters) -> None:
         _put(file, name, (), value, "m s-2", meaning)
 
 
-def _write_amounts(file: _Draft, parameters: Parameters) -> None:
+def _write_amounts(file: _GroupWriter, parameters: Parameters) -> None:
     rows = field_info(parameters)
     for name, value in amounts(parameters).items():
         _put(file, name, (), value, rows[name].unit, rows[name].description)
 
 
-def _write_axes(file: _Draft, records: list[Record], layout: Layout) -> None:
+def _write_axes(file: _GroupWriter, records: list[Record], layout: Layout) -> None:
     first = records[0].snapshots
     samples = _samples(records)
     file.group.createDimension("replicate", len(records))
@@ -191,7 +191,7 @@ def _write_axes(file: _Draft, records: list[Record], layout: Layout) -> None:
     _put(file, "axis", ("axis",), np.array(layout.axes), "", "direction")
 
 
-def _write_coordinates(file: _Draft, layout: Layout) -> None:
+def _write_coordinates(file: _GroupWriter, layout: Layout) -> None:
     for name, (unit, long_name, values) in layout.coordinates.items():
         file.group.createDimension(name, len(values))
         _put(file, name, (name,), values, unit, long_name)
@@ -202,7 +202,7 @@ def _samples(records: list[Record]) -> int:
     return max(len(record.series["mean_velocity"]) for record in records)
 
 
-def _write_tables(file: _Draft, records: list[Record]) -> None:
+def _write_tables(file: _GroupWriter, records: list[Record]) -> None:
     """Write tables, and the paths in single precision: they serve pictures and mean paths."""
     for name, values in records[0].tables.items():
         unit, long_name, dimensions = TABLES[name]
@@ -220,7 +220,7 @@ def _write_tables(file: _Draft, records: list[Record]) -> None:
         _put(file, "path", dimensions, np.array(paths, np.float32), "m", long_name)
 
 
-def _write_records(file: _Draft, records: list[Record], layout: Layout) -> None:
+def _write_records(file: _GroupWriter, records: list[Record], layout: Layout) -> None:
     for name, (unit, long_name) in layout.series.items():
         values = np.full((len(records), _samples(records)), np.nan)
         for row, record in zip(values, records, strict=True):

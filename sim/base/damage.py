@@ -26,7 +26,7 @@ class DamagedError(InputError):
 
 
 @contextmanager
-def reading(path: Path, kind: str, replaceable: bool) -> Iterator[None]:
+def checked_read(path: Path, kind: str, replaceable: bool) -> Iterator[None]:
     """Turn whatever goes wrong while a file is read into one line.
 
     Parameters

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from sim.base.reading import reading
+from sim.base.damage import checked_read
 from sim.dataset.boundaries import as_csv
 from sim.dataset.results import Results
 from sim.figures.drawn import require_unchanged
@@ -12,7 +12,7 @@ from sim.study.catalogue import FIGURES
 from sim.study.load import Study
 
 
-def require_whole(study: Study, results: Results, folder: Path) -> None:
+def require_intact(study: Study, results: Results, folder: Path) -> None:
     """Refuse figures, tables and verdicts that have changed or are not those of the dataset.
 
     What can be derived from the dataset in little time is derived again: the data and the captions
@@ -37,7 +37,7 @@ def require_whole(study: Study, results: Results, folder: Path) -> None:
 
 
 def _require_text(path: Path, expected: str, kind: str) -> None:
-    with reading(path, kind, replaceable=True):
+    with checked_read(path, kind, replaceable=True):
         if path.read_text(encoding="utf-8") != expected:
             raise ValueError("not what the dataset gives")
 
@@ -46,6 +46,6 @@ def _require_points(path: Path, points: set[str]) -> None:
     """Refuse verdicts on other points than those of the dataset."""
     variants = [variant for claim in read_claims(path) for variant in claim["variants"]]
     judged = {point for one in variants for check in one["checks"] for point in check["points"]}
-    with reading(path, "table of verdicts", replaceable=True):
+    with checked_read(path, "table of verdicts", replaceable=True):
         if not points.issuperset(judged):
             raise ValueError("verdicts on points that the dataset has not")

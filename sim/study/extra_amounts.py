@@ -5,14 +5,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
+from sim.base.damage import checked_read
 from sim.base.files import replacing
-from sim.base.reading import reading
 from sim.parameters import AMOUNTS, Parameters, more
 from sim.study.model import Point
 
 
 @dataclass(frozen=True)
-class Bought:
+class ExtraAmounts:
     """How much is wanted beyond the study file.
 
     ``amounts`` by id of the point and name of the amount; ``before`` are the core hours that the
@@ -23,26 +23,26 @@ class Bought:
     before: float = 0.0
 
 
-def bought_file(folder: Path) -> Path:
+def extra_amounts_file(folder: Path) -> Path:
     """Return where a study with its results in a folder keeps what was bought."""
     return folder / "bought.json"
 
 
-def read_bought(folder: Path) -> Bought:
+def read_extra_amounts(folder: Path) -> ExtraAmounts:
     """Return what was bought of a study, nothing without a file; a damaged one is set aside.
 
     Raises ``InputError`` when it cannot be read.
     """
-    path = bought_file(folder)
+    path = extra_amounts_file(folder)
     if not path.exists():
-        return Bought()
-    with reading(path, "list of what was bought", replaceable=True):
+        return ExtraAmounts()
+    with checked_read(path, "list of what was bought", replaceable=True):
         held = json.loads(path.read_text(encoding="utf-8"))
         amounts = {
             point: {name: _usable(name, value) for name, value in wanted.items()}
             for point, wanted in held["amounts"].items()
         }
-        return Bought(amounts, float(held["before"]))
+        return ExtraAmounts(amounts, float(held["before"]))
 
 
 def _usable(name: str, value: float) -> float:
@@ -53,20 +53,20 @@ def _usable(name: str, value: float) -> float:
     return float(value)
 
 
-def write_bought(folder: Path, bought: Bought) -> None:
+def write_extra_amounts(folder: Path, extra: ExtraAmounts) -> None:
     """Write what was bought, complete or not at all."""
-    document = {"before": bought.before, "amounts": bought.amounts}
-    with replacing(bought_file(folder)) as temporary:
+    document = {"before": extra.before, "amounts": extra.amounts}
+    with replacing(extra_amounts_file(folder)) as temporary:
         temporary.write_text(json.dumps(document, indent=1) + "\n", encoding="utf-8")
 
 
-def with_bought(points: Mapping[str, Point], bought: Bought) -> dict[str, Point]:
+def with_extra_amounts(points: Mapping[str, Point], extra: ExtraAmounts) -> dict[str, Point]:
     """Return points of which as much is wanted as was bought, or more.
 
     What points start from has as many replicates as they have.
     """
     grown = {
-        name: replace(point, parameters=_grown(point.parameters, bought.amounts.get(name, {})))
+        name: replace(point, parameters=_grown(point.parameters, extra.amounts.get(name, {})))
         for name, point in points.items()
     }
     for point in list(grown.values()):

@@ -10,24 +10,24 @@ from typing import Any
 import numpy as np
 
 #: Arrays and numbers by place, as ``spheres.position``.
-Leaves = dict[str, Any]
+FlatState = dict[str, Any]
 
 _NUMBERS = (bool, int, float, str, np.generic)
 
 
-def leaves(structure: Any) -> Leaves:
+def flattened(structure: Any) -> FlatState:
     """Return all arrays and numbers of nested tuples, lists and dictionaries."""
-    return dict(_leaves(structure, ""))
+    return dict(_flattened(structure, ""))
 
 
-def _leaves(value: Any, place: str) -> Iterator[tuple[str, Any]]:
+def _flattened(value: Any, place: str) -> Iterator[tuple[str, Any]]:
     if isinstance(value, np.generic):
         yield place, value.item()
     elif isinstance(value, (np.ndarray, *_NUMBERS)):
         yield place, value
     else:
         for name, part in _parts(value).items():
-            yield from _leaves(part, _within(place, name))
+            yield from _flattened(part, _within(place, name))
 
 
 def _parts(value: Any) -> Mapping[Any, Any]:
@@ -44,13 +44,13 @@ def _within(place: str, name: Any) -> str:
     return f"{place}.{name}" if place else str(name)
 
 
-def below(place: str, held: Mapping[str, Any]) -> Leaves:
+def part_at(place: str, held: Mapping[str, Any]) -> FlatState:
     """Return what is held below a place, by the places there."""
     prefix = f"{place}."
     return {name[len(prefix) :]: held[name] for name in held if name.startswith(prefix)}
 
 
-def with_leaves(structure: Any, held: Mapping[str, Any]) -> Any:
+def refilled(structure: Any, held: Mapping[str, Any]) -> Any:
     """Return a structure of the same kind that holds other arrays and numbers.
 
     What is one array in two places of the structure is one in what is returned.
@@ -61,7 +61,7 @@ def with_leaves(structure: Any, held: Mapping[str, Any]) -> Any:
         When ``held`` has other places than the structure, or arrays of another type or number of
         dimensions there; their shapes may differ.
     """
-    expected = leaves(structure)
+    expected = flattened(structure)
     if expected.keys() != held.keys():
         odd = min(expected.keys() ^ held.keys())
         raise ValueError(f"{odd} is not in both")

@@ -7,9 +7,9 @@ from typing import Any
 
 import netCDF4
 
+from sim.base.damage import checked_read
 from sim.base.errors import InputError
 from sim.base.files import is_damaged
-from sim.base.reading import reading
 from sim.base.summary import read_summary
 from sim.engine.identity import NUMERICS, numerics_of
 from sim.parameters import SYSTEMS, Parameters, amounts, covers, more, parse_point, point_id
@@ -92,7 +92,7 @@ def read_parameters(path: Path) -> Parameters:
     InputError
         When there is no such file, or it is not a run file.
     """
-    with reading(path, "run file", replaceable=False), netCDF4.Dataset(path) as file:
+    with checked_read(path, "run file", replaceable=False), netCDF4.Dataset(path) as file:
         file.set_auto_mask(False)
         return parameters_of(file, path)
 

@@ -6,8 +6,8 @@ from typing import cast
 
 import numpy as np
 
+from sim.base.damage import checked_read
 from sim.base.named import Named
-from sim.base.reading import reading
 from sim.dataset.summary import summary_of
 from sim.parameters import BeltParameters, Parameters, amounts, point_id
 
@@ -41,7 +41,7 @@ def side_of_run(path: Path, of: str, parameters: Parameters) -> str | None:
     InputError
         When there is no such file, or it cannot be read as a run.
     """
-    with reading(path, "run file", replaceable=True):
+    with checked_read(path, "run file", replaceable=True):
         run = summary_of(path, amounts(parameters))
         if run.attrs["point_id"] != point_id(parameters):
             raise ValueError(f"holds point {run.attrs['point_id']}")
