@@ -7,31 +7,40 @@ transport of the column relative to the velocity amplitude of the belt, V_x/(A_x
 """
 
 from math import pi, radians, tan
+from typing import NamedTuple
 
 import numba
 import numpy as np
 
 #: Frequencies (Hz), amplitudes (⟨d⟩) and stiffnesses (g⟨m⟩/⟨d⟩) of the table.
 FREQUENCIES = (10, 12, 13, 14, 15, 16, 17, 18, 20, 22, 25, 30, 40, 60, 80, 100)
-CASES = ((1.0, 1000), (0.5, 1000), (1.5, 1000), (1.0, 500), (1.0, 2000), (1.0, 5000))
+CASES = ((1.0, 1e3), (0.5, 1e3), (1.5, 1e3), (1.0, 500.0), (1.0, 2e3), (1.0, 5e3))
 
 #: Gravity in ⟨d⟩/s² for ⟨d⟩ = 1 mm, as in the paper.
 GRAVITY = 1e4
 
+#: How long a column is shaken, in cycles, and the time steps of a cycle.
+CYCLES, STEPS = 90, 4000
+
+
+class Column(NamedTuple):
+    """Beads and their contacts, by the names and in the units of the engine's parameters."""
+
+    stiffness: float = 1000.0
+    damping: float = 50.0
+    shear_damping: float = 50.0
+    beads: int = 10
+
+
+BED = Column()
+
 
 def transport(
-    frequency: float,
-    amplitude: float = 1.0,
-    stiffness: float = 1000.0,
-    angle: float = 45.0,
-    damping: float = 50.0,
-    shear_damping: float = 50.0,
-    beads: int = 10,
+    frequency: float, amplitude: float = 1.0, angle: float = 45.0, column: Column = BED
 ) -> float:
     """Return V_x/(A_x 2πf) of a column over cycles 46 to 90; parameters as in the engine."""
-    rates = (10.0 * damping, 10.0 * shear_damping)
-    start = _settled(beads, stiffness)
-    return _shake(start, frequency, amplitude, tan(radians(angle)), stiffness * GRAVITY, *rates)
+    start = _settled(column.beads, column.stiffness)
+    return _shake(start, frequency, amplitude, tan(radians(angle)), column)
 
 
 def _settled(beads: int, stiffness: float) -> np.ndarray:
@@ -41,11 +50,13 @@ def _settled(beads: int, stiffness: float) -> np.ndarray:
 
 
 @numba.njit
-def _shake(start, frequency, amplitude, slope, spring, damping, shear, cycles=90, steps=4000):
+def _shake(start, frequency, amplitude, slope, column):
     """Integrate a column (masses 1, lengths ⟨d⟩) with symplectic Euler steps."""
+    spring = column.stiffness * GRAVITY
+    damping, shear = 10.0 * column.damping, 10.0 * column.shear_damping
     z, vz, vx = start.copy(), np.zeros_like(start), np.zeros_like(start)
-    rate, dt, carried = 2 * pi * frequency, 1 / (frequency * steps), 0.0
-    for step in range(1, cycles * steps + 1):
+    rate, dt, carried = 2 * pi * frequency, 1 / (frequency * STEPS), 0.0
+    for step in range(1, CYCLES * STEPS + 1):
         phase = rate * step * dt
         below, rise = amplitude * np.sin(phase) - 0.5, amplitude * rate * np.cos(phase)
         drift = rise / slope
@@ -62,9 +73,9 @@ def _shake(start, frequency, amplitude, slope, spring, damping, shear, cycles=90
         vz[-1] += (push - GRAVITY) * dt
         vx[-1] += pull * dt
         z += vz * dt
-        if step > cycles * steps // 2:
+        if step > CYCLES * STEPS // 2:
             carried += vx.mean()
-    return carried / (cycles * steps - cycles * steps // 2) / (amplitude * rate / slope)
+    return carried / (CYCLES * STEPS - CYCLES * STEPS // 2) / (amplitude * rate / slope)
 
 
 def main() -> None:
@@ -72,7 +83,7 @@ def main() -> None:
     heads = [f"A_z {amplitude:g}, Y {stiffness:g}" for amplitude, stiffness in CASES]
     print("  ".join(["f (Hz)", *heads]))
     for frequency in FREQUENCIES:
-        values = [transport(frequency, *case) for case in CASES]
+        values = [transport(frequency, a, column=Column(y)) for a, y in CASES]
         cells = [f"{value:{len(head)}.3f}" for value, head in zip(values, heads, strict=True)]
         print("  ".join([f"{frequency:6g}", *cells]))
 

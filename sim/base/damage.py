@@ -27,7 +27,7 @@ class DamagedError(InputError):
 
 @contextmanager
 def checked_read(path: Path, kind: str, replaceable: bool) -> Iterator[None]:
-    """Turn whatever goes wrong while a file is read into one line.
+    """Read a file with its checksum checked; whatever goes wrong in the block becomes one line.
 
     Parameters
     ----------

@@ -136,7 +136,7 @@ def _text(path: str | Path, source: str) -> str:
 
 
 def _bytes(path: str | Path, source: str) -> bytes:
-    """Return what the file holds, or one byte more than is allowed of a file that is too large."""
+    """Return the bytes of a file; of one that is too large, one byte more than is allowed."""
     if source == "<stdin>":
         return sys.stdin.buffer.read(MAX_BYTES + 1) if sys.stdin else b""
     path = Path(path)

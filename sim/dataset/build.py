@@ -70,16 +70,8 @@ def build(
     # Which points of later rounds there are, and which figures they feed, is not known yet.
     everything = any(_are_shown(boundary.figures) for boundary in study.boundaries)
     held = Runs(folder, lambda point: everything or point in shown, processes, scheduler)
-
-    def side_of(boundary: Boundary, parameters: Parameters) -> str | None:
-        return side(held.scalars(point_id(parameters)), boundary.of, parameters)
-
     held.read({key: point.parameters for key, point in study.points.items()})
-
-    def read(points: Iterable[Parameters]) -> None:
-        held.read({point_id(point): as_wanted(study, point) for point in points})
-
-    found = sides_of(study.boundaries, side_of, read)
+    found = _sides(study, held)
     study = refined(study, found)
     output = folder / "dataset.nc"
     with replacing(output) as temporary:
@@ -88,6 +80,18 @@ def build(
         seal(temporary)
         keep(temporary, folder)
     return output
+
+
+def _sides(study: Study, held: Runs) -> Sequence[Sides]:
+    """Return the sides found of each boundary, round after round, whose runs are read as well."""
+
+    def side_of(boundary: Boundary, parameters: Parameters) -> str | None:
+        return side(held.scalars(point_id(parameters)), boundary.of, parameters)
+
+    def read_round(points: Iterable[Parameters]) -> None:
+        held.read({point_id(point): as_wanted(study, point) for point in points})
+
+    return sides_of(study.boundaries, side_of, read_round)
 
 
 def _are_shown(figures: Iterable[str]) -> bool:
@@ -129,7 +133,7 @@ def _write(temporary: Path, group: str | None, dataset: xr.Dataset, output: Path
 
 
 def _stored(values: xr.DataArray, group: str | None) -> dict[str, Any]:
-    """Return how a variable of a group is stored."""
+    """Return the netCDF encoding of a variable: compression, and characters for words."""
     if values.ndim < 2 and group != RUNS:
         return {}
     if values.dtype.kind in "OUT":

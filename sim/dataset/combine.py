@@ -81,7 +81,7 @@ def profiles(blocks: Sequence[Rows], points: Sequence[str], replicates: int) -> 
 
 
 def runs(blocks: Sequence[Rows], points: Iterable[str]) -> xr.Dataset:
-    """Return what says of each row which run file it was read from, and what that held."""
+    """Return the group `RUNS`: seal, amounts and versions of the run file behind each row."""
     made = origins(blocks).iloc[_order(blocks, points)]
     words = {name: ("point", made[name].to_numpy(object)) for name in made}
     return xr.Dataset(words, attrs={"code": reading_code()})
@@ -99,7 +99,7 @@ def _described(name: str) -> dict[str, str]:
 
 
 def _together(found: xr.Dataset) -> dict[str, Any]:
-    """Return what the replicates of each point say together, see `sim.dataset.replicates`."""
+    """Return the variables ``point_*``, the results of each point over its replicates."""
     each = outcomes(found)
     numbers = {"velocity": "mean velocity", "half_width": "half width of its 95 % interval"}
     made = {
@@ -124,7 +124,7 @@ def _attributes(made: pd.DataFrame, study: Study) -> dict[str, str]:
 
 
 def _labels(study: Study, caveats: Iterable[str], hashes: Iterable[str]) -> dict[str, Any]:
-    """Return what names a point and where its run came from, as coordinates."""
+    """Return id, series, figures, caveat and number of particles of each point as coordinates."""
     points = list(study.points.values())
     return {
         "point": ("point", [point.id for point in points], {"long_name": "point id"}),

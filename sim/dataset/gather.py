@@ -3,6 +3,7 @@
 import json
 from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import netCDF4
 import numpy as np
@@ -56,27 +57,13 @@ def read_run(path: Path, wanted: Mapping[str, float] | None = None, shown: bool 
         seal = read_seal(path)
         with netCDF4.Dataset(path) as file:
             run = RunFile(file, wanted, (read_summary(path) or {}).get("scalars"))
-            known = run.attrs.keys() >= ATTRIBUTES and "particles" in run
-            if not known or "replicate" not in file.dimensions:
-                raise ValueError("no point in it")
-            if run.attrs["point_id"] != path.stem:
-                raise ValueError(f"holds point {run.attrs['point_id']}")
+            _require_point(run, file, path.stem)
             if wanted and not run.is_enough:
                 held = _listed(held_amounts(file, wanted)[0])
                 raise InputError(
                     f"{path}: holds {held} of {_listed(wanted)}; rerun the study to let it grow"
                 )
-            number = numerics_of(run.attrs)
-            origin = {
-                "seal": seal,
-                "wanted": as_text(wanted),
-                "engine_version": run.attrs["engine_version"],
-                "numerics": "unknown" if number is None else str(number),
-                "source_hash": run.attrs["source_hash"],
-                "versions": run.attrs["versions"],
-                "created": run.attrs["created"],
-                "caveat": run.attrs.get("caveat", ""),
-            }
+            origin = {"seal": seal, "wanted": as_text(wanted)} | _made_by(run.attrs)
             values = _scalars(run) | _profiles(run)
             state = _state(run) if shown else None
     return Rows(
@@ -85,6 +72,28 @@ def read_run(path: Path, wanted: Mapping[str, float] | None = None, shown: bool 
         values={name: held[np.newaxis] for name, held in values.items()},
         states={} if state is None else {path.stem: state},
     )
+
+
+def _require_point(run: RunFile, file: netCDF4.Dataset, point: str) -> None:
+    """Refuse, with ``ValueError``, a file that is no run file or one of another point."""
+    known = run.attrs.keys() >= ATTRIBUTES and "particles" in run
+    if not known or "replicate" not in file.dimensions:
+        raise ValueError("no point in it")
+    if run.attrs["point_id"] != point:
+        raise ValueError(f"holds point {run.attrs['point_id']}")
+
+
+def _made_by(attributes: Mapping[str, Any]) -> dict[str, Any]:
+    """Return engine, numerics, sources, libraries, date and caveat of a run file."""
+    number = numerics_of(attributes)
+    return {
+        "engine_version": attributes["engine_version"],
+        "numerics": "unknown" if number is None else str(number),
+        "source_hash": attributes["source_hash"],
+        "versions": attributes["versions"],
+        "created": attributes["created"],
+        "caveat": attributes.get("caveat", ""),
+    }
 
 
 def as_text(wanted: Mapping[str, float] | None) -> str:

@@ -73,12 +73,19 @@ def on_grid(
     elif number is None:
         raise ValueError("is not known on that grid: it needs the number density")
     else:
-        weight = np.where(np.isfinite(values), number, 0.0)
-        beads = _cells(weight, shift, slices, cells)
-        moved = _cells(np.nan_to_num(values) * weight, shift, slices, cells)
-        found = np.divide(moved, beads, out=np.full_like(moved, np.nan), where=beads > 0)
+        found = _bead_means(values, number, shift, slices, cells)
     offset = 0.5 if grid == "centres" else 0.0
     return found, (np.arange(cells) + offset) * diameter
+
+
+def _bead_means(
+    values: np.ndarray, number: np.ndarray, shift: int, slices: int, cells: int
+) -> np.ndarray:
+    """Return means (R, K) over the beads in each cell, not-a-number where there are none."""
+    weight = np.where(np.isfinite(values), number, 0.0)
+    beads = _cells(weight, shift, slices, cells)
+    sums = _cells(np.nan_to_num(values) * weight, shift, slices, cells)
+    return np.divide(sums, beads, out=np.full_like(sums, np.nan), where=beads > 0)
 
 
 def _cells(values: np.ndarray, shift: int, slices: int, cells: int) -> np.ndarray:

@@ -58,7 +58,7 @@ INDEPENDENT, TOO_FEW, GAIN, EVIDENT = 15.0, 8.0, 0.5, 5.0
 
 
 def outcomes(dataset: xr.Dataset) -> list[dict[str, Any]]:
-    """Return what the replicates of each point of a dataset say together, see `outcome`."""
+    """Return mean velocity, trend, regime and quality of each point of a dataset, see `outcome`."""
     held = {name: dataset.variables[name].values for name in (*SCALARS, *PARAMETERS)}
     return [
         outcome({name: values[number] for name, values in held.items()})
@@ -67,7 +67,7 @@ def outcomes(dataset: xr.Dataset) -> list[dict[str, Any]]:
 
 
 def outcome(point: Named) -> dict[str, Any]:
-    """Return what the replicates of one point say together.
+    """Return mean velocity, trend, regime and quality of a point over its replicates.
 
     Parameters
     ----------
@@ -153,7 +153,7 @@ def _regime(
 
 
 def _quality(completed: Named, regime: str, slope: float, half_width: float, target: float) -> str:
-    """Return what the mean is worth; ``target`` is the slope (m/s²) that the mean's target allows.
+    """Return the quality of the mean; ``target`` is the slope (m/s²) that the mean's target allows.
 
     A velocity that is constant but for rounding has no scatter to tell an error.
     """

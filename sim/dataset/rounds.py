@@ -96,7 +96,7 @@ def added_points(study: Study, number: int, runs: Path) -> dict[str, Parameters]
 
 
 def from_files(study: Study, runs: Path) -> SideOf:
-    """Return what tells the side of a point of a study from its run file in a folder."""
+    """Return a function that reads the side of a point from its run file in the folder ``runs``."""
 
     def side_of(boundary: Boundary, point: Parameters) -> str | None:
         path = runs / f"{point_id(point)}.nc"

@@ -66,7 +66,7 @@ def read_files(
 
 
 def _batches(files: Sequence[File], processes: int, scheduler: str | None) -> Iterable[Batch]:
-    """Return what the files hold, by batches."""
+    """Read the files in batches, in this process, in forks of it or by a cluster."""
     size = max(1, min(BATCH, -(-len(files) // max(1, processes))))
     parts = [files[first : first + size] for first in range(0, len(files), size)]
     if files and scheduler is not None:

@@ -1,4 +1,4 @@
-"""The arrays and numbers of a structure by their places in it, and back into one that is alike.
+"""Nested structures as flat dictionaries of arrays and numbers by place, and back.
 
 A state is kept as data alone: what kind of thing holds them, a structure made anew says. Whatever
 lies in a file can therefore become numbers of a flow and nothing else.
@@ -45,7 +45,7 @@ def _within(place: str, name: Any) -> str:
 
 
 def part_at(place: str, held: Mapping[str, Any]) -> FlatState:
-    """Return what is held below a place, by the places there."""
+    """Return the values whose places begin with ``place``, named by the rest of their places."""
     prefix = f"{place}."
     return {name[len(prefix) :]: held[name] for name in held if name.startswith(prefix)}
 

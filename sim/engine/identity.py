@@ -45,7 +45,7 @@ def numerics_of(attributes: Mapping[str, Any]) -> int | None:
 
 
 def numerics_mark() -> str:
-    """Return what workflows note of the numerics, to see whether runs are to be made again.
+    """Return the text by which workflows see that other numerics made a run.
 
     Engines before the first number noted their source hash, so that stands for their number.
     """

@@ -109,12 +109,12 @@ def length(parameters: Parameters) -> str:
 
 
 def progress_file(output: Path) -> Path:
-    """Return where the run that will write ``output`` says how far it is."""
+    """Return the path of the progress file of the run that will write ``output``."""
     return output.with_name(f".{output.name}.progress")
 
 
 def read_progress(output: Path) -> Progress | None:
-    """Return what the run that will write ``output`` says; none without a readable file."""
+    """Return the progress of the run that will write ``output``; none without a readable file."""
     try:
         return Progress.model_validate_json(progress_file(output).read_bytes())
     except (OSError, ValidationError):
@@ -140,30 +140,19 @@ def progress(
         Steps that lie behind a run that resumes.
     """
     meter = _Meter(parameters, done)
-    total = parameters.replicates * parameters.steps
-    bar = tqdm(
-        total=total,
-        initial=done,
-        desc=f"{meter.point} (at most)" if meter.at_most else meter.point,
-        unit="step",
-        unit_scale=True,
-        disable=quiet or not sys.stderr.isatty(),
-    )
+    bar = _bar(meter, quiet)
     file = progress_file(output)
-    written, pause = meter.start, FIRST_PAUSE
-    line_due = meter.start + pause
+    written, lines = meter.start, _LogLines(meter.start)
     _write(file, meter.read())
 
     def advanced(steps: int) -> None:
-        nonlocal written, pause, line_due
+        nonlocal written
         now = meter.advance(steps)
         bar.update(steps)
         if now - written >= WRITE_INTERVAL:
             written = now
             _write(file, meter.read())
-        if now >= line_due and bar.disable and not quiet:
-            pause = min(2 * pause, LONGEST_PAUSE)
-            line_due = now + pause
+        if bar.disable and not quiet and lines.is_due(now):
             log.info(meter.line())
 
     try:
@@ -206,7 +195,7 @@ class _Meter:
         return now
 
     def read(self) -> Progress:
-        """Return what the progress file is to say."""
+        """Return the present contents of the progress file."""
         steps, seconds = self.done - self.reference[0], self.latest - self.reference[1]
         now = datetime.now(UTC)
         credit = max(CREDIT, CREDIT_SAMPLES * self.longest)
@@ -233,6 +222,34 @@ class _Meter:
         if now.left is None:
             return done
         return f"{done}, {now.rate / 1e6:.1f} million particle-steps/s, {now.time_left} left"
+
+
+def _bar(meter: _Meter, quiet: bool) -> tqdm:
+    """Return the bar of a run, which appears on terminals alone."""
+    return tqdm(
+        total=meter.total,
+        initial=meter.done,
+        desc=f"{meter.point} (at most)" if meter.at_most else meter.point,
+        unit="step",
+        unit_scale=True,
+        disable=quiet or not sys.stderr.isatty(),
+    )
+
+
+class _LogLines:
+    """When log lines about progress are due: ever more rarely, see `FIRST_PAUSE`."""
+
+    def __init__(self, start: float):
+        self.pause = FIRST_PAUSE
+        self.due = start + self.pause
+
+    def is_due(self, now: float) -> bool:
+        """Return whether a line is due at a time (s); if so, the next one is after a pause."""
+        if now < self.due:
+            return False
+        self.pause = min(2 * self.pause, LONGEST_PAUSE)
+        self.due = now + self.pause
+        return True
 
 
 def _remove(file: Path) -> None:

@@ -17,7 +17,7 @@ from sim.parameters import Parameters, amounts
 
 
 def read_stages(path: Path, parameters: Parameters) -> list[Stage]:
-    """Return what a run file of the same point and numerics holds, the longest run first.
+    """Return the runs in a run file of the same point and numerics, the longest first.
 
     Empty where there is no such file, or it is damaged.
     """
@@ -39,7 +39,7 @@ def _stage(group: netCDF4.Dataset, parameters: Parameters, held: Mapping[str, fl
 
 
 def _record(group: netCDF4.Dataset, index: int) -> Record:
-    """Return what a group holds of a replicate."""
+    """Return scalars, series, profiles and states of one replicate in a group of a run file."""
     record = Record({})
     for name, variable in group.variables.items():
         dimensions = variable.dimensions

@@ -1,4 +1,4 @@
-"""What a run file that is there holds, and of how much of its point."""
+"""What an existing run file holds: its point, its numerics, how much of the point was run."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress

@@ -49,7 +49,7 @@ def select(data: FigureData) -> FigureData:
 
 
 def notes(data: FigureData) -> list[str]:
-    """Return what the caption says of the runs that are shown."""
+    """Return a sentence for the caption on each run: its point, regime and mean velocity."""
     sentences = []
     for row in data.rows[data.rows["completed"] > 0].to_dict("records"):
         count = row["completed"]

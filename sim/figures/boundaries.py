@@ -73,7 +73,7 @@ def draw_boundaries(
 
 
 def _kinds(found: pd.DataFrame, plane: Sequence[str]) -> list[tuple[str, CurveStyle, pd.DataFrame]]:
-    """Return what to tell apart among the intervals in a plane: name, look, rows of each kind."""
+    """Return the kinds of boundaries in a plane: legend entry, style and rows of each."""
     known = found[found["along"].isin(plane) & found["low"].notna()]
     if known.empty:
         return []

@@ -65,24 +65,32 @@ def draw_family(
     """
     curves = split_curves(rows, along, keys, parameters)
     curves.sort(key=lambda curve: curve[1]["protocol"].iloc[0] != "published")
+    labels, styles = _labelled([names for names, _ in curves], look)
+    shifts = {label: pitch * (n - (len(styles) - 1) / 2) for n, label in enumerate(styles)}
+    seen: set[str] = set()
+    for (_, curve), label in zip(curves, labels, strict=True):
+        beside: dict[str, Any] = {"pale": label in seen, "shift": shifts[label]}
+        draw_curve(axes, curve, quantity, along, styles[label], label, unjoined=unjoined, **beside)
+        seen.add(label)
+    if len(seen) < len(curves):
+        name_protocols(axes, str(curves[0][1]["system"].iloc[0]))
+
+
+def _labelled(
+    curves: Sequence[dict[str, Any]], look: Look
+) -> tuple[list[str], dict[str, CurveStyle]]:
+    """Return the legend entry of each curve, given the values that name it, and their styles."""
+    labels: list[str] = []
     styles: dict[str, CurveStyle] = {}
-    drawn = []
-    for names, curve in curves:
+    for names in curves:
         named = {name: value for name, value in names.items() if name != "protocol"}
         style, label = look(named, len(styles))
-        pale = label in styles
-        if not pale and style in styles.values():
+        if label not in styles and style in styles.values():
             # Another parameter tells these curves apart, which the paper's styles do not know.
             style = cycled(len(styles) + len(MARKERS) // 2)
         styles.setdefault(label, style)
-        drawn.append((curve, label, pale))
-    shifts = {label: pitch * (n - (len(styles) - 1) / 2) for n, label in enumerate(styles)}
-    for curve, label, pale in drawn:
-        style, shift = styles[label], shifts[label]
-        beside: dict[str, Any] = {"pale": pale, "shift": shift}
-        draw_curve(axes, curve, quantity, along, style, label, unjoined=unjoined, **beside)
-    if any(pale for _, _, pale in drawn):
-        name_protocols(axes, str(drawn[0][0]["system"].iloc[0]))
+        labels.append(label)
+    return labels, styles
 
 
 def draw_curve(
@@ -122,29 +130,27 @@ def draw_curve(
     shift : float
         How far to the right of its place it is drawn, in points of print.
     """
-    shown = rows[rows["completed"] > 0]
-    if shown.empty:
+    completed = rows[rows["completed"] > 0]
+    if completed.empty:
         return
     artists: list[Artist] = []
     if style.dashes != "none":
-        line = quantity.value[shown.index]
+        line = quantity.value[completed.index]
         if unjoined is not None:
-            line = line.mask(unjoined[shown.index])
+            line = line.mask(unjoined[completed.index])
         beside: dict[str, Any] = BESIDE if pale else {}
         artists += axes.plot(
-            shown[along], line, color=style.colour, linestyle=style.dashes, **beside
+            completed[along], line, color=style.colour, linestyle=style.dashes, **beside
         )
-    artists += _draw_points(axes, shown, quantity, along, style, pale)
+    artists += _draw_points(axes, completed, quantity, along, style, pale)
     move_aside(axes, artists, x=shift)
     if not pale:
-        axes.plot(
-            [],
-            [],
-            color=style.colour,
-            linestyle=style.dashes,
-            marker=style.marker,
-            label=label,
-        )
+        _add_entry(axes, style, label)
+
+
+def _add_entry(axes: Axes, style: CurveStyle, label: str) -> None:
+    """Add an entry to the legend without drawing a curve."""
+    axes.plot([], [], color=style.colour, linestyle=style.dashes, marker=style.marker, label=label)
 
 
 def _draw_points(

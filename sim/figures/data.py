@@ -33,7 +33,7 @@ class FigureData:
 
 
 def figure_data(results: Results, spec: FigureSpec) -> FigureData:
-    """Return what feeds a figure."""
+    """Return the points and boundaries that a figure shows."""
     found = results.boundaries
     fed = np.array([spec.name in names.split() for names in found["figures"]], dtype=bool)
     return FigureData(spec, summarize(results.dataset, spec.name), found[fed], results)

@@ -37,7 +37,7 @@ _SEVERAL = TypeAdapter(dict[str, Drawn])
 
 
 def read_drawn(folder: Path) -> dict[str, Drawn]:
-    """Return what the figures in a folder were drawn from, nothing where nothing can be read."""
+    """Return the record of each figure drawn in a folder; empty where none can be read."""
     try:
         return _SEVERAL.validate_json((folder / DRAWN).read_bytes())
     except (OSError, ValidationError):

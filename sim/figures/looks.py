@@ -18,7 +18,7 @@ Look = Callable[[dict[str, object], int], tuple[CurveStyle, str]]
 
 
 def look_of(spec: FigureSpec, keys: Sequence[str] | None = None) -> Look:
-    """Return how the curves of a figure look.
+    """Return a function that gives style and legend entry of each curve of a figure.
 
     Parameters
     ----------

@@ -107,7 +107,7 @@ def settle(figure: Figure) -> None:
 
 
 def derived(spec: FigureSpec, results: Results) -> tuple[str, str]:
-    """Return what the files of a figure's data (CSV) and caption hold, without drawing it."""
+    """Return the data (CSV) and the caption of a figure as texts, without drawing it."""
     return _texts(*_drawn(spec, results))
 
 

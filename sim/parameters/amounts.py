@@ -14,7 +14,7 @@ _OF_CONVERGED = ("limit",)
 
 
 def amounts(parameters: Parameters) -> dict[str, float]:
-    """Return how much of a point is wanted, by parameter; what has no effect is left out."""
+    """Return the amounts of a point by parameter; one without effect is left out."""
     passed_over = _OF_CONVERGED if parameters.protocol == "published" else ()
     names = amounts_of(type(parameters))
     return {name: getattr(parameters, name) for name in names if name not in passed_over}

@@ -135,7 +135,7 @@ def default_of(model: type[Parameters], name: str, values: Mapping[str, Any]) ->
 
 
 def unsaid(system: str) -> dict[str, Any]:
-    """Return what the added parameters of a system are where a file says nothing of them."""
+    """Return the defaults of a system's added parameters, which files from before do not name."""
     model = SYSTEMS[system]
     return {name: model.model_fields[name].default for name in added(model)}
 

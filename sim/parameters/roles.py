@@ -106,7 +106,7 @@ def declare(
 
 
 def declarations(model: type[BaseModel]) -> dict[str, Declaration]:
-    """Return what is declared of each parameter of a system, in the order of declaration."""
+    """Return the declaration of each parameter of a system, by name."""
     return {
         name: cast(Declaration, field.json_schema_extra)
         for name, field in model.model_fields.items()

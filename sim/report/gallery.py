@@ -40,7 +40,7 @@ def figure_entries(
     claims: Sequence[Mapping[str, Any]],
     address: Address,
 ) -> list[dict[str, Any]]:
-    """Return what the report shows of figures, in their order, each with the claims it belongs to.
+    """Return the entries of figures in the report, each with the ids of its claims.
 
     Parameters
     ----------
@@ -72,7 +72,7 @@ def figure_entries(
 
 
 def figure_entry(name: str, folder: Path, address: Address) -> dict[str, Any]:
-    """Return what the report shows of one figure, its files by their addresses.
+    """Return title, caption and addresses of the files of one figure.
 
     An animation has its first picture in place of the figure, and ``animation`` beside it.
     """

@@ -47,7 +47,7 @@ def show(study_path: Path, results: Path, remove: bool) -> list[str]:
 
 
 def _files(folder: Path, name: str) -> list[Path]:
-    """Return what a run leaves behind, the run file first: without it the rest is nothing."""
+    """Return run file, state, progress file and log of a point, the run file first."""
     runs = folder / "runs"
     return [
         runs / f"{name}.nc",

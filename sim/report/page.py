@@ -82,20 +82,12 @@ def render(
     address : callable
         Puts figures into the page or links them, see `sim.report.gallery.figure_entries`.
     """
-    environment = jinja2.Environment(
-        loader=jinja2.FileSystemLoader(TEMPLATES),
-        autoescape=True,
-        undefined=jinja2.StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    environment.filters |= {"duration": duration, "percent": percent, "quoted": shlex.quote}
     dataset = results.dataset
     caveats = Counter(str(text) for text in dataset["caveat"].values if text).most_common()
     runs = run_rows(dataset, [text for text, _ in caveats])
     rows = claim_rows(claims, runs, study.figures)
     entries = figure_entries(study.figures, figures, rows, address)
-    return environment.get_template("report.html.j2").render(
+    return _template().render(
         study=study,
         study_files={file.name: file.read_text(encoding="utf-8") for file in study.files},
         summary=_summary(dataset, runs),
@@ -114,6 +106,19 @@ def render(
         energy_limit=CLOSED,
         provenance=_provenance(dataset),
     )
+
+
+def _template() -> jinja2.Template:
+    """Return the template of the report, which refuses names that it is not given."""
+    environment = jinja2.Environment(
+        loader=jinja2.FileSystemLoader(TEMPLATES),
+        autoescape=True,
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters |= {"duration": duration, "percent": percent, "quoted": shlex.quote}
+    return environment.get_template("report.html.j2")
 
 
 def _summary(dataset: xr.Dataset, runs: list[dict[str, Any]]) -> dict[str, Any]:

@@ -16,7 +16,7 @@ from sim.report.gallery import beside
 from sim.report.integrity import require_intact
 from sim.report.page import render
 from sim.study.catalogue import FIGURES
-from sim.study.load import load_study
+from sim.study.load import Study, load_study
 
 #: Where published studies lie, beside the results of everybody's own.
 PUBLISHED = Path("results/published")
@@ -55,13 +55,7 @@ def publish(
     """
     study = load_study(study_path, None)
     folder = Path(results) / study.name
-    names = [*NEEDED, *(["boundaries.csv"] if study.boundaries else [])]
-    names += [
-        f"figures/{name}{end}"
-        for name in study.figures
-        for end in FIGURES[name].suffixes
-        if FIGURES[name].animated or end != ".png"
-    ]
+    names = _published_files(study)
     for name in names:
         if not (folder / name).is_file():
             raise InputError(f"{folder / name}: missing; run the study to its end first")
@@ -89,6 +83,17 @@ def publish(
     finally:
         shutil.rmtree(temporary, ignore_errors=True)
     return output
+
+
+def _published_files(study: Study) -> list[str]:
+    """Return the names of the result files of a study that are published as they are."""
+    figures = (
+        f"figures/{name}{end}"
+        for name in study.figures
+        for end in FIGURES[name].suffixes
+        if FIGURES[name].animated or end != ".png"
+    )
+    return [*NEEDED, *(["boundaries.csv"] if study.boundaries else []), *figures]
 
 
 def _require_distinct(files: Sequence[Path], names: Sequence[str]) -> None:
@@ -149,7 +154,7 @@ def size(folder: Path) -> int:
 
 
 def provenance(data: xr.Dataset) -> dict[str, object]:
-    """Return what a reader wants to know of how a dataset was made."""
+    """Return size, cost, dates and versions of a dataset for ``provenance.json``."""
     return {
         "study": data.attrs["study"],
         "title": data.attrs["title"],

@@ -52,7 +52,7 @@ def _verdicts(claim: Mapping[str, Any], words: Sequence[str]) -> list[str]:
 def _reading(
     words: str, claims: Sequence[Mapping[str, Any]], results: Results, system: str
 ) -> dict[str, Any]:
-    """Return what is known of one reading."""
+    """Return sentences, verdict counts and time step of one reading for the report."""
     declared = readings_of(system)
     every = [declared.headline, {}, *readings_run(results, system)]
     values = next((one for one in every if in_words(system, one) == words), {})

@@ -32,7 +32,7 @@ class Some(Strict):
     parameters: ClassVar[type[Parameters]]
 
     def given(self) -> dict[str, Any]:
-        """Return what the file gives here, numbers in canonical form."""
+        """Return the values that the file sets here, numbers in canonical form."""
         return self.model_dump(exclude_unset=True)
 
 

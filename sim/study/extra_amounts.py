@@ -1,4 +1,4 @@
-"""What rounds of decisions have added to a study, kept with its results."""
+"""Amounts of points that rounds of decisions have added to a study, kept in ``bought.json``."""
 
 import json
 from collections.abc import Mapping
@@ -24,12 +24,12 @@ class ExtraAmounts:
 
 
 def extra_amounts_file(folder: Path) -> Path:
-    """Return where a study with its results in a folder keeps what was bought."""
+    """Return the path of the extra amounts of a study with its results in a folder."""
     return folder / "bought.json"
 
 
 def read_extra_amounts(folder: Path) -> ExtraAmounts:
-    """Return what was bought of a study, nothing without a file; a damaged one is set aside.
+    """Return the extra amounts of a study, none without a file; a damaged one is set aside.
 
     Raises ``InputError`` when it cannot be read.
     """
@@ -54,14 +54,14 @@ def _usable(name: str, value: float) -> float:
 
 
 def write_extra_amounts(folder: Path, extra: ExtraAmounts) -> None:
-    """Write what was bought, complete or not at all."""
+    """Write the extra amounts of a study, complete or not at all."""
     document = {"before": extra.before, "amounts": extra.amounts}
     with replacing(extra_amounts_file(folder)) as temporary:
         temporary.write_text(json.dumps(document, indent=1) + "\n", encoding="utf-8")
 
 
 def with_extra_amounts(points: Mapping[str, Point], extra: ExtraAmounts) -> dict[str, Point]:
-    """Return points of which as much is wanted as was bought, or more.
+    """Return points with their extra amounts.
 
     What points start from has as many replicates as they have.
     """

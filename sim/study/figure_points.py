@@ -58,7 +58,7 @@ def left_out(study: Study) -> list[str]:
 
 
 def _reasons(name: str, gone: Sequence[Point]) -> str:
-    """Return what a figure takes of the parameters for which it leaves points out."""
+    """Write the values that a figure takes of each parameter for which it leaves points out."""
     spec = FIGURES[name]
     return "; ".join(
         f"{key} {listed}"

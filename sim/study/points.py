@@ -115,7 +115,7 @@ def _boundaries(file: StudyFile, one: BoundaryFile, path: str, source: str) -> I
 
 
 def _fed(figures: Iterable[str], draft: Draft) -> list[str]:
-    """Return the figures that a point feeds: of other readings those that tell them apart."""
+    """Return the figures that a point feeds; under another reading, those with a curve for it."""
     return [name for name in figures if draft.other <= set(FIGURES[name].curves)]
 
 

@@ -4,7 +4,7 @@ from math import pi, sqrt
 
 import pytest
 
-from benchmarks.column import GRAVITY, transport
+from benchmarks.column import GRAVITY, Column, transport
 
 
 @pytest.mark.parametrize("amplitude", [0.5, 1.0, 1.5])
@@ -15,11 +15,11 @@ def test_transport_begins_where_the_belt_reaches_the_acceleration_of_gravity(amp
 
 
 def test_a_single_bead_at_rest_on_the_belt_is_not_transported():
-    assert abs(transport(12, beads=1)) < 1e-6
+    assert abs(transport(12, column=Column(beads=1))) < 1e-6
 
 
 def test_without_shear_friction_nothing_is_transported():
-    assert transport(40, shear_damping=0) == 0
+    assert transport(40, column=Column(shear_damping=0.0)) == 0
 
 
 def test_flat_vibrations_carry_the_same_share_of_the_belts_velocity():

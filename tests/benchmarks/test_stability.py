@@ -10,7 +10,7 @@ from benchmarks.stability.beds import contacts, largest, lowest_frequency, rates
 from sim.engine.dynamics.disks import TERMS
 from sim.parameters import BeltParameters
 from sim.parameters.belt import GEAR_STABILITY
-from tests.engine_motion.helpers import damped_oscillation, gear
+from tests.engine_motion.helpers import Oscillator, damped_oscillation, gear
 
 READINGS = ({}, {"damping_mass": "reduced"}, {"damping_mass": "reduced", "ghost_mass": "mean"})
 
@@ -26,8 +26,8 @@ def test_the_matrix_is_what_the_engine_does_in_a_step(scheme):
     start = np.random.default_rng(3).normal(size=scheme.terms)
     taylor = np.zeros((TERMS, 2, 1))
     taylor[: scheme.terms] = start[:, None, None]
-    rates = frequency**2, damping, 3, 0.0, scheme.corrections
-    damped_oscillation(gear(scheme.order)(step), taylor, *rates)
+    oscillator = Oscillator(frequency**2, damping)
+    damped_oscillation(gear(scheme.order)(step), taylor, oscillator, 3, scheme.corrections)
     one = matrix(scheme, damping * step, frequency * step)
     assert taylor[: scheme.terms, 0, 0] == pytest.approx(one @ one @ one @ start, rel=1e-11)
 

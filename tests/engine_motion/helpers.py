@@ -2,6 +2,7 @@
 
 from functools import partial
 from math import pi, sqrt
+from typing import NamedTuple
 
 import numba
 import numpy as np
@@ -183,9 +184,18 @@ def belt_states(belt, time):
     return height, velocity
 
 
+class Oscillator(NamedTuple):
+    """The motion x'' = drive - stiffness x - damping x'."""
+
+    stiffness: float
+    damping: float
+    drive: float = 0.0
+
+
 @kernel
-def damped_oscillation(integrator, taylor, stiffness, damping, steps, drive=0.0, corrections=1):
-    """Advance Taylor terms (6, 2, N) of x'' = drive - stiffness x - damping x' by some steps."""
+def damped_oscillation(integrator, taylor, oscillator, steps, corrections=1):
+    """Advance Taylor terms (6, 2, N) of an `Oscillator` by some steps."""
+    stiffness, damping, drive = oscillator
     for _ in range(steps):
         predict(integrator, taylor)
         for _ in range(corrections):

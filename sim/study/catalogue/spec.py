@@ -94,7 +94,7 @@ class FigureSpec:
         return getattr(parameters, name) in _tuple(self.where[name])
 
     def place(self, parameters: Parameters) -> tuple[Any, ...]:
-        """Return what tells a point from others on the curves: equal ones lie on each other.
+        """Return the values that place a point on the curves; points of the same lie on each other.
 
         Parameters that set how a point is computed do so only where the figure is about them.
         """

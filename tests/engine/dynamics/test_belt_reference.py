@@ -112,12 +112,10 @@ def equal_after_a_while(seed, integrator, ghost, obstacle, **readings):
     order, corrections = readings.get("order", 5), readings.get("corrections", 1)
     motion, belt = both(seed, integrator, ghost, obstacle, shear=0.6 * DAMPING, **readings)
     start = motion.position.copy(), motion.velocity.copy()
-    sizes = 2 * motion.radius, motion.mass
+    beads = slow.Beads(2 * motion.radius, motion.mass, *start)
     motion.run(STEPS)
-    step = motion.integrator.time_step
-    places, velocities = slow.run(
-        belt, *sizes, *start, step, STEPS, integrator, gear_order=order, corrections=corrections
-    )
+    scheme = slow.Scheme(motion.integrator.time_step, integrator, order, corrections)
+    places, velocities = slow.run(belt, beads, scheme, STEPS)
     apart = wrapped(motion.position - places[-1], belt.width, 0.0)
     assert np.abs(apart).max() < 1e-10 * BEAD
     assert motion.velocity == pytest.approx(velocities[-1], abs=1e-10 * SPEED)

@@ -8,9 +8,10 @@ import pytest
 from sim.engine.dynamics.disks import TERMS, make_disks
 from sim.engine.dynamics.gear import CORRECTORS, Gear, Verlet, restarted
 from tests.engine.reference.integrators import GEAR_COEFFICIENTS
-from tests.engine_motion.helpers import damped_oscillation, flushed, gear
+from tests.engine_motion.helpers import Oscillator, damped_oscillation, flushed, gear
 
 RATE, END = 0.3, 10.0
+OSCILLATOR = Oscillator(1.0, 2 * RATE)
 
 
 def derivatives(time: float) -> np.ndarray:
@@ -26,7 +27,7 @@ def oscillated(integrator, steps: int, known: int = TERMS, corrections: int = 1)
     scale = np.array([step**k / factorial(k) for k in range(TERMS)])
     taylor = np.zeros((TERMS, 2, 1))
     taylor[:known, :, 0] = (derivatives(0.0) * scale)[:known, None]
-    damped_oscillation(integrator(step), taylor, 1.0, 2 * RATE, steps, 0.0, corrections)
+    damped_oscillation(integrator(step), taylor, OSCILLATOR, steps, corrections)
     return taylor[:, 0, 0] / scale
 
 
@@ -80,9 +81,9 @@ def test_gear_and_verlet_agree_as_the_step_falls():
 def test_free_fall_is_exact(integrator):
     step, taylor = 0.01, np.zeros((TERMS, 2, 1))
     taylor[0], taylor[1], taylor[2] = 2.0, 3.0 * step, -0.5 * step**2
-    damped_oscillation(integrator(step), taylor, 0.0, 0.0, 0)
+    damped_oscillation(integrator(step), taylor, Oscillator(0.0, 0.0), 0)
     for _ in range(100):
-        damped_oscillation(integrator(step), taylor, 0.0, 0.0, 1, drive=-1.0)
+        damped_oscillation(integrator(step), taylor, Oscillator(0.0, 0.0, -1.0), 1)
     assert taylor[0, 0] == pytest.approx(2.0 + 3.0 - 0.5, rel=1e-12)
     assert taylor[1, 0] / step == pytest.approx(3.0 - 1.0, rel=1e-12)
 
@@ -100,11 +101,11 @@ def test_a_new_time_step_goes_on_along_the_same_motion(integrator):
     scale = np.array([short**k / factorial(k) for k in range(TERMS)])
     taylor = np.zeros((TERMS, 2, 1))
     taylor[:, :, 0] = (derivatives(0.0) * scale)[:, None]
-    damped_oscillation(integrator(short), taylor, 1.0, 2 * RATE, 3000)
+    damped_oscillation(integrator(short), taylor, OSCILLATOR, 3000)
     before = taylor[:3, 0, 0] / [1.0, short, short**2]
     restarted(taylor, short, long)
     assert taylor[:3, 0, 0] / [1.0, long, long**2] == pytest.approx(before, rel=1e-12)
-    damped_oscillation(integrator(long), taylor, 1.0, 2 * RATE, 1000)
+    damped_oscillation(integrator(long), taylor, OSCILLATOR, 1000)
     assert taylor[0, 0, 0] == pytest.approx(derivatives(END)[0], abs=2e-5)
 
 

@@ -5,6 +5,7 @@ whole; the obstacle is a disk fixed in the laboratory that the belt does not see
 """
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -158,40 +159,46 @@ def nearest_image(separation: np.ndarray, width: float) -> np.ndarray:
     return separation - np.round(separation / width) * np.array([width, 0.0])
 
 
-def run(
-    belt: Belt,
-    diameter: np.ndarray,
-    mass: np.ndarray,
-    position: np.ndarray,
-    velocity: np.ndarray,
-    time_step: float,
-    steps: int,
-    integrator: str = "gear",
-    start: float = 0.0,
-    gear_order: int = 5,
-    corrections: int = 1,
-) -> tuple[np.ndarray, np.ndarray]:
-    """Positions (steps + 1, N, 2) and velocities of a run that begins at time start (s).
+class Beads(NamedTuple):
+    """Diameters (N,) m, masses (N,) kg, positions (N, 2) m and velocities (N, 2) m/s."""
 
-    The shapes are those of `forces`; integrator is "gear", of an order and with a number of
-    corrections per step, or "verlet". The first row is the initial state; positions are not
-    wrapped.
+    diameter: np.ndarray
+    mass: np.ndarray
+    position: np.ndarray
+    velocity: np.ndarray
+
+
+class Scheme(NamedTuple):
+    """Integrator "gear", of an order and with corrections per step, or "verlet"; its step (s)."""
+
+    time_step: float
+    integrator: str = "gear"
+    order: int = 5
+    corrections: int = 1
+
+
+def run(belt: Belt, beads: Beads, scheme: Scheme, steps: int) -> tuple[np.ndarray, np.ndarray]:
+    """Positions (steps + 1, N, 2) and velocities of a run that begins at time 0.
+
+    The first row is the initial state; positions are not wrapped.
     """
+    position, velocity, time_step = beads.position, beads.velocity, scheme.time_step
 
     def acceleration(x: np.ndarray, v: np.ndarray, t: float) -> np.ndarray:
         weight = np.array([0.0, -belt.gravity])
-        return forces(belt, diameter, mass, x, v, t) / mass[:, None] + weight
+        force = forces(belt, beads.diameter, beads.mass, x, v, t)
+        return force / beads.mass[:, None] + weight
 
     positions, velocities = [position], [velocity]
-    times = start + time_step * np.arange(steps)
-    if integrator == "gear":
-        scaled = gear_start(acceleration, position, velocity, start, time_step, gear_order)
+    times = time_step * np.arange(steps)
+    if scheme.integrator == "gear":
+        scaled = gear_start(acceleration, position, velocity, 0.0, time_step, scheme.order)
         for time in times:
-            scaled = gear_step(acceleration, scaled, time, time_step, corrections)
+            scaled = gear_step(acceleration, scaled, time, time_step, scheme.corrections)
             positions.append(scaled[0])
             velocities.append(scaled[1] / time_step)
     else:
-        state = (position, velocity, acceleration(position, velocity, start))
+        state = (position, velocity, acceleration(position, velocity, 0.0))
         for time in times:
             state = verlet_step(acceleration, state, time, time_step)
             positions.append(state[0])
