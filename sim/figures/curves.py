@@ -138,14 +138,19 @@ def draw_curve(
         line = quantity.value[completed.index]
         if unjoined is not None:
             line = line.mask(unjoined[completed.index])
-        beside: dict[str, Any] = BESIDE if pale else {}
-        artists += axes.plot(
-            completed[along], line, color=style.colour, linestyle=style.dashes, **beside
-        )
+        artists += _draw_line(axes, completed[along], line, style, pale)
     artists += _draw_points(axes, completed, quantity, along, style, pale)
     move_aside(axes, artists, x=shift)
     if not pale:
         _add_entry(axes, style, label)
+
+
+def _draw_line(
+    axes: Axes, x: pd.Series, y: pd.Series, style: CurveStyle, pale: bool
+) -> Sequence[Artist]:
+    """Draw the line of a curve, interrupted where ``y`` is not a number."""
+    beside: dict[str, Any] = BESIDE if pale else {}
+    return axes.plot(x, y, color=style.colour, linestyle=style.dashes, **beside)
 
 
 def _add_entry(axes: Axes, style: CurveStyle, label: str) -> None:

@@ -56,9 +56,7 @@ def publish(
     study = load_study(study_path, None)
     folder = Path(results) / study.name
     names = _published_files(study)
-    for name in names:
-        if not (folder / name).is_file():
-            raise InputError(f"{folder / name}: missing; run the study to its end first")
+    _require_there(folder, names)
     _require_distinct(study.files, names)
     output, temporary = target / study.name, target / f".{study.name}.part"
     _require_replaceable(output, folder, target)
@@ -94,6 +92,13 @@ def _published_files(study: Study) -> list[str]:
         if FIGURES[name].animated or end != ".png"
     )
     return [*NEEDED, *(["boundaries.csv"] if study.boundaries else []), *figures]
+
+
+def _require_there(folder: Path, names: Sequence[str]) -> None:
+    """Refuse results of a study that has not been run to its end."""
+    for name in names:
+        if not (folder / name).is_file():
+            raise InputError(f"{folder / name}: missing; run the study to its end first")
 
 
 def _require_distinct(files: Sequence[Path], names: Sequence[str]) -> None:
