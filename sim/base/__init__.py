@@ -1,1 +1,1 @@
-"""What any program needs and what knows nothing of granular flow: errors, YAML, files, reading."""
+"""What any program needs and what knows nothing of granular flow: errors, YAML, files, damage."""

@@ -1,4 +1,4 @@
-"""Whether figures, tables and verdicts of a study are whole and those of its dataset."""
+"""Whether figures, tables and verdicts of a study are intact and those of its dataset."""
 
 from pathlib import Path
 
