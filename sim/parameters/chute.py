@@ -380,7 +380,12 @@ class ChuteParameters(Parameters):
         """Spheres glued to the plane: their circles cover the share of it that is wanted."""
         if not self.bumps:
             return 0
-        return max(1, round(self.bump_coverage * self.cell**2 / (math.pi / 4 * self.bumps**2)))
+        return max(1, round(self.bump_coverage * self.cell**2 / self._covered_by_a_bump))
+
+    @property
+    def _covered_by_a_bump(self) -> float:
+        """Area of a glued sphere's circle in squared diameters; 0 where it is below all numbers."""
+        return math.pi / 4 * self.bumps**2
 
     @property
     def cores(self) -> int:
@@ -414,7 +419,8 @@ class ChuteParameters(Parameters):
         if not self.depth * self.cell * self.cell <= MAX_PARTICLES:
             allowed = f"a value that gives at most {MAX_PARTICLES:.0e} particles in the cell"
             raise broken_rule("depth", self.depth, allowed)
-        if not self.particles + self.glued <= MAX_PARTICLES:
+        room = (MAX_PARTICLES - self.particles) * self._covered_by_a_bump
+        if self.bumps and not self.bump_coverage * self.cell**2 <= room:
             allowed = (
                 f"a value that gives at most {MAX_PARTICLES:.0e} particles, glued ones included"
             )

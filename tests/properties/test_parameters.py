@@ -71,6 +71,13 @@ def test_integers_too_long_to_be_written_are_refused_in_one_line(key):
     assert message.startswith(f"point.yaml: {key}: got an integer of 16610 bits; allowed: ")
 
 
+@pytest.mark.parametrize("bumps", [1e-3, 1e-160, 1e-310])
+def test_bumps_too_small_to_be_counted_are_refused(bumps):
+    assert f"point.yaml: bumps: got {bumps}; allowed" in refusal(
+        {"system": "chute", "bumps": bumps, "cell": 100}
+    )
+
+
 @given(st.floats(allow_nan=False, allow_infinity=False))
 def test_canonical_numbers_are_fixed_points(value):
     rounded = canonical_number(value)

@@ -165,10 +165,10 @@ class Chute:
     def _finish_sample(self) -> None:
         """Advance to the end of the sample under way, or of the next one."""
         done = int(self.flow.sums[leap_frog.STEPS])
-        if done in (0, self.sample_steps):
-            self._run(self.sample_steps)
-        else:
+        if 0 < done < self.sample_steps:
             self._go_on(self.sample_steps - done)
+        else:
+            self._run(self.sample_steps)
 
     def _run(self, steps: int) -> None:
         """Advance by a number of steps, with the sums of these steps alone."""
