@@ -167,13 +167,17 @@ def _pair(pair: tuple[float, float]) -> str:
 
 
 def g5(evidence: Evidence, least: float) -> list[Check]:
-    """At A_z = 1.5⟨d⟩ the onset is still that of ⟨d⟩, and nothing moves at 15 Hz."""
+    """At A_z = 1.5⟨d⟩ the onset is still that of ⟨d⟩ (a), and nothing moves at 15 Hz (b)."""
+    return in_parts(
+        a=lambda: [_begins_within(evidence, least, "A_z = 1.5⟨d⟩", amplitude=1.5)],
+        b=lambda: _still_below(evidence),
+    )
+
+
+def _still_below(evidence: Evidence) -> list[Check]:
     still, flowing = along(evidence, "frequency", (15, 20), amplitude=1.5).values()
     ratio = quotient(still.velocity, flowing.velocity)
-    return [
-        _begins_within(evidence, least, "A_z = 1.5⟨d⟩", amplitude=1.5),
-        within("V(15 Hz)/V(20 Hz) at A_z = 1.5⟨d⟩", ratio, -NONE, NONE, (still, flowing)),
-    ]
+    return [within("V(15 Hz)/V(20 Hz) at A_z = 1.5⟨d⟩", ratio, -NONE, NONE, (still, flowing))]
 
 
 def g6(evidence: Evidence, least: float) -> list[Check]:

@@ -49,31 +49,59 @@ def more_tilted(one: Place, other: Place, what: str) -> Check:
 
 
 def g24(evidence: Evidence) -> list[Check]:
-    """Fig. 4, panel by panel, from drift, axes, tilt and height of the paths.
+    """Fig. 4 from drift, axes, tilt and height of the paths.
 
-    a: closed (the drift against the whole long axis), not a line, and more tilted with a steeper
-    vibration; b: still more tilted, by more than 75 degrees; c: drifting, and higher for their
-    drift than d; e: no drift to speak of, vertical.
+    At 10 Hz ellipses (a), upright ones where shear friction is small (b); sinusoids at 20 Hz and a
+    stream at 80 Hz (c); up and down without shear friction (d).
     """
-    ellipse, sinusoid, stream = along(evidence, "frequency", (10, 20, 80)).values()
-    steeper = evidence.at("belt", frequency=10, vibration_angle=60)
-    sliding = evidence.at("belt", frequency=10, shear_damping=1)
-    vertical = evidence.at("belt", frequency=80, shear_damping=0)
-    drift = {place: place.value("path_drift") for place in (ellipse, sinusoid, vertical)}
-    closed = drift[ellipse] / (FULL * ellipse.value("path_major"))
+    return in_parts(
+        a=lambda: _ellipses(evidence),
+        b=lambda: _upright(evidence),
+        c=lambda: _sinusoids(evidence),
+        d=lambda: _up_and_down(evidence),
+    )
+
+
+def _ellipses(evidence: Evidence) -> list[Check]:
+    """Closed paths (the drift against the whole long axis), no lines, tilted with the vibration."""
+    line = along(evidence, "vibration_angle", (45, 60), frequency=10)
+    ellipse, steeper = line.values()
+    closed = ellipse.value("path_drift") / (FULL * ellipse.value("path_major"))
     axes = ellipse.value("path_minor") / ellipse.value("path_major")
-    flatter = height_over_drift(sinusoid) - height_over_drift(stream)
-    still = drift[vertical] / vertical.value("path_vertical")
     return [
-        below("a: drift per cycle over the long axis", closed, CLOSED, (ellipse,)),
-        above("a: short over long axis", axes, OVAL, (ellipse,)),
-        more_tilted(steeper, ellipse, "a: tilt at 60 less that at 45 degrees"),
-        more_tilted(sliding, ellipse, "b less a: tilt"),
-        steep(sliding, "b: tilt at γ_s = g"),
-        above("c: drift per cycle", drift[sinusoid] * 1e3, 0, (sinusoid,), "mm"),
-        above("c less d: height of the paths over their drift", flatter, 0, (sinusoid, stream)),
-        below("e: drift per cycle over the rms height of the paths", still, CLOSED, (vertical,)),
-        steep(vertical, "e: tilt"),
+        below("drift per cycle over the long axis, 10 Hz", closed, CLOSED, (ellipse,)),
+        above("short over long axis, 10 Hz", axes, OVAL, (ellipse,)),
+        more_tilted(steeper, ellipse, "tilt at 60 less that at 45 degrees, 10 Hz"),
+    ]
+
+
+def _upright(evidence: Evidence) -> list[Check]:
+    ellipse = evidence.at("belt", frequency=10)
+    sliding = evidence.at("belt", frequency=10, shear_damping=1)
+    return [
+        more_tilted(sliding, ellipse, "tilt at γ_s = g less that at 50g, 10 Hz"),
+        steep(sliding, "tilt at γ_s = g, 10 Hz"),
+    ]
+
+
+def _sinusoids(evidence: Evidence) -> list[Check]:
+    """Paths that drift, and are higher for their drift than those of the stream."""
+    sinusoid, stream = along(evidence, "frequency", (20, 80)).values()
+    drift = sinusoid.value("path_drift") * 1e3
+    flatter = height_over_drift(sinusoid) - height_over_drift(stream)
+    what = "height of the paths over their drift, 20 Hz less 80 Hz"
+    return [
+        above("drift per cycle, 20 Hz", drift, 0, (sinusoid,), "mm"),
+        above(what, flatter, 0, (sinusoid, stream)),
+    ]
+
+
+def _up_and_down(evidence: Evidence) -> list[Check]:
+    place = evidence.at("belt", frequency=80, shear_damping=0)
+    drift = place.value("path_drift") / place.value("path_vertical")
+    return [
+        below("drift per cycle over the rms height, γ_s = 0, 80 Hz", drift, CLOSED, (place,)),
+        steep(place, "tilt at γ_s = 0, 80 Hz"),
     ]
 
 

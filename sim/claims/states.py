@@ -12,7 +12,7 @@ from scipy.stats import chi2
 from uncertainties import UFloat
 
 from sim.claims.checks import reported
-from sim.claims.inference import share_of
+from sim.claims.inference import share_above, share_of
 from sim.claims.place import Place, joined, measured
 from sim.claims.verdict import Check, Untestable
 from sim.dataset.measures import layers, plug
@@ -34,6 +34,20 @@ def share_with(plugs: np.ndarray) -> UFloat:
     """Return the share of runs (R,) with a plug: the middle of its 95 % interval, and that."""
     low, high = share_of(int(plugs.sum()), plugs.size)
     return measured(0.5 * (low + high), 0.5 * (high - low))
+
+
+def of_most(check: Check, place: Place, values: np.ndarray) -> Check:
+    """Return a check of a mean as it is, or of most runs where these are in different states.
+
+    The mean of a mixture is that of no state, and its interval is not Student's. Then it is tested
+    whether more than half of the runs, whose ``values`` (R,) these are, lie between the thresholds.
+    """
+    plugs = has_plug(place)
+    if plugs.all() or not plugs.any():
+        return check
+    inside = int(((values > check.low) & (values < check.high)).sum())
+    what = f"share of runs, {plugs.sum()} of {plugs.size} with a plug, that hold: {check.what}"
+    return share_above(what, inside, plugs.size, 0.5, [place])
 
 
 def shares(what: str, places: Sequence[Place]) -> list[Check]:

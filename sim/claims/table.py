@@ -56,7 +56,7 @@ class Claim(BaseModel):
     statement: str = Field(min_length=1, description="what the paper says, in other words")
     place: str = Field(min_length=1, description="section or figure of the paper")
     criterion: str = Field(min_length=1, description="when it holds")
-    reason: str = Field("", description="why the criterion is what it is")
+    reason: str = Field(min_length=1, description="why the criterion is what it is")
     needs: str = Field(description="runs that decide it")
     kind: Literal["model", "flow"] = Field("flow", description="judged by itself or from runs")
     judge: str = Field(pattern=r"^[a-z_]+\.[a-z0-9_]+$", description="module.function")

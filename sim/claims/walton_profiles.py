@@ -4,14 +4,13 @@ from collections.abc import Callable
 from math import inf
 
 import numpy as np
-from uncertainties import UFloat
 
 from sim.claims.checks import above, below, reported, withheld
 from sim.claims.chute import WIDTHS, age, base, of_settled, repeated, still_changing, unlike
 from sim.claims.evidence import Evidence
 from sim.claims.inference import share_above, trend
 from sim.claims.place import Place, joined
-from sim.claims.states import PROFILES, plug_shares, share_with
+from sim.claims.states import PROFILES, of_most, plug_shares, share_with
 from sim.claims.trends import least, mean_of_others
 from sim.claims.verdict import Check, Untestable
 from sim.dataset.measures import layers
@@ -131,26 +130,23 @@ def w14(evidence: Evidence) -> list[Check]:
     """The deepest flow above and below its shear depth: packing, its spread, the difference."""
     n, place = DEEPEST, _oldest(evidence, DEEPEST)
 
-    def mean_of(function: Callable[[np.ndarray, float], float]) -> UFloat:
-        return place.measure(_of_plug(place, function), *PROFILES)
+    def variation(plug: np.ndarray, _: float) -> float:
+        return plug.std(ddof=1) / plug.mean() if plug.size > 1 else np.nan
 
-    checks = [
-        above(
-            f"packing of the plug, n = {n:g}", mean_of(lambda plug, _: plug.mean()), DENSE, [place]
-        ),
-        below(
-            f"standard deviation of its packing over its mean, n = {n:g}",
-            mean_of(lambda plug, _: plug.std(ddof=1) / plug.mean() if plug.size > 1 else np.nan),
-            UNIFORM,
-            [place],
-        ),
-        above(
-            f"packing of the plug less that of the shear layer, n = {n:g}",
-            mean_of(lambda plug, sheared: plug.mean() - sheared),
+    checks = []
+    for what, function, against, threshold in (
+        ("packing of the plug", lambda plug, _: plug.mean(), above, DENSE),
+        ("standard deviation of its packing over its mean", variation, below, UNIFORM),
+        (
+            "packing of the plug less that of the shear layer",
+            lambda plug, sheared: plug.mean() - sheared,
+            above,
             LOOSER,
-            [place],
         ),
-    ]
+    ):
+        values = place.each(_of_plug(place, function), *PROFILES)
+        check = against(f"{what}, n = {n:g}", joined(values), threshold, [place])
+        checks.append(of_most(check, place, values))
     young = f"averaged from {age(place):.0f} √(σ/g) on: runs of {OLD:,} and more"
     return withheld(of_settled(checks, [place]), young if age(place) < ROUNDED * OLD else "")
 

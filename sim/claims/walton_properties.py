@@ -12,7 +12,7 @@ from sim.claims.chute import CELLS, of_settled, repeated, still_changing, unlike
 from sim.claims.evidence import Evidence
 from sim.claims.inference import outranks, trend
 from sim.claims.place import Place, quotient
-from sim.claims.states import has_plug, shares
+from sim.claims.states import has_plug, of_most, shares
 from sim.claims.verdict import Check, Untestable
 from sim.dataset.measures import layers
 
@@ -56,6 +56,7 @@ def _crystals(evidence: Evidence) -> list[Check]:
     for n, place in deep.items():
         share = place.value("crystalline_share")
         check = above(f"crystalline share of the plug, n = {n:g}", share, SHARE, [place])
+        check = of_most(check, place, place.values("crystalline_share"))
         reason = still_changing(place) or unlike([*deep.values()], cells=False)
         checks += withheld([check], reason)
         layered = place.value("layer_order")
@@ -165,6 +166,7 @@ def _deep_overlap(evidence: Evidence, order: float) -> list[Check]:
     place = evidence.at("chute", depth=40, stiffness=SOFT)
     bounds = DYNAMIC / order, DYNAMIC * order
     check = _overlap("99.9th percentile of the overlaps", place, "overlap_999", bounds)
+    check = of_most(check, place, 100 * place.values("overlap_999"))
     median = 100 * place.value("median_overlap")
     return of_settled([check, reported("median overlap, n = 40", median, [place])], [place])
 

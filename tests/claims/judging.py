@@ -17,6 +17,12 @@ def verdict_on(judge, points, boundaries=()) -> str:
     return together(checks_on(judge, points, boundaries))
 
 
+def by_part(checks) -> dict[str, str]:
+    """The verdict on each part of a claim."""
+    names = dict.fromkeys(check.part for check in checks)
+    return {name: together(check for check in checks if check.part == name) for name in names}
+
+
 def failed(checks) -> list[str]:
     """What was not reproduced."""
     return [check.what for check in checks if check.verdict == NOT_REPRODUCED]

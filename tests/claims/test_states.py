@@ -1,10 +1,49 @@
-"""Lifetimes of states are those of all runs together, however short these are."""
+"""Lifetimes are those of all runs together; of runs in several states most must hold a claim."""
 
 import numpy as np
 import pytest
 
-from sim.claims.states import lifetime_of
+from sim.claims.checks import above
+from sim.claims.evidence import Evidence
+from sim.claims.states import lifetime_of, of_most
+from sim.claims.verdict import INCONCLUSIVE, NOT_REPRODUCED, REPRODUCED
 from sim.dataset.measures.plug import spells
+from tests.made.chute_flows import PACKING, SIZE, bent, flow
+from tests.made.results import made_results
+
+
+def deep(shares, riding):
+    """A flow whose replicates have these crystalline shares; the first ``riding`` have a plug."""
+    velocity = np.array([bent(2 if k < riding else 20, 20, replicates=1)[0] for k in range(8)])
+    profiles = {
+        "velocity_profile": velocity,
+        "packing_profile": lambda z: PACKING * (z < 20 * SIZE / 0.9),
+    }
+    point = flow(15, {"crystalline_share": np.array(shares)}, profiles, depth=20, replicates=8)
+    return Evidence(made_results(point), "published").at("chute", depth=20)
+
+
+@pytest.mark.parametrize(
+    ("shares", "verdict"),
+    [
+        ([0.9, 0.8, 0.9, 0.8, 0.9, 0.8, 0.9, 0.4], REPRODUCED),
+        ([0.9, 0.8, 0.9, 0.8, 0.3, 0.3, 0.3, 0.3], INCONCLUSIVE),
+        ([0.9, 0.3, 0.4, 0.3, 0.3, 0.3, 0.3, 0.3], NOT_REPRODUCED),
+    ],
+)
+def test_of_runs_in_different_states_most_must_hold(shares, verdict):
+    place = deep(shares, riding=4)
+    check = above("share", place.value("crystalline_share"), 0.5, [place])
+    found = of_most(check, place, place.values("crystalline_share"))
+    assert found.what == "share of runs, 4 of 8 with a plug, that hold: share"
+    assert found.value == np.mean(np.array(shares) > 0.5) and found.verdict == verdict
+
+
+@pytest.mark.parametrize("riding", [0, 8])
+def test_the_mean_of_runs_in_one_state_counts(riding):
+    place = deep(np.linspace(0.6, 0.8, 8), riding)
+    check = above("share", place.value("crystalline_share"), 0.5, [place])
+    assert of_most(check, place, place.values("crystalline_share")) is check
 
 
 def test_the_lifetime_does_not_depend_on_the_length_of_the_runs():

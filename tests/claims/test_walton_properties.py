@@ -15,16 +15,14 @@ from sim.claims.verdict import (
     together,
 )
 from sim.claims.walton_properties import w15, w16, w20, w21, w22
-from tests.claims.judging import checks_on, failed, verdict_on
+from tests.claims.judging import by_part, checks_on, failed, verdict_on
 from tests.made.chute_flows import PACKING, SIZE, SLOPE, SPEEDS, base_flows, bent, flow
 from tests.made.results import SCATTER
 
 
 def parts(judge, points) -> dict[str, str]:
     """The verdict on each part of a claim."""
-    checks = checks_on(judge, points)
-    names = dict.fromkeys(check.part for check in checks)
-    return {name: together(check for check in checks if check.part == name) for name in names}
+    return by_part(checks_on(judge, points))
 
 
 @pytest.mark.parametrize("judge", [w15, w16, w21, w22])
@@ -35,13 +33,16 @@ def test_the_base_case_alone_tests_nothing(judge):
 
 def ordered_flow(share, knee=2, rest=0.0, **options):
     """A flow with a crystalline share, riding as a plug on ``knee`` diameters or sheared."""
-    depth = options["depth"]
-    profiles = {
-        "velocity_profile": bent(knee, depth, rest),
+    scalars = {"crystalline_share": share, "layer_order": 0.6}
+    return flow(15, scalars, riding(options["depth"], knee, rest), **options)
+
+
+def riding(depth, knee=2, rest=0.0, replicates=5):
+    """Profiles of a plug on ``knee`` diameters."""
+    return {
+        "velocity_profile": bent(knee, depth, rest, replicates),
         "packing_profile": lambda z: PACKING * (z < depth * SIZE / 0.9),
     }
-    scalars = {"crystalline_share": share, "layer_order": 0.6}
-    return flow(15, scalars, profiles, **options)
 
 
 def crystals(share=0.8, spread=0.3, bumps=0.1, wide=0.6, rest=0.0, scatter=0.01):
@@ -140,14 +141,15 @@ def test_the_lowest_restitution_is_reported():
     assert together(checks) == REPRODUCED and checks[-1].verdict == REPORTED
 
 
-def soft(median=0.003, dynamic=0.05, static=None, **options):
+def soft(median=0.003, dynamic=0.05, static=None, replicates=5, **options):
     """Flows of the softest spheres with quantiles of their overlaps."""
+    options["replicates"] = replicates
     thin = {"median_overlap": median, "overlap_999": 0.025}
     deep = {"median_overlap": 0.003, "overlap_999": dynamic}
     rest = {"regime": "arrested", "quality": "jammed", "independent_samples": 0.0}
     return [
         *(flow(4.5, thin, depth=n, **options) for n in (1.24, 2.5)),
-        flow(30, deep, depth=40, **options),
+        flow(30, deep, riding(40, replicates=replicates), depth=40, **options),
         *([flow(0, rest | {"base_overlap": static}, depth=40, angle=0)] if static else []),
     ]
 
@@ -167,6 +169,27 @@ def test_overlaps_of_the_softest_spheres(changes, wrong):
     found = parts(w20, soft(**changes))
     assert set(found) == ({"a", "b", "c"} if "static" in changes else {"a", "b"})
     assert {part for part, verdict in found.items() if verdict != REPRODUCED} == set(wrong)
+
+
+def mixed(point, riders, **scalars):
+    """A flow of which so many of ten replicates ride as a plug, the others shear throughout."""
+    depth = point["depth"]
+    profiles = riding(depth, replicates=10)
+    sheared = riding(depth, knee=depth, replicates=10)["velocity_profile"]
+    plugs = np.arange(10) < riders
+    profiles["velocity_profile"] = np.where(plugs[:, None], profiles["velocity_profile"], sheared)
+    scalars = {name: np.where(plugs, *values) for name, values in scalars.items()}
+    return flow(15, scalars, profiles, replicates=10, **point)
+
+
+@pytest.mark.parametrize(("riders", "verdict"), [(9, REPRODUCED), (6, INCONCLUSIVE)])
+def test_of_flows_in_two_states_most_must_hold(riders, verdict):
+    states = {"crystalline_share": (0.8, 0.1), "layer_order": (0.6, 0.1)}
+    flows = [mixed({"depth": n}, riders, **states) for n in (10, 20, 40)]
+    assert parts(w15, flows)["a"] == verdict
+    overlaps = {"overlap_999": (0.05, 0.01), "median_overlap": (1e-3, 1e-3)}
+    deep = mixed({"depth": 40}, riders, **overlaps)
+    assert parts(w20, [*soft()[:2], deep])["b"] == verdict
 
 
 def test_uncertain_overlaps_decide_nothing():

@@ -5,9 +5,9 @@ from math import radians, tan
 import pytest
 
 from sim.claims.chute import CELLS
-from sim.claims.verdict import INCONCLUSIVE, NOT_REPRODUCED, REPRODUCED, Untestable, together
+from sim.claims.verdict import INCONCLUSIVE, NOT_REPRODUCED, REPRODUCED, Untestable
 from sim.claims.walton_regimes import SLIPPERY, w6, w7, w8, w19, w23, w25
-from tests.claims.judging import checks_on, failed, verdict_on
+from tests.claims.judging import by_part, checks_on, failed, verdict_on
 from tests.made.chute_flows import PAPER, SLOPE, SPEEDS, WIDE, base_flows, flow
 from tests.made.results import made_boundary
 
@@ -181,9 +181,8 @@ def swept(steady=(0.32, 0.4), arrested=(0.65, 0.8), moving=(), depth=5, starts=(
 
 
 def parts(judge, points) -> dict[str, str]:
-    checks = checks_on(judge, points)
-    names = dict.fromkeys(check.part for check in checks)
-    return {name: together(check for check in checks if check.part == name) for name in names}
+    """The verdict on each part of a claim."""
+    return by_part(checks_on(judge, points))
 
 
 def test_flows_that_rest_beyond_twice_the_tangent_are_reproduced():
