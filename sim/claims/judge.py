@@ -46,18 +46,24 @@ def _evidence(results: Results, system: str) -> Iterator[tuple[str, Evidence]]:
 
 
 def _variants(claim: Claim, every: list[tuple[str, Evidence]]) -> Iterator[Variant]:
-    """Yield the claim at the headline reading, then at readings that have the runs."""
+    """Yield the claim at the headline reading, then at readings that have runs of their own.
+
+    A claim that names what a reading changes looks at the same points under both.
+    """
     declared = readings_of(claim.system)
     if claim.kind == "model":
         for changes in MODEL_READINGS:
             words, checks = in_words(claim.system, changes), experiment(claim, changes)
             yield Variant(MODEL, words, checks, control=declared.is_control(changes))
         return
+    seen = set()
     for reading, evidence in every:
         control = declared.is_control(evidence.reading)
         variant = _judged(claim, evidence, reading, control)
-        if evidence.reading == declared.headline or not variant.reason:
+        measured = variant.protocol, tuple(check.points for check in variant.checks)
+        if evidence.reading == declared.headline or not (variant.reason or measured in seen):
             yield variant
+        seen.add(measured)
 
 
 def _judged(claim: Claim, evidence: Evidence, reading: str, control: str) -> Variant:

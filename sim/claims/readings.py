@@ -37,6 +37,9 @@ class Readings(BaseModel):
     headline: dict[str, Any] = Field(description="what differs from the defaults")
     why: str = Field(min_length=1, description="why it gives the verdicts")
     open: dict[str, str] = Field(description="by parameter, the words that leave it open")
+    rows: dict[str, list[float]] = Field(
+        {}, description="by parameter of the grid, values of base rows that are readings as well"
+    )
     controls: list[Control] = Field(description="what is no reading")
 
     def is_control(self, reading: Mapping[str, Any]) -> str:
@@ -74,7 +77,10 @@ def in_words(system: str, reading: Mapping[str, Any]) -> str:
 
 
 def readings_run(results: Results, system: str) -> list[dict[str, Any]]:
-    """Return the readings other than the default that some points of a system have."""
+    """Return the readings other than the default that some points of a system have.
+
+    Choices of the models first, then base rows: flows of another cell, or another stiffness.
+    """
     model = SYSTEMS[system]
     usual = model()
     points = results.dataset.isel(point=np.flatnonzero(results.dataset["system"] == system))
@@ -85,4 +91,10 @@ def readings_run(results: Results, system: str) -> list[dict[str, Any]]:
         unusual = {name: value for name, value in named if value != getattr(usual, name)}
         if unusual:
             found[tuple(unusual.items())] = unusual
-    return list(found.values())
+    rows = [
+        {name: value}
+        for name, values in readings_of(system).rows.items()
+        for value in values
+        if value in points[name].values
+    ]
+    return [*found.values(), *rows]

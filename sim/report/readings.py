@@ -85,6 +85,8 @@ def _step(dataset: xr.Dataset, system: str, values: Mapping[str, Any]) -> dict[s
     chosen = (dataset["system"] == system) & (dataset["protocol"] == "published")
     for name in parameters_of(model):
         chosen = chosen & (dataset[name] == values.get(name, getattr(usual, name)))
+    for name in values.keys() & readings_of(system).rows:
+        chosen = chosen & (dataset[name] == values[name])
     points = dataset.isel(point=np.flatnonzero(chosen))
     missing = np.abs(points["missing_energy"].values)
     known = np.isfinite(missing).any(axis=1)

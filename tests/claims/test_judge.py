@@ -8,6 +8,7 @@ from typing import get_args
 import pytest
 
 from sim.claims import judge
+from sim.claims.checks import above
 from sim.claims.judgement import MODEL, Judgement, Variant
 from sim.claims.readings import DEFAULT, readings_of, readings_run
 from sim.claims.table import Number, claims
@@ -102,7 +103,9 @@ def test_every_reading_has_the_words_that_leave_it_open_or_is_a_control():
             others = set(get_args(model.model_fields[name].annotation)) - {getattr(model(), name)}
             assert others, f"{name}: neither open nor a choice of which all others are controls"
             assert all(declared.is_control({name: value}) for value in others), name
-        assert declared.open.keys() <= set(roles.readings(model))
+        assert declared.open.keys() == (
+            declared.open.keys() & set(roles.readings(model)) | declared.rows.keys()
+        )
         assert set(declared.headline) <= declared.open.keys()
         assert all(words.count('"') >= 2 for words in declared.open.values())
 
@@ -164,6 +167,18 @@ def test_readings_are_what_points_have_beyond_the_defaults():
     assert readings_run(results, "chute") == [{"friction_cap": "after"}]
 
 
+def test_base_rows_of_another_cell_or_stiffness_are_readings():
+    results = made_results(
+        *(made_point("chute", {"velocity": 0.1}, **one) for one in ({}, {"cell": 5})),
+        made_point("chute", {"velocity": 0.1}, stiffness=1000, friction_cap="after"),
+    )
+    assert readings_run(results, "chute") == [
+        {"friction_cap": "after"},
+        {"cell": 5},
+        {"stiffness": 1000},
+    ]
+
+
 def test_readings_without_the_runs_of_a_claim_are_left_out(monkeypatch):
     monkeypatch.setattr(judge, "MODEL_READINGS", ({},))
     results = made_results(
@@ -174,6 +189,21 @@ def test_readings_without_the_runs_of_a_claim_are_left_out(monkeypatch):
         assert one.claim.paper == {"chute": "walton", "belt": "gallas"}[one.claim.system]
         flows = [variant for variant in one.variants if variant.protocol != MODEL]
         assert all(variant.reading == DEFAULT or variant.checks for variant in flows)
+
+
+@pytest.mark.parametrize(("named", "readings"), [({}, 2), ({"cell": 5}, 1)])
+def test_a_claim_that_names_what_a_reading_changes_is_judged_once(monkeypatch, named, readings):
+    flows = (made_point("chute", {"velocity": 0.1}, depth=5, **one) for one in ({}, {"cell": 5}))
+    every = list(judge._evidence(made_results(*flows), "chute"))
+
+    def judging(evidence):
+        place = evidence.at("chute", depth=5, **named)
+        return [above("V", place.velocity, 0, [place])]
+
+    claim = next(claim for claim in claims() if claim.system == "chute" and claim.kind == "flow")
+    monkeypatch.setattr(type(claim), "judging", lambda _: judging)
+    found = list(judge._variants(claim, every))
+    assert len({one.reading for one in found if one.checks}) == readings
 
 
 def test_what_is_written_is_plain_json_and_one_row_per_check():
