@@ -48,23 +48,37 @@ def missing_energy(replicate: Mapping[Any, SupportsFloat]) -> float:
     return lacking * (lost / (lost + gained) if gained > 0 else 1.0)
 
 
-def caveat(said: str, missing: Iterable[float]) -> str:
-    """Join what a run says of itself and whether the energy of a replicate does not add up.
+def caveat(
+    said: str, missing: Iterable[float], parameters: Parameters, velocities: Iterable[float]
+) -> str:
+    """Return all that is to be known before trusting a run, empty for a sound one.
 
-    ``missing`` are the shares of all replicates, NaN where not known. Empty for a sound run.
+    Parameters
+    ----------
+    said : str
+        What the run says of itself.
+    missing, velocities : iterable of float
+        Shares of the energy that are not found, and mean velocities (m/s), of all replicates; NaN
+        where not known.
+    parameters : Parameters
+        Of the point.
     """
     leaking = any(share > UNSOUND for share in missing)
-    return "; ".join(filter(None, (said, _LEAKING if leaking else "")))
+    fast = (parameters.caveat_at(float(velocity)) for velocity in velocities)
+    told = (said, _LEAKING if leaking else "", *fast)
+    # One that started too fast has said so.
+    return "; ".join(filter(None, dict.fromkeys(told)))
 
 
 def caveat_of_run(run: Summary, parameters: Parameters) -> str:
     """Return the caveat of the run of a point."""
-    said = run.attrs.get("caveat", "")
+    said, velocities = run.attrs.get("caveat", ""), run.scalars.get("velocity", ())
     if "energy_residual" not in run.scalars:
-        return said
+        return caveat(said, (), parameters, velocities)
     shared = {"particles": parameters.particles, "mass": parameters.mass}
     columns = {name: run.scalars[name] for name in _OF_LEDGER if name in run.scalars}
     replicates = (
         dict(zip(columns, values, strict=True)) for values in zip(*columns.values(), strict=True)
     )
-    return caveat(said, [missing_energy(shared | each) for each in replicates])
+    missing = [missing_energy(shared | each) for each in replicates]
+    return caveat(said, missing, parameters, velocities)

@@ -53,7 +53,13 @@ def root(blocks: Sequence[Rows], study: Study) -> xr.Dataset:
             if any(name in block.values for block in blocks)
         }
     )
-    caveats = map(caveat, made["caveat"], held["missing_energy"].values)
+    caveats = map(
+        caveat,
+        made["caveat"],
+        held["missing_energy"].values,
+        [point.parameters for point in study.points.values()],
+        held["velocity"].values,
+    )
     found = held.assign_coords(
         _labels(study, caveats, made["source_hash"])
         | _parameters(list(study.points.values()))

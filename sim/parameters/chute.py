@@ -14,6 +14,10 @@ RATE = 45.0e6
 RATE_DEPTH = 5.0
 RATE_EXPONENT = -0.55
 
+#: Largest overlap of an impact in diameters for which the laws of small overlaps stand: twice that
+#: of the paper's softest spheres.
+SMALL = 0.1
+
 
 def negligible_acceleration(gravity: float, angle: float) -> float:
     """Return the acceleration (m s⁻²) that is none at an angle (degree): 1 % of g sin θ.
@@ -386,6 +390,25 @@ class ChuteParameters(Parameters):
     def _covered_by_a_bump(self) -> float:
         """Area of a glued sphere's circle in squared diameters; 0 where it is below all numbers."""
         return math.pi / 4 * self.bumps**2
+
+    @property
+    def caveat(self) -> str:
+        """Say so when the flow starts faster than the contact law bears."""
+        return self.caveat_at(self.initial_velocity * self.velocity_unit)
+
+    def caveat_at(self, velocity: float) -> str:
+        """Say so when a flow at a mean velocity (m/s) is faster than the contact law bears.
+
+        Spheres that meet head-on at a speed v overlap by v √(m/2K1); sheared from bottom to top, a
+        flow has spheres that differ by half of its velocity.
+        """
+        overlap = 0.5 * abs(velocity) * math.sqrt(0.5 * self.mass / self.stiffness)
+        if not overlap > SMALL * self.diameter:
+            return ""
+        return (
+            f"impacts at half its velocity overlap by more than {100 * SMALL:g} % of a diameter, "
+            "beyond the range of the contact law; a larger stiffness cures it"
+        )
 
     @property
     def cores(self) -> int:

@@ -173,6 +173,10 @@ class Parameters(BaseModel):
         """What a reader should know before trusting a run of this point, or an empty text."""
         return ""
 
+    def caveat_at(self, velocity: float) -> str:
+        """Return what to know of a flow at a mean velocity (m/s) besides, or an empty text."""
+        return ""
+
     @property
     def limits(self) -> dict[str, tuple[float, str]]:
         """Accelerations (m s⁻²) to compare a flow with: name -> (value, meaning)."""

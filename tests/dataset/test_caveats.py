@@ -10,15 +10,36 @@ from sim.dataset.summary import summary_of
 from sim.parameters import ChuteParameters
 from tests.made.runs import write_run
 
+PAPER = ChuteParameters()
+
+
+def told(said, missing, velocities=()):
+    return caveat(said, missing, PAPER, velocities)
+
 
 def test_one_replicate_that_leaks_is_enough():
-    assert caveat("", [1e-5, 2 * UNSOUND]).startswith("energy does not add up")
-    assert caveat("", [1e-5, UNSOUND, float("nan")]) == ""
+    assert told("", [1e-5, 2 * UNSOUND]).startswith("energy does not add up")
+    assert told("", [1e-5, UNSOUND, float("nan")]) == ""
 
 
 def test_both_caveats_are_told():
-    assert caveat("a long step", [1e-5]) == "a long step"
-    assert caveat("a long step", [1.0]).startswith("a long step; energy does not add up")
+    assert told("a long step", [1e-5]) == "a long step"
+    assert told("a long step", [1.0]).startswith("a long step; energy does not add up")
+
+
+def test_flows_faster_than_the_contact_law_bears_say_so_once():
+    """At 100 N/m an impact at √(gσ) overlaps by 0.85 % of a diameter; half of V counts."""
+    unit = PAPER.velocity_unit
+    assert told("", [], [np.nan, 23.3 * unit]) == ""
+    text = told("", [], [5 * unit, 23.5 * unit])
+    assert "more than 10 % of a diameter" in text
+    assert told(text, [], [50 * unit, 60 * unit]) == text
+    assert caveat("", [], ChuteParameters(stiffness=1000), [60 * unit]) == ""
+
+
+def test_a_start_faster_than_the_contact_law_bears_is_known_before_any_run():
+    assert not ChuteParameters(initial_velocity=23).caveat
+    assert "beyond the range" in ChuteParameters(initial_velocity=24).caveat
 
 
 @pytest.mark.parametrize("acceleration", [0.0, 5.0])
@@ -33,9 +54,9 @@ def test_a_run_file_and_the_dataset_agree(tmp_path, acceleration):
         "acceleration": ("replicate", [acceleration, np.nan]),
     }
     path = write_run(tmp_path, point, 0.5, failed=[1], arrays=arrays)
-    told = caveat_of_run(summary_of(path), point)
-    assert bool(told) == (acceleration == 0)
-    assert told == caveat("", read_run(path).values["missing_energy"][0])
+    found = caveat_of_run(summary_of(path), point)
+    assert bool(found) == (acceleration == 0)
+    assert found == told("", read_run(path).values["missing_energy"][0])
 
 
 def test_a_file_without_a_ledger_says_what_it_has(tmp_path):

@@ -15,6 +15,7 @@ from annotated_types import Ge, Gt, Le, Lt
 
 from sim.base.errors import InputError
 from sim.engine.run import run_point
+from sim.engine.systems.belt import SETTLING_LIMIT
 from sim.parameters import SYSTEMS, Parameters, canonical, parse_point, point_id
 from sim.study.cost import estimate
 
@@ -24,6 +25,9 @@ SHORT = {
     "belt": {"beads": 20, "width": 6, "transient": 1, "average": 2},
 }
 LONGEST = 2.0
+
+#: Most particle-steps of a bed that never comes to rest.
+MOST_SETTLING = 1e8
 
 #: Parameters that say how much is computed and by whom, not what.
 LEFT = ("seed", "threads", "replicates", "transient", "average", "limit", "target")
@@ -52,6 +56,8 @@ def extreme_point(rng: np.random.Generator) -> Parameters | None:
     try:
         point = parse_point(values, "extreme")
     except InputError:
+        return None
+    if system == "belt" and point.beads * SETTLING_LIMIT / point.settling_step > MOST_SETTLING:
         return None
     return point if estimate(point).core_seconds < LONGEST else None
 

@@ -1,0 +1,69 @@
+"""As containers run it: a user without a name or a home, who may write one folder and nothing else.
+
+`setpriv` of Linux gives such a user from root, with the right to read everything.
+"""
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from tests.made.processes import ROOT
+
+USER = 61234
+READS = "+dac_read_search"
+STUDY = """\
+study: contained
+defaults: {belt: {transient: 1, average: 1, beads: 20, width: 6}}
+series: [{name: one, system: belt, grid: {frequency: [20, 30]}}]
+"""
+
+
+@pytest.fixture
+def nobody(tmp_path):
+    """Run a command as such a user in a folder; return what became of it."""
+    if os.geteuid() or not shutil.which("setpriv"):
+        pytest.skip("only root can be another user")
+    folder = tmp_path / "own"
+    folder.mkdir()
+    for path in (folder, *tmp_path.parents[:2], tmp_path):
+        path.chmod(0o755)
+    os.chown(folder, USER, USER)
+
+    def run(*command: str, **settings: str) -> subprocess.CompletedProcess:
+        own = ["setpriv", f"--reuid={USER}", f"--regid={USER}", "--clear-groups"]
+        own += [f"--inh-caps={READS}", f"--ambient-caps={READS}"]
+        path = f"{Path(sys.executable).parent}:/usr/bin:/bin"
+        environment = {"PATH": path, "HOME": "/nonexistent", "PYTHONPATH": str(ROOT)}
+        environment |= {"TMPDIR": str(folder), "PYTHONDONTWRITEBYTECODE": "1"} | settings
+        return subprocess.run(
+            [*own, *command], cwd=folder, env=environment, capture_output=True, text=True
+        )
+
+    done = run("touch", str(ROOT / "mine"))
+    if "Permission denied" not in done.stderr:
+        pytest.skip(f"no such user can be made: {done.stderr}")
+    (folder / "study.yaml").write_text(STUDY)
+    (folder / "point.yaml").write_text("{system: belt, transient: 1, average: 1, beads: 20}\n")
+    return run
+
+
+@pytest.mark.long
+def test_a_run_needs_neither_name_nor_home(nobody, tmp_path):
+    done = nobody(sys.executable, "-m", "sim", "run", "-o", "out.nc", "point.yaml")
+    assert done.returncode == 0, done.stderr
+    assert done.stderr.count("warning") <= 1 and "Traceback" not in done.stderr
+    assert (tmp_path / "own" / "out.nc").exists()
+
+
+@pytest.mark.long
+def test_a_study_needs_a_name_and_a_cache_for_snakemake(nobody, tmp_path):
+    command = ["snakemake", "--cores", "1", "--configfile", "study.yaml"]
+    command += ["--snakefile", str(ROOT / "Snakefile")]
+    done = nobody(*command, USER="someone", XDG_CACHE_HOME=str(tmp_path / "own" / "cache"))
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "2 points: 2 done" in done.stdout + done.stderr
+    assert (tmp_path / "own" / "results" / "contained" / "report.html").exists()
