@@ -1,12 +1,12 @@
 """Amounts of points that rounds of decisions have added to a study, kept in ``bought.json``."""
 
-import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from sim.base.damage import checked_read
 from sim.base.files import replacing
+from sim.base.sealed_json import as_sealed, read_sealed
 from sim.parameters import AMOUNTS, Parameters, more
 from sim.study.model import Point
 
@@ -37,7 +37,7 @@ def read_extra_amounts(folder: Path) -> ExtraAmounts:
     if not path.exists():
         return ExtraAmounts()
     with checked_read(path, "list of what was bought", replaceable=True):
-        held = json.loads(path.read_text(encoding="utf-8"))
+        held = read_sealed(path.read_text(encoding="utf-8"))
         amounts = {
             point: {name: _usable(name, value) for name, value in wanted.items()}
             for point, wanted in held["amounts"].items()
@@ -57,7 +57,7 @@ def write_extra_amounts(folder: Path, extra: ExtraAmounts) -> None:
     """Write the extra amounts of a study, complete or not at all."""
     document = {"before": extra.before, "amounts": extra.amounts}
     with replacing(extra_amounts_file(folder)) as temporary:
-        temporary.write_text(json.dumps(document, indent=1) + "\n", encoding="utf-8")
+        temporary.write_text(as_sealed(document), encoding="utf-8")
 
 
 def with_extra_amounts(points: Mapping[str, Point], extra: ExtraAmounts) -> dict[str, Point]:

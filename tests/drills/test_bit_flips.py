@@ -16,6 +16,12 @@ from sim.engine.states import States
 from sim.figures.drawn import DRAWN, require_unchanged
 from sim.parameters import point_id
 from sim.report.claims import read_claims, require_table
+from sim.study.extra_amounts import (
+    ExtraAmounts,
+    extra_amounts_file,
+    read_extra_amounts,
+    write_extra_amounts,
+)
 from sim.study.load import load_study
 from tests.engine_motion.points import belt_point
 from tests.made.figures import make_figures
@@ -66,6 +72,7 @@ def stored(tmp_path) -> dict[Path, Read]:
     made, figures = results / "made", results / "made" / "figures"
     study = load_study(study_path, results)
     write_claims(made / "claims.json", list(study.points))
+    write_extra_amounts(made, ExtraAmounts({next(iter(study.points)): {"replicates": 4.0}}, 0.5))
     run = tmp_path / f"{point_id(POINT)}.nc"
     assert run_point(POINT, run, quiet=True) == 0
     drawn = {path: lambda: require_unchanged(study.figures, figures) for path in figures.iterdir()}
@@ -75,6 +82,7 @@ def stored(tmp_path) -> dict[Path, Read]:
         made / "dataset.nc": lambda: dataset_values(made / "dataset.nc"),
         made / "claims.json": lambda: read_claims(made / "claims.json"),
         made / "claims.csv": lambda: require_table(made),
+        extra_amounts_file(made): lambda: read_extra_amounts(made),
     }
 
 

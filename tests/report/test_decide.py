@@ -9,6 +9,7 @@ import pytest
 
 from sim.__main__ import main
 from sim.base.errors import InputError
+from sim.base.sealed_json import as_sealed
 from sim.claims.table import claims
 from sim.claims.verdict import Check
 from sim.dataset.build import build
@@ -193,13 +194,20 @@ def test_a_study_that_decides_nothing_says_so(made, capsys):
     assert "decide: got" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("amounts", [None, "replicates: NaN", "average: Infinity", "foo: 2"])
-def test_a_damaged_list_of_what_was_bought_is_set_aside(amounts, made, capsys):
+@pytest.mark.parametrize("damage", ["torn", "a digit", "unknown", "endless"])
+def test_a_damaged_list_of_what_was_bought_is_set_aside(damage, made, capsys):
     folder = made("budget: 10, precision: 0.05")
     folder.decide()
-    name, _, value = (amounts or "").partition(": ")
-    wanted = f'{{"before": 0, "amounts": {{"{next(iter(folder.points))}": {{"{name}": {value}}}}}}}'
-    extra_amounts_file(folder.root / "open").write_text(wanted if amounts else "{")
+    path, point = extra_amounts_file(folder.root / "open"), next(iter(folder.points))
+    text = path.read_text()
+    digit = text.index('"before": ') + len('"before": ')
+    texts = {
+        "torn": text[:-20],
+        "a digit": text[:digit] + str((int(text[digit]) + 1) % 10) + text[digit + 1 :],
+        "unknown": as_sealed({"before": 0, "amounts": {point: {"foo": 2}}}),
+        "endless": as_sealed({"before": 0, "amounts": {point: {"average": 1e300}}}),
+    }
+    path.write_text(texts[damage])
     capsys.readouterr()
     assert folder.decide() == 2
     assert "list of what was bought" in capsys.readouterr().err
