@@ -9,7 +9,7 @@ import pytest
 from tests.made.processes import ROOT
 
 FILES = ("tests/properties/test_parameters.py", "tests/properties/test_study_files.py")
-PASSED = re.compile(r"(\d+) passing examples")
+PASSED = re.compile(r"(\d+) passing")
 
 
 @pytest.mark.long

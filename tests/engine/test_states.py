@@ -137,13 +137,15 @@ def test_a_killed_run_goes_on_where_it_was(tmp_path, point_file):
 
 
 class Watching:
-    """Keeps every state that is offered before the first sample."""
+    """Keeps every tenth of the states that are offered before the first sample."""
 
     def __init__(self):
         self.states: list[dict] = []
+        self.offered = 0
 
     def offer(self, replicate: Replicate) -> None:
-        if replicate.system.stage:
+        self.offered += 1
+        if replicate.system.stage and self.offered % 10 == 0:
             self.states.append(unpacked(packed(replicate.state())))
 
     def heed(self) -> None:
