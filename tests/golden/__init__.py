@@ -43,9 +43,13 @@ def points() -> dict[str, Parameters]:
 
 
 def machine() -> str:
-    """Name what the bits of a result depend on besides the program: processor and libraries."""
+    """Name what the bits of a result depend on besides the program: what it is compiled for and by.
+
+    Each Python has a bytecode of its own, from which the loops are compiled.
+    """
     libraries = ("numpy", "scipy", "numba", "llvmlite")
     parts = [llvmlite.binding.get_host_cpu_name(), "-".join(platform.libc_ver())]
+    parts.append("python-" + ".".join(platform.python_version_tuple()[:2]))
     return " ".join(parts + [f"{name}-{version(name)}" for name in libraries])
 
 

@@ -174,8 +174,8 @@ class Recorder:
         if taken < 2:
             return dict.fromkeys(("energy_residual", *ledger.powers.values()), np.nan)
         change = {name: float(values[taken - 1] - values[0]) for name, values in series.items()}
-        residual = sum(sign * change[name] for name, sign in ledger.terms.items())
-        turnover = sum(change[name] for name in ledger.turnover)
+        residual = _added([sign * change[name] for name, sign in ledger.terms.items()])
+        turnover = _added([change[name] for name in ledger.turnover])
         start = min(max(self._start - 1, 0), taken - 2)
         time = (taken - 1 - start) * self._interval
         powers = {
@@ -219,3 +219,8 @@ class Recorder:
             for row, block in zip(held, profiles, strict=False):
                 row[:] = block[name]
         return found
+
+
+def _added(values: list[float]) -> float:
+    """Return the sum of values added one to the next; Python's `sum` rounds less from 3.12 on."""
+    return float(np.cumsum(values)[-1])
