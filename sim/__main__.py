@@ -1,4 +1,4 @@
-"""The command line: ``python -m sim COMMAND``.
+"""The command line: ``talus COMMAND``, or ``python -m sim COMMAND``.
 
 What carries out a command is imported when the command is called, so that a run starts without the
 libraries of the figures and a figure without those of the engine.
@@ -14,7 +14,9 @@ from pkgutil import resolve_name
 from typing import Any
 
 from sim import __version__
+from sim.base.completion import SHELLS, PrintCompletion
 from sim.base.errors import InputError
+from sim.base.program import program
 
 SYSTEM_ERROR = 1
 INPUT_ERROR = 2
@@ -24,6 +26,8 @@ BROKEN_PIPE = 141
 #: Command -> the function that carries it out, and what that does. The function is called with the
 #: options of the command; what it returns is printed, or is the exit code if it is a number.
 COMMANDS = {
+    "init": ("sim.study.command:init", "write a study file to start from"),
+    "study": ("sim.study.command:study", "check a study and run it with Snakemake"),
     "points": ("sim.report.points:show", "list the points of a study and what they cost"),
     "status": ("sim.report.status_table:show", "show how far a study is"),
     "refine": ("sim.dataset.rounds:write_round", "work out the points of a round of refinement"),
@@ -63,7 +67,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         # What a terminal cannot show is shown by its number, and ends no command.
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")
-    options = vars(_parser().parse_args(arguments))
+    options = parse(sys.argv[1:] if arguments is None else arguments)
     try:
         code = _call(options.pop("function"), options)
         sys.stdout.flush()
@@ -81,6 +85,17 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except OSError as error:
         print(f"error: {error}", file=sys.stderr)
         return SYSTEM_ERROR
+
+
+def parse(arguments: Sequence[str]) -> dict[str, Any]:
+    """Return the options of a command line and, as ``function``, what carries out its command."""
+    words, extra = list(arguments), []
+    if words[:1] == ["study"] and "--" in words:
+        # argparse would look for what follows among the options of its own.
+        place = words.index("--")
+        words, extra = words[:place], words[place + 1 :]
+    options = vars(_parser().parse_args(words))
+    return options | {"extra": extra} if "extra" in options else options
 
 
 def _call(function: str, options: dict[str, Any]) -> int:
@@ -111,9 +126,16 @@ def warm(study_path: Path | None, processes: int) -> None:
 
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
-        prog="python -m sim", description="Granular flow on a chute and on a vibrating belt."
+        prog=program(), description="Granular flow on a chute and on a vibrating belt."
     )
     parser.add_argument("--version", action="version", version=f"talus {__version__}")
+    parser.add_argument(
+        "--print-completion",
+        action=PrintCompletion,
+        choices=SHELLS,
+        default=argparse.SUPPRESS,
+        help="print the script that completes talus in this shell",
+    )
     commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
     parsers = {}
     for name, (function, text) in COMMANDS.items():
@@ -124,6 +146,7 @@ def _parser() -> argparse.ArgumentParser:
     for name in of_studies.split():
         _add_study(parsers[name])
     _add_study(parsers["status"], nargs="?", help="(default: config/quick.yaml)")
+    _add_start_options(parsers["init"], parsers["study"])
     _add_study_options(parsers)
     _add_point_options(parsers)
     _add_result_options(parsers)
@@ -139,6 +162,32 @@ def _add_study(parser: argparse.ArgumentParser, **options: Any) -> None:
         metavar="FOLDER",
         help="folder of all results (default: results)",
     )
+
+
+def _add_start_options(init: argparse.ArgumentParser, study: argparse.ArgumentParser) -> None:
+    init.add_argument(
+        "target",
+        type=Path,
+        nargs="?",
+        default=Path(),
+        metavar="FILE.yaml or FOLDER",
+        help="file to write, or folder for it (default: this one); nothing is overwritten",
+    )
+    init.add_argument(
+        "--from",
+        dest="model",
+        default="first",
+        metavar="NAME",
+        help="study that comes with Talus to copy, such as quick or paper_walton (default: first)",
+    )
+    study.usage = "%(prog)s [-h] [--cores N] [--profile NAME] STUDY.yaml [-- ARGUMENT ...]"
+    study.epilog = "What follows -- goes to Snakemake: -n for a dry run, names of rules or files."
+    study.add_argument("study_path", type=Path, metavar="STUDY.yaml")
+    study.add_argument("--cores", type=int, metavar="N", help="cores to use (default: all)")
+    study.add_argument(
+        "--profile", metavar="NAME", help="slurm, or the folder of a profile of Snakemake"
+    )
+    study.set_defaults(extra=())
 
 
 def _add_study_options(parsers: dict[str, argparse.ArgumentParser]) -> None:

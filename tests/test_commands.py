@@ -337,7 +337,7 @@ def test_outputs_that_cannot_be_written(output, tmp_path, refuse):
         ("depth: 5\n", ["system: got nothing", "chute, belt"]),
         ("system: chute\nsystem: belt\n", ["system: duplicate key on line 2"]),
         ("[1]\n", ["a mapping"]),
-        (STUDY, ["a study, not a point; snakemake --configfile point.yaml runs it"]),
+        (STUDY, ["a study, not a point; python -m sim study point.yaml runs it"]),
     ],
 )
 def test_mistakes_in_a_point(text, pieces, tmp_path, refuse):

@@ -32,7 +32,7 @@ def require_agreement(study: Study, results: Results, path: Path) -> None:
     """
     for what, ours, theirs in _compared(study, results):
         if ours != theirs:
-            raise InputError(f"{study.path}: {what}: not as in {path}; run snakemake again")
+            raise InputError(f"{study.path}: {what}: not as in {path}; run the study again")
 
 
 def _compared(study: Study, results: Results) -> Iterator[tuple[str, Any, Any]]:

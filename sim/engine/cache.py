@@ -7,12 +7,12 @@ import atexit
 import logging
 import os
 import shutil
-import stat
 import tempfile
 from functools import cache
 from pathlib import Path
 
 from sim.base.errors import InputError
+from sim.base.private import Unfit, caches, own_temporary, private_folder
 from sim.engine.identity import COMPILED, source_hash
 
 log = logging.getLogger("talus")
@@ -35,60 +35,26 @@ def cache_directory() -> Path:
     name = source_hash(COMPILED)
     if named := os.environ.get(_NAME):
         try:
-            return _private(Path(named) / name)
-        except _Unfit as error:
+            return private_folder(Path(named) / name)
+        except Unfit as error:
             allowed = "a folder of your own that only you can write"
             raise InputError(f"environment: {_NAME}: {error}; allowed: {allowed}") from None
         except OSError as error:
             return _temporary(name, f"{named}: {error.strerror or error}")
     try:
-        home = os.environ.get("XDG_CACHE_HOME") or _home() / ".cache"
-        return _private(Path(home) / "talus" / name)
-    except (OSError, RuntimeError, _Unfit) as error:
+        return private_folder(caches() / "talus" / name)
+    except (OSError, RuntimeError, Unfit) as error:
         return _temporary(name, str(error))
-
-
-def _home() -> Path:
-    """Return the user's home; raise ``RuntimeError`` where there is none."""
-    if os.environ.get("HOME") == "":
-        raise RuntimeError("HOME is empty")
-    return Path.home()
-
-
-class _Unfit(Exception):
-    """A folder is not one's own alone; the message says why."""
-
-
-def _private(path: Path) -> Path:
-    """Make a folder, if need be, and return it if it is fit to hold what will be run."""
-    path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
-    if _others_may_write(above := path.parent.stat()) and not above.st_mode & stat.S_ISVTX:
-        raise _Unfit(f"others can write {path.parent}")
-    path.mkdir(mode=0o700, exist_ok=True)
-    found = path.lstat()
-    if not stat.S_ISDIR(found.st_mode):
-        raise _Unfit(f"{path} is a link or no folder")
-    if found.st_uid != os.geteuid():
-        raise _Unfit(f"{path} belongs to user {found.st_uid}")
-    if _others_may_write(found):
-        raise _Unfit(f"others can write {path}")
-    with tempfile.TemporaryFile(dir=path) as file:
-        file.write(b"\0" * 4096)
-    return path
-
-
-def _others_may_write(found: os.stat_result) -> bool:
-    return bool(found.st_mode & (stat.S_IWGRP | stat.S_IWOTH))
 
 
 @cache
 def _temporary(name: str, why: str) -> Path:
     """Return a folder under the system's temporary one, and warn once of what that means."""
-    base = Path(tempfile.gettempdir()) / f"talus-{os.geteuid()}"
+    base = own_temporary()
     try:
-        _private(base)
-        path = _private(base / name)
-    except (OSError, _Unfit):
+        private_folder(base)
+        path = private_folder(base / name)
+    except (OSError, Unfit):
         path = Path(tempfile.mkdtemp(prefix="talus-"))
         atexit.register(shutil.rmtree, path, ignore_errors=True)
     log.warning("compiled code is kept in %s: %s", path, why)

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from sim.base.errors import InputError
 from sim.base.files import require_writable
+from sim.base.program import program
 from sim.base.yaml import read_yaml
 from sim.parameters import Parameters, parse_point, point_id
 
@@ -152,7 +153,7 @@ def _point(path: str) -> Parameters:
     mapping = read_yaml(path)
     source = "<stdin>" if path == "-" else path
     if isinstance(mapping, dict) and "study" in mapping and "system" not in mapping:
-        raise InputError(f"{source}: a study, not a point; snakemake --configfile {source} runs it")
+        raise InputError(f"{source}: a study, not a point; {program()} study {source} runs it")
     return parse_point(mapping, source)
 
 

@@ -1,7 +1,6 @@
 """More replicates and longer runs where they decide something, until the budget is spent."""
 
 import subprocess
-import sys
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from math import ceil
@@ -14,6 +13,7 @@ from sim.base.errors import InputError
 from sim.claims.judge import judge
 from sim.dataset.agreement import require_agreement
 from sim.dataset.results import Results, load_results
+from sim.study.command import snakemake
 from sim.study.extra_amounts import ExtraAmounts, read_extra_amounts, write_extra_amounts
 from sim.study.load import Point, Study, load_study
 
@@ -62,9 +62,8 @@ def decide(study_path: Path, results: Path, cores: int | None) -> list[str] | in
         return _round(study_path, results)[0]
     if cores < 1:
         raise InputError.of_value("--cores", "", cores, "an integer >= 1")
-    workflow = ["snakemake", "--cores", str(cores), "--configfile", str(study_path)]
     while True:
-        done = subprocess.run([sys.executable, "-m", *workflow])
+        done = subprocess.run(snakemake(study_path, cores))
         if done.returncode:
             return done.returncode
         lines, bought = _round(study_path, results)
@@ -97,7 +96,7 @@ def _round(study_path: Path, results: Path) -> tuple[list[str], bool]:
     bought = amounts != held.amounts
     if bought:
         write_extra_amounts(folder, ExtraAmounts(amounts, before))
-        lines.append("bought; run snakemake again")
+        lines.append("bought; run the study again")
     spent = f"{taken - before:.2g} of {study.decide.budget:g} core hours spent"
     return [*lines, spent if offers else f"nothing is open; {spent}"], bought
 

@@ -9,6 +9,7 @@ import psutil
 
 from sim.base.errors import InputError
 from sim.base.files import require_writable
+from sim.base.program import program
 from sim.base.words import duration
 from sim.parameters import complete
 from sim.study.cost import Estimate, estimate
@@ -153,7 +154,7 @@ def _totals(costs: Sequence[Estimate]) -> str:
 
 
 def _decisions(budget: float) -> str:
-    return f"decisions (python -m sim decide) may add up to {budget:g} core hours"
+    return f"decisions ({program()} decide) may add up to {budget:g} core hours"
 
 
 def _refinement(study: Study) -> str:

@@ -64,6 +64,17 @@ def test_a_study_needs_a_name_and_a_cache_for_snakemake(nobody, tmp_path):
     command = ["snakemake", "--cores", "1", "--configfile", "study.yaml"]
     command += ["--snakefile", str(ROOT / "Snakefile")]
     done = nobody(*command, USER="someone", XDG_CACHE_HOME=str(tmp_path / "own" / "cache"))
-    assert done.returncode == 0, done.stdout + done.stderr
-    assert "2 points: 2 done" in done.stdout + done.stderr
+    _assert_done(done, tmp_path)
+
+
+@pytest.mark.long
+def test_the_command_gives_snakemake_what_it_needs(nobody, tmp_path):
+    done = nobody(sys.executable, "-m", "sim", "study", "study.yaml", "--cores", "1")
+    _assert_done(done, tmp_path)
+
+
+def _assert_done(done: subprocess.CompletedProcess, tmp_path: Path) -> None:
+    said = done.stdout + done.stderr
+    assert done.returncode == 0, said
+    assert "2 points: 2 done" in said and "Traceback" not in said
     assert (tmp_path / "own" / "results" / "contained" / "report.html").exists()

@@ -102,7 +102,7 @@ def test_rounds_go_on_until_nothing_is_open(made, monkeypatch, capfd):
     monkeypatch.setattr(deciding.subprocess, "run", folder.run)
     assert folder.decide("--cores", "2") == 0
     out = capfd.readouterr().out
-    assert out.count("bought; run snakemake again") >= 2
+    assert out.count("bought; run the study again") >= 2
     assert "nothing is open; 0." in out.splitlines()[-1]
     assert folder.replicates()[1] > 12
 

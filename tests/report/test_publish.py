@@ -131,7 +131,7 @@ def test_a_study_changed_since_its_runs_is_refused(finished, tmp_path, old, new,
         assert main([command, str(study), "--results", str(results), *options]) == 2
         (line,) = capsys.readouterr().err.splitlines()
         assert line.startswith(f"error: {study}: {named}"), line
-        assert line.endswith("run snakemake again")
+        assert line.endswith("run the study again")
     assert tree(results) == before
     assert not (tmp_path / "published").exists()
 

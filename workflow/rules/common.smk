@@ -9,8 +9,10 @@ from contextlib import suppress
 from functools import cache, partial
 from pathlib import Path
 
-ROOT = Path(workflow.current_basedir.get_path_or_uri(secret_free=True)).parents[1]
-sys.path[:0] = [str(ROOT), str(ROOT / "workflow")]
+WORKFLOW = Path(workflow.current_basedir.get_path_or_uri(secret_free=True)).parent
+# The package lies beside this folder in the repository, and around it once installed.
+ROOT = next(folder for folder in WORKFLOW.parents if (folder / "sim" / "__main__.py").exists())
+sys.path[:0] = [str(ROOT), str(WORKFLOW)]
 
 from helpers import age, correct_future_times, release_stale_lock, write_start
 
@@ -270,7 +272,9 @@ onstart:
 
 # Jobs find the interpreter of this Snakemake, the package and the study wherever they run. Where a
 # study file lies is no parameter of its results: moved or copied, it makes nothing old.
-ENVIRONMENT = {"PYTHONPATH": [str(ROOT)], "TALUS_STUDY": [str(STUDY.path)]}
+# Modules that lie in the folder of the results are none of the program's.
+ENVIRONMENT = {"PYTHONPATH": [str(ROOT)], "PYTHONSAFEPATH": ["1"]}
+ENVIRONMENT["TALUS_STUDY"] = [str(STUDY.path)]
 if not workflow.deployment_settings.deployment_method:
     # Conda and containers bring an interpreter of their own.
     ENVIRONMENT["PATH"] = [str(Path(sys.executable).parent), os.environ.get("PATH")]

@@ -1,0 +1,39 @@
+"""Completion of commands and options by the shell."""
+
+import argparse
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+SHELLS = ("bash", "zsh")
+
+
+class PrintCompletion(argparse.Action):
+    """Print the script that completes the command line in a shell, and end."""
+
+    def __call__(
+        self,
+        parser: argparse.ArgumentParser,
+        namespace: argparse.Namespace,
+        values: str | Sequence[Any] | None,
+        option_string: str | None = None,
+    ) -> None:
+        # Every command would wait for it.
+        import shtab
+
+        parser.prog = "talus"
+        _complete_files(parser)
+        print(shtab.complete(parser, str(values)))
+        parser.exit()
+
+
+def _complete_files(parser: argparse.ArgumentParser) -> None:
+    """Have names of files completed where a parser, or one of a command, takes a path."""
+    import shtab
+
+    for action in parser._actions:
+        if action.type is Path:
+            action.complete = shtab.FILE  # type: ignore[attr-defined]
+        if isinstance(action, argparse._SubParsersAction):
+            for command in action.choices.values():
+                _complete_files(command)

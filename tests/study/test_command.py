@@ -1,0 +1,150 @@
+"""A study file to start from, and the command that becomes Snakemake."""
+
+import os
+import sys
+from pathlib import Path
+
+import pytest
+
+from sim.__main__ import main
+from sim.base.packaged import packaged
+from sim.study import command
+from sim.study.load import load_study
+
+MERGED = "study: merged\na: &a {x: 1}\n" + "".join(
+    f"b{n}: &b{n} {{<<: [{', '.join([f'*b{n - 1}' if n else '*a'] * 9)}]}}\n" for n in range(9)
+)
+
+
+class Became(Exception):
+    """The process has become another one."""
+
+
+@pytest.fixture
+def became(tmp_path, monkeypatch) -> list:
+    """Return what the process has become in a folder of its own: command and environment."""
+    monkeypatch.chdir(tmp_path)
+    found: list = []
+
+    def execve(*what):
+        found[:] = what
+        raise Became
+
+    monkeypatch.setattr(os, "execve", execve)
+    return found
+
+
+def test_a_first_study_can_be_run_as_it_is_written(became, capsys):
+    assert main(["init"]) == 0
+    assert capsys.readouterr().out.startswith("first.yaml: written; ")
+    study = load_study("first.yaml")
+    assert study.name == "first" and len(study.points) == 9 and study.figures
+
+
+@pytest.mark.parametrize(
+    ("target", "path"), [("own.yaml", "own.yaml"), ("a/b", "a/b/first.yaml"), ("c/own.yml",) * 2]
+)
+def test_a_study_is_named_after_its_file(target, path, became):
+    assert main(["init", target]) == 0
+    text = Path(path).read_text(encoding="utf-8")
+    assert load_study(path).name == Path(path).stem
+    assert f"talus points {Path(path).name}" in text or path.endswith(".yml")
+    (first, *_) = text.splitlines()
+    assert Path(first.partition("$schema=")[2]) == packaged("config") / "schema.json"
+
+
+def test_studies_that_come_with_the_program_can_be_copied(became):
+    assert main(["init", "mine.yaml", "--from", "quick"]) == 0
+    own, quick = load_study("mine.yaml"), load_study(packaged("config") / "quick.yaml")
+    assert own.name == "mine" and own.points == quick.points
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        ([], "first.yaml: is there already"),
+        (["--from", "paper"], "--from: got 'paper'; allowed: one of first, "),
+        (["a b.yaml"], "init: got 'a b.yaml'; allowed: "),
+        ([f"{'a' * 61}.yaml"], "init: got "),
+        (["first.yaml/x"], "init: got 'first.yaml/x'; allowed: a folder that can be written"),
+    ],
+)
+def test_what_cannot_be_written_is_refused(words, message, became, capsys):
+    Path("first.yaml").write_text("mine")
+    assert main(["init", *words]) == 2
+    assert capsys.readouterr().err.startswith(f"error: {message}")
+    assert Path("first.yaml").read_text() == "mine" and len(list(Path().iterdir())) == 1
+
+
+def test_a_study_is_run_by_the_workflow_of_the_package(became):
+    main(["init"])
+    with pytest.raises(Became):
+        main(["study", "first.yaml", "--cores", "3", "--", "-n", "figures"])
+    program, words, _ = became
+    assert program == words[0] == sys.executable
+    options = " ".join(words)
+    assert "-m snakemake --cores 3 --configfile first.yaml --snakefile " in options
+    assert Path(words[words.index("--snakefile") + 1]).is_file()
+    assert words[-2:] == ["-n", "figures"]
+
+
+def test_without_a_number_of_cores_all_are_used(became):
+    main(["init"])
+    with pytest.raises(Became):
+        main(["study", "first.yaml"])
+    assert "--cores all" in " ".join(became[1])
+
+
+@pytest.mark.parametrize(
+    ("name", "given"),
+    [("slurm", packaged("workflow") / "profiles" / "slurm"), ("mine/own", "mine/own")],
+)
+def test_profiles_of_the_package_are_found_by_name(name, given, became):
+    main(["init"])
+    with pytest.raises(Became):
+        main(["study", "first.yaml", "--profile", name])
+    assert became[1][-2:] == ["--profile", str(given)]
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [("study: [", "line 2"), ("study: x\n", "series: "), (MERGED, "own.yaml: ")],
+)
+def test_mistakes_are_told_before_snakemake_reads_anything(text, message, became, capsys):
+    Path("own.yaml").write_text(text)
+    assert main(["study", "own.yaml"]) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith("error: ") and message in line
+    assert not became
+
+
+def test_no_cores_are_refused(became, capsys):
+    main(["init"])
+    assert main(["study", "first.yaml", "--cores", "0"]) == 2
+    assert "--cores: got 0; allowed: an integer >= 1" in capsys.readouterr().err
+
+
+def test_what_containers_lack_is_given_to_snakemake(became, monkeypatch, tmp_path):
+    def unknown():
+        raise OSError("No username set in the environment")
+
+    main(["init"])
+    monkeypatch.setattr(command.getpass, "getuser", unknown)
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+    monkeypatch.delenv("XDG_CACHE_HOME", raising=False)
+    monkeypatch.setenv("HOME", "")
+    with pytest.raises(Became):
+        main(["study", "first.yaml"])
+    environment = became[2]
+    assert environment["USER"] == f"user{os.geteuid()}"
+    cache = Path(environment["XDG_CACHE_HOME"])
+    assert cache.parent == tmp_path and cache.stat().st_mode & 0o777 == 0o700
+
+
+def test_what_is_there_stays(became, monkeypatch, tmp_path):
+    main(["init"])
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "own"))
+    with pytest.raises(Became):
+        main(["study", "first.yaml"])
+    assert became[2]["XDG_CACHE_HOME"] == str(tmp_path / "own")
+    assert became[2].get("USER") == os.environ.get("USER")

@@ -1,0 +1,126 @@
+"""What is installed: the package with its workflow, its studies and all files that it reads."""
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+import venv
+from pathlib import Path
+
+import pytest
+
+from tests.made.processes import ROOT
+from tests.made.project import copy_tree
+
+LISTED = """\
+from setuptools.dist import Distribution
+made = Distribution({"script_name": "setup.py"})
+made.parse_config_files()
+command = made.get_command_obj("build_py")
+command.ensure_finalized()
+command.build_lib = "."
+print(*command.get_outputs(include_bytecode=False), sep="\\n")
+"""
+
+STUDY = """\
+study: installed
+defaults: {belt: {transient: 1, average: 1, beads: 20, width: 6}}
+series:
+  - {name: one, system: belt, grid: {frequency: [20, 30]}, figures: [gallas_1a]}
+"""
+
+
+def files(folder: str, to: str) -> set[Path]:
+    """Return where the files of a folder of the repository are in the package."""
+    found = (path for path in (ROOT / folder).rglob("*") if path.is_file())
+    return {
+        to / path.relative_to(ROOT / folder) for path in found if "__pycache__" not in path.parts
+    }
+
+
+def test_the_package_holds_all_files_of_sim_workflow_and_config():
+    pytest.importorskip("setuptools", minversion="77")
+    said = subprocess.check_output([sys.executable, "-c", LISTED], cwd=ROOT, text=True)
+    workflow, config = files("workflow", "sim/workflow"), files("config", "sim/config")
+    assert set(map(Path, said.splitlines())) == files("sim", "sim") | workflow | config
+
+
+@pytest.fixture(scope="module")
+def wheel(tmp_path_factory) -> Path:
+    """Build the wheel from a copy of the repository; return it."""
+    copy = copy_tree(tmp_path_factory.mktemp("copy"))
+    for name in ("README.md", "LICENSE"):
+        shutil.copy(ROOT / name, copy)
+    build = [sys.executable, "-m", "pip", "wheel", "--no-deps", "--no-build-isolation"]
+    subprocess.run([*build, "--wheel-dir", copy / "dist", copy], check=True, capture_output=True)
+    (made,) = (copy / "dist").glob("talus-*.whl")
+    return made
+
+
+@pytest.fixture(scope="module")
+def environment(wheel, tmp_path_factory) -> Path:
+    """Install the locked packages and the wheel into an environment of their own; return it."""
+    folder = tmp_path_factory.mktemp("environment")
+    venv.create(folder, with_pip=True)
+    pip = [folder / "bin" / "python", "-m", "pip", "install", "--quiet", "--no-compile"]
+    subprocess.run([*pip, "--requirement", ROOT / "requirements.lock"], check=True)
+    subprocess.run([*pip, "--no-deps", wheel], check=True)
+    return folder
+
+
+@pytest.fixture
+def talus(environment, tmp_path, monkeypatch):
+    """Call the installed command in an empty folder, with nothing of the repository in sight."""
+    monkeypatch.chdir(tmp_path)
+    settings = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
+    settings["PATH"] = f"{environment / 'bin'}:/usr/bin:/bin"
+
+    def call(*words: str) -> str:
+        done = subprocess.run(["talus", *words], env=settings, capture_output=True, text=True)
+        assert done.returncode == 0, done.stdout + done.stderr
+        return done.stdout + done.stderr
+
+    return call
+
+
+@pytest.mark.long
+def test_a_study_runs_in_an_empty_folder_from_the_built_wheel(talus, environment, wheel):
+    assert "usage: talus" in talus("--help")
+    assert "9 points" in talus("init", "mine.yaml") + talus("points", "mine.yaml")
+    assert "report" in talus("study", "mine.yaml", "--", "-n")
+    Path("installed.yaml").write_text(STUDY)
+    # What lies there is not imported instead.
+    Path("sim").mkdir()
+    Path("sim", "__init__.py").write_text("raise ImportError")
+    talus("study", "installed.yaml", "--cores", "2")
+    counts = json.loads(talus("status", "installed.yaml", "--format", "json"))["counts"]
+    assert counts["done"] == 2 and not counts["failed"]
+    assert Path("results/installed/report.html").is_file()
+    assert Path("results/installed/figures/gallas_1a.svg").is_file()
+    assert nothing_to_do(talus)
+
+    # The repository itself, installed to be edited, is the same program.
+    pip = [environment / "bin" / "python", "-m", "pip", "install", "--quiet", "--no-deps"]
+    subprocess.run([*pip, "--no-build-isolation", "--editable", wheel.parents[1]], check=True)
+    assert "9 points" in talus("points", "mine.yaml")
+    assert nothing_to_do(talus)
+
+
+def nothing_to_do(talus) -> bool:
+    return "Nothing to be done" in talus("study", "installed.yaml", "--", "-n", "--quiet", "host")
+
+
+@pytest.mark.parametrize("shell", ["bash", "zsh"])
+def test_the_shell_completes_commands_and_files(shell, capsys):
+    pytest.importorskip("shtab")
+    from sim.__main__ import main
+
+    with pytest.raises(SystemExit) as ended:
+        main(["--print-completion", shell])
+    script = capsys.readouterr().out
+    assert ended.value.code == 0 and "boundaries" in script and "talus" in script
+    if shell == "bash" and shutil.which("bash"):
+        asked = "COMP_WORDS=(talus st); COMP_CWORD=1; _shtab_talus; echo ${COMPREPLY[@]}"
+        said = subprocess.check_output(["bash", "-c", f"{script}\n{asked}"], text=True)
+        assert set(said.split()) == {"status", "study"}
