@@ -1,3 +1,40 @@
-"""Talus: granular flow down a chute and on a vibrating belt, from a study file to a report."""
+"""Talus: granular flow down a chute and on a vibrating belt, from a study file to a report.
 
-__version__ = "0.1.0"
+In Python: `simulate` runs one point, `Flow` is one that is looked at on its way, `points` are those
+of a study, and `load` gives what a study has found. docs/api.md tells the rest.
+"""
+
+from pkgutil import resolve_name
+from typing import TYPE_CHECKING, Any
+
+from sim.base.errors import InputError
+from sim.base.program import __version__
+
+if TYPE_CHECKING:
+    from sim.dataset.results import load
+    from sim.engine.dynamics.status import BlowUp
+    from sim.engine.flow import Flow
+    from sim.engine.simulate import simulate
+    from sim.study.frame import points
+
+__all__ = ["BlowUp", "Flow", "InputError", "__version__", "load", "points", "simulate"]
+
+#: Name -> where it is, to be imported when it is first asked for: the engine takes half a second.
+_PLACES = {
+    "BlowUp": "sim.engine.dynamics.status:BlowUp",
+    "Flow": "sim.engine.flow:Flow",
+    "load": "sim.dataset.results:load",
+    "points": "sim.study.frame:points",
+    "simulate": "sim.engine.simulate:simulate",
+}
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _PLACES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    found = globals()[name] = resolve_name(_PLACES[name])
+    return found
+
+
+def __dir__() -> list[str]:
+    return __all__

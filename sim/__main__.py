@@ -13,10 +13,9 @@ from pathlib import Path
 from pkgutil import resolve_name
 from typing import Any
 
-from sim import __version__
 from sim.base.completion import SHELLS, PrintCompletion
 from sim.base.errors import InputError
-from sim.base.program import program
+from sim.base.program import __version__, program
 
 SYSTEM_ERROR = 1
 INPUT_ERROR = 2

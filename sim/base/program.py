@@ -1,7 +1,9 @@
-"""What the program is called, for usage and messages."""
+"""What the program is called, for usage and messages, and its version."""
 
 import sys
 from pathlib import Path
+
+__version__ = "0.1.0"
 
 
 def program() -> str:

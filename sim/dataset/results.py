@@ -144,6 +144,23 @@ def load_results(path: str | Path) -> Results:
         )
 
 
+def load(results: str | Path) -> Results:
+    """Load what a study has found.
+
+    Parameters
+    ----------
+    results : str or Path
+        The folder of its results, or the dataset in it.
+
+    Raises
+    ------
+    InputError
+        When there is no dataset, or it is damaged.
+    """
+    path = Path(results)
+    return load_results(path / "dataset.nc" if path.is_dir() else path)
+
+
 def _reading(path: Path) -> AbstractContextManager[None]:
     return checked_read(path, "dataset", replaceable=is_of_study(path))
 

@@ -140,7 +140,8 @@ def progress(
         Steps that lie behind a run that resumes.
     """
     meter = _Meter(parameters, done)
-    bar = _bar(meter, quiet)
+    name = f"{meter.point} (at most)" if meter.at_most else meter.point
+    shown = bar(meter.total, name, "step", quiet, meter.done)
     file = progress_file(output)
     written, lines = meter.start, _LogLines(meter.start)
     _write(file, meter.read())
@@ -148,15 +149,15 @@ def progress(
     def advanced(steps: int) -> None:
         nonlocal written
         now = meter.advance(steps)
-        bar.update(steps)
+        shown.update(steps)
         if now - written >= WRITE_INTERVAL:
             written = now
             _write(file, meter.read())
-        if bar.disable and not quiet and lines.is_due(now):
+        if shown.disable and not quiet and lines.is_due(now):
             log.info(meter.line())
 
     try:
-        with bar:
+        with shown:
             yield advanced
     except SystemExit:
         # Terminated after a checkpoint: interrupted, and so it shall be seen.
@@ -224,15 +225,18 @@ class _Meter:
         return f"{done}, {now.rate / 1e6:.1f} million particle-steps/s, {now.time_left} left"
 
 
-def _bar(meter: _Meter, quiet: bool) -> tqdm:
-    """Return the bar of a run, which appears on terminals alone."""
-    return tqdm(
-        total=meter.total,
-        initial=meter.done,
-        desc=f"{meter.point} (at most)" if meter.at_most else meter.point,
-        unit="step",
+def bar(total: int, name: str, unit: str, quiet: bool = False, done: int = 0) -> tqdm:
+    """Return a bar that appears on terminals and in notebooks alone."""
+    kind, in_notebook = tqdm, "ipykernel" in sys.modules
+    if in_notebook:
+        from tqdm.auto import tqdm as kind
+    return kind(
+        total=total,
+        initial=done,
+        desc=name,
+        unit=unit,
         unit_scale=True,
-        disable=quiet or not sys.stderr.isatty(),
+        disable=quiet or not (in_notebook or sys.stderr.isatty()),
     )
 
 

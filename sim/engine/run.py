@@ -10,8 +10,8 @@ from pathlib import Path
 
 import numpy as np
 
-from sim import __version__
 from sim.base.files import alone
+from sim.base.program import __version__
 from sim.base.statistics import student_half_width
 from sim.engine.identity import NUMERICS, library_versions, source_hash
 from sim.engine.observe.recorder import Record

@@ -8,8 +8,8 @@ from typing import Any
 import jinja2
 import xarray as xr
 
-from sim import __version__
 from sim.base.files import replacing
+from sim.base.program import __version__
 from sim.base.words import duration
 from sim.dataset.agreement import require_agreement
 from sim.dataset.caveats import CLOSED

@@ -1,0 +1,148 @@
+"""The package in Python: runs without files, flows on their way, and what docs/api.md shows."""
+
+import re
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+import nbformat
+import numpy as np
+import pytest
+
+import sim
+from tests.made.processes import ROOT
+
+BELT = {"system": "belt", "beads": 10, "width": 5, "progress": False}
+CHUTE = {"system": "chute", "depth": 1.5, "cell": 4, "progress": False}
+SHORT = {"transient": 1, "average": 2}
+
+
+@pytest.fixture(scope="module", params=[BELT, CHUTE], ids=["belt", "chute"])
+def given(request):
+    return request.param
+
+
+@pytest.fixture(scope="module")
+def run(given):
+    return sim.simulate(**given, **SHORT)
+
+
+@pytest.fixture(scope="module")
+def flow(given):
+    silent = {name: value for name, value in given.items() if name != "progress"}
+    return sim.Flow(**silent).run(1, progress=False).run(2, progress=False)
+
+
+def test_a_run_is_told_in_full_with_units(run):
+    assert run.attrs["status"] == "completed"
+    assert run.velocity.units == "m s-1" and run.time.units == "s"
+    assert run.sizes["replicate"] == 1 and run.sizes["particle"] == int(run.particles)
+    assert run.attrs["command"].startswith(f"sim.simulate('{run.attrs['system']}', ")
+    for name in run.data_vars:
+        assert "long_name" in run[name].attrs, name
+
+
+def test_a_run_leaves_nothing_on_the_disk(given, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    sim.simulate(**given, **SHORT)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_flow_moves_as_the_run_does(flow, run):
+    assert np.array_equal(flow.series.mean_velocity, run.mean_velocity[0])
+    assert flow.time == pytest.approx(float(run.time[-1]))
+    # Paths are kept in single precision.
+    assert np.array_equal(np.float32(flow.positions), np.float32(run.path[0, 0]))
+
+
+def test_a_flow_tells_its_particles(flow, run):
+    number, axes = run.sizes["particle"], run.sizes["axis"]
+    assert flow.positions.shape == flow.velocities.shape == (number, axes)
+    assert flow.spins.shape == (number, 3 if axes == 3 else 0)
+    assert np.array_equal(flow.radii, run.radius[0])
+    held = flow.particles
+    assert held.position.units == "m" and held.particle_velocity.units == "m s-1"
+    assert held.time == flow.time and list(held.axis) == list(run.axis)
+    assert repr(flow).startswith(f"<Flow {flow.parameters.system}-")
+
+
+def test_series_of_a_flow_that_has_not_begun_are_empty(given):
+    silent = {name: value for name, value in given.items() if name != "progress"}
+    flow = sim.Flow(**silent)
+    assert flow.time == 0 and flow.series.sizes["time"] == 0
+
+
+def test_what_is_looked_at_is_a_copy(flow):
+    before = flow.positions
+    flow.positions[:] = np.nan
+    assert np.array_equal(flow.positions, before)
+
+
+def test_a_flow_that_blows_up_says_why():
+    with pytest.raises(sim.BlowUp, match=r"overlap .* while the bed settles"):
+        sim.Flow("belt", beads=10, width=5, frequency=80, overlap_limit=1e-6)
+    flow = sim.Flow(depth=1.5, cell=4, overlap_limit=1e-4)
+    with pytest.raises(sim.BlowUp, match="overlap"):
+        flow.run(5, progress=False)
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: sim.simulate(friction=-1), "simulate: friction: got -1; allowed: a number >= 0"),
+        (lambda: sim.simulate("bolt"), "simulate: system: got 'bolt'; allowed: one of chute, belt"),
+        (lambda: sim.Flow("belt", beats=9), "Flow: beats: unknown key, got 9; did you mean"),
+        (lambda: sim.Flow(replicate=-1), "Flow: replicate: got -1; allowed: an integer >= 0"),
+        (lambda: sim.Flow("belt", beads=3).run(0), "run: duration: got 0; allowed: a number > 0"),
+        (lambda: sim.points({"study": "x"}), "points: series: got nothing; allowed: "),
+        (lambda: sim.points("none.yaml"), "none.yaml: no such file"),
+        (lambda: sim.load("nowhere"), "nowhere: no such dataset"),
+    ],
+)
+def test_mistakes_are_one_line(call, message):
+    with pytest.raises(sim.InputError) as raised:
+        call()
+    assert str(raised.value).startswith(message) and "\n" not in str(raised.value)
+
+
+def test_points_of_a_study_are_a_table():
+    points = sim.points(ROOT / "config" / "first.yaml")
+    assert len(points) == 9 and points.index.name == "point"
+    assert set(points.friction) == {0.4, 0.5, 0.6} and (points.core_seconds > 0).all()
+    assert all("walton_2" in figures for figures in points.figures)
+
+
+def test_importing_the_package_loads_no_library():
+    code = "import sys, sim; print(*sys.modules)"
+    loaded = subprocess.check_output([sys.executable, "-c", code], cwd=ROOT, text=True).split()
+    assert not {"numpy", "pydantic", "yaml", "numba", "xarray"} & set(loaded)
+    assert set(dir(sim)) == set(sim.__all__)
+    with pytest.raises(AttributeError, match="no attribute 'simulation'"):
+        sim.simulation  # noqa: B018
+
+
+def run_snippets(snippets: list[str], monkeypatch) -> dict:
+    """Run pieces of Python one after the other in the root of the repository."""
+    monkeypatch.chdir(ROOT)
+    names: dict = {"__name__": "snippets"}
+    for snippet in snippets:
+        exec(compile(snippet, "snippet", "exec"), names)
+    return names
+
+
+def test_what_the_page_shows_runs(monkeypatch):
+    text = Path(ROOT, "docs", "api.md").read_text(encoding="utf-8")
+    snippets = re.findall(r"```python\n(.*?)```", text, re.S)
+    names = run_snippets(snippets, monkeypatch)
+    assert len(snippets) > 5 and names["velocity"].units == "m s-1"
+
+
+def test_the_notebook_runs(monkeypatch):
+    monkeypatch.setattr("matplotlib.pyplot.show", lambda: None)
+    notebook = nbformat.read(ROOT / "docs" / "first-flow.ipynb", as_version=4)
+    nbformat.validate(notebook)
+    cells = [cell.source for cell in notebook.cells if cell.cell_type == "code"]
+    names = run_snippets(cells, monkeypatch)
+    assert len(names["velocities"]) == 3
