@@ -14,9 +14,9 @@ MODULES = sorted(PACKAGE.rglob("*.py"))
 #: Modules of a room that others may import although the table keeps their rooms apart otherwise:
 #: names that run files and datasets share, how much they hold, and what tells of runs under way.
 NAMES_OF_THE_ENGINE = {
-    "dataset": {"stored_run", "identity", "observe.arrays", "observe.scalars"},
+    "dataset": {"stored_run", "identity", "observe.arrays"},
     "figures": set(),
-    "report": {"stored_run", "identity", "progress", "observe.scalars"},
+    "report": {"stored_run", "identity", "progress"},
 }
 
 

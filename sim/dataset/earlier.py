@@ -17,7 +17,7 @@ from sim.base.rooms import files_hash, room_hash
 from sim.dataset.results import PARTICLES
 from sim.dataset.rows import OF_PROFILES, WORDS, Rows
 from sim.engine import identity
-from sim.engine.observe import arrays, scalars
+from sim.engine.observe import arrays
 
 #: Group of a dataset that says of each row which run file it was read from, and which variables
 #: that had.
@@ -32,7 +32,7 @@ EARLIER = ".earlier.nc"
 def reading_code() -> str:
     """Return a hash of the code that reads run files; what other code has read is read again."""
     package = Path(__file__).parents[1]
-    names = (Path(module.__file__ or "") for module in (identity, arrays, scalars))
+    names = (Path(module.__file__ or "") for module in (identity, arrays))
     return f"{room_hash(package, 'dataset')} {files_hash(names)}"
 
 

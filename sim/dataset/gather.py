@@ -19,8 +19,8 @@ from sim.dataset.rows import KEPT, OVER_HEIGHT, SINGLE, WORDS, Rows
 from sim.dataset.run_file import Replicate, RunFile
 from sim.engine.identity import numerics_of
 from sim.engine.observe.arrays import SNAPSHOTS
-from sim.engine.observe.scalars import SCALARS
 from sim.engine.stored_run import held_amounts
+from sim.parameters.observables import SCALARS
 
 #: Without these attributes a file is no run file.
 ATTRIBUTES = {"point_id", "system", "engine_version", "source_hash", "versions", "created"}

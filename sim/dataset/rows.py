@@ -8,10 +8,9 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from sim.dataset.measures import MEASURES
 from sim.dataset.measures.belt import OVER_CYCLE
-from sim.engine.observe.arrays import ASKED_FOR, AT_PHASE_0, INSTANTANEOUS, PHASED, PROFILES
-from sim.engine.observe.scalars import SCALARS
+from sim.engine.observe.arrays import AT_PHASE_0, INSTANTANEOUS, PHASED
+from sim.parameters.observables import ASKED_FOR, MEASURES, PROFILES, SCALARS
 
 #: Unit and long name of the scalars per replicate that a run file or its measures may hold. A
 #: system without one of the numbers gets NaN.

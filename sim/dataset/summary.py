@@ -9,8 +9,8 @@ import netCDF4
 from sim.base.files import is_damaged
 from sim.base.summary import read_summary
 from sim.dataset.run_file import RunFile
-from sim.engine.observe.scalars import SCALARS
 from sim.engine.stored_run import stage_of
+from sim.parameters.observables import SCALARS
 
 
 class Summary(NamedTuple):

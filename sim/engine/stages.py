@@ -11,9 +11,9 @@ from sim.base.files import is_damaged
 from sim.engine.observe.arrays import SNAPSHOTS, TABLES
 from sim.engine.observe.recorder import Record
 from sim.engine.observe.run_file import Stage
-from sim.engine.observe.scalars import SCALARS
 from sim.engine.stored_run import attributes, groups, held_amounts, is_of
 from sim.parameters import Parameters, amounts
+from sim.parameters.observables import SCALARS
 
 
 def read_stages(path: Path, parameters: Parameters) -> list[Stage]:

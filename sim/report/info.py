@@ -6,9 +6,9 @@ from pathlib import Path
 import netCDF4
 
 from sim.base.damage import checked_read
-from sim.engine.observe.scalars import SCALARS
 from sim.engine.stored_run import parameters_of
 from sim.parameters import Parameters, as_yaml, complete, field_info
+from sim.parameters.observables import SCALARS
 
 _PER_REPLICATE = tuple(name for name in SCALARS if name != "replicate_seed")
 _PROVENANCE = (

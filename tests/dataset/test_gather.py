@@ -8,7 +8,8 @@ from sim.dataset.combine import profiles
 from sim.dataset.gather import STATE
 from sim.dataset.measures.belt import columns
 from sim.dataset.rows import OVER_HEIGHT, Rows
-from sim.engine.observe.arrays import ASKED_FOR, AT_PHASE_0, PHASED, PROFILES, SNAPSHOTS
+from sim.engine.observe.arrays import AT_PHASE_0, PHASED, SNAPSHOTS
+from sim.parameters.observables import ASKED_FOR, PROFILES
 
 
 def run(name, width, slices, replicates):

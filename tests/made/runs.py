@@ -13,8 +13,8 @@ from sim.base.summary import append_summary
 from sim.dataset.rounds import added_points
 from sim.engine.identity import NUMERICS
 from sim.engine.observe.force_balance import base_forces
-from sim.engine.observe.scalars import SCALARS
 from sim.parameters import Parameters, amounts, canonical, field_info, point_id
+from sim.parameters.observables import SCALARS
 from sim.study.load import load_study
 from tests.made.once import once
 

@@ -4,11 +4,9 @@ import numpy as np
 
 from sim.dataset.measures import belt, chute, energy
 from sim.dataset.run_file import Replicate, RunFile
+from sim.parameters.observables import BELT_MEASURES, CHUTE_MEASURES, ENERGY_MEASURES
 
-_OF_SYSTEM = {"chute": chute, "belt": belt}
-
-#: Unit and long name of every measure.
-MEASURES: dict[str, tuple[str, str]] = energy.MEASURES | chute.MEASURES | belt.MEASURES
+_OF_SYSTEM = {"chute": (chute, CHUTE_MEASURES), "belt": (belt, BELT_MEASURES)}
 
 
 def measures(run: RunFile) -> dict[str, np.ndarray]:
@@ -16,8 +14,8 @@ def measures(run: RunFile) -> dict[str, np.ndarray]:
 
     Replicates that failed, and files without the arrays that a measure needs, give not-a-number.
     """
-    system, status = _OF_SYSTEM[run.attrs["system"]], run["status"]
-    table = {name: np.full(len(status), np.nan) for name in energy.MEASURES | system.MEASURES}
+    (system, names), status = _OF_SYSTEM[run.attrs["system"]], run["status"]
+    table = {name: np.full(len(status), np.nan) for name in ENERGY_MEASURES | names}
     for index in np.flatnonzero(status == "completed"):
         replicate = Replicate(run, int(index))
         found = energy.measure(replicate) | system.measure(replicate)

@@ -12,29 +12,6 @@ import numpy as np
 
 from sim.base.named import Named
 
-MEASURES = {
-    "base_occupancy": ("1", "share of beads with centres within A_z of the mean belt position"),
-    "base_occupancy_at_phase_0": ("1", "the same at the beginning of the cycle alone"),
-    "wave_power": ("1", "power of the five longest density waves, relative to beads at random"),
-    "wave_power_at_phase_0": ("1", "the same at the beginning of the cycle alone"),
-    "early_wave_power": ("1", "the same at all times of the first 10 cycles"),
-    "belt_contact_time": ("1", "share of the time in which any bead touches the belt"),
-    "belt_force_phase": ("rad", "phase of the belt about which the force on it lies, 0 to 2π"),
-    "path_drift": ("m", "mean displacement of the beads along the belt in a cycle"),
-    "path_vertical": ("m", "rms vertical distance of the beads from their mean places in a cycle"),
-    "path_vertical_far": (
-        "m",
-        "the same of beads more than 5 ⟨d⟩ along the belt from its middle, where obstacles stand",
-    ),
-    "path_major": ("m", "rms extent of the mean path, less its drift, along its long axis"),
-    "path_minor": ("m", "rms extent of the mean path, less its drift, along its short axis"),
-    "path_tilt": ("rad", "angle of the long axis of the mean path with the horizontal, 0 to π"),
-    "backflow": (
-        "1",
-        "share of beads in squares of the laboratory whose mean velocity is negative",
-    ),
-}
-
 #: Share of the beads within A_z of the mean belt position below which there is a void.
 EMPTY = 0.02
 

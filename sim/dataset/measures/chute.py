@@ -7,22 +7,6 @@ import numpy as np
 
 from sim.dataset.measures import layers, order, plug
 
-MEASURES = {
-    "shear_depth": ("m", "height at which the velocity is 90 % of the surface's"),
-    "crystalline_share": ("1", "share of spheres above the shear depth with 8 coherent q6 bonds"),
-    "layer_order": ("1", "amplitude of layers in the density above the shear depth"),
-    "median_overlap": ("1", "median overlap of the contacts, in diameters"),
-    "overlap_999": ("1", "99.9th percentile of the overlaps of the contacts, in diameters"),
-    "base_overlap": (
-        "1",
-        "mean overlap of contacts with the plane in the last state, in diameters",
-    ),
-    "base_rolling": (
-        "1",
-        "spin times radius over velocity of the spheres at the plane, 1 where they roll",
-    ),
-} | plug.MEASURES
-
 #: Measures that are quantiles of the overlaps.
 _QUANTILES = {"median_overlap": 0.5, "overlap_999": 0.999}
 

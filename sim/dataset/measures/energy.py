@@ -5,10 +5,6 @@ from typing import Any
 
 from sim.dataset.caveats import missing_energy
 
-MEASURES = {
-    "missing_energy": ("1", "share of the energy turned over, gains included, that is not found")
-}
-
 
 def measure(run: Mapping[Any, Any]) -> dict[str, float]:
     """Return the share of the energy turned over that the ledger of a replicate lacks, if any.

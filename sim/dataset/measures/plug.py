@@ -13,24 +13,9 @@ import numpy as np
 
 from sim.dataset.measures import layers
 from sim.engine.observe.arrays import HISTORY
+from sim.parameters.observables import PLUG_STATES
 
-STATES = ("deep_shear", "agitated", "locked")
-_WORDS = ("without a plug", "with an agitated plug", "with a locked plug")
-
-MEASURES = (
-    {
-        f"{state}_share": ("1", f"share of the window {words}")
-        for state, words in zip(STATES, _WORDS, strict=True)
-    }
-    | {
-        f"{state}_time": ("s", f"time of the window {words}")
-        for state, words in zip(STATES, _WORDS, strict=True)
-    }
-    | {
-        f"{state}_endings": ("1", f"how often the flow was seen to stop being {words}")
-        for state, words in zip(STATES, _WORDS, strict=True)
-    }
-)
+STATES = tuple(PLUG_STATES)
 
 #: Contacts per sphere from which a plug is locked: agitated ones have about 1, locked ones 2.7 or
 #: more.

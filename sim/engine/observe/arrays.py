@@ -1,34 +1,6 @@
 """The arrays that a run file holds besides time series and scalars."""
 
-#: Unit and long name of the profiles over height, each the average of the window.
-PROFILES = {
-    "velocity_profile": ("m s-1", "mean velocity along x"),
-    "packing_profile": ("1", "packing fraction"),
-    "number_density": ("m-2", "number of bead centres per area"),
-    "granular_temperature_profile": ("m2 s-2", "granular temperature, mean of the directions"),
-    "vertical_temperature_profile": ("m2 s-2", "granular temperature of the vertical direction"),
-}
-
-#: Unit and long name of the profiles that are kept where they are asked for, each the average of
-#: the window. Stresses are those of what is above on what is below, x pointing down the slope.
-ASKED_FOR = {
-    "contact_longitudinal_stress_profile": ("Pa", "stress xx that contacts carry"),
-    "contact_transverse_stress_profile": ("Pa", "stress yy that contacts carry"),
-    "contact_normal_stress_profile": ("Pa", "stress zz that contacts carry"),
-    "contact_shear_stress_profile": ("Pa", "stress xz that contacts carry"),
-    "kinetic_longitudinal_stress_profile": ("Pa", "stress xx that motion carries"),
-    "kinetic_transverse_stress_profile": ("Pa", "stress yy that motion carries"),
-    "kinetic_normal_stress_profile": ("Pa", "stress zz that motion carries"),
-    "kinetic_shear_stress_profile": ("Pa", "stress xz that motion carries"),
-    "overburden_profile": ("Pa", "weight of what is above, normal to the plane, per area"),
-    "spin_profile": ("s-1", "mean angular velocity about y"),
-    "sliding_share_profile": ("1", "share of the contacts with a force that slide"),
-    "slip_velocity_profile": ("m s-1", "mean slip velocity at the contacts that slide"),
-    "fluctuation_temperature_profile": (
-        "m2 s-2",
-        "granular temperature about the mean velocity at each phase of the cycle",
-    ),
-}
+from sim.parameters.observables import ASKED_FOR, PROFILES
 
 #: Ends the name of a profile of successive blocks of samples, where its course is asked for, and
 #: which there are.

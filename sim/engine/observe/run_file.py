@@ -10,10 +10,10 @@ import numpy as np
 
 from sim.base.files import replacing, seal
 from sim.base.summary import append_summary
-from sim.engine.observe.arrays import INSTANTANEOUS, PROFILES, SNAPSHOTS, TABLES
+from sim.engine.observe.arrays import INSTANTANEOUS, SNAPSHOTS, TABLES
 from sim.engine.observe.recorder import Record
-from sim.engine.observe.scalars import SCALARS
 from sim.parameters import Parameters, amounts, canonical, field_info
+from sim.parameters.observables import PROFILES, SCALARS
 
 #: How numbers are stored: compressed, and with a checksum of every chunk.
 FILTERS = {"zlib": True, "complevel": 1, "shuffle": True, "fletcher32": True}

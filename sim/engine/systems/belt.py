@@ -20,8 +20,9 @@ from sim.engine.observe.system import Samples, no_pause
 from sim.engine.systems import bed_samples, shaking
 from sim.engine.systems.bed_profiles import bed_profiles
 from sim.engine.systems.belt_start import initial_bed, vibration
-from sim.engine.systems.series import BELT_FORCES, BELT_LEDGER, BELT_SERIES, since_start
+from sim.engine.systems.series import BELT_LEDGER, since_start
 from sim.parameters import BeltParameters
+from sim.parameters.observables import BELT_FORCES, BELT_SERIES
 
 #: Skin of the neighbor list in mean diameters.
 SKIN = 0.3

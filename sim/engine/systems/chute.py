@@ -33,10 +33,11 @@ from sim.engine.observe.system import Samples, no_pause
 from sim.engine.systems import leap_frog
 from sim.engine.systems.chute_start import initial_layer
 from sim.engine.systems.flow_profiles import FlowProfiles
-from sim.engine.systems.series import CHUTE_LEDGER, CHUTE_SERIES, since_start
+from sim.engine.systems.series import CHUTE_LEDGER, since_start
 from sim.engine.systems.sharing import Thread
 from sim.parameters import ChuteParameters
 from sim.parameters.chute import negligible_acceleration
+from sim.parameters.observables import CHUTE_SERIES
 
 #: Skin of the neighbor list in diameters.
 SKIN = 0.2

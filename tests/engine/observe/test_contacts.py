@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from sim.engine.observe.arrays import ASKED_FOR
 from sim.engine.observe.contacts import (
     XZ,
     ZZ,
@@ -15,6 +14,7 @@ from sim.engine.observe.contacts import (
 from sim.engine.observe.sums import plus
 from sim.engine.systems import build
 from sim.engine.systems.leap_frog import FlowContacts
+from sim.parameters.observables import ASKED_FOR
 from tests.engine.dynamics.test_chute_reference import SPEED, dense_state, laws
 from tests.engine.reference import chute as slow
 from tests.engine_motion.helpers import MASS, RADIUS
