@@ -263,6 +263,13 @@ def _add_result_options(parsers: dict[str, argparse.ArgumentParser]) -> None:
         "-j", "--processes", type=int, default=1, metavar="N", help="draw N figures side by side"
     )
     figure.add_argument(
+        "--study",
+        dest="study_path",
+        type=Path,
+        metavar="STUDY.yaml",
+        help="study file that defines plots of its own",
+    )
+    figure.add_argument(
         "--code", default="", metavar="HASH", help="leave out what this code has drawn of the same"
     )
     parsers["decide"].add_argument(

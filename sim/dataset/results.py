@@ -40,12 +40,15 @@ class Results:
     states : mapping of str to xarray.Dataset
         Per point that feeds a figure of particles: last state and path of its first completed
         replicate.
+    runs : Path, optional
+        Folder of the run files, for their time series.
     """
 
     dataset: xr.Dataset
     profiles: Mapping[str, xr.Dataset]
     boundaries: pd.DataFrame
     states: Mapping[str, xr.Dataset] = field(default_factory=dict)
+    runs: Path | None = None
 
     def profile(
         self, point: str, name: str, grid: str = "centres"
@@ -141,6 +144,7 @@ def load_results(path: str | Path) -> Results:
             profiles=Groups(path, {name: name for name in SYSTEMS if name in groups}),
             boundaries=read_table(path),
             states=Groups(path, {point: f"{PARTICLES}/{point}" for point in points}),
+            runs=path.parent / "runs",
         )
 
 

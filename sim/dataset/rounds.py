@@ -12,6 +12,7 @@ from sim.base.files import replacing
 from sim.dataset.boundary_side import side_of_run
 from sim.parameters import Parameters, canonical, parse_point, point_id
 from sim.study.load import Boundary, Study, as_member, load_study
+from sim.study.plots import points_shown
 from sim.study.refine import Sides, divided, next_values
 
 #: Tells on which side of a boundary the run of a point is.
@@ -122,7 +123,9 @@ def refined(study: Study, found: Sequence[Sides]) -> Study:
     figures = {
         name: tuple(point.id for point in points.values() if name in point.figures)
         for name in study.figures
+        if name not in study.plots
     }
+    figures |= {name: points_shown(one, points.values()) for name, one in study.plots.items()}
     return replace(study, points=points, series=series, figures=figures)
 
 

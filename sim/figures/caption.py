@@ -25,7 +25,7 @@ def caption(data: FigureData, notes: Sequence[str]) -> str:
     """
     rows, spec = data.rows, data.spec
     sentences = (
-        f"{spec.paper}. {spec.lead}",
+        f"{spec.paper}. {spec.lead}" if spec.paper else spec.lead,
         parameters_sentence(rows, spec.system, spec.named),
         protocol_sentence(rows, spec.system),
         *notes,

@@ -36,18 +36,19 @@ def figure_data(results: Results, spec: FigureSpec) -> FigureData:
     """Return the points and boundaries that a figure shows."""
     found = results.boundaries
     fed = np.array([spec.name in names.split() for names in found["figures"]], dtype=bool)
-    return FigureData(spec, summarize(results.dataset, spec.name), found[fed], results)
+    return FigureData(spec, summarize(results.dataset, spec), found[fed], results)
 
 
-def summarize(dataset: xr.Dataset, figure: str) -> pd.DataFrame:
+def summarize(dataset: xr.Dataset, spec: FigureSpec) -> pd.DataFrame:
     """Return one row per point of a figure.
 
     Parameters
     ----------
     dataset : xarray.Dataset
         A study's ``dataset.nc``.
-    figure : str
-        Name of the figure; the points that feed it are taken.
+    spec : FigureSpec
+        The figure; the points that feed it are taken: those that name it or, of a study's own
+        plot, those of its system and series.
 
     Returns
     -------
@@ -55,8 +56,7 @@ def summarize(dataset: xr.Dataset, figure: str) -> pd.DataFrame:
         All coordinates of the points, the columns of `sim.dataset.replicates.outcome`, and
         ``regimes``: those of the completed replicates.
     """
-    fed = np.array([figure in names.split() for names in dataset["figures"].values], dtype=bool)
-    points = dataset[list(SCALARS)].isel(point=np.flatnonzero(fed))
+    points = dataset[list(SCALARS)].isel(point=np.flatnonzero(_fed(dataset, spec)))
     columns = {
         str(name): values.values
         for name, values in points.coords.variables.items()
@@ -67,6 +67,15 @@ def summarize(dataset: xr.Dataset, figure: str) -> pd.DataFrame:
     regimes = [tuple(each[kept]) for each, kept in zip(points["regime"].values, done, strict=True)]
     rows["regimes"] = pd.Series(regimes, dtype=object)
     return pd.concat([rows, pd.DataFrame(outcomes(points), columns=list(OUTCOME))], axis=1)
+
+
+def _fed(dataset: xr.Dataset, spec: FigureSpec) -> np.ndarray:
+    """Return which points feed a figure, (point,)."""
+    if not spec.series:
+        named = [spec.name in names.split() for names in dataset["figures"].values]
+        return np.array(named, dtype=bool)
+    own = [not set(spec.series).isdisjoint(names.split()) for names in dataset["series"].values]
+    return np.array(own, dtype=bool) & (dataset["system"].values == spec.system)
 
 
 def split_curves(

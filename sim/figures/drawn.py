@@ -9,7 +9,7 @@ from pydantic import BaseModel, TypeAdapter, ValidationError
 
 from sim.base.damage import checked_read
 from sim.base.files import replacing
-from sim.study.catalogue import FIGURES
+from sim.study.catalogue import FigureSpec
 
 #: The file beside the figures.
 DRAWN = ".drawn.json"
@@ -51,20 +51,20 @@ def write_drawn(folder: Path, drawn: dict[str, Drawn]) -> None:
         temporary.write_text(json.dumps(told, indent=1), encoding="utf-8")
 
 
-def as_drawn(name: str, dataset_path: Path, folder: Path, code: str) -> Drawn | None:
+def as_drawn(spec: FigureSpec, dataset_path: Path, folder: Path, code: str) -> Drawn | None:
     """Return a figure as it is now, drawn by this code; none without all of its files."""
-    source = hashlib.sha256(f"{code} {FIGURES[name]!r}".encode())
+    source = hashlib.sha256(f"{code} {spec!r}".encode())
     try:
         with dataset_path.open("rb") as file:
             file.seek(max(0, dataset_path.stat().st_size - TAIL))
             source.update(file.read())
-        files = {suffix: _checksum(folder / f"{name}{suffix}") for suffix in FIGURES[name].suffixes}
+        files = {suffix: _checksum(folder / f"{spec.name}{suffix}") for suffix in spec.suffixes}
     except OSError:
         return None
     return Drawn(source=source.hexdigest(), files=files)
 
 
-def require_unchanged(names: Iterable[str], folder: Path) -> None:
+def require_unchanged(specs: Iterable[FigureSpec], folder: Path) -> None:
     """Refuse figures whose files are not those that were drawn.
 
     Raises
@@ -75,10 +75,10 @@ def require_unchanged(names: Iterable[str], folder: Path) -> None:
         Naming the first file that has changed since or is not known, which is set aside.
     """
     drawn = read_drawn(folder)
-    for name in names:
-        known = drawn[name].files if name in drawn else {}
-        for suffix in FIGURES[name].suffixes:
-            path = folder / f"{name}{suffix}"
+    for spec in specs:
+        known = drawn[spec.name].files if spec.name in drawn else {}
+        for suffix in spec.suffixes:
+            path = folder / f"{spec.name}{suffix}"
             with checked_read(path, "file of a figure", replaceable=True):
                 if suffix not in known:
                     raise ValueError(f"{DRAWN} does not know it")

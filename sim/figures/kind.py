@@ -25,6 +25,11 @@ KINDS = {
     "chute_curves": "sim.figures.chute_curves",
     "chute_measures": "sim.figures.chute_measures",
     "chute_row": "sim.figures.chute_row",
+    "plot_curves": "sim.figures.plot_curves",
+    "plot_distribution": "sim.figures.plot_distribution",
+    "plot_map": "sim.figures.plot_map",
+    "plot_profiles": "sim.figures.plot_profiles",
+    "plot_time_series": "sim.figures.plot_time_series",
     "regimes": "sim.figures.regimes",
 }
 

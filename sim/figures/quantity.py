@@ -61,12 +61,16 @@ def measured(data: FigureData, name: str, label: str, over: str = "") -> Quantit
     values = dataset[name].sel(point=rows["point"].values).values
     if over:
         values = values / rows[over].to_numpy()[:, None]
-    known = [each[np.isfinite(each)] for each in values]
+    return of_replicates(name, label, [each[np.isfinite(each)] for each in values], rows.index)
+
+
+def of_replicates(name: str, label: str, values: Sequence[np.ndarray], index: pd.Index) -> Quantity:
+    """Return the means, over the values (R,) of each point, of a quantity."""
     return Quantity(
         name,
         label,
-        pd.Series([each.mean() if each.size else np.nan for each in known], rows.index, float),
-        pd.Series([float(student_half_width(each)) for each in known], rows.index, float),
+        pd.Series([each.mean() if each.size else np.nan for each in values], index, dtype=float),
+        pd.Series([float(student_half_width(each)) for each in values], index, dtype=float),
     )
 
 

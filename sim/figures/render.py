@@ -1,5 +1,6 @@
 """From a dataset to the four files of a figure: PNG, SVG or GIF, the data, the caption."""
 
+from collections.abc import Mapping
 from contextlib import ExitStack
 from pathlib import Path
 
@@ -26,16 +27,27 @@ POSTER = 150
 PASSES = 6
 
 
-def draw(name: str, dataset_path: str | Path, out_folder: str | Path) -> list[Path]:
+def entry(name: str, plots: Mapping[str, FigureSpec] | None = None) -> FigureSpec:
+    """Return what a figure is: a plot of the study's own, or an entry of the catalogue.
+
+    Raises ``InputError`` for an unknown name.
+    """
+    known = {**FIGURES, **(plots or {})}
+    if name not in known:
+        raise InputError.of_value("figure", "name", name, "one of " + ", ".join(known))
+    return known[name]
+
+
+def render(spec: FigureSpec, dataset_path: Path, folder: Path) -> list[Path]:
     """Draw one figure of a study.
 
     Parameters
     ----------
-    name : str
-        One of `FIGURES`.
-    dataset_path : str or Path
+    spec : FigureSpec
+        What it is.
+    dataset_path : Path
         The study's ``dataset.nc``.
-    out_folder : str or Path
+    folder : Path
         Folder for the files; made if absent.
 
     Returns
@@ -47,20 +59,8 @@ def draw(name: str, dataset_path: str | Path, out_folder: str | Path) -> list[Pa
     Raises
     ------
     InputError
-        For an unknown figure, a missing dataset, or one without points for the figure.
+        For a missing dataset, or one without points for the figure.
     """
-    return render(entry(name), Path(dataset_path), Path(out_folder))
-
-
-def entry(name: str) -> FigureSpec:
-    """Return the entry of a figure in the catalogue; an unknown name raises `InputError`."""
-    if name not in FIGURES:
-        raise InputError.of_value("figure", "name", name, "one of " + ", ".join(FIGURES))
-    return FIGURES[name]
-
-
-def render(spec: FigureSpec, dataset_path: Path, folder: Path) -> list[Path]:
-    """Draw one figure and write its files into ``folder``; see `draw`."""
     results = load_results(dataset_path)
     try:
         data, kind = _drawn(spec, results)

@@ -9,7 +9,7 @@ from xml.etree import ElementTree
 import pandas as pd
 
 from sim.base.damage import checked_read
-from sim.study.catalogue import FIGURES
+from sim.study.catalogue import FigureSpec
 
 #: Figures of the first screen, where a study has them.
 HEADLINE = ("walton_2", "gallas_1a", "gallas_1b", "gallas_1c")
@@ -30,12 +30,15 @@ _BROAD = 1.8
 _TOLD = 3
 
 
+#: Heading of the plots that the study file itself defines.
+OWN = "Plots of the study"
+
 #: Gives the address under which a page finds a file.
 Address = Callable[[Path], str]
 
 
 def figure_entries(
-    names: Iterable[str],
+    specs: Iterable[FigureSpec],
     folder: Path,
     claims: Sequence[Mapping[str, Any]],
     address: Address,
@@ -44,8 +47,8 @@ def figure_entries(
 
     Parameters
     ----------
-    names : iterable of str
-        Their names.
+    specs : iterable of FigureSpec
+        What they are.
     folder : Path
         Folder of their files.
     claims : sequence of mapping
@@ -60,23 +63,23 @@ def figure_entries(
     """
     return [
         {
-            **figure_entry(name, folder, address),
+            **figure_entry(spec, folder, address),
             "claims": [
                 claim["id"]
                 for claim in claims
-                if name in (figure["name"] for figure in claim["figures"])
+                if spec.name in (figure["name"] for figure in claim["figures"])
             ],
         }
-        for name in names
+        for spec in specs
     ]
 
 
-def figure_entry(name: str, folder: Path, address: Address) -> dict[str, Any]:
+def figure_entry(spec: FigureSpec, folder: Path, address: Address) -> dict[str, Any]:
     """Return title, caption and addresses of the files of one figure.
 
     An animation has its first picture in place of the figure, and ``animation`` beside it.
     """
-    spec = FIGURES[name]
+    name = spec.name
     files = {suffix: folder / f"{name}{suffix}" for suffix in (*_MEDIA, ".caption.txt")}
     with checked_read(files[".caption.txt"], "caption", replaceable=True):
         caption = files[".caption.txt"].read_text(encoding="utf-8").strip()
@@ -98,7 +101,7 @@ def figure_entry(name: str, folder: Path, address: Address) -> dict[str, Any]:
             "animation": address(files[".gif"]),
         }
     return entry | {
-        "group": spec.paper.partition(",")[0],
+        "group": spec.paper.partition(",")[0] or OWN,
         "alt": f"{spec.title}: {held}.",
         "broad": _is_broad(files[".svg"]),
         "picture": address(files[".svg"]),

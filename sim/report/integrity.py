@@ -8,7 +8,6 @@ from sim.dataset.results import Results
 from sim.figures.drawn import require_unchanged
 from sim.figures.render import derived
 from sim.report.claims import read_claims, require_table
-from sim.study.catalogue import FIGURES
 from sim.study.load import Study
 
 
@@ -25,9 +24,9 @@ def require_intact(study: Study, results: Results, folder: Path) -> None:
     DamagedError
         Naming the first file that is not as it should be, which is set aside.
     """
-    require_unchanged(study.figures, folder / "figures")
-    for name in study.figures:
-        data, caption = derived(FIGURES[name], results)
+    require_unchanged(study.entries.values(), folder / "figures")
+    for name, spec in study.entries.items():
+        data, caption = derived(spec, results)
         _require_text(folder / f"figures/{name}.csv", data, "table of a figure")
         _require_text(folder / f"figures/{name}.caption.txt", caption, "caption")
     if study.boundaries:

@@ -51,7 +51,7 @@ def build(study_path: str | Path, results: str | Path = "results") -> Path:
     folder = Path(results) / study.name
     found = load_results(folder / "dataset.nc")
     require_agreement(study, found, folder / "dataset.nc")
-    require_unchanged(study.figures, folder / "figures")
+    require_unchanged(study.entries.values(), folder / "figures")
     output = folder / "report.html"
     with replacing(output) as temporary:
         claims = read_claims(folder / "claims.json")
@@ -86,7 +86,7 @@ def render(
     caveats = Counter(str(text) for text in dataset["caveat"].values if text).most_common()
     runs = run_rows(dataset, [text for text, _ in caveats])
     rows = claim_rows(claims, runs, study.figures)
-    entries = figure_entries(study.figures, figures, rows, address)
+    entries = figure_entries(study.entries.values(), figures, rows, address)
     return _template().render(
         study=study,
         study_files={file.name: file.read_text(encoding="utf-8") for file in study.files},

@@ -15,7 +15,6 @@ from sim.report.claims import read_claims
 from sim.report.gallery import beside
 from sim.report.integrity import require_intact
 from sim.report.page import render
-from sim.study.catalogue import FIGURES
 from sim.study.load import Study, load_study
 
 #: Where published studies lie, beside the results of everybody's own.
@@ -87,9 +86,9 @@ def _published_files(study: Study) -> list[str]:
     """Return the names of the result files of a study that are published as they are."""
     figures = (
         f"figures/{name}{end}"
-        for name in study.figures
-        for end in FIGURES[name].suffixes
-        if FIGURES[name].animated or end != ".png"
+        for name, spec in study.entries.items()
+        for end in spec.suffixes
+        if spec.animated or end != ".png"
     )
     return [*NEEDED, *(["boundaries.csv"] if study.boundaries else []), *figures]
 

@@ -13,17 +13,20 @@ class Strict(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
 
 
-def optional(description: str | None, **options: Any) -> Any:
+def optional(
+    description: str | None, json_schema: dict[str, Any] | None = None, **options: Any
+) -> Any:
     """Declare a key that may be left out, when it reads as ``None``, but not be given as null.
 
-    A key with nothing behind it is a slip, not a wish for the default.
+    A key with nothing behind it is a slip, not a wish for the default. ``json_schema`` is what the
+    schema says besides.
     """
-    return Field(
-        None,
-        description=description,
-        json_schema_extra=lambda schema: schema.pop("default", None),
-        **options,
-    )
+
+    def changed(schema: dict[str, Any]) -> None:
+        schema.pop("default", None)
+        schema.update(json_schema or {})
+
+    return Field(None, description=description, json_schema_extra=changed, **options)
 
 
 class Some(Strict):

@@ -37,7 +37,7 @@ def points_of_figures(
             raise InputError.of_value(*fed[name], name, allowed)
         members = [point for point in points if name in point.figures]
         _require_members(spec, members, *fed[name])
-        _require_places(spec, members, *fed[name])
+        require_places(spec, members, *fed[name])
         figures[name] = tuple(point.id for point in members)
     return figures
 
@@ -50,7 +50,7 @@ def left_out(study: Study) -> list[str]:
     sentences = []
     for name in study.figures:
         gone = [point for point in study.points.values() if name in point.left_out]
-        if gone and FIGURES[name].axes:
+        if gone and study.entries[name].axes:
             every = len(gone) + len(study.figures[name])
             points = f"{len(gone):,} of {every:,} point" + "s" * (every > 1)
             sentences.append(f"{name} leaves out {points}: it takes {_reasons(name, gone)}")
@@ -82,7 +82,7 @@ def _require_members(spec: FigureSpec, members: Sequence[Point], source: str, pa
             raise InputError.of_value(source, path, got, allowed)
 
 
-def _require_places(spec: FigureSpec, members: Sequence[Point], source: str, path: str) -> None:
+def require_places(spec: FigureSpec, members: Sequence[Point], source: str, path: str) -> None:
     """Refuse two points that a figure would draw at one place and could not tell apart."""
     if not spec.draws_curves:
         return

@@ -26,6 +26,7 @@ from sim.study.entries import (
     Strict,
     optional,
 )
+from sim.study.plot_file import PlotFile
 
 #: Names of folders of results that are no study's: where published studies lie.
 _RESERVED = ("published",)
@@ -193,6 +194,7 @@ class StudyFile(Strict):
         "boundaries between regimes, found by refinement", min_length=1
     )
 
+    plots: list[PlotFile] = optional("plots of the study's own points", min_length=1)
     decide: DecideFile = optional(
         "what more replicates and longer runs are to decide, and at what cost"
     )

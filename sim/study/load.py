@@ -8,10 +8,12 @@ from sim.base.errors import InputError
 from sim.base.files import require_writable
 from sim.base.yaml import read_yaml
 from sim.parameters import RUN_FILE, require_alike
+from sim.study.catalogue import FigureSpec
 from sim.study.cost import Estimate, estimate
 from sim.study.extra_amounts import read_extra_amounts, with_extra_amounts
 from sim.study.figure_points import points_of_figures
 from sim.study.model import Boundary, Point, Study
+from sim.study.plots import plots_of, points_shown
 from sim.study.points import MAX_POINTS, as_member, collected, require_same
 
 __all__ = [
@@ -55,21 +57,25 @@ def parse_study(mapping: Any, path: str | Path, results: str | Path | None = "re
     """
     source, folder = str(path), Path(path).parent
     file, study, fed = collected(mapping, Path(path))
+    plots: dict[str, FigureSpec] = {}
     for index, name in enumerate(file.parts or []):
-        _, part, also = collected(_part(folder / name, source, index), folder / name)
+        part_file, part, also = collected(_part(folder / name, source, index), folder / name)
         study = _with_part(study, part, f"{source}: parts[{index}]")
+        plots |= plots_of(part_file, part, str(folder / name), plots)
         fed = also | fed
     if len(study.points) > MAX_POINTS:
         allowed = f"at most {MAX_POINTS:,} points in the study"
         raise InputError.of_value(source, "parts", f"{len(study.points):,} points", allowed)
     _require_starts(study, source)
     figures = points_of_figures(file, study.points.values(), fed, source)
+    plots = plots_of(file, study, source, plots) | plots
+    figures |= {name: points_shown(spec, study.points.values()) for name, spec in plots.items()}
     if results is not None:
         require_writable(Path(results) / file.study, f"{source}: study")
     points = study.points
     if file.decide and results is not None:
         points = with_extra_amounts(points, read_extra_amounts(Path(results) / file.study))
-    return replace(study, points=points, figures=figures, decide=file.decide)
+    return replace(study, points=points, figures=figures, plots=plots, decide=file.decide)
 
 
 def _require_starts(study: Study, source: str) -> None:

@@ -1,11 +1,12 @@
 """What a study is: points, boundaries to be found, figures."""
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from sim.parameters import Parameters
+from sim.study.catalogue import FIGURES, FigureSpec
 from sim.study.entries import DecideFile
 from sim.study.refine import further_rounds
 
@@ -77,6 +78,8 @@ class Study:
         Ids of the points of each series (or boundary) and of each figure, in order.
     boundaries : tuple of Boundary
         Boundaries to be found.
+    plots : mapping
+        Its own plots, by name, as entries like those of the catalogue; they are among ``figures``.
     decide : DecideFile or None
         What is to be decided by more replicates; those bought so far are in the points' parameters.
     """
@@ -88,7 +91,13 @@ class Study:
     series: dict[str, tuple[str, ...]]
     figures: dict[str, tuple[str, ...]]
     boundaries: tuple[Boundary, ...]
+    plots: Mapping[str, FigureSpec] = field(default_factory=dict)
     decide: DecideFile | None = None
+
+    @property
+    def entries(self) -> dict[str, FigureSpec]:
+        """What each figure of the study is, by name."""
+        return {name: self.plots.get(name) or FIGURES[name] for name in self.figures}
 
     @property
     def path(self) -> Path:

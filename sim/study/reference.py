@@ -12,6 +12,8 @@ from sim.base.errors import InputError
 from sim.parameters import SYSTEMS, FieldRow, field_info
 from sim.study.catalogue import FIGURES
 from sim.study.file import MODELS, Defaults, SharedReadings, StudyFile
+from sim.study.plot_file import PlotFile
+from sim.study.plottable import SHOWN_BY
 
 SCHEMA_NAME = "schema.json"
 GUIDE_NAME = "README.md"
@@ -58,6 +60,8 @@ def reference_text() -> str:
         _keys_table(entries.series),
         "### Keys of a boundary",
         _keys_table(entries.boundary),
+        "### Keys of a plot",
+        _keys_table(PlotFile),
         "### Keys of an override",
         _keys_table(entries.override),
         "### Keys of `defaults`",
@@ -65,7 +69,7 @@ def reference_text() -> str:
         "### Keys of `readings`",
         _keys_table(SharedReadings),
     ]
-    parts += ["### Figures", _figures_table()]
+    parts += ["### Observables", _observables_table(), "### Figures", _figures_table()]
     for name, model in SYSTEMS.items():
         rows = [row for row in field_info(model).values() if row.name != "system"]
         parts += [f"### Parameters of the {name}", _parameters_table(rows)]
@@ -118,6 +122,27 @@ def _keys_table(model: type[BaseModel]) -> str:
         for name, field in model.model_fields.items()
     ]
     return _table(("key", "required", "meaning"), rows)
+
+
+def _observables_table() -> str:
+    shown: dict[str, dict[str, Any]] = {}
+    for system in SYSTEMS:
+        for kind, observables in SHOWN_BY.items():
+            for one in observables(system).values():
+                held = shown.setdefault(one.name, {"one": one, "kinds": {}, "systems": {}})
+                held["kinds"][kind] = held["systems"][system] = True
+    rows = [
+        (
+            f"`{name}`",
+            ", ".join(held["kinds"]),
+            ", ".join(held["systems"]),
+            held["one"].unit,
+            held["one"].meaning.removesuffix(", mean of all particles"),
+            f"`{held['one'].asked_by}`" if held["one"].asked_by else "",
+        )
+        for name, held in shown.items()
+    ]
+    return _table(("observable", "shown by", "system", "unit", "meaning", "needs"), rows)
 
 
 def _figures_table() -> str:

@@ -20,11 +20,11 @@ from sim.base.files import alone, is_damaged, seal
 from sim.dataset.gather import read_run
 from sim.engine.run import run_point
 from sim.engine.warm import warm
-from sim.figures.render import draw
 from sim.parameters import canonical, point_id
 from sim.report import page
 from tests.engine.test_states import assert_same
 from tests.engine_motion.points import belt_point
+from tests.figures.drawing import draw
 from tests.made.figures import make_figures
 from tests.made.processes import program, start_run, wait_until
 

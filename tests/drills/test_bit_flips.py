@@ -71,11 +71,12 @@ def stored(tmp_path) -> dict[Path, Read]:
     study_path, results = make_figures(tmp_path)
     made, figures = results / "made", results / "made" / "figures"
     study = load_study(study_path, results)
+    specs = study.entries.values()
     write_claims(made / "claims.json", list(study.points))
     write_extra_amounts(made, ExtraAmounts({next(iter(study.points)): {"replicates": 4.0}}, 0.5))
     run = tmp_path / f"{point_id(POINT)}.nc"
     assert run_point(POINT, run, quiet=True) == 0
-    drawn = {path: lambda: require_unchanged(study.figures, figures) for path in figures.iterdir()}
+    drawn = {path: lambda: require_unchanged(specs, figures) for path in figures.iterdir()}
     return drawn | {
         run: lambda: run_values(run),
         run.with_name(f".{run.name}.state"): lambda: state_values(run),

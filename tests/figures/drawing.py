@@ -15,7 +15,7 @@ from sim.dataset.results import Results, load_results
 from sim.figures.animation import Animation
 from sim.figures.data import FigureData, figure_data
 from sim.figures.kind import load_kind
-from sim.figures.render import derived
+from sim.figures.render import derived, entry, render
 from sim.figures.style import SETTINGS
 from sim.study.catalogue import FIGURES
 
@@ -59,3 +59,8 @@ def dashes(line: Line2D) -> object:
     """Return the dash pattern as it was given to matplotlib."""
     offset, pattern = line._unscaled_dash_pattern
     return "-" if pattern is None else (int(offset), tuple(pattern))
+
+
+def draw(name: str, dataset: Path, folder: Path) -> list[Path]:
+    """Draw a figure of the catalogue; return its files."""
+    return render(entry(name), dataset, folder)

@@ -7,9 +7,8 @@ from PIL import Image
 
 from sim.dataset.results import load_results
 from sim.figures import belt_animation, chute_animation
-from sim.figures.render import draw
 from sim.study.catalogue import FIGURES
-from tests.figures.drawing import drawn, fed, picture, without_particles
+from tests.figures.drawing import draw, drawn, fed, picture, without_particles
 
 ANIMATIONS = [name for name, spec in FIGURES.items() if spec.animated]
 LARGEST = 1.5e6

@@ -13,10 +13,10 @@ from sim.base.errors import InputError
 from sim.dataset.results import load_results
 from sim.figures.belt_cell import TALLEST, select
 from sim.figures.belt_snapshots import round_speed
-from sim.figures.render import draw, settle
+from sim.figures.render import settle
 from sim.figures.style import DOTTED
 from sim.study.catalogue import FIGURES
-from tests.figures.drawing import dashes, drawn, fed, picture, texts
+from tests.figures.drawing import dashes, draw, drawn, fed, picture, texts
 
 PATHS = ("gallas_4a", "gallas_4b", "gallas_4c", "gallas_4d", "gallas_4e", "gallas_7a", "gallas_7c")
 SNAPSHOTS = ("gallas_5a", "gallas_5b", "gallas_5c", "gallas_5d", "gallas_7b")

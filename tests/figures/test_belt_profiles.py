@@ -9,10 +9,9 @@ from scipy.stats import t
 from sim.base.errors import InputError
 from sim.dataset.results import load_results
 from sim.figures.belt_profiles import DENSITY, THIN, VELOCITY, profiles
-from sim.figures.render import draw
 from sim.figures.style import DASH_DOT, DOTTED, LONG_DASH, SHORT_DASH
 from sim.parameters import BeltParameters
-from tests.figures.drawing import dashes, drawn, fed, texts
+from tests.figures.drawing import dashes, draw, drawn, fed, texts
 from tests.figures.made_belt import SPREAD, plateau, transport
 
 FREQUENCIES = {"f = 10 Hz": "-", "f = 20 Hz": LONG_DASH, "f = 60 Hz": DASH_DOT, "f = 80 Hz": DOTTED}

@@ -7,9 +7,8 @@ import pytest
 
 from sim.dataset.results import load_results
 from sim.figures import chute_row
-from sim.figures.render import draw
 from sim.figures.style import DOTTED, PALE
-from tests.figures.drawing import dashes, drawn, fed, picture, without_particles
+from tests.figures.drawing import dashes, draw, drawn, fed, picture, without_particles
 from tests.figures.made_chute import SPREAD
 
 ROWS = {f"walton_1_{number}": depth for number, depth in enumerate((1.24, 2.5, 5, 10, 20, 40), 1)}

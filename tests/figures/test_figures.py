@@ -12,11 +12,10 @@ import pytest
 import xarray as xr
 
 from sim.base.errors import InputError
-from sim.figures.render import draw
 from sim.figures.style import DASH_DOT, LONE_BESIDE, SHORT_DASH
 from sim.study.load import load_study
 from tests.figures import drawing
-from tests.figures.drawing import dashes, fed, picture
+from tests.figures.drawing import dashes, draw, fed, picture
 from tests.made.figures import make_built_study
 from tests.made.runs import FAILURE, is_hurt, is_lost
 

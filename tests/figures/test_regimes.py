@@ -12,10 +12,9 @@ import xarray as xr
 
 from sim.figures.boundaries import BOUNDARIES, boundary_sentence
 from sim.figures.regimes import MARKS, creeping
-from sim.figures.render import draw
 from sim.study.catalogue import FIGURES
 from tests.figures import drawing
-from tests.figures.drawing import fed, picture
+from tests.figures.drawing import draw, fed, picture
 from tests.made.figures import make_built_regimes
 
 NAMES = ("regimes_friction", "regimes_angle", "belt_onset")

@@ -10,8 +10,7 @@ from matplotlib.markers import CARETDOWN, CARETUP
 from sim.base.errors import InputError
 from sim.base.statistics import student_half_width
 from sim.figures.quantity import measures
-from sim.figures.render import draw
-from tests.figures.drawing import fed, picture
+from tests.figures.drawing import draw, fed, picture
 from tests.figures.made_chute import SPREAD
 
 

@@ -5,25 +5,26 @@ import pytest
 
 from sim.base.errors import InputError
 from sim.report.gallery import beside, data_uri, figure_entry, headline, ranges
+from sim.study.catalogue import FIGURES
 from tests.made.report import animated
 
 
 def test_an_animation_has_its_first_picture_and_no_figure(tmp_path):
     with animated(tmp_path) as name:
-        entry = figure_entry(name, tmp_path, data_uri)
+        entry = figure_entry(FIGURES[name], tmp_path, data_uri)
         assert entry["group"] == "Animations"
         assert entry["picture"].startswith("data:image/png;base64,")
         assert entry["animation"].startswith("data:image/gif;base64,")
         (tmp_path / f"{name}.gif").unlink()
         with pytest.raises(InputError, match=rf"{name}\.gif: no such animation"):
-            figure_entry(name, tmp_path, data_uri)
+            figure_entry(FIGURES[name], tmp_path, data_uri)
 
 
 @pytest.mark.parametrize(("box", "broad"), [("0 0 460 320", False), ("0 0 900 320", True)])
 def test_broad_pictures_are_told_from_others(tmp_path, box, broad):
     for suffix, text in ((".csv", "a\n1\n"), (".caption.txt", "Words."), (".svg", svg(box))):
         (tmp_path / f"walton_2{suffix}").write_text(text)
-    assert figure_entry("walton_2", tmp_path, beside)["broad"] is broad
+    assert figure_entry(FIGURES["walton_2"], tmp_path, beside)["broad"] is broad
 
 
 def svg(box: str) -> str:

@@ -10,6 +10,7 @@ from sim.figures.kind import KINDS
 from sim.figures.style import PATTERNS
 from sim.parameters import SYSTEMS
 from sim.study.catalogue import FIGURES, FigureSpec
+from sim.study.plot_file import OBSERVABLE
 
 
 def held(value: Any) -> Iterator[Any]:
@@ -58,8 +59,9 @@ def test_curves_of_a_figure_differ_in_colour_and_have_dashes_that_are_known(name
     assert {dashes for _, dashes, *_ in found} <= set(PATTERNS)
 
 
-def test_every_kind_of_plot_is_that_of_a_figure():
-    assert {spec.kind for spec in FIGURES.values()} == set(KINDS)
+def test_every_kind_of_plot_is_that_of_a_figure_or_of_plots_of_a_study():
+    own = {f"plot_{kind}" for kind in OBSERVABLE}
+    assert {spec.kind for spec in FIGURES.values()} | own == set(KINDS)
 
 
 def test_the_level_of_a_void_is_that_of_the_verdicts():

@@ -20,7 +20,6 @@ from sim.engine.states import checkpoint_interval
 from sim.base.errors import InputError
 from sim.base.files import replacing
 from sim.base.rooms import files_hash, room_hash
-from sim.study.catalogue import FIGURES
 from sim.parameters import RUN_FILE, amounts, canonical_json
 from sim.engine.stored_run import holds, is_to_grow, planned_amounts
 from sim.engine.identity import numerics_mark
@@ -153,18 +152,18 @@ def run_files(rounds):
     return list(map(run_file, points))
 
 
-def figure_files(names):
-    """Return the files of figures by their names, pictures and data to stand in reports."""
+def figure_files():
+    """Return the files of the figures of the study, pictures and data to stand in reports."""
     shown = {
         ".csv": ("../report/data.rst", "data"),
         ".svg": ("../report/figure.rst", "picture"),
         ".gif": ("../report/figure.rst", "animation"),
     }
     files = []
-    for name in names:
-        for suffix in FIGURES[name].suffixes:
+    for name, spec in STUDY.entries.items():
+        for suffix in spec.suffixes:
             path = f"{RESULTS}/figures/{name}{suffix}"
-            if suffix in shown and not (suffix == ".csv" and FIGURES[name].animated):
+            if suffix in shown and not (suffix == ".csv" and spec.animated):
                 caption, kind = shown[suffix]
                 labels = {"figure": name, "file": kind}
                 path = report(path, caption=caption, category="Figures", labels=labels)

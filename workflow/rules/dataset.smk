@@ -20,7 +20,7 @@ rule dataset:
         membership=[(point.id, point.series, point.figures) for point in STUDY.points.values()],
         amounts=[amounts(point.parameters) for point in STUDY.points.values()],
         boundaries=asked(),
-        states=[name for name in STUDY.figures if FIGURES[name].particles],
+        states=[name for name, spec in STUDY.entries.items() if spec.particles],
         title=STUDY.title,
         code=room("dataset"),
     shell:

@@ -6,7 +6,7 @@ rule figures:
     input:
         rules.dataset.output,
     output:
-        figure_files(STUDY.figures),
+        figure_files(),
     log:
         f"{RESULTS}/logs/figures.log",
     benchmark:
@@ -19,8 +19,9 @@ rule figures:
     params:
         folder=subpath(output[0], parent=True),
         names=list(STUDY.figures),
-        entries=lambda wildcards: [repr(FIGURES[name]) for name in STUDY.figures],
+        entries=lambda wildcards: list(map(repr, STUDY.entries.values())),
         code=room("figures"),
     shell:
         "python -m sim figure {params.names} {input} --output {params.folder}"
-        " --processes {threads} --code {params.code} > {log} 2>&1"
+        " --processes {threads} --code {params.code}"
+        ' --study "$TALUS_STUDY" > {log} 2>&1'

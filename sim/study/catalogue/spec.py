@@ -1,13 +1,13 @@
 """What a figure is: its kind of plot, the points that feed it, and what its caption says."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
 from sim.parameters import NUMERICAL, Parameters
 
 #: Kinds of plot that show regimes and boundaries, that move, and that show particles.
-_OF_REGIMES = frozenset({"regimes", "belt_onset"})
+_OF_REGIMES = frozenset({"regimes", "belt_onset", "plot_map"})
 _ANIMATED = frozenset({"chute_animation", "belt_animation"})
 _OF_PARTICLES = _ANIMATED | {"chute_row", "belt_paths", "belt_snapshots"}
 
@@ -23,7 +23,7 @@ class FigureSpec:
     kind : str
         Kind of plot, one of `sim.figures.kind.KINDS`.
     paper : str
-        Figure of the paper it reproduces, or what it is about in it.
+        Figure of the paper it reproduces, or what it is about in it; empty for a study's own plot.
     system : str
         System of all the points that feed it.
     title : str
@@ -42,6 +42,9 @@ class FigureSpec:
         Parameters whose values the caption gives.
     says : str
         Last sentences of the caption: what the paper says that the figure shows.
+    series : tuple of str
+        Series whose points feed it, where the study says so itself; those of the catalogue are fed
+        by the series that name them.
     options : mapping
         What the kind of plot leaves open, such as quantities, and styles that the paper prescribes;
         the module of the kind says which it knows.
@@ -58,6 +61,7 @@ class FigureSpec:
     lead: str = ""
     named: tuple[str, ...] = ()
     says: str = ""
+    series: tuple[str, ...] = ()
     options: Mapping[str, Any] = field(default_factory=dict)
 
     @property
@@ -88,6 +92,10 @@ class FigureSpec:
     def shows(self, parameters: Parameters) -> bool:
         """Return whether a point with these parameters is among those drawn."""
         return all(self.takes(name, parameters) for name in self.where)
+
+    def takes_point(self, parameters: Parameters, series: Iterable[str]) -> bool:
+        """Return whether a point of some series is one of those that a study's own plot shows."""
+        return parameters.system == self.system and not set(series).isdisjoint(self.series)
 
     def takes(self, name: str, parameters: Parameters) -> bool:
         """Return whether a point is not left out for the parameter ``name`` of ``where``."""

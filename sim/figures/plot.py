@@ -1,0 +1,198 @@
+"""What all plots of a study's own share: observables in their units, panels, labels, looks.
+
+Options of a figure: ``show``, name of the observable; ``curves``, parameters that tell curves
+apart, and ``panels``, one that tells panels apart, or nothing; ``units``, ``"si"`` or
+``"natural"``; ``log``, axes that are logarithmic.
+"""
+
+import textwrap
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator, NullFormatter
+
+from sim.dataset.results import Results
+from sim.figures.data import FigureData, varying
+from sim.figures.looks import Look, settings
+from sim.figures.quantity import Quantity, of_replicates
+from sim.figures.style import CHARACTERS_PER_INCH, CurveStyle, cycled
+from sim.figures.units import headed, scale_of, unit_of
+from sim.parameters import SYSTEMS, field_info
+from sim.parameters.wording import setting
+from sim.study.plot_words import described, plain
+from sim.study.plottable import Observable, numbers
+
+#: Size of a plot with one panel, of each of several, and the most side by side, inches.
+SINGLE, SEVERAL, ACROSS = (5.6, 3.9), (3.1, 2.7), 3
+
+#: The axes of a figure, each with the points that it shows.
+Panels = list[tuple[Axes, pd.DataFrame]]
+
+#: Characters of the label of an axis in a line.
+_LINE = 44
+
+
+def observed(data: FigureData) -> Quantity:
+    """Return the observable of a plot, in its units, of every point."""
+    spec, rows = data.spec, data.rows
+    one = numbers(spec.system)[spec.options["show"]]
+    unit, scale = unit_of(one.unit, spec.options["units"], spec.system), _scale(data, one)
+    label = f"{one.meaning} [{unit or '1'}]"
+    if one.name == "velocity":
+        return Quantity(one.name, label, rows["velocity"] / scale, rows["half_width"] / scale)
+    return of_replicates(one.name, label, replicate_values(data, one), rows.index)
+
+
+def replicate_values(data: FigureData, one: Observable) -> list[np.ndarray]:
+    """Return the values of an observable in the units of the plot, of each point its replicates.
+
+    Those that failed, or do not know it, are left out.
+    """
+    points, scale = data.rows["point"], _scale(data, one)
+    if one.is_mean:
+        found = [_means(data.results, point, one.source) for point in points]
+    else:
+        held = data.results.dataset
+        table = held[one.source].sel(point=points.values).values if one.source in held else None
+        found = [np.zeros(0)] * len(points) if table is None else list(table)
+    return [each[np.isfinite(each)] / by for each, by in zip(found, scale, strict=True)]
+
+
+def _scale(data: FigureData, one: Observable) -> pd.Series:
+    return scale_of(one.unit, data.spec.options["units"], data.rows)
+
+
+def _means(results: Results, point: str, profile: str) -> np.ndarray:
+    """Return the means of a profile over the particles of each completed replicate, (R,)."""
+    values, _ = results.profile(point, profile)
+    packing, _ = results.profile(point, "packing_profile")
+    weight = np.where(np.isfinite(values), packing, 0.0)
+    total = weight.sum(axis=1)
+    sums = (np.nan_to_num(values) * weight).sum(axis=1)
+    return np.divide(sums, total, out=np.full(len(total), np.nan), where=total > 0)
+
+
+def observable_label(data: FigureData, one: Observable) -> str:
+    """Return the label of the axis of an observable."""
+    meaning = one.meaning.removesuffix(" over the averaging window")
+    return wrapped(headed(meaning, unit_of(one.unit, data.spec.options["units"], data.spec.system)))
+
+
+def parameter_label(system: str, name: str) -> str:
+    """Return the label of the axis of a parameter, in the unit of study files."""
+    row = field_info(SYSTEMS[system])[name]
+    return wrapped(headed(described(system, name), row.scale or row.unit_text.strip()))
+
+
+def wrapped(text: str) -> str:
+    """Return a label in lines that fit along an axis."""
+    return "\n".join(textwrap.wrap(text, _LINE))
+
+
+def panels(data: FigureData) -> tuple[Figure, Panels]:
+    """Return a figure and its axes, each with the points that it shows."""
+    rows, name = data.rows, data.spec.options["panels"]
+    if not name:
+        figure = Figure(figsize=SINGLE, layout="constrained")
+        return figure, [(figure.subplots(), rows)]
+    values = sorted(set(rows[name]))
+    across = min(ACROSS, len(values))
+    down = -(-len(values) // across)
+    size = (SEVERAL[0] * across + 0.6, SEVERAL[1] * down + 0.8)
+    figure = Figure(figsize=size, layout="constrained")
+    grid = figure.subplots(down, across, sharex=True, sharey=True, squeeze=False)
+    found = []
+    for axes, value in zip(grid.flat, values, strict=False):
+        axes.set_title(setting(data.spec.system, name, value), fontsize=9)
+        found.append((axes, rows[rows[name] == value]))
+    for axes in grid.flat[len(values) :]:
+        axes.set_visible(False)
+        # What is above has no axis below it then.
+        grid[down - 2, list(grid[-1]).index(axes)].tick_params(labelbottom=True)
+    return figure, found
+
+
+def label_axes(figure: Figure, shown: Panels, x: str, y: str) -> None:
+    """Name the axes, those of several panels once for all of them."""
+    if len(shown) == 1:
+        shown[0][0].set_xlabel(x)
+        shown[0][0].set_ylabel(y)
+    else:
+        figure.supxlabel(x, fontsize=10)
+        figure.supylabel(y, fontsize=10)
+
+
+def set_log(axes: Axes, axis: str) -> None:
+    """Make an axis logarithmic, ``"x"`` or ``"y"``, with plain numbers at its ticks."""
+    getattr(axes, f"set_{axis}scale")("log")
+    ticks = axes.xaxis if axis == "x" else axes.yaxis
+    ticks.set_major_locator(LogLocator(subs=(1, 2, 5)))
+    ticks.set_major_formatter("{x:g}")
+    ticks.set_minor_formatter(NullFormatter())
+
+
+def width_of(shown: Panels) -> float:
+    """Return the length of the horizontal axis of a panel, about, inches."""
+    return SINGLE[0] - 1.0 if len(shown) == 1 else SEVERAL[0] - 0.5
+
+
+def keys_of(data: FigureData) -> tuple[str, ...]:
+    """Return the parameters that name curves: those asked for, and others that vary besides."""
+    spec, rows = data.spec, data.rows
+    apart = {*spec.axes, *spec.curves}
+    parameters = [name for name in SYSTEMS[spec.system].model_fields if name not in apart]
+    return *spec.options["curves"], *varying(rows, parameters)
+
+
+def look_of_all(data: FigureData) -> Look:
+    """Return a look that is the same for the same curve in all panels."""
+    system = data.spec.system
+    places: dict[str, int] = {}
+    keys = [name for name in keys_of(data) if name != "protocol"]
+    every = data.rows[keys].drop_duplicates().sort_values(keys) if keys else data.rows[:1]
+    for values in every[keys].to_dict("records"):
+        places[settings(system, values.items())] = len(places)
+
+    def look(names: dict[str, object], index: int) -> tuple[CurveStyle, str]:
+        label = settings(system, ((name, names[name]) for name in keys if name in names))
+        return cycled(places.get(label, index)), label
+
+    return look
+
+
+def legend(figure: Figure, shown: Panels) -> None:
+    """Put one legend for all panels above them, each entry once; none for one nameless curve."""
+    entries: dict[str, Any] = {}
+    for axes, _ in shown:
+        for handle, label in zip(*axes.get_legend_handles_labels(), strict=True):
+            entries.setdefault(label, handle)
+    entries.pop("", None)
+    if entries:
+        room = CHARACTERS_PER_INCH * figure.get_figwidth()
+        columns = max(1, min(4, int(room / (max(map(len, entries)) + 6))))
+        handles, labels = list(entries.values()), list(entries)
+        figure.legend(handles, labels, loc="outside upper center", ncols=columns)
+
+
+def groups(
+    data: FigureData, rows: pd.DataFrame
+) -> Iterator[tuple[CurveStyle, str, Mapping[str, Any]]]:
+    """Yield style, legend entry and row of each completed point that is a curve of its own."""
+    look, keys = look_of_all(data), keys_of(data)
+    known = rows[rows["completed"] > 0].sort_values(list(keys)) if keys else rows
+    for index, row in enumerate(known[known["completed"] > 0].to_dict("records")):
+        names = {str(name): row[name] for name in keys}
+        style, label = look(names, index)
+        yield style, label, {str(name): value for name, value in row.items()}
+
+
+def empty_text(shown: Panels, what: str) -> None:
+    """Say on the axes that no run knows what is shown, where nothing is drawn."""
+    for axes, _ in shown:
+        if not axes.has_data():
+            text = f"no run has {plain(what)}"
+            axes.text(0.5, 0.5, text, ha="center", transform=axes.transAxes)

@@ -1,0 +1,117 @@
+"""Profiles over the height, each the mean of the replicates of a point: a study's own plot.
+
+Options of a figure: those of `sim.figures.plot`.
+"""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure
+
+from sim.base.statistics import student_half_width
+from sim.figures.data import FigureData, parameter_columns
+from sim.figures.kind import Kind
+from sim.figures.plot import (
+    empty_text,
+    groups,
+    keys_of,
+    label_axes,
+    legend,
+    observable_label,
+    panels,
+    set_log,
+)
+from sim.figures.style import PALE
+from sim.figures.units import headed, scale_of, unit_of
+from sim.study.catalogue.limits import SHARE
+from sim.study.plottable import profiles
+
+#: Replicates from which their mean is drawn with its interval, which of two says little.
+ENOUGH = 3
+
+
+def draw(data: FigureData) -> Figure:
+    """Draw a line per point, about it the interval of its mean or, of few, its replicates."""
+    spec = data.spec
+    figure, shown = panels(data)
+    for axes, rows in shown:
+        for style, label, row in groups(data, rows):
+            values = profile(data, row)
+            mean, half, height = (values[name] for name in ("mean", "half_width", "height"))
+            axes.plot(mean, height, color=style.colour, linestyle=style.dashes, label=label)
+            band: dict[str, Any] = {"color": style.colour, "alpha": 0.15, "linewidth": 0}
+            own = values.filter(regex="^replicate")
+            if row["completed"] < ENOUGH:
+                axes.plot(own, height, color=style.colour, alpha=PALE, linewidth=0.7, zorder=1.5)
+            else:
+                axes.fill_betweenx(height, mean - half, mean + half, **band)
+        if "x" in spec.options["log"]:
+            set_log(axes, "x")
+    # Panels share their axes, and limits that are set follow nothing that is drawn later.
+    shown[0][0].set_ylim(bottom=0)
+    unit = unit_of("m", spec.options["units"], spec.system)
+    one = profiles(spec.system)[spec.options["show"]]
+    label_axes(figure, shown, observable_label(data, one), headed("height z", unit))
+    empty_text(shown, one.name)
+    legend(figure, shown)
+    return figure
+
+
+def profile(data: FigureData, row: Mapping[str, Any]) -> pd.DataFrame:
+    """Return a profile of a point up to the height below which almost all particles are.
+
+    Columns ``height``, ``mean`` over the replicates, ``half_width`` of its 95 % interval and
+    ``replicate 1`` and so on, in the units of the plot; not-a-number where nothing is known.
+    """
+    spec, one = data.spec, profiles(data.spec.system)[data.spec.options["show"]]
+    values, height = data.results.profile(row["point"], one.source)
+    packing, _ = data.results.profile(row["point"], "packing_profile")
+    filled = np.cumsum(np.nan_to_num(packing.mean(axis=0)))
+    top = int(np.searchsorted(filled, SHARE * filled[-1])) + 1
+    frame = pd.DataFrame([row])
+    by, over = (
+        float(scale_of(unit, spec.options["units"], frame).iloc[0]) for unit in (one.unit, "m")
+    )
+    columns = values[:, :top].T / by
+    known = [each[np.isfinite(each)] for each in columns]
+    return pd.DataFrame(
+        {
+            "height": height[:top] / over,
+            "mean": [each.mean() if each.size else np.nan for each in known],
+            "half_width": [float(student_half_width(each)) for each in known],
+        }
+        | {f"replicate {number}": one for number, one in enumerate(columns.T, 1)}
+    )
+
+
+def table(data: FigureData) -> pd.DataFrame:
+    """Return the data behind the profiles, a row per point and slice, units in the headings."""
+    spec, one = data.spec, profiles(data.spec.system)[data.spec.options["show"]]
+    units = [unit_of(unit, spec.options["units"], spec.system) for unit in (one.unit, "m")]
+    known = data.rows[data.rows["completed"] > 0]
+    named = parameter_columns(known, spec.system, dict.fromkeys((*spec.curves, *keys_of(data))))
+    parts = []
+    for index, row in known.iterrows():
+        values = profile(data, {str(name): value for name, value in row.items()})
+        own = {name: column[index] for name, column in named.items()}
+        columns = {
+            f"height [{units[1]}]": values["height"],
+            f"{one.name} [{units[0] or '1'}]": values["mean"],
+            f"half width of 95 % interval [{units[0] or '1'}]": values["half_width"],
+        }
+        parts.append(pd.DataFrame(own | columns | {"completed replicates": row["completed"]}))
+    return pd.concat(parts) if parts else pd.DataFrame(columns=list(named))
+
+
+def notes(data: FigureData) -> list[str]:
+    """Return what the caption says of lines and bands."""
+    return [
+        f"Lines end where {100 * SHARE:g} % of the particles are below.",
+        f"Bands: Student's 95 % interval of the mean over replicates; of fewer than {ENOUGH} each "
+        "is a pale line.",
+    ]
+
+
+KIND = Kind(draw, table=table, notes=notes)

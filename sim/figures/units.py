@@ -1,0 +1,60 @@
+"""Units of plots: SI, or those that diameter, mass and gravity of a point make."""
+
+import pandas as pd
+
+#: What to divide by, as powers of diameter, gravity and mass, and how that is written, by SI unit.
+_NATURAL = {
+    "m": ((1, 0, 0), "d"),
+    "s": ((0.5, -0.5, 0), "√(d/g)"),
+    "m s-1": ((0.5, 0.5, 0), "√(gd)"),
+    "m s-2": ((0, 1, 0), "g"),
+    "m2 s-2": ((1, 1, 0), "gd"),
+    "m-2": ((-2, 0, 0), "1/d²"),
+    "s-1": ((-0.5, 0.5, 0), "√(g/d)"),
+    "N": ((0, 1, 1), "mg"),
+    "J": ((1, 1, 1), "mgd"),
+    "W": ((0.5, 1.5, 1), "mg√(gd)"),
+    "Pa": ((-2, 1, 1), "mg/d²"),
+    "kg s-1": ((-0.5, 0.5, 1), "m√(g/d)"),
+    "kg m-1 s-1": ((-1.5, 0.5, 1), "m√(g/d)/d"),
+}
+
+#: How SI units are written on axes.
+_WRITTEN = {
+    "m s-1": "m/s",
+    "m s-2": "m/s²",
+    "m2 s-2": "m²/s²",
+    "m-2": "1/m²",
+    "s-1": "1/s",
+    "kg s-1": "kg/s",
+    "kg m-1 s-1": "kg/(m s)",
+}
+
+#: The diameter as the papers write it.
+_DIAMETER = {"chute": "σ", "belt": "⟨d⟩"}
+
+
+def unit_of(unit: str, units: str, system: str) -> str:
+    """Return a unit as axes have it, empty for pure numbers.
+
+    >>> unit_of("m s-1", "si", "chute"), unit_of("m s-1", "natural", "chute")
+    ('m/s', '√(gσ)')
+    """
+    if unit == "1":
+        return ""
+    if units == "natural" and unit in _NATURAL:
+        return _NATURAL[unit][1].replace("d", _DIAMETER[system])
+    return _WRITTEN.get(unit, unit)
+
+
+def scale_of(unit: str, units: str, rows: pd.DataFrame) -> pd.Series:
+    """Return what values in an SI unit are to be divided by, of each point."""
+    powers = _NATURAL[unit][0] if units == "natural" and unit in _NATURAL else (0, 0, 0)
+    length, gravity, mass = powers
+    scale = rows["diameter"] ** length * rows["gravity"] ** gravity * rows["mass"] ** mass
+    return pd.Series(scale, rows.index, dtype=float)
+
+
+def headed(text: str, unit: str) -> str:
+    """Return a label with its unit, if it has one: ``velocity (m/s)``, never parted."""
+    return f"{text}\N{NO-BREAK SPACE}({unit})" if unit else text

@@ -1,0 +1,133 @@
+"""An entry under ``plots`` of a study file: which observable is drawn against which parameters."""
+
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import BeforeValidator, Field, WithJsonSchema, model_validator
+
+from sim.parameters.common import broken_rule
+from sim.study.catalogue import FIGURES
+from sim.study.entries import ALLOWED_NAME, NAME, Strict, optional
+from sim.study.plottable import every_name
+
+Kind = Literal["curves", "map", "profiles", "time_series", "distribution"]
+
+#: The key of the observable of each kind of plot, and what it is if not given.
+OBSERVABLE: dict[str, tuple[str, str]] = {
+    "curves": ("y", "velocity"),
+    "map": ("colour", "regime"),
+    "profiles": ("x", "velocity"),
+    "time_series": ("y", "velocity"),
+    "distribution": ("y", "velocity"),
+}
+
+#: Keys of the parameters that stand on the axes of each kind, and what to know of keys it lacks.
+AXES: dict[str, tuple[str, ...]] = {
+    "curves": ("x",),
+    "map": ("x", "y"),
+    "profiles": (),
+    "time_series": (),
+    "distribution": ("x",),
+}
+_LACKING = {
+    ("map", "curves"): "no curves on a map; panels tell further parameters apart",
+    ("profiles", "y"): "nothing: y is the height, x what is shown over it",
+    ("time_series", "x"): "nothing: x is the time",
+}
+
+#: Axes that each kind of plot can make logarithmic.
+_LOG: dict[str, tuple[str, ...]] = {
+    "curves": ("x", "y"),
+    "map": ("x", "y", "colour"),
+    "profiles": ("x",),
+    "time_series": ("x", "y"),
+    "distribution": ("y",),
+}
+
+
+def _listed(value: Any) -> Any:
+    return [value] if isinstance(value, str) else value
+
+
+#: A name, or a list of names.
+Names = Annotated[
+    list[str],
+    BeforeValidator(_listed),
+    WithJsonSchema({"anyOf": [{"type": "string"}, {"type": "array", "items": {"type": "string"}}]}),
+]
+
+_ANY = {"examples": every_name()}
+
+
+class PlotFile(Strict):
+    """A plot of the points of a study."""
+
+    name: str = Field(
+        pattern=NAME,
+        max_length=60,
+        description="name of the plot and of its files, unique in the study and none of the "
+        "catalogue's",
+        json_schema_extra=ALLOWED_NAME,
+    )
+    kind: Kind = Field(
+        "curves",
+        description="`curves` of a number with intervals; `map` over two parameters; `profiles` "
+        "over the height; `time_series`; `distribution` of the replicates",
+    )
+    system: Literal["chute", "belt"] = optional("which system, where the series have both")
+    title: str = Field("", description="one line (omitted: made from what is shown)")
+    x: str = optional(
+        "parameter on the horizontal axis; of `profiles` the observable (velocity)",
+        json_schema=_ANY,
+    )
+    y: str = optional(
+        "observable on the vertical axis (velocity); of a `map` a parameter",
+        json_schema=_ANY,
+    )
+    colour: str = optional(
+        "of a `map`: observable that the colour shows, or `regime` (omitted)", json_schema=_ANY
+    )
+    curves: Names = optional("parameter, or list of them, that tells curves apart")
+    panels: str = optional("parameter that tells panels apart")
+    series: list[str] = optional(
+        "series whose points are drawn (omitted: all of the system)", min_length=1
+    )
+    units: Literal["si", "natural"] = Field(
+        "si",
+        description="units of what is observed: `si`, or `natural` ones of diameter, mass and "
+        "gravity; parameters are as in study files",
+    )
+    log: list[Literal["x", "y", "colour"]] = Field([], description="axes that are logarithmic")
+
+    @model_validator(mode="after")
+    def _of_a_name_of_its_own(self) -> Self:
+        if self.name in FIGURES:
+            raise broken_rule("name", self.name, "a name that no figure of the catalogue has")
+        return self
+
+    @model_validator(mode="after")
+    def _with_the_keys_of_its_kind(self) -> Self:
+        observed, _ = OBSERVABLE[self.kind]
+        has = {observed, "panels", *AXES[self.kind], *(["curves"] if self.kind != "map" else [])}
+        for key in ("x", "y", "colour", "curves", "panels"):
+            value = getattr(self, key)
+            if value is not None and key not in has:
+                allowed = _LACKING.get((self.kind, key), f"{key} of a map alone")
+                raise broken_rule(key, value, allowed)
+            if value is None and key in AXES[self.kind]:
+                raise broken_rule(key, value, "a parameter that the points vary")
+        for number, axis in enumerate(self.log):
+            if axis not in _LOG[self.kind]:
+                allowed = "one of " + ", ".join(_LOG[self.kind])
+                raise broken_rule(f"log[{number}]", axis, allowed)
+        return self
+
+    @property
+    def observable(self) -> str:
+        """Name of what is shown."""
+        key, usual = OBSERVABLE[self.kind]
+        return getattr(self, key) or usual
+
+    @property
+    def on_axes(self) -> tuple[str, ...]:
+        """Parameters on the axes."""
+        return tuple(getattr(self, key) for key in AXES[self.kind])

@@ -1,0 +1,45 @@
+"""Titles and captions of plots, made from what they show."""
+
+from sim.parameters import SYSTEMS, field_info
+from sim.study.plot_file import PlotFile
+from sim.study.plottable import Observable
+
+_OVER = {"profiles": "over the height", "time_series": "against time"}
+
+
+def title_of(
+    one: PlotFile, observable: Observable | None, curves: tuple[str, ...], panels: str
+) -> str:
+    """Return the title of a plot that gives none: ``Velocity against friction, by angle``."""
+    what = plain(observable.name) if observable else "regimes"
+    over = _OVER.get(one.kind) or "against " + " and ".join(map(plain, one.on_axes))
+    if one.kind == "map":
+        over = "over " + " and ".join(map(plain, one.on_axes))
+    by = [*curves, *([panels] if panels else [])]
+    replicates = " of each replicate" if one.kind == "distribution" else ""
+    title = f"{what}{replicates} {over}" + (f", by {' and '.join(map(plain, by))}" if by else "")
+    return title[0].upper() + title[1:]
+
+
+def lead_of(one: PlotFile, observable: Observable | None, system: str) -> str:
+    """Return the first sentence of the caption of a plot."""
+    what = f"{observable.meaning[0].upper()}{observable.meaning[1:]}" if observable else "Regimes"
+    against = [described(system, name) for name in one.on_axes]
+    over = _OVER.get(one.kind) or ("over " if one.kind == "map" else "against ")
+    parts = [f"{what}, {over}{' and '.join(against)}"]
+    if one.curves:
+        parts.append("curves: " + ", ".join(described(system, name) for name in one.curves))
+    if one.panels:
+        parts.append(f"panels: {described(system, one.panels)}")
+    return "; ".join(parts) + "."
+
+
+def described(system: str, name: str) -> str:
+    """Return a parameter in words with its symbol."""
+    row = field_info(SYSTEMS[system])[name]
+    return f"{plain(name)} {row.symbol}".strip()
+
+
+def plain(name: str) -> str:
+    """Return a name of a study file in words."""
+    return name.replace("_", " ")

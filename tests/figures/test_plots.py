@@ -1,0 +1,220 @@
+"""Plots of a study's own: every kind, from made-up points to picture, data and caption."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from sim.base.errors import InputError
+from sim.dataset.build import build
+from sim.dataset.results import Results, load_results
+from sim.figures.data import figure_data
+from sim.figures.render import derived, render
+from sim.figures.ticks import set_ticks
+from sim.figures.units import scale_of, unit_of
+from sim.parameters import ChuteParameters
+from sim.study.catalogue import FigureSpec
+from sim.study.load import load_study, parse_study
+from tests.figures.drawing import picture, table
+from tests.made.results import MadePoint, made_point, made_results
+from tests.made.runs import write_run
+
+GRID = {"friction": [0.3, 0.4, 0.6], "angle": [16, 17]}
+SIZE, SPEED = ChuteParameters().diameter, ChuteParameters().velocity_unit
+
+
+def made(plot: Mapping, points: Sequence[MadePoint]) -> tuple[FigureSpec, Results]:
+    """Return a plot of points, and these as results."""
+    grid = {name: sorted({getattr(one.parameters, name) for one in points}) for name in GRID}
+    series = {"name": "flows", "system": "chute", "grid": grid}
+    study = parse_study({"study": "s", "series": [series], "plots": [plot]}, "s.yaml", None)
+    found = made_results(*points)
+    names = ("point", np.full(len(points), "flows", object))
+    systems = ("point", np.full(len(points), "chute", object))
+    root = found.dataset.assign_coords(series=names, system=systems)
+    return study.plots[plot["name"]], replace(
+        found, dataset=root, boundaries=pd.DataFrame(columns=["figures"])
+    )
+
+
+def flows(**options) -> list[MadePoint]:
+    """Return flows that are slower the rougher they are, in packing 0.6 up to 5 diameters."""
+
+    def packing(height):
+        return np.where(height < 5 * SIZE, 0.6, 0.0)
+
+    def hot(height):
+        return np.where(height < 5 * SIZE, 2.0 + 0 * height, np.nan)
+
+    profiles = {
+        "packing_profile": packing,
+        "velocity_profile": lambda height: height / SIZE,
+        "granular_temperature_profile": hot,
+    }
+    return [
+        made_point(
+            "chute",
+            {"velocity": angle / 16 - friction, "shear_depth": 2 * SIZE},
+            profiles,
+            friction=friction,
+            angle=angle,
+            **options,
+        )
+        for friction in GRID["friction"]
+        for angle in GRID["angle"]
+    ]
+
+
+def drawn(plot: Mapping, points: Sequence[MadePoint] | None = None):
+    spec, results = made({"name": "p"} | dict(plot), flows() if points is None else points)
+    data = figure_data(results, spec)
+    return picture(data), table(data), data
+
+
+def labels(axes) -> list[str]:
+    return [text.get_text() for text in axes.get_xticklabels()]
+
+
+def test_curves_name_what_varies_and_every_value_has_a_number():
+    figure, rows, _ = drawn({"x": "friction", "curves": "angle"})
+    (axes,) = figure.axes
+    assert [text.get_text() for text in figure.legends[0].texts] == ["θ = 16°", "θ = 17°"]
+    figure.draw_without_rendering()
+    assert labels(axes) == ["0.3", "0.4", "0.6"]
+    assert axes.get_ylabel() == "mean velocity\N{NO-BREAK SPACE}(m/s)"
+    assert rows["mean velocity over the averaging window [m/s]"].tolist()[0] == pytest.approx(0.7)
+    assert len(rows) == 6
+
+
+def test_panels_share_their_curves_looks():
+    points = [one for one in flows() if one.parameters.friction != 0.3]
+    figure, _, _ = drawn({"x": "angle", "curves": "friction"}, points)
+    (alone,) = figure.axes
+    figure, _, _ = drawn({"x": "friction", "panels": "angle"})
+    assert [axes.get_title() for axes in figure.axes] == ["θ = 16°", "θ = 17°"]
+    assert not figure.legends
+    assert len({line.get_color() for line in alone.lines if len(line.get_xdata()) == 2}) >= 2
+
+
+def test_natural_units_divide_by_what_diameter_gravity_and_mass_make():
+    _, rows, data = drawn({"x": "friction", "curves": "angle", "units": "natural"})
+    first = rows["mean velocity over the averaging window [√(gσ)]"].iloc[0]
+    assert first == pytest.approx(data.rows["velocity"].iloc[0] / SPEED)
+    plot = {"x": "friction", "curves": "angle", "y": "shear_depth", "units": "natural"}
+    _, rows, _ = drawn(plot)
+    assert rows.filter(like="[σ]").iloc[0, 0] == pytest.approx(2)
+    assert unit_of("W", "natural", "belt") == "mg√(g⟨d⟩)"
+    point = pd.DataFrame([{"diameter": 2.0, "gravity": 8.0, "mass": 3.0}])
+    assert scale_of("W", "natural", point).item() == pytest.approx(3 * 8 * 4)
+    assert scale_of("W", "si", point).item() == 1
+
+
+def test_means_of_profiles_are_those_over_the_particles():
+    _, rows, _ = drawn({"x": "friction", "curves": "angle", "y": "packing"})
+    means = rows.filter(like="packing fraction, mean of all particles").iloc[:, 0]
+    assert means.tolist() == pytest.approx([0.6] * 6, rel=1e-3)
+    _, rows, _ = drawn({"x": "friction", "curves": "angle", "y": "granular_temperature"})
+    assert rows.filter(regex=r"^granular.*\[m²/s²\]").iloc[0, 0] == pytest.approx(2, rel=1e-3)
+
+
+def test_profiles_end_above_the_last_particles():
+    figure, rows, _ = drawn(
+        {"kind": "profiles", "curves": "friction", "panels": "angle", "units": "natural"}
+    )
+    assert len(figure.axes) == 2
+    assert rows["height [σ]"].max() == pytest.approx(4.875)
+    heights, speeds = rows["height [σ]"], rows["velocity [√(gσ)]"] * SPEED
+    assert speeds.tolist() == pytest.approx(heights.tolist(), rel=1e-6)
+    assert list(rows["friction [1]"].unique()) == GRID["friction"]
+
+
+def test_a_map_shows_regimes_or_a_number():
+    figure, _, _ = drawn({"kind": "map", "x": "friction", "y": "angle"})
+    assert [text.get_text() for text in figure.legends[0].texts] == ["steady"]
+    figure, rows, _ = drawn({"kind": "map", "x": "friction", "y": "angle", "colour": "velocity"})
+    axes, bar = figure.axes
+    assert len(axes.collections[0].get_offsets()) == 6
+    assert bar.get_ylabel() == "mean velocity\N{NO-BREAK SPACE}(m/s)"
+    assert len(rows) == 6
+
+
+def test_a_distribution_has_a_dot_for_every_replicate():
+    plot = {"kind": "distribution", "x": "friction", "curves": "angle"}
+    figure, rows, _ = drawn(plot, flows(replicates=7))
+    assert len(rows) == 42
+    dots = [line for line in figure.axes[0].lines if line.get_linestyle() == "None"]
+    assert [len(line.get_xdata()) for line in dots] == [7] * 6
+    assert labels(figure.axes[0]) == ["0.3", "0.4", "0.6"]
+
+
+def test_what_no_run_knows_is_said():
+    figure, rows, _ = drawn({"x": "friction", "curves": "angle", "y": "base_rolling"})
+    assert "no run has base rolling" in [text.get_text() for text in figure.axes[0].texts]
+    assert len(rows) == 6
+
+
+@pytest.fixture
+def run_study(tmp_path) -> tuple[Path, Path]:
+    """Return study file and dataset of a study with time series, made of made-up run files."""
+    study_path = tmp_path / "own.yaml"
+    study_path.write_text(
+        "study: own\nseries: [{name: flows, system: chute, base: {replicates: 2},\n"
+        "  grid: {friction: [0.3, 0.4]}}]\n"
+        "plots: [{name: courses, kind: time_series, curves: friction, units: natural}]\n"
+    )
+    study = load_study(study_path, tmp_path)
+    for point in study.points.values():
+        write_run(tmp_path / "own" / "runs", point.parameters, velocity=[0.4, 0.5])
+    return study_path, build(study_path, tmp_path)
+
+
+def test_time_series_are_read_from_run_files(run_study, tmp_path):
+    study_path, dataset = run_study
+    study = load_study(study_path, tmp_path)
+    spec = study.plots["courses"]
+    files = render(spec, dataset, tmp_path / "figures")
+    assert [path.suffix for path in files] == [".png", ".svg", ".csv", ".txt"]
+    rows = pd.read_csv(files[2])
+    assert set(rows["replicate"]) == {0, 1} and len(rows) == 2 * 2 * 400
+    first = rows[(rows["replicate"] == 0) & (rows["point"] == rows["point"].iloc[0])]
+    assert first["velocity [√(gσ)]"].mean() == pytest.approx(0.4 / SPEED, rel=1e-2)
+    assert files[3].read_text().startswith("Mean velocity down the slope, weighted by mass, ")
+    (dataset.parent / "runs" / f"{next(iter(study.points))}.nc").unlink()
+    with pytest.raises(InputError, match="no such run file"):
+        derived(spec, load_results(dataset))
+
+
+@pytest.mark.parametrize(
+    ("values", "named", "rotation"),
+    [
+        ([1, 2, 3], ["1", "2", "3"], 0),
+        ([0.35, 0.36, 0.4], ["0.35", "0.36", "0.4"], 0),
+        (np.arange(100, 121), [str(value) for value in range(100, 121)], 90),
+    ],
+)
+def test_tick_labels_do_not_touch(values, named, rotation):
+    figure, _, _ = drawn({"x": "friction", "curves": "angle"})
+    (axes,) = figure.axes
+    axes.set_xlim(min(values) - 0.01, max(values) + 0.01)
+    set_ticks(axes, values, 4.6)
+    figure.draw_without_rendering()
+    shown = axes.get_xticklabels()
+    assert [text.get_text() for text in shown] == named
+    assert {text.get_rotation() for text in shown} == {rotation}
+    boxes = [text.get_window_extent() for text in shown]
+    assert all(one.x1 < other.x0 for one, other in pairwise(boxes))
+
+
+def test_values_too_dense_for_numbers_keep_their_ticks():
+    figure, _, _ = drawn({"x": "friction", "curves": "angle"})
+    (axes,) = figure.axes
+    values = np.linspace(0, 1, 201)
+    axes.set_xlim(0, 1)
+    set_ticks(axes, values, 4.6)
+    places = {*axes.get_xticks(), *axes.get_xticks(minor=True)}
+    assert places == set(values)
+    assert {0.0, 1.0} <= set(axes.get_xticks()) and len(axes.get_xticks()) < 201

@@ -1,0 +1,135 @@
+"""Plots of a study file: entries like those of the catalogue, and what is refused of them."""
+
+import pytest
+
+from sim.base.errors import InputError
+from sim.parameters import SYSTEMS
+from sim.study.catalogue import FigureSpec
+from sim.study.load import Study, parse_study
+from sim.study.plot_file import AXES, OBSERVABLE
+from sim.study.plottable import SHOWN_BY
+
+SERIES = {
+    "name": "flows",
+    "system": "chute",
+    "grid": {"friction": [0.3, 0.4], "angle": [16, 17], "law": ["walton_braun", "spring_dashpot"]},
+}
+BEDS = {"name": "beds", "system": "belt", "grid": {"frequency": [20, 50]}}
+#: A plot that is right.
+RIGHT = {"name": "v", "x": "friction", "curves": "angle", "panels": "law"}
+
+
+@pytest.fixture
+def parse(tmp_path):
+    def parse(*plots: dict, series: tuple[dict, ...] = (SERIES,), **others) -> Study:
+        mapping = {"study": "s", "series": list(series), "plots": list(plots)} | others
+        return parse_study(mapping, tmp_path / "study.yaml", tmp_path / "results")
+
+    return parse
+
+
+def refused(parse, plot: dict, **others) -> str:
+    with pytest.raises(InputError) as caught:
+        parse(plot, **others)
+    message = str(caught.value)
+    assert "study.yaml: plots[0]." in message and "\n" not in message
+    return message.partition("study.yaml: plots[0].")[2]
+
+
+def test_a_plot_is_an_entry_of_all_points_of_its_series(parse):
+    study = parse(RIGHT)
+    spec = study.entries["v"]
+    assert (spec.kind, spec.system, spec.axes) == ("plot_curves", "chute", ("friction",))
+    assert spec.title == "Velocity against friction, by angle and law"
+    assert spec.lead.startswith("Mean velocity over the averaging window, against friction μ; ")
+    assert eval(repr(spec), {"FigureSpec": FigureSpec}) == spec
+    assert study.figures["v"] == tuple(study.points)
+    assert all(point.figures == () for point in study.points.values())
+
+
+def test_plots_draw_on_the_series_they_name_and_on_those_of_their_system(parse):
+    more = {"name": "more", "system": "chute", "cases": [{"friction": 0.5}, {"friction": 0.6}]}
+    study = parse(
+        {"name": "a", "x": "friction", "series": ["more"]},
+        {"name": "b", "x": "frequency"} | {"system": "belt"},
+        series=(SERIES, more, BEDS),
+    )
+    assert study.figures == {"a": study.series["more"], "b": study.series["beds"]}
+
+
+def test_parts_bring_their_plots(parse, tmp_path):
+    part = "study: p\nseries: [{name: beds, system: belt, grid: {frequency: [20, 50]}}]\n"
+    (tmp_path / "part.yaml").write_text(part + "plots: [{name: w, x: frequency}]\n")
+    study = parse(RIGHT | {"system": "chute"}, parts=["part.yaml"])
+    assert list(study.plots) == ["v", "w"]
+    assert study.figures["w"] == study.series["beds"]
+    with pytest.raises(InputError, match="a name that no other plot has"):
+        parse(RIGHT | {"name": "w", "system": "chute"}, parts=["part.yaml"])
+
+
+@pytest.mark.parametrize("kind", OBSERVABLE)
+@pytest.mark.parametrize("system", SYSTEMS)
+def test_every_kind_shows_its_usual_observable_of_every_system(parse, kind, system):
+    grids = {"chute": {"depth": [1, 2], "friction": [0.4, 0.5]}}
+    grids["belt"] = {"frequency": [20, 50], "obstacle": [0, 1]}
+    axes = dict(zip(AXES[kind], grids[system], strict=False))
+    series = {"name": "a", "system": system, "grid": grids[system]}
+    spec = parse({"name": "p", "kind": kind} | axes, series=(series,)).plots["p"]
+    shown = spec.options["show"]
+    assert shown in SHOWN_BY[kind](system) or (kind, shown) == ("map", "regime")
+    assert spec.title[0].isupper() and spec.lead.endswith(".")
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"name": "walton_2"}, "name: got 'walton_2'; allowed: a name that no figure"),
+        ({"name": "a/b"}, "name: got 'a/b'; allowed: up to 60 letters"),
+        ({"x": None}, "x: got nothing; allowed: "),
+        ({"x": "fricton"}, "x: got 'fricton'; allowed: did you mean friction"),
+        ({"x": "frequency"}, "x: got 'frequency'; allowed: a parameter of the chute; this is"),
+        ({"x": "law", "panels": "friction"}, "x: got 'law'; allowed: a parameter that is a number"),
+        ({"x": "depth"}, "x: got 'depth, which is 5 throughout'; allowed: a parameter that the"),
+        ({"curves": ["angle", "depth"]}, "curves[1]: got 'depth, which is 5 throughout'"),
+        ({"panels": "friction"}, "panels: got 'friction'; allowed: a parameter other than x"),
+        ({"y": "velocty"}, "y: got 'velocty'; allowed: did you mean velocity"),
+        ({"y": "backflow"}, "y: got 'backflow'; allowed: an observable of the chute; backflow is"),
+        ({"y": "mass_flux"}, "y: got 'mass_flux'; allowed: an observable of curves; mass_flux is"),
+        ({"y": "overburden"}, "y: got 'overburden'; allowed: points with stress_profiles: true"),
+        ({"series": ["flow"]}, "series[0]: got 'flow'; allowed: one of flows"),
+        ({"system": "belt"}, "system: got 'belt'; allowed: a system of its series: chute"),
+        ({"colour": "velocity"}, "colour: got 'velocity'; allowed: colour of a map alone"),
+        ({"log": ["colour"]}, "log[0]: got 'colour'; allowed: one of x, y"),
+        ({"kind": "pie"}, "kind: got 'pie'; allowed: "),
+        ({"kind": "profiles", "curves": None}, "x: got 'friction'; allowed: "),
+        ({"kind": "map", "y": "angle", "curves": None, "panels": None}, "panels: got nothing; "),
+        ({"size": 3}, "size: unknown key, got 3; "),
+    ],
+)
+def test_mistakes_are_refused_by_their_key(parse, change, message):
+    plot = {key: value for key, value in (RIGHT | change).items() if value is not None}
+    assert refused(parse, plot).startswith(message)
+
+
+def test_a_study_of_both_systems_asks_for_which(parse):
+    message = refused(parse, RIGHT, series=(SERIES, BEDS))
+    assert message.startswith("system: got nothing; allowed: one of chute, belt")
+
+
+def test_an_axis_with_zero_is_not_logarithmic(parse):
+    series = {"name": "a", "system": "chute", "grid": {"friction": [0, 0.4]}}
+    message = refused(parse, {"name": "v", "x": "friction", "log": ["x"]}, series=(series,))
+    assert message.startswith("log[0]: got 'x with friction = 0'")
+
+
+def test_points_that_would_lie_on_each_other_are_refused(parse):
+    series = {"name": "a", "system": "chute", "grid": {"friction": [0.3, 0.4], "cell": [5, 10]}}
+    with pytest.raises(InputError, match=r"plots\[0\]: got v with two points at friction = 0.3 "):
+        parse({"name": "v", "x": "friction"}, series=(series,))
+
+
+def test_panels_are_few(parse):
+    grid = {"friction": [0.3 + 0.01 * step for step in range(13)], "depth": [1, 2]}
+    series = {"name": "a", "system": "chute", "grid": grid}
+    message = refused(parse, {"name": "v", "x": "depth", "panels": "friction"}, series=(series,))
+    assert message.startswith("panels: got 'friction with 13 values'; allowed: a parameter of at")
