@@ -13,18 +13,18 @@ from sim.study.catalogue import FIGURES
 NAMES = ("gallas_2b", "gallas_6")
 
 
-def written(name, dataset_path, folder):
+def written(spec, dataset_path, folder):
     """Write a figure's files without drawing it."""
-    if name == "walton_2":
+    if spec.name == "walton_2":
         raise InputError("no point feeds walton_2")
-    for suffix in FIGURES[name].suffixes:
-        (folder / f"{name}{suffix}").write_text(dataset_path.read_text())
+    for suffix in spec.suffixes:
+        (folder / f"{spec.name}{suffix}").write_text(dataset_path.read_text())
 
 
 @pytest.fixture(autouse=True)
 def quick(monkeypatch):
     """Take the drawing from the processes, which are forks of this one."""
-    monkeypatch.setattr(several, "draw", written)
+    monkeypatch.setattr(several, "render", written)
 
 
 @pytest.fixture
