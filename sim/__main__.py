@@ -42,6 +42,7 @@ COMMANDS = {
     "decide": ("sim.report.decide:decide", "add the replicates that open questions need"),
     "figure": ("sim.figures.several:draw_several", "draw figures from a dataset"),
     "report": ("sim.report.page:build", "write the report of a study"),
+    "compare": ("sim.report.compare:show", "compare two runs or two studies point by point"),
     "orphans": ("sim.report.orphans:show", "list or remove runs of points no longer in a study"),
     "publish": ("sim.report.publish:publish", "copy what readers need of a study"),
 }
@@ -278,6 +279,27 @@ def _add_result_options(parsers: dict[str, argparse.ArgumentParser]) -> None:
         metavar="N",
         help="run snakemake --cores N and decide, in turns, until there is nothing to add",
     )
+    compare = parsers["compare"]
+    for name, letter in (("first", "A"), ("second", "B")):
+        compare.add_argument(
+            name, type=Path, metavar=letter, help="run file, or folder of a study's results"
+        )
+    compare.add_argument(
+        "--of",
+        dest="quantity",
+        default="velocity",
+        metavar="QUANTITY",
+        help="what to compare: any number of a replicate (default: velocity)",
+    )
+    compare.add_argument(
+        "--ignore",
+        dest="ignored",
+        action="append",
+        default=[],
+        metavar="PARAMETER",
+        help="pair points that differ in it, too; may be given several times",
+    )
+    compare.add_argument("--format", choices=("text", "json"), default="text")
     parsers["orphans"].add_argument(
         "--remove", action="store_true", help="remove them, with their states and logs"
     )
