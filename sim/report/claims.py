@@ -85,6 +85,13 @@ def judged_by_runs(claims: Iterable[Mapping[str, Any]]) -> bool:
     return any(one["kind"] != "model" and one["verdict"] != "untestable" for one in claims)
 
 
+def engine_checks(claims: Iterable[Mapping[str, Any]]) -> dict[str, int]:
+    """Return how many claims on the contact law alone were ``tested``, and how many ``held``."""
+    checks = [one for one in claims if one["kind"] == "model" and one["verdict"] != "untestable"]
+    held = sum(one["verdict"] == "reproduced" for one in checks)
+    return {"tested": len(checks), "held": held}
+
+
 def claim_rows(
     claims: Iterable[Mapping[str, Any]],
     runs: Iterable[Mapping[str, Any]],

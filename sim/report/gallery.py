@@ -89,6 +89,7 @@ def figure_entry(spec: FigureSpec, folder: Path, address: Address) -> dict[str, 
         "name": name,
         "title": spec.title,
         "paper": spec.paper,
+        "own": not spec.paper,
         "caption": caption,
         "data": address(files[".csv"]),
     }

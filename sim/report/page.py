@@ -15,11 +15,20 @@ from sim.dataset.agreement import require_agreement
 from sim.dataset.caveats import CLOSED
 from sim.dataset.results import Results, load_results
 from sim.figures.drawn import require_unchanged
-from sim.report.claims import REPORTED, VERDICTS, claim_rows, counts, judged_by_runs, read_claims
+from sim.report.claims import (
+    REPORTED,
+    VERDICTS,
+    claim_rows,
+    counts,
+    engine_checks,
+    judged_by_runs,
+    read_claims,
+)
 from sim.report.gallery import Address, data_uri, figure_entries, headline
 from sim.report.numbers import percent
 from sim.report.readings import reading_tables
 from sim.report.runs import boundary_rows, parameter_rows, run_rows
+from sim.report.state import state_of
 from sim.study.load import Study, load_study
 
 TEMPLATES = Path(__file__).parent / "templates"
@@ -85,8 +94,15 @@ def render(
     dataset = results.dataset
     caveats = Counter(str(text) for text in dataset["caveat"].values if text).most_common()
     runs = run_rows(dataset, [text for text, _ in caveats])
+    for run in runs:
+        run["plots"] = [
+            name
+            for name, spec in study.plots.items()
+            if spec.is_fed_by(run["system"], run["series"])
+        ]
     rows = claim_rows(claims, runs, study.figures)
     entries = figure_entries(study.entries.values(), figures, rows, address)
+    order = _order(study, entries, judged_by_runs(rows))
     return _template().render(
         study=study,
         study_files={file.name: file.read_text(encoding="utf-8") for file in study.files},
@@ -96,16 +112,41 @@ def render(
         outcomes=VERDICTS | REPORTED,
         claims=rows,
         counts=counts(rows),
-        reading_tables=reading_tables(rows, results),
+        reading_tables=reading_tables(rows, results) if "claims" in order["parts"] else [],
         judged_by_runs=judged_by_runs(rows),
-        figures=entries,
+        **order,
+        plots=[
+            entry | {"points": [run for run in runs if entry["name"] in run["plots"]]}
+            for entry in entries
+            if entry["own"]
+        ],
         headline=headline(entries),
+        checks=engine_checks(rows),
+        state=state_of(runs),
         runs=runs,
         parameters=parameter_rows(dataset),
         boundaries=boundary_rows(study, results.boundaries),
         energy_limit=CLOSED,
         provenance=_provenance(dataset),
     )
+
+
+def _order(study: Study, entries: list[dict[str, Any]], tested: bool) -> dict[str, Any]:
+    """Return whether a study is one's own, its gallery, and the sections behind the summary.
+
+    It is unless all its figures are of the papers. Its plots and its points then come first, and
+    claims of the papers last, where it feeds figures of theirs and its runs test some.
+    """
+    own = bool(study.plots) or not study.figures
+    gallery = [entry for entry in entries if not entry["own"]]
+    parts = ["claims", "figures"] if tested else ["figures", "claims"]
+    if own:
+        parts = [
+            "runs",
+            *(["figures"] if gallery else []),
+            *(["claims"] if gallery and tested else []),
+        ]
+    return {"own": own, "gallery": gallery, "parts": parts}
 
 
 def _template() -> jinja2.Template:

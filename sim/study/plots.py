@@ -61,7 +61,9 @@ def plots_of(
 
 def points_shown(spec: FigureSpec, points: Iterable[Point]) -> tuple[str, ...]:
     """Return the ids of the points of a study that a plot shows."""
-    return tuple(point.id for point in points if spec.takes_point(point.parameters, point.series))
+    return tuple(
+        point.id for point in points if spec.is_fed_by(point.parameters.system, point.series)
+    )
 
 
 def _entry(one: PlotFile, study: Study, refused: Refused, source: str, path: str) -> FigureSpec:

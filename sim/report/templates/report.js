@@ -133,7 +133,7 @@ function reveal() {
   }
   const opener = target.matches("tbody") && target.querySelector(".opener");
   if (opener) open(opener, true);
-  if (target.matches("details")) target.open = true;
+  for (let closed = target.closest("details"); closed; closed = closed.parentElement.closest("details")) closed.open = true;
   (opener || target.querySelector(":scope > summary") || target).focus({ preventScroll: true });
   target.scrollIntoView();
 }

@@ -93,9 +93,9 @@ class FigureSpec:
         """Return whether a point with these parameters is among those drawn."""
         return all(self.takes(name, parameters) for name in self.where)
 
-    def takes_point(self, parameters: Parameters, series: Iterable[str]) -> bool:
+    def is_fed_by(self, system: str, series: Iterable[str]) -> bool:
         """Return whether a point of some series is one of those that a study's own plot shows."""
-        return parameters.system == self.system and not set(series).isdisjoint(self.series)
+        return system == self.system and not set(series).isdisjoint(self.series)
 
     def takes(self, name: str, parameters: Parameters) -> bool:
         """Return whether a point is not left out for the parameter ``name`` of ``where``."""

@@ -1,0 +1,118 @@
+"""The report of a study of one's own: its state and its plots first, claims folded if at all."""
+
+from pathlib import Path
+
+import pytest
+
+from sim.claims.written import write
+from sim.dataset.build import build as build_dataset
+from sim.figures.several import draw_several
+from sim.report.page import build
+from sim.report.publish import publish
+from sim.report.state import state_of
+from sim.study.load import load_study
+from tests.made.report import write_claims
+from tests.made.runs import write_run
+from tests.report.test_page import Page
+
+STUDY = """\
+study: own
+title: How friction slows a flow
+series:
+  - name: flows
+    system: chute
+    grid: {friction: [0.3, 0.4], depth: [1, 2]}
+    figures: [FIGURES]
+plots:
+  - {name: velocity, x: friction, curves: depth}
+  - {name: map, kind: map, x: friction, y: depth, title: <Where> it flows}
+"""
+
+
+def made(folder: Path, figures: str = "", judged: bool = True) -> tuple[Path, Path]:
+    """Make a study of one's own with one run that failed and one undetermined, up to its claims."""
+    study_path = folder / "own.yaml"
+    study_path.write_text(STUDY.replace("FIGURES", figures))
+    study, results = load_study(study_path, folder), folder
+    for number, point in enumerate(study.points.values()):
+        regime = "undetermined" if number == 1 else "steady"
+        write_run(
+            results / "own" / "runs", point.parameters, regime=regime, failed=(0,) * (number == 0)
+        )
+    dataset = build_dataset(study_path, results)
+    draw_several(
+        list(study.figures), dataset, dataset.parent / "figures", code="x", study_path=study_path
+    )
+    if not judged:
+        write([], "own", dataset.parent)
+    else:
+        points = [*study.points, "depth5-friction0.4", "frequency50-amplitude1-angle30"]
+        write_claims(dataset.parent / "claims.json", points)
+    return study_path, results
+
+
+@pytest.fixture(scope="module")
+def study(tmp_path_factory) -> tuple[Path, Path]:
+    return made(tmp_path_factory.mktemp("own"))
+
+
+@pytest.fixture(scope="module")
+def page(study) -> Page:
+    return Page(build(*study).read_text(encoding="utf-8"))
+
+
+def sections(page: Page) -> list[str]:
+    return [one.get("id", "") for one in page.all("section")]
+
+
+def test_the_state_and_the_plots_come_first(page):
+    assert page.open == []
+    text = " ".join(page.text.split())
+    assert "3 of 4 points completed; 1 undetermined; 1 failed" in text
+    assert sections(page)[:4] == ["summary", "plots", "facts", "runs"]
+    assert {one["id"] for one in page.all("figure")} == {"figure-velocity", "figure-map"}
+    assert "<Where> it flows" in page.text and not page.all("where")
+
+
+def test_claims_are_not_shown_where_no_figure_of_the_papers_is(page):
+    text = " ".join(page.text.split())
+    assert "claims" not in sections(page) and "claims tested hold" not in text
+    assert "1 of 1 engine check holds" in text
+    targets = {one["href"] for one in page.all("a") if one.get("href", "").startswith("#")}
+    ids = {attrs["id"] for _, attrs in page.elements if "id" in attrs}
+    assert {target[1:] for target in targets} <= ids
+
+
+def test_plots_and_points_are_linked(page, study):
+    points = load_study(*study).points
+    shown = [one for one in page.all("tr") if "data-plot" in one]
+    assert [one["data-plot"] for one in shown] == ["velocity|map"] * len(points)
+    filters = [one["data-filter"] for one in page.all("a") if "data-filter" in one]
+    assert {"plot=velocity", "plot=map", "regime=failed"} <= set(filters)
+    links = [one["href"] for one in page.all("a") if one.get("href") == "#figure-velocity"]
+    assert len(links) == len(points)
+
+
+def test_claims_follow_folded_where_figures_of_the_papers_are_fed(tmp_path):
+    found = Page(build(*made(tmp_path, "walton_2")).read_text(encoding="utf-8"))
+    assert sections(found)[:6] == ["summary", "plots", "facts", "runs", "figures", "claims"]
+    assert "folded" in [one.get("class") for one in found.all("details")]
+
+
+def test_a_study_of_ones_own_is_published_with_its_plots(tmp_path):
+    target = tmp_path / "published"
+    target.mkdir()
+    folder = publish(*made(tmp_path, judged=False), target)
+    files = {path.name for path in (folder / "figures").iterdir()}
+    ends = (".svg", ".csv", ".caption.txt")
+    assert files == {f"{name}{end}" for name in ("velocity", "map") for end in ends}
+
+
+def test_what_is_unsound_is_told_with_what_to_do():
+    usual = {"regime": "steady", "missing_energy": 1e-4, "system": "chute"}
+    nothing = usual | {"missing_energy": float("nan"), "regime": "failed"}
+    leaky = usual | {"missing_energy": 380.0, "system": "belt"}
+    found = state_of([usual, nothing, usual | {"missing_energy": 0.02}, leaky])
+    assert (found["points"], found["completed"], found["unsound"]) == (4, 3, 2)
+    assert found["worst"] is leaky and found["advice"] == "steps_per_cycle"
+    assert state_of([usual])["worst"] is None
