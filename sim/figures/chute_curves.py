@@ -8,7 +8,6 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import FixedLocator, NullFormatter
 
 from sim.figures.curves import draw_family, mark_cut_bars
 from sim.figures.data import FigureData
@@ -16,6 +15,7 @@ from sim.figures.kind import Kind
 from sim.figures.looks import Look, look_of
 from sim.figures.quantity import Quantity, velocity
 from sim.figures.style import canvas, place_legend
+from sim.figures.ticks import set_ticks
 from sim.parameters import ChuteParameters
 from sim.study.catalogue import FigureSpec
 from sim.study.catalogue.limits import WIDEST_INTERVAL
@@ -29,8 +29,8 @@ _PITCH = 2.4
 #: Depths of the paper's figures, named on the axis wherever they are.
 _OF_PAPER = (0.5, 1.24, 2.5, 5, 10, 20, 40)
 
-#: Factor between two depths that both have room for a number.
-_ROOM = 1.35
+#: Length of the axis of depth, about, inches.
+_LENGTH = 4.4
 
 
 def unjoined(rows: pd.DataFrame, quantity: Quantity) -> pd.Series:
@@ -39,22 +39,20 @@ def unjoined(rows: pd.DataFrame, quantity: Quantity) -> pd.Series:
     return (rows["regime"] == "accelerating") | unknown
 
 
+def varied(rows: pd.DataFrame, spec: FigureSpec) -> tuple[str, ...]:
+    """Return the parameters that tell the curves of a figure apart among some points."""
+    return tuple(name for name in spec.curves if rows[name].nunique() > 1)
+
+
 def set_depth_axis(axes: Axes, depths: Iterable[float]) -> None:
     """Make the horizontal axis one of depth, with a tick at each one that was run.
 
-    Those that are too close to one of the paper's, or to each other, have no number.
+    Those for which there is no room beside the paper's, or each other, have no number.
     """
     axes.set_xscale("log")
     axes.margins(x=0.09)
-    every = sorted(set(depths))
-    named = [depth for depth in every if depth in _OF_PAPER]
-    for depth in every:
-        if all(max(depth / other, other / depth) > _ROOM for other in named):
-            named.append(depth)
-    axes.xaxis.set_major_locator(FixedLocator(sorted(named)))
-    axes.xaxis.set_minor_locator(FixedLocator(sorted(set(every) - set(named))))
-    axes.xaxis.set_minor_formatter(NullFormatter())
-    axes.xaxis.set_major_formatter("{x:g}")
+    axes.autoscale_view()
+    set_ticks(axes, depths, _LENGTH, first=_OF_PAPER)
     axes.set_xlabel("depth n (particles per σ²)")
 
 
@@ -69,9 +67,10 @@ def draw_curves(
     pitch: float = _PITCH,
 ) -> None:
     """Draw the curves of a quantity over the depth, interrupted at the flows ``apart``."""
-    names, look = tuple(ChuteParameters.model_fields), look or look_of(spec)
+    names, keys = tuple(ChuteParameters.model_fields), varied(rows, spec)
+    look = look or look_of(spec, keys)
     how: dict[str, Any] = {"look": look, "unjoined": apart, "pitch": pitch}
-    draw_family(axes, rows, quantity, "depth", spec.curves, names, **how)
+    draw_family(axes, rows, quantity, "depth", keys, names, **how)
 
 
 def draw(data: FigureData) -> Figure:

@@ -6,6 +6,7 @@ parameter ``over`` which it is taken and, where there are several, ``entry`` in 
 ``levels`` to compare with.
 """
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -13,7 +14,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from sim.figures.caption import measure_notes
-from sim.figures.chute_curves import draw_curves, set_depth_axis, unjoined
+from sim.figures.chute_curves import draw_curves, set_depth_axis, unjoined, varied
 from sim.figures.curves import mark_cut_bars
 from sim.figures.data import FigureData
 from sim.figures.kind import Kind
@@ -33,7 +34,7 @@ def draw(data: FigureData) -> Figure:
         if len(quantities) == 1:
             draw_curves(axes, rows, quantity, spec, apart)
         else:
-            look = _look_of_one(spec, option)
+            look = _look_of_one(spec, varied(rows, spec), option)
             draw_curves(axes, rows, quantity, spec, apart, look=look, pitch=0)
     for level in spec.options.get("levels", ()):
         axes.axhline(level, **LEVEL)
@@ -48,13 +49,14 @@ def draw(data: FigureData) -> Figure:
     return figure
 
 
-def _look_of_one(spec: FigureSpec, option: dict[str, Any]) -> Look:
+def _look_of_one(spec: FigureSpec, keys: Sequence[str], option: dict[str, Any]) -> Look:
     """Return the look of the curves of one of several measures: its dashes, its name behind."""
-    look = look_of(spec)
+    look = look_of(spec, keys)
 
     def look_of_quantity(names: dict[str, object], index: int) -> tuple[CurveStyle, str]:
         style, entry = look(names, index)
-        return replace(style, dashes=PATTERNS[option["dashes"]]), f"{entry}, {option['entry']}"
+        named = ", ".join(filter(None, (entry, option["entry"])))
+        return replace(style, dashes=PATTERNS[option["dashes"]]), named
 
     return look_of_quantity
 

@@ -1,6 +1,6 @@
 """Ticks at the values of a parameter that were run, each with a number that can be read."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -15,11 +15,17 @@ _SMALL, _USUAL = 7.5, 9.0
 
 
 def set_ticks(
-    axes: Axes, values: Iterable[float], length: float, *, vertical: bool = False
+    axes: Axes,
+    values: Iterable[float],
+    length: float,
+    *,
+    vertical: bool = False,
+    first: Collection[float] = (),
 ) -> None:
-    """Put a tick at each value, numbers along the axis or, where they would touch, across it.
+    """Put a tick at each value, with a number wherever there is room for one.
 
-    Values too dense even for that have ticks without numbers, of which there are as few as can be.
+    Numbers along the axis or, where they would touch, across it. Values too dense even for that
+    have ticks without numbers, of which there are as few as can be.
 
     Parameters
     ----------
@@ -31,6 +37,8 @@ def set_ticks(
         Length of the axis, about, inches.
     vertical : bool
         Whether it is the vertical axis.
+    first : collection of float
+        Values that have numbers before all others, which are then never across the axis.
     """
     axis: Axis = axes.yaxis if vertical else axes.xaxis
     every = sorted(set(values))
@@ -38,10 +46,10 @@ def set_ticks(
     places = length * _fractions(axis, every)
     across = 0 if vertical else 90
     ways = [(vertical, 0, _USUAL), (True, across, _USUAL), (True, across, _SMALL)]
-    for way in ways:
+    for way in ways[:1] if first else ways:
         stacked, angle, size = way
         wide = [(_LINE if stacked else _width(label) + _GAP) * size / _USUAL for label in labels]
-        named = _readable(places, wide)
+        named = _readable(places, wide, [every.index(one) for one in every if one in first])
         if len(named) == len(every):
             break
     axis.set_major_locator(FixedLocator([every[index] for index in named]))
@@ -64,15 +72,13 @@ def _fractions(axis: Axis, values: Sequence[float]) -> np.ndarray:
     return np.abs((transform(np.asarray(values, float)) - start) / (end - start))
 
 
-def _readable(places: np.ndarray, widths: Sequence[float]) -> list[int]:
-    """Return which labels can stand without touching: the ends first, then from the left."""
-    kept = [len(places) - 1]
+def _readable(places: np.ndarray, widths: Sequence[float], first: Sequence[int]) -> list[int]:
+    """Return which labels can stand without touching: some first, the ends, then from the left."""
     found: list[int] = []
-    for index in range(len(places) - 1):
-        before = found[-1:] + kept
+    for index in dict.fromkeys((*first, len(places) - 1, *range(len(places)))):
         if all(
             abs(places[index] - places[other]) >= (widths[index] + widths[other]) / 2
-            for other in before
+            for other in found
         ):
             found.append(index)
-    return found + kept
+    return sorted(found)

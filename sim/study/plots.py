@@ -5,7 +5,14 @@ from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
 from sim.base.errors import InputError
-from sim.parameters import NUMERICAL, SYSTEMS, Parameters, field_info, roles
+from sim.parameters import (
+    NUMERICAL,
+    SYSTEMS,
+    Parameters,
+    canonical_number,
+    field_info,
+    roles,
+)
 from sim.study.catalogue import FigureSpec
 from sim.study.catalogue.spec import written
 from sim.study.figure_points import require_places
@@ -247,9 +254,13 @@ def _named(system: str, points: Sequence[Parameters]) -> tuple[str, ...]:
         for name, row in rows.items()
         if name not in NUMERICAL
         and row.unit
-        and any(row.default is not None and getattr(one, name) != row.default for one in points)
+        and row.default is not None
+        and any(getattr(one, name) != canonical_number(row.default) for one in points)
     }
     chosen = always | unusual | set(_varying(points))
+    if all(getattr(one, "friction_plane", 0) == getattr(one, "friction", 0) for one in points):
+        # A plane as rough as the particles.
+        chosen -= {"friction_plane"}
     return tuple(name for name in rows if name in chosen and rows[name].unit)
 
 

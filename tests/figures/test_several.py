@@ -88,6 +88,21 @@ def test_a_changed_entry_of_the_catalogue_is_drawn_again(folder, dataset, monkey
     assert redrawn(before, folder) == {"gallas_6"}
 
 
+def test_a_changed_plot_of_the_study_is_drawn_again_alone(dataset, tmp_path):
+    study, made = tmp_path / "own.yaml", tmp_path / "figures"
+    made.mkdir()
+    text = "study: own\nseries: [{name: a, system: belt, grid: {frequency: [20, 50]}}]\nplots:\n"
+    text += "- {name: one, x: frequency}\n- {name: two, x: frequency, y: backflow}\n"
+    study.write_text(text)
+    draw_several(("one", "two"), dataset, made, code="a", study_path=study)
+    before = times(made)
+    study.write_text(text.replace("backflow", "path_drift"))
+    draw_several(("one", "two"), dataset, made, code="a", study_path=study)
+    assert redrawn(before, made) == {"two"}
+    with pytest.raises(InputError, match="one of walton_1_1"):
+        draw_several(("one",), dataset, made)
+
+
 def test_another_dataset_draws_all(folder, dataset):
     dataset.write_text("other")
     before = times(folder)

@@ -15,6 +15,8 @@ study: rooms
 series:
   - {name: flows, system: chute, grid: {depth: [1, 2]}, figures: [walton_2]}
   - {name: beds, system: belt, grid: {frequency: [20, 50]}, figures: [gallas_1a]}
+plots:
+  - {name: own, x: frequency, system: belt}
 """
 DRAWN = {"figures": 1, "report": 1}
 DATASET = {"dataset": 1, "claims": 1, **DRAWN}
@@ -30,7 +32,7 @@ def tree(tmp_path_factory) -> Path:
     results = tree / "results" / "rooms"
     made = ["runs/.warm", "dataset.nc", "claims.json", "claims.csv", "report.html"]
     made += [f"runs/{point}.nc" for point in study.points]
-    made += [f"figures/{name}{end}" for name in study.figures for end in FIGURES[name].suffixes]
+    made += [f"figures/{name}{end}" for name, one in study.entries.items() for end in one.suffixes]
     for name in made:
         (results / name).parent.mkdir(parents=True, exist_ok=True)
         (results / name).touch()
@@ -105,6 +107,11 @@ def test_the_hash_of_a_room_follows_what_it_may_import_but_the_engine(tree, edit
 def test_an_edit_of_an_entry_of_the_catalogue_redraws_its_figure(tree, edit):
     title = FIGURES["walton_2"].title
     edit("sim/study/catalogue/walton.py", title, f"{title}, edited")
+    assert planned(tree, study="rooms.yaml") == DRAWN
+
+
+def test_a_changed_plot_of_the_study_leaves_its_dataset(tree, edit):
+    edit("rooms.yaml", "x: frequency", "x: frequency, y: backflow")
     assert planned(tree, study="rooms.yaml") == DRAWN
 
 

@@ -10,7 +10,6 @@ from pathlib import Path
 import pytest
 import xarray as xr
 
-from sim.study.catalogue import FIGURES
 from sim.study.load import load_study
 from tests.made.processes import ROOT
 from tests.made.project import STUDY, bare_folder, jobs, plan, planned, points, snakemake
@@ -43,8 +42,8 @@ def test_everything_is_made(tree):
     results = tree / "results" / "tiny"
     runs = {path.stem for path in (results / "runs").glob("*.nc")}
     assert runs == set(TINY.points)
-    for name in TINY.figures:
-        for suffix in FIGURES[name].suffixes:
+    for name, one in TINY.entries.items():
+        for suffix in one.suffixes:
             assert (results / "figures" / f"{name}{suffix}").stat().st_size > 0
     for made in ("dataset", "figures", "report"):
         assert (results / "logs" / f"{made}.log").is_file()
