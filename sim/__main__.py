@@ -183,7 +183,12 @@ def _add_start_options(init: argparse.ArgumentParser, study: argparse.ArgumentPa
     study.usage = "%(prog)s [-h] [--cores N] [--profile NAME] STUDY.yaml [-- ARGUMENT ...]"
     study.epilog = "What follows -- goes to Snakemake: -n for a dry run, names of rules or files."
     study.add_argument("study_path", type=Path, metavar="STUDY.yaml")
-    study.add_argument("--cores", type=int, metavar="N", help="cores to use (default: all)")
+    study.add_argument(
+        "--cores",
+        type=int,
+        metavar="N",
+        help="cores to use (default: all, or what the profile says)",
+    )
     study.add_argument(
         "--profile", metavar="NAME", help="slurm, or the folder of a profile of Snakemake"
     )

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from tests.made.processes import ROOT
-from tests.made.project import copy_tree
+from tests.made.project import copy_tree, jobs, planned
 
 LISTED = """\
 from setuptools.dist import Distribution
@@ -44,6 +44,17 @@ def test_the_package_holds_all_files_of_sim_workflow_and_config():
     said = subprocess.check_output([sys.executable, "-c", LISTED], cwd=ROOT, text=True)
     workflow, config = files("workflow", "sim/workflow"), files("config", "sim/config")
     assert set(map(Path, said.splitlines())) == files("sim", "sim") | workflow | config
+
+
+@pytest.mark.parametrize("figures", ["[gallas_1a]", "[]"])
+def test_the_workflow_makes_the_same_alone_and_from_the_root(figures, tmp_path):
+    """The package has it without the Snakefile of the root."""
+    (tmp_path / "study.yaml").write_text(STUDY.replace("[gallas_1a]", figures))
+    words = ["-m", "sim", "study", "study.yaml", "--cores", "2", "--", "-n", "--quiet", "host"]
+    settings = os.environ | {"PYTHONPATH": str(ROOT)}
+    alone = subprocess.check_output([sys.executable, *words], cwd=tmp_path, env=settings, text=True)
+    assert jobs(alone) == planned(tmp_path, study="study.yaml")
+    assert jobs(alone)["report"] == jobs(alone)["warm"] == 1
 
 
 @pytest.fixture(scope="module")

@@ -69,7 +69,7 @@ def study(study_path: Path, cores: int | None, profile: str | None, extra: Seque
     study_path : Path
         The study file.
     cores : int, optional
-        Cores to use; all that there are by default.
+        Cores to use; by default all that there are, or as many as a profile says.
     profile : str, optional
         Folder of a profile of Snakemake, or the name of one that comes with Talus.
     extra : sequence of str
@@ -86,15 +86,16 @@ def study(study_path: Path, cores: int | None, profile: str | None, extra: Seque
     if profile:
         own = packaged("workflow") / "profiles" / profile
         extra = ["--profile", str(own if own.is_dir() else profile), *extra]
-    command = snakemake(study_path, cores, extra)
+    # With a profile it would limit what is asked of a cluster.
+    command = snakemake(study_path, cores or (None if profile else "all"), extra)
     sys.stdout.flush()
     os.execve(command[0], command, os.environ | _lacking())
 
 
-def snakemake(study_path: Path, cores: int | None, extra: Sequence[str] = ()) -> list[str]:
+def snakemake(study_path: Path, cores: int | str | None, extra: Sequence[str] = ()) -> list[str]:
     """Return the command that runs a study with the workflow of this package."""
-    cores_given = "all" if cores is None else str(cores)
-    options = ["--cores", cores_given, "--configfile", str(study_path)]
+    options = [] if cores is None else ["--cores", str(cores)]
+    options += ["--configfile", str(study_path)]
     # Last of the two, as a name that follows --configfile is one more of its files.
     options += ["--snakefile", str(packaged("workflow") / "Snakefile")]
     # What lies in the present folder is none of Python's business.

@@ -59,11 +59,16 @@ class Submitted:
         self._python = python
         self._started: list[subprocess.Popen] = []
 
-    def start(self, *options: str) -> subprocess.Popen:
-        """Start the workflow as the documentation says; what it says goes to ``said.log``."""
+    def start(self, *options: str, checked: bool = False) -> subprocess.Popen:
+        """Start the workflow as the documentation says; what it says goes to ``said.log``.
+
+        It is that of the repository, or the packaged one once the study is ``checked``.
+        """
         command = ["-m", "snakemake", "--snakefile", str(ROOT / "Snakefile")]
         command += ["--profile", str(ROOT / "workflow" / "profiles" / "slurm")]
         command += ["--configfile", STUDY.name]
+        if checked:
+            command = ["-m", "sim", "study", STUDY.name, "--profile", "slurm", "--"]
         command += [
             "--default-resources",
             f"slurm_account={ACCOUNT}",
@@ -74,7 +79,8 @@ class Submitted:
             process = subprocess.Popen(
                 [self._python, *command],
                 cwd=self.tree,
-                env=self.cluster.environment | {"TALUS_CHECKPOINT_SECONDS": "0.5"},
+                env=self.cluster.environment
+                | {"TALUS_CHECKPOINT_SECONDS": "0.5", "PYTHONPATH": str(ROOT)},
                 stdout=said,
                 stderr=said,
             )
@@ -169,10 +175,11 @@ def test_a_study_with_ended_jobs_comes_to_the_dataset_of_a_local_one(local, subm
         (line,) = (line for line in lines if line.startswith(f"{name}: job failed"))
         assert state in line and line.endswith("terminated; the next start continues it")
 
-    # The same command, without the limit, computes what is left, each from where it was.
+    # The command that checks the study first, without the limit, computes what is left, each from
+    # where it was.
     finished = {path: path.stat().st_ino for path in runs.glob("*.nc")}
     assert 0 < len(finished) < len(members)
-    assert submitted.start().wait() == 0, submitted.said()
+    assert submitted.start(checked=True).wait() == 0, submitted.said()
     assert {path: path.stat().st_ino for path in finished} == finished
     log = runs.parent / "logs" / "runs" / f"{long}.log"
     assert "continued from a checkpoint" in log.read_text(encoding="utf-8")

@@ -104,6 +104,8 @@ def test_profiles_of_the_package_are_found_by_name(name, given, became):
     with pytest.raises(Became):
         main(["study", "first.yaml", "--profile", name])
     assert became[1][-2:] == ["--profile", str(given)]
+    # It would limit the cores of a cluster, too.
+    assert "--cores" not in became[1]
 
 
 @pytest.mark.parametrize(
