@@ -140,12 +140,14 @@ def _normal_and_slip(rows, time_step):
 
 
 @inlined
-def _add_contact(sums, sampling, rows, place, normal, speed, friction):
-    """Add a contact with the force of column 0 and a slip velocity ``speed`` (m/s).
+def _add_contact(sums, sampling, rows, place, normal, sliding):
+    """Add a contact with the force of column 0.
 
-    ``place``: its branch (x, y, z) (m) from j to i, and the heights of i and of the contact.
+    ``place``: its branch (x, y, z) (m) from j to i, and the heights of i and of the contact;
+    ``sliding``: the slip velocity (m/s) and the coefficient of friction.
     """
     stress, slip = sums
+    speed, friction = sliding
     (bx, by, bz), top, at = place
     fx, fy, fz = rows[FX * STRIDE], rows[(FX + 1) * STRIDE], rows[(FX + 2) * STRIDE]
     low, high = min(top, top - bz), max(top, top - bz)
@@ -229,7 +231,7 @@ def add_contacts(sums, spheres, contacts, sampling):
         react(law, rows, 0, recall(memory, pairs.slot[p]))
         at = x[2, i] + (spheres.radius[i] - 0.5 * rows[DEPTH * STRIDE]) * normal[2]
         place = (-dx, -dy, -dz), x[2, i], at
-        _add_contact(sums, sampling, rows, place, normal, speed, friction)
+        _add_contact(sums, sampling, rows, place, normal, (speed, friction))
     for i in range(spheres.mass.size):
         if spheres.mass[i] == 0.0 or x[2, i] >= spheres.radius[i]:
             continue
@@ -238,5 +240,5 @@ def add_contacts(sums, spheres, contacts, sampling):
         normal, speed = _normal_and_slip(rows, step)
         react(plane_law, rows, 0, recall(plane_memory, slot[0, i]))
         place = (0.0, 0.0, x[2, i]), x[2, i], 0.0
-        _add_contact(sums, sampling, rows, place, normal, speed, plane_friction)
+        _add_contact(sums, sampling, rows, place, normal, (speed, plane_friction))
     _add_spheres(stress, spheres, sampling)
