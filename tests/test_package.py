@@ -5,11 +5,13 @@ import os
 import shutil
 import subprocess
 import sys
+import tomllib
 import venv
 from pathlib import Path
 
 import pytest
 
+from sim import __version__
 from tests.made.processes import ROOT
 from tests.made.project import copy_tree, jobs, planned
 
@@ -44,6 +46,11 @@ def test_the_package_holds_all_files_of_sim_workflow_and_config():
     said = subprocess.check_output([sys.executable, "-c", LISTED], cwd=ROOT, text=True)
     workflow, config = files("workflow", "sim/workflow"), files("config", "sim/config")
     assert set(map(Path, said.splitlines())) == files("sim", "sim") | workflow | config
+
+
+def test_the_version_is_the_same_wherever_it_is_said():
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    assert project["version"] == __version__
 
 
 @pytest.mark.parametrize("figures", ["[gallas_1a]", "[]"])
