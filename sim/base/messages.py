@@ -1,6 +1,7 @@
 """From a pydantic error to one line that names file, key, value and allowed range."""
 
 import difflib
+import re
 import typing
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
@@ -14,6 +15,11 @@ from sim.base.errors import InputError, in_short, key_path
 
 _UNKNOWN = {"extra_forbidden", "invalid_key"}
 _TAG = "system"
+
+#: Characters up to which what is allowed is said although it is known what was meant.
+SHORT = 60
+
+_DECIMAL_COMMA = re.compile(r"[-+]?\d+,\d+")
 
 
 def allowed_values(field: FieldInfo) -> str:
@@ -57,8 +63,12 @@ def _number(value: float) -> str:
     return str(value) if isinstance(value, int) else f"{value:.12g}"
 
 
-def unknown_key(source: str, path: str, value: Any, known: Iterable[str]) -> InputError:
+def unknown_key(
+    source: str, path: str, value: Any, known: Iterable[str], hint: str = ""
+) -> InputError:
     """Say that the last key of a path is not known, which may be meant, and which there are."""
+    if hint:
+        return InputError(f"{source}: {path}: unknown key, got {in_short(value)}; {hint}")
     names = list(known)
     close = difflib.get_close_matches(path.rpartition(".")[2], names, n=1)
     question = f"did you mean {close[0]!r}? " if close else ""
@@ -97,7 +107,8 @@ def input_error(
     if rule:
         return InputError.of_value(source, path, rule["got"], rule["allowed"])
     if entry["type"] in _UNKNOWN:
-        return unknown_key(source, path, entry["input"], owner.model_fields)
+        hint = _hint(owner, _name(entry), None)
+        return unknown_key(source, path, entry["input"], owner.model_fields, hint)
     got = None if entry["type"] == "missing" else entry["input"]
     if entry["type"].startswith("union_tag"):
         kinds = _models_in(owner.model_fields[_name(entry)].annotation)
@@ -107,7 +118,16 @@ def input_error(
     if entry["type"] == "int_type" and isinstance(got, float):
         # With its point, which is what is wrong with it.
         return InputError(f"{source}: {path}: got {got!r}; allowed: {allowed}")
+    if hint := _hint(owner, _name(entry), got):
+        allowed = f"{allowed}; {hint}" if len(allowed) < SHORT else hint
     return InputError.of_value(source, path, got, allowed)
+
+
+def _hint(owner: type[BaseModel], key: str, value: Any) -> str:
+    """Say what may have been meant by a value, or by a key with none."""
+    if isinstance(value, str) and _DECIMAL_COMMA.fullmatch(value):
+        return "a number has a decimal point, not a comma"
+    return str(getattr(owner, "hint", lambda key, value: "")(key, value))
 
 
 def _resolve(

@@ -1,6 +1,15 @@
 """Quantities as people read them."""
 
 
+def counted(number: int, noun: str) -> str:
+    """Write a number of things.
+
+    >>> counted(1, "point"), counted(2000, "point")
+    ('1 point', '2,000 points')
+    """
+    return f"{number:,} {noun}" + ("" if number == 1 else "s")
+
+
 def duration(seconds: float) -> str:
     """Write a time in the unit that suits it: ``4.5 s``, ``3.1 min``, ``2.0 h``.
 

@@ -175,6 +175,14 @@ def _refuse_wrong_keys(root: yaml.Node, source: str) -> None:
             pending += _members(node, path, source)
 
 
+def _no_text(key: yaml.Node) -> str:
+    """Say what is wrong with a key that is no text."""
+    comma = isinstance(key, yaml.ScalarNode) and key.tag == f"{_TAG}int"
+    return "expected text as a key" + (
+        "; a number has a decimal point, not a comma" if comma else ""
+    )
+
+
 def _members(node: yaml.MappingNode, path: _Path, source: str) -> list[tuple[yaml.Node, _Path]]:
     """Return a mapping's values with their paths, refusing a wrong key."""
     first_lines: dict[str, int] = {}
@@ -182,9 +190,7 @@ def _members(node: yaml.MappingNode, path: _Path, source: str) -> list[tuple[yam
     for key, value in node.value:
         text = isinstance(key, yaml.ScalarNode) and key.tag in (f"{_TAG}str", f"{_TAG}merge")
         if not text:
-            raise yaml.constructor.ConstructorError(
-                None, None, "expected text as a key", key.start_mark
-            )
+            raise yaml.constructor.ConstructorError(None, None, _no_text(key), key.start_mark)
         here = (*path, key.value)
         line = key.start_mark.line + 1
         if key.value in first_lines:

@@ -10,7 +10,7 @@ import psutil
 from sim.base.errors import InputError
 from sim.base.files import require_writable
 from sim.base.program import program
-from sim.base.words import duration
+from sim.base.words import counted, duration
 from sim.parameters import complete
 from sim.study.cost import Estimate, estimate
 from sim.study.figure_points import left_out
@@ -44,6 +44,7 @@ def as_table(study: Study) -> str:
     rows = [_row(point, costs[point.id]) for point in study.points.values()]
     sections = [
         aligned(_HEADINGS, rows, _RIGHT),
+        _plots(study),
         left_out(study),
         _caveats(study),
         [
@@ -128,6 +129,14 @@ def aligned(
     return lines
 
 
+def _plots(study: Study) -> list[str]:
+    """Return a line per plot of the study's own."""
+    return [
+        f"plot {name}: {spec.title} ({counted(len(study.figures[name]), 'point')})"
+        for name, spec in study.plots.items()
+    ]
+
+
 def _caveats(study: Study) -> list[str]:
     """Return a line per caveat that is known before any run, with the first points it is of."""
     found: dict[str, list[str]] = {}
@@ -135,7 +144,7 @@ def _caveats(study: Study) -> list[str]:
         if point.parameters.caveat:
             found.setdefault(point.parameters.caveat, []).append(point.id)
     return [
-        f"caveat for {len(ids):,} of {len(study.points):,} points: {text} "
+        f"caveat for {len(ids):,} of {counted(len(study.points), 'point')}: {text} "
         f"({', '.join(ids[:MOST_NAMED])}"
         + (f" and {len(ids) - MOST_NAMED:,} more)" if len(ids) > MOST_NAMED else ")")
         for text, ids in found.items()
@@ -147,7 +156,7 @@ def _totals(costs: Sequence[Estimate]) -> str:
     total = sum(cost.core_seconds for cost in costs)
     longest = max(cost.core_seconds for cost in costs)
     return (
-        f"{len(costs):,} points, {steps:,} steps, estimated core time {duration(total)}, "
+        f"{counted(len(costs), 'point')}, {steps:,} steps, estimated core time {duration(total)}, "
         f"on {CORES} cores {duration(max(total / CORES, longest))}; computing alone, without "
         "compilation, Snakemake and figures"
     )

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from sim.base.errors import InputError
-from sim.base.words import duration
+from sim.base.words import counted, duration
 from sim.report.points import aligned
 from sim.report.status import PointStatus, StudyStatus, survey
 from sim.study.load import DEFAULT_STUDY, load_study
@@ -68,7 +68,7 @@ def as_text(status: StudyStatus, width: int | None = None) -> str:
         counts += f"; {status.caveats:,} with a caveat"
     name = f"{status.name}: {status.title}" if status.title else status.name
     sections = [
-        [name, f"{len(status.points):,} points: {counts}"],
+        [name, f"{counted(len(status.points), 'point')}: {counts}"],
         _started(status, width),
         _failed(status, width),
         _closing(status),
@@ -164,7 +164,7 @@ def _closing(status: StudyStatus) -> list[str]:
         lines.append(f"decisions: {hours}")
     outdated = sum(point.outdated for point in status.points.values())
     if outdated:
-        lines.append(f"of other numerics, to be run again: {outdated:,} points")
+        lines.append(f"of other numerics, to be run again: {counted(outdated, 'point')}")
     if status.orphans:
         lines.append(f"runs of no point of the study: {len(status.orphans):,} (sim orphans)")
     return lines

@@ -1,11 +1,12 @@
 """Entries of a study file, whatever their system: parameters, series, boundaries, overrides."""
 
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self, get_args
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from sim.parameters import AMOUNTS, Parameters
+from sim.parameters import AMOUNTS, SYSTEMS, Parameters
 from sim.parameters.common import Real, broken_rule
+from sim.study.catalogue import FIGURES
 from sim.study.refine import MAX_ROUNDS, PARTS, further_rounds
 
 
@@ -33,6 +34,15 @@ class Some(Strict):
     """Values of some parameters of a system; only those given are set."""
 
     parameters: ClassVar[type[Parameters]]
+
+    @classmethod
+    def hint(cls, key: str, value: Any) -> str:
+        """Say what may have been meant by a value, or by a key that is not known."""
+        if isinstance(value, list) and not issubclass(cls, Lists):
+            return "a list of values belongs under grid"
+        others = [name for name, model in SYSTEMS.items() if key in model.model_fields]
+        own = cls.parameters.model_fields["system"].default
+        return f"{key} is a parameter of the {others[0]}" if others and own not in others else ""
 
     def given(self) -> dict[str, Any]:
         """Return the values that the file sets here, numbers in canonical form."""
@@ -70,6 +80,16 @@ ALLOWED_NAME: dict[str, Any] = {
 
 class _Family(Strict):
     """Points or boundaries of one system that share most of their parameters."""
+
+    @classmethod
+    def hint(cls, key: str, value: Any) -> str:
+        """Say what may have been meant by a value, or by a key that is not known."""
+        if key == "figures" and value in FIGURES:
+            (own,) = get_args(cls.model_fields["system"].annotation)
+            return f"a figure of the {own}; {value} is one of the {FIGURES[value].system}"
+        if any(key in model.model_fields for model in SYSTEMS.values()):
+            return "parameters belong under base, grid or cases"
+        return ""
 
     name: str = Field(
         pattern=NAME,

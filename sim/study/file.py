@@ -7,7 +7,15 @@ from types import GenericAlias
 from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple, Self
 from unicodedata import category
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, create_model, model_validator
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    ValidationError,
+    create_model,
+    model_validator,
+)
 
 from sim.base.messages import input_error
 from sim.parameters import SYSTEMS, roles
@@ -27,6 +35,7 @@ from sim.study.entries import (
     optional,
 )
 from sim.study.plot_file import PlotFile
+from sim.study.ranges import expanded, expanded_integers, with_ranges
 
 #: Names of folders of results that are no study's: where published studies lie.
 _RESERVED = ("published",)
@@ -99,9 +108,14 @@ def _given(base: type[Some], system: str, names: Collection[str] | None = None) 
         value: Any = declared.annotation
         if declared.metadata:
             value = Annotated[(value, *declared.metadata)]
+        said = optional(declared.description)
         if issubclass(base, Lists):
             value = Annotated[_list_of(value), Field(min_length=1)]
-        fields[key] = value, optional(declared.description)
+            if declared.annotation in (int, float):
+                spread = expanded_integers if declared.annotation is int else expanded
+                value = Annotated[value, BeforeValidator(spread)]
+                said = Field(None, description=declared.description, json_schema_extra=with_ranges)
+        fields[key] = value, said
     name = f"{system.capitalize()}{base.__name__}"
     made = create_model(name, __base__=base, __doc__=base.__doc__, **fields)
     made.parameters = SYSTEMS[system]

@@ -10,6 +10,7 @@ from pydantic.json_schema import models_json_schema
 
 from sim.base.errors import InputError
 from sim.parameters import SYSTEMS, FieldRow, field_info
+from sim.study import ranges
 from sim.study.catalogue import FIGURES
 from sim.study.file import MODELS, Defaults, SharedReadings, StudyFile
 from sim.study.plot_file import PlotFile
@@ -40,7 +41,7 @@ def schema() -> dict[str, Any]:
         "if": {"required": ["system"]},
         "then": point,
         "else": study,
-        "$defs": definitions["$defs"],
+        "$defs": definitions["$defs"] | {ranges.NAME: ranges.SCHEMA},
     }
 
 
