@@ -1,7 +1,7 @@
 """From the plots of a study file to entries of the same kind as the catalogue's."""
 
 import difflib
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 from sim.base.errors import InputError
@@ -14,22 +14,16 @@ from sim.parameters import (
     roles,
 )
 from sim.study.catalogue import FigureSpec
-from sim.study.catalogue.spec import written
 from sim.study.figure_points import require_places
 from sim.study.file import StudyFile
 from sim.study.model import Point, Study
+from sim.study.plot_checks import Refused, require_nothing_else, require_parameters, varying_of
 from sim.study.plot_file import OBSERVABLE, PlotFile
 from sim.study.plot_words import lead_of, title_of
 from sim.study.plottable import SHOWN_BY, Observable
 
-#: Most panels of a plot.
-MOST_PANELS = 12
-
 #: What the colour of a map may be besides an observable.
 REGIME = "regime"
-
-#: Gives the error of a key of the plot, its value, and what is allowed.
-Refused = Callable[[str, Any, str], InputError]
 
 
 def plots_of(
@@ -81,12 +75,7 @@ def _entry(one: PlotFile, study: Study, refused: Refused, source: str, path: str
     points = [point for point in points if point.parameters.system == system]
     observable = _observable(one, system, points, refused)
     curves, panels = tuple(one.curves or ()), one.panels or ""
-    for key, name in _parameters(one):
-        _require_parameter(key, name, system, refused)
-        _require_varied(key, name, points, refused)
-    _require_distinct(one, refused)
-    _require_few_panels(one, points, refused)
-    _require_logarithms(one, points, refused)
+    require_parameters(one, system, points, refused)
     spec = FigureSpec(
         name=one.name,
         kind=f"plot_{one.kind}",
@@ -107,7 +96,7 @@ def _entry(one: PlotFile, study: Study, refused: Refused, source: str, path: str
         },
     )
     if one.kind == "map":
-        _require_nothing_else(spec, points, refused)
+        require_nothing_else(spec, points, refused)
     require_places(spec, points, source, path)
     return spec
 
@@ -162,89 +151,6 @@ def _instead(one: PlotFile, system: str, known: list[str]) -> str:
     return (f"did you mean {' or '.join(close)}? " if close else "") + "one of " + ", ".join(known)
 
 
-def _parameters(one: PlotFile) -> list[tuple[str, str]]:
-    """Return the parameters that a plot is over, with the keys that name them."""
-    axes = [(key, getattr(one, key)) for key in ("x", "y") if getattr(one, key) in one.on_axes]
-    curves = [
-        (f"curves[{number}]" if len(one.curves or []) > 1 else "curves", name)
-        for number, name in enumerate(one.curves or [])
-    ]
-    return [*axes, *curves, *([("panels", one.panels)] if one.panels else [])]
-
-
-def _require_parameter(key: str, name: str, system: str, refused: Refused) -> None:
-    """Refuse what is no parameter of the system, or on an axis no number."""
-    fields = SYSTEMS[system].model_fields
-    if name not in fields or name == "system":
-        others = [one for one, model in SYSTEMS.items() if name in model.model_fields]
-        if name != "system" and others:
-            raise refused(key, name, f"a parameter of the {system}; this is one of the {others[0]}")
-        known = [one for one in fields if one != "system"]
-        close = difflib.get_close_matches(name, known, n=3)
-        hint = f"did you mean {' or '.join(close)}? " if close else ""
-        raise refused(key, name, f"{hint}a parameter of the {system} that the points vary")
-    if key in ("x", "y") and fields[name].annotation not in (int, float):
-        raise refused(key, name, "a parameter that is a number; curves and panels take any")
-
-
-def _require_varied(key: str, name: str, points: Sequence[Point], refused: Refused) -> None:
-    values = {getattr(point.parameters, name) for point in points}
-    if len(values) < 2:
-        vary = _varying([point.parameters for point in points])
-        allowed = "a parameter that the points vary" + (f": {', '.join(vary)}" if vary else "")
-        raise refused(key, f"{name}, which is {_written(values.pop())} throughout", allowed)
-
-
-def _require_distinct(one: PlotFile, refused: Refused) -> None:
-    seen: dict[str, str] = {}
-    for key, name in _parameters(one):
-        if name in seen:
-            raise refused(key, name, f"a parameter other than {seen[name]}")
-        seen[name] = key
-
-
-def _require_few_panels(one: PlotFile, points: Sequence[Point], refused: Refused) -> None:
-    if one.panels:
-        count = len({getattr(point.parameters, one.panels) for point in points})
-        if count > MOST_PANELS:
-            allowed = f"a parameter of at most {MOST_PANELS} values"
-            raise refused("panels", f"{one.panels} with {count} values", allowed)
-
-
-def _require_logarithms(one: PlotFile, points: Sequence[Point], refused: Refused) -> None:
-    """Refuse a logarithmic axis of a parameter that is zero or negative somewhere."""
-    for number, axis in enumerate(one.log):
-        name = getattr(one, axis)
-        if name in one.on_axes:
-            least = min(getattr(point.parameters, name) for point in points)
-            if least <= 0:
-                got = f"{axis} with {name} = {written(least)}"
-                raise refused(f"log[{number}]", got, f"an axis of values > 0, or no log of {axis}")
-
-
-def _require_nothing_else(spec: FigureSpec, points: Sequence[Point], refused: Refused) -> None:
-    """Refuse a map on which several points would lie on each other."""
-    places: dict[tuple[Any, ...], Point] = {}
-    for point in points:
-        place = tuple(getattr(point.parameters, name) for name in (*spec.axes, *spec.curves))
-        other = places.setdefault(place, point)
-        if other is not point:
-            shown = {*spec.axes, *spec.curves}
-            vary = _varying([other.parameters, point.parameters])
-            differ = ", ".join(name for name in vary if name not in shown)
-            allowed = f"a map with one point at each place: these differ in {differ or 'numerics'}"
-            raise refused("panels", spec.options["panels"] or None, allowed)
-
-
-def _varying(points: Sequence[Parameters]) -> list[str]:
-    """Return the parameters that some points of one system vary, those that count as physics."""
-    return [
-        name
-        for name in type(points[0]).model_fields
-        if name not in NUMERICAL and len({getattr(point, name) for point in points}) > 1
-    ]
-
-
 def _named(system: str, points: Sequence[Parameters]) -> tuple[str, ...]:
     """Return the parameters that a caption gives: those that name points, vary or are not usual."""
     model = SYSTEMS[system]
@@ -257,12 +163,8 @@ def _named(system: str, points: Sequence[Parameters]) -> tuple[str, ...]:
         and row.default is not None
         and any(getattr(one, name) != canonical_number(row.default) for one in points)
     }
-    chosen = always | unusual | set(_varying(points))
+    chosen = always | unusual | set(varying_of(points))
     if all(getattr(one, "friction_plane", 0) == getattr(one, "friction", 0) for one in points):
         # A plane as rough as the particles.
         chosen -= {"friction_plane"}
     return tuple(name for name in rows if name in chosen and rows[name].unit)
-
-
-def _written(value: Any) -> str:
-    return str(value).lower() if isinstance(value, bool) else written(value)
