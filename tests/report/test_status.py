@@ -131,7 +131,7 @@ def test_runs_of_other_numerics_are_counted(folder):
     folder.finish(folder.ids[1])
     status = folder.survey()
     assert [point.outdated for point in status.points.values()] == [True, *[False] * 4]
-    assert "to be run again: 1 points" in as_text(status)
+    assert "to be run again: 1 point" in as_text(status)
 
 
 def test_time_left_follows_what_done_points_took(folder):
