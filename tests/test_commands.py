@@ -127,7 +127,7 @@ MISTAKES = {
         "gallas_1a",
         "series[0].figures[0]",
         "'gallas_1a'",
-        "walton_2",
+        "a figure of the chute",
     ),
     "figure without an axis": (
         "depth: [1, 2]",

@@ -49,7 +49,7 @@ def missing_energy(replicate: Mapping[Any, SupportsFloat]) -> float:
 
 
 def caveat(
-    said: str, missing: Iterable[float], parameters: Parameters, velocities: Iterable[float]
+    said: str, missing: Iterable[float], parameters: Parameters, overlaps: Iterable[float]
 ) -> str:
     """Return all that is to be known before trusting a run, empty for a sound one.
 
@@ -57,28 +57,30 @@ def caveat(
     ----------
     said : str
         What the run says of itself.
-    missing, velocities : iterable of float
-        Shares of the energy that are not found, and mean velocities (m/s), of all replicates; NaN
-        where not known.
+    missing, overlaps : iterable of float
+        Shares of the energy that are not found, and largest overlaps in diameters, of all
+        replicates; NaN where not known.
     parameters : Parameters
         Of the point.
     """
     leaking = any(share > UNSOUND for share in missing)
-    fast = (parameters.caveat_at(float(velocity)) for velocity in velocities)
-    told = (said, _LEAKING if leaking else "", *fast)
-    # One that started too fast has said so.
+    soft = (parameters.caveat_of(float(overlap)) for overlap in overlaps)
+    told = (said, _LEAKING if leaking else "", *soft)
     return "; ".join(filter(None, dict.fromkeys(told)))
 
 
 def caveat_of_run(run: Summary, parameters: Parameters) -> str:
     """Return the caveat of the run of a point."""
-    said, velocities = run.attrs.get("caveat", ""), run.scalars.get("velocity", ())
+    said = run.attrs.get("caveat", "")
+    each = zip(run.scalars.get("max_overlap", ()), run.scalars.get("status", ()), strict=True)
+    # What blew up is no flow.
+    overlaps = [overlap for overlap, status in each if status == "completed"]
     if "energy_residual" not in run.scalars:
-        return caveat(said, (), parameters, velocities)
+        return caveat(said, (), parameters, overlaps)
     shared = {"particles": parameters.particles, "mass": parameters.mass}
     columns = {name: run.scalars[name] for name in _OF_LEDGER if name in run.scalars}
     replicates = (
         dict(zip(columns, values, strict=True)) for values in zip(*columns.values(), strict=True)
     )
     missing = [missing_energy(shared | each) for each in replicates]
-    return caveat(said, missing, parameters, velocities)
+    return caveat(said, missing, parameters, overlaps)

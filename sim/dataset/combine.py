@@ -58,7 +58,7 @@ def root(blocks: Sequence[Rows], study: Study) -> xr.Dataset:
         made["caveat"],
         held["missing_energy"].values,
         [point.parameters for point in study.points.values()],
-        held["velocity"].values,
+        held["max_overlap"].where(held["status"] == "completed").values,
     )
     found = held.assign_coords(
         _labels(study, caveats, made["source_hash"])

@@ -18,6 +18,11 @@ RATE_EXPONENT = -0.55
 #: of the paper's softest spheres.
 SMALL = 0.1
 
+_TOO_SOFT = (
+    f"overlap by more than {100 * SMALL:g} % of a diameter, beyond the range of the contact law; a "
+    "larger stiffness cures it"
+)
+
 
 def negligible_acceleration(gravity: float, angle: float) -> float:
     """Return the acceleration (m s⁻²) that is none at an angle (degree): 1 % of g sin θ.
@@ -393,22 +398,18 @@ class ChuteParameters(Parameters):
 
     @property
     def caveat(self) -> str:
-        """Say so when the flow starts faster than the contact law bears."""
-        return self.caveat_at(self.initial_velocity * self.velocity_unit)
-
-    def caveat_at(self, velocity: float) -> str:
-        """Say so when a flow at a mean velocity (m/s) is faster than the contact law bears.
+        """Say so when the start is faster than the contact law bears.
 
         Spheres that meet head-on at a speed v overlap by v √(m/2K1); sheared from bottom to top, a
         flow has spheres that differ by half of its velocity.
         """
-        overlap = 0.5 * abs(velocity) * math.sqrt(0.5 * self.mass / self.stiffness)
-        if not overlap > SMALL * self.diameter:
-            return ""
-        return (
-            f"impacts at half its velocity overlap by more than {100 * SMALL:g} % of a diameter, "
-            "beyond the range of the contact law; a larger stiffness cures it"
-        )
+        speed = 0.5 * abs(self.initial_velocity) * self.velocity_unit
+        overlap = speed * math.sqrt(0.5 * self.mass / self.stiffness) / self.diameter
+        return f"impacts at half its start velocity {_TOO_SOFT}" if overlap > SMALL else ""
+
+    def caveat_of(self, overlap: float) -> str:
+        """Say so when spheres have overlapped by more than the contact law bears."""
+        return f"spheres {_TOO_SOFT}" if overlap > SMALL else ""
 
     @property
     def cores(self) -> int:

@@ -173,8 +173,11 @@ class Parameters(BaseModel):
         """What a reader should know before trusting a run of this point, or an empty text."""
         return ""
 
-    def caveat_at(self, velocity: float) -> str:
-        """Return what to know of a flow at a mean velocity (m/s) besides, or an empty text."""
+    def caveat_of(self, overlap: float) -> str:
+        """Return what to know of a run with this largest overlap besides, or an empty text.
+
+        ``overlap`` is in diameters, as ``max_overlap``.
+        """
         return ""
 
     @property

@@ -72,7 +72,7 @@ class Observable:
 
 def numbers(system: str) -> dict[str, Observable]:
     """Return what is one number per replicate: scalars, measures, and means of the profiles."""
-    scalars = _own(system, SCALARS) | ENERGY_MEASURES | _MEASURES[system]
+    scalars = _own(system, SCALARS) | ENERGY_MEASURES | _MEASURES.get(system, {})
     found = {
         name: Observable(name, name, unit, meaning, asked_by=_ASKED_BY.get(name, ""))
         for name, (unit, meaning) in scalars.items()
@@ -104,7 +104,7 @@ def series(system: str) -> dict[str, Observable]:
         (name := source.removeprefix("mean_")): Observable(
             name, source, unit, meaning, asked_by=_ASKED_BY.get(source, "")
         )
-        for source, (unit, meaning) in SERIES[system].items()
+        for source, (unit, meaning) in SERIES.get(system, {}).items()
     }
 
 

@@ -7,14 +7,14 @@ import xarray as xr
 from sim.dataset.caveats import UNSOUND, caveat, caveat_of_run
 from sim.dataset.gather import read_run
 from sim.dataset.summary import summary_of
-from sim.parameters import ChuteParameters
+from sim.parameters import BeltParameters, ChuteParameters
 from tests.made.runs import write_run
 
 PAPER = ChuteParameters()
 
 
-def told(said, missing, velocities=()):
-    return caveat(said, missing, PAPER, velocities)
+def told(said, missing, overlaps=()):
+    return caveat(said, missing, PAPER, overlaps)
 
 
 def test_one_replicate_that_leaks_is_enough():
@@ -27,19 +27,18 @@ def test_both_caveats_are_told():
     assert told("a long step", [1.0]).startswith("a long step; energy does not add up")
 
 
-def test_flows_faster_than_the_contact_law_bears_say_so_once():
-    """At 100 N/m an impact at √(gσ) overlaps by 0.85 % of a diameter; half of V counts."""
-    unit = PAPER.velocity_unit
-    assert told("", [], [np.nan, 23.3 * unit]) == ""
-    text = told("", [], [5 * unit, 23.5 * unit])
-    assert "more than 10 % of a diameter" in text
-    assert told(text, [], [50 * unit, 60 * unit]) == text
-    assert caveat("", [], ChuteParameters(stiffness=1000), [60 * unit]) == ""
+def test_flows_that_overlap_beyond_the_contact_law_say_so_once():
+    assert told("", [], [np.nan, 0.099]) == ""
+    text = told("", [], [0.05, 0.11, 0.2])
+    assert text.startswith("spheres overlap by more than 10 % of a diameter")
+    assert caveat("", [], BeltParameters(), [0.6]) == ""
 
 
 def test_a_start_faster_than_the_contact_law_bears_is_known_before_any_run():
-    assert not ChuteParameters(initial_velocity=23).caveat
-    assert "beyond the range" in ChuteParameters(initial_velocity=24).caveat
+    """At 100 N/m an impact at √(gσ) overlaps by 0.85 % of a diameter; half of V counts."""
+    assert not ChuteParameters(initial_velocity=23.3).caveat
+    assert "beyond the range" in ChuteParameters(initial_velocity=23.5).caveat
+    assert not ChuteParameters(initial_velocity=70, stiffness=1000).caveat
 
 
 @pytest.mark.parametrize("acceleration", [0.0, 5.0])
