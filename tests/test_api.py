@@ -111,7 +111,7 @@ def test_points_of_a_study_are_a_table():
     points = sim.points(ROOT / "config" / "first.yaml")
     assert len(points) == 9 and points.index.name == "point"
     assert set(points.friction) == {0.4, 0.5, 0.6} and (points.core_seconds > 0).all()
-    assert all("walton_2" in figures for figures in points.figures)
+    assert all(series == ("friction",) for series in points.series)
 
 
 def test_importing_the_package_loads_no_library():

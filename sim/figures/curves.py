@@ -63,6 +63,8 @@ def draw_family(
         How far each curve is drawn to the right of the one before, in points of print, so that
         points that coincide can be told apart.
     """
+    if rows.empty:
+        return
     curves = split_curves(rows, along, keys, parameters)
     curves.sort(key=lambda curve: curve[1]["protocol"].iloc[0] != "published")
     labels, styles = _labelled([names for names, _ in curves], look)

@@ -1,6 +1,7 @@
 """Entries of a study file, whatever their system: parameters, series, boundaries, overrides."""
 
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self, get_args
+from unicodedata import category
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
@@ -8,6 +9,17 @@ from sim.parameters import AMOUNTS, SYSTEMS, Parameters
 from sim.parameters.common import Real, broken_rule
 from sim.study.catalogue import FIGURES
 from sim.study.refine import MAX_ROUNDS, PARTS, further_rounds
+
+#: Categories of Unicode that would move the cursor or turn the line where a title is shown, or hold
+#: no letters; and the most letters of a title.
+_UNSHOWN, _LONGEST = ("Cc", "Cf", "Cn", "Co", "Cs", "Zl", "Zp"), 300
+
+
+def require_shown(title: str) -> None:
+    """Refuse a title that is no line of letters; raises the error of a validator."""
+    if len(title) > _LONGEST or any(category(letter) in _UNSHOWN for letter in title):
+        allowed = f"one line of at most {_LONGEST} letters, without control or direction marks"
+        raise broken_rule("title", title, allowed)
 
 
 class Strict(BaseModel):

@@ -5,7 +5,6 @@ from functools import reduce
 from operator import or_
 from types import GenericAlias
 from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple, Self
-from unicodedata import category
 
 from pydantic import (
     BaseModel,
@@ -33,6 +32,7 @@ from sim.study.entries import (
     Some,
     Strict,
     optional,
+    require_shown,
 )
 from sim.study.plot_file import PlotFile
 from sim.study.ranges import expanded, expanded_integers, with_ranges
@@ -45,9 +45,6 @@ _WHAT_CHANGES = (
     "what changes there: flow (arrested or not), acceleration (accelerating or not), transport "
     "(belt: mean velocity beyond 2 % of the belt's or not)"
 )
-
-#: What would move the cursor or turn the line where a title is shown: categories of Unicode.
-_UNSHOWN = ("Cc", "Cf", "Zl", "Zp")
 
 #: Figures of a system that feeds none.
 _NONE_YET = Annotated[list[str], Field(max_length=0)]
@@ -230,9 +227,7 @@ class StudyFile(Strict):
         if self.study in _RESERVED:
             allowed = f"a name other than {', '.join(_RESERVED)}, where published studies lie"
             raise broken_rule("study", self.study, allowed)
-        if any(category(letter) in _UNSHOWN for letter in self.title):
-            allowed = "one line of letters, without control or direction marks"
-            raise broken_rule("title", self.title, allowed)
+        require_shown(self.title)
         return self
 
     @model_validator(mode="after")

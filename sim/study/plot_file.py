@@ -6,7 +6,7 @@ from pydantic import BeforeValidator, Field, WithJsonSchema, model_validator
 
 from sim.parameters.common import broken_rule
 from sim.study.catalogue import FIGURES
-from sim.study.entries import ALLOWED_NAME, NAME, Strict, optional
+from sim.study.entries import ALLOWED_NAME, NAME, Strict, optional, require_shown
 from sim.study.plottable import every_name
 
 Kind = Literal["curves", "map", "profiles", "time_series", "distribution"]
@@ -102,6 +102,7 @@ class PlotFile(Strict):
     def _of_a_name_of_its_own(self) -> Self:
         if self.name in FIGURES:
             raise broken_rule("name", self.name, "a name that no figure of the catalogue has")
+        require_shown(self.title)
         return self
 
     @model_validator(mode="after")

@@ -90,6 +90,14 @@ def test_curves_name_what_varies_and_every_value_has_a_number():
     assert len(rows) == 6
 
 
+def test_what_no_run_knows_leaves_an_empty_plot():
+    unknown = {"velocity": 0.5, "velocity_error": np.full(5, np.nan)}
+    points = [made_point("chute", unknown, friction=mu) for mu in GRID["friction"]]
+    figure, rows, _ = drawn({"x": "friction", "y": "velocity_error"}, points)
+    (axes,) = figure.axes
+    assert axes.texts[0].get_text().startswith("no run has") and len(rows) == 3
+
+
 def test_panels_share_their_curves_looks():
     points = [one for one in flows() if one.parameters.friction != 0.3]
     figure, _, _ = drawn({"x": "angle", "curves": "friction"}, points)

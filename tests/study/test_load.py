@@ -434,9 +434,11 @@ def test_what_points_start_from_is_bought_as_many_replicates_as_they(parse):
     assert [point.parameters.replicates for point in longer.values()] == [5, 5, 5]
 
 
-@pytest.mark.parametrize("letter", ["\n", "\x1b", "\u202e", "\u2028"])
+@pytest.mark.parametrize("letter", ["\n", "\x1b", "\u202e", "\u2028", "\uffff", 300 * "a"])
 def test_a_title_that_would_do_more_than_be_shown_is_refused(letter, tmp_path):
     series = [{"name": "one", "system": "belt"}]
     study = {"study": "one", "title": f"a{letter}b", "series": series}
-    with pytest.raises(InputError, match=r"title: got .*; allowed: one line of letters"):
+    with pytest.raises(
+        InputError, match=r"title: got .*; allowed: one line of at most 300 letters"
+    ):
         parse_study(study, "study.yaml", tmp_path)
