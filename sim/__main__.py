@@ -16,6 +16,7 @@ from typing import Any
 from sim.base.completion import SHELLS, PrintCompletion
 from sim.base.errors import InputError
 from sim.base.program import __version__, program
+from sim.base.words import printable
 
 SYSTEM_ERROR = 1
 INPUT_ERROR = 2
@@ -104,7 +105,8 @@ def _call(function: str, options: dict[str, Any]) -> int:
     if isinstance(answer, int):
         return answer
     if answer is not None:
-        print(*(answer if isinstance(answer, list) else [answer]), sep="\n")
+        # Files from elsewhere may hold what a terminal would obey.
+        print(*map(printable, answer if isinstance(answer, list) else [answer]), sep="\n")
     return 0
 
 

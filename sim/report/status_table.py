@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from sim.base.errors import InputError
-from sim.base.words import counted, duration
+from sim.base.words import counted, duration, printable
 from sim.report.points import aligned
 from sim.report.status import PointStatus, StudyStatus, survey
 from sim.study.load import DEFAULT_STUDY, load_study
@@ -46,7 +46,7 @@ def show(study_path: Path | None, results: Path, format: str, watch: float | Non
     width = shutil.get_terminal_size().columns if is_terminal else None
     while True:
         status = survey(study, results)
-        text = as_json(status) if format == "json" else as_text(status, width)
+        text = printable(as_json(status) if format == "json" else as_text(status, width))
         print(f"{CLEAR}{text}" if is_terminal and watch else text, flush=True)
         if watch is None or status.is_over:
             return

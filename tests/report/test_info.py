@@ -2,10 +2,12 @@
 
 import re
 
+import netCDF4
 import pytest
 import yaml
 
 from sim.__main__ import main
+from sim.base.files import seal
 from sim.parameters import BeltParameters, ChuteParameters, load_point
 from sim.report.info import describe
 from tests.made.figures import make_built_study
@@ -53,3 +55,14 @@ def test_a_dataset_is_called_one(tmp_path, capsys):
     error = capsys.readouterr().err
     assert error == f"error: {path}: the dataset of study made, not a run file\n"
     assert path.exists()
+
+
+def test_nothing_of_a_run_file_from_elsewhere_moves_the_cursor(tmp_path, capsys):
+    path = write_run(tmp_path, ChuteParameters(), 0.5)
+    with netCDF4.Dataset(path, "a") as file:
+        file.command = "a\x1b[31mX\u202eb\x07"
+    # As whoever has made it may have sealed it.
+    seal(path)
+    assert main(["info", str(path)]) == 0
+    out = capsys.readouterr().out
+    assert r"a\x1b[31mX\u202eb\x07" in out and "\x1b" not in out and "\u202e" not in out
