@@ -82,6 +82,8 @@ def study(study_path: Path, cores: int | None, profile: str | None, extra: Seque
     """
     if cores is not None and cores < 1:
         raise InputError.of_value("--cores", "", cores, "an integer >= 1")
+    if str(study_path) == "-":
+        raise InputError.of_value("study", "", "-", "a file: Snakemake reads it again and again")
     load_study(study_path)
     if profile:
         own = packaged("workflow") / "profiles" / profile
@@ -95,7 +97,9 @@ def study(study_path: Path, cores: int | None, profile: str | None, extra: Seque
 def snakemake(study_path: Path, cores: int | str | None, extra: Sequence[str] = ()) -> list[str]:
     """Return the command that runs a study with the workflow of this package."""
     options = [] if cores is None else ["--cores", str(cores)]
-    options += ["--configfile", str(study_path)]
+    path = str(study_path)
+    # Else it would be an option.
+    options += ["--configfile", f"./{path}" if path.startswith("-") else path]
     # Last of the two, as a name that follows --configfile is one more of its files.
     options += ["--snakefile", str(packaged("workflow") / "Snakefile")]
     # What lies in the present folder is none of Python's business.

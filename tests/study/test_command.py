@@ -88,6 +88,16 @@ def test_a_study_is_run_by_the_workflow_of_the_package(became):
     assert words[-2:] == ["-n", "figures"]
 
 
+def test_a_study_file_is_no_option_and_no_pipe(became, capsys):
+    main(["init"])
+    Path("first.yaml").rename("--x.yaml")
+    with pytest.raises(Became):
+        main(["study", "./--x.yaml"])
+    assert "--configfile ./--x.yaml --snakefile" in " ".join(became[1])
+    assert main(["study", "-"]) == 2
+    assert capsys.readouterr().err.startswith("error: study: got '-'; allowed: a file")
+
+
 def test_without_a_number_of_cores_all_are_used(became):
     main(["init"])
     with pytest.raises(Became):
