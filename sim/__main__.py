@@ -106,7 +106,8 @@ def _call(function: str, options: dict[str, Any]) -> int:
         return answer
     if answer is not None:
         # Files from elsewhere may hold what a terminal would obey.
-        print(*map(printable, answer if isinstance(answer, list) else [answer]), sep="\n")
+        lines = answer if isinstance(answer, list) else [answer]
+        print(*(printable(str(line)) for line in lines), sep="\n")
     return 0
 
 
