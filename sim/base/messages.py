@@ -3,7 +3,7 @@
 import difflib
 import re
 import typing
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from typing import Any
 
 import annotated_types
@@ -185,3 +185,13 @@ def _allowed(entry: ErrorDetails, owner: type[BaseModel]) -> str:
             return allowed_values(*item.__metadata__)
     allowed = allowed_values(fields[name]) if name in fields else entry["msg"]
     return f"finite, {allowed}" if entry["type"] == "finite_number" else allowed
+
+
+def did_you_mean(name: str, known: Collection[str]) -> str:
+    """Return a question with the names closest to an unknown one, empty without any.
+
+    >>> did_you_mean("frction", ["friction", "depth"])
+    'did you mean friction? '
+    """
+    close = difflib.get_close_matches(name, known, n=3)
+    return f"did you mean {' or '.join(close)}? " if close else ""

@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter
 
 from sim.dataset.results import Results
-from sim.figures.data import FigureData, varying
+from sim.figures.data import FigureData, parameter_columns, varying
 from sim.figures.looks import Look, settings
 from sim.figures.quantity import Quantity, of_replicates
 from sim.figures.style import CHARACTERS_PER_INCH, CurveStyle, cycled
@@ -64,6 +64,18 @@ def replicate_values(data: FigureData, one: Observable) -> list[np.ndarray]:
 
 def _scale(data: FigureData, one: Observable) -> pd.Series:
     return scale_of(one.unit, data.spec.options["units"], data.rows)
+
+
+def scale_of_point(data: FigureData, row: Mapping[str, Any], unit: str) -> float:
+    """Return what the values of a point in an SI unit are to be divided by in a plot."""
+    return float(scale_of(unit, data.spec.options["units"], pd.DataFrame([row])).iloc[0])
+
+
+def named_columns(data: FigureData, rows: pd.DataFrame) -> dict[str, pd.Series]:
+    """Return the columns of a plot's data that name its points, units in the headings."""
+    spec = data.spec
+    names = dict.fromkeys((*spec.axes, *spec.curves, *keys_of(data)))
+    return parameter_columns(rows, spec.system, names)
 
 
 def _means(results: Results, point: str, profile: str) -> np.ndarray:

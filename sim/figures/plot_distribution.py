@@ -10,7 +10,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from sim.figures.data import FigureData, parameter_columns
+from sim.figures.data import FigureData
 from sim.figures.kind import Kind
 from sim.figures.plot import (
     empty_text,
@@ -18,6 +18,7 @@ from sim.figures.plot import (
     label_axes,
     legend,
     look_of_all,
+    named_columns,
     observable_label,
     panels,
     parameter_label,
@@ -83,8 +84,7 @@ def table(data: FigureData) -> pd.DataFrame:
     """Return the data behind the figure, one row per replicate, units in the headings."""
     spec, one = data.spec, numbers(data.spec.system)[data.spec.options["show"]]
     unit = unit_of(one.unit, spec.options["units"], spec.system) or "1"
-    names = dict.fromkeys((*spec.axes, *spec.curves, *keys_of(data)))
-    held = pd.DataFrame(parameter_columns(data.rows, spec.system, names))
+    held = pd.DataFrame(named_columns(data, data.rows))
     held["regime"] = data.rows["regime"]
     held[f"{one.name} [{unit}]"] = pd.Series(replicate_values(data, one), data.rows.index)
     return held.explode(f"{one.name} [{unit}]")

@@ -11,20 +11,21 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from sim.base.statistics import student_half_width
-from sim.figures.data import FigureData, parameter_columns
+from sim.figures.data import FigureData
 from sim.figures.kind import Kind
 from sim.figures.plot import (
     empty_text,
     groups,
-    keys_of,
     label_axes,
     legend,
+    named_columns,
     observable_label,
     panels,
+    scale_of_point,
     set_log,
 )
 from sim.figures.style import PALE
-from sim.figures.units import headed, scale_of, unit_of
+from sim.figures.units import headed, unit_of
 from sim.study.catalogue.limits import SHARE
 from sim.study.plottable import profiles
 
@@ -65,15 +66,12 @@ def profile(data: FigureData, row: Mapping[str, Any]) -> pd.DataFrame:
     Columns ``height``, ``mean`` over the replicates, ``half_width`` of its 95 % interval and
     ``replicate 1`` and so on, in the units of the plot; not-a-number where nothing is known.
     """
-    spec, one = data.spec, profiles(data.spec.system)[data.spec.options["show"]]
+    one = profiles(data.spec.system)[data.spec.options["show"]]
     values, height = data.results.profile(row["point"], one.source)
     packing, _ = data.results.profile(row["point"], "packing_profile")
     filled = np.cumsum(np.nan_to_num(packing.mean(axis=0)))
     top = int(np.searchsorted(filled, SHARE * filled[-1])) + 1
-    frame = pd.DataFrame([row])
-    by, over = (
-        float(scale_of(unit, spec.options["units"], frame).iloc[0]) for unit in (one.unit, "m")
-    )
+    by, over = (scale_of_point(data, row, unit) for unit in (one.unit, "m"))
     columns = values[:, :top].T / by
     known = [each[np.isfinite(each)] for each in columns]
     return pd.DataFrame(
@@ -91,7 +89,7 @@ def table(data: FigureData) -> pd.DataFrame:
     spec, one = data.spec, profiles(data.spec.system)[data.spec.options["show"]]
     units = [unit_of(unit, spec.options["units"], spec.system) for unit in (one.unit, "m")]
     known = data.rows[data.rows["completed"] > 0]
-    named = parameter_columns(known, spec.system, dict.fromkeys((*spec.curves, *keys_of(data))))
+    named = named_columns(data, known)
     parts = []
     for index, row in known.iterrows():
         values = profile(data, {str(name): value for name, value in row.items()})

@@ -14,20 +14,21 @@ from matplotlib.figure import Figure
 from sim.base.damage import checked_read
 from sim.base.errors import InputError
 from sim.dataset.run_file import RunFile
-from sim.figures.data import FigureData, parameter_columns
+from sim.figures.data import FigureData
 from sim.figures.kind import Kind
 from sim.figures.plot import (
     empty_text,
     groups,
-    keys_of,
     label_axes,
     legend,
+    named_columns,
     observable_label,
     panels,
+    scale_of_point,
     set_log,
 )
 from sim.figures.style import LEVEL
-from sim.figures.units import headed, scale_of, unit_of
+from sim.figures.units import headed, unit_of
 from sim.parameters import amounts, parse_point
 from sim.study.plottable import series
 
@@ -71,7 +72,7 @@ def courses(data: FigureData, row: Mapping[str, Any]) -> pd.DataFrame:
         run = RunFile(file, wanted)
         completed = np.flatnonzero(np.asarray(run["status"]) == "completed")
         time, values = np.asarray(run["time"]), np.asarray(run[one.source])
-    by = _scale(data, row, one.unit)
+    by = scale_of_point(data, row, one.unit)
     parts = []
     for number in completed:
         known = np.isfinite(values[number])
@@ -80,7 +81,7 @@ def courses(data: FigureData, row: Mapping[str, Any]) -> pd.DataFrame:
             pd.DataFrame(
                 {
                     "replicate": number,
-                    "time": moment / _scale(data, row, "s"),
+                    "time": moment / scale_of_point(data, row, "s"),
                     "value": value / by,
                 }
             )
@@ -98,14 +99,10 @@ def _thinned(values: np.ndarray) -> np.ndarray:
     return values[: len(values) // size * size].reshape(-1, size).mean(axis=1)
 
 
-def _scale(data: FigureData, row: Mapping[str, Any], unit: str) -> float:
-    return float(scale_of(unit, data.spec.options["units"], pd.DataFrame([row])).iloc[0])
-
-
 def _start(data: FigureData, row: Mapping[str, Any]) -> float:
     """Return where the averaging of the replicates of a point begins, in the mean."""
     starts = data.results.dataset["average_start"].sel(point=row["point"]).values
-    return float(np.nanmean(starts)) / _scale(data, row, "s")
+    return float(np.nanmean(starts)) / scale_of_point(data, row, "s")
 
 
 def table(data: FigureData) -> pd.DataFrame:
@@ -113,7 +110,7 @@ def table(data: FigureData) -> pd.DataFrame:
     spec, one = data.spec, series(data.spec.system)[data.spec.options["show"]]
     units = [unit_of(unit, spec.options["units"], spec.system) for unit in (one.unit, "s")]
     known = data.rows[data.rows["completed"] > 0]
-    named = parameter_columns(known, spec.system, dict.fromkeys((*spec.curves, *keys_of(data))))
+    named = named_columns(data, known)
     headings = {"time": f"time [{units[1]}]", "value": f"{one.name} [{units[0] or '1'}]"}
     parts = []
     for index, row in known.iterrows():

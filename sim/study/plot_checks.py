@@ -1,10 +1,10 @@
 """What is refused of plots whose keys are right: parameters that the points do not bear out."""
 
-import difflib
 from collections.abc import Callable, Sequence
 from typing import Any
 
 from sim.base.errors import InputError
+from sim.base.messages import did_you_mean
 from sim.parameters import NUMERICAL, SYSTEMS, Parameters
 from sim.study.catalogue import FigureSpec
 from sim.study.catalogue.spec import written
@@ -54,8 +54,7 @@ def _require_parameter(key: str, name: str, system: str, refused: Refused) -> No
         if name != "system" and others:
             raise refused(key, name, f"a parameter of the {system}; this is one of the {others[0]}")
         known = [one for one in fields if one != "system"]
-        close = difflib.get_close_matches(name, known, n=3)
-        hint = f"did you mean {' or '.join(close)}? " if close else ""
+        hint = did_you_mean(name, known)
         raise refused(key, name, f"{hint}a parameter of the {system} that the points vary")
     if key in ("x", "y") and fields[name].annotation not in (int, float):
         raise refused(key, name, "a parameter that is a number; curves and panels take any")

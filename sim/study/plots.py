@@ -1,10 +1,10 @@
 """From the plots of a study file to entries of the same kind as the catalogue's."""
 
-import difflib
 from collections.abc import Iterable, Sequence
 from typing import Any
 
 from sim.base.errors import InputError
+from sim.base.messages import did_you_mean
 from sim.parameters import (
     NUMERICAL,
     SYSTEMS,
@@ -147,8 +147,7 @@ def _instead(one: PlotFile, system: str, known: list[str]) -> str:
     for kind, shown in SHOWN_BY.items():
         if name in shown(system):
             return f"an observable of {one.kind}; {name} is shown by kind: {kind}"
-    close = difflib.get_close_matches(name, known, n=3)
-    return (f"did you mean {' or '.join(close)}? " if close else "") + "one of " + ", ".join(known)
+    return did_you_mean(name, known) + "one of " + ", ".join(known)
 
 
 def _named(system: str, points: Sequence[Parameters]) -> tuple[str, ...]:
