@@ -29,7 +29,7 @@ from sim.figures.plot import (
 )
 from sim.figures.style import LEVEL
 from sim.figures.units import headed, unit_of
-from sim.parameters import amounts, parse_point
+from sim.parameters import SYSTEMS, amounts
 from sim.study.plottable import series
 
 #: Values of a line at most: means of as many successive samples as that takes.
@@ -68,8 +68,7 @@ def courses(data: FigureData, row: Mapping[str, Any]) -> pd.DataFrame:
         raise InputError(f"{row['point']}: time series are in run files, of which there are none")
     path = data.results.runs / f"{row['point']}.nc"
     with checked_read(path, "run file", replaceable=True), netCDF4.Dataset(path) as file:
-        wanted = {name: float(row[name]) for name in _amounts(data.spec.system)}
-        run = RunFile(file, wanted)
+        run = RunFile(file, _wanted(data.spec.system, row))
         completed = np.flatnonzero(np.asarray(run["status"]) == "completed")
         time, values = np.asarray(run["time"]), np.asarray(run[one.source])
     by = scale_of_point(data, row, one.unit)
@@ -89,8 +88,10 @@ def courses(data: FigureData, row: Mapping[str, Any]) -> pd.DataFrame:
     return pd.concat(parts) if parts else pd.DataFrame(columns=["replicate", "time", "value"])
 
 
-def _amounts(system: str) -> list[str]:
-    return list(amounts(parse_point({"system": system}, "")))
+def _wanted(system: str, row: Mapping[str, Any]) -> dict[str, float]:
+    """Return the amounts of a point, of which its run file may hold more."""
+    model = SYSTEMS[system]
+    return amounts(model.model_construct(**{name: row[name] for name in model.model_fields}))
 
 
 def _thinned(values: np.ndarray) -> np.ndarray:
