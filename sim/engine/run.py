@@ -85,6 +85,10 @@ def _compute(
         parameters = more(parameters, amounts(held[0].parameters))
     same = bool(held) and _lengths(held[0].parameters) == _lengths(parameters)
     records = list(held[0].records) if same else []
+    if held and not same:
+        for record in held[0].records:
+            # They belong to the longest run alone, and are large.
+            record.frames.clear()
     samples = origin.samples if origin else ()
     states = States(output, parameters, checkpoint_interval(), samples)
     left = range(len(records), parameters.replicates)

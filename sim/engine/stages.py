@@ -8,7 +8,7 @@ import netCDF4
 import numpy as np
 
 from sim.base.files import is_damaged
-from sim.engine.observe.arrays import SNAPSHOTS, TABLES
+from sim.engine.observe.arrays import FRAMES, SNAPSHOTS, TABLES
 from sim.engine.observe.recorder import Record
 from sim.engine.observe.run_file import Stage
 from sim.engine.stored_run import attributes, groups, held_amounts, is_of
@@ -39,7 +39,7 @@ def _stage(group: netCDF4.Dataset, parameters: Parameters, held: Mapping[str, fl
 
 
 def _record(group: netCDF4.Dataset, index: int) -> Record:
-    """Return scalars, series, profiles and states of one replicate in a group of a run file."""
+    """Return all that a group of a run file holds of one replicate."""
     record = Record({})
     for name, variable in group.variables.items():
         dimensions = variable.dimensions
@@ -52,6 +52,8 @@ def _record(group: netCDF4.Dataset, index: int) -> Record:
             record.snapshots[name] = list(values) if "frame" in dimensions else [values]
         elif name in TABLES:
             record.tables[name] = values
+        elif name in FRAMES:
+            record.frames[name] = values
         elif name == "path":
             record.path = None if np.isnan(values).all() else values
         elif dimensions == ("replicate", "time"):

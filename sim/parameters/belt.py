@@ -5,7 +5,14 @@ from typing import Any, ClassVar, Literal, Self
 
 from pydantic import model_validator
 
-from sim.parameters.common import MAX_PARTICLES, MAX_STEPS, Parameters, Real, broken_rule
+from sim.parameters.common import (
+    MAX_PARTICLES,
+    MAX_STEPS,
+    Parameters,
+    Real,
+    broken_rule,
+    require_feasible_trajectory,
+)
 from sim.parameters.roles import declare
 
 #: Stiffness (g⟨m⟩/⟨d⟩) of the paper.
@@ -51,6 +58,7 @@ class BeltParameters(Parameters):
     """
 
     sampling_key: ClassVar[str] = "samples_per_cycle"
+    state_numbers: ClassVar[int] = 4
     boundaries: ClassVar[tuple[str, ...]] = ("flow", "transport")
     smallest: ClassVar[dict[str, Any]] = {"beads": 2, "settle_velocity_squared": 1e6}
     kept: ClassVar[tuple[str, ...]] = (
@@ -263,6 +271,17 @@ class BeltParameters(Parameters):
         description="also keep the forces on the belt and when it is touched, as time series",
         role="numerics",
         added=True,
+    )
+    trajectory: Real = declare(
+        0,
+        symbol="Δt_f",
+        unit="1",
+        scale="cycles",
+        description="time from one frame of the trajectory, which has the state of every particle, "
+        "to the next (0: none); in whole samples",
+        role="numerics",
+        added=True,
+        ge=0,
     )
     transient: Real = declare(
         45,
@@ -510,4 +529,10 @@ class BeltParameters(Parameters):
             if self.integrator == "verlet" and getattr(self, name) != only:
                 allowed = f"{only} with integrator: verlet, which has no corrector"
                 raise broken_rule(name, getattr(self, name), allowed)
+        return self
+
+    @model_validator(mode="after")
+    def _of_feasible_trajectory(self) -> Self:
+        # The last rule: those before it make sure that the numbers of particles are feasible.
+        require_feasible_trajectory(self)
         return self

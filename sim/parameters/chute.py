@@ -5,7 +5,13 @@ from typing import Any, ClassVar, Literal, Self
 
 from pydantic import model_validator
 
-from sim.parameters.common import MAX_PARTICLES, Parameters, Real, broken_rule
+from sim.parameters.common import (
+    MAX_PARTICLES,
+    Parameters,
+    Real,
+    broken_rule,
+    require_feasible_trajectory,
+)
 from sim.parameters.roles import declare
 
 #: Particle-steps per second on one core of a present-day server up to a depth, and the power by
@@ -40,6 +46,7 @@ class ChuteParameters(Parameters):
     """
 
     sampling_key: ClassVar[str] = "sample_interval"
+    state_numbers: ClassVar[int] = 9
     boundaries: ClassVar[tuple[str, ...]] = ("flow", "acceleration")
     smallest: ClassVar[dict[str, Any]] = {"depth": 0.2, "cell": 5}
     kept: ClassVar[tuple[str, ...]] = (
@@ -292,6 +299,17 @@ class ChuteParameters(Parameters):
         compiled=True,
         added=True,
     )
+    trajectory: Real = declare(
+        0,
+        symbol="Δt_f",
+        unit="1",
+        scale="√(σ/g)",
+        description="time from one frame of the trajectory, which has the state of every particle, "
+        "to the next (0: none); in whole samples",
+        role="numerics",
+        added=True,
+        ge=0,
+    )
     overlap_limit: Real = declare(
         0.25,
         symbol="α_lim",
@@ -449,4 +467,10 @@ class ChuteParameters(Parameters):
                 f"a value that gives at most {MAX_PARTICLES:.0e} particles, glued ones included"
             )
             raise broken_rule("bumps", self.bumps, allowed)
+        return self
+
+    @model_validator(mode="after")
+    def _of_feasible_trajectory(self) -> Self:
+        # The last rule: those before it make sure that the numbers of particles are feasible.
+        require_feasible_trajectory(self)
         return self

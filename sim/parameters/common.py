@@ -13,6 +13,10 @@ MAX_PARTICLES = 10_000_000
 MAX_STEPS = 10**12
 MAX_SAMPLES = 10**7
 
+#: Most bytes of the trajectories of a run, and bytes of a number in them.
+MAX_TRAJECTORY = 2 * 10**9
+SINGLE = 4
+
 #: Magnitudes that double precision carries through every formula without overflow.
 SMALLEST = 1e-15
 LARGEST = 1e15
@@ -55,7 +59,8 @@ class Parameters(BaseModel):
 
     Instances are immutable, complete (every omitted parameter has its value) and canonical.
     A concrete system adds ``diameter`` (m), ``mass`` (kg), ``gravity`` (m s⁻²), ``stiffness``,
-    ``transient``, ``average`` and ``limit`` (multiples of ``time_unit``), the properties
+    ``transient``, ``average``, ``limit`` and ``trajectory`` (multiples of ``time_unit``), the
+    properties
     ``time_unit``, ``time_step``, ``sample_steps``, ``particles`` and ``rate``, and the class
     variables below.
 
@@ -69,6 +74,8 @@ class Parameters(BaseModel):
         Values that make a run as small and short as may be.
     kept : tuple of str
         What a flow cannot change on its way: it shares them with the run that it starts from.
+    state_numbers : int
+        Numbers that tell in a frame of a trajectory where a particle is and how it moves.
     """
 
     model_config = ConfigDict(
@@ -82,6 +89,7 @@ class Parameters(BaseModel):
     boundaries: ClassVar[tuple[str, ...]]
     smallest: ClassVar[dict[str, Any]]
     kept: ClassVar[tuple[str, ...]]
+    state_numbers: ClassVar[int]
 
     if TYPE_CHECKING:
         # What every concrete system adds; each declares its own ranges, defaults and meanings.
@@ -101,6 +109,8 @@ class Parameters(BaseModel):
         def average(self) -> float: ...
         @property
         def limit(self) -> float: ...
+        @property
+        def trajectory(self) -> float: ...
         @property
         def time_unit(self) -> float: ...
         @property
@@ -233,6 +243,22 @@ class Parameters(BaseModel):
         """Time steps of the longest replicate, without the settling of the belt's bed."""
         return self.longest_samples * self.sample_steps
 
+    @property
+    def trajectory_samples(self) -> int:
+        """Samples from one frame of the trajectory to the next, at least one; 0 without frames."""
+        if not self.trajectory:
+            return 0
+        interval = self.sample_steps * self.time_step
+        return max(1, round(self.trajectory * self.time_unit / interval))
+
+    @property
+    def trajectory_bytes(self) -> int:
+        """Bytes of the frames of all replicates, of the longest run and before compression."""
+        if not self.trajectory:
+            return 0
+        frames = self.replicates * (self.longest_samples // self.trajectory_samples)
+        return frames * (self.particles + self.glued) * self.state_numbers * SINGLE
+
     @model_validator(mode="after")
     def _of_feasible_magnitude(self) -> Self:
         for name, field in type(self).model_fields.items():
@@ -263,3 +289,17 @@ class Parameters(BaseModel):
             allowed = f"at least transient + average = {shortest:g}"
             raise broken_rule("limit", self.limit, allowed)
         return self
+
+
+def require_feasible_trajectory(parameters: Parameters) -> None:
+    """Refuse a trajectory without a single frame, or of too many."""
+    p = parameters
+    if p.trajectory_samples > p.shortest_samples:
+        allowed = f"0 or at most transient + average = {p.transient + p.average:g}"
+        raise broken_rule("trajectory", p.trajectory, allowed)
+    if p.trajectory_bytes > MAX_TRAJECTORY:
+        interval = p.trajectory_samples * p.sample_steps * p.time_step / p.time_unit
+        # More than the digits that are shown leave out.
+        least = 1.01 * interval * p.trajectory_bytes / MAX_TRAJECTORY
+        limit = f"the frames of a run take at most {MAX_TRAJECTORY / 1e9:g} GB"
+        raise broken_rule("trajectory", p.trajectory, f"0 or at least {least:.3g}: {limit}")

@@ -49,6 +49,7 @@ def as_table(study: Study) -> str:
         _caveats(study),
         [
             _totals(list(costs.values())),
+            *_trajectories(list(costs.values())),
             *([_refinement(study)] if study.rounds else []),
             *([_decisions(study.decide.budget)] if study.decide else []),
         ],
@@ -70,6 +71,7 @@ def as_json(study: Study) -> str:
             "particles": costs[point.id].particles,
             "steps": costs[point.id].steps,
             "core_seconds": round(costs[point.id].core_seconds, 3),
+            "trajectory_megabytes": round(costs[point.id].trajectory, 3),
             "parameters": complete(point.parameters),
         }
         for point in study.points.values()
@@ -160,6 +162,17 @@ def _totals(costs: Sequence[Estimate]) -> str:
         f"on {CORES} cores {duration(max(total / CORES, longest))}; computing alone, without "
         "compilation, Snakemake and figures"
     )
+
+
+def _trajectories(costs: Sequence[Estimate]) -> list[str]:
+    """Return the line that says what trajectories take on the disk, where there are any."""
+    sizes = [cost.trajectory for cost in costs if cost.trajectory]
+    if not sizes:
+        return []
+    return [
+        f"trajectories of {len(sizes):,} points: at most {sum(sizes):,.1f} MB on the disk, "
+        f"{max(sizes):,.1f} MB of one point"
+    ]
 
 
 def _decisions(budget: float) -> str:

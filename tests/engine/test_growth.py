@@ -63,6 +63,8 @@ WAYS = {
     "both": (BELT, {"average": 5.0, "replicates": 3}),
     "limit": (grown(BELT, **CONVERGED), {"limit": 16.0}),
     "readings": (grown(BELT, **OPEN), {"average": 5.0, "replicates": 3}),
+    "frames": (grown(BELT, trajectory=0.5), {"average": 5.0, "replicates": 3}),
+    "frames of more": (grown(BELT, trajectory=0.5), {"replicates": 3}),
     "profiles": (grown(CHUTE, stress_profiles=True), {"average": 11.0, "replicates": 3}),
 }
 
@@ -110,6 +112,15 @@ def test_less_than_is_held_is_current_and_answered_as_if_no_more_had_been_run(tm
         assert answering(file, amounts(grown(BELT, average=4.0))).name == "/"
         assert answering(file, amounts(grown(BELT, average=6.0))) is None
         assert answering(file, amounts(grown(BELT, replicates=3))) is None
+
+
+def test_a_file_that_grows_keeps_the_frames_of_the_longest_run_alone(tmp_path):
+    framed = grown(BELT, trajectory=0.5)
+    path = ran(tmp_path / "run.nc", framed, grown(framed, average=5.0))
+    with netCDF4.Dataset(path) as file:
+        assert file["trajectory_position"].shape[:2] == (2, 12)
+        assert "average" in file["shorter_1"].variables
+        assert not [name for name in file["shorter_1"].variables if "trajectory" in name]
 
 
 def test_what_is_asked_next_adds_to_what_is_held(tmp_path):

@@ -51,7 +51,7 @@ def test_recorded_are_the_points_there_are():
     assert any(set(bits) == set(POINTS) for bits in stored(BITS).values())
 
 
-@pytest.mark.parametrize("name", ["chute_threads", "belt_shaken_before"])
+@pytest.mark.parametrize("name", ["chute_threads", "belt_shaken_before", "belt_trajectory"])
 def test_a_run_that_goes_on_from_a_checkpoint_has_the_same_bits(name, tmp_path, monkeypatch):
     whole = digest(computed(POINTS[name], tmp_path))
     offers = iter(range(10**6))

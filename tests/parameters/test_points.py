@@ -91,7 +91,7 @@ def test_a_parameter_added_later_is_in_the_name_where_it_is_used_alone():
         assert canonical(used) == canonical(usual) | {name: value}
         assert parse_point(canonical(used), "point.yaml") == used
     assert "-corrections2-" in point_id(BeltParameters(corrections=2))
-    assert unsaid("chute") == {"start_from": "", "stress_profiles": False}
+    assert unsaid("chute") == {"start_from": "", "stress_profiles": False, "trajectory": 0}
 
 
 @pytest.mark.parametrize("system", SYSTEMS)

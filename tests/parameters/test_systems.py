@@ -49,6 +49,22 @@ def test_the_shortest_run_has_a_sample_and_the_smallest_cell_a_particle():
     assert (chute.particles, chute.transient_samples, chute.average_samples) == (1, 0, 1)
 
 
+def test_a_trajectory_has_at_least_one_frame_and_is_not_too_large():
+    chute = ChuteParameters(trajectory=1, transient=300, average=200, replicates=2)
+    assert (chute.trajectory_samples, chute.trajectory_bytes) == (4, 2 * 500 * 500 * 9 * 4)
+    belt = BeltParameters(trajectory=1e-3, beads=100)
+    assert (belt.trajectory_samples, belt.trajectory_bytes) == (1, 90 * 20 * 100 * 4 * 4)
+    assert ChuteParameters().trajectory_samples == ChuteParameters().trajectory_bytes == 0
+    assert ChuteParameters(trajectory=500).trajectory_bytes == 500 * 9 * 4
+    too_long = r"trajectory: got 501; allowed: 0 or at most transient \+ average = 500"
+    with pytest.raises(InputError, match=too_long):
+        parse_point({"system": "chute", "trajectory": 501}, "point.yaml")
+    large = {"system": "chute", "depth": 40, "cell": 20, "average": 4700}
+    with pytest.raises(InputError, match=r"got 0\.1; allowed: 0 or at least 1\.45: .* 2 GB"):
+        parse_point(large | {"trajectory": 0.1}, "point.yaml")
+    assert 1.9e9 < parse_point(large | {"trajectory": 1.5}, "point.yaml").trajectory_bytes < 2e9
+
+
 def test_parameters_are_immutable():
     with pytest.raises(ValidationError, match="frozen"):
         ChuteParameters().depth = 10

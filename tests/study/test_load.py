@@ -390,6 +390,21 @@ def test_glued_spheres_count_and_have_a_limit():
         parse_point({"system": "chute", "bumps": 0.001}, "point.yaml")
 
 
+def test_trajectories_count_as_memory_and_on_the_disk(example, parse):
+    alone, framed = (ChuteParameters(trajectory=distance) for distance in (0, 1))
+    assert estimate(alone).trajectory == 0
+    # 500 frames of 500 spheres, 9 numbers of 4 bytes each, in the run file and beside it.
+    assert estimate(framed).trajectory == pytest.approx(18)
+    assert estimate(framed).memory - estimate(alone).memory == 27
+    study = parse(example)
+    assert "trajectories" not in as_table(study)
+    example["defaults"] = {"chute": {"trajectory": 10}}
+    study = parse(example)
+    assert "trajectories of 7 points: at most " in as_table(study)
+    points = json.loads(as_json(study))["points"]
+    assert all(point["trajectory_megabytes"] > 0 for point in points)
+
+
 def test_what_went_before_counts():
     alone = estimate(BeltParameters())
     shaken = estimate(BeltParameters(prior_frequency=30, prior_cycles=7, replicates=2))

@@ -28,6 +28,13 @@ SNAPSHOTS = {
     "fixed": ("1", "1 for a sphere glued to the plane, 0 for one that moves", ("particle",)),
 }
 
+#: The frames of a trajectory: name -> what of a snapshot they hold.
+FRAMES = {
+    "trajectory_position": "position",
+    "trajectory_velocity": "particle_velocity",
+    "trajectory_spin": "particle_spin",
+}
+
 #: Unit, long name and dimensions of tables with dimensions of their own.
 TABLES = {
     "overlap_histogram": (

@@ -13,6 +13,7 @@ from sim.engine.observe.blocks import MOST, ProfileBlocks
 from sim.engine.observe.force_balance import base_forces
 from sim.engine.observe.regime import FAILED, Trend, analyse
 from sim.engine.observe.system import OnSlope, Samples, System
+from sim.engine.observe.trajectory import Trajectory
 
 
 @dataclass
@@ -21,14 +22,16 @@ class Record:
 
     ``series`` name -> (T,), not-a-number after a failure; ``profiles`` name -> (H,), cumulative,
     and with the suffix ``_instantaneous`` the last sample's; ``tables`` name -> array of dimensions
-    of its own; ``path`` (S, N, D) of the particles after the last sample, m; ``snapshots`` name ->
-    first and last state; ``scalars`` name -> number or text.
+    of its own; ``path`` (S, N, D) of the particles after the last sample, m; ``frames`` name ->
+    (F, N, D) of the trajectory; ``snapshots`` name -> first and last state; ``scalars`` name ->
+    number or text.
     """
 
     series: dict[str, np.ndarray]
     profiles: dict[str, np.ndarray] = field(default_factory=dict)
     tables: dict[str, np.ndarray] = field(default_factory=dict)
     path: np.ndarray | None = None
+    frames: dict[str, np.ndarray] = field(default_factory=dict)
     snapshots: dict[str, list[np.ndarray]] = field(default_factory=dict)
     scalars: dict[str, float | int | str] = field(default_factory=dict)
 
@@ -53,17 +56,19 @@ class Recorder:
         self._trend: Trend | None = None
         self._table = np.full((len(system.series), p.shortest_samples), np.nan)
         self._profiles = ProfileBlocks()
+        self._trajectory = Trajectory(p.trajectory_samples)
         self.snapshots: dict[str, list[np.ndarray]] = {}
         self.path: np.ndarray | None = None
 
     def due(self) -> tuple[int, bool]:
         """Return how many samples to take next in one go, and whether with profiles."""
         stops = [stop for stop in (self._transient, *self._looks) if stop > self.taken]
+        stops += self._trajectory.due(self.taken)
         return min(stops) - self.taken, self.taken >= self._transient
 
     def take(self, samples: Samples) -> None:
-        """Store samples, of which only the last may be one to look at, and decide whether it was
-        the last of all."""
+        """Store samples, of which only the last may be one to look at or have a frame, and decide
+        whether it was the last of all."""
         rows = np.array([samples.values[name] for name in self.system.series])
         last = self.taken + rows.shape[1]
         while last > self._table.shape[1]:
@@ -73,6 +78,7 @@ class Recorder:
         if samples.profiles:
             self._profiles.add(samples.profiles)
         self.taken = last
+        self._trajectory.take(self.system, last)
         if self.taken in self._looks:
             self._look()
 
@@ -80,7 +86,8 @@ class Recorder:
         """Return what has been collected, arrays and numbers by name."""
         table = self._table[:, : self.taken]
         collected = {"taken": self.taken, "table": table, "snapshots": self.snapshots}
-        return flattened(collected | {"profiles": self._profiles.state()})
+        collected |= {"profiles": self._profiles.state(), "frames": self._trajectory.frames()}
+        return flattened(collected)
 
     def restore(self, state: Mapping[str, Any]) -> None:
         """Put what another recorder of such a system has collected into this new one.
@@ -102,6 +109,7 @@ class Recorder:
         for place, array in part_at("snapshots", state).items():
             self.snapshots.setdefault(place.partition(".")[0], []).append(array)
         self._profiles.restore(part_at("profiles", state), self.system.no_profiles())
+        self._trajectory.restore(part_at("frames", state), taken)
         if taken in self._looks:
             self._look()
 
@@ -137,6 +145,7 @@ class Recorder:
         record = Record(dict(zip(self.system.series, table, strict=True)))
         record.snapshots = self.snapshots
         record.path = self.path
+        record.frames = self._trajectory.frames()
         trend = FAILED if failure else self._trend
         assert trend is not None, "a replicate ends well after a look only"
         record.scalars = {

@@ -10,13 +10,16 @@ import numpy as np
 
 from sim.base.files import replacing, seal
 from sim.base.summary import append_summary
-from sim.engine.observe.arrays import INSTANTANEOUS, SNAPSHOTS, TABLES
+from sim.engine.observe.arrays import FRAMES, INSTANTANEOUS, SNAPSHOTS, TABLES
 from sim.engine.observe.recorder import Record
 from sim.parameters import Parameters, amounts, canonical, field_info
 from sim.parameters.observables import PROFILES, SCALARS
 
 #: How numbers are stored: compressed, and with a checksum of every chunk.
 FILTERS = {"zlib": True, "complevel": 1, "shuffle": True, "fletcher32": True}
+
+#: Bytes of a chunk of a trajectory, in which there is at least one frame.
+CHUNK = 2**20
 
 #: How a value of a series stands for its sample interval (CF); the others are instantaneous.
 CELL_METHODS = {
@@ -66,6 +69,7 @@ def write(
         The file; one that exists is replaced.
     stages : sequence of Stage
         The run, and shorter ones that it has grown from, the longest first; those go into groups.
+        Frames of a trajectory are written of the longest alone.
     layout : Layout
         Times, heights and the names and units of the series.
     attributes : mapping
@@ -78,6 +82,7 @@ def write(
                 groups = [_GroupWriter(file)]
                 _write_parameters(groups[0], stages[0].parameters)
                 _write_stage(groups[0], stages[0], layout)
+                _write_trajectory(groups[0], stages[0], layout)
                 for number, stage in enumerate(stages[1:], start=1):
                     groups.append(_GroupWriter(file.createGroup(f"shorter_{number}")))
                     _write_amounts(groups[-1], stage.parameters)
@@ -99,12 +104,12 @@ class _GroupWriter:
 
     def __init__(self, group: netCDF4.Dataset):
         self.group = group
-        self.waiting: list[tuple[netCDF4.Variable, Any]] = []
+        self.waiting: list[tuple[netCDF4.Variable, Any, Any]] = []
 
     def fill(self) -> None:
         """Write what waits."""
-        for variable, values in self.waiting:
-            variable[...] = values
+        for variable, place, values in self.waiting:
+            variable[place] = values
 
 
 def _write_stage(file: _GroupWriter, stage: Stage, layout: Layout) -> None:
@@ -145,7 +150,7 @@ def _put(
         variable.units = unit
     if long_name:
         variable.long_name = long_name
-    file.waiting.append((variable, values.astype(object) if text else values))
+    file.waiting.append((variable, ..., values.astype(object) if text else values))
     return variable
 
 
@@ -218,6 +223,31 @@ def _write_tables(file: _GroupWriter, records: list[Record]) -> None:
         dimensions = ("replicate", "path_time", "particle", "axis")
         long_name = "position after the last sample, not wrapped into the cell"
         _put(file, "path", dimensions, np.array(paths, np.float32), "m", long_name)
+
+
+def _write_trajectory(file: _GroupWriter, stage: Stage, layout: Layout) -> None:
+    """Write the frames of a trajectory; those that a replicate lacks are not-a-number."""
+    every, records = stage.parameters.trajectory_samples, stage.records
+    if not every:
+        return
+    count = _samples(records) // every
+    file.group.createDimension("trajectory_time", count)
+    time = every * layout.interval * np.arange(1, count + 1)
+    meant = "time of the frame of the trajectory, since the start"
+    _put(file, "trajectory_time", ("trajectory_time",), time, "s", meant)
+    dimensions = ("replicate", "trajectory_time", "particle", "axis")
+    for name, source in FRAMES.items():
+        held = {k: one.frames[name] for k, one in enumerate(records) if name in one.frames}
+        if not held:
+            continue
+        frame = next(iter(held.values()))[0]
+        chunk = (1, max(1, min(count, CHUNK // frame.nbytes)), *frame.shape)
+        options: dict[str, Any] = FILTERS | {"chunksizes": chunk, "fill_value": np.nan}
+        variable: Any = file.group.createVariable(name, "f4", dimensions, **options)
+        variable.units, variable.long_name, _ = SNAPSHOTS[source]
+        variable.long_name += ", at each frame of the trajectory"
+        for k, frames in held.items():
+            file.waiting.append((variable, np.s_[k, : len(frames)], frames))
 
 
 def _write_records(file: _GroupWriter, records: list[Record], layout: Layout) -> None:

@@ -20,6 +20,7 @@ LENGTHS = {
     "transient_samples": 4,
     "shortest_samples": 16,
     "target": 0.02,
+    "trajectory_samples": 0,
 }
 PUBLISHED = SimpleNamespace(protocol="published", longest_samples=16, **LENGTHS)
 CONVERGED = SimpleNamespace(protocol="converged", longest_samples=64, **LENGTHS)

@@ -26,8 +26,8 @@ def record() -> Record:
     return Record(series, profiles, snapshots=snapshot, scalars=scalars)
 
 
-def write(path, records=None, layout=LAYOUT, title="t"):
-    stage = run_file.Stage(chute_point(), records or [record()])
+def write(path, records=None, layout=LAYOUT, title="t", point=None):
+    stage = run_file.Stage(point or chute_point(), records or [record()])
     run_file.write(path, [stage], layout, {"title": title})
 
 
@@ -71,6 +71,25 @@ def test_replicates_of_unequal_lengths_are_padded(tmp_path):
         file.set_auto_mask(False)
         expected = [[0.0, 1.0, 2.0], [0.0, 1.0, np.nan]]
         assert np.array_equal(file["mean_velocity"][:], expected, equal_nan=True)
+
+
+def test_frames_that_a_replicate_lacks_are_no_numbers(tmp_path):
+    whole, failed = record(), record()
+    whole.frames = {"trajectory_position": np.full((3, 1, 3), np.arange(3)[:, None, None])}
+    failed.frames = {"trajectory_position": np.ones((2, 1, 3))}
+    point = chute_point(trajectory=0.25)
+    write(tmp_path / "run.nc", [whole, failed, record()], point=point)
+    with netCDF4.Dataset(tmp_path / "run.nc") as file:
+        file.set_auto_mask(False)
+        held = file["trajectory_position"]
+        dimensions = ("replicate", "trajectory_time", "particle", "axis")
+        assert (held.dimensions, held.units) == (dimensions, "m")
+        nan = np.nan
+        expected = [[0, 1, 2], [1, 1, nan], [nan, nan, nan]]
+        assert np.array_equal(held[:, :, 0, 0], expected, equal_nan=True)
+        assert held.chunking() == [1, 3, 1, 3] and held.filters()["zlib"]
+        assert np.array_equal(file["trajectory_time"][:], [0.5, 1.0, 1.5])
+        assert "trajectory_spin" not in file.variables
 
 
 def test_shorter_stages_stand_in_groups_with_their_amounts(tmp_path):
