@@ -35,6 +35,7 @@ COMMANDS = {
     "run": ("sim.engine.command:run", "run one point"),
     "batch": ("sim.engine.command:batch", "run several points in one process"),
     "info": ("sim.report.info:describe", "describe a run file"),
+    "export": ("sim.report.export.command:export", "write the particles of a run in other formats"),
     "warm": (f"{__name__}:warm", "compile the engine, so that runs start at once"),
     "bench": ("sim.engine.bench:main", "measure speed, start-up and memory"),
     "dataset": ("sim.dataset.build:build", "combine the runs of a study in one dataset"),
@@ -229,7 +230,7 @@ def _add_study_options(parsers: dict[str, argparse.ArgumentParser]) -> None:
 
 
 def _add_point_options(parsers: dict[str, argparse.ArgumentParser]) -> None:
-    run, batch, info = parsers["run"], parsers["batch"], parsers["info"]
+    run, batch, info, export = (parsers[name] for name in ("run", "batch", "info", "export"))
     run.add_argument("point", metavar="POINT.yaml", help="- reads standard input")
     run.add_argument("-o", "--output", type=Path, required=True, metavar="RUN.nc")
     run.add_argument("-q", "--quiet", action="store_true", help="no progress, only warnings")
@@ -248,6 +249,22 @@ def _add_point_options(parsers: dict[str, argparse.ArgumentParser]) -> None:
         dest="as_point",
         action="store_true",
         help="print its parameters as a point file instead",
+    )
+    export.description = (
+        "Write the trajectory of a replicate, or without one its first and last state, in a format "
+        "of other programs."
+    )
+    export.add_argument("path", type=Path, metavar="RUN.nc")
+    export.add_argument("--to", required=True, choices=("amber", "extxyz", "lammps-dump", "vtk"))
+    export.add_argument(
+        "-o",
+        "--output",
+        type=Path,
+        metavar="FILE",
+        help="must not be there yet (default: named like the run, in this folder)",
+    )
+    export.add_argument(
+        "--replicate", type=int, default=0, metavar="N", help="its number, from 0 (default: 0)"
     )
 
 

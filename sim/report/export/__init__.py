@@ -1,0 +1,1 @@
+"""The particles of a run for other programs, a format each module."""

@@ -1,0 +1,74 @@
+"""The command ``export``."""
+
+from collections.abc import Callable
+from contextlib import ExitStack
+from pathlib import Path
+
+import netCDF4
+
+from sim.base.damage import checked_read
+from sim.base.errors import InputError
+from sim.base.files import require_writable
+from sim.engine.stored_run import parameters_of
+from sim.report.export import amber, text, vtk
+from sim.report.export.frames import Frames, frames_of
+
+#: Format -> how the names of its files end, and what writes one.
+FORMATS: dict[str, tuple[str, Callable[[Path, Frames], None]]] = {
+    "amber": (".ncdf", amber.write_amber),
+    "extxyz": (".xyz", text.write_extxyz),
+    "lammps-dump": (".dump", text.write_lammps_dump),
+    "vtk": (".pvd", vtk.write_vtk),
+}
+
+
+def export(path: Path, to: str, output: Path | None, replicate: int) -> str:
+    """Write the trajectory of a replicate, or its first and last state, for other programs.
+
+    Parameters
+    ----------
+    path : Path
+        The run file.
+    to : str
+        One of `FORMATS`.
+    output : Path, optional
+        The file to write, which must not be there; else named like the run file, in this folder.
+    replicate : int
+        Number of the replicate, from 0.
+
+    Returns
+    -------
+    str
+        What has been written.
+
+    Raises
+    ------
+    InputError
+        When the run file cannot be read, has no such replicate, or the output cannot be written.
+    """
+    suffix, write = FORMATS[to]
+    output = Path(path.with_suffix(suffix).name) if output is None else output
+    _require_new(output, to)
+    with ExitStack() as opened:
+        with checked_read(path, "run file", replaceable=False):
+            file = opened.enter_context(netCDF4.Dataset(path))
+            file.set_auto_mask(False)
+            frames = frames_of(file, parameters_of(file, path), replicate)
+        output.parent.mkdir(parents=True, exist_ok=True)
+        try:
+            write(output, frames)
+        except RuntimeError as error:
+            # What the library says of a full disk.
+            raise OSError(f"{output}: cannot be written: {error}") from None
+    return f"{output}: {len(frames.times):,} frames of {len(frames.radius):,} particles"
+
+
+def _require_new(output: Path, to: str) -> None:
+    made = [output]
+    if to == "vtk":
+        vtk.require_library()
+        made.append(vtk.folder_of(output))
+    for one in made:
+        if one.exists():
+            raise InputError.of_value("--output", "", str(one), "a name that nothing has")
+    require_writable(output.parent, "--output")

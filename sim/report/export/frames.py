@@ -1,0 +1,139 @@
+"""The frames of one replicate of a run, in three dimensions."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import netCDF4
+import numpy as np
+
+from sim.base.errors import InputError
+from sim.parameters import Parameters
+
+#: What a frame is made of: in a trajectory, and in the first and last state of any run.
+_OF_TRAJECTORY = ("trajectory_position", "trajectory_velocity", "trajectory_spin")
+_OF_ENDS = ("position", "particle_velocity", "particle_spin")
+
+
+class Frame(NamedTuple):
+    """A state of the particles: ``time`` (s), ``position`` (m), ``velocity`` (m/s) and ``spin``
+    (1/s), each (N, 3); beads of the belt have no spin."""
+
+    time: float
+    position: np.ndarray
+    velocity: np.ndarray
+    spin: np.ndarray | None
+
+
+@dataclass(frozen=True)
+class Frames:
+    """The frames of a replicate, read one by one.
+
+    ``radius`` (N,) of the particles (m), ``kind`` (N,) of them: 1 for those that move, 2 for those
+    glued to the plane; ``low`` and ``high`` (3,) corners of the cell (m), ``periodic`` (3,) or not;
+    ``times`` (F,) of the frames (s), ``steps`` (F,) time steps by then.
+    """
+
+    radius: np.ndarray
+    kind: np.ndarray
+    low: np.ndarray
+    high: np.ndarray
+    periodic: tuple[bool, bool, bool]
+    times: np.ndarray
+    steps: np.ndarray
+    _variables: tuple[netCDF4.Variable | None, ...]
+    _places: tuple[tuple[int, int], ...]
+    _columns: list[int]
+
+    @property
+    def has_spin(self) -> bool:
+        """Whether the particles rotate."""
+        return self._variables[-1] is not None
+
+    def __iter__(self) -> Iterator[Frame]:
+        for time, place in zip(self.times, self._places, strict=True):
+            position, velocity, spin = (
+                None if variable is None else self._in_space(variable[place])
+                for variable in self._variables
+            )
+            assert position is not None and velocity is not None, "every run file has both"
+            yield Frame(float(time), self._wrapped(position), velocity, spin)
+
+    def _wrapped(self, position: np.ndarray) -> np.ndarray:
+        """Return positions within the cell: those of a run are now and then put back into it."""
+        length = np.where(self.periodic, self.high - self.low, np.inf)
+        return position - np.where(self.periodic, length, 0.0) * np.floor(position / length)
+
+    def _in_space(self, vectors: np.ndarray) -> np.ndarray:
+        """Return vectors (N, D) as (N, 3)."""
+        found = np.zeros((len(vectors), 3), vectors.dtype)
+        found[:, self._columns] = vectors
+        return found
+
+
+def frames_of(file: netCDF4.Dataset, parameters: Parameters, replicate: int) -> Frames:
+    """Return the frames of a replicate: its trajectory, or without one its first and last state.
+
+    States with a place that is no number, after a blow-up, are left out.
+
+    Parameters
+    ----------
+    file : netCDF4.Dataset
+        An open run file, without masks.
+    parameters : Parameters
+        Its point.
+    replicate : int
+        Number of the replicate, from 0.
+
+    Raises
+    ------
+    InputError
+        When the run has no such replicate, or that blew up before its first frame.
+    """
+    count = file.dimensions["replicate"].size
+    if not 0 <= replicate < count:
+        allowed = f"a replicate of the run, 0 to {count - 1}"
+        raise InputError.of_value("--replicate", "", replicate, allowed)
+    has_trajectory = "trajectory_position" in file.variables
+    names = _OF_TRAJECTORY if has_trajectory else _OF_ENDS
+    variables = tuple(file.variables.get(name) for name in names)
+    times = file["trajectory_time"][:] if has_trajectory else _times_of_ends(file, replicate)
+    radius, height = file["radius"][replicate], file[names[0]][replicate, :, :, -1]
+    whole = np.flatnonzero(np.isfinite(height).all(axis=1))
+    if not whole.size:
+        allowed = "a replicate that did not blow up before the first frame of its trajectory"
+        raise InputError.of_value("--replicate", "", replicate, allowed)
+    low, high, periodic = _cell(parameters, radius, height[whole])
+    glued = file["fixed"][replicate] if "fixed" in file.variables else np.zeros(len(radius))
+    return Frames(
+        radius=radius,
+        kind=np.where(glued, 2, 1),
+        low=low,
+        high=high,
+        periodic=periodic,
+        times=times[whole],
+        steps=np.round(times[whole] / parameters.time_step).astype(int),
+        _variables=variables,
+        _places=tuple((replicate, int(place)) for place in whole),
+        _columns=["xyz".index(axis) for axis in file["axis"][:]],
+    )
+
+
+def _times_of_ends(file: netCDF4.Dataset, replicate: int) -> np.ndarray:
+    """Return the times of the first and the last state of a replicate."""
+    taken = np.isfinite(file["mean_velocity"][replicate]).sum()
+    return np.array([0.0, file["time"][taken - 1] if taken else 0.0])
+
+
+def _cell(
+    parameters: Parameters, radius: np.ndarray, height: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, tuple[bool, bool, bool]]:
+    """Return low and high corner of a cell that holds all particles, and where it is periodic."""
+    side = getattr(parameters, "cell", 0.0) or getattr(parameters, "width", 0.0)
+    side *= parameters.diameter
+    bottom = min(0.0, float((height - radius).min(initial=0.0)))
+    top = float((height + radius).max(initial=parameters.diameter))
+    if parameters.system == "chute":
+        return np.array([0.0, 0.0, bottom]), np.array([side, side, top]), (True, True, False)
+    thick = float(radius.max())
+    return np.array([0.0, -thick, bottom]), np.array([side, thick, top]), (True, False, False)

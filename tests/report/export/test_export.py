@@ -1,0 +1,286 @@
+"""Particles in other formats, read again by programs that know nothing of this one."""
+
+import sys
+from pathlib import Path
+from xml.etree import ElementTree
+
+import chemfiles
+import meshio
+import netCDF4
+import numpy as np
+import pytest
+
+from sim.__main__ import main, parse
+from sim.engine.observe import run_file
+from sim.engine.observe.recorder import Record
+from sim.parameters import Parameters, point_id
+from sim.report.export.command import FORMATS
+from tests.engine_motion.points import belt_point, chute_point
+
+CHUTE = chute_point(depth=1, cell=3, bumps=1, replicates=2)
+BELT = belt_point(beads=3, width=5, replicates=2)
+POINTS = {"chute": CHUTE, "belt": BELT}
+COLUMNS = {"chute": [0, 1, 2], "belt": [0, 2]}
+
+#: What chemfiles calls the formats, the unit of length (m) in which it sees them, and that of
+#: velocity (m/s).
+READERS = {
+    "amber": ("Amber NetCDF", 1e-10, 1e2),
+    "extxyz": ("XYZ", 1.0, 1.0),
+    "lammps-dump": ("LAMMPS", 1.0, 1.0),
+}
+
+
+def record(point: Parameters, seed: int, samples: int) -> Record:
+    """What a replicate might leave that has frames at every other of some samples."""
+    rng = np.random.default_rng(seed)
+    number, axes = point.particles + point.glued, 3 if point.system == "chute" else 2
+    # Particles leave the cell now and then, and overlap with the base.
+    place = 4e-3 * rng.uniform(-1, 2, (2 + samples // 2, number, axes))
+    place[..., -1] = np.abs(place[..., -1])
+    velocity = rng.normal(size=place.shape)
+    names = ["position", "particle_velocity"] + ["particle_spin"] * (axes == 3)
+    states = dict(zip(names, (place, velocity, 100 * velocity), strict=False))
+    snapshots = {name: [state[0], state[1]] for name, state in states.items()}
+    snapshots["radius"] = [rng.uniform(4e-4, 6e-4, number)] * 2
+    if axes == 3:
+        snapshots["fixed"] = [np.arange(number) >= point.particles] * 2
+    frames = {
+        name: states[source][2:].astype(np.float32)
+        for name, source in run_file.FRAMES.items()
+        if source in states
+    }
+    series = {"mean_velocity": np.pad(np.ones(samples), (0, 6 - samples), constant_values=np.nan)}
+    return Record(series, frames=frames if samples > 1 else {}, snapshots=snapshots)
+
+
+def write(path: Path, point: Parameters) -> Path:
+    """Write a run file of two replicates, the second of which ended after four of six samples."""
+    records = [record(point, seed, samples) for seed, samples in ((1, 6), (2, 4))]
+    axes = ("x", "y", "z") if point.system == "chute" else ("x", "z")
+    interval = point.sample_steps * point.time_step
+    layout = run_file.Layout(interval, np.arange(2.0), {"mean_velocity": ("m s-1", "")}, axes, {})
+    told = {"system": point.system, "point_id": point_id(point), "status": "completed"}
+    run_file.write(path, [run_file.Stage(point, records)], layout, told)
+    return path
+
+
+def every(point: Parameters) -> Parameters:
+    """The point with a frame at every other sample."""
+    samples = 2 * point.sample_steps * point.time_step / point.time_unit
+    return point.model_copy(update={"trajectory": samples})
+
+
+@pytest.fixture(params=POINTS)
+def system(request) -> str:
+    return request.param
+
+
+@pytest.fixture
+def run(system, tmp_path) -> Path:
+    return write(tmp_path / "a.run.nc", every(POINTS[system]))
+
+
+class Held:
+    """What a run file holds of a replicate."""
+
+    def __init__(self, path: Path, system: str, replicate: int = 0):
+        with netCDF4.Dataset(path) as file:
+            file.set_auto_mask(False)
+            self.time, self.radius = file["trajectory_time"][:], file["radius"][replicate]
+            self.position = file["trajectory_position"][replicate]
+            self.velocity = file["trajectory_velocity"][replicate]
+            self.spin = file["trajectory_spin"][replicate] if system == "chute" else None
+        side = {"chute": 3e-3, "belt": 5e-3}[system]
+        self.length = np.array({"chute": [side, side, np.inf], "belt": [side, np.inf]}[system])
+        self.columns = COLUMNS[system]
+
+    def compare(self, place: np.ndarray, frame: int) -> None:
+        """Compare places (N, 3), in the cell, with those of a frame."""
+        found, expected = np.asarray(place)[:, self.columns], self.position[frame]
+        periodic = np.isfinite(self.length)
+        assert (found[:, periodic] >= 0).all()
+        assert (found[:, periodic] <= 1.000001 * self.length[periodic]).all()
+        turns = np.where(periodic, (expected - found) / np.where(periodic, self.length, 1), 0)
+        back = found + np.where(periodic, self.length, 0) * np.round(turns)
+        np.testing.assert_allclose(back, expected, atol=3e-9)
+
+
+def exported(run: Path, to: str, *words: str) -> Path:
+    output = run.parent / "out" / f"run{FORMATS[to][0]}"
+    assert main(["export", str(run), "--to", to, "-o", str(output), *words]) == 0
+    return output
+
+
+@pytest.mark.parametrize("to", READERS)
+def test_another_program_reads_places_velocities_and_cell(to, run, system):
+    held = Held(run, system)
+    kind, length, velocity = READERS[to]
+    with chemfiles.Trajectory(str(exported(run, to)), "r", kind) as trajectory:
+        assert trajectory.nsteps == 3
+        for number in range(3):
+            frame = trajectory.read_step(number)
+            held.compare(frame.positions * length, number)
+            if to == "extxyz":
+                found = np.array([atom["velo"] for atom in frame.atoms])
+            else:
+                found = frame.velocities * velocity
+            expected = held.velocity[number]
+            np.testing.assert_allclose(found[:, held.columns], expected, rtol=1e-6)
+            cell = np.array(frame.cell.lengths)[held.columns] * length
+            periodic = np.isfinite(held.length)
+            np.testing.assert_allclose(cell[periodic], held.length[periodic], rtol=1e-6)
+            top = (held.position[:, :, -1] + held.radius).max()
+            assert cell[-1] >= 0.999999 * top
+
+
+@pytest.mark.parametrize("to", ["extxyz", "lammps-dump"])
+def test_text_has_radii_spins_times_and_what_is_glued(to, run, system):
+    held = Held(run, system)
+    with chemfiles.Trajectory(str(exported(run, to)), "r", READERS[to][0]) as trajectory:
+        frame = trajectory.read_step(1)
+    radius = [atom["radius"] for atom in frame.atoms]
+    np.testing.assert_allclose(radius, held.radius, rtol=1e-7)
+    name = "Time" if to == "extxyz" else "time"
+    assert float(frame[name]) == pytest.approx(float(held.time[1]))
+    if to == "extxyz":
+        kinds = [atom["kind"] for atom in frame.atoms]
+    else:
+        kinds = [float(atom.type) for atom in frame.atoms]
+    glued = CHUTE.glued if system == "chute" else 0
+    assert glued == kinds.count(2) and kinds.count(1) == POINTS[system].particles
+    if system == "chute" and to == "extxyz":
+        spin = np.array([atom["angular_velocity"] for atom in frame.atoms])
+    elif system == "chute":
+        spin = np.array([[atom[f"omega{axis}"] for axis in "xyz"] for atom in frame.atoms])
+    else:
+        assert "omega" not in str(frame.atoms[0].list_properties())
+        return
+    np.testing.assert_allclose(spin, held.spin[1], rtol=1e-6)
+
+
+def test_the_amber_file_follows_the_convention(run, system):
+    held = Held(run, system)
+    with netCDF4.Dataset(exported(run, "amber")) as file:
+        assert (file.Conventions, file.ConventionVersion) == ("AMBER", "1.0")
+        assert file.data_model == "NETCDF3_64BIT_OFFSET" and file.dimensions["frame"].isunlimited()
+        assert b"".join(file["spatial"][:]) == b"xyz" and file["time"].units == "picosecond"
+        assert b"".join(file["cell_angular"][:].ravel()) == b"alphabeta gamma"
+        np.testing.assert_allclose(file["time"][:] * 1e-12, held.time, rtol=1e-6)
+        np.testing.assert_allclose(file["radius"][2] * 1e-10, held.radius, rtol=1e-6)
+        assert (file["cell_angles"][:] == 90).all()
+        if system == "chute":
+            np.testing.assert_allclose(file["spin"][2] * 1e12, held.spin[2], rtol=1e-6)
+
+
+def test_vtk_is_a_series_with_its_times(run, system):
+    held, output = Held(run, system), exported(run, "vtk")
+    entries = list(ElementTree.parse(output).iter("DataSet"))
+    assert [float(one.get("timestep")) for one in entries] == pytest.approx(held.time)
+    for number, one in enumerate(entries):
+        mesh = meshio.read(output.parent / one.get("file"))
+        held.compare(mesh.points, number)
+        found = mesh.point_data["velocity"][:, held.columns]
+        np.testing.assert_array_equal(found, held.velocity[number])
+        np.testing.assert_array_equal(mesh.point_data["radius"], held.radius)
+        assert ("spin" in mesh.point_data) == (system == "chute")
+    cell = meshio.read(output.with_suffix("") / "cell.vtu")
+    assert cell.cells[0].type == "hexahedron" and np.ptp(cell.points[:, 0]) == held.length[0]
+    assert sorted(path.name for path in output.parent.iterdir()) == ["run", "run.pvd"]
+
+
+@pytest.mark.parametrize("to", FORMATS)
+def test_frames_that_a_replicate_lacks_are_left_out(to, run, system, capsys):
+    exported(run, to, "--replicate", "1")
+    number = POINTS[system].particles + POINTS[system].glued
+    assert f"2 frames of {number} particles" in capsys.readouterr().out
+
+
+def test_without_a_trajectory_there_are_the_first_and_the_last_state(system, tmp_path):
+    run = write(tmp_path / "run.nc", POINTS[system])
+    output = exported(run, "extxyz", "--replicate", "1")
+    with netCDF4.Dataset(run) as file, chemfiles.Trajectory(str(output)) as trajectory:
+        assert trajectory.nsteps == 2
+        times = [float(trajectory.read_step(number)["Time"]) for number in range(2)]
+        assert times == pytest.approx([0, float(file["time"][3])])
+        last = np.array([atom["velo"] for atom in trajectory.read_step(1).atoms])
+        expected = file["particle_velocity"][1, 1]
+        np.testing.assert_allclose(last[:, COLUMNS[system]], expected, rtol=1e-6)
+
+
+def test_the_default_output_is_named_like_the_run_and_lies_here(run, tmp_path, monkeypatch):
+    (tmp_path / "here").mkdir()
+    monkeypatch.chdir(tmp_path / "here")
+    assert main(["export", str(run), "--to", "amber"]) == 0
+    assert [path.name for path in Path().iterdir()] == ["a.run.ncdf"]
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["--replicate", "2"], "--replicate: got 2; allowed: a replicate of the run, 0 to 1"),
+        (["--replicate", "-1"], "--replicate: got -1; allowed: a replicate of the run, 0 to 1"),
+        (["-o", "there"], "--output: got 'there'; allowed: a name that nothing has"),
+        (["-o", "there.pvd", "--to", "vtk"], "--output: got 'there'; allowed: a name that nothing"),
+        (["-o", "there/x"], "--output: got 'there'; allowed: a folder that can be written"),
+    ],
+)
+def test_mistakes_are_one_line_and_leave_nothing(words, message, run, monkeypatch, capsys):
+    monkeypatch.chdir(run.parent)
+    Path("there").touch()
+    before = sorted(Path().rglob("*"))
+    assert main(["export", run.name, "--to", "extxyz", *words]) == 2
+    error = capsys.readouterr().err
+    assert message in error and error.count("\n") == 1
+    assert sorted(Path().rglob("*")) == before
+
+
+def test_a_missing_library_is_named(run, monkeypatch, capsys):
+    monkeypatch.setitem(sys.modules, "meshio", None)
+    monkeypatch.chdir(run.parent)
+    assert main(["export", run.name, "--to", "vtk"]) == 2
+    assert "pip install meshio" in capsys.readouterr().err
+
+
+def test_what_is_no_run_file_is_told(tmp_path, capsys):
+    (tmp_path / "x.nc").write_text("no run")
+    assert main(["export", str(tmp_path / "x.nc"), "--to", "amber"]) == 2
+    assert main(["export", str(tmp_path / "y.nc"), "--to", "amber"]) == 2
+    said = capsys.readouterr().err
+    assert "damaged or not a run file" in said and "y.nc: no such run file" in said
+
+
+def test_a_write_that_fails_leaves_nothing(run, monkeypatch):
+    def full(*arguments, **options):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(meshio.Mesh, "write", full)
+    output = run.parent / "out" / "run.pvd"
+    assert main(["export", str(run), "--to", "vtk", "-o", str(output)]) == 1
+    assert list(output.parent.iterdir()) == []
+
+
+def test_the_command_line_knows_the_formats():
+    for to in FORMATS:
+        assert parse(["export", "run.nc", "--to", to])["to"] == to
+    with pytest.raises(SystemExit):
+        parse(["export", "run.nc", "--to", "pdb"])
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("to", ["amber", "extxyz", "lammps-dump"])
+def test_ovito_reads_it(to, run, system, monkeypatch):
+    monkeypatch.setenv("QT_QPA_PLATFORM", "offscreen")
+    ovito = pytest.importorskip("ovito.io")
+    held, length = Held(run, system), READERS[to][1]
+    pipeline = ovito.import_file(str(exported(run, to)))
+    assert pipeline.num_frames == 3
+    for number in range(3):
+        data = pipeline.compute(number)
+        held.compare(np.array(data.particles.positions) * length, number)
+        radius = np.array(data.particles["Radius"]) * length
+        np.testing.assert_allclose(radius, held.radius, rtol=1e-6)
+        cell = np.array(data.cell)[0, 0] * length
+        assert cell == pytest.approx(held.length[0])
+        velocity = np.array(data.particles["Velocity"])[:, held.columns] * READERS[to][2]
+        np.testing.assert_allclose(velocity, held.velocity[number], rtol=1e-6)
