@@ -139,6 +139,31 @@ def test_what_the_page_shows_runs(monkeypatch):
     assert len(snippets) > 5 and names["velocity"].units == "m s-1"
 
 
+def test_what_the_page_on_particles_shows_runs(monkeypatch, tmp_path):
+    """Commands and Python in turn; both have the same way."""
+    text = Path(ROOT, "docs", "particles.md").read_text(encoding="utf-8")
+    snippets = re.findall(r"```(sh|python)\n(.*?)```", text, re.S)
+    assert [kind for kind, _ in snippets] == ["sh", "python", "sh", "python"]
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("PYTHONPATH", str(ROOT))
+    talus = f'set -e; talus() {{ "{sys.executable}" -m sim "$@"; }}\n'
+    names: dict = {"__name__": "snippets"}
+    for kind, snippet in snippets:
+        if kind == "sh":
+            subprocess.run(["bash", "-c", talus + snippet], check=True)
+        else:
+            exec(compile(snippet, "snippet", "exec"), names)
+    run, way = names["run"], names["way"]
+    gone = float(way.mean("particle").sum("trajectory_time"))
+    # The flow as its velocity tells it, from the first frame to the last.
+    seen = run.time > run.trajectory_time[0]
+    span = run.trajectory_time[-1] - run.trajectory_time[0]
+    moved = run.mean_velocity[0].where(seen, drop=True).mean() * span
+    assert gone == pytest.approx(float(moved), rel=1e-3)
+    assert {"flow.xyz", "flow.dump", "flow.ncdf"} < {path.name for path in tmp_path.iterdir()}
+    assert len(list(tmp_path.glob("pictures/flow/0*.vtu"))) == run.sizes["trajectory_time"] == 100
+
+
 def test_the_notebook_runs(monkeypatch):
     monkeypatch.setattr("matplotlib.pyplot.show", lambda: None)
     notebook = nbformat.read(ROOT / "docs" / "first-flow.ipynb", as_version=4)
