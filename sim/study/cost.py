@@ -13,7 +13,7 @@ PARTICLE_MEMORY = 4e-3
 
 #: MB that frames of a trajectory take while a run is written, for each that they have, and on the
 #: disk: in the run file and in the states beside it.
-TRAJECTORY_MEMORY = 3.0
+TRAJECTORY_MEMORY = 3.5
 TRAJECTORY_DISK = 2.0
 
 
