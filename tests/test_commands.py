@@ -370,6 +370,7 @@ LINES = {
     "refine": ["refine", "x.yaml", "1"],
     "run": ["run", "x.yaml", "-o", "run.nc"],
     "info": ["info", "run.nc"],
+    "export": ["export", "run.nc", "--to", "vtk"],
     "compare": ["compare", "a.nc", "b.nc"],
     "figure": ["figure", "walton_2", "x.nc", "-o", "folder"],
     "publish": ["publish", "x.yaml", "--to", "folder"],
