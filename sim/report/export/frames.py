@@ -8,7 +8,7 @@ import netCDF4
 import numpy as np
 
 from sim.base.errors import InputError
-from sim.parameters import Parameters
+from sim.parameters import BeltParameters, ChuteParameters, Parameters
 
 #: What a frame is made of: in a trajectory, and in the first and last state of any run.
 _OF_TRAJECTORY = ("trajectory_position", "trajectory_velocity", "trajectory_spin")
@@ -129,11 +129,11 @@ def _cell(
     parameters: Parameters, radius: np.ndarray, height: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, tuple[bool, bool, bool]]:
     """Return low and high corner of a cell that holds all particles, and where it is periodic."""
-    side = getattr(parameters, "cell", 0.0) or getattr(parameters, "width", 0.0)
-    side *= parameters.diameter
     bottom = min(0.0, float((height - radius).min(initial=0.0)))
     top = float((height + radius).max(initial=parameters.diameter))
-    if parameters.system == "chute":
+    if isinstance(parameters, ChuteParameters):
+        side = parameters.cell * parameters.diameter
         return np.array([0.0, 0.0, bottom]), np.array([side, side, top]), (True, True, False)
-    thick = float(radius.max())
-    return np.array([0.0, -thick, bottom]), np.array([side, thick, top]), (True, False, False)
+    assert isinstance(parameters, BeltParameters), "there are two systems"
+    length, thick = parameters.width * parameters.diameter, float(radius.max())
+    return np.array([0.0, -thick, bottom]), np.array([length, thick, top]), (True, False, False)
