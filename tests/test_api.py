@@ -88,6 +88,16 @@ def test_a_flow_that_blows_up_says_why():
         flow.run(5, progress=False)
 
 
+def motionless(duration):
+    sim.Flow("belt", beads=3).run(duration)
+
+
+def test_numbers_of_numpy_are_numbers():
+    flow = sim.Flow("belt", beads=np.int64(3), replicate=np.int64(1), frequency=np.float32(20))
+    assert flow.parameters == sim.Flow("belt", beads=3, frequency=20).parameters
+    assert flow.run(np.float64(1), progress=False).time > 0
+
+
 @pytest.mark.parametrize(
     ("call", "message"),
     [
@@ -95,7 +105,14 @@ def test_a_flow_that_blows_up_says_why():
         (lambda: sim.simulate("bolt"), "simulate: system: got 'bolt'; allowed: one of chute, belt"),
         (lambda: sim.Flow("belt", beats=9), "Flow: beats: unknown key, got 9; did you mean"),
         (lambda: sim.Flow(replicate=-1), "Flow: replicate: got -1; allowed: an integer >= 0"),
-        (lambda: sim.Flow("belt", beads=3).run(0), "run: duration: got 0; allowed: a number > 0"),
+        (lambda: sim.Flow(replicate="1"), "Flow: replicate: got '1'; allowed: an integer >= 0"),
+        (lambda: sim.Flow(replicate=True), "Flow: replicate: got true; allowed: an integer >= 0"),
+        (lambda: motionless(0), "run: duration: got 0; allowed: a number > 0"),
+        (lambda: motionless("1"), "run: duration: got '1'; allowed: a number > 0"),
+        (lambda: motionless(True), "run: duration: got true; allowed: a number > 0"),
+        (lambda: motionless(1e300), "run: duration: got 1e+300; allowed: a number > 0 and <= "),
+        (lambda: sim.points(None), "points: study: got nothing; allowed: the path of a study"),
+        (lambda: sim.load(None), "load: results: got nothing; allowed: the path of a study's"),
         (lambda: sim.points({"study": "x"}), "points: series: got nothing; allowed: "),
         (lambda: sim.points("none.yaml"), "none.yaml: no such file"),
         (lambda: sim.load("nowhere"), "nowhere: no such dataset"),

@@ -26,17 +26,19 @@ class DamagedError(InputError):
 
 
 @contextmanager
-def checked_read(path: Path, kind: str, replaceable: bool) -> Iterator[None]:
-    """Read a file with its checksum checked; whatever goes wrong in the block becomes one line.
+def checked_read(path: Path, kind: str, replaceable: bool, sealed: bool = False) -> Iterator[None]:
+    """Read a file in a block; whatever goes wrong there becomes one line.
 
     Parameters
     ----------
     path : Path
-        The file; its checksum is looked at first if it has one.
+        The file.
     kind : str
         What it should be, for messages.
     replaceable : bool
         Rename an unreadable file to ``<name>.damaged``, so that the workflow makes it again.
+    sealed : bool
+        It was written with a checksum at its end, which is looked at first.
 
     Raises
     ------
@@ -48,8 +50,8 @@ def checked_read(path: Path, kind: str, replaceable: bool) -> Iterator[None]:
     if not path.is_file():
         raise InputError(f"{path}: no such {kind}; rerun the study to make it")
     try:
-        if is_damaged(path):
-            raise ValueError("the checksum is wrong")
+        if sealed and is_damaged(path):
+            raise ValueError("its checksum is wrong or missing")
         yield
     except InputError:
         raise

@@ -1,8 +1,10 @@
 """Files that appear complete or not at all, and that only one process makes."""
 
+import errno
 import hashlib
 import logging
 import os
+import stat
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
@@ -59,26 +61,41 @@ def seal(path: Path) -> None:
         file.write(SEAL % checksum(file, path.stat().st_size))
 
 
-def is_damaged(path: Path, must_be_sealed: bool = False) -> bool:
-    """Return whether a sealed file has changed since; one without a seal cannot tell.
+def open_regular(path: Path) -> BinaryIO:
+    """Open a file for reading bytes, if it is one: a pipe or a device may never end.
 
-    Where a seal is a must, one without it has been cut short. Libraries may crash on a file that is
-    damaged; this reads bytes and nothing else.
+    Raises ``OSError`` for all else.
     """
-    length = path.stat().st_size - len(SEAL % bytes(64))
-    with path.open("rb") as file:
-        file.seek(max(0, length))
+    number = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
+    if not stat.S_ISREG(os.fstat(number).st_mode):
+        os.close(number)
+        raise OSError(errno.EINVAL, "not a regular file", str(path))
+    return os.fdopen(number, "rb")
+
+
+def read_regular(path: Path) -> bytes:
+    """Return what a file holds; raise ``OSError`` where it is none, see `open_regular`."""
+    with open_regular(path) as file:
+        return file.read()
+
+
+def is_damaged(path: Path) -> bool:
+    """Return whether a file that was sealed has changed since, its seal included.
+
+    Libraries may crash on a file that is damaged; this reads bytes and nothing else.
+    """
+    with open_regular(path) as file:
+        length = max(0, file.seek(0, os.SEEK_END) - len(SEAL % bytes(64)))
+        file.seek(length)
         found = file.read()
         file.seek(0)
-        if not (must_be_sealed or found.startswith(SEAL[:9])):
-            return False
         return found != SEAL % checksum(file, length)
 
 
 def read_seal(path: Path) -> str:
     """Return the checksum that a file says it has, ``""`` where it has no seal."""
     length = len(SEAL % bytes(64))
-    with path.open("rb", buffering=0) as file:
+    with open_regular(path) as file:
         file.seek(max(0, file.seek(0, os.SEEK_END) - length))
         found = file.read()
     is_seal = len(found) == length and found.startswith(SEAL[:9])

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 from zlib import crc32
 
-from sim.base.files import SEAL
+from sim.base.files import SEAL, open_regular
 
 #: The end of a summary: its length in bytes and its checksum.
 _END = b"\nsummary %012d %08x"
@@ -32,7 +32,7 @@ def read_summary(path: Path) -> dict[str, Any] | None:
 
     The rest of the file is not read, so it is not known to be whole.
     """
-    with path.open("rb", buffering=0) as file:
+    with open_regular(path) as file:
         end = file.seek(0, os.SEEK_END) - _ENDING - _SEAL
         if end < 0:
             return None

@@ -41,7 +41,7 @@ def side_of_run(path: Path, of: str, parameters: Parameters) -> str | None:
     InputError
         When there is no such file, or it cannot be read as a run.
     """
-    with checked_read(path, "run file", replaceable=True):
+    with checked_read(path, "run file", replaceable=True, sealed=True):
         run = summary_of(path, amounts(parameters))
         if run.attrs["point_id"] != point_id(parameters):
             raise ValueError(f"holds point {run.attrs['point_id']}")

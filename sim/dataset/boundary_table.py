@@ -25,7 +25,7 @@ def read_table(dataset: Path) -> pd.DataFrame:
     InputError
         When there is no dataset, or it is damaged. That of a study is then set aside.
     """
-    with checked_read(dataset, "dataset", replaceable=is_of_study(dataset)):
+    with checked_read(dataset, "dataset", replaceable=is_of_study(dataset), sealed=True):
         with netCDF4.Dataset(dataset) as file:
             if GROUP not in file.groups:
                 return pd.DataFrame(columns=_COLUMNS)

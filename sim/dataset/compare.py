@@ -124,6 +124,9 @@ class Comparison:
         In the order of the first side.
     alone : (int, int)
         Points of each side that the other does not have.
+    shorter : (int, int)
+        Points of each side that are left out, as another differs from them only in how much was
+        run and has more.
     """
 
     quantity: str
@@ -131,6 +134,7 @@ class Comparison:
     differ: Mapping[str, tuple[Any, Any]]
     pairs: Sequence[Pair]
     alone: tuple[int, int]
+    shorter: tuple[int, int]
 
     @cached_property
     def real(self) -> list[bool]:
@@ -156,11 +160,20 @@ def read_measured(path: Path, quantity: str) -> tuple[list[Measured], str]:
     Raises
     ------
     InputError
-        When there is no such file, or it has no such quantity.
+        When there is no such file, or it has no such quantity, or none that is known.
     """
-    if path.is_dir() or path.name == "dataset.nc":
-        return _of_study(path, quantity)
-    with checked_read(path, "run file", replaceable=False), netCDF4.Dataset(path) as file:
+    is_study = path.is_dir() or path.name == "dataset.nc"
+    found, unit = (_of_study if is_study else _of_run)(path, quantity)
+    if not found:
+        raise InputError(f"{path}: no completed run knows its {quantity}: nothing to compare")
+    return found, unit
+
+
+def _of_run(path: Path, quantity: str) -> tuple[list[Measured], str]:
+    with (
+        checked_read(path, "run file", replaceable=False, sealed=True),
+        netCDF4.Dataset(path) as file,
+    ):
         file.set_auto_mask(False)
         point = parameters_of(file, path)
         _require(quantity, path, [n for n, one in file.variables.items() if _is_number(one)])
@@ -245,7 +258,8 @@ def compare(
         for key in both
     ]
     alone = len(keyed[0]) - len(both), len(keyed[1]) - len(both)
-    return Comparison(quantity, unit, _differ(sides, varying), pairs, alone)
+    shorter = len(first) - len(keyed[0]), len(second) - len(keyed[1])
+    return Comparison(quantity, unit, _differ(sides, varying), pairs, alone, shorter)
 
 
 def _keyed(

@@ -58,7 +58,7 @@ def earlier_rows(folder: Path, is_shown: Callable[[str], bool]) -> list[Rows]:
     """
     path = folder / EARLIER
     try:
-        if path.is_file() and not is_damaged(path, must_be_sealed=True):
+        if path.is_file() and not is_damaged(path):
             return list(_rows(path, folder / "runs", is_shown))
     except UNREADABLE:
         pass
@@ -109,6 +109,6 @@ def _rows(path: Path, runs: Path, is_shown: Callable[[str], bool]) -> Iterator[R
 def _is_of(run: Path, seal: str) -> bool:
     """Return whether a run file still is the one with this seal."""
     try:
-        return bool(seal) and read_seal(run) == seal
+        return read_seal(run) == seal
     except OSError:
         return False

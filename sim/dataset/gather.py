@@ -51,7 +51,7 @@ def read_run(path: Path, wanted: Mapping[str, float] | None = None, shown: bool 
     DamagedError
         When it cannot be read as the run that its name says; it is set aside.
     """
-    with checked_read(path, "run file", replaceable=True):
+    with checked_read(path, "run file", replaceable=True, sealed=True):
         # First: if another file takes the name in between, its numbers get a seal that is not its
         # own, and it is read again the next time.
         seal = read_seal(path)

@@ -65,6 +65,8 @@ class Results:
         InputError
             When the dataset has no such profile of the point, or it is not known on that grid.
         """
+        if point not in self.dataset.indexes["point"]:
+            raise InputError(f"{point}: no such point in the dataset")
         held, index = self.dataset.variables, self.dataset.indexes["point"].get_loc(point)
         system = str(held["system"].values[index])
         group = self.profiles.get(system, xr.Dataset())
@@ -161,12 +163,15 @@ def load(results: str | Path) -> Results:
     InputError
         When there is no dataset, or it is damaged.
     """
+    if not isinstance(results, (str, Path)):
+        allowed = "the path of a study's results or of a dataset"
+        raise InputError.of_value("load", "results", results, allowed)
     path = Path(results)
     return load_results(path / "dataset.nc" if path.is_dir() else path)
 
 
 def _reading(path: Path) -> AbstractContextManager[None]:
-    return checked_read(path, "dataset", replaceable=is_of_study(path))
+    return checked_read(path, "dataset", replaceable=is_of_study(path), sealed=True)
 
 
 def _with_added(dataset: xr.Dataset) -> xr.Dataset:

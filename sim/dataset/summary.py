@@ -33,7 +33,7 @@ def summary_of(path: Path, wanted: Mapping[str, float] | None = None) -> Summary
         scalars = {name: values[first] for name, values in found["scalars"].items()}
         return Summary(found["attributes"], scalars)
     if is_damaged(path):
-        raise OSError("the checksum is wrong")
+        raise OSError("its checksum is wrong or missing")
     with netCDF4.Dataset(path) as file:
         run = RunFile(file, wanted)
         return Summary(run.attrs, {name: run[name] for name in SCALARS if name in run})

@@ -1,5 +1,6 @@
 """A flow in one's hands: run for a while, looked at, run on."""
 
+from numbers import Integral, Real
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
@@ -10,10 +11,16 @@ from sim.engine.observe.arrays import SNAPSHOTS
 from sim.engine.origin import origin_of
 from sim.engine.progress import bar
 from sim.engine.systems import build
-from sim.parameters import parse_point, point_id
+from sim.parameters import point_id, point_in_python
+from sim.parameters.common import MAX_SAMPLES
 
 if TYPE_CHECKING:
     import xarray as xr
+
+
+def _is(kind: type, value: Any) -> bool:
+    """Return whether a value is a number of a kind; ``True`` and ``False`` are none."""
+    return isinstance(value, kind) and not isinstance(value, bool)
 
 
 class Flow:
@@ -51,9 +58,10 @@ class Flow:
     """
 
     def __init__(self, system: str = "chute", *, replicate: int = 0, **parameters: Any):
-        self.parameters = parse_point({"system": system, **parameters}, "Flow")
-        if replicate < 0:
+        self.parameters = point_in_python("Flow", system, parameters)
+        if not (_is(Integral, replicate) and replicate >= 0):
             raise InputError.of_value("Flow", "replicate", replicate, "an integer >= 0")
+        replicate = int(replicate)
         self._system = build(self.parameters, replicate)
         self._taken: list[dict[str, np.ndarray]] = []
         self._samples = 0
@@ -75,13 +83,15 @@ class Flow:
         Raises
         ------
         InputError
-            When the duration is no positive number.
+            When the duration is no positive number, or one of more than ten million samples.
         BlowUp
             When an overlap exceeds ``overlap_limit`` or a position is no number. A run would start
             again with half the time step.
         """
-        if not 0 < duration < np.inf:
-            raise InputError.of_value("run", "duration", duration, "a number > 0")
+        longest = MAX_SAMPLES * self._interval / self.parameters.time_unit
+        if not (_is(Real, duration) and 0 < duration <= longest):
+            allowed = f"a number > 0 and <= {longest:.6g}"
+            raise InputError.of_value("run", "duration", duration, allowed)
         left = max(1, round(duration * self.parameters.time_unit / self._interval))
         with bar(left, point_id(self.parameters), "sample", quiet=not progress) as shown:
             while left:

@@ -13,6 +13,7 @@ from time import monotonic
 from pydantic import AwareDatetime, BaseModel, ConfigDict, Field, ValidationError
 from tqdm import tqdm
 
+from sim.base.files import read_regular
 from sim.base.words import duration
 from sim.parameters import Parameters, point_id
 
@@ -116,7 +117,7 @@ def progress_file(output: Path) -> Path:
 def read_progress(output: Path) -> Progress | None:
     """Return the progress of the run that will write ``output``; none without a readable file."""
     try:
-        return Progress.model_validate_json(progress_file(output).read_bytes())
+        return Progress.model_validate_json(read_regular(progress_file(output)))
     except (OSError, ValidationError):
         return None
 

@@ -5,7 +5,7 @@ from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
 from sim.engine.run import run_point
-from sim.parameters import parse_point
+from sim.parameters import point_in_python
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -48,7 +48,7 @@ def simulate(system: str = "chute", *, progress: bool = True, **parameters: Any)
     # Only here: half a second, which a run of the workflow does without.
     import xarray as xr
 
-    point = parse_point({"system": system, **parameters}, "simulate")
+    point = point_in_python("simulate", system, parameters)
     with TemporaryDirectory(prefix="talus-") as folder:
         output = Path(folder) / "run.nc"
         run_point(point, output, quiet=not progress, record_failure=True)

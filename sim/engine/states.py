@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any, BinaryIO, Self
 import numpy as np
 
 from sim.base.errors import InputError
-from sim.base.files import is_damaged, replacing, seal, set_aside
+from sim.base.files import is_damaged, open_regular, replacing, seal, set_aside
 from sim.engine.flatten import FlatState
 from sim.engine.identity import NUMERICS
 from sim.parameters import Parameters, point_id
@@ -225,19 +225,18 @@ class States:
         One that is damaged or belongs to another run is set aside with a warning.
         """
         try:
-            file = self.path.open("rb")
-        except FileNotFoundError:
-            return {}
-        with file:
-            try:
+            with open_regular(self.path) as file:
                 sizes = self._sizes(file)
                 return {int(number): file.read(size) for number, size in sizes.items()}
-            except (ValueError, LookupError, TypeError, AttributeError) as error:
-                if not self._own:
-                    raise InputError(f"{self.path}: {error}") from None
-                aside = set_aside(self.path)
-                log.warning("%s: %s; set aside as %s", self.path, error, aside)
-        return {}
+        except FileNotFoundError:
+            return {}
+        except (OSError, ValueError, LookupError, TypeError, AttributeError) as error:
+            reason = error.strerror if isinstance(error, OSError) else error
+            if not self._own:
+                raise InputError(f"{self.path}: {reason}") from None
+            aside = set_aside(self.path)
+            log.warning("%s: %s; set aside as %s", self.path, reason, aside)
+            return {}
 
     def _sizes(self, file: BinaryIO) -> dict[str, int]:
         """Read up to the archives and return their sizes; raise ``ValueError`` where they are not
@@ -252,6 +251,6 @@ class States:
         known = zip(header.get("origin", []), self._origin, strict=False)
         if any(one != other for one, other in known):
             raise ValueError("states from before the run that they start from went on")
-        if is_damaged(self.path, must_be_sealed=True):
+        if is_damaged(self.path):
             raise ValueError("damaged: the checksum is wrong")
         return header["sizes"]

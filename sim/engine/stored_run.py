@@ -92,7 +92,10 @@ def read_parameters(path: Path) -> Parameters:
     InputError
         When there is no such file, or it is not a run file.
     """
-    with checked_read(path, "run file", replaceable=False), netCDF4.Dataset(path) as file:
+    with (
+        checked_read(path, "run file", replaceable=False, sealed=True),
+        netCDF4.Dataset(path) as file,
+    ):
         file.set_auto_mask(False)
         return parameters_of(file, path)
 

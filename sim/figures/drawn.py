@@ -2,13 +2,14 @@
 
 import hashlib
 import json
+import os
 from collections.abc import Iterable
 from pathlib import Path
 
 from pydantic import BaseModel, TypeAdapter, ValidationError
 
 from sim.base.damage import checked_read
-from sim.base.files import replacing
+from sim.base.files import open_regular, read_regular, replacing
 from sim.study.catalogue import FigureSpec
 
 #: The file beside the figures.
@@ -39,7 +40,7 @@ _SEVERAL = TypeAdapter(dict[str, Drawn])
 def read_drawn(folder: Path) -> dict[str, Drawn]:
     """Return the record of each figure drawn in a folder; empty where none can be read."""
     try:
-        return _SEVERAL.validate_json((folder / DRAWN).read_bytes())
+        return _SEVERAL.validate_json(read_regular(folder / DRAWN))
     except (OSError, ValidationError):
         return {}
 
@@ -55,8 +56,8 @@ def as_drawn(spec: FigureSpec, dataset_path: Path, folder: Path, code: str) -> D
     """Return a figure as it is now, drawn by this code; none without all of its files."""
     source = hashlib.sha256(f"{code} {spec!r}".encode())
     try:
-        with dataset_path.open("rb") as file:
-            file.seek(max(0, dataset_path.stat().st_size - TAIL))
+        with open_regular(dataset_path) as file:
+            file.seek(max(0, file.seek(0, os.SEEK_END) - TAIL))
             source.update(file.read())
         files = {suffix: _checksum(folder / f"{spec.name}{suffix}") for suffix in spec.suffixes}
     except OSError:
@@ -87,4 +88,4 @@ def require_unchanged(specs: Iterable[FigureSpec], folder: Path) -> None:
 
 
 def _checksum(path: Path) -> str:
-    return hashlib.sha256(path.read_bytes()).hexdigest()
+    return hashlib.sha256(read_regular(path)).hexdigest()

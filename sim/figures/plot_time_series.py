@@ -67,7 +67,10 @@ def courses(data: FigureData, row: Mapping[str, Any]) -> pd.DataFrame:
     if data.results.runs is None:
         raise InputError(f"{row['point']}: time series are in run files, of which there are none")
     path = data.results.runs / f"{row['point']}.nc"
-    with checked_read(path, "run file", replaceable=True), netCDF4.Dataset(path) as file:
+    with (
+        checked_read(path, "run file", replaceable=True, sealed=True),
+        netCDF4.Dataset(path) as file,
+    ):
         run = RunFile(file, _wanted(data.spec.system, row))
         completed = np.flatnonzero(np.asarray(run["status"]) == "completed")
         time, values = np.asarray(run["time"]), np.asarray(run[one.source])

@@ -19,6 +19,7 @@ from sim.parameters.points import (
     load_point,
     parse_point,
     point_id,
+    point_in_python,
     require_alike,
     unsaid,
 )
@@ -45,6 +46,7 @@ __all__ = [
     "more",
     "parse_point",
     "point_id",
+    "point_in_python",
     "require_alike",
     "unsaid",
 ]

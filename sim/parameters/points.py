@@ -71,6 +71,15 @@ def parse_point(
         raise input_error(error, model, str(source), paths) from None
 
 
+def point_in_python(source: str, system: Any, given: Mapping[str, Any]) -> Parameters:
+    """Validate a point as `parse_point` does, whose values may be numbers of NumPy."""
+    plain = {
+        name: value.item() if getattr(value, "shape", None) == () else value
+        for name, value in given.items()
+    }
+    return parse_point({**plain, "system": system}, source)
+
+
 def load_point(path: str | Path) -> Parameters:
     """Read a point from a YAML (or JSON) file, or from standard input when ``path`` is ``-``.
 

@@ -96,6 +96,9 @@ def _summary(found: Comparison) -> list[str]:
         lines.append(f"B / A: median {middle:.4g}, 80 % of the points from {low:.4g} to {high:.4g}")
     if any(found.alone):
         lines.append(f"not in both: {found.alone[0]} of A, {found.alone[1]} of B")
+    if any(found.shorter):
+        told = f"{found.shorter[0]} of A, {found.shorter[1]} of B"
+        lines.append(f"left out, as the same was run for longer or more often: {told}")
     return lines
 
 
@@ -123,6 +126,7 @@ def as_json(found: Comparison) -> str:
         "unit": found.unit,
         "different": {name: list(values) for name, values in found.differ.items()},
         "alone": list(found.alone),
+        "shorter": list(found.shorter),
         "points": pairs,
     }
     return json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False)

@@ -38,7 +38,10 @@ def describe(path: str | Path, as_point: bool = False) -> str:
         When there is no such file, or it is not a run file.
     """
     path = Path(path)
-    with checked_read(path, "run file", replaceable=False), netCDF4.Dataset(path) as file:
+    with (
+        checked_read(path, "run file", replaceable=False, sealed=True),
+        netCDF4.Dataset(path) as file,
+    ):
         file.set_auto_mask(False)
         parameters = parameters_of(file, path)
         return as_yaml(parameters).rstrip() if as_point else _summary(file, parameters)

@@ -38,8 +38,9 @@ def init(target: Path, model: str) -> str:
     texts = _models()
     if model not in texts:
         raise InputError.of_value("--from", "", model, "one of " + ", ".join(texts))
-    path = target if target.suffix in YAML else target / f"{model}.yaml"
-    if not re.match(NAME, path.stem) or len(path.stem) > 60:
+    is_file = target.name.lower().endswith(YAML)
+    path = target if is_file else target / f"{model}.yaml"
+    if path.suffix not in YAML or not re.match(NAME, path.stem) or len(path.stem) > 60:
         raise InputError.of_value("init", "", str(path), f"{ALLOWED_NAME['allowed']}, then .yaml")
     require_writable(path.parent, "init")
     path.parent.mkdir(parents=True, exist_ok=True)

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from sim.base.errors import InputError
 from sim.parameters import complete
 from sim.study.cost import estimate
 from sim.study.load import load_study, parse_study
@@ -42,8 +43,10 @@ def points(study: str | Path | Mapping[str, Any]) -> "pd.DataFrame":
 
     if isinstance(study, Mapping):
         read = parse_study(dict(study), "points", None)
-    else:
+    elif isinstance(study, (str, Path)):
         read = load_study(study, None)
+    else:
+        raise InputError.of_value("points", "study", study, "the path of a study file or a mapping")
     rows = {
         point.id: complete(point.parameters)
         | {

@@ -100,7 +100,7 @@ class PlotFile(Strict):
 
     @model_validator(mode="after")
     def _of_a_name_of_its_own(self) -> Self:
-        if self.name in FIGURES:
+        if self.name.lower() in FIGURES:
             raise broken_rule("name", self.name, "a name that no figure of the catalogue has")
         require_shown(self.title)
         return self

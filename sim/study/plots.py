@@ -54,8 +54,9 @@ def plots_of(
         def refused(key: str, value: Any, allowed: str, number: int = number) -> InputError:
             return InputError.of_value(source, f"plots[{number}].{key}", value, allowed)
 
-        if one.name in found or one.name in taken:
-            raise refused("name", one.name, "a name that no other plot has")
+        # Some file systems do not tell capitals from small letters.
+        if one.name.lower() in map(str.lower, (*found, *taken)):
+            raise refused("name", one.name, "a name that no other plot has, capitals or not")
         found[one.name] = _entry(one, study, refused, source, f"plots[{number}]")
     return found
 

@@ -41,7 +41,7 @@ def expanded(value: Any) -> Any:
     """
     if not isinstance(value, dict):
         return value
-    numbers = all(isinstance(one, int | float) and abs(one) < 1e15 for one in value.values())
+    numbers = all(type(one) in (int, float) and abs(one) < 1e15 for one in value.values())
     if not numbers or set(value) not in ({"start", "stop", "num"}, {"start", "stop", "step"}):
         raise broken_rule("", value, ALLOWED)
     start, stop = value["start"], value["stop"]

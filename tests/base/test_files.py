@@ -8,7 +8,7 @@ import sys
 
 import pytest
 
-from sim.base.files import alone, replacing
+from sim.base.files import alone, open_regular, read_regular, replacing
 
 
 def test_a_finished_file_takes_its_name(tmp_path):
@@ -91,3 +91,26 @@ def test_a_link_in_the_place_of_the_lock_leads_to_nothing_that_is_changed(tmp_pa
     with alone(tmp_path / "made.txt"):
         assert precious.read_text() == "kept"
     assert precious.read_text() == "kept"
+
+
+@pytest.mark.parametrize("what", ["pipe", "device", "folder"])
+def test_only_files_are_opened(what, tmp_path):
+    path = tmp_path / what
+    if what == "pipe":
+        os.mkfifo(path)
+        # With somebody at the other end opening it would not even wait.
+        held = os.open(path, os.O_RDWR)
+    elif what == "device":
+        path.symlink_to(os.devnull)
+    else:
+        path.mkdir()
+    with pytest.raises(OSError, match=f"not a regular file.*{what}"):
+        open_regular(path)
+    if what == "pipe":
+        os.close(held)
+
+
+def test_a_link_to_a_file_is_read(tmp_path):
+    (tmp_path / "file").write_bytes(b"some")
+    (tmp_path / "link").symlink_to("file")
+    assert read_regular(tmp_path / "link") == b"some"

@@ -9,6 +9,7 @@ import xarray as xr
 from sim.base.errors import InputError
 from sim.dataset.boundary_side import side_of_run
 from sim.parameters import BeltParameters, ChuteParameters
+from tests.made.netcdf import store
 from tests.made.runs import write_run
 
 CHUTE = ChuteParameters(replicates=2)
@@ -41,7 +42,7 @@ def test_an_undetermined_flow_flows_if_it_surely_moves_and_does_not_slow_down(
     with xr.open_dataset(path) as opened:
         run = opened.load()
     run["acceleration"][:] = gain
-    run.to_netcdf(path)
+    store(run, path)
     assert side_of_run(path, "flow", CHUTE) == side
     assert side_of_run(path, "acceleration", CHUTE) is None
 
@@ -51,7 +52,7 @@ def test_replicates_must_agree_on_the_side_not_on_the_regime(tmp_path):
     with xr.open_dataset(path) as opened:
         run = opened.load()
     run["regime"] = ("replicate", np.array(["steady", "accelerating"], dtype=object))
-    run.to_netcdf(path)
+    store(run, path)
     assert side_of_run(path, "flow", CHUTE) == "flowing"
     assert side_of_run(path, "acceleration", CHUTE) is None
 
@@ -84,7 +85,7 @@ def test_a_velocity_without_an_error_tells_nothing(tmp_path):
     with xr.open_dataset(path) as opened:
         run = opened.load()
     run["velocity_half_width"][:] = nan
-    run.to_netcdf(path)
+    store(run, path)
     assert side_of_run(path, "transport", BELT) is None
 
 

@@ -13,6 +13,7 @@ from sim.dataset.results import load_results
 from sim.parameters import BeltParameters, ChuteParameters, point_id
 from sim.study.load import load_study
 from tests.made.figures import make_built_study
+from tests.made.netcdf import store
 from tests.made.runs import FAILURE, HEIGHTS, is_hurt, is_lost, made_velocity, make_study, write_run
 
 
@@ -82,7 +83,7 @@ def test_a_run_whose_energy_does_not_add_up_says_so(tmp_path):
     with xr.open_dataset(path) as opened:
         run = opened.load()
     run["energy_residual"][0] = -0.012
-    run.to_netcdf(path)
+    store(run, path)
     with xr.open_dataset(build(study_path, results)) as found:
         caveats = found["caveat"].to_series()
     assert "energy does not add up" in caveats[key]
@@ -145,7 +146,7 @@ def test_a_file_that_is_no_run_is_named(tmp_path, content):
 
 def test_a_netcdf_file_that_is_no_run_is_named(tmp_path):
     path = tmp_path / "other.nc"
-    xr.Dataset({"depth": 1.0}).to_netcdf(path)
+    store(xr.Dataset({"depth": 1.0}), path)
     with pytest.raises(InputError, match=r"other\.nc: damaged or not a run file"):
         read_run(path)
 

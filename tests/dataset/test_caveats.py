@@ -8,6 +8,7 @@ from sim.dataset.caveats import UNSOUND, caveat, caveat_of_run
 from sim.dataset.gather import read_run
 from sim.dataset.summary import summary_of
 from sim.parameters import BeltParameters, ChuteParameters
+from tests.made.netcdf import store
 from tests.made.runs import write_run
 
 PAPER = ChuteParameters()
@@ -59,5 +60,5 @@ def test_a_run_file_and_the_dataset_agree(tmp_path, acceleration):
 
 
 def test_a_file_without_a_ledger_says_what_it_has(tmp_path):
-    xr.Dataset(attrs={"caveat": "a long step"}).to_netcdf(tmp_path / "run.nc")
+    store(xr.Dataset(attrs={"caveat": "a long step"}), tmp_path / "run.nc")
     assert caveat_of_run(summary_of(tmp_path / "run.nc"), ChuteParameters()) == "a long step"

@@ -77,6 +77,19 @@ def test_points_of_one_side_alone_are_counted():
         compare(side()[:2], side()[2:], "velocity", "m s-1")
 
 
+def test_points_that_were_run_for_longer_besides_are_told():
+    longer = [belt(np.ones(9), frequency=f, replicates=9) for f in (20, 30)]
+    found = compare([*side(), *longer], side(), "velocity", "m s-1")
+    assert len(found.pairs) == 4 and found.shorter == (2, 0) and found.alone == (0, 0)
+    assert [pair.first.freedom for pair in found.pairs] == [8, 8, 7, 7]
+
+
+def test_what_no_run_knows_is_not_compared(tmp_path):
+    path = write_run(tmp_path, parse_point({"system": "chute"}, "test"), failed=[0])
+    with pytest.raises(InputError, match="no completed run knows its velocity"):
+        read_measured(path, "velocity")
+
+
 def test_what_follows_from_another_parameter_can_be_ignored():
     varied = [beds(1.0, frequency=f, transient=t) for f, t in ((20, 10), (30, 20))]
     other = [beds(1.0, frequency=f) for f in (20, 30)]

@@ -8,6 +8,7 @@ import xarray as xr
 from sim.base.errors import InputError
 from sim.dataset import results
 from sim.dataset.results import load_results
+from tests.made.netcdf import store
 
 
 @pytest.fixture
@@ -18,9 +19,9 @@ def dataset(tmp_path) -> Path:
         "figures": ("point", ["", ""]),
         "system": ("point", ["belt"] * 2),
     }
-    xr.Dataset({"status": ("point", ["completed"] * 2)}, points).to_netcdf(path)
+    store(xr.Dataset({"status": ("point", ["completed"] * 2)}, points), path)
     for group in ("belt", "states/a", "states/b"):
-        xr.Dataset({"x": ("i", [1.0, 2.0])}).to_netcdf(path, mode="a", group=group)
+        store(xr.Dataset({"x": ("i", [1.0, 2.0])}), path, mode="a", group=group)
     return path
 
 
@@ -66,5 +67,5 @@ def test_a_dataset_that_is_gone_when_its_particles_are_asked_for_is_named(datase
 def test_a_dataset_can_be_written_again_once_it_is_read(dataset):
     found = load_results(dataset)
     found.particles("a")
-    xr.Dataset({"x": ("i", [3.0, 4.0])}).to_netcdf(dataset, mode="a", group="states/b")
+    store(xr.Dataset({"x": ("i", [3.0, 4.0])}), dataset, mode="a", group="states/b")
     assert list(found.particles("b")["x"]) == [3, 4]

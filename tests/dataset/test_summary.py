@@ -10,6 +10,7 @@ from sim.engine.run import run_point
 from sim.parameters.observables import SCALARS
 from tests.engine_motion.points import belt_point
 from tests.made.folder import Folder
+from tests.made.netcdf import changing
 
 POINT = belt_point(beads=20, width=5, transient=1, average=3, replicates=2)
 
@@ -25,7 +26,7 @@ def test_the_end_of_a_file_tells_what_opening_it_does(path, tmp_path):
     told = summary_of(path)
     other = tmp_path / "run.nc"
     other.write_bytes(path.read_bytes())
-    with netCDF4.Dataset(other, "a") as file:
+    with changing(other) as file:
         file.comment = "now its end says nothing"
     read = summary_of(other)
     assert told.attrs | {"comment": read.attrs["comment"]} == read.attrs

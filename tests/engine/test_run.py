@@ -14,6 +14,7 @@ from sim.engine.observe import estimate
 from sim.engine.run import BLOWN_UP, run_point
 from sim.parameters import as_yaml, canonical, field_info, parse_point, point_id
 from tests.engine_motion.points import belt_point, chute_point
+from tests.made.netcdf import changing
 from tests.made.processes import ROOT
 
 CHUTE = {"depth": 1.24, "cell": 4, "transient": 3, "average": 5, "replicates": 2}
@@ -276,16 +277,16 @@ def test_a_run_file_of_the_same_point_is_kept_and_no_other(tmp_path, capsys):
     whole = output.read_bytes()
     output.write_bytes(whole[: len(whole) // 2])
     assert made_anew(other)
-    with netCDF4.Dataset(output, "a") as file:
+    with changing(output) as file:
         file.source_hash = "0123456789ab"
         file.versions = "numpy 1.0"
     assert not made_anew(other)
-    with netCDF4.Dataset(output, "a") as file:
+    with changing(output) as file:
         file.numerics = NUMERICS + 1
     assert made_anew(other)
     # Engines before the first number are known by the hash of their sources.
     for source, anew in (("0b14a980090c", False), ("0123456789ab", True)):
-        with netCDF4.Dataset(output, "a") as file:
+        with changing(output) as file:
             if "numerics" in file.ncattrs():
                 file.delncattr("numerics")
             file.source_hash = source

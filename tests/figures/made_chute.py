@@ -8,6 +8,7 @@ import xarray as xr
 from sim.dataset.build import build
 from sim.parameters import BeltParameters, ChuteParameters, Parameters
 from sim.study.load import load_study
+from tests.made.netcdf import store
 from tests.made.once import once
 from tests.made.runs import write_run
 
@@ -134,7 +135,7 @@ def make_dataset(folder: Path) -> tuple[Path, Path]:
         else:
             made = made_profiles(parameters) | made_particles(parameters)
             run = run.drop_dims("height").assign(made)
-        run.to_netcdf(path)
+        store(run, path)
     path = build(study_path, results)
     with xr.open_dataset(path) as opened:
         dataset = opened.load()
@@ -150,5 +151,5 @@ def make_dataset(folder: Path) -> tuple[Path, Path]:
     for name, values in made.items():
         measure = np.where(completed, values[:, None] * spread, np.nan)
         dataset[name] = (("point", "replicate"), measure)
-    dataset.to_netcdf(path, mode="a")
+    store(dataset, path, mode="a")
     return study_path, path

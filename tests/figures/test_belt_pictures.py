@@ -17,6 +17,7 @@ from sim.figures.render import settle
 from sim.figures.style import DOTTED
 from sim.study.catalogue import FIGURES
 from tests.figures.drawing import dashes, draw, drawn, fed, picture, texts
+from tests.made.netcdf import store
 
 PATHS = ("gallas_4a", "gallas_4b", "gallas_4c", "gallas_4d", "gallas_4e", "gallas_7a", "gallas_7c")
 SNAPSHOTS = ("gallas_5a", "gallas_5b", "gallas_5c", "gallas_5d", "gallas_7b")
@@ -171,12 +172,12 @@ def test_velocities_have_a_round_scale(speed, scale):
 def test_a_dataset_without_the_particles_is_refused(name, lost, belt_dataset, tmp_path):
     path = tmp_path / "dataset.nc"
     with xr.open_dataset(belt_dataset) as opened:
-        opened.load().to_netcdf(path)
+        store(opened.load(), path)
     with pytest.raises(InputError, match=r"^belt-.*: no particles in the dataset$"):
         draw(name, path, tmp_path)
     _, data = drawn(name, belt_dataset)
     point = data.rows["point"].iloc[0]
-    data.results.particles(point).drop_vars(lost).to_netcdf(path, mode="a", group=f"states/{point}")
+    store(data.results.particles(point).drop_vars(lost), path, mode="a", group=f"states/{point}")
     with pytest.raises(InputError, match=rf"^belt-.*: no {lost} of the particles in the dataset$"):
         draw(name, path, tmp_path)
 
@@ -186,7 +187,7 @@ def test_a_point_that_failed_leaves_an_empty_picture(name, belt_dataset, tmp_pat
     with xr.open_dataset(belt_dataset) as opened:
         dataset = opened.load()
     dataset["status"][:] = "failed"
-    dataset.to_netcdf(tmp_path / "dataset.nc")
+    store(dataset, tmp_path / "dataset.nc")
     png, _, csv, caption = draw(name, tmp_path / "dataset.nc", tmp_path)
     assert png.stat().st_size > 0
     assert len(csv.read_text().splitlines()) == 1

@@ -13,6 +13,7 @@ from sim.figures.style import DASH_DOT, DOTTED, LONG_DASH, SHORT_DASH
 from sim.parameters import BeltParameters
 from tests.figures.drawing import dashes, draw, drawn, fed, texts
 from tests.figures.made_belt import SPREAD, plateau, transport
+from tests.made.netcdf import store
 
 FREQUENCIES = {"f = 10 Hz": "-", "f = 20 Hz": LONG_DASH, "f = 60 Hz": DASH_DOT, "f = 80 Hz": DOTTED}
 ANGLES = {"α = π/2": DOTTED, "α = π/3": DASH_DOT, "α = π/4": "-", "α = π/6": SHORT_DASH}
@@ -160,9 +161,9 @@ def test_a_single_replicate_has_no_band(belt_dataset, tmp_path):
         dataset = opened.load()
     dataset["status"][:, 1:] = "failed"
     path = tmp_path / "dataset.nc"
-    dataset.to_netcdf(path)
+    store(dataset, path)
     with xr.open_dataset(belt_dataset, group="belt") as belt:
-        belt.load().to_netcdf(path, mode="a", group="belt")
+        store(belt.load(), path, mode="a", group="belt")
     _, data = drawn("gallas_2b", path)
     assert profiles(data, DENSITY)["half_width"].isna().all()
     text = draw("gallas_2b", path, tmp_path)[3].read_text()
@@ -172,7 +173,7 @@ def test_a_single_replicate_has_no_band(belt_dataset, tmp_path):
 
 def test_a_dataset_without_profiles_is_refused(belt_dataset, tmp_path):
     with xr.open_dataset(belt_dataset) as opened:
-        opened.load().to_netcdf(tmp_path / "dataset.nc")
+        store(opened.load(), tmp_path / "dataset.nc")
     with pytest.raises(InputError, match=r"^belt-.*: no number_density in the dataset$"):
         draw("gallas_2a", tmp_path / "dataset.nc", tmp_path)
     assert not list(tmp_path.glob("gallas*"))

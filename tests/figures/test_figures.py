@@ -17,6 +17,7 @@ from sim.study.load import load_study
 from tests.figures import drawing
 from tests.figures.drawing import dashes, draw, fed, picture
 from tests.made.figures import make_built_study
+from tests.made.netcdf import store
 from tests.made.runs import FAILURE, is_hurt, is_lost
 
 NAMES = ("walton_2", "gallas_1a", "gallas_1b", "gallas_1c")
@@ -176,7 +177,7 @@ def test_flows_that_accelerate_or_disagree_are_not_joined(
         changed = dataset[name].values
         changed[point, :2] = values
         dataset[name] = dataset[name].dims, changed
-    dataset.to_netcdf(tmp_path / "dataset.nc")
+    store(dataset, tmp_path / "dataset.nc")
     axes, _ = drawn("walton_2", tmp_path / "dataset.nc")
     joined = {
         line.get_color(): np.isfinite(line.get_ydata()[list(line.get_xdata()).index(5)])
@@ -227,7 +228,7 @@ def test_a_figure_without_a_completed_point_is_still_drawn(dataset_path, tmp_pat
     with xr.open_dataset(dataset_path) as opened:
         dataset = opened.load()
     dataset["status"][:] = "failed"
-    dataset.to_netcdf(tmp_path / "dataset.nc")
+    store(dataset, tmp_path / "dataset.nc")
     for name in NAMES:
         files = draw(name, tmp_path / "dataset.nc", tmp_path)
         assert all(path.stat().st_size > 0 for path in files)

@@ -16,6 +16,7 @@ from sim.study.catalogue import FIGURES
 from tests.figures import drawing
 from tests.figures.drawing import draw, fed, picture
 from tests.made.figures import make_built_regimes
+from tests.made.netcdf import store
 
 NAMES = ("regimes_friction", "regimes_angle", "belt_onset")
 
@@ -170,5 +171,5 @@ def test_a_figure_without_a_boundary_or_a_completed_point_is_still_drawn(
     with xr.open_dataset(dataset_path) as opened:
         dataset = opened.load()
     dataset["status"][:] = "failed"
-    dataset.to_netcdf(tmp_path / "dataset.nc")
+    store(dataset, tmp_path / "dataset.nc")
     assert all(path.stat().st_size > 0 for path in draw(name, tmp_path / "dataset.nc", tmp_path))

@@ -12,6 +12,7 @@ from sim.base.statistics import student_half_width
 from sim.figures.quantity import measures
 from tests.figures.drawing import draw, fed, picture
 from tests.figures.made_chute import SPREAD
+from tests.made.netcdf import store
 
 
 @pytest.fixture(scope="module")
@@ -65,6 +66,6 @@ def test_files_tell_units_and_the_claims(chute_dataset, tmp_path):
 
 def test_a_dataset_without_the_measure_is_refused(chute_dataset, tmp_path):
     with xr.open_dataset(chute_dataset) as opened:
-        opened.load().drop_vars("shear_depth").to_netcdf(tmp_path / "dataset.nc")
+        store(opened.load().drop_vars("shear_depth"), tmp_path / "dataset.nc")
     with pytest.raises(InputError, match="shear_depth"):
         draw("shear_depth", tmp_path / "dataset.nc", tmp_path)

@@ -19,6 +19,7 @@ from sim.report.gallery import data_uri
 from sim.report.page import build, render
 from sim.study.load import load_study
 from tests.made.figures import make_built_regimes, make_figures
+from tests.made.netcdf import store
 from tests.made.report import write_claims
 from tests.made.runs import FAILURE, make_study
 
@@ -179,7 +180,7 @@ def doubtful(tmp_path_factory) -> Page:
         with xr.open_dataset(path) as opened:
             run = opened.load()
         run["energy_residual"][0] = share
-        run.to_netcdf(path)
+        store(run, path)
     build_dataset(study_path, results)
     return read((study_path, results))
 

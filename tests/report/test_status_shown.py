@@ -2,7 +2,6 @@
 
 import json
 
-import netCDF4
 import pytest
 
 from sim.__main__ import main
@@ -10,6 +9,7 @@ from sim.engine.progress import Progress
 from sim.report.status import PointStatus, StudyStatus
 from sim.report.status_table import as_json, as_text
 from tests.made.folder import BOUNDED, NOW, Folder
+from tests.made.netcdf import changing
 from tests.made.runs import FAILURE
 
 
@@ -57,7 +57,7 @@ def test_points_with_a_caveat_are_counted(folder):
     leaking = {"energy_residual": ("replicate", [-0.012], {"units": "1"})}
     folder.finish(folder.ids[0], arrays=leaking)
     path = folder.finish(folder.ids[3])
-    with netCDF4.Dataset(path, "a") as run:
+    with changing(path) as run:
         run.caveat = "the time step is long"
     folder.finish(folder.ids[4])
     status = folder.survey()

@@ -66,6 +66,8 @@ def test_studies_that_come_with_the_program_can_be_copied(became):
         (["--from", "paper"], "--from: got 'paper'; allowed: one of first, "),
         (["a b.yaml"], "init: got 'a b.yaml'; allowed: "),
         ([f"{'a' * 61}.yaml"], "init: got "),
+        (["x.YAML"], "init: got 'x.YAML'; allowed: "),
+        ([".yaml"], "init: got '.yaml'; allowed: "),
         (["first.yaml/x"], "init: got 'first.yaml/x'; allowed: a folder that can be written"),
     ],
 )

@@ -65,6 +65,8 @@ def test_parts_bring_their_plots(parse, tmp_path):
     assert study.figures["w"] == study.series["beds"]
     with pytest.raises(InputError, match="a name that no other plot has"):
         parse(RIGHT | {"name": "w", "system": "chute"}, parts=["part.yaml"])
+    with pytest.raises(InputError, match="capitals or not"):
+        parse(RIGHT | {"name": "W", "system": "chute"}, parts=["part.yaml"])
 
 
 @pytest.mark.parametrize("kind", OBSERVABLE)

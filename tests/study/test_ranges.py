@@ -36,6 +36,7 @@ def test_whole_numbers_stay_whole():
         ({"start": 1, "stop": 2, "num": 1}, r"friction\.num: got 1; allowed: an integer in \[2"),
         ({"start": 1, "stop": 2, "step": 0}, r"friction\.step: got 0; allowed: a step from start"),
         ({"start": 1, "stop": 2, "step": -1}, r"friction\.step: got -1; allowed: a step from"),
+        ({"start": True, "stop": 2, "num": 4}, "friction: got .*; allowed: a list of values, {"),
         ({"start": 0, "stop": 1, "step": 1 / MOST}, r"friction\.step: got 0.0001; allowed: a"),
         ({"start": "a", "stop": 2, "num": 4}, "friction: got .*; allowed: a list of values, {"),
         ({"start": 1, "stop": -1, "num": 2}, r"friction\[1\]: got -1; allowed: a number >= 0"),

@@ -182,6 +182,18 @@ def test_a_damaged_note_of_whose_the_results_are_stops_nothing(damage, tree):
         note.write_bytes(whole)
 
 
+def test_a_device_in_place_of_that_note_is_not_read(tree):
+    note = tree / "results" / "tiny" / ".study"
+    whole = note.read_bytes()
+    note.unlink()
+    note.symlink_to("/dev/zero")
+    try:
+        assert "warning" not in plan(tree)
+    finally:
+        note.unlink()
+        note.write_bytes(whole)
+
+
 def test_a_clock_that_was_ahead_makes_nothing_old_and_hides_nothing(tree):
     results = tree / "results" / "tiny"
     ahead = time.time() + 1e8

@@ -18,7 +18,7 @@ from helpers import age, correct_future_times, release_stale_lock, write_start
 
 from sim.engine.states import checkpoint_interval
 from sim.base.errors import InputError
-from sim.base.files import replacing
+from sim.base.files import read_regular, replacing
 from sim.base.rooms import files_hash, room_hash
 from sim.parameters import RUN_FILE, amounts, canonical_json
 from sim.engine.stored_run import holds, is_to_grow, planned_amounts
@@ -120,7 +120,7 @@ def planned_batches():
     no other's end. Jobs that start a Snakemake of their own, as on a cluster, have the batches of the one that planned.
     """
     if not workflow.is_main_process:
-        return json.loads(PLANNED.read_text(encoding="utf-8"))
+        return json.loads(read_regular(PLANNED))
     alike = defaultdict(dict)
     for point in filter(is_wanted, STUDY.points):
         if not origin_file(point):
@@ -188,7 +188,7 @@ def warn_of_namesake():
     """
     # A damaged note names no study; the workflow writes it anew.
     with suppress(OSError, InputError, ValueError):
-        other = load_study(OWNER.read_text(encoding="utf-8"))
+        other = load_study(read_regular(OWNER).decode("utf-8"))
         if other.name == STUDY.name and set(other.points) != set(STUDY.points):
             print(
                 f"warning: {STUDY.path}: study: {STUDY.name} is also the name of {other.path}; "

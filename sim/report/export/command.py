@@ -50,7 +50,7 @@ def export(path: Path, to: str, output: Path | None, replicate: int) -> str:
     output = Path(path.with_suffix(suffix).name) if output is None else output
     _require_new(output, to)
     with ExitStack() as opened:
-        with checked_read(path, "run file", replaceable=False):
+        with checked_read(path, "run file", replaceable=False, sealed=True):
             file = opened.enter_context(netCDF4.Dataset(path))
             file.set_auto_mask(False)
             frames = frames_of(file, parameters_of(file, path), replicate)
