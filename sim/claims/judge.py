@@ -1,13 +1,14 @@
 """From a dataset to verdicts: every claim under every protocol and reading that was run."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from typing import Any
 
 from sim.claims.evidence import Evidence
 from sim.claims.experiments import experiment
 from sim.claims.judgement import MODEL, PROTOCOLS, Judgement, Variant
 from sim.claims.points import Points
-from sim.claims.readings import in_words, readings_of, readings_run
+from sim.claims.readings import GRID, in_words, readings_of, readings_run
 from sim.claims.table import Claim, claims
 from sim.claims.verdict import Check, Untestable
 from sim.dataset.results import Results
@@ -36,19 +37,22 @@ def judge(results: Results) -> list[Judgement]:
     ]
 
 
-def _evidence(results: Results, system: str) -> Iterator[tuple[str, Evidence]]:
-    """Yield what each protocol and reading offers, the reading in words, the headline first."""
+def _evidence(results: Results, system: str) -> Iterator[tuple[dict[str, Any], Evidence]]:
+    """Yield each reading with what each protocol offers under it, the headline first."""
     points, first = Points(results), readings_of(system).headline
     others = [one for one in ({}, *readings_run(results, system)) if one != first]
     for reading in (first, *others):
+        runs = {name: value for name, value in reading.items() if name != GRID}
+        looked_at = replace(results, grid=reading.get(GRID, results.grid))
         for protocol in PROTOCOLS:
-            yield in_words(system, reading), Evidence(results, protocol, reading, points)
+            yield reading, Evidence(looked_at, protocol, runs, points)
 
 
-def _variants(claim: Claim, every: list[tuple[str, Evidence]]) -> Iterator[Variant]:
-    """Yield the claim at the headline reading, then at readings that have runs of their own.
+def _variants(claim: Claim, every: list[tuple[Mapping[str, Any], Evidence]]) -> Iterator[Variant]:
+    """Yield the claim at the headline reading, then at readings under which it is another matter.
 
-    A claim that names what a reading changes looks at the same points under both.
+    It is not where they have no runs of their own, as a claim that names what a reading changes
+    looks at the same points under both; nor where it looks at no profile that another grid changes.
     """
     declared = readings_of(claim.system)
     if claim.kind == "model":
@@ -58,12 +62,12 @@ def _variants(claim: Claim, every: list[tuple[str, Evidence]]) -> Iterator[Varia
         return
     seen = set()
     for reading, evidence in every:
-        control = declared.is_control(evidence.reading)
-        variant = _judged(claim, evidence, reading, control)
-        measured = variant.protocol, tuple(check.points for check in variant.checks)
-        if evidence.reading == declared.headline or not (variant.reason or measured in seen):
+        words = in_words(claim.system, reading)
+        variant = _judged(claim, evidence, words, declared.is_control(reading))
+        found = variant.protocol, repr(variant.checks)
+        if reading == declared.headline or not (variant.reason or found in seen):
             yield variant
-        seen.add(measured)
+        seen.add(found)
 
 
 def _judged(claim: Claim, evidence: Evidence, reading: str, control: str) -> Variant:

@@ -133,26 +133,25 @@ class Place:
         scatter = over.std_dev if values.size > 1 else 0.0
         return ufloat(over.nominal_value, max(least, scatter))
 
-    def profile(self, name: str, grid: str = "centres") -> tuple[np.ndarray, np.ndarray]:
+    def profile(self, name: str, grid: str = "") -> tuple[np.ndarray, np.ndarray]:
         """Return a profile (R, H) of all completed replicates and its heights (H,) in m.
 
-        That of a belt is on one of the grids of `sim.dataset.grids`.
+        That of a belt is on one of the grids of `sim.dataset.grids`, that of the reading if none
+        is named.
         """
         try:
             return self._results.profile(self.id, name, grid)
         except InputError as error:
             raise Untestable(str(error)) from None
 
-    def measure(self, function: Callable[..., float], *names: str, grid: str = "centres") -> UFloat:
+    def measure(self, function: Callable[..., float], *names: str, grid: str = "") -> UFloat:
         """Return a measure of profiles with its interval over replicates.
 
         ``function(height, *profiles)`` is called per replicate with one profile (H,) per name.
         """
         return joined(self.each(function, *names, grid=grid))
 
-    def each(
-        self, function: Callable[..., float], *names: str, grid: str = "centres"
-    ) -> np.ndarray:
+    def each(self, function: Callable[..., float], *names: str, grid: str = "") -> np.ndarray:
         """Return a measure of profiles of each completed replicate, (R,); see `measure`."""
         columns = [self.profile(name, grid) for name in names]
         height = columns[0][1]

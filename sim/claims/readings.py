@@ -19,6 +19,9 @@ _TABLE = "readings.yaml"
 #: What stands for the defaults of all readings.
 DEFAULT = "default"
 
+#: The reading that is no parameter of runs: the grid on which the same profiles are looked at.
+GRID = "profile_grid"
+
 
 class Control(BaseModel):
     """Values of parameters that are no reading of the paper, and why."""
@@ -39,6 +42,9 @@ class Readings(BaseModel):
     open: dict[str, str] = Field(description="by parameter, the words that leave it open")
     rows: dict[str, list[float]] = Field(
         {}, description="by parameter of the grid, values of base rows that are readings as well"
+    )
+    grids: dict[str, str] = Field(
+        {}, description="by grid of the profiles other than the usual one, what it is"
     )
     controls: list[Control] = Field(description="what is no reading")
 
@@ -73,13 +79,18 @@ def readings_of(system: str) -> Readings:
 
 def in_words(system: str, reading: Mapping[str, Any]) -> str:
     """Return a reading in words, ``default`` for the defaults."""
-    return "; ".join(setting(system, name, value) for name, value in reading.items()) or DEFAULT
+    words = [
+        readings_of(system).grids[value] if name == GRID else setting(system, name, value)
+        for name, value in reading.items()
+    ]
+    return "; ".join(words) or DEFAULT
 
 
 def readings_run(results: Results, system: str) -> list[dict[str, Any]]:
     """Return the readings other than the default that some points of a system have.
 
-    Choices of the models first, then base rows: flows of another cell, or another stiffness.
+    Choices of the models first, then base rows: flows of another cell, or another stiffness; then
+    grids of the profiles, on which the runs of the default reading are looked at.
     """
     model = SYSTEMS[system]
     usual = model()
@@ -97,4 +108,4 @@ def readings_run(results: Results, system: str) -> list[dict[str, Any]]:
         for value in values
         if value in points[name].values
     ]
-    return [*found.values(), *rows]
+    return [*found.values(), *rows, *({GRID: name} for name in readings_of(system).grids)]

@@ -42,6 +42,8 @@ class Results:
         replicate.
     runs : Path, optional
         Folder of the run files, for their time series.
+    grid : str
+        One of `sim.dataset.grids.GRIDS`, on which profiles are if no other is asked for.
     """
 
     dataset: xr.Dataset
@@ -49,16 +51,14 @@ class Results:
     boundaries: pd.DataFrame
     states: Mapping[str, xr.Dataset] = field(default_factory=dict)
     runs: Path | None = None
+    grid: str = "centres"
 
-    def profile(
-        self, point: str, name: str, grid: str = "centres"
-    ) -> tuple[np.ndarray, np.ndarray]:
+    def profile(self, point: str, name: str, grid: str = "") -> tuple[np.ndarray, np.ndarray]:
         """Return a profile of a point, (R, H) over completed replicates, and heights (H,) in m.
 
         Profiles along the belt come with the columns' centres (m) instead of heights, those over
-        its cycle with phases (rad). Those over the
-        height above the belt are on one of the grids of `sim.dataset.grids`, however thin the
-        slices are that the run has kept.
+        its cycle with phases (rad). Those over the height above the belt are on one of the grids of
+        `sim.dataset.grids`, however thin the slices are that the run has kept.
 
         Raises
         ------
@@ -85,7 +85,7 @@ class Results:
         number = None if beads is None else beads.values[row][completed][:, real]
         diameter = float(held["diameter"].values[index])
         try:
-            return on_grid(grid, diameter, centres, name, values, number)
+            return on_grid(grid or self.grid, diameter, centres, name, values, number)
         except ValueError as error:
             raise InputError(f"{point}: {name} {error}") from None
 

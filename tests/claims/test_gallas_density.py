@@ -1,8 +1,11 @@
 """Judges of claims about the density over height."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from sim.claims.evidence import Evidence
 from sim.claims.gallas_density import (
     g15,
     g16,
@@ -22,6 +25,7 @@ from sim.claims.verdict import (
     Untestable,
 )
 from tests.made.paper_belt import BEAD, checks_of, density, published, verdict_of
+from tests.made.results import made_results
 
 FREQUENCIES = (10, 20, 60, 80)
 PAIRS = ((10, 10), (0, 50), (50, 50), (50, 100))
@@ -77,13 +81,12 @@ def test_grids_of_cells_and_of_points_count_other_beads():
     place = np.arange(60)
     lying = np.where(place == 1, 2.0, 0) + np.where((place > 2) & (place < 20), 1.0, 0)
     profiles = {"number_density": lambda _: lying, "number_density_at_phase_0": lambda _: lying}
-    checks = checks_of(
-        g16, [published(frequency=f, profiles=profiles, **thin) for f in (20, 60, 80)]
+    results = made_results(
+        *(published(frequency=f, profiles=profiles, **thin) for f in (20, 60, 80))
     )
-    for check in checks:
-        assert check.value == pytest.approx(1.0 if "cells" in check.what else 0.0)
-        assert (check.verdict == REPORTED) == ("points" in check.what)
-    assert len(checks) == 3 * 2 * 2
+    for grid, share in (("centres", 1.0), ("points", 0.0)):
+        checks = g16(Evidence(replace(results, grid=grid), "published"))
+        assert [check.value for check in checks] == pytest.approx([share] * 3 * 2)
     assert len(checks_of(g16, row((20, 60, 80)))) == 3
 
 

@@ -5,12 +5,13 @@ from dataclasses import replace
 from math import inf, nan
 from typing import get_args
 
+import numpy as np
 import pytest
 
 from sim.claims import judge
 from sim.claims.checks import above
 from sim.claims.judgement import MODEL, Judgement, Variant
-from sim.claims.readings import DEFAULT, readings_of, readings_run
+from sim.claims.readings import DEFAULT, GRID, in_words, readings_of, readings_run
 from sim.claims.table import Number, claims
 from sim.claims.verdict import (
     IN_PART,
@@ -23,8 +24,10 @@ from sim.claims.verdict import (
     Check,
 )
 from sim.claims.written import as_mapping, as_table
+from sim.dataset.grids import GRIDS
 from sim.parameters import SYSTEMS, ChuteParameters, roles
 from sim.study.catalogue import FIGURES
+from tests.made.paper_belt import BEAD
 from tests.made.results import made_point, made_results
 
 HOLDS = Check("x", 2.0, 0.1, 1.0, 3.0, points=("p",), samples=50.0)
@@ -104,8 +107,11 @@ def test_every_reading_has_the_words_that_leave_it_open_or_is_a_control():
             assert others, f"{name}: neither open nor a choice of which all others are controls"
             assert all(declared.is_control({name: value}) for value in others), name
         assert declared.open.keys() == (
-            declared.open.keys() & set(roles.readings(model)) | declared.rows.keys()
+            declared.open.keys() & set(roles.readings(model))
+            | declared.rows.keys()
+            | ({GRID} if declared.grids else set())
         )
+        assert declared.grids.keys() <= set(GRIDS)
         assert set(declared.headline) <= declared.open.keys()
         assert all(words.count('"') >= 2 for words in declared.open.values())
 
@@ -163,6 +169,8 @@ def test_readings_are_what_points_have_beyond_the_defaults():
     assert readings_run(results, "belt") == [
         {"integrator": "verlet"},
         {"belt_ghost": "centred", "integrator": "verlet"},
+        {GRID: "edges"},
+        {GRID: "points"},
     ]
     assert readings_run(results, "chute") == [{"friction_cap": "after"}]
 
@@ -204,6 +212,28 @@ def test_a_claim_that_names_what_a_reading_changes_is_judged_once(monkeypatch, n
     monkeypatch.setattr(type(claim), "judging", lambda _: judging)
     found = list(judge._variants(claim, every))
     assert len({one.reading for one in found if one.checks}) == readings
+
+
+@pytest.mark.parametrize(("looks_at", "readings"), [("number_density", 3), ("velocity", 1)])
+def test_a_grid_is_a_reading_of_claims_that_look_at_profiles(monkeypatch, looks_at, readings):
+    height = (np.arange(40) + 0.5) * 0.5 * BEAD
+    profiles = {"number_density": lambda z: np.exp(-z / BEAD)}
+    bed = made_point("belt", {"velocity": 0.1}, profiles, height=height, slice_height=0.5)
+
+    def judging(evidence):
+        place = evidence.at("belt")
+        if looks_at == "velocity":
+            return [above("V", place.velocity, 0, [place])]
+        middle = place.measure(lambda z, rho: (z * rho).sum() / rho.sum(), "number_density")
+        return [above("z", middle, 0, [place])]
+
+    claim = next(claim for claim in claims() if claim.system == "belt" and claim.kind == "flow")
+    monkeypatch.setattr(type(claim), "judging", lambda _: judging)
+    found = judge._variants(claim, list(judge._evidence(made_results(bed), "belt")))
+    told = [one.reading for one in found if one.checks]
+    assert len(set(told)) == len(told) == readings
+    grids = [in_words("belt", {GRID: name}) for name in readings_of("belt").grids]
+    assert told[1:] == grids[: readings - 1]
 
 
 def test_what_is_written_is_plain_json_and_one_row_per_check():
