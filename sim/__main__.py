@@ -35,6 +35,7 @@ COMMANDS = {
     "run": ("sim.engine.command:run", "run one point"),
     "batch": ("sim.engine.command:batch", "run several points in one process"),
     "info": ("sim.report.info:describe", "describe a run file"),
+    "page": ("sim.report.run_page:write_pages", "write a page on each of some runs"),
     "export": ("sim.report.export.command:export", "write the particles of a run in other formats"),
     "warm": (f"{__name__}:warm", "compile the engine, so that runs start at once"),
     "bench": ("sim.engine.bench:main", "measure speed, start-up and memory"),
@@ -230,7 +231,9 @@ def _add_study_options(parsers: dict[str, argparse.ArgumentParser]) -> None:
 
 
 def _add_point_options(parsers: dict[str, argparse.ArgumentParser]) -> None:
-    run, batch, info, export = (parsers[name] for name in ("run", "batch", "info", "export"))
+    run, batch, info, page, export = (
+        parsers[name] for name in ("run", "batch", "info", "page", "export")
+    )
     run.add_argument("point", metavar="POINT.yaml", help="- reads standard input")
     run.add_argument("-o", "--output", type=Path, required=True, metavar="RUN.nc")
     run.add_argument("-q", "--quiet", action="store_true", help="no progress, only warnings")
@@ -249,6 +252,23 @@ def _add_point_options(parsers: dict[str, argparse.ArgumentParser]) -> None:
         dest="as_point",
         action="store_true",
         help="print its parameters as a point file instead",
+    )
+    page.add_argument("paths", type=Path, nargs="+", metavar="RUN.nc")
+    page.add_argument(
+        "-o",
+        "--output",
+        dest="folder",
+        type=Path,
+        default=Path(),
+        metavar="FOLDER",
+        help="for pages named like the runs (default: this folder)",
+    )
+    page.add_argument("--report", default="", metavar="ADDRESS", help="report to link")
+    page.add_argument(
+        "-j", "--processes", type=int, default=1, metavar="N", help="make N pages side by side"
+    )
+    page.add_argument(
+        "--code", default="", metavar="HASH", help="leave out what this code has made of the same"
     )
     export.description = (
         "Write the trajectory of a replicate, or without one its first and last state, in a format "

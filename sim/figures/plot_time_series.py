@@ -78,7 +78,7 @@ def courses(data: FigureData, row: Mapping[str, Any]) -> pd.DataFrame:
     parts = []
     for number in completed:
         known = np.isfinite(values[number])
-        moment, value = _thinned(time[known]), _thinned(values[number][known])
+        moment, value = thinned(time[known]), thinned(values[number][known])
         parts.append(
             pd.DataFrame(
                 {
@@ -97,7 +97,7 @@ def _wanted(system: str, row: Mapping[str, Any]) -> dict[str, float]:
     return amounts(model.model_construct(**{name: row[name] for name in model.model_fields}))
 
 
-def _thinned(values: np.ndarray) -> np.ndarray:
+def thinned(values: np.ndarray) -> np.ndarray:
     """Return means of successive values, `MOST` at most."""
     size = -(-len(values) // MOST) or 1
     return values[: len(values) // size * size].reshape(-1, size).mean(axis=1)

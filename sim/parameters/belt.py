@@ -483,6 +483,11 @@ class BeltParameters(Parameters):
         return max(1, self.steps_per_cycle // self.samples_per_cycle)
 
     @property
+    def period(self) -> float:
+        """Length along x after which all comes again, m."""
+        return self.width * self.diameter
+
+    @property
     def particles(self) -> int:
         """Number of beads."""
         return self.beads

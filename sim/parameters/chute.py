@@ -398,6 +398,11 @@ class ChuteParameters(Parameters):
         return max(1, round(self.sample_interval * self.time_unit / self.time_step))
 
     @property
+    def period(self) -> float:
+        """Length along x after which all comes again, m."""
+        return self.cell * self.diameter
+
+    @property
     def particles(self) -> int:
         """Particles in the cell: depth times the cell's area in squared diameters."""
         return max(1, round(self.depth * self.cell * self.cell))

@@ -60,9 +60,8 @@ class Parameters(BaseModel):
     Instances are immutable, complete (every omitted parameter has its value) and canonical.
     A concrete system adds ``diameter`` (m), ``mass`` (kg), ``gravity`` (m s⁻²), ``stiffness``,
     ``transient``, ``average``, ``limit`` and ``trajectory`` (multiples of ``time_unit``), the
-    properties
-    ``time_unit``, ``time_step``, ``sample_steps``, ``particles`` and ``rate``, and the class
-    variables below.
+    properties ``time_unit``, ``time_step``, ``sample_steps``, ``particles``, ``period`` and
+    ``rate``, and the class variables below.
 
     Attributes
     ----------
@@ -119,6 +118,8 @@ class Parameters(BaseModel):
         def sample_steps(self) -> int: ...
         @property
         def particles(self) -> int: ...
+        @property
+        def period(self) -> float: ...
         @property
         def rate(self) -> float: ...
 

@@ -31,4 +31,6 @@ def quantity(system: str, name: str, values: Sequence[Any]) -> str:
 
 def setting(system: str, name: str, value: object) -> str:
     """Write one value of a parameter, choices by name: ``θ = 16°``, ``integrator verlet``."""
+    if isinstance(value, bool):
+        return name if value else f"no {name}"
     return f"{name} {value}" if isinstance(value, str) else quantity(system, name, [value])

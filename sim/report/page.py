@@ -1,16 +1,13 @@
 """The page as a whole: what it is made from, its summary, its template."""
 
-import shlex
 from collections import Counter
 from pathlib import Path
 from typing import Any
 
-import jinja2
 import xarray as xr
 
 from sim.base.files import replacing
 from sim.base.program import __version__
-from sim.base.words import duration
 from sim.dataset.agreement import require_agreement
 from sim.dataset.caveats import CLOSED
 from sim.dataset.results import Results, load_results
@@ -25,13 +22,11 @@ from sim.report.claims import (
     read_claims,
 )
 from sim.report.gallery import Address, data_uri, figure_entries, headline
-from sim.report.numbers import percent
 from sim.report.readings import reading_tables
 from sim.report.runs import boundary_rows, parameter_rows, run_rows
 from sim.report.state import state_of
+from sim.report.templating import template
 from sim.study.load import Study, load_study
-
-TEMPLATES = Path(__file__).parent / "templates"
 
 
 def build(study_path: str | Path, results: str | Path = "results") -> Path:
@@ -100,10 +95,12 @@ def render(
             for name, spec in study.plots.items()
             if spec.is_fed_by(run["system"], run["series"])
         ]
+        page = Path("pages") / f"{run['point']}.html"
+        run["page"] = page.as_posix() if (figures.parent / page).is_file() else ""
     rows = claim_rows(claims, runs, study.figures)
     entries = figure_entries(study.entries.values(), figures, rows, address)
     order = _order(study, entries, judged_by_runs(rows))
-    return _template().render(
+    return template("report.html.j2").render(
         study=study,
         study_files={file.name: file.read_text(encoding="utf-8") for file in study.files},
         summary=_summary(dataset, runs),
@@ -147,19 +144,6 @@ def _order(study: Study, entries: list[dict[str, Any]], tested: bool) -> dict[st
             *(["claims"] if gallery and tested else []),
         ]
     return {"own": own, "gallery": gallery, "parts": parts}
-
-
-def _template() -> jinja2.Template:
-    """Return the template of the report, which refuses names that it is not given."""
-    environment = jinja2.Environment(
-        loader=jinja2.FileSystemLoader(TEMPLATES),
-        autoescape=True,
-        undefined=jinja2.StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    environment.filters |= {"duration": duration, "percent": percent, "quoted": shlex.quote}
-    return environment.get_template("report.html.j2")
 
 
 def _summary(dataset: xr.Dataset, runs: list[dict[str, Any]]) -> dict[str, Any]:

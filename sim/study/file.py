@@ -206,6 +206,9 @@ class StudyFile(Strict):
     )
 
     plots: list[PlotFile] = optional("plots of the study's own points", min_length=1)
+    pages: bool = Field(
+        False, description="a page on each point, linked by the report: what came out, pictures"
+    )
     decide: DecideFile = optional(
         "what more replicates and longer runs are to decide, and at what cost"
     )

@@ -30,6 +30,9 @@ __all__ = [
 #: The study that is meant when none is named.
 DEFAULT_STUDY = Path("config/quick.yaml")
 
+#: Most points of which each has a page.
+MAX_PAGES = 1000
+
 
 def load_study(path: str | Path, results: str | Path | None = "results") -> Study:
     """Read a study file and work out its points.
@@ -66,6 +69,9 @@ def parse_study(mapping: Any, path: str | Path, results: str | Path | None = "re
     if len(study.points) > MAX_POINTS:
         allowed = f"at most {MAX_POINTS:,} points in the study"
         raise InputError.of_value(source, "parts", f"{len(study.points):,} points", allowed)
+    if file.pages and len(study.points) > MAX_PAGES:
+        allowed = f"false, for more than {MAX_PAGES:,} points"
+        raise InputError.of_value(source, "pages", True, allowed)
     _require_starts(study, source)
     figures = points_of_figures(file, study.points.values(), fed, source)
     plots = plots_of(file, study, source, plots) | plots
@@ -75,7 +81,14 @@ def parse_study(mapping: Any, path: str | Path, results: str | Path | None = "re
     points = study.points
     if file.decide and results is not None:
         points = with_extra_amounts(points, read_extra_amounts(Path(results) / file.study))
-    return replace(study, points=points, figures=figures, plots=plots, decide=file.decide)
+    return replace(
+        study,
+        points=points,
+        figures=figures,
+        plots=plots,
+        decide=file.decide,
+        pages=file.pages,
+    )
 
 
 def _require_starts(study: Study, source: str) -> None:

@@ -82,6 +82,8 @@ class Study:
         Its own plots, by name, as entries like those of the catalogue; they are among ``figures``.
     decide : DecideFile or None
         What is to be decided by more replicates; those bought so far are in the points' parameters.
+    pages : bool
+        Whether each of its points, those of later rounds aside, has a page.
     """
 
     name: str
@@ -93,6 +95,7 @@ class Study:
     boundaries: tuple[Boundary, ...]
     plots: Mapping[str, FigureSpec] = field(default_factory=dict)
     decide: DecideFile | None = None
+    pages: bool = False
 
     @property
     def entries(self) -> dict[str, FigureSpec]:

@@ -1,5 +1,7 @@
 """The report of a study of one's own: its state and its plots first, claims folded if at all."""
 
+import re
+import shutil
 from pathlib import Path
 
 import pytest
@@ -116,3 +118,14 @@ def test_what_is_unsound_is_told_with_what_to_do():
     assert (found["points"], found["completed"], found["unsound"]) == (4, 3, 2)
     assert found["worst"] is leaky and found["advice"] == "steps_per_cycle"
     assert state_of([usual])["worst"] is None
+
+
+def test_the_report_links_the_pages_that_there_are(study, tmp_path):
+    study_path, results = study
+    shutil.copytree(results / "own", tmp_path / "own")
+    run = next((results / "own" / "runs").glob("*.nc"))
+    (tmp_path / "own" / "pages").mkdir()
+    (tmp_path / "own" / "pages" / f"{run.stem}.html").touch()
+    text = build(study_path, tmp_path).read_text(encoding="utf-8")
+    assert re.findall(r'href="(pages/[^"]+)"', text) == [f"pages/{run.stem}.html"]
+    assert "but the pages of its points" in text

@@ -458,3 +458,16 @@ def test_a_title_that_would_do_more_than_be_shown_is_refused(letter, tmp_path):
         InputError, match=r"title: got .*; allowed: one line of at most 300 letters"
     ):
         parse_study(study, "study.yaml", tmp_path)
+
+
+def test_pages_are_for_studies_of_which_one_looks_at_each_point():
+    series = {
+        "name": "one",
+        "system": "belt",
+        "grid": {"seed": {"start": 1, "stop": 1001, "step": 1}},
+    }
+    study = {"study": "s", "pages": True, "series": [series]}
+    with pytest.raises(InputError, match=r"pages: got true; allowed: false, for more than 1,000"):
+        parse_study(study, "s.yaml", None)
+    series["grid"]["seed"]["stop"] = 1000
+    assert parse_study(study, "s.yaml", None).pages

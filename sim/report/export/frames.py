@@ -132,8 +132,9 @@ def _cell(
     bottom = min(0.0, float((height - radius).min(initial=0.0)))
     top = float((height + radius).max(initial=parameters.diameter))
     if isinstance(parameters, ChuteParameters):
-        side = parameters.cell * parameters.diameter
+        side = parameters.period
         return np.array([0.0, 0.0, bottom]), np.array([side, side, top]), (True, True, False)
     assert isinstance(parameters, BeltParameters), "there are two systems"
-    length, thick = parameters.width * parameters.diameter, float(radius.max())
-    return np.array([0.0, -thick, bottom]), np.array([length, thick, top]), (True, False, False)
+    thick = float(radius.max())
+    high = np.array([parameters.period, thick, top])
+    return np.array([0.0, -thick, bottom]), high, (True, False, False)
