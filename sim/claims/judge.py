@@ -1,6 +1,6 @@
 """From a dataset to verdicts: every claim under every protocol and reading that was run."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -48,7 +48,9 @@ def _evidence(results: Results, system: str) -> Iterator[tuple[dict[str, Any], E
             yield reading, Evidence(looked_at, protocol, runs, points)
 
 
-def _variants(claim: Claim, every: list[tuple[Mapping[str, Any], Evidence]]) -> Iterator[Variant]:
+def _variants(
+    claim: Claim, every: Sequence[tuple[Mapping[str, Any], Evidence]]
+) -> Iterator[Variant]:
     """Yield the claim at the headline reading, then at readings under which it is another matter.
 
     It is not where they have no runs of their own, as a claim that names what a reading changes

@@ -1,6 +1,7 @@
 """Pictures of one run: its mean velocity over time, its profiles, its particles."""
 
 from io import StringIO
+from typing import Any
 
 import matplotlib as mpl
 import numpy as np
@@ -72,7 +73,7 @@ def _series(run: RunFile) -> Figure | None:
     axes = figure.subplots()
     for number, one in enumerate(values):
         known = np.isfinite(one)
-        look = {"color": COLOURS[number % len(COLOURS)], **_REPLICATE}
+        look: dict[str, Any] = {"color": COLOURS[number % len(COLOURS)], **_REPLICATE}
         axes.plot(thinned(time[known]), thinned(one[known]), label=f"replicate {number}", **look)
     starts = np.asarray(run["average_start"], float)
     if np.isfinite(starts).any():
@@ -96,7 +97,7 @@ def _profiles(run: RunFile, parameters: Parameters, completed: np.ndarray) -> Fi
     panels = figure.subplots(1, len(names), sharey=True)
     for axes, name in zip(panels, names, strict=True):
         for number in completed:
-            look = {"color": COLOURS[number % len(COLOURS)], **_REPLICATE}
+            look: dict[str, Any] = {"color": COLOURS[number % len(COLOURS)], **_REPLICATE}
             axes.plot(np.asarray(run[name])[number][:top], height[:top], **look)
         unit, meaning = PROFILES[name]
         axes.set_xlabel(headed(meaning, "m/s" if unit == "m s-1" else ""))
