@@ -32,19 +32,19 @@ series:
 
 # What is replaced in STUDY, by what; the key and two pieces of the message.
 MISTAKES = {
-    "unknown key at the top": ("study: mine", "study: mine\ntitel: x", "titel", "'title'"),
-    "unknown key of a series": ("grid:", "gird:", "series[0].gird", "'grid'"),
+    "unknown key at the top": ("study: mine", "study: mine\ntitel: x", "titel", "mean title?"),
+    "unknown key of a series": ("grid:", "gird:", "series[0].gird", "mean grid?"),
     "unknown parameter": (
         "friction: [",
         "fricton: [",
         "series[0].grid.fricton",
-        "did you mean 'friction'",
+        "did you mean friction",
     ),
     "unknown parameter in a case": (
         "frequency",
         "freqency",
         "series[1].cases[0].freqency",
-        "'frequency'",
+        "mean frequency or",
     ),
     "parameter of the other system": (
         "{frequency: 20}",
@@ -333,7 +333,7 @@ def test_outputs_that_cannot_be_written(output, tmp_path, refuse):
     ("text", "pieces"),
     [
         ("system: chute\nrestitution: 1.5\n", ["restitution: got 1.5", "[0.001, 1]"]),
-        ("system: chute\nrestituton: 0.5\n", ["restituton: unknown key", "'restitution'"]),
+        ("system: chute\nrestituton: 0.5\n", ["restituton: unknown key", "mean restitution?"]),
         ("depth: 5\n", ["system: got nothing", "chute, belt"]),
         ("system: chute\nsystem: belt\n", ["system: duplicate key on line 2"]),
         ("[1]\n", ["a mapping"]),

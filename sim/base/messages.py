@@ -70,8 +70,7 @@ def unknown_key(
     if hint:
         return InputError(f"{source}: {path}: unknown key, got {in_short(value)}; {hint}")
     names = list(known)
-    close = difflib.get_close_matches(path.rpartition(".")[2], names, n=1)
-    question = f"did you mean {close[0]!r}? " if close else ""
+    question = did_you_mean(path.rpartition(".")[2], names)
     message = f"unknown key, got {in_short(value)}; {question}allowed: {', '.join(names)}"
     return InputError(f"{source}: {path}: {message}")
 

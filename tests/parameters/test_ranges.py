@@ -152,7 +152,7 @@ def test_boundaries_that_belong_to_the_range_are_accepted(given_values, boundary
 
 
 def test_unknown_key_suggests_the_nearest():
-    with pytest.raises(InputError, match=r"restituton: unknown key, got 0.8; did you mean 'resti"):
+    with pytest.raises(InputError, match=r"restituton: unknown key, got 0.8; did you mean resti"):
         parse_point({"system": "chute", "restituton": 0.8}, "point.yaml")
 
 
