@@ -53,6 +53,10 @@ class RunFile(Mapping[str, np.ndarray]):
     def __contains__(self, name: object) -> bool:
         return name in self._variables
 
+    def part(self, name: str, place: Any) -> np.ndarray:
+        """Return what stands at a place of a variable of all replicates; no more is read."""
+        return np.asarray(self._variables[name][place])
+
     def dims(self, name: str) -> tuple[str, ...]:
         """Return the names of the dimensions of a variable."""
         return self._variables[name].dimensions

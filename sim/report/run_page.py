@@ -93,11 +93,13 @@ def _log_of(path: Path) -> str:
 def _page(run: RunFile, parameters: Parameters, log: str, report: str) -> str:
     # A second, which those do without whose pages are there.
     from sim.figures.run import pictures
+    from sim.figures.run_particles import animation
 
     drawn = {
-        title: "data:image/svg+xml;base64," + base64.b64encode(svg.encode()).decode("ascii")
+        title: _address("image/svg+xml", svg.encode())
         for title, svg in pictures(run, parameters).items()
     }
+    moving = animation(run, parameters)
     attributes = run.attrs
     return template("run.html.j2").render(
         point=attributes["point_id"],
@@ -109,12 +111,17 @@ def _page(run: RunFile, parameters: Parameters, log: str, report: str) -> str:
         particles=parameters.particles,
         replicates=_replicates(run),
         pictures=drawn,
+        animation=_address("image/webp", moving) if moving else "",
         parameters=_parameters(parameters),
         point_file=as_yaml(parameters),
         log=log,
         report=report,
         made={name: attributes[name] for name in _MADE if name in attributes},
     )
+
+
+def _address(kind: str, content: bytes) -> str:
+    return f"data:{kind};base64,{base64.b64encode(content).decode('ascii')}"
 
 
 def said(parameters: Parameters) -> str:

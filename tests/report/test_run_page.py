@@ -3,11 +3,13 @@
 import base64
 import re
 from html import unescape
+from io import BytesIO
 from pathlib import Path
 from xml.etree import ElementTree
 
 import numpy as np
 import pytest
+from PIL import Image
 
 from sim.__main__ import main
 from sim.parameters import BeltParameters, ChuteParameters, Parameters, load_point
@@ -55,6 +57,19 @@ def test_a_page_tells_a_run_and_shows_it(point, tmp_path):
     code = unescape(re.search(r'aria-label="Point file"><code>(.*?)</code>', text, re.S)[1])
     (tmp_path / "again.yaml").write_text(code)
     assert load_point(tmp_path / "again.yaml") == point
+
+
+@pytest.mark.parametrize("lost", [0, 2])
+def test_a_trajectory_plays_up_to_where_it_is_known(lost, tmp_path):
+    held = particles(BELT)
+    frames = np.random.default_rng(4).uniform(1e-3, 4e-3, (1, 5, BELT.particles, 2))
+    frames[:, 5 - lost :] = np.nan
+    over = ("replicate", "trajectory_time", "particle", "axis")
+    held |= {"trajectory_time": ("trajectory_time", np.arange(5.0))}
+    held |= {f"trajectory_{name}": (over, frames) for name in ("position", "velocity")}
+    text = page_of(write_run(tmp_path / "runs", BELT, arrays=held), tmp_path)
+    (found,) = re.findall(r'src="data:image/webp;base64,([^"]+)"', text)
+    assert Image.open(BytesIO(base64.b64decode(found))).n_frames == 5 - lost
 
 
 def test_a_page_says_what_differs_from_the_paper():
