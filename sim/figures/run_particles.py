@@ -95,7 +95,8 @@ def animation(run: RunFile, parameters: Parameters) -> bytes | None:
 def _as_webp(seen: Seen) -> bytes:
     figure, axes = _axes(seen)
     figure.set_dpi(DPI)
-    canvas, images = FigureCanvasAgg(figure), []
+    canvas = FigureCanvasAgg(figure)
+    images: list[Image.Image] = []
     for held in seen:
         _show(axes, held)
         if not images:
