@@ -1,7 +1,8 @@
 """Talus: granular flow down a chute and on a vibrating belt, from a study file to a report.
 
 In Python: `simulate` runs one point, `Flow` is one that is looked at on its way, `points` are those
-of a study, and `load` gives what a study has found. docs/api.md tells the rest.
+of a study, and `load` gives what a study has found (docs/api.md). Plug-ins extend it by
+`observable`, `plot_kind` and others (docs/extending.md).
 """
 
 from pkgutil import resolve_name
@@ -12,18 +13,35 @@ from sim.base.program import __version__
 
 if TYPE_CHECKING:
     from sim.dataset.results import load
+    from sim.base.plugins import load_plugins
     from sim.engine.dynamics.status import BlowUp
     from sim.engine.flow import Flow
     from sim.engine.simulate import simulate
+    from sim.parameters.own import observable
     from sim.study.frame import points
+    from sim.study.plot_kinds import plot_kind
 
-__all__ = ["BlowUp", "Flow", "InputError", "__version__", "load", "points", "simulate"]
+__all__ = [
+    "BlowUp",
+    "Flow",
+    "InputError",
+    "__version__",
+    "load",
+    "load_plugins",
+    "observable",
+    "plot_kind",
+    "points",
+    "simulate",
+]
 
 #: Name -> where it is, to be imported when it is first asked for: the engine takes half a second.
 _PLACES = {
     "BlowUp": "sim.engine.dynamics.status:BlowUp",
     "Flow": "sim.engine.flow:Flow",
     "load": "sim.dataset.results:load",
+    "load_plugins": "sim.base.plugins:load_plugins",
+    "observable": "sim.parameters.own:observable",
+    "plot_kind": "sim.study.plot_kinds:plot_kind",
     "points": "sim.study.frame:points",
     "simulate": "sim.engine.simulate:simulate",
 }

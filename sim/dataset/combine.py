@@ -11,11 +11,9 @@ from sim.dataset.caveats import caveat
 from sim.dataset.earlier import reading_code
 from sim.dataset.replicates import outcomes
 from sim.dataset.rows import (
-    KEPT,
-    NUMBERS,
     OF_PROFILES,
-    WORDS,
     Rows,
+    kept,
     lined_up,
     origins,
     points_of,
@@ -49,7 +47,7 @@ def root(blocks: Sequence[Rows], study: Study) -> xr.Dataset:
     held = xr.Dataset(
         {
             name: (("point", "replicate"), lined_up(blocks, name, sizes)[order], _described(name))
-            for name in (*NUMBERS, *WORDS)
+            for name in kept()
             if any(name in block.values for block in blocks)
         }
     )
@@ -100,7 +98,7 @@ def _order(blocks: Iterable[Rows], points: Iterable[str]) -> np.ndarray:
 
 
 def _described(name: str) -> dict[str, str]:
-    unit, long_name = KEPT[name]
+    unit, long_name = kept()[name]
     return ({"units": unit} if unit else {}) | {"long_name": long_name}
 
 

@@ -13,11 +13,13 @@ import xarray as xr
 
 from sim.base.damage import UNREADABLE
 from sim.base.files import is_damaged, read_seal, replacing
+from sim.base.plugins import codes
 from sim.base.rooms import files_hash, room_hash
 from sim.dataset.results import PARTICLES
 from sim.dataset.rows import OF_PROFILES, WORDS, Rows
 from sim.engine import identity
 from sim.engine.observe import arrays
+from sim.parameters.own import OBSERVABLE
 
 #: Group of a dataset that says of each row which run file it was read from, and which variables
 #: that had.
@@ -28,9 +30,16 @@ RUNS = "runs"
 EARLIER = ".earlier.nc"
 
 
-@cache
 def reading_code() -> str:
-    """Return a hash of the code that reads run files; what other code has read is read again."""
+    """Return a hash of the code that reads run files; what other code has read is read again.
+
+    Where there are observables of plug-ins, their names and hashes stand behind it.
+    """
+    return f"{_own_code()} {codes(OBSERVABLE)}".rstrip()
+
+
+@cache
+def _own_code() -> str:
     package = Path(__file__).parents[1]
     names = (Path(module.__file__ or "") for module in (identity, arrays))
     return f"{room_hash(package, 'dataset')} {files_hash(names)}"

@@ -15,7 +15,7 @@ from sim.base.files import read_seal
 from sim.base.summary import read_summary
 from sim.dataset.measures import measures
 from sim.dataset.measures.belt import columns, over_cycle
-from sim.dataset.rows import KEPT, OVER_HEIGHT, SINGLE, WORDS, Rows
+from sim.dataset.rows import OVER_HEIGHT, SINGLE, WORDS, Rows, kept
 from sim.dataset.run_file import Replicate, RunFile
 from sim.engine.identity import numerics_of
 from sim.engine.observe.arrays import SNAPSHOTS
@@ -109,7 +109,7 @@ def _scalars(run: RunFile) -> dict[str, np.ndarray]:
     """Return scalars and measures, each over replicates."""
     held = {name: run[name] for name in SCALARS if name in run} | measures(run)
     return {
-        name: held[name].astype(object if name in WORDS else float) for name in KEPT if name in held
+        name: held[name].astype(object if name in WORDS else float) for name in kept() if name in held
     }
 
 

@@ -11,12 +11,10 @@ import xarray as xr
 from sim.dataset.measures.belt import OVER_CYCLE
 from sim.engine.observe.arrays import AT_PHASE_0, INSTANTANEOUS, PHASED
 from sim.parameters.observables import ASKED_FOR, MEASURES, PROFILES, SCALARS
+from sim.parameters.own import own_observables
 
-#: Unit and long name of the scalars per replicate that a run file or its measures may hold. A
-#: system without one of the numbers gets NaN.
-KEPT = SCALARS | MEASURES
-NUMBERS = tuple(name for name, (unit, _) in KEPT.items() if unit)
-WORDS = tuple(name for name, (unit, _) in KEPT.items() if not unit)
+#: Scalars per replicate that are words.
+WORDS = tuple(name for name, (unit, _) in SCALARS.items() if not unit)
 
 #: Profiles of which figures show the last sample beside the average.
 _SHOWN_LAST = ("velocity_profile", "packing_profile")
@@ -33,8 +31,7 @@ OVER_HEIGHT = (
     *ASKED_FOR,
 )
 
-#: Dimensions of what a row holds.
-OF_SCALARS = dict.fromkeys((*NUMBERS, *WORDS), ("replicate",))
+#: Dimensions of what a row holds besides scalars.
 OF_PROFILES = (
     {"height": ("slice",)}
     | dict.fromkeys(OVER_HEIGHT, ("replicate", "slice"))
@@ -43,7 +40,6 @@ OF_PROFILES = (
     | dict.fromkeys(OVER_CYCLE, ("replicate", "moment"))
     | {"cycle_phase": ("moment",)}
 )
-DIMENSIONS = OF_SCALARS | OF_PROFILES
 
 #: What is held in single precision: seven digits, of which statistics know three.
 SINGLE = OF_PROFILES.keys() - {"height"}
@@ -53,6 +49,22 @@ CENTRES = {"slice": "height", "square": "column", "moment": "cycle_phase"}
 
 #: What tells how long a run is in each dimension: it has neither NaN nor ``""`` of its own.
 _LENGTHS = {"replicate": "status"} | CENTRES
+
+
+def kept() -> dict[str, tuple[str, str]]:
+    """Return unit and long name of the scalars per replicate that a row may hold, words last.
+
+    They are those of run files, measures, and observables of plug-ins. A system without one of the
+    numbers gets NaN.
+    """
+    own = {name: (one.unit, one.meaning) for name, one in own_observables().items()}
+    numbers = {name: row for name, row in (SCALARS | MEASURES | own).items() if name not in WORDS}
+    return numbers | {name: SCALARS[name] for name in WORDS}
+
+
+def dimensions(name: str) -> tuple[str, ...]:
+    """Return the dimensions of what a row holds."""
+    return OF_PROFILES.get(name, ("replicate",))
 
 
 class Rows(NamedTuple):
@@ -67,7 +79,7 @@ class Rows(NamedTuple):
         ``engine_version``, ``numerics``,
         ``source_hash``, ``versions``, ``created``, and the ``caveat`` it gives itself.
     values : dict of str to array
-        Scalars, measures and profiles, over rows and `DIMENSIONS`.
+        Scalars, measures and profiles, over rows and their `dimensions`.
     states : dict of str to xarray.Dataset
         Last state and path of the particles, by point, where a figure shows them.
     """
@@ -112,7 +124,7 @@ def selected(blocks: Iterable[Rows], points: Collection[str]) -> list[Rows]:
                 if name in values
             }
             cut = {
-                name: held[:, *(slice(lengths.get(one)) for one in DIMENSIONS[name])]
+                name: held[:, *(slice(lengths.get(one)) for one in dimensions(name))]
                 for name, held in values.items()
             }
             origin = {name: [words[row] for row in rows] for name, words in block.origin.items()}
@@ -144,14 +156,14 @@ def sizes_of(blocks: Iterable[Rows]) -> dict[str, int]:
     sizes: dict[str, int] = {}
     for block in blocks:
         for name, values in block.values.items():
-            for dimension, size in zip(DIMENSIONS[name], values.shape[1:], strict=True):
+            for dimension, size in zip(dimensions(name), values.shape[1:], strict=True):
                 sizes[dimension] = max(size, sizes.get(dimension, 0))
     return sizes
 
 
 def lined_up(blocks: Sequence[Rows], name: str, sizes: dict[str, int]) -> np.ndarray:
     """Return a variable of all rows, filled up with NaN or ``""`` where a run has less or none."""
-    shape = (len(points_of(blocks)), *(sizes[dimension] for dimension in DIMENSIONS[name]))
+    shape = (len(points_of(blocks)), *(sizes[dimension] for dimension in dimensions(name)))
     if name in WORDS:
         table = np.full(shape, "", object)
     else:

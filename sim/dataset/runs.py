@@ -7,7 +7,7 @@ import numpy as np
 
 from sim.dataset.earlier import earlier_rows
 from sim.dataset.gather import as_text
-from sim.dataset.rows import OF_SCALARS, Rows, selected
+from sim.dataset.rows import OF_PROFILES, Rows, selected
 from sim.dataset.side_by_side import read_files
 from sim.parameters import Parameters, amounts
 
@@ -74,7 +74,8 @@ class Runs:
     def scalars(self, point: str) -> dict[str, np.ndarray]:
         """Return the scalars of a run that was read; replicates that it has not are empty."""
         block, row = self._places[point]
-        return {name: block.values[name][row] for name in OF_SCALARS if name in block.values}
+        values = block.values.items()
+        return {name: held[row] for name, held in values if name not in OF_PROFILES}
 
     def rows(self, points: Collection[str]) -> list[Rows]:
         """Return the rows of points that were read."""

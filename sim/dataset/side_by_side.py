@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from sim.base.errors import InputError
+from sim.base.plugins import load, places
 from sim.dataset.earlier import reading_code
 from sim.dataset.gather import read_run
 from sim.dataset.rows import Rows, merged
@@ -122,6 +123,7 @@ def _cluster(address: str) -> Iterator[dict[str, Any]]:
         allowed = f"the address of a dask scheduler that answers ({error})"
         raise InputError.of_value(key, "", address, allowed) from None
     with client:
+        client.run(load, places(), Path(), "plugins")
         told = client.run(reading_code, on_error="return").values()
         if others := {str(each) for each in told} - {reading_code()}:
             raise InputError(f"{key}: its workers have not this program: {others.pop()}")

@@ -2,14 +2,18 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from importlib import import_module
+from typing import Any
 
 import pandas as pd
 from matplotlib.figure import Figure
 
+from sim.base.plugins import fault
 from sim.figures.animation import Animation
 from sim.figures.caption import velocity_notes
 from sim.figures.data import FigureData, velocity_table
+from sim.study.plot_kinds import PLOT, own_plots
 
 #: Module of each kind, which has it as ``KIND``; imported when a figure of the kind is drawn.
 KINDS = {
@@ -32,6 +36,9 @@ KINDS = {
     "plot_time_series": "sim.figures.plot_time_series",
     "regimes": "sim.figures.regimes",
 }
+
+#: Before the name of a kind of plots of a study's own.
+OWN = "plot_"
 
 
 def every_point(data: FigureData) -> FigureData:
@@ -62,5 +69,23 @@ class Kind:
 
 
 def load_kind(name: str) -> Kind:
-    """Return the kind of plot of a name."""
-    return import_module(KINDS[name]).KIND
+    """Return the kind of plot of a name, of Talus or of a plug-in."""
+    if name in KINDS:
+        return import_module(KINDS[name]).KIND
+    kind = name.removeprefix(OWN)
+    one = own_plots()[kind]
+    base = load_kind(OWN + one.like)
+    return Kind(
+        partial(_called, kind, one.draw),
+        table=partial(_called, kind, one.table) if one.table else base.table,
+        notes=partial(_called, kind, one.notes) if one.notes else base.notes,
+        select=base.select,
+    )
+
+
+def _called(kind: str, function: Callable[[FigureData], Any], data: FigureData) -> Any:
+    """Call a function of a plug-in, whose mistakes are told with their place in it."""
+    try:
+        return function(data)
+    except Exception as error:
+        raise fault(PLOT, kind, error, f" {data.spec.name}") from None

@@ -16,6 +16,7 @@ from pydantic import (
     model_validator,
 )
 
+from sim.base.plugins import ALLOWED, PATTERN
 from sim.base.messages import input_error
 from sim.parameters import SYSTEMS, roles
 from sim.parameters.common import broken_rule
@@ -211,6 +212,13 @@ class StudyFile(Strict):
     )
     decide: DecideFile = optional(
         "what more replicates and longer runs are to decide, and at what cost"
+    )
+    plugins: list[
+        Annotated[str, Field(pattern=PATTERN, json_schema_extra={"allowed": ALLOWED})]
+    ] = optional(
+        "code that the study runs with: Python files in the same folder, and names of installed "
+        "plug-ins (docs/extending.md)",
+        min_length=1,
     )
     parts: list[
         # A lone hyphen would be standard input.

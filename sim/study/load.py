@@ -1,11 +1,13 @@
 """From a study file and its parts to points, boundaries and figures."""
 
+import re
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from sim.base.errors import InputError
 from sim.base.files import require_writable
+from sim.base.plugins import PATTERN, load
 from sim.base.yaml import read_yaml
 from sim.parameters import RUN_FILE, require_alike
 from sim.study.catalogue import FigureSpec
@@ -34,7 +36,9 @@ DEFAULT_STUDY = Path("config/quick.yaml")
 MAX_PAGES = 1000
 
 
-def load_study(path: str | Path, results: str | Path | None = "results") -> Study:
+def load_study(
+    path: str | Path, results: str | Path | None = "results", plugins: bool = True
+) -> Study:
     """Read a study file and work out its points.
 
     Parameters
@@ -44,25 +48,35 @@ def load_study(path: str | Path, results: str | Path | None = "results") -> Stud
     results : str, Path or None
         Folder that the study's own folder of results is, or will be, in; it must be writable.
         Nothing, where nothing will be written.
+    plugins : bool
+        Load the plug-ins that it names, which runs their code: not where it is results that name
+        the study.
 
     Raises
     ------
     InputError
         For anything that would keep the study from being run as written.
     """
-    return parse_study(read_yaml(path), path, results)
+    return parse_study(read_yaml(path), path, results, plugins)
 
 
-def parse_study(mapping: Any, path: str | Path, results: str | Path | None = "results") -> Study:
+def parse_study(
+    mapping: Any, path: str | Path, results: str | Path | None = "results", plugins: bool = True
+) -> Study:
     """Work out the points of the study that ``mapping``, read from ``path``, describes.
 
     See `load_study`.
     """
     source, folder = str(path), Path(path).parent
+    if plugins:
+        _load_plugins(mapping, Path(path))
     file, study, fed = collected(mapping, Path(path))
     plots: dict[str, FigureSpec] = {}
     for index, name in enumerate(file.parts or []):
-        part_file, part, also = collected(_part(folder / name, source, index), folder / name)
+        own = _part(folder / name, source, index)
+        if plugins:
+            _load_plugins(own, folder / name)
+        part_file, part, also = collected(own, folder / name)
         study = _with_part(study, part, f"{source}: parts[{index}]")
         plots |= plots_of(part_file, part, str(folder / name), plots)
         fed = also | fed
@@ -89,6 +103,18 @@ def parse_study(mapping: Any, path: str | Path, results: str | Path | None = "re
         decide=file.decide,
         pages=file.pages,
     )
+
+
+def _load_plugins(mapping: Any, path: Path) -> None:
+    """Load the plug-ins that a study file names, if that key is what it should be.
+
+    What is not is refused with the rest of the file, for which plug-ins must be known.
+    """
+    names = mapping.get("plugins") if isinstance(mapping, dict) else None
+    if isinstance(names, list) and all(
+        isinstance(name, str) and re.match(PATTERN, name) for name in names
+    ):
+        load(names, path.parent, f"{path}: plugins")
 
 
 def _require_starts(study: Study, source: str) -> None:

@@ -2,14 +2,29 @@
 
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import BeforeValidator, Field, WithJsonSchema, model_validator
+from pydantic import AfterValidator, BeforeValidator, Field, WithJsonSchema, model_validator
 
+from sim.base.plugins import NAME as PLUGGED
 from sim.parameters.common import broken_rule
 from sim.study.catalogue import FIGURES
 from sim.study.entries import ALLOWED_NAME, NAME, Strict, optional, require_shown
+from sim.study.plot_kinds import KINDS, like, own_plots
 from sim.study.plottable import every_name
 
-Kind = Literal["curves", "map", "profiles", "time_series", "distribution"]
+
+def _known(kind: str) -> str:
+    known = [*KINDS, *own_plots()]
+    if kind not in known:
+        raise broken_rule("", kind, "one of " + ", ".join(known))
+    return kind
+
+
+#: One of `KINDS`, or of a plug-in.
+Kind = Annotated[
+    str,
+    AfterValidator(_known),
+    WithJsonSchema({"anyOf": [{"enum": list(KINDS)}, {"type": "string", "pattern": PLUGGED}]}),
+]
 
 #: The key of the observable of each kind of plot, and what it is if not given.
 OBSERVABLE: dict[str, tuple[str, str]] = {
@@ -71,7 +86,7 @@ class PlotFile(Strict):
     kind: Kind = Field(
         "curves",
         description="`curves` of a number with intervals; `map` over two parameters; `profiles` "
-        "over the height; `time_series`; `distribution` of the replicates",
+        "over the height; `time_series`; `distribution` of the replicates; or one of a plug-in",
     )
     system: Literal["chute", "belt"] = optional("which system, where the series have both")
     title: str = Field("", description="one line (omitted: made from what is shown)")
@@ -107,28 +122,33 @@ class PlotFile(Strict):
 
     @model_validator(mode="after")
     def _with_the_keys_of_its_kind(self) -> Self:
-        observed, _ = OBSERVABLE[self.kind]
-        has = {observed, "panels", *AXES[self.kind], *(["curves"] if self.kind != "map" else [])}
+        observed, _ = OBSERVABLE[self.like]
+        has = {observed, "panels", *AXES[self.like], *(["curves"] if self.like != "map" else [])}
         for key in ("x", "y", "colour", "curves", "panels"):
             value = getattr(self, key)
             if value is not None and key not in has:
-                allowed = _LACKING.get((self.kind, key), f"{key} of a map alone")
+                allowed = _LACKING.get((self.like, key), f"{key} of a map alone")
                 raise broken_rule(key, value, allowed)
-            if value is None and key in AXES[self.kind]:
+            if value is None and key in AXES[self.like]:
                 raise broken_rule(key, value, "a parameter that the points vary")
         for number, axis in enumerate(self.log):
-            if axis not in _LOG[self.kind]:
-                allowed = "one of " + ", ".join(_LOG[self.kind])
+            if axis not in _LOG[self.like]:
+                allowed = "one of " + ", ".join(_LOG[self.like])
                 raise broken_rule(f"log[{number}]", axis, allowed)
         return self
 
     @property
+    def like(self) -> str:
+        """Kind of Talus whose keys it takes."""
+        return like(self.kind)
+
+    @property
     def observable(self) -> str:
         """Name of what is shown."""
-        key, usual = OBSERVABLE[self.kind]
+        key, usual = OBSERVABLE[self.like]
         return getattr(self, key) or usual
 
     @property
     def on_axes(self) -> tuple[str, ...]:
         """Parameters on the axes."""
-        return tuple(getattr(self, key) for key in AXES[self.kind])
+        return tuple(getattr(self, key) for key in AXES[self.like])

@@ -12,11 +12,11 @@ def title_of(
 ) -> str:
     """Return the title of a plot that gives none: ``Velocity against friction, by angle``."""
     what = plain(observable.name) if observable else "regimes"
-    over = _OVER.get(one.kind) or "against " + " and ".join(map(plain, one.on_axes))
-    if one.kind == "map":
+    over = _OVER.get(one.like) or "against " + " and ".join(map(plain, one.on_axes))
+    if one.like == "map":
         over = "over " + " and ".join(map(plain, one.on_axes))
     by = [*curves, *([panels] if panels else [])]
-    replicates = " of each replicate" if one.kind == "distribution" else ""
+    replicates = " of each replicate" if one.like == "distribution" else ""
     title = f"{what}{replicates} {over}" + (f", by {' and '.join(map(plain, by))}" if by else "")
     return title[0].upper() + title[1:]
 
@@ -25,7 +25,7 @@ def lead_of(one: PlotFile, observable: Observable | None, system: str) -> str:
     """Return the first sentence of the caption of a plot."""
     what = f"{observable.meaning[0].upper()}{observable.meaning[1:]}" if observable else "Regimes"
     against = [described(system, name) for name in one.on_axes]
-    over = _OVER.get(one.kind) or ("over " if one.kind == "map" else "against ")
+    over = _OVER.get(one.like) or ("over " if one.like == "map" else "against ")
     parts = [f"{what}, {over}{' and '.join(against)}"]
     if one.curves:
         parts.append("curves: " + ", ".join(described(system, name) for name in one.curves))

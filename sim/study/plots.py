@@ -19,6 +19,7 @@ from sim.study.file import StudyFile
 from sim.study.model import Point, Study
 from sim.study.plot_checks import Refused, require_nothing_else, require_parameters, varying_of
 from sim.study.plot_file import OBSERVABLE, PlotFile
+from sim.study.plot_kinds import code_of
 from sim.study.plot_words import lead_of, title_of
 from sim.study.plottable import SHOWN_BY, Observable
 
@@ -94,9 +95,10 @@ def _entry(one: PlotFile, study: Study, refused: Refused, source: str, path: str
             "curves": curves,
             "units": one.units,
             "log": tuple(one.log),
-        },
+        }
+        | code_of(one.kind),
     )
-    if one.kind == "map":
+    if one.like == "map":
         require_nothing_else(spec, points, refused)
     require_places(spec, points, source, path)
     return spec
@@ -124,10 +126,10 @@ def _observable(
     one: PlotFile, system: str, points: Sequence[Point], refused: Refused
 ) -> Observable | None:
     """Return what a plot shows; nothing for a map of regimes."""
-    key, _ = OBSERVABLE[one.kind]
-    if one.kind == "map" and one.observable == REGIME:
+    key, _ = OBSERVABLE[one.like]
+    if one.like == "map" and one.observable == REGIME:
         return None
-    known = SHOWN_BY[one.kind](system)
+    known = SHOWN_BY[one.like](system)
     found = known.get(one.observable)
     if found is None:
         raise refused(key, one.observable, _instead(one, system, list(known)))
@@ -143,7 +145,7 @@ def _instead(one: PlotFile, system: str, known: list[str]) -> str:
     """Say what may be meant by an observable that a kind of plot does not know."""
     name = one.observable
     for other in SYSTEMS:
-        if other != system and name in SHOWN_BY[one.kind](other):
+        if other != system and name in SHOWN_BY[one.like](other):
             return f"an observable of the {system}; {name} is one of the {other}"
     for kind, shown in SHOWN_BY.items():
         if name in shown(system):

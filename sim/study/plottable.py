@@ -14,6 +14,7 @@ from sim.parameters.observables import (
     SCALARS,
     SERIES,
 )
+from sim.parameters.own import own_observables
 
 _MEASURES = {"chute": CHUTE_MEASURES, "belt": BELT_MEASURES}
 
@@ -71,7 +72,7 @@ class Observable:
 
 
 def numbers(system: str) -> dict[str, Observable]:
-    """Return what is one number per replicate: scalars, measures, and means of the profiles."""
+    """Return what is one number per replicate: scalars, measures, means of profiles, plug-ins'."""
     scalars = _own(system, SCALARS) | ENERGY_MEASURES | _MEASURES.get(system, {})
     found = {
         name: Observable(name, name, unit, meaning, asked_by=_ASKED_BY.get(name, ""))
@@ -85,7 +86,11 @@ def numbers(system: str) -> dict[str, Observable]:
         for name, one in profiles(system).items()
         if name not in found
     }
-    return found | means
+    own = {
+        name: Observable(name, name, one.unit, one.meaning)
+        for name, one in own_observables(system).items()
+    }
+    return found | means | own
 
 
 def profiles(system: str) -> dict[str, Observable]:

@@ -188,7 +188,7 @@ def warn_of_namesake():
     """
     # A damaged note names no study; the workflow writes it anew.
     with suppress(OSError, InputError, ValueError):
-        other = load_study(read_regular(OWNER).decode("utf-8"))
+        other = load_study(read_regular(OWNER).decode("utf-8"), plugins=False)
         if other.name == STUDY.name and set(other.points) != set(STUDY.points):
             print(
                 f"warning: {STUDY.path}: study: {STUDY.name} is also the name of {other.path}; "

@@ -2,23 +2,36 @@
 
 import numpy as np
 
+from sim.base.plugins import fault
 from sim.dataset.measures import belt, chute, energy
 from sim.dataset.run_file import Replicate, RunFile
 from sim.parameters.observables import BELT_MEASURES, CHUTE_MEASURES, ENERGY_MEASURES
+from sim.parameters.own import OBSERVABLE, OwnObservable, own_observables
 
 _OF_SYSTEM = {"chute": (chute, CHUTE_MEASURES), "belt": (belt, BELT_MEASURES)}
 
 
 def measures(run: RunFile) -> dict[str, np.ndarray]:
-    """Return the measures of a run, each an array over its replicates.
+    """Return the measures of a run, and observables of plug-ins, each an array over its replicates.
 
     Replicates that failed, and files without the arrays that a measure needs, give not-a-number.
     """
     (system, names), status = _OF_SYSTEM[run.attrs["system"]], run["status"]
-    table = {name: np.full(len(status), np.nan) for name in ENERGY_MEASURES | names}
+    own = own_observables(run.attrs["system"])
+    table = {name: np.full(len(status), np.nan) for name in (*ENERGY_MEASURES, *names, *own)}
+    point = run.attrs["point_id"]
     for index in np.flatnonzero(status == "completed"):
         replicate = Replicate(run, int(index))
         found = energy.measure(replicate) | system.measure(replicate)
+        found |= {name: _own(one, name, replicate, point) for name, one in own.items()}
         for name, value in found.items():
             table[name][index] = value
     return table
+
+
+def _own(one: OwnObservable, name: str, replicate: Replicate, point: str) -> float:
+    """Return an observable of a plug-in, whose mistakes must not look like those of the file."""
+    try:
+        return float(one.measure(replicate))
+    except Exception as error:
+        raise fault(OBSERVABLE, name, error, f" of {point}") from None

@@ -1,0 +1,252 @@
+"""Plug-ins: a file beside a study, or an installed package, that adds to what Talus knows.
+
+A plug-in is Python code, and loading it runs it. So only those are loaded that a study file names,
+or a person (`sim.load_plugins`, ``TALUS_PLUGINS``), never one that results name, and each is told
+on standard error. What it adds is known by the hash of its content: edited, it is another.
+"""
+
+import hashlib
+import os
+import re
+import sys
+import traceback
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from importlib import import_module
+from importlib.metadata import entry_points
+from importlib.util import find_spec, module_from_spec, spec_from_file_location
+from pathlib import Path
+from typing import Any
+
+from sim.base.errors import InputError
+
+#: Where installed packages name their modules.
+GROUP = "talus.plugins"
+
+#: Names the plug-ins that every process loads at once, between colons: the jobs of a study do.
+VARIABLE = "TALUS_PLUGINS"
+
+#: What a study file may name, and that in words.
+PATTERN = r"^[A-Za-z_][A-Za-z0-9_-]*(\.py)?$"
+ALLOWED = "a Python file beside the study, as my_law.py, or the name of an installed plug-in"
+
+#: What the name of something that a plug-in adds may be.
+NAME = r"^[a-z][a-z0-9_]{0,39}$"
+
+_FILE = ".py"
+_CODE_DIGITS = 8
+
+
+@dataclass(frozen=True)
+class Plugin:
+    """A plug-in that is loaded.
+
+    Attributes
+    ----------
+    name : str
+        As the study names it.
+    place : str
+        What another process loads it by: the file, or the name of the installed one.
+    code : str
+        Hash of its content.
+    """
+
+    name: str
+    place: str
+    code: str
+
+    def __str__(self) -> str:
+        return f"plug-in {self.name} ({self.code})"
+
+
+@dataclass(frozen=True)
+class Addition:
+    """Something that a plug-in adds, and the plug-in."""
+
+    value: Any
+    plugin: Plugin
+
+
+class Refused(Exception):
+    """What a plug-in adds cannot be added; the message says why."""
+
+
+_plugins: dict[str, Plugin] = {}
+_additions: dict[str, dict[str, Addition]] = {}
+_loading: list[Plugin] = []
+
+
+def add(kind: str, name: str, value: Any, taken: Iterable[str] = ()) -> None:
+    """Add something of a kind under a name; nothing, where no plug-in is being loaded.
+
+    So the file of a plug-in can also be imported like any other.
+
+    Raises
+    ------
+    Refused
+        When the name is none, or in use: by something of Talus (``taken``) or of a plug-in.
+    """
+    if not re.fullmatch(NAME, name):
+        raise Refused(f"{kind} {name!r}: a name has up to 40 letters a-z, digits and _")
+    if name in taken:
+        raise Refused(f"{kind} {name}: Talus has one of this name")
+    if not _loading:
+        return
+    held = _additions.setdefault(kind, {})
+    if name in held:
+        other = held[name].plugin
+        same = " in this process; start another" if other.name == _loading[-1].name else ""
+        raise Refused(f"{kind} {name}: {other} has one of this name{same}")
+    held[name] = Addition(value, _loading[-1])
+
+
+def additions(kind: str) -> dict[str, Addition]:
+    """Return what plug-ins have added of a kind, by name."""
+    return dict(_additions.get(kind, {}))
+
+
+def codes(kind: str) -> str:
+    """Return names and hashes of what is added of a kind: a text that changes when any of it does.
+
+    Empty without any.
+    """
+    return " ".join(f"{name}.{one.plugin.code}" for name, one in sorted(additions(kind).items()))
+
+
+def fault(kind: str, name: str, error: Exception, of: str = "") -> InputError:
+    """Return the error of something that a plug-in has added as one line, with its place there."""
+    plugin = _additions[kind][name].plugin
+    why = f"{_line_of(error, Path(plugin.place))}{type(error).__name__}: {error}"
+    return InputError(f"{plugin}: {kind} {name}{of}: {why}")
+
+
+def places() -> list[str]:
+    """Return what another process loads the plug-ins of this one by, in order."""
+    return [one.place for one in _plugins.values()]
+
+
+def load(names: Iterable[str], folder: Path, source: str) -> None:
+    """Load plug-ins, those that are loaded already aside.
+
+    Parameters
+    ----------
+    names : iterable of str
+        Files in ``folder``, with their suffix, and names of installed plug-ins.
+    folder : Path
+        Where the files lie.
+    source : str
+        File and key that name them, for messages: ``study.yaml: plugins``.
+
+    Raises
+    ------
+    InputError
+        For one that is not there, cannot be imported, adds nothing, or a name that is in use.
+    """
+    for index, name in enumerate(names):
+
+        def refused(why: str, index: int = index, name: str = name) -> InputError:
+            return InputError.of_value(f"{source}[{index}]", "", name, f"{ALLOWED}; {why}")
+
+        plugin, file, package = _found(name, folder, refused)
+        if plugin.code not in _plugins:
+            _run(plugin, file, package, refused)
+
+
+def load_from_environment() -> None:
+    """Load the plug-ins that ``TALUS_PLUGINS`` names."""
+    named = os.environ.get(VARIABLE, "")
+    load(filter(None, named.split(os.pathsep)), Path(), VARIABLE)
+
+
+def load_plugins(*names: str | Path) -> None:
+    """Load plug-ins into this process: files, or names of installed ones.
+
+    What they add can then be used in `simulate`, `Flow` and `points`.
+
+    Raises
+    ------
+    InputError
+        For one that is not there, cannot be imported, adds nothing, or a name that is in use.
+    """
+    load(map(str, names), Path(), "load_plugins")
+
+
+def _found(
+    name: str, folder: Path, refused: Callable[[str], InputError]
+) -> tuple[Plugin, Path, str]:
+    """Return a plug-in, the file that holds it, and the module's name where it is installed."""
+    if name.endswith(_FILE):
+        path = folder / name
+        try:
+            code = _hash([path])
+        except OSError as error:
+            raise refused(f"{path}: {error.strerror or error}") from None
+        return Plugin(path.name, str(path.absolute()), code), path, ""
+    entries = entry_points(group=GROUP)
+    if name not in entries.names:
+        installed = ", ".join(sorted(entries.names)) or "none"
+        raise refused(f"installed: {installed}")
+    module = entries[name].module
+    spec = find_spec(module.partition(".")[0])
+    if spec is None or spec.origin is None:
+        raise refused(f"no module {module}")
+    file = Path(spec.origin)
+    files = file.parent.rglob(f"*{_FILE}") if spec.submodule_search_locations else [file]
+    return Plugin(name, name, _hash(files)), file, module
+
+
+def _hash(files: Iterable[Path]) -> str:
+    digest = hashlib.sha256()
+    for path in sorted(files):
+        digest.update(path.name.encode() + path.read_bytes())
+    return digest.hexdigest()[:_CODE_DIGITS]
+
+
+def _run(plugin: Plugin, file: Path, package: str, refused: Callable[[str], InputError]) -> None:
+    """Run the code of a plug-in, which adds what it has; nothing of it stays after an error."""
+    before = {kind: dict(held) for kind, held in _additions.items()}
+    # The name is new with each content: types of compiled code are known by it.
+    module = package or f"talus_plugin_{re.sub('[^a-zA-Z0-9]', '_', file.stem)}_{plugin.code}"
+    _loading.append(plugin)
+    why = ""
+    try:
+        _import(module, None if package else file)
+    except Refused as error:
+        why = str(error)
+    except (Exception, SystemExit) as error:
+        why = f"{_line_of(error, file)}{type(error).__name__}: {error}"
+    finally:
+        _loading.pop()
+    new = {
+        kind: held.keys() - before.get(kind, {}).keys() for kind, held in _additions.items()
+    }
+    told = [f"{kind} {name}" for kind, names in new.items() for name in sorted(names)]
+    if why or not told:
+        _additions.clear()
+        _additions.update(before)
+        sys.modules.pop(module, None)
+        raise refused(why or "it adds nothing")
+    _plugins[plugin.code] = plugin
+    print(f"plug-in {plugin.place} ({plugin.code}): {', '.join(told)}", file=sys.stderr)
+
+
+def _import(module: str, file: Path | None) -> None:
+    """Import a module anew, from a file or as it is installed."""
+    sys.modules.pop(module, None)
+    if file is None:
+        import_module(module)
+        return
+    spec = spec_from_file_location(module, file)
+    assert spec is not None and spec.loader is not None
+    made = sys.modules[module] = module_from_spec(spec)
+    spec.loader.exec_module(made)
+
+
+def _line_of(error: BaseException, file: Path) -> str:
+    """Return where in a file an error comes from."""
+    lines = [
+        frame.lineno
+        for frame in traceback.extract_tb(error.__traceback__)
+        if Path(frame.filename) == file
+    ]
+    return f"line {lines[-1]}: " if lines else ""

@@ -1,0 +1,80 @@
+"""What plug-ins declare of observables: name, unit and meaning, as the list of Talus' own has them."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from sim.base.plugins import Refused, add, additions
+from sim.parameters.observables import ASKED_FOR, MEASURES, PROFILES, SCALARS, SERIES
+from sim.parameters.points import SYSTEMS
+
+#: Gives an observable from the arrays of one replicate of a run.
+Measuring = Callable[[Mapping[str, Any]], float]
+
+#: Kind of these additions.
+OBSERVABLE = "observable"
+
+#: Names in a dataset that are neither observables nor parameters.
+_OF_DATASETS = {"point", "replicate", "series", "figures", "caveat", "particles", "boundaries"}
+
+#: Longest unit and meaning.
+_LONGEST = 200
+
+
+@dataclass(frozen=True)
+class OwnObservable:
+    """A number per replicate that a plug-in computes: of a ``system``, with ``unit`` and ``meaning``.
+
+    ``measure`` gives it from the arrays of one replicate.
+    """
+
+    system: str
+    unit: str
+    meaning: str
+    measure: Measuring
+
+
+def observable(name: str, *, system: str, unit: str, meaning: str) -> Callable[[Measuring], Measuring]:
+    """Declare an observable: a number for each completed replicate of a run, kept in the dataset.
+
+    The function below gets a mapping: time series (T,), profiles (H,) with their ``height`` (m),
+    first and last state of the particles, scalars and parameters of one replicate, by their names
+    in run files. It returns a number, not-a-number where there is none.
+
+    Parameters
+    ----------
+    name : str
+        What studies and datasets call it.
+    system : str
+        ``chute`` or ``belt``.
+    unit : str
+        As UDUNITS reads it; ``"1"`` for pure numbers.
+    meaning : str
+        What it is, for axes and captions.
+    """
+    if system not in SYSTEMS:
+        raise Refused(f"observable {name}: system is one of {', '.join(SYSTEMS)}")
+    for what, text in (("unit", unit), ("meaning", meaning)):
+        if not (text and text.isprintable() and len(text) <= _LONGEST):
+            raise Refused(f"observable {name}: {what} is one line of text, not empty")
+
+    def declared(measure: Measuring) -> Measuring:
+        add(OBSERVABLE, name, OwnObservable(system, unit, meaning, measure), _taken())
+        return measure
+
+    return declared
+
+
+def own_observables(system: str | None = None) -> dict[str, OwnObservable]:
+    """Return what plug-ins have declared, of one system or of both."""
+    found = {name: one.value for name, one in additions(OBSERVABLE).items()}
+    return {name: one for name, one in found.items() if system in (None, one.system)}
+
+
+def _taken() -> set[str]:
+    """Return the names that variables of datasets, and what plots show, have already."""
+    held = (SCALARS, MEASURES, PROFILES, ASKED_FOR, *SERIES.values())
+    names = {name for each in held for name in each}
+    short = {name.removesuffix("_profile").removeprefix("mean_") for name in names}
+    fields = {name for model in SYSTEMS.values() for name in model.model_fields}
+    return names | short | fields | _OF_DATASETS
