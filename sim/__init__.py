@@ -2,7 +2,7 @@
 
 In Python: `simulate` runs one point, `Flow` is one that is looked at on its way, `points` are those
 of a study, and `load` gives what a study has found (docs/api.md). Plug-ins extend it by
-`observable`, `plot_kind` and others (docs/extending.md).
+`observable`, `plot_kind` and `judge` (docs/extending.md).
 """
 
 from pkgutil import resolve_name
@@ -12,8 +12,9 @@ from sim.base.errors import InputError
 from sim.base.program import __version__
 
 if TYPE_CHECKING:
-    from sim.dataset.results import load
     from sim.base.plugins import load_plugins
+    from sim.claims.own import judge
+    from sim.dataset.results import load
     from sim.engine.dynamics.status import BlowUp
     from sim.engine.flow import Flow
     from sim.engine.simulate import simulate
@@ -26,6 +27,7 @@ __all__ = [
     "Flow",
     "InputError",
     "__version__",
+    "judge",
     "load",
     "load_plugins",
     "observable",
@@ -38,6 +40,7 @@ __all__ = [
 _PLACES = {
     "BlowUp": "sim.engine.dynamics.status:BlowUp",
     "Flow": "sim.engine.flow:Flow",
+    "judge": "sim.claims.own:judge",
     "load": "sim.dataset.results:load",
     "load_plugins": "sim.base.plugins:load_plugins",
     "observable": "sim.parameters.own:observable",

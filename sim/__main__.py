@@ -15,6 +15,7 @@ from typing import Any
 
 from sim.base.completion import SHELLS, PrintCompletion
 from sim.base.errors import InputError
+from sim.base.plugins import load_from_environment
 from sim.base.program import __version__, program
 from sim.base.words import printable
 
@@ -72,6 +73,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             stream.reconfigure(errors="backslashreplace")
     options = parse(sys.argv[1:] if arguments is None else arguments)
     try:
+        load_from_environment()
         code = _call(options.pop("function"), options)
         sys.stdout.flush()
         return code

@@ -55,6 +55,11 @@ class Plugin:
     place: str
     code: str
 
+    @property
+    def is_file(self) -> bool:
+        """Whether it is a file beside a study, and not installed."""
+        return self.name.endswith(_FILE)
+
     def __str__(self) -> str:
         return f"plug-in {self.name} ({self.code})"
 
@@ -125,8 +130,8 @@ def places() -> list[str]:
     return [one.place for one in _plugins.values()]
 
 
-def load(names: Iterable[str], folder: Path, source: str) -> None:
-    """Load plug-ins, those that are loaded already aside.
+def load(names: Iterable[str], folder: Path, source: str) -> tuple[Plugin, ...]:
+    """Load plug-ins, those that are loaded already aside, and return them all.
 
     Parameters
     ----------
@@ -142,6 +147,7 @@ def load(names: Iterable[str], folder: Path, source: str) -> None:
     InputError
         For one that is not there, cannot be imported, adds nothing, or a name that is in use.
     """
+    found = []
     for index, name in enumerate(names):
 
         def refused(why: str, index: int = index, name: str = name) -> InputError:
@@ -150,6 +156,8 @@ def load(names: Iterable[str], folder: Path, source: str) -> None:
         plugin, file, package = _found(name, folder, refused)
         if plugin.code not in _plugins:
             _run(plugin, file, package, refused)
+        found.append(_plugins[plugin.code])
+    return tuple(found)
 
 
 def load_from_environment() -> None:
@@ -217,9 +225,7 @@ def _run(plugin: Plugin, file: Path, package: str, refused: Callable[[str], Inpu
         why = f"{_line_of(error, file)}{type(error).__name__}: {error}"
     finally:
         _loading.pop()
-    new = {
-        kind: held.keys() - before.get(kind, {}).keys() for kind, held in _additions.items()
-    }
+    new = {kind: held.keys() - before.get(kind, {}).keys() for kind, held in _additions.items()}
     told = [f"{kind} {name}" for kind, names in new.items() for name in sorted(names)]
     if why or not told:
         _additions.clear()

@@ -7,6 +7,7 @@ from typing import Any
 from sim.claims.evidence import Evidence
 from sim.claims.experiments import experiment
 from sim.claims.judgement import MODEL, PROTOCOLS, Judgement, Variant
+from sim.claims.own import own_claims
 from sim.claims.points import Points
 from sim.claims.readings import GRID, in_words, readings_of, readings_run
 from sim.claims.table import Claim, claims
@@ -23,9 +24,9 @@ MODEL_READINGS: tuple[dict[str, Any], ...] = (
 
 
 def judge(results: Results) -> list[Judgement]:
-    """Judge the claims of the papers whose systems a study has runs of."""
+    """Judge the claims of papers and plug-ins on whose systems a study has runs."""
     systems = set(results.dataset["system"].values)
-    found = [claim for claim in claims() if claim.system in systems]
+    found = [claim for claim in (*claims(), *own_claims()) if claim.system in systems]
     every = {system: list(_evidence(results, system)) for system in systems}
     return [
         Judgement(

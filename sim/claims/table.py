@@ -14,6 +14,9 @@ from sim.base.messages import input_error
 from sim.base.yaml import read_yaml
 from sim.study.catalogue import FIGURES
 
+#: In place of a paper, of claims that plug-ins make.
+OWN = "own"
+
 _TABLES = ("claims_walton.yaml", "claims_gallas.yaml")
 
 
@@ -61,7 +64,7 @@ class Claim(BaseModel):
     kind: Literal["model", "flow"] = Field("flow", description="judged by itself or from runs")
     judge: str = Field(pattern=r"^[a-z_]+\.[a-z0-9_]+$", description="module.function")
     figures: list[str] = Field([], description="figures that show it")
-    first: First = Field(description="how it was judged first")
+    first: First | None = Field(description="how it was judged first")
     parts: dict[str, str] = Field({}, description="what it says, where that is several things")
     contradiction: str = Field("", description="why its parts cannot both hold")
     number: Number | None = Field(None, description="what the paper does not give")

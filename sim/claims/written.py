@@ -63,6 +63,7 @@ def as_mapping(judgements: list[Judgement], study: str) -> dict[str, Any]:
             {
                 **one.claim.model_dump(exclude={"judge"}),
                 "paper": one.claim.paper,
+                "system": one.claim.system,
                 "verdict": one.verdict,
                 "decided_by": one.decided_by,
                 "headline": one.headline,
@@ -135,12 +136,13 @@ def as_table(judgements: list[Judgement]) -> pd.DataFrame:
     """
     rows = []
     for one in judgements:
+        first = one.claim.first
         for variant in one.variants:
             shared: dict[str, Any] = {
                 "claim": one.claim.id,
                 "title": one.claim.title,
-                "first verdict": one.claim.first.verdict,
-                "first criterion": one.claim.first.criterion,
+                "first verdict": first.verdict if first else "",
+                "first criterion": first.criterion if first else "",
                 "verdict on the claim": one.verdict,
                 "verdict by number": _by_number(one),
                 "protocol": variant.protocol,

@@ -108,9 +108,8 @@ def _listed(much: Mapping[str, float]) -> str:
 def _scalars(run: RunFile) -> dict[str, np.ndarray]:
     """Return scalars and measures, each over replicates."""
     held = {name: run[name] for name in SCALARS if name in run} | measures(run)
-    return {
-        name: held[name].astype(object if name in WORDS else float) for name in kept() if name in held
-    }
+    known = [name for name in kept() if name in held]
+    return {name: held[name].astype(object if name in WORDS else float) for name in known}
 
 
 def _profiles(run: RunFile) -> dict[str, np.ndarray]:

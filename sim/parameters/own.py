@@ -1,4 +1,4 @@
-"""What plug-ins declare of observables: name, unit and meaning, as the list of Talus' own has them."""
+"""Observables of plug-ins: name, unit and meaning, as the list of Talus' own has them."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -23,9 +23,9 @@ _LONGEST = 200
 
 @dataclass(frozen=True)
 class OwnObservable:
-    """A number per replicate that a plug-in computes: of a ``system``, with ``unit`` and ``meaning``.
+    """A number per replicate that a plug-in computes for the runs of one system.
 
-    ``measure`` gives it from the arrays of one replicate.
+    ``unit`` is as UDUNITS reads it; ``measure`` gives it from the arrays of one replicate.
     """
 
     system: str
@@ -34,7 +34,9 @@ class OwnObservable:
     measure: Measuring
 
 
-def observable(name: str, *, system: str, unit: str, meaning: str) -> Callable[[Measuring], Measuring]:
+def observable(
+    name: str, *, system: str, unit: str, meaning: str
+) -> Callable[[Measuring], Measuring]:
     """Declare an observable: a number for each completed replicate of a run, kept in the dataset.
 
     The function below gets a mapping: time series (T,), profiles (H,) with their ``height`` (m),

@@ -114,7 +114,7 @@ def claim_rows(
     return [
         {
             **claim,
-            "author": PAPERS[claim["paper"]],
+            "author": PAPERS.get(claim["paper"], ""),
             "figures": [
                 {"name": name, "title": FIGURES[name].paper, "drawn": name in drawn}
                 for name in claim["figures"]
@@ -149,7 +149,8 @@ def _cost(
 def _variant(
     variant: Mapping[str, Any], claim: Mapping[str, Any], numbers: Mapping[str, int]
 ) -> dict[str, Any]:
-    words = PROTOCOLS[SYSTEM[claim["paper"]]].get(variant["protocol"], _MODEL).capitalize()
+    system = claim.get("system") or SYSTEM[claim["paper"]]
+    words = PROTOCOLS[system].get(variant["protocol"], _MODEL).capitalize()
     usual = variant["reading"] == claim["headline"]
     named = "" if variant["reading"] == "default" else f", {variant['reading']}"
     return {

@@ -13,6 +13,7 @@ from sim.dataset.caveats import CLOSED
 from sim.dataset.results import Results, load_results
 from sim.figures.drawn import require_unchanged
 from sim.report.claims import (
+    PAPERS,
     REPORTED,
     VERDICTS,
     claim_rows,
@@ -97,17 +98,19 @@ def render(
         ]
         page = Path("pages") / f"{run['point']}.html"
         run["page"] = page.as_posix() if (figures.parent / page).is_file() else ""
-    rows = claim_rows(claims, runs, study.figures)
+    every = claim_rows(claims, runs, study.figures)
+    rows = [row for row in every if row["paper"] in PAPERS]
     entries = figure_entries(study.entries.values(), figures, rows, address)
     order = _order(study, entries, judged_by_runs(rows))
     return template("report.html.j2").render(
         study=study,
-        study_files={file.name: file.read_text(encoding="utf-8") for file in study.files},
+        study_files={file.name: file.read_text(encoding="utf-8") for file in study.sources},
         summary=_summary(dataset, runs),
         caveats=caveats,
         verdicts=VERDICTS,
         outcomes=VERDICTS | REPORTED,
         claims=rows,
+        own_claims=[row for row in every if row not in rows],
         counts=counts(rows),
         reading_tables=reading_tables(rows, results) if "claims" in order["parts"] else [],
         judged_by_runs=judged_by_runs(rows),
@@ -124,7 +127,7 @@ def render(
         parameters=parameter_rows(dataset),
         boundaries=boundary_rows(study, results.boundaries),
         energy_limit=CLOSED,
-        provenance=_provenance(dataset),
+        provenance=_provenance(dataset) | _plugins(study),
     )
 
 
@@ -174,6 +177,12 @@ def _dates(first: str, last: str) -> str:
     '2026-01-30 to 2026-02-01'
     """
     return " to ".join(dict.fromkeys((first[:10], last[:10])))
+
+
+def _plugins(study: Study) -> dict[str, str]:
+    """Return the plug-ins of a study with the hashes of their content."""
+    told = ", ".join(f"{one.name} ({one.code})" for one in study.plugins)
+    return {"Plug-ins": told} if told else {}
 
 
 def _provenance(dataset: xr.Dataset) -> dict[str, str]:

@@ -56,7 +56,7 @@ def publish(
     folder = Path(results) / study.name
     names = _published_files(study)
     _require_there(folder, names)
-    _require_distinct(study.files, names)
+    _require_distinct(study.sources, names)
     output, temporary = target / study.name, target / f".{study.name}.part"
     _require_replaceable(output, folder, target)
     found = load_results(folder / "dataset.nc")
@@ -70,7 +70,7 @@ def publish(
         (temporary / "figures").mkdir(parents=True)
         for name in names:
             shutil.copyfile(folder / name, temporary / name)
-        for file in study.files:
+        for file in study.sources:
             shutil.copyfile(file, temporary / file.name)
         (temporary / PROVENANCE).write_text(made + "\n", encoding="utf-8")
         (temporary / REPORT).write_text(page, encoding="utf-8")

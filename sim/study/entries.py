@@ -5,6 +5,7 @@ from unicodedata import category
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
+from sim.base.plugins import additions
 from sim.parameters import AMOUNTS, SYSTEMS, Parameters
 from sim.parameters.common import Real, broken_rule
 from sim.study.catalogue import FIGURES
@@ -145,8 +146,11 @@ class SeriesFile(_Family):
     figures: list[str] = Field([], description="figures that the series feeds")
 
 
-#: A claim of the papers, or all of them.
-CLAIM = r"^(W([1-9]|1[0-9]|2[0-6])|G([1-9]|[12][0-9]|3[0-6])|all)$"
+#: A claim of the papers, all claims, or one of a plug-in.
+CLAIM = r"^(W([1-9]|1[0-9]|2[0-6])|G([1-9]|[12][0-9]|3[0-6])|all|[a-z][a-z0-9_]{0,39})$"
+
+#: Kind of what plug-ins add to the claims.
+JUDGE = "judge"
 
 
 class DecideFile(Strict):
@@ -170,6 +174,11 @@ class DecideFile(Strict):
 
     @model_validator(mode="after")
     def _something(self) -> Self:
+        known = {*additions(JUDGE), "all"}
+        for index, name in enumerate(self.claims or []):
+            if name[0].islower() and name not in known:
+                allowed = "a claim of the papers as G3, all, or the name of a judge of a plug-in"
+                raise broken_rule(f"claims[{index}]", name, allowed)
         if self.claims is None and self.precision is None:
             raise broken_rule("claims", None, "claims, precision, or both")
         return self

@@ -16,8 +16,8 @@ from pydantic import (
     model_validator,
 )
 
-from sim.base.plugins import ALLOWED, PATTERN
 from sim.base.messages import input_error
+from sim.base.plugins import ALLOWED, PATTERN
 from sim.parameters import SYSTEMS, roles
 from sim.parameters.common import broken_rule
 from sim.study.catalogue import FIGURES

@@ -7,7 +7,7 @@ from typing import Any
 
 from sim.base.errors import InputError
 from sim.base.files import require_writable
-from sim.base.plugins import PATTERN, load
+from sim.base.plugins import PATTERN, Plugin, load
 from sim.base.yaml import read_yaml
 from sim.parameters import RUN_FILE, require_alike
 from sim.study.catalogue import FigureSpec
@@ -68,14 +68,12 @@ def parse_study(
     See `load_study`.
     """
     source, folder = str(path), Path(path).parent
-    if plugins:
-        _load_plugins(mapping, Path(path))
+    used = _load_plugins(mapping, Path(path)) if plugins else ()
     file, study, fed = collected(mapping, Path(path))
     plots: dict[str, FigureSpec] = {}
     for index, name in enumerate(file.parts or []):
         own = _part(folder / name, source, index)
-        if plugins:
-            _load_plugins(own, folder / name)
+        used += _load_plugins(own, folder / name) if plugins else ()
         part_file, part, also = collected(own, folder / name)
         study = _with_part(study, part, f"{source}: parts[{index}]")
         plots |= plots_of(part_file, part, str(folder / name), plots)
@@ -102,11 +100,12 @@ def parse_study(
         plots=plots,
         decide=file.decide,
         pages=file.pages,
+        plugins=tuple(dict.fromkeys(used)),
     )
 
 
-def _load_plugins(mapping: Any, path: Path) -> None:
-    """Load the plug-ins that a study file names, if that key is what it should be.
+def _load_plugins(mapping: Any, path: Path) -> tuple[Plugin, ...]:
+    """Load and return the plug-ins that a study file names, if that key is what it should be.
 
     What is not is refused with the rest of the file, for which plug-ins must be known.
     """
@@ -114,7 +113,8 @@ def _load_plugins(mapping: Any, path: Path) -> None:
     if isinstance(names, list) and all(
         isinstance(name, str) and re.match(PATTERN, name) for name in names
     ):
-        load(names, path.parent, f"{path}: plugins")
+        return load(names, path.parent, f"{path}: plugins")
+    return ()
 
 
 def _require_starts(study: Study, source: str) -> None:

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from sim.base.plugins import Plugin
 from sim.parameters import Parameters
 from sim.study.catalogue import FIGURES, FigureSpec
 from sim.study.entries import DecideFile
@@ -84,6 +85,8 @@ class Study:
         What is to be decided by more replicates; those bought so far are in the points' parameters.
     pages : bool
         Whether each of its points, those of later rounds aside, has a page.
+    plugins : tuple of Plugin
+        The plug-ins that it and its parts name.
     """
 
     name: str
@@ -96,11 +99,17 @@ class Study:
     plots: Mapping[str, FigureSpec] = field(default_factory=dict)
     decide: DecideFile | None = None
     pages: bool = False
+    plugins: tuple[Plugin, ...] = ()
 
     @property
     def entries(self) -> dict[str, FigureSpec]:
         """What each figure of the study is, by name."""
         return {name: self.plots.get(name) or FIGURES[name] for name in self.figures}
+
+    @property
+    def sources(self) -> tuple[Path, ...]:
+        """The study file, those of its parts, and the plug-ins that are files beside them."""
+        return self.files + tuple(Path(one.place) for one in self.plugins if one.is_file)
 
     @property
     def path(self) -> Path:

@@ -21,6 +21,6 @@ rule claims:
         **READING,
     params:
         numerics=numerics_mark(),
-        code=room("claims"),
+        code=room("claims", "judge"),
     shell:
         'python -m sim claims "$TALUS_STUDY" > {log} 2>&1'

@@ -6,7 +6,7 @@ import shlex
 import sys
 from collections import defaultdict
 from contextlib import suppress
-from functools import cache, partial
+from functools import cache
 from pathlib import Path
 
 WORKFLOW = Path(workflow.current_basedir.get_path_or_uri(secret_free=True)).parent
@@ -19,6 +19,7 @@ from helpers import age, correct_future_times, release_stale_lock, write_start
 from sim.engine.states import checkpoint_interval
 from sim.base.errors import InputError
 from sim.base.files import read_regular, replacing
+from sim.base.plugins import VARIABLE, codes
 from sim.base.rooms import files_hash, room_hash
 from sim.parameters import RUN_FILE, amounts, canonical_json
 from sim.engine.stored_run import holds, is_to_grow, planned_amounts
@@ -250,8 +251,16 @@ PLANNED = Path(RESULTS) / "runs" / ".batches"
 BATCHES = planned_batches()
 WATCH = []
 
-# Rules follow the rooms of the package that they use.
-room = partial(room_hash, ROOT / "sim")
+
+
+def room(name, added=""):
+    """Return a hash of the room that a rule uses, with what plug-ins add to it.
+
+    ``added`` is the kind of that.
+    """
+    return f"{room_hash(ROOT / 'sim', name)} {codes(added)}".rstrip()
+
+
 
 if workflow.is_main_process:
     write_start(START)
@@ -274,6 +283,9 @@ onstart:
 # Modules that lie in the folder of the results are none of the program's.
 ENVIRONMENT = {"PYTHONPATH": [str(ROOT)], "PYTHONSAFEPATH": ["1"]}
 ENVIRONMENT["TALUS_STUDY"] = [str(STUDY.path)]
+if STUDY.plugins:
+    # Runs know their points alone, and not the study.
+    ENVIRONMENT[VARIABLE] = [one.place for one in STUDY.plugins]
 if not workflow.deployment_settings.deployment_method:
     # Conda and containers bring an interpreter of their own.
     ENVIRONMENT["PATH"] = [str(Path(sys.executable).parent), os.environ.get("PATH")]

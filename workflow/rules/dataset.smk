@@ -22,6 +22,6 @@ rule dataset:
         boundaries=asked(),
         states=[name for name, spec in STUDY.entries.items() if spec.particles],
         title=STUDY.title,
-        code=room("dataset"),
+        code=room("dataset", "observable"),
     shell:
         'python -m sim dataset "$TALUS_STUDY" --processes {threads} > {log} 2>&1'

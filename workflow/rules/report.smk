@@ -49,6 +49,7 @@ rule report:
     params:
         # No input: its path may hold braces, which are no wildcards, and must not matter.
         study=files_hash(STUDY.files),
+        plugins=[str(one) for one in STUDY.plugins],
         code=room("report"),
     shell:
         'python -m sim report "$TALUS_STUDY" > {log} 2>&1'

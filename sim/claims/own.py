@@ -1,0 +1,103 @@
+"""Claims of a study's own: what plug-ins claim, and judge by the rules of the papers' claims."""
+
+from collections.abc import Callable, Iterable
+from typing import Any
+
+from pydantic import Field, PrivateAttr, ValidationError
+
+from sim.base.messages import input_error
+from sim.base.plugins import NAME, Refused, add, additions, fault
+from sim.claims.evidence import Evidence
+from sim.claims.table import OWN, Claim
+from sim.claims.verdict import Check, Untestable
+from sim.parameters import SYSTEMS
+from sim.study.entries import JUDGE
+
+#: Gives the checks of a claim, one at least, from the runs of one protocol and reading.
+Judging = Callable[[Evidence], Iterable[Check]]
+
+
+class OwnClaim(Claim):
+    """A claim of a plug-in, of the runs of one system."""
+
+    id: str = Field(pattern=NAME, description="its name")
+    place: str = Field("", description="none: it is of no paper")
+    reason: str = Field("", description="why the criterion is what it is")
+    needs: str = Field("", description="runs that decide it")
+    judge: str = Field("", description="the plug-in")
+    first: None = Field(None, description="it was not judged before")
+    own_system: str = Field(description="system whose runs decide it", exclude=True)
+    _judging: Judging = PrivateAttr()
+
+    @property
+    def paper(self) -> str:
+        """That it is of none."""
+        return OWN
+
+    @property
+    def system(self) -> str:
+        """System whose runs decide it."""
+        return self.own_system
+
+    def judging(self) -> Judging:
+        """Return the function that judges it; its mistakes are told with their place in it."""
+
+        def judged(evidence: Evidence) -> list[Check]:
+            try:
+                checks = list(self._judging(evidence))
+                if not all(isinstance(check, Check) for check in checks) or not checks:
+                    raise TypeError("a judge returns checks, one at least")
+            except (Untestable, ZeroDivisionError):
+                raise
+            except Exception as error:
+                raise fault(JUDGE, self.id, error) from None
+            return checks
+
+        return judged
+
+
+def judge(
+    name: str,
+    *,
+    system: str,
+    title: str,
+    statement: str,
+    criterion: str,
+    reason: str = "",
+    needs: str = "",
+) -> Callable[[Judging], Judging]:
+    """Declare a claim on the runs of a study; the function below judges it.
+
+    That gets the evidence of one protocol and reading (`sim.claims.evidence`) and returns checks
+    (`sim.claims.checks`), of which all must hold; it raises `Untestable` where runs are missing.
+
+    Parameters
+    ----------
+    name : str
+        Name of the claim.
+    system : str
+        ``chute`` or ``belt``.
+    title, statement, criterion : str
+        A few words; what is claimed; when it holds.
+    reason, needs : str
+        Why the criterion is what it is; which runs decide it.
+    """
+    if system not in SYSTEMS:
+        raise Refused(f"judge {name}: system is one of {', '.join(SYSTEMS)}")
+    words: dict[str, Any] = {"title": title, "statement": statement, "criterion": criterion}
+    try:
+        claim = OwnClaim(id=name, reason=reason, needs=needs, own_system=system, **words)
+    except ValidationError as error:
+        raise Refused(str(input_error(error, OwnClaim, f"judge {name}"))) from None
+
+    def declared(judging: Judging) -> Judging:
+        claim._judging = judging
+        add(JUDGE, name, claim)
+        return judging
+
+    return declared
+
+
+def own_claims() -> list[OwnClaim]:
+    """Return the claims of plug-ins."""
+    return [one.value for one in additions(JUDGE).values()]

@@ -1,0 +1,152 @@
+"""Plug-ins: loaded where a study names them, refused in one line, never where results name one."""
+
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from sim.base import plugins
+from sim.base.errors import InputError
+from sim.base.plugins import additions, codes, load
+from sim.study.load import load_study
+from tests.made.plugins import forgotten
+from tests.made.processes import ROOT
+
+RIGHT = """\
+import sim
+@sim.observable("answer", system="chute", unit="1", meaning="the answer")
+def answer(run):
+    return 42
+"""
+STUDY = "study: s\nplugins: [{}]\nseries: [{{name: a, system: chute}}]\n"
+
+
+@pytest.fixture(autouse=True)
+def _forget() -> Iterator[None]:
+    with forgotten():
+        yield
+
+
+def written(folder: Path, text: str = RIGHT, name: str = "mine.py") -> Path:
+    (folder / name).write_text(text)
+    path = folder / "s.yaml"
+    path.write_text(STUDY.format(name))
+    return path
+
+
+def test_a_study_loads_its_plugins_once_and_says_so(tmp_path, capsys):
+    study = load_study(written(tmp_path), None)
+    again = load_study(tmp_path / "s.yaml", None)
+    assert study.plugins == again.plugins and set(additions("observable")) == {"answer"}
+    code = study.plugins[0].code
+    assert capsys.readouterr().err == f"plug-in {tmp_path}/mine.py ({code}): observable answer\n"
+    assert codes("observable") == f"answer.{code}" and codes("plot") == ""
+    assert study.sources == (tmp_path / "s.yaml", tmp_path / "mine.py")
+
+
+def test_parts_bring_their_plugins(tmp_path):
+    written(tmp_path)
+    whole = tmp_path / "whole.yaml"
+    whole.write_text("study: w\nparts: [s.yaml]\n")
+    assert [one.name for one in load_study(whole, None).plugins] == ["mine.py"]
+
+
+@pytest.mark.parametrize(
+    ("text", "why"),
+    [
+        ("x = 1\n", "it adds nothing"),
+        ("import sim\n1 / 0\n", "line 2: ZeroDivisionError: division by zero"),
+        ("def (:\n", "SyntaxError: "),
+        ("raise SystemExit(3)\n", "line 1: SystemExit: 3"),
+        ("import helpers_beside_it\n", "line 1: ModuleNotFoundError: No module named"),
+        (RIGHT.replace('"answer"', '"velocity"'), "velocity: Talus has one of this name"),
+        (RIGHT.replace('"answer"', '"angle"'), "angle: Talus has one of this name"),
+        (RIGHT.replace('"answer"', '"Answer 1"'), "a name has up to 40 letters"),
+        (RIGHT.replace('"chute"', '"drum"'), "system is one of chute, belt"),
+        (RIGHT.replace('"1"', '""'), "unit is one line of text"),
+        (RIGHT + RIGHT, "observable answer: plug-in mine.py"),
+        ("import sim\nsim.plot_kind('map', like='map')(print)\n", "map: Talus has one"),
+        ("import sim\nsim.plot_kind('x', like='pie')(print)\n", "like is one of curves"),
+        (
+            "import sim\nsim.judge('j', system='belt', title='', statement='s', criterion='c')\n",
+            "judge j: title: got ''",
+        ),
+    ],
+)
+def test_what_is_wrong_with_a_plugin_is_one_line_and_nothing_of_it_stays(tmp_path, text, why):
+    with pytest.raises(InputError) as caught:
+        load_study(written(tmp_path, text), None)
+    message = str(caught.value)
+    assert message.startswith(f"{tmp_path}/s.yaml: plugins[0]: got 'mine.py'; allowed: a Python")
+    assert why in message and "\n" not in message
+    assert not additions("observable") and not plugins.places()
+
+
+@pytest.mark.parametrize("name", ["../mine.py", "/tmp/mine.py", "a/mine.py", "mine.txt", "-m", ""])
+def test_a_plugin_lies_beside_the_study(tmp_path, name):
+    path = written(tmp_path)
+    path.write_text(STUDY.format(f"'{name}'"))
+    with pytest.raises(InputError, match=r"plugins\[0\]: got .*; allowed: a Python file beside"):
+        load_study(path, None)
+
+
+def test_a_plugin_that_is_not_there_is_named(tmp_path):
+    path = written(tmp_path)
+    (tmp_path / "mine.py").unlink()
+    with pytest.raises(InputError, match=r"got 'mine.py'; .*: No such file"):
+        load_study(path, None)
+    path.write_text(STUDY.format("nobody_has_this"))
+    with pytest.raises(InputError, match=r"got 'nobody_has_this'; .*; installed: none"):
+        load_study(path, None)
+
+
+def test_an_edited_plugin_needs_a_new_process(tmp_path):
+    path = written(tmp_path)
+    load_study(path, None)
+    written(tmp_path, RIGHT.replace("42", "43"))
+    with pytest.raises(InputError, match="has one of this name in this process; start another"):
+        load_study(path, None)
+
+
+def test_installed_packages_add_by_their_entry_points(tmp_path, monkeypatch):
+    package = tmp_path / "talus_answers"
+    package.mkdir()
+    (package / "__init__.py").write_text("")
+    (package / "own.py").write_text(RIGHT)
+    told = tmp_path / "talus_answers-1.dist-info"
+    told.mkdir()
+    (told / "METADATA").write_text("Metadata-Version: 2.1\nName: talus_answers\nVersion: 1\n")
+    (told / "entry_points.txt").write_text("[talus.plugins]\nanswers = talus_answers.own\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    (plugin,) = load(["answers"], Path(), "here")
+    assert plugin.place == "answers" and not plugin.is_file
+    assert set(additions("observable")) == {"answer"}
+    # All of the package counts.
+    (package / "__init__.py").write_text("x = 1\n")
+    with pytest.raises(InputError, match="start another"):
+        load(["answers"], Path(), "here")
+
+
+def test_results_that_name_a_study_run_none_of_its_code(tmp_path):
+    path = written(tmp_path)
+    load_study(path, None, plugins=False)
+    assert not plugins.places()
+
+
+def test_commands_load_what_the_environment_names(tmp_path):
+    written(tmp_path)
+    command = [sys.executable, "-m", "sim", "schema"]
+    for place, code, told in (("mine.py", 0, "plug-in"), ("none.py", 2, "error: TALUS_PLUGINS[0]")):
+        environment = {plugins.VARIABLE: str(tmp_path / place), "PATH": "/bin"}
+        done = subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True)
+        assert done.returncode == code and done.stderr.startswith(told)
+
+
+def test_a_plugin_that_is_imported_adds_nothing(tmp_path, monkeypatch):
+    (tmp_path / "mine_alone.py").write_text(RIGHT)
+    monkeypatch.syspath_prepend(tmp_path)
+    import mine_alone  # type: ignore[import-not-found]
+
+    assert mine_alone.answer(None) == 42 and not additions("observable")

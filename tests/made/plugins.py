@@ -1,0 +1,29 @@
+"""Plug-ins in tests: what one adds is gone behind it."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from sim.base import plugins
+
+
+@contextmanager
+def forgotten() -> Iterator[None]:
+    """Forget, in the end, the plug-ins that were loaded in the block."""
+    loaded = dict(plugins._plugins)
+    added = {kind: dict(held) for kind, held in plugins._additions.items()}
+    try:
+        yield
+    finally:
+        plugins._plugins.clear()
+        plugins._plugins.update(loaded)
+        plugins._additions.clear()
+        plugins._additions.update(added)
+
+
+@contextmanager
+def alone() -> Iterator[None]:
+    """Be, in the block, like a process that has loaded no plug-in."""
+    with forgotten():
+        plugins._plugins.clear()
+        plugins._additions.clear()
+        yield
