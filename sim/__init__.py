@@ -2,7 +2,7 @@
 
 In Python: `simulate` runs one point, `Flow` is one that is looked at on its way, `points` are those
 of a study, and `load` gives what a study has found (docs/api.md). Plug-ins extend it by
-`observable`, `plot_kind` and `judge` (docs/extending.md).
+`law`, `motion`, `observable`, `plot_kind`, `judge` (docs/extending.md).
 """
 
 from pkgutil import resolve_name
@@ -18,6 +18,9 @@ if TYPE_CHECKING:
     from sim.engine.dynamics.status import BlowUp
     from sim.engine.flow import Flow
     from sim.engine.simulate import simulate
+    from sim.parameters.choices import parameter
+    from sim.parameters.laws import law
+    from sim.parameters.motions import motion
     from sim.parameters.own import observable
     from sim.study.frame import points
     from sim.study.plot_kinds import plot_kind
@@ -28,9 +31,12 @@ __all__ = [
     "InputError",
     "__version__",
     "judge",
+    "law",
     "load",
     "load_plugins",
+    "motion",
     "observable",
+    "parameter",
     "plot_kind",
     "points",
     "simulate",
@@ -41,9 +47,12 @@ _PLACES = {
     "BlowUp": "sim.engine.dynamics.status:BlowUp",
     "Flow": "sim.engine.flow:Flow",
     "judge": "sim.claims.own:judge",
+    "law": "sim.parameters.laws:law",
     "load": "sim.dataset.results:load",
     "load_plugins": "sim.base.plugins:load_plugins",
+    "motion": "sim.parameters.motions:motion",
     "observable": "sim.parameters.own:observable",
+    "parameter": "sim.parameters.choices:parameter",
     "plot_kind": "sim.study.plot_kinds:plot_kind",
     "points": "sim.study.frame:points",
     "simulate": "sim.engine.simulate:simulate",

@@ -79,6 +79,7 @@ class Refused(Exception):
 _plugins: dict[str, Plugin] = {}
 _additions: dict[str, dict[str, Addition]] = {}
 _loading: list[Plugin] = []
+_listeners: list[Callable[[], None]] = []
 
 
 def add(kind: str, name: str, value: Any, taken: Iterable[str] = ()) -> None:
@@ -110,12 +111,28 @@ def additions(kind: str) -> dict[str, Addition]:
     return dict(_additions.get(kind, {}))
 
 
-def codes(kind: str) -> str:
-    """Return names and hashes of what is added of a kind: a text that changes when any of it does.
+def codes(*kinds: str) -> str:
+    """Return names and hashes of what is added of kinds: a text that changes when any of it does.
 
     Empty without any.
     """
-    return " ".join(f"{name}.{one.plugin.code}" for name, one in sorted(additions(kind).items()))
+    return " ".join(
+        f"{name}.{one.plugin.code}"
+        for kind in kinds
+        for name, one in sorted(additions(kind).items())
+    )
+
+
+def whenever(function: Callable[[], None]) -> None:
+    """Call a function now, and whenever what plug-ins add changes."""
+    _listeners.append(function)
+    function()
+
+
+def changed() -> None:
+    """Tell those who want to know that what plug-ins add has changed."""
+    for function in _listeners:
+        function()
 
 
 def fault(kind: str, name: str, error: Exception, of: str = "") -> InputError:
@@ -233,6 +250,7 @@ def _run(plugin: Plugin, file: Path, package: str, refused: Callable[[str], Inpu
         sys.modules.pop(module, None)
         raise refused(why or "it adds nothing")
     _plugins[plugin.code] = plugin
+    changed()
     print(f"plug-in {plugin.place} ({plugin.code}): {', '.join(told)}", file=sys.stderr)
 
 

@@ -4,6 +4,7 @@ What lies there is run, so whoever could put a file into it would have code of h
 """
 
 import atexit
+import hashlib
 import logging
 import os
 import shutil
@@ -12,16 +13,26 @@ from functools import cache
 from pathlib import Path
 
 from sim.base.errors import InputError
+from sim.base.plugins import codes
 from sim.base.private import Unfit, caches, own_temporary, private_folder
 from sim.engine.identity import COMPILED, source_hash
 
 log = logging.getLogger("talus")
 
+#: What plug-ins add that is compiled with the engine.
+CODED_KINDS = ("law", "motion")
+
 _NAME = "TALUS_CACHE_DIR"
 
 
+def _plugged() -> str:
+    """Return what tells the plug-ins that compiled code may hold, empty without any."""
+    text = codes(*CODED_KINDS)
+    return hashlib.sha256(text.encode()).hexdigest()[:12] if text else ""
+
+
 def cache_directory() -> Path:
-    """Return the folder of compiled code for the present sources.
+    """Return the folder of compiled code for the present sources and plug-ins.
 
     ``TALUS_CACHE_DIR`` overrides the default ``~/.cache/talus`` (``XDG_CACHE_HOME`` is honoured);
     where the default cannot serve, a folder of this user under the system's temporary one does, and
@@ -32,7 +43,7 @@ def cache_directory() -> Path:
     InputError
         When the folder that is named is of somebody else, or others can write it.
     """
-    name = source_hash(COMPILED)
+    name = "-".join(filter(None, (source_hash(COMPILED), _plugged())))
     if named := os.environ.get(_NAME):
         try:
             return private_folder(Path(named) / name)

@@ -10,10 +10,14 @@ import os
 import sys
 from functools import partial, wraps
 
-from sim.engine.cache import cache_directory
+from sim.base.plugins import codes
+from sim.engine.cache import CODED_KINDS, cache_directory
 
 log = logging.getLogger("talus")
 
+
+#: The plug-ins for which that folder is.
+PLUGGED = codes(*CODED_KINDS)
 
 os.environ["NUMBA_CACHE_DIR"] = str(cache_directory())
 

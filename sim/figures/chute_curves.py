@@ -16,7 +16,7 @@ from sim.figures.looks import Look, look_of
 from sim.figures.quantity import Quantity, velocity
 from sim.figures.style import canvas, place_legend
 from sim.figures.ticks import set_ticks
-from sim.parameters import ChuteParameters
+from sim.parameters import SYSTEMS
 from sim.study.catalogue import FigureSpec
 from sim.study.catalogue.limits import WIDEST_INTERVAL
 
@@ -67,7 +67,7 @@ def draw_curves(
     pitch: float = _PITCH,
 ) -> None:
     """Draw the curves of a quantity over the depth, interrupted at the flows ``apart``."""
-    names, keys = tuple(ChuteParameters.model_fields), varied(rows, spec)
+    names, keys = tuple(SYSTEMS["chute"].model_fields), varied(rows, spec)
     look = look or look_of(spec, keys)
     how: dict[str, Any] = {"look": look, "unjoined": apart, "pitch": pitch}
     draw_family(axes, rows, quantity, "depth", keys, names, **how)

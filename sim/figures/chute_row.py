@@ -15,7 +15,7 @@ from sim.figures.configuration import Scene
 from sim.figures.data import FigureData, split_curves
 from sim.figures.kind import Kind
 from sim.figures.style import COLOURS, DOTTED, PALE, place_legend
-from sim.parameters import ChuteParameters
+from sim.parameters import SYSTEMS
 from sim.parameters.wording import PROTOCOLS, setting
 from sim.study.catalogue.limits import LARGEST_PORTION, SHARE
 
@@ -53,7 +53,7 @@ def _flows(data: FigureData) -> list[tuple[str, dict[str, Any]]]:
     rows = data.rows[data.rows["completed"] > 0]
     flows = []
     for names, points in split_curves(
-        rows, "point", ("protocol",), tuple(ChuteParameters.model_fields)
+        rows, "point", ("protocol",), tuple(SYSTEMS["chute"].model_fields)
     ):
         extra = "".join(
             f", {setting('chute', *item)}" for item in names.items() if item[0] != "protocol"

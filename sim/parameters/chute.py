@@ -353,6 +353,13 @@ class ChuteParameters(Parameters):
         compiled=True,
     )
 
+    @classmethod
+    def hint(cls, key: str, value: Any) -> str:
+        """Say what may have been meant by a value."""
+        if key == "law" and isinstance(value, str):
+            return "a plug-in's, where plugins of the study or TALUS_PLUGINS name the plug-in"
+        return ""
+
     @property
     def time_unit(self) -> float:
         """Time √(σ/g), s."""

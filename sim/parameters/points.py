@@ -13,13 +13,24 @@ from pydantic import ValidationError
 
 from sim.base.errors import InputError
 from sim.base.messages import allowed_values, input_error
+from sim.base.plugins import whenever
 from sim.base.yaml import read_yaml
 from sim.parameters.belt import BeltParameters
 from sim.parameters.chute import ChuteParameters
 from sim.parameters.common import Parameters, canonical_number
+from sim.parameters.laws import with_own_laws
+from sim.parameters.motions import with_own_motions
 from sim.parameters.roles import Declaration, added, amounts, declarations, id_parts, numerical
 
 SYSTEMS: dict[str, type[Parameters]] = {"chute": ChuteParameters, "belt": BeltParameters}
+
+
+def _with_own() -> None:
+    """Give both systems the laws and motions of the plug-ins that are loaded."""
+    SYSTEMS.update(chute=with_own_laws(), belt=with_own_motions())
+
+
+whenever(_with_own)
 
 #: How the name of a run file ends.
 RUN_FILE = ".nc"

@@ -53,6 +53,8 @@ class Some(Strict):
         """Say what may have been meant by a value, or by a key that is not known."""
         if isinstance(value, list) and not issubclass(cls, Lists):
             return "a list of values belongs under grid"
+        if said := getattr(cls.parameters, "hint", lambda key, value: "")(key, value):
+            return str(said)
         others = [name for name, model in SYSTEMS.items() if key in model.model_fields]
         own = cls.parameters.model_fields["system"].default
         return f"{key} is a parameter of the {others[0]}" if others and own not in others else ""

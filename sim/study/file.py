@@ -1,7 +1,7 @@
 """What a study file may contain, as pydantic models: validation, schema and reference in one."""
 
-from collections.abc import Collection, Iterable
-from functools import reduce
+from collections.abc import Collection, Iterable, Mapping
+from functools import cache, reduce
 from operator import or_
 from types import GenericAlias
 from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple, Self
@@ -18,7 +18,7 @@ from pydantic import (
 
 from sim.base.messages import input_error
 from sim.base.plugins import ALLOWED, PATTERN
-from sim.parameters import SYSTEMS, roles
+from sim.parameters import SYSTEMS, Parameters, roles
 from sim.parameters.common import broken_rule
 from sim.study.catalogue import FIGURES
 from sim.study.entries import (
@@ -141,43 +141,26 @@ def _any_of(kinds: Iterable[type[BaseModel]]) -> Any:
     return Annotated[reduce(or_, kinds), Field(discriminator="system")]
 
 
-MODELS = {system: _models_of(system) for system in SYSTEMS}
-
-
-def _by_system(kind: str, said: str) -> dict[str, Any]:
+def _by_system(systems: Mapping[str, Models], kind: str, said: str) -> dict[str, Any]:
     """Return a key for each system that may be left out, with one of its `Models` behind it."""
     return {
         system: (getattr(one, kind), optional(said.format(system)))
-        for system, one in MODELS.items()
+        for system, one in systems.items()
     }
 
 
-Defaults = create_model(
-    "Defaults",
-    __base__=Strict,
-    __doc__="Parameters shared by all series of a system.",
-    **_by_system("some", "shared by all series of the {}"),
-)
-SharedReadings = create_model(
-    "SharedReadings",
-    __base__=Strict,
-    __doc__="Readings of the papers under which all series of a system are run.",
-    **_by_system("readings", "of the {}: every combination; figures and boundaries take the first"),
-)
-
 if TYPE_CHECKING:
-    # What the types below are at most, for a reader that does not run the catalogue.
+    # What the type below is at most, for a reader that does not run the catalogue.
     _FigureName = str
-    _AnySeries = SeriesFile
-    _AnyBoundary = BoundaryFile
 else:
     _FigureName = Literal[tuple(FIGURES)]
-    _AnySeries = _any_of(one.series for one in MODELS.values())
-    _AnyBoundary = _any_of(one.boundary for one in MODELS.values())
 
 
 class StudyFile(Strict):
-    """A study: series of points, boundaries to be found, and the figures they feed."""
+    """A study: series of points, boundaries to be found, and the figures they feed.
+
+    `file_models` makes its keys concrete with the parameters of the systems.
+    """
 
     model_config = ConfigDict(
         json_schema_extra={
@@ -195,14 +178,14 @@ class StudyFile(Strict):
     figures: list[_FigureName] = optional(
         "all figures of the study, each fed by a series (omitted: those that are fed)"
     )
-    defaults: Defaults = Field(Defaults(), description="parameters shared by series")
-    readings: SharedReadings = Field(
-        SharedReadings(), description="readings of the papers under which every series is run"
+    defaults: Strict = Field(Strict(), description="parameters shared by series")
+    readings: Strict = Field(
+        Strict(), description="readings of the papers under which every series is run"
     )
-    series: list[_AnySeries] = optional(
+    series: list[SeriesFile] = optional(
         "the series of points (omitted: none, if there are boundaries or parts)", min_length=1
     )
-    boundaries: list[_AnyBoundary] = optional(
+    boundaries: list[BoundaryFile] = optional(
         "boundaries between regimes, found by refinement", min_length=1
     )
 
@@ -248,6 +231,55 @@ class StudyFile(Strict):
         return self
 
 
+class FileModels(NamedTuple):
+    """What study files may contain: of each system, under keys of all, and the whole."""
+
+    systems: dict[str, Models]
+    defaults: type[Strict]
+    readings: type[Strict]
+    study: type[StudyFile]
+
+
+def file_models() -> FileModels:
+    """Return what study files may contain with the parameters that plug-ins have added by now."""
+    return _file_models(tuple(SYSTEMS.values()))
+
+
+@cache
+def _file_models(parameters: tuple[type[Parameters], ...]) -> FileModels:
+    """Return those of the present `SYSTEMS`, which ``parameters`` are."""
+    systems = {system: _models_of(system) for system in SYSTEMS}
+    defaults = create_model(
+        "Defaults",
+        __base__=Strict,
+        __doc__="Parameters shared by all series of a system.",
+        **_by_system(systems, "some", "shared by all series of the {}"),
+    )
+    readings = create_model(
+        "SharedReadings",
+        __base__=Strict,
+        __doc__="Readings of the papers under which all series of a system are run.",
+        **_by_system(
+            systems,
+            "readings",
+            "of the {}: every combination; figures and boundaries take the first",
+        ),
+    )
+    said = StudyFile.model_fields
+    types: dict[str, Any] = {
+        "defaults": (defaults, Field(defaults(), description=said["defaults"].description)),
+        "readings": (readings, Field(readings(), description=said["readings"].description)),
+        "series": (_list_of(_any_of(one.series for one in systems.values())), said["series"]),
+        "boundaries": (
+            _list_of(_any_of(one.boundary for one in systems.values())),
+            said["boundaries"],
+        ),
+    }
+    doc = "A study: series of points, boundaries to be found, and the figures they feed."
+    study = create_model("StudyFile", __base__=StudyFile, __doc__=doc, **types)
+    return FileModels(systems, defaults, readings, study)
+
+
 def validated(mapping: Any, source: str) -> StudyFile:
     """Validate the contents of a study file; the points themselves come later.
 
@@ -256,7 +288,8 @@ def validated(mapping: Any, source: str) -> StudyFile:
     InputError
         Naming file, key, value and what is allowed.
     """
+    model = file_models().study
     try:
-        return StudyFile.model_validate(mapping)
+        return model.model_validate(mapping)
     except ValidationError as error:
-        raise input_error(error, StudyFile, source) from None
+        raise input_error(error, model, source) from None

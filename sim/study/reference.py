@@ -12,7 +12,7 @@ from sim.base.errors import InputError
 from sim.parameters import SYSTEMS, FieldRow, field_info
 from sim.study import ranges
 from sim.study.catalogue import FIGURES
-from sim.study.file import MODELS, Defaults, SharedReadings, StudyFile
+from sim.study.file import file_models
 from sim.study.plot_file import PlotFile
 from sim.study.plottable import SHOWN_BY
 
@@ -27,7 +27,7 @@ def schema() -> dict[str, Any]:
 
     A file with ``system`` at its top is a point, any other one a study.
     """
-    models: tuple[type[BaseModel], ...] = (StudyFile, *SYSTEMS.values())
+    models: tuple[type[BaseModel], ...] = (file_models().study, *SYSTEMS.values())
     _, definitions = models_json_schema([(model, "validation") for model in models])
     references: list[dict[str, Any]] = [{"$ref": f"#/$defs/{model.__name__}"} for model in models]
     study, point, *others = references
@@ -53,10 +53,11 @@ def schema_text() -> str:
 def reference_text() -> str:
     """Return the reference of all keys and parameters as Markdown."""
     # The keys of the entries are the same in every system.
-    entries = next(iter(MODELS.values()))
+    file = file_models()
+    entries = next(iter(file.systems.values()))
     parts = [
         "### Keys of a study",
-        _keys_table(StudyFile),
+        _keys_table(file.study),
         "### Keys of a series",
         _keys_table(entries.series),
         "### Keys of a boundary",
@@ -66,9 +67,9 @@ def reference_text() -> str:
         "### Keys of an override",
         _keys_table(entries.override),
         "### Keys of `defaults`",
-        _keys_table(Defaults),
+        _keys_table(file.defaults),
         "### Keys of `readings`",
-        _keys_table(SharedReadings),
+        _keys_table(file.readings),
     ]
     parts += ["### Observables", _observables_table(), "### Figures", _figures_table()]
     for name, model in SYSTEMS.items():

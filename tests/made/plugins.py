@@ -18,6 +18,7 @@ def forgotten() -> Iterator[None]:
         plugins._plugins.update(loaded)
         plugins._additions.clear()
         plugins._additions.update(added)
+        plugins.changed()
 
 
 @contextmanager
@@ -26,4 +27,5 @@ def alone() -> Iterator[None]:
     with forgotten():
         plugins._plugins.clear()
         plugins._additions.clear()
+        plugins.changed()
         yield

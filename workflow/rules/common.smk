@@ -252,14 +252,12 @@ BATCHES = planned_batches()
 WATCH = []
 
 
-
 def room(name, added=""):
     """Return a hash of the room that a rule uses, with what plug-ins add to it.
 
     ``added`` is the kind of that.
     """
     return f"{room_hash(ROOT / 'sim', name)} {codes(added)}".rstrip()
-
 
 
 if workflow.is_main_process:

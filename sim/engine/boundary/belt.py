@@ -1,12 +1,16 @@
-"""The vibrating belt: a rigid line that moves harmonically and carries a ghost disk per contact."""
+"""The vibrating belt: a rigid line that carries a ghost disk per contact.
+
+It moves harmonically, or as a plug-in says.
+"""
 
 from math import cos, sin
 from typing import NamedTuple
 
 import numpy as np
 
-from sim.engine.compile import append_negative, inlined, kernel, vectorised
+from sim.engine.compile import append_negative, implements, inlined, kernel, vectorised
 from sim.engine.contact.damping import disk_force, dissipated, elastic_energy
+from sim.engine.plugged import adopt
 
 
 class Belt(NamedTuple):
@@ -26,9 +30,60 @@ class Belt(NamedTuple):
     inverse_mass: float = 0.0
 
 
-@inlined
+class OwnBelt(NamedTuple):
+    """A belt that moves as a plug-in says: x = A_x s_x(ωt + φ), z = A_z s_z(ωt + φ).
+
+    The type of ``motion``, the plug-in's parameters, tells s_x and s_z; all else as in `Belt`.
+    """
+
+    amplitude_x: float
+    amplitude_z: float
+    angular_frequency: float
+    phase: float
+    surface: float
+    inverse_mass: float
+    motion: NamedTuple
+
+
 def belt_state(belt, time):
     """Return height (m) and velocity (x, z) (m/s) of the belt."""
+    raise NotImplementedError
+
+
+@implements(belt_state)
+def _belt_state(belt, time):
+    if belt.instance_class is Belt:
+        return lambda belt, time: _harmonic(belt, time)
+    return lambda belt, time: _own(belt, time)
+
+
+def shape_of(motion, angle):
+    """Return what the function ``state`` of a plug-in does, see `sim.parameters.motions.motion`."""
+    raise NotImplementedError
+
+
+def add_motion(kind, state):
+    """Make a type of parameters known as a motion, with the function of a plug-in for it."""
+    if not adopt(kind):
+        return
+    own_state = inlined(state)
+
+    @implements(shape_of)
+    def _shape(motion, angle):
+        if motion.instance_class is not kind:
+            return None
+        return lambda motion, angle: own_state(motion, angle)
+
+
+@inlined
+def _own(belt, time):
+    z, along, up = shape_of(belt.motion, belt.angular_frequency * time + belt.phase)
+    speed_x = belt.amplitude_x * belt.angular_frequency * along
+    return belt.amplitude_z * z, (speed_x, belt.amplitude_z * belt.angular_frequency * up)
+
+
+@inlined
+def _harmonic(belt, time):
     angle = belt.angular_frequency * time + belt.phase
     speed = belt.angular_frequency * cos(angle)
     return (

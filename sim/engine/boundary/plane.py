@@ -6,6 +6,7 @@ import numpy as np
 
 from sim.engine.compile import append_negative, inlined, kernel, vectorised
 from sim.engine.contact.friction import MEMORY, stored_energy
+from sim.engine.contact.own import on_plane
 from sim.engine.dynamics.cells import LANES
 from sim.engine.dynamics.neighbors import BLOCK
 from sim.engine.dynamics.spheres import (
@@ -56,7 +57,8 @@ def _evaluate(spheres, contacts, scratch, number, base, time_step):
         approach(rows, k, Meeting(separation, velocity, rim, spheres.radius[i]), time_step)
     for k in range(number):
         i = np.uint64(touching[k])
-        memory = react(contacts.law, rows, k, recall(contacts.before, slot[0, i]))
+        law = on_plane(contacts.law, spheres, i)
+        memory = react(law, rows, k, recall(contacts.before, slot[0, i]))
         for m in range(MEMORY):
             contacts.after[m, np.uint64(base + k)] = memory[m]
 
@@ -113,7 +115,8 @@ def stored_in_plane(law, spheres, plane, memory, time_step):
             continue
         height = spheres.position[2, i] - spheres.velocity[2, i] * time_step
         overlap = spheres.radius[i] - abs(height)
-        pressed, sheared = stored_energy(law, overlap, recall(memory, plane.slot[0, i]))
+        met = on_plane(law, spheres, i)
+        pressed, sheared = stored_energy(met, overlap, recall(memory, plane.slot[0, i]))
         normal += pressed
         tangential += sheared
     return normal, tangential

@@ -5,13 +5,14 @@ family. numba chooses the body by the tuple's type when a kernel is compiled, so
 belt and obstacle share the law's code and no branch is left at run time.
 
 The parameter ``law`` of the spheres names a module of this folder, whose ``from_parameters`` makes
-the law of a point for one kind of partners.
+the law of a point for one kind of partners, or a law of a plug-in (`sim.engine.contact.own`).
 """
 
 from importlib import import_module
 from typing import NamedTuple
 
 from sim.parameters import ChuteParameters
+from sim.parameters.laws import own_laws
 
 
 class Partners(NamedTuple):
@@ -25,4 +26,10 @@ class Partners(NamedTuple):
 
 def law_of(parameters: ChuteParameters, partners: Partners) -> NamedTuple:
     """Return the law that a point names, for one kind of partners."""
+    if own := own_laws().get(parameters.law):
+        from sim.engine.contact.own import add_law
+
+        made = own.make(parameters, partners)
+        add_law(type(made), own.force, own.energy)
+        return made
     return import_module(f"{__name__}.{parameters.law}").from_parameters(parameters, partners)

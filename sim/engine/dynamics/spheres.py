@@ -13,6 +13,7 @@ import numpy as np
 
 from sim.engine.compile import inlined, kernel, vectorised
 from sim.engine.contact.friction import MEMORY, contact_force, stored_energy
+from sim.engine.contact.own import between
 from sim.engine.contact.roots import inverse_square_root
 from sim.engine.dynamics.cells import LANES, nearest_image, rounded_up
 from sim.engine.dynamics.neighbors import BLOCK, Search, find_touching, make_search
@@ -202,7 +203,8 @@ def _evaluate(spheres, contacts, block, time_step):
     for k in range(number):
         c = np.uint64(block.base + k)
         memory = recall(contacts.before, pairs.slot[pairs.touching[c]])
-        memory = react(contacts.law, rows, k, memory)
+        law = between(contacts.law, spheres, pairs, pairs.touching[c])
+        memory = react(law, rows, k, memory)
         for m in range(MEMORY):
             contacts.after[m, c] = memory[m]
 
@@ -299,7 +301,8 @@ def stored_in_spheres(law, spheres, pairs, memory, time_step):
         dy -= (v[1, j] - v[1, i]) * time_step
         dz -= (v[2, j] - v[2, i]) * time_step
         overlap = pairs.reach[p] - (dx * dx + dy * dy + dz * dz) ** 0.5
-        pressed, sheared = stored_energy(law, overlap, recall(memory, pairs.slot[p]))
+        met = between(law, spheres, pairs, p)
+        pressed, sheared = stored_energy(met, overlap, recall(memory, pairs.slot[p]))
         normal += pressed
         tangential += sheared
     return normal, tangential

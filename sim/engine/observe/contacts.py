@@ -17,6 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from sim.engine.compile import inlined, kernel
+from sim.engine.contact.own import between, on_plane
 from sim.engine.dynamics.spheres import (
     DEPTH,
     FX,
@@ -228,7 +229,7 @@ def add_contacts(sums, spheres, contacts, sampling):
         rim = (w[0, j] + w[0, i], w[1, j] + w[1, i], w[2, j] + w[2, i])
         approach(rows, 0, Meeting((dx, dy, dz), velocity, rim, pairs.reach[p]), step)
         normal, speed = _normal_and_slip(rows, step)
-        react(law, rows, 0, recall(memory, pairs.slot[p]))
+        react(between(law, spheres, pairs, p), rows, 0, recall(memory, pairs.slot[p]))
         at = x[2, i] + (spheres.radius[i] - 0.5 * rows[DEPTH * STRIDE]) * normal[2]
         place = (-dx, -dy, -dz), x[2, i], at
         _add_contact(sums, sampling, rows, place, normal, (speed, friction))
@@ -238,7 +239,7 @@ def add_contacts(sums, spheres, contacts, sampling):
         velocity, rim = (-v[0, i], -v[1, i], -v[2, i]), (w[0, i], w[1, i], w[2, i])
         approach(rows, 0, Meeting((0.0, 0.0, -x[2, i]), velocity, rim, spheres.radius[i]), step)
         normal, speed = _normal_and_slip(rows, step)
-        react(plane_law, rows, 0, recall(plane_memory, slot[0, i]))
+        react(on_plane(plane_law, spheres, i), rows, 0, recall(plane_memory, slot[0, i]))
         place = (0.0, 0.0, x[2, i]), x[2, i], 0.0
         _add_contact(sums, sampling, rows, place, normal, (speed, plane_friction))
     _add_spheres(stress, spheres, sampling)

@@ -95,7 +95,7 @@ def make_samples(samples: int, beads: int, slices: int, squares: Squares) -> Bed
 def make_calls(disks, contacts, loop, motion) -> Calls:
     """Return the addresses of the kernels for these arguments and others of the same law."""
     law, pairs, belt, obstacle, _ = contacts
-    kind = kind_of(law, motion.integrator)
+    kind = kind_of(law, belt, motion.integrator)
     profile, x, z = empty_profile(1, 2), disks.taylor[0], disks.radius
     return Calls(
         address_of(shaking.advance_disks, kind, disks, contacts, loop, motion, 0),

@@ -85,7 +85,7 @@ class Belt:
         self.integrator = self._integrator(self.time_step)
         self.loop = shaking.make_shaking()
         self.loop_time = 0.0
-        kind = kind_of(self.law, self.integrator)
+        kind = kind_of(self.law, self.belt, self.integrator)
         self._advance = Direct(shaking.advance_disks, kind)
         self._take = Direct(bed_samples.sample_bed, kind)
         self._calls: bed_samples.Calls | None = None

@@ -5,10 +5,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sim.engine.boundary.belt import Belt, belt_height
+from sim.engine.boundary.belt import Belt, OwnBelt, add_motion, belt_height
 from sim.engine.dynamics.cells import Box
 from sim.engine.systems.packing import random_packing
 from sim.parameters import BeltParameters
+from sim.parameters.motions import MOTION, own_motions
 
 #: Area fraction of the random initial state; random sequential addition saturates near 0.55.
 INITIAL_PACKING = 0.3
@@ -48,13 +49,13 @@ def _lift(p: BeltParameters) -> float:
     return lift
 
 
-def vibration(p: BeltParameters, frequency: float) -> Belt:
+def vibration(p: BeltParameters, frequency: float) -> Belt | OwnBelt:
     """Return the belt vibrating at a frequency (Hz), or at rest in its initial phase."""
     amplitude = p.amplitude * p.diameter
     # Not tan(90°), which rounds to a finite number: a vertical vibration has A_x = 0.
     slope = tan(radians(p.vibration_angle)) if p.vibration_angle < 90.0 else np.inf
     surface = 0.5 * p.diameter if p.belt_ghost == "centred" else 0.0
-    return Belt(
+    belt = Belt(
         amplitude / slope,
         amplitude,
         2.0 * pi * frequency,
@@ -62,3 +63,9 @@ def vibration(p: BeltParameters, frequency: float) -> Belt:
         surface,
         inverse_mass=1.0 / p.mass if p.ghost_mass == "mean" else 0.0,
     )
+    own = own_motions().get(getattr(p, MOTION, ""))
+    if own is None:
+        return belt
+    motion = own.make(p)
+    add_motion(type(motion), own.state)
+    return OwnBelt(*belt, motion)

@@ -1,0 +1,34 @@
+"""A motion of the belt: an ellipse, which the belt goes round once in a cycle, as in feeders."""
+
+from math import cos, radians, sin
+from typing import NamedTuple
+
+import sim
+
+
+class Ellipse(NamedTuple):
+    """Lag (rad) of the motion along the belt behind that across it."""
+
+    lag: float
+
+
+def make(p):
+    """Return the motion of a point."""
+    return Ellipse(radians(p.belt_lag))
+
+
+def state(motion, angle):
+    """Compiled: the height in amplitudes, and how x and z change with the angle."""
+    return sin(angle), cos(angle - motion.lag), cos(angle)
+
+
+sim.motion(
+    "ellipse",
+    make=make,
+    state=state,
+    parameters={
+        "belt_lag": sim.parameter(
+            90, unit="degree", description="lag of the motion along the belt", ge=-180, le=180
+        )
+    },
+)

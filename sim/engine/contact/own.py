@@ -1,0 +1,120 @@
+"""Contact laws of plug-ins: plain functions of theirs as members of the family of spheres.
+
+Between two partners such a law is held together with what it may know of them (`Between`); the laws
+of Talus, which need neither radius nor mass, stay as they are and cost nothing more.
+"""
+
+from typing import NamedTuple
+
+from sim.engine.compile import implements, inlined
+from sim.engine.contact.friction import contact_force, stored_energy
+from sim.engine.contact.roots import SMALLEST, inverse_square_root
+from sim.engine.contact.tangential import friction_direction, work_against
+from sim.engine.plugged import adopt, adopted
+
+
+class Between(NamedTuple):
+    """A law of a plug-in between two partners: with reduced ``radius`` (m) and ``mass`` (kg)."""
+
+    law: NamedTuple
+    radius: float
+    mass: float
+
+
+def between(law, spheres, pairs, p):
+    """Return a law as it is between the spheres of pair p of a list."""
+    raise NotImplementedError
+
+
+def on_plane(law, spheres, i):
+    """Return a law as it is between sphere i and the plane."""
+    raise NotImplementedError
+
+
+@implements(between)
+def _between(law, spheres, pairs, p):
+    if law.instance_class not in adopted:
+        return lambda law, spheres, pairs, p: law
+
+    def body(law, spheres, pairs, p):
+        i, j = pairs.first[p], pairs.second[p]
+        radii = spheres.radius[i] * spheres.radius[j] / (spheres.radius[i] + spheres.radius[j])
+        # Of one that is fixed in space the inverse is 0; two of them have no contact that counts.
+        inverse = spheres.inverse_mass[i] + spheres.inverse_mass[j]
+        return Between(law, radii, 1.0 / inverse if inverse > 0.0 else 0.0)
+
+    return body
+
+
+@implements(on_plane)
+def _on_plane(law, spheres, i):
+    if law.instance_class not in adopted:
+        return lambda law, spheres, i: law
+    return lambda law, spheres, i: Between(law, spheres.radius[i], spheres.mass[i])
+
+
+@inlined
+def turned(normal, tangential):
+    """Return a tangential force turned into the present tangent plane, its magnitude kept."""
+    ux, uy, uz = friction_direction(normal, tangential)
+    square = tangential[0] ** 2 + tangential[1] ** 2 + tangential[2] ** 2
+    magnitude = square * inverse_square_root(square) if square > SMALLEST else 0.0
+    return magnitude * ux, magnitude * uy, magnitude * uz
+
+
+def force_of(law, overlap, approach, slip, tangential, memory, radius, mass):
+    """Return what the function ``force`` of a plug-in does, see `sim.parameters.laws.law`."""
+    raise NotImplementedError
+
+
+def energy_of(law, overlap, tangential, memory, radius, mass):
+    """Return what the function ``energy`` of a plug-in does."""
+    raise NotImplementedError
+
+
+@implements(contact_force)
+def _contact_force(law, overlap, approach, normal, slip, memory):
+    if law.instance_class is not Between:
+        return None
+
+    def body(law, overlap, approach, normal, slip, memory):
+        before, kept = memory[:3], memory[3:]
+        force, tangential, kept, lost = force_of(
+            law.law, overlap, approach, slip, turned(normal, before), kept, law.radius, law.mass
+        )
+        work = work_against(before, tangential, slip)
+        return force, tangential, (*tangential, *kept), (lost, work)
+
+    return body
+
+
+@implements(stored_energy)
+def _stored_energy(law, overlap, memory):
+    if law.instance_class is not Between:
+        return None
+    return lambda law, overlap, memory: energy_of(
+        law.law, overlap, memory[:3], memory[3:], law.radius, law.mass
+    )
+
+
+def add_law(kind, force, energy):
+    """Make a type of parameters known as a law, with the functions of a plug-in for it."""
+    if not adopt(kind):
+        return
+    own_force, own_energy = inlined(force), inlined(energy)
+
+    @implements(force_of)
+    def _force(law, overlap, approach, slip, tangential, memory, radius, mass):
+        if law.instance_class is not kind:
+            return None
+        return lambda law, overlap, approach, slip, tangential, memory, radius, mass: own_force(
+            law, overlap, approach, slip, tangential, memory, radius, mass
+        )
+
+    @implements(energy_of)
+    def _energy(law, overlap, tangential, memory, radius, mass):
+        if law.instance_class is not kind:
+            return None
+        return lambda law, overlap, tangential, memory, radius, mass: own_energy(
+            law, overlap, tangential, memory, radius, mass
+        )
