@@ -37,7 +37,7 @@ def experiment(claim: Claim, reading: Mapping[str, Any]) -> tuple[Check, ...]:
         "libraries": library_versions(),
     }
     name = hashlib.sha256(json.dumps(identity, sort_keys=True).encode()).hexdigest()[:12]
-    path = cache_directory() / f"{claim.id}-{name}.json"
+    path = cache_directory(plugged=False) / f"{claim.id}-{name}.json"
     checks = _read(path, identity)
     if checks is None:
         checks = tuple(claim.judging()(reading))

@@ -8,16 +8,15 @@ from typing import Any
 
 import netCDF4
 import numpy as np
-import xarray as xr
 from scipy.stats import false_discovery_control, t
 
 from sim.base.damage import checked_read
 from sim.base.errors import InputError
 from sim.base.statistics import CONFIDENCE, MANY, student
+from sim.dataset.added import require_known_options
 from sim.dataset.results import load
 from sim.engine.stored_run import parameters_of
 from sim.parameters import AMOUNTS, SYSTEMS, complete, field_info
-from sim.parameters.choices import own
 
 #: Share of false ones among the differences that are called real.
 RISK = round(1 - CONFIDENCE, 12)
@@ -191,7 +190,7 @@ def _is_number(variable: netCDF4.Variable) -> bool:
 
 def _of_study(path: Path, quantity: str) -> tuple[list[Measured], str]:
     held = load(path).dataset
-    _require_known_options(held, path)
+    require_known_options(held, path)
     over = [
         str(name)
         for name, one in held.data_vars.items()
@@ -206,20 +205,6 @@ def _of_study(path: Path, quantity: str) -> tuple[list[Measured], str]:
         parameters = {name: row[name].item() for name in SYSTEMS[system].model_fields}
         found += _measured(str(system), parameters, quantity, columns)
     return found, held[quantity].attrs.get("units", "1")
-
-
-def _require_known_options(held: xr.Dataset, path: Path) -> None:
-    """Refuse points whose laws or motions have parameters that nothing is known of.
-
-    Two that differ in such a one would be taken for the same.
-    """
-    for choice in ("law", "motion"):
-        loaded = own(choice)
-        for name in map(str, held[choice].values if choice in held.coords else ()):
-            # Names of plug-ins' options end in their hashes.
-            if "." in name and name not in loaded:
-                allowed = "one of Talus, or of a plug-in that TALUS_PLUGINS names"
-                raise InputError.of_value(str(path), choice, name, allowed)
 
 
 def _require(quantity: str, path: Path, known: Collection[str]) -> None:

@@ -31,8 +31,10 @@ def _plugged() -> str:
     return hashlib.sha256(text.encode()).hexdigest()[:12] if text else ""
 
 
-def cache_directory() -> Path:
+def cache_directory(plugged: bool = True) -> Path:
     """Return the folder of compiled code for the present sources and plug-ins.
+
+    Where ``plugged`` is false, that for the sources alone, for what no plug-in changes.
 
     ``TALUS_CACHE_DIR`` overrides the default ``~/.cache/talus`` (``XDG_CACHE_HOME`` is honoured);
     where the default cannot serve, a folder of this user under the system's temporary one does, and
@@ -43,7 +45,7 @@ def cache_directory() -> Path:
     InputError
         When the folder that is named is of somebody else, or others can write it.
     """
-    name = "-".join(filter(None, (source_hash(COMPILED), _plugged())))
+    name = "-".join(filter(None, (source_hash(COMPILED), _plugged() if plugged else "")))
     if named := os.environ.get(_NAME):
         try:
             return private_folder(Path(named) / name)

@@ -12,6 +12,7 @@ from PIL.PngImagePlugin import PngInfo
 
 from sim.base.errors import InputError
 from sim.base.files import replacing
+from sim.dataset.added import require_known_options
 from sim.dataset.results import Results, load_results
 from sim.figures.animation import Animation, save_gif
 from sim.figures.caption import caption
@@ -62,6 +63,7 @@ def render(spec: FigureSpec, dataset_path: Path, folder: Path) -> list[Path]:
         For a missing dataset, or one without points for the figure.
     """
     results = load_results(dataset_path)
+    require_known_options(results.dataset, dataset_path)
     try:
         data, kind = _drawn(spec, results)
     except KeyError as error:

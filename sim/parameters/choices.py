@@ -20,7 +20,7 @@ _RANGE = {"gt", "ge", "lt", "le"}
 
 
 def parameter(
-    default: float, *, unit: str, description: str, symbol: str = "", **interval: float
+    default: float, *, unit: str, description: str, symbol: str = "", **interval: Any
 ) -> Any:
     """Declare a parameter of a law or a motion: a number, whose default stands where it is omitted.
 

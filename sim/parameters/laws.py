@@ -20,7 +20,7 @@ LAWS: tuple[str, ...] = get_args(ChuteParameters.model_fields[LAW].annotation)
 class OwnLaw:
     """A contact law of a plug-in: see `law`."""
 
-    make: Callable[[Any, Any], tuple[Any, ...]]
+    make: Callable[[Any, Any], Any]
     force: Callable[..., Any]
     energy: Callable[..., Any]
     collision_time: Callable[[Any], float]
@@ -30,7 +30,7 @@ class OwnLaw:
 def law(
     name: str,
     *,
-    make: Callable[[Any, Any], tuple[Any, ...]],
+    make: Callable[[Any, Any], Any],
     force: Callable[..., Any],
     energy: Callable[..., Any],
     collision_time: Callable[[Any], float],

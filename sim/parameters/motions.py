@@ -19,7 +19,7 @@ MOTIONS = ("harmonic",)
 class OwnMotion:
     """A motion of a plug-in: see `motion`."""
 
-    make: Callable[[Any], tuple[Any, ...]]
+    make: Callable[[Any], Any]
     state: Callable[..., Any]
     parameters: Mapping[str, Any]
 
@@ -27,7 +27,7 @@ class OwnMotion:
 def motion(
     name: str,
     *,
-    make: Callable[[Any], tuple[Any, ...]],
+    make: Callable[[Any], Any],
     state: Callable[..., Any],
     parameters: Mapping[str, Any] | None = None,
 ) -> None:

@@ -1,0 +1,74 @@
+"""Plug-ins in a workflow: loaded in every job, and what an edit of each makes old."""
+
+import json
+import shutil
+from pathlib import Path
+
+import pytest
+import xarray as xr
+
+from tests.made.processes import ROOT
+from tests.made.project import planned, snakemake
+
+STUDY = """\
+study: own
+plugins: [hertz_mindlin.py, base_slip.py, boxes.py, steeper.py]
+defaults:
+  chute: {law: hertz_mindlin, depth: 1.5, cell: 4, transient: 10, average: 20, diameter_spread: 0.3}
+series:
+  - {name: moduli, system: chute, grid: {youngs_modulus: [1.0e+6, 2.0e+6]}}
+plots:
+  - {name: slip, x: youngs_modulus, y: base_slip}
+  - {name: spread, kind: boxes, x: youngs_modulus, y: velocity}
+"""
+NAME = "own.yaml"
+
+#: Jobs that an edit entails.
+MADE = {"dataset": 1, "figures": 1, "claims": 1, "report": 1}
+EDITS = {
+    NAME: {"report": 1},
+    "steeper.py": {"claims": 1, "report": 1},
+    "boxes.py": {"figures": 1, "report": 1},
+    "base_slip.py": MADE,
+    "hertz_mindlin.py": {"batch": 1} | MADE,
+}
+
+
+@pytest.fixture(scope="module")
+def tree(tmp_path_factory) -> Path:
+    """Return a folder in which the study has run to its end."""
+    tree = tmp_path_factory.mktemp("tree")
+    for path in (ROOT / "docs" / "examples").glob("*.py"):
+        shutil.copy(path, tree)
+    (tree / NAME).write_text(STUDY)
+    done = snakemake(tree, study=NAME)
+    assert done.returncode == 0, done.stderr
+    assert "hertz_mindlin.py" in done.stderr and "law hertz_mindlin" in done.stderr
+    return tree
+
+
+def test_every_job_has_the_plugins_that_it_needs(tree):
+    results = tree / "results" / "own"
+    with xr.open_dataset(results / "dataset.nc") as dataset:
+        assert (dataset["status"] == "completed").all()
+        assert all(name.startswith("hertz_mindlin.") for name in dataset["law"].values)
+        assert dataset["youngs_modulus"].values.tolist() == [1e6, 2e6]
+        assert dataset["youngs_modulus"].attrs["units"] == "Pa"
+        assert (dataset["missing_energy"] < 0.02).all()
+        assert (abs(dataset["normal_balance"] - 1) < 0.1).all()
+        assert (dataset["base_slip"] > 0).all()
+    claims = json.loads((results / "claims.json").read_text())["claims"]
+    assert claims[-1]["id"] == "steeper_is_faster"
+    assert (results / "figures" / "spread.svg").is_file()
+    assert "hertz_mindlin.py" in (results / "report.html").read_text()
+
+
+@pytest.mark.parametrize("name", EDITS)
+def test_an_edit_of_a_plugin_makes_old_what_depends_on_it(tree, name):
+    path = tree / name
+    before = path.read_text()
+    try:
+        path.write_text(before + "# edited\n")
+        assert planned(tree, study=NAME) == EDITS[name]
+    finally:
+        path.write_text(before)
