@@ -1,30 +1,46 @@
 """The examples of docs/extending.md: from made-up runs to dataset, figures, verdicts, report."""
 
+import importlib
 import json
+import os
+import re
+import runpy
 import shutil
+import subprocess
+import sys
 from collections.abc import Iterator
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 import xarray as xr
 
+import sim
 from sim.base.errors import InputError
+from sim.base.plugins import load_plugins, places
 from sim.claims import judge
+from sim.claims.readings import readings_of
 from sim.claims.written import build as build_claims
 from sim.dataset.build import build
 from sim.dataset.earlier import reading_code
 from sim.figures.several import draw_several
-from sim.parameters.common import Parameters
+from sim.parameters import ChuteParameters, Parameters, parse_point, point_id
+from sim.report.compare import show
 from sim.report.page import build as build_report
 from sim.report.publish import publish
-from sim.study.load import Study, load_study
+from sim.study.load import Study, load_study, parse_study
 from tests.made.plugins import alone, forgotten
 from tests.made.processes import ROOT
 from tests.made.runs import write_run
 
 EXAMPLES = ROOT / "docs" / "examples"
+FILES = sorted(EXAMPLES.glob("*.py"))
 GUIDE = (ROOT / "docs" / "extending.md").read_text(encoding="utf-8")
+BLOCKS = {
+    kind: re.findall(rf"^```{kind}\n(.*?)^```", GUIDE, flags=re.MULTILINE | re.DOTALL)
+    for kind in ("python", "yaml")
+}
 
 
 @pytest.fixture(autouse=True)
@@ -122,3 +138,160 @@ def test_a_figure_is_old_when_its_plugin_is_edited(folder):
         other = load_study("own.yaml").plots
     assert repr(spec["slip"]) == repr(other["slip"])
     assert repr(spec["spread"]) != repr(other["spread"])
+
+
+def test_the_guide_shows_the_examples_and_its_other_snippets_work(folder, monkeypatch):
+    texts = [path.read_text() for path in FILES]
+    assert set(texts) <= set(BLOCKS["python"])
+    monkeypatch.syspath_prepend(folder)
+    for block in BLOCKS["python"]:
+        if block not in texts:
+            exec(block, {})
+    studies = [block for block in BLOCKS["yaml"] if "series:" in block]
+    for number, block in enumerate(studies):
+        (folder / f"{number}.yaml").write_text(block)
+        assert load_study(f"{number}.yaml").plots
+    assert studies
+
+
+@pytest.mark.parametrize("sizes", [(5e-4, 5e-4), (5e-4, 2e-4), (3e-4, np.inf)])
+@pytest.mark.parametrize("restitution", [1.0, 0.9, 0.5])
+@pytest.mark.parametrize("speed", [0.03, 3.0])
+def test_hertz_mindlin_gives_the_restitution_at_every_size_and_speed(sizes, restitution, speed):
+    """The law's own promise, which is why its damping follows the stiffness at each overlap."""
+    own = SimpleNamespace(**runpy.run_path(str(EXAMPLES / "hertz_mindlin.py")))
+    inverse = sum(1 / size for size in sizes)
+    radius, mass = 1 / inverse, 1e4 / sum(1 / size**3 for size in sizes)
+    given = SimpleNamespace(restitution=restitution, youngs_modulus=1e6, poisson_ratio=0.3)
+    lasts = 2.87 * (mass**2 / (radius * (1e6 / 1.82) ** 2 * speed)) ** 0.2
+    step = lasts / 200
+    law = own.make(given, SimpleNamespace(friction=0.4, time_step=step))
+    velocity, overlap, memory, lost = speed, speed * step, (0.0,) * 4, 0.0
+    none = (0.0,) * 3
+    while overlap > 0:
+        force, _, memory, part = own.force(
+            law, overlap, velocity * step, none, none, memory, radius, mass
+        )
+        velocity -= force / mass * step
+        overlap += velocity * step
+        lost += part
+    assert -velocity / speed == pytest.approx(restitution, abs=1e-3)
+    # What is dissipated is what the spheres lack, but for the dashpot's end.
+    assert lost / (0.5 * mass * speed**2) == pytest.approx(1 - restitution**2, abs=0.01)
+
+
+def test_hertz_mindlin_stores_what_its_spring_does():
+    own = SimpleNamespace(**runpy.run_path(str(EXAMPLES / "hertz_mindlin.py")))
+    law = own.HertzMindlin(1e6, 1e6, 0.0, 0.4)
+    none, overlaps = (0.0,) * 3, np.linspace(0, 1e-5, 2001)
+    forces = [own.force(law, one, 0.0, none, none, (0.0,) * 4, 1e-3, 1e-6)[0] for one in overlaps]
+    pressed, sheared = own.energy(law, 1e-5, none, (0.0,) * 4, 1e-3, 1e-6)
+    assert pressed == pytest.approx(np.trapezoid(forces, overlaps), rel=1e-5) and sheared == 0
+    _, held, _, _ = own.force(law, 1e-5, 0.0, (1e-6, 0, 0), none, (0.0,) * 4, 1e-3, 1e-6)
+    limit = 0.4 * forces[-1]
+    assert np.hypot(*held[:2]) == pytest.approx(min(limit, 8e6 * 1e-4 * 1e-6))
+
+
+def test_points_tell_the_law_and_its_code(folder):
+    def ids() -> set[str]:
+        study = {"study": "s", "plugins": ["hertz_mindlin.py"]}
+        chute = {"name": "a", "system": "chute", "grid": {"law": ["walton_braun", "hertz_mindlin"]}}
+        return set(parse_study(study | {"series": [chute]}, "s.yaml").points)
+
+    with alone():
+        first = ids()
+    usual = point_id(ChuteParameters())
+    assert usual in first
+    (own,) = first - {usual}
+    assert re.search(r"-law-hertz_mindlin\.[0-9a-f]{8}-", own)
+    (folder / "hertz_mindlin.py").write_text((folder / "hertz_mindlin.py").read_text() + "#\n")
+    with alone():
+        assert first & ids() == {usual}
+
+
+@pytest.mark.parametrize(
+    ("values", "message"),
+    [
+        ({"law": "hertz"}, "law: got 'hertz'; allowed: .*TALUS_PLUGINS name the plug-in"),
+        ({"law": "hertz_mindlin.00000000"}, "law: got 'hertz_mindlin.00000000'; allowed: "),
+        ({"youngs_modulus": 2e6}, "youngs_modulus: got 2000000; .* unless law is hertz_mindlin"),
+        ({"law": "hertz_mindlin", "youngs_modulus": 0}, "got 0; allowed: a number > 0"),
+        ({"law": "hertz_mindlin", "poisson_ratio": 0.7}, r"allowed: a number in \[0, 0.5\]"),
+        ({"law": "hertz_mindlin", "restitution": 1.5}, "restitution"),
+    ],
+)
+def test_points_of_a_law_are_checked(folder, values, message):
+    load_plugins("hertz_mindlin.py")
+    with pytest.raises(InputError, match=message):
+        parse_point({"system": "chute"} | values, "point")
+
+
+def test_a_law_whose_collision_takes_no_time_is_told_with_its_line(folder):
+    path = folder / "hertz_mindlin.py"
+    path.write_text(path.read_text().replace("return 2.87 *", "return 0 *"))
+    load_plugins("hertz_mindlin.py")
+    with pytest.raises(InputError, match=r"law hertz_mindlin: ValueError: a collision takes 0.0 s"):
+        parse_point({"system": "chute", "law": "hertz_mindlin"}, "point")
+
+
+def test_two_plugins_have_no_parameter_in_common(folder):
+    text = (folder / "hertz_mindlin.py").read_text()
+    (folder / "other.py").write_text(text.replace('    "hertz_mindlin"', '    "other"'))
+    load_plugins("hertz_mindlin.py")
+    with pytest.raises(InputError, match="parameter youngs_modulus: law hertz_mindlin has it"):
+        load_plugins("other.py")
+
+
+def test_a_law_is_no_reading_of_the_paper():
+    assert readings_of("chute").is_control({"law": "hertz_mindlin.00000000"})
+
+
+def test_an_engine_at_work_takes_no_new_law(folder):
+    """Its compiled code would be kept for processes that do not know the law."""
+    importlib.import_module("sim.engine.compile")
+    load_plugins("hertz_mindlin.py")
+    with pytest.raises(InputError, match="before the first flow of a process"):
+        sim.Flow(law="hertz_mindlin")
+
+
+def test_results_of_a_law_that_is_not_there_are_read_but_not_compared(folder):
+    with alone():
+        study = {"study": "s", "plugins": ["hertz_mindlin.py"]}
+        grid = {"youngs_modulus": [1e6, 2e6]}
+        chute = {"name": "a", "system": "chute", "base": {"law": "hertz_mindlin"}, "grid": grid}
+        Path("s.yaml").write_text(json.dumps(study | {"series": [chute]}))
+        for point in load_study("s.yaml").points.values():
+            write_run(Path("results/s/runs"), point.parameters)
+        build("s.yaml")
+    found = sim.load("results/s")
+    assert not places()
+    assert found.dataset["youngs_modulus"].values.tolist() == [1e6, 2e6]
+    with pytest.raises(InputError, match=r"law: got 'hertz_mindlin.*TALUS_PLUGINS"):
+        show(Path("results/s"), Path("results/s"), "velocity", (), "text")
+
+
+def test_an_ellipse_is_the_harmonic_motion_where_nothing_lags(folder):
+    """In a process of its own, as other tests have the engine without the motion."""
+    lines = (
+        "import numpy as np, sim\n"
+        "sim.load_plugins('ellipse.py')\n"
+        "from sim.engine.boundary.belt import belt_state\n"
+        "from sim.engine.systems.belt_start import vibration\n"
+        "from sim.parameters import parse_point\n"
+        "def state(belt, time):\n"
+        "    return belt_state(belt, time)\n"
+        "def at(time, **given):\n"
+        "    p = parse_point({'system': 'belt', 'phase': 30} | given, 'p')\n"
+        "    height, speed = call(vibration(p, 20.0), time)\n"
+        "    return np.array([height, *speed])\n"
+        "import numba\n"
+        "call = numba.njit(state)\n"
+        "usual = at(0.013)\n"
+        "assert np.allclose(usual, at(0.013, motion='ellipse', belt_lag=0), rtol=1e-12)\n"
+        "found, before = at(0.013, motion='ellipse'), at(0.013 - 1 / 80)\n"
+        "assert np.allclose(found, [usual[0], before[1], usual[2]], rtol=1e-9)\n"
+    )
+    environment = os.environ | {"PYTHONPATH": str(ROOT), "TALUS_CACHE_DIR": str(folder / "cache")}
+    command = [sys.executable, "-c", lines]
+    done = subprocess.run(command, env=environment, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
