@@ -14,11 +14,13 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from importlib import import_module
 from importlib.metadata import entry_points
-from importlib.util import find_spec, module_from_spec, spec_from_file_location
+from importlib.util import find_spec
 from pathlib import Path
-from typing import Any
+from types import ModuleType
+from typing import Any, NamedTuple
 
 from sim.base.errors import InputError
+from sim.base.files import read_regular
 
 #: Where installed packages name their modules.
 GROUP = "talus.plugins"
@@ -170,10 +172,10 @@ def load(names: Iterable[str], folder: Path, source: str) -> tuple[Plugin, ...]:
         def refused(why: str, index: int = index, name: str = name) -> InputError:
             return InputError.of_value(f"{source}[{index}]", "", name, f"{ALLOWED}; {why}")
 
-        plugin, file, package = _found(name, folder, refused)
-        if plugin.code not in _plugins:
-            _run(plugin, file, package, refused)
-        found.append(_plugins[plugin.code])
+        one = _found(name, folder, refused)
+        if one.plugin.code not in _plugins:
+            _run(one, refused)
+        found.append(_plugins[one.plugin.code])
     return tuple(found)
 
 
@@ -196,17 +198,30 @@ def load_plugins(*names: str | Path) -> None:
     load(map(str, names), Path(), "load_plugins")
 
 
-def _found(
-    name: str, folder: Path, refused: Callable[[str], InputError]
-) -> tuple[Plugin, Path, str]:
-    """Return a plug-in, the file that holds it, and the module's name where it is installed."""
+class _Found(NamedTuple):
+    """A plug-in that is not loaded yet: its ``file``, the ``module`` it becomes, and its ``text``.
+
+    That of an installed one is left to Python to find.
+    """
+
+    plugin: Plugin
+    file: Path
+    module: str
+    text: bytes | None = None
+
+
+def _found(name: str, folder: Path, refused: Callable[[str], InputError]) -> _Found:
+    """Return a plug-in by the name that a study has for it."""
     if name.endswith(_FILE):
-        path = folder / name
+        path = (folder / name).absolute()
         try:
-            code = _hash([path])
+            text = read_regular(path)
         except OSError as error:
             raise refused(f"{path}: {error.strerror or error}") from None
-        return Plugin(path.name, str(path.absolute()), code), path, ""
+        code = _hash([(path.name, text)])
+        # The name is new with each content: types of compiled code are known by it.
+        module = f"talus_plugin_{re.sub('[^a-zA-Z0-9]', '_', path.stem)}_{code}"
+        return _Found(Plugin(path.name, str(path), code), path, module, text)
     entries = entry_points(group=GROUP)
     if name not in entries.names:
         installed = ", ".join(sorted(entries.names)) or "none"
@@ -217,25 +232,33 @@ def _found(
         raise refused(f"no module {module}")
     file = Path(spec.origin)
     files = file.parent.rglob(f"*{_FILE}") if spec.submodule_search_locations else [file]
-    return Plugin(name, name, _hash(files)), file, module
+    code = _hash((path.name, path.read_bytes()) for path in sorted(files))
+    return _Found(Plugin(name, name, code), file, module)
 
 
-def _hash(files: Iterable[Path]) -> str:
+def _hash(files: Iterable[tuple[str, bytes]]) -> str:
+    """Return a hash of the names and contents of files."""
     digest = hashlib.sha256()
-    for path in sorted(files):
-        digest.update(path.name.encode() + path.read_bytes())
+    for name, text in files:
+        digest.update(name.encode() + text)
     return digest.hexdigest()[:_CODE_DIGITS]
 
 
-def _run(plugin: Plugin, file: Path, package: str, refused: Callable[[str], InputError]) -> None:
+def _run(found: _Found, refused: Callable[[str], InputError]) -> None:
     """Run the code of a plug-in, which adds what it has; nothing of it stays after an error."""
+    plugin, file, module, text = found
     before = {kind: dict(held) for kind, held in _additions.items()}
-    # The name is new with each content: types of compiled code are known by it.
-    module = package or f"talus_plugin_{re.sub('[^a-zA-Z0-9]', '_', file.stem)}_{plugin.code}"
     _loading.append(plugin)
     why = ""
     try:
-        _import(module, None if package else file)
+        sys.modules.pop(module, None)
+        if text is None:
+            import_module(module)
+        else:
+            # The very text of which the hash is, and no compiled file of an earlier one.
+            made = sys.modules[module] = ModuleType(module)
+            made.__file__ = str(file)
+            exec(compile(text, str(file), "exec"), made.__dict__)
     except Refused as error:
         why = str(error)
     except (Exception, SystemExit) as error:
@@ -252,18 +275,6 @@ def _run(plugin: Plugin, file: Path, package: str, refused: Callable[[str], Inpu
     _plugins[plugin.code] = plugin
     changed()
     print(f"plug-in {plugin.place} ({plugin.code}): {', '.join(told)}", file=sys.stderr)
-
-
-def _import(module: str, file: Path | None) -> None:
-    """Import a module anew, from a file or as it is installed."""
-    sys.modules.pop(module, None)
-    if file is None:
-        import_module(module)
-        return
-    spec = spec_from_file_location(module, file)
-    assert spec is not None and spec.loader is not None
-    made = sys.modules[module] = module_from_spec(spec)
-    spec.loader.exec_module(made)
 
 
 def _line_of(error: BaseException, file: Path) -> str:

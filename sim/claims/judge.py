@@ -26,7 +26,8 @@ MODEL_READINGS: tuple[dict[str, Any], ...] = (
 def judge(results: Results) -> list[Judgement]:
     """Judge the claims of papers and plug-ins on whose systems a study has runs."""
     systems = set(results.dataset["system"].values)
-    found = [claim for claim in (*claims(), *own_claims()) if claim.system in systems]
+    every_claim: list[Claim] = [*claims(), *own_claims()]
+    found = [claim for claim in every_claim if claim.system in systems]
     every = {system: list(_evidence(results, system)) for system in systems}
     return [
         Judgement(
