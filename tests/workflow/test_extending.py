@@ -12,6 +12,7 @@ from tests.made.project import planned, snakemake
 
 STUDY = """\
 study: own
+pages: true
 plugins: [hertz_mindlin.py, base_slip.py, boxes.py, steeper.py]
 defaults:
   chute: {law: hertz_mindlin, depth: 1.5, cell: 4, transient: 10, average: 20, diameter_spread: 0.3}
@@ -30,7 +31,7 @@ EDITS = {
     "steeper.py": {"claims": 1, "report": 1},
     "boxes.py": {"figures": 1, "report": 1},
     "base_slip.py": MADE,
-    "hertz_mindlin.py": {"batch": 1} | MADE,
+    "hertz_mindlin.py": {"batch": 1, "pages": 1} | MADE,
 }
 
 
@@ -61,6 +62,8 @@ def test_every_job_has_the_plugins_that_it_needs(tree):
     assert claims[-1]["id"] == "steeper_is_faster"
     assert (results / "figures" / "spread.svg").is_file()
     assert "hertz_mindlin.py" in (results / "report.html").read_text()
+    for page in (results / "pages").iterdir():
+        assert "hertz_mindlin" in page.read_text()
 
 
 @pytest.mark.parametrize("name", EDITS)
