@@ -24,6 +24,7 @@ from sim.claims.readings import readings_of
 from sim.claims.written import build as build_claims
 from sim.dataset.build import build
 from sim.dataset.earlier import reading_code
+from sim.engine.cache import cache_directory
 from sim.figures.several import draw_several
 from sim.parameters import ChuteParameters, Parameters, parse_point, point_id
 from sim.report.compare import show
@@ -295,3 +296,16 @@ def test_an_ellipse_is_the_harmonic_motion_where_nothing_lags(folder):
     command = [sys.executable, "-c", lines]
     done = subprocess.run(command, env=environment, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
+
+
+def test_compiled_code_of_a_law_has_a_folder_of_its_own(folder, monkeypatch):
+    (folder / "cache").mkdir(mode=0o700)
+    monkeypatch.setenv("TALUS_CACHE_DIR", str(folder / "cache"))
+    usual = cache_directory()
+    load_plugins("boxes.py", "steeper.py")
+    assert cache_directory() == usual
+    load_plugins("hertz_mindlin.py")
+    with_law = cache_directory()
+    load_plugins("ellipse.py")
+    assert len({usual, with_law, cache_directory()}) == 3
+    assert cache_directory(plugged=False) == usual

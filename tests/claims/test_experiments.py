@@ -26,7 +26,7 @@ def done(tmp_path, monkeypatch) -> list:
         found.append(dict(reading))
         return FOUND
 
-    monkeypatch.setattr(experiments, "cache_directory", lambda: tmp_path)
+    monkeypatch.setattr(experiments, "cache_directory", lambda plugged: tmp_path)
     monkeypatch.setattr(type(CLAIM), "judging", lambda _: judge)
     return found
 
@@ -75,6 +75,6 @@ def test_what_is_damaged_or_foreign_is_not_used(damage, done, tmp_path):
 
 def test_what_cannot_be_kept_gives_its_verdict_all_the_same(done, tmp_path, monkeypatch, caplog):
     (tmp_path / "file").write_text("")
-    monkeypatch.setattr(experiments, "cache_directory", lambda: tmp_path / "file")
+    monkeypatch.setattr(experiments, "cache_directory", lambda plugged: tmp_path / "file")
     assert experiment(CLAIM, {}) == FOUND
     assert "not kept" in caplog.text
