@@ -1,8 +1,9 @@
 """The runs of a study as one labelled table: ``dataset.nc`` over points and replicates.
 
-Its root holds scalars; a group per system holds the profiles of its points, a group ``states``
-those of the particles of points that a figure shows particle by particle, and a group ``runs`` says
-which run file each row was read from, so that it need not be read again.
+Its root holds scalars; groups ``natural`` and ``si`` hold velocities in natural units and
+parameters in SI, a group per system the profiles of its points, a group ``states`` those of the
+particles of points that a figure shows particle by particle, and a group ``runs`` says which run
+file each row was read from, so that it need not be read again.
 """
 
 from collections.abc import Iterable, Iterator, Sequence
@@ -15,7 +16,7 @@ from sim.base.files import replacing, seal
 from sim.dataset.boundaries import table
 from sim.dataset.boundary_side import side
 from sim.dataset.boundary_table import GROUP
-from sim.dataset.combine import profiles, root, runs
+from sim.dataset.combine import in_natural_units, in_si_units, profiles, root, runs
 from sim.dataset.earlier import RUNS, keep
 from sim.dataset.results import PARTICLES
 from sim.dataset.rounds import as_wanted, refined, sides_of
@@ -105,6 +106,8 @@ def _groups(
     """Yield the groups of the dataset by name, the root first."""
     scalars = root(blocks, study)
     yield None, scalars
+    yield "natural", in_natural_units(scalars)
+    yield "si", in_si_units(list(study.points.values()))
     yield RUNS, runs(blocks, study.points)
     for system in SYSTEMS:
         own = [key for key, point in study.points.items() if point.parameters.system == system]
@@ -124,6 +127,9 @@ def _groups(
 def _write(temporary: Path, group: str | None, dataset: xr.Dataset, output: Path) -> None:
     """Write a group to the temporary name of the file ``output``, the root first."""
     encoding = {name: _stored(dataset[name], group) for name in dataset.data_vars}
+    # CF has only numbers as coordinates: labels are letters in two dimensions.
+    labels = (name for name in ("point", "run") if name in dataset.coords)
+    encoding |= {name: COMPRESSION | {"dtype": "S1"} for name in labels}
     mode: Literal["a", "w"] = "a" if group else "w"
     try:
         dataset.to_netcdf(temporary, mode=mode, group=group, engine="netcdf4", encoding=encoding)

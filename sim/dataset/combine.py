@@ -19,10 +19,17 @@ from sim.dataset.rows import (
     points_of,
     sizes_of,
 )
-from sim.parameters import SYSTEMS, complete, field_info
+from sim.engine.observe.arrays import described
+from sim.parameters import SYSTEMS, complete, field_info, in_si
+from sim.parameters.observables import ALONG
 from sim.study.load import Point, Study
 
 _CAVEAT = {"long_name": "what to know before trusting the point"}
+_PARTICLES = {"units": "1", "long_name": "number of particles"}
+_REPLICATE = {"units": "1", "long_name": "number of the replicate"}
+
+#: Velocities that a dataset also has in natural units.
+_VELOCITIES = ("velocity", "velocity_half_width", "point_velocity", "point_half_width")
 
 
 def root(blocks: Sequence[Rows], study: Study) -> xr.Dataset:
@@ -39,8 +46,8 @@ def root(blocks: Sequence[Rows], study: Study) -> xr.Dataset:
     -------
     xarray.Dataset
         Variables over (point, replicate), padded with NaN and ``""`` where a point has fewer
-        replicates than another; every parameter of both systems as a coordinate over ``point``,
-        NaN or ``""`` where it is not one of the point's system.
+        replicates than another; every parameter of the systems that the study has as a coordinate
+        over ``point``, NaN or ``""`` where it is not one of the point's system.
     """
     order, sizes = _order(blocks, study.points), sizes_of(blocks)
     made = origins(blocks).iloc[order]
@@ -61,7 +68,7 @@ def root(blocks: Sequence[Rows], study: Study) -> xr.Dataset:
     found = held.assign_coords(
         _labels(study, caveats, made["source_hash"])
         | _parameters(list(study.points.values()))
-        | {"replicate": ("replicate", np.arange(sizes["replicate"]))}
+        | {"replicate": ("replicate", np.arange(sizes["replicate"]), _REPLICATE)}
     )
     found.attrs = _attributes(made, study)
     return found.assign(_together(found))
@@ -77,11 +84,39 @@ def profiles(blocks: Sequence[Rows], points: Sequence[str], replicates: int) -> 
     """
     order, sizes = _order(blocks, points), sizes_of(blocks) | {"replicate": replicates}
     held = {
-        name: (("run", *dimensions), lined_up(blocks, name, sizes)[order])
+        name: (("run", *dimensions), lined_up(blocks, name, sizes)[order], _told(name))
         for name, dimensions in OF_PROFILES.items()
         if any(name in block.values for block in blocks)
     }
-    return xr.Dataset(held, {"run": list(points)})
+    return xr.Dataset(held, {"run": ("run", list(points), {"long_name": "point id"})})
+
+
+def in_natural_units(found: xr.Dataset) -> xr.Dataset:
+    """Return the velocities of the root of a dataset in √(g diameter) of their points."""
+    velocity_unit = np.sqrt(found["gravity"] * found["diameter"])
+    made = {
+        name: (found[name] / velocity_unit).assign_attrs(
+            units="1",
+            long_name=found[name].attrs["long_name"],
+            comment="multiple of √(gσ), of a belt √(g⟨d⟩)",
+        )
+        for name in _VELOCITIES
+    }
+    return xr.Dataset(made).reset_coords(drop=True)[list(made)]
+
+
+def in_si_units(points: Sequence[Point]) -> xr.Dataset:
+    """Return the parameters that have a dimension over ``point``, NaN where a point has none."""
+    given = [in_si(point.parameters) for point in points]
+    names = dict.fromkeys(name for one in given for name in one)
+    systems = list(dict.fromkeys(point.parameters.system for point in points))
+    held = {}
+    for name in names:
+        (unit,) = {one[name].unit for one in given if name in one}
+        values = [one[name].value if name in one else np.nan for one in given]
+        attrs = {"units": unit, "long_name": _declared(name, "description", systems)}
+        held[name] = ("point", np.array(values, float), attrs)
+    return xr.Dataset(held, {"point": _point(points)})
 
 
 def runs(blocks: Sequence[Rows], points: Iterable[str]) -> xr.Dataset:
@@ -95,6 +130,15 @@ def _order(blocks: Iterable[Rows], points: Iterable[str]) -> np.ndarray:
     """Return the rows of points, in their order."""
     rows = {point: row for row, point in enumerate(points_of(blocks))}
     return np.array([rows[point] for point in points])
+
+
+def _told(name: str) -> dict[str, str]:
+    unit, long_name = ALONG[name] if name in ALONG else described(name)
+    return {"units": unit, "long_name": long_name}
+
+
+def _point(points: Sequence[Point]) -> Any:
+    return "point", [point.id for point in points], {"long_name": "point id"}
 
 
 def _described(name: str) -> dict[str, str]:
@@ -124,35 +168,44 @@ def _attributes(made: pd.DataFrame, study: Study) -> dict[str, str]:
     what = {"Conventions": "CF-1.11", "title": study.title or study.name, "study": study.name}
     distinct = ("engine_version", "numerics", "source_hash", "versions")
     what |= {name: ", ".join(made[name].unique()) for name in distinct}
-    return what | {"first_run": made["created"].min(), "last_run": made["created"].max()}
+    first, last = made["created"].min(), made["created"].max()
+    # No date of its own: the same runs give the same file.
+    combined = f"{last}: the last of {len(made)} runs, here combined; the first: {first}"
+    source = f"Talus {what['engine_version']}, numerics {what['numerics']}"
+    return what | {
+        "source": source,
+        "history": combined,
+        "first_run": first,
+        "last_run": last,
+    }
 
 
 def _labels(study: Study, caveats: Iterable[str], hashes: Iterable[str]) -> dict[str, Any]:
     """Return id, series, figures, caveat and number of particles of each point as coordinates."""
     points = list(study.points.values())
     return {
-        "point": ("point", [point.id for point in points], {"long_name": "point id"}),
+        "point": _point(points),
         "series": _words(" ".join(point.series) for point in points),
         "figures": _words(" ".join(point.figures) for point in points),
         "caveat": _words(caveats, _CAVEAT),
         "run_source_hash": _words(hashes),
-        "particles": ("point", [point.parameters.particles for point in points], {"units": "1"}),
+        "particles": ("point", [point.parameters.particles for point in points], _PARTICLES),
     }
 
 
 def _parameters(points: Sequence[Point]) -> dict[str, Any]:
-    """Return every parameter of both systems as a coordinate with its unit."""
+    """Return every parameter of the points' systems as a coordinate with its unit."""
     given = [complete(point.parameters) for point in points]
-    names = dict.fromkeys(name for model in SYSTEMS.values() for name in model.model_fields)
+    names = dict.fromkeys(name for one in given for name in one)
     return {name: _parameter(name, given) for name in names}
 
 
 def _parameter(name: str, given: Sequence[Mapping[str, Any]]) -> Any:
     values = [one.get(name) for one in given]
-    attrs = {"long_name": _declared(name, "description")}
+    systems = dict.fromkeys(one["system"] for one in given if name in one)
+    attrs = {"long_name": _declared(name, "description", systems)}
     if any(isinstance(value, str) for value in values):
         return _words(("" if value is None else value for value in values), attrs)
-    systems = dict.fromkeys(one["system"] for one in given if name in one)
     rows = {system: field_info(SYSTEMS[system])[name] for system in systems}
     units = {system: row.unit for system, row in rows.items()}
     comments = {
@@ -173,9 +226,9 @@ def _by_system(texts: Mapping[str, str]) -> str:
     return "; ".join(f"{system}: {text}" for system, text in texts.items() if text)
 
 
-def _declared(name: str, what: str) -> str:
-    """Join what the systems declare about a parameter, once where they agree."""
-    rows = [field_info(model).get(name) for model in SYSTEMS.values()]
+def _declared(name: str, what: str, systems: Iterable[str]) -> str:
+    """Join what some systems declare about a parameter, once where they agree."""
+    rows = [field_info(SYSTEMS[system]).get(name) for system in systems]
     return "; ".join(dict.fromkeys(getattr(row, what) for row in rows if row))
 
 

@@ -59,7 +59,8 @@ INDEPENDENT, TOO_FEW, GAIN, EVIDENT = 15.0, 8.0, 0.5, 5.0
 
 def outcomes(dataset: xr.Dataset) -> list[dict[str, Any]]:
     """Return mean velocity, trend, regime and quality of each point of a dataset, see `outcome`."""
-    held = {name: dataset.variables[name].values for name in (*SCALARS, *PARAMETERS)}
+    known = (name for name in (*SCALARS, *PARAMETERS) if name in dataset.variables)
+    held = {name: dataset.variables[name].values for name in known}
     return [
         outcome({name: values[number] for name, values in held.items()})
         for number in range(dataset.sizes["point"])

@@ -18,6 +18,9 @@ from sim.dataset.grids import number_of, on_grid
 from sim.dataset.rows import CENTRES
 from sim.parameters import SYSTEMS
 
+#: Parameters of all systems, `system` itself among them.
+_PARAMETERS = tuple(dict.fromkeys(name for model in SYSTEMS.values() for name in model.model_fields))
+
 #: Group of the dataset with one subgroup per point whose particles are kept.
 PARTICLES = "states"
 
@@ -29,7 +32,8 @@ class Results:
     Attributes
     ----------
     dataset : xarray.Dataset
-        Scalars over (point, replicate), every parameter a coordinate over point.
+        Scalars over (point, replicate), every parameter of both systems a coordinate over point,
+        NaN or ``""`` where it is none of the point's; `of` leaves those out.
     profiles : mapping of str to xarray.Dataset
         Per system its profiles over (run, replicate, slice), with ``height`` (run, slice) in m; of
         a belt also those over (run, replicate, square) along it, with ``column`` (run, square) in
@@ -52,6 +56,16 @@ class Results:
     states: Mapping[str, xr.Dataset] = field(default_factory=dict)
     runs: Path | None = None
     grid: str = "centres"
+
+    def of(self, system: str) -> xr.Dataset:
+        """Return the points of one system, without what only the other has."""
+        held = self.dataset
+        some = held.sel(point=held["system"] == system)
+        others = [name for name in _PARAMETERS if name not in SYSTEMS[system].model_fields]
+        for name in held.data_vars:
+            if some[name].isnull().all() and not held[name].isnull().all():
+                others.append(str(name))
+        return some.drop_vars(others)
 
     def profile(self, point: str, name: str, grid: str = "") -> tuple[np.ndarray, np.ndarray]:
         """Return a profile of a point, (R, H) over completed replicates, and heights (H,) in m.
@@ -142,7 +156,7 @@ def load_results(path: str | Path) -> Results:
             groups = set(file.groups)
             points = list(file.groups[PARTICLES].groups) if PARTICLES in groups else []
         return Results(
-            dataset=_with_added(_loaded(path, None)),
+            dataset=_with_all_parameters(_loaded(path, None)),
             profiles=Groups(path, {name: name for name in SYSTEMS if name in groups}),
             boundaries=read_table(path),
             states=Groups(path, {point: f"{PARTICLES}/{point}" for point in points}),
@@ -174,12 +188,13 @@ def _reading(path: Path) -> AbstractContextManager[None]:
     return checked_read(path, "dataset", replaceable=is_of_study(path), sealed=True)
 
 
-def _with_added(dataset: xr.Dataset) -> xr.Dataset:
-    """Return a dataset that may be from before some parameters with all of them."""
+def _with_all_parameters(dataset: xr.Dataset) -> xr.Dataset:
+    """Return a dataset with the parameters of both systems, those from after it included."""
     held = {str(name): values.values for name, values in dataset.coords.variables.items()}
-    return dataset.assign_coords(
-        {name: ("point", values) for name, values in with_added(held).items()}
-    )
+    none = np.full(dataset.sizes["point"], np.nan)
+    lacking = (name for name in _PARAMETERS if name not in held)
+    columns = dict.fromkeys(lacking, none) | with_added(held)
+    return dataset.assign_coords({name: ("point", values) for name, values in columns.items()})
 
 
 def _loaded(path: Path, group: str | None) -> xr.Dataset:

@@ -12,6 +12,10 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
+#: Attributes that say how values are stored.
+_ENCODING = ("_FillValue", "_Encoding")
+
+
 class RunFile(Mapping[str, np.ndarray]):
     """An open run file as if no more had been run than is wanted; ``attrs`` are its attributes.
 
@@ -58,8 +62,8 @@ class RunFile(Mapping[str, np.ndarray]):
         return np.asarray(self._variables[name][place])
 
     def dims(self, name: str) -> tuple[str, ...]:
-        """Return the names of the dimensions of a variable."""
-        return self._variables[name].dimensions
+        """Return the names of the dimensions of a variable, those of letters left out."""
+        return self._variables[name].dimensions[: self[name].ndim]
 
     def variable(self, name: str) -> "xr.Variable":
         """Return a variable with its dimensions and attributes."""
@@ -67,8 +71,8 @@ class RunFile(Mapping[str, np.ndarray]):
         import xarray as xr
 
         held = self._variables[name]
-        attrs = {key: held.getncattr(key) for key in held.ncattrs() if key != "_FillValue"}
-        return xr.Variable(held.dimensions, self[name], attrs)
+        attrs = {key: held.getncattr(key) for key in held.ncattrs() if key not in _ENCODING}
+        return xr.Variable(self.dims(name), self[name], attrs)
 
 
 class Replicate(Mapping[str, Any]):

@@ -179,18 +179,23 @@ def _attributes(parameters: Parameters, records: list[Record]) -> dict:
     """Return the global attributes: what this is and how it was made."""
     reasons = [str(record.scalars["reason"]) for record in records if record.scalars["reason"]]
     versions = " ".join(f"{name} {number}" for name, number in library_versions().items())
+    created = datetime.now(UTC).isoformat(timespec="seconds")
+    command = shlex.join(["python", "-m", "sim", *sys.argv[1:]])
     return {
         "Conventions": "CF-1.11",
         "title": f"Talus run {point_id(parameters)}",
+        "source": f"Talus {__version__}, numerics {NUMERICS}",
+        "history": f"{created}: {command}",
         "system": parameters.system,
         "point_id": point_id(parameters),
         "engine_version": __version__,
         "numerics": NUMERICS,
         "source_hash": engine_hash(),
-        "created": datetime.now(UTC).isoformat(timespec="seconds"),
+        "created": created,
         "versions": versions,
         "machine": platform.machine(),
-        "command": shlex.join(["python", "-m", "sim", *sys.argv[1:]]),
+        "command": command,
+        "velocity_unit": parameters.velocity_unit,
         "status": "failed" if reasons else "completed",
         "reason": "; ".join(reasons),
         "caveat": parameters.caveat,

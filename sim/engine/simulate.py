@@ -54,4 +54,5 @@ def simulate(system: str = "chute", *, progress: bool = True, **parameters: Any)
         run_point(point, output, quiet=not progress, record_failure=True)
         run = xr.load_dataset(output, engine="netcdf4")
     given = "".join(f", {name}={value!r}" for name, value in parameters.items())
-    return run.assign_attrs(command=f"sim.simulate({system!r}{given})")
+    command = f"sim.simulate({system!r}{given})"
+    return run.assign_attrs(command=command, history=f"{run.attrs['created']}: {command}")

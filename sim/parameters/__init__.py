@@ -23,6 +23,7 @@ from sim.parameters.points import (
     require_alike,
     unsaid,
 )
+from sim.parameters.si import in_si
 
 __all__ = [
     "AMOUNTS",
@@ -42,6 +43,7 @@ __all__ = [
     "covers",
     "default_of",
     "field_info",
+    "in_si",
     "load_point",
     "more",
     "parse_point",

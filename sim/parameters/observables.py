@@ -181,3 +181,16 @@ BELT_MEASURES = {
 
 #: All of them.
 MEASURES: dict[str, tuple[str, str]] = ENERGY_MEASURES | CHUTE_MEASURES | BELT_MEASURES
+
+#: Unit and long name of what a dataset has along the belt and over its cycle, and of where profiles
+#: lie.
+ALONG = {
+    "height": ("m", "height of the slice above the base"),
+    "column": ("m", "place of the square along the belt"),
+    "column_velocity": ("m s-1", "mean velocity along x, of all heights"),
+    "column_density": ("m-1", "number of bead centres per length of the belt"),
+    "cycle_phase": ("rad", "phase of the belt's vibration"),
+    "cycle_normal_force": ("N", "mean force of the beads on the belt, downwards"),
+    "cycle_shear_force": ("N", "mean force of the beads on the belt, along it"),
+    "cycle_contact_time": ("1", "share of the time in which any bead touches the belt"),
+}

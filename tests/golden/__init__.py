@@ -73,8 +73,9 @@ def digest(path: Path) -> str:
     """Return the SHA-256 of names, shapes and values of everything in a run file."""
     found = hashlib.sha256()
     for name, values in contents(path).items():
-        found.update(f"{name} {values.shape} {values.dtype}\n".encode())
         text = values.dtype.kind in "OU"
+        kind = "object" if text else values.dtype
+        found.update(f"{name} {values.shape} {kind}\n".encode())
         found.update("\n".join(map(str, values.flat)).encode() if text else values.tobytes())
     return found.hexdigest()
 

@@ -58,3 +58,16 @@ TABLES |= {
     name + HISTORY: (PROFILES[name][0], f"{PROFILES[name][1]}, by block", ("block", "height"))
     for name in FOLLOWED
 } | {"block_end": ("s", "end of the block, since the start", ("block",))}
+
+
+
+def described(name: str) -> tuple[str, str]:
+    """Return unit and long name of a profile, of whichever part of the run it is the mean.
+
+    >>> described("velocity_profile_at_phase_0")
+    ('m s-1', 'mean velocity along x, beginning of the cycle')
+    """
+    when = {INSTANTANEOUS: "last sample", AT_PHASE_0: "beginning of the cycle"}
+    ending = next(filter(name.endswith, when), "")
+    unit, long_name = (PROFILES | ASKED_FOR)[name.removesuffix(ending)]
+    return unit, f"{long_name}, {when.get(ending, 'average of the window')}"

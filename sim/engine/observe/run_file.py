@@ -10,10 +10,10 @@ import numpy as np
 
 from sim.base.files import replacing, seal
 from sim.base.summary import append_summary
-from sim.engine.observe.arrays import FRAMES, INSTANTANEOUS, SNAPSHOTS, TABLES
+from sim.engine.observe.arrays import FRAMES, SNAPSHOTS, TABLES, described
 from sim.engine.observe.recorder import Record
-from sim.parameters import Parameters, amounts, canonical, field_info
-from sim.parameters.observables import PROFILES, SCALARS
+from sim.parameters import Parameters, amounts, canonical, field_info, in_si
+from sim.parameters.observables import SCALARS
 
 #: How numbers are stored: compressed, and with a checksum of every chunk.
 FILTERS = {"zlib": True, "complevel": 1, "shuffle": True, "fletcher32": True}
@@ -154,13 +154,25 @@ def _put(
     return variable
 
 
+def _put_labels(file: _GroupWriter, name: str, labels: Sequence[str], long_name: str) -> None:
+    """Define the labels of a dimension as characters: CF has only numbers as coordinates."""
+    width = max(map(len, labels))
+    if (letters := f"letters_{width}") not in file.group.dimensions:
+        file.group.createDimension(letters, width)
+    variable = file.group.createVariable(name, "S1", (name, letters))
+    variable.long_name, variable._Encoding = long_name, "utf-8"
+    file.waiting.append((variable, ..., np.array(labels, f"U{width}")))
+
+
 def _write_parameters(file: _GroupWriter, parameters: Parameters) -> None:
-    rows = field_info(parameters)
+    rows, si = field_info(parameters), in_si(parameters)
     for name, value in canonical(parameters).items():
         row = rows[name]
         variable = _put(file, name, (), value, row.unit, row.description)
         if row.scale:
             variable.comment = f"multiple of {row.scale}"
+            if name in si:
+                variable.si_value, variable.si_units = si[name]
     _put(file, "particles", (), parameters.particles, "1", "number of particles")
     _put(file, "time_step", (), parameters.time_step, "s", "time step")
     for name, (value, meaning) in parameters.limits.items():
@@ -185,15 +197,14 @@ def _write_axes(file: _GroupWriter, records: list[Record], layout: Layout) -> No
     file.group.createDimension("quaternion", 4)
     _put(file, "replicate", ("replicate",), np.arange(len(records)), "1", "number of the replicate")
     time = np.arange(1, samples + 1) * layout.interval
-    _put(
-        file, "time", ("time",), time, "s", "end of the sample interval, since the start"
-    ).axis = "T"
+    # Time that has passed, of no date: CF calls that neither an axis T nor a time coordinate.
+    _put(file, "time", ("time",), time, "s", "end of the sample interval, since the start")
     height = _put(
         file, "height", ("height",), layout.height, "m", "height of the slice above the base"
     )
-    height.axis, height.positive = "Z", "up"
-    _put(file, "frame", ("frame",), np.array(["first", "last"]), "", "first or last state")
-    _put(file, "axis", ("axis",), np.array(layout.axes), "", "direction")
+    height.axis, height.positive, height.standard_name = "Z", "up", "height"
+    _put_labels(file, "frame", ("first", "last"), "first or last state")
+    _put_labels(file, "axis", layout.axes, "direction")
 
 
 def _write_coordinates(file: _GroupWriter, layout: Layout) -> None:
@@ -258,10 +269,8 @@ def _write_records(file: _GroupWriter, records: list[Record], layout: Layout) ->
         variable = _put(file, name, ("replicate", "time"), values, unit, long_name)
         variable.cell_methods = CELL_METHODS.get(name, "time: point")
     for name in records[0].profiles:
-        unit, long_name = PROFILES[name.removesuffix(INSTANTANEOUS)]
-        when = "last sample" if name.endswith(INSTANTANEOUS) else "average of the window"
         values = np.stack([record.profiles[name] for record in records])
-        _put(file, name, ("replicate", "height"), values, unit, f"{long_name}, {when}")
+        _put(file, name, ("replicate", "height"), values, *described(name))
     _write_tables(file, records)
     for name, frames in records[0].snapshots.items():
         unit, long_name, dimensions = SNAPSHOTS[name]
