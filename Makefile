@@ -5,10 +5,11 @@ CORES ?= 2
 VENV := .venv
 BIN := $(VENV)/bin
 STAMP := $(VENV)/.locked
+DOCS_STAMP := $(VENV)/.locked-docs
 PAPERS := walton gallas
 
 .DEFAULT_GOAL := help
-.PHONY: help setup figures paper $(PAPERS:%=paper-%) test long lint clean
+.PHONY: help setup figures paper $(PAPERS:%=paper-%) test long lint docs clean
 
 help:  ## this list
 	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "  make %-9s%s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -44,6 +45,14 @@ lint: setup  ## ruff, mypy, snakefmt and snakemake --lint
 	$(BIN)/mypy
 	$(BIN)/snakefmt --check Snakefile workflow
 	$(BIN)/snakemake --lint
+
+docs: $(DOCS_STAMP)  ## the documentation as a site, into build/site
+	$(BIN)/python -m mkdocs build --strict --quiet
+	@echo 'open build/site/index.html; searching needs: python3 -m http.server -d build/site'
+
+$(DOCS_STAMP): $(STAMP) requirements-docs.lock
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-compile --requirement requirements-docs.lock
+	@touch $(DOCS_STAMP)
 
 clean:  ## remove .venv and caches; results stay, and .snakemake, which knows what made them
 	rm -rf $(VENV) .pytest_cache .mypy_cache .ruff_cache .hypothesis

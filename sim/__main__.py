@@ -99,7 +99,7 @@ def parse(arguments: Sequence[str]) -> dict[str, Any]:
         # argparse would look for what follows among the options of its own.
         place = words.index("--")
         words, extra = words[:place], words[place + 1 :]
-    options = vars(_parser().parse_args(words))
+    options = vars(parser(program()).parse_args(words))
     return options | {"extra": extra} if "extra" in options else options
 
 
@@ -131,9 +131,10 @@ def warm(study_path: Path | None, processes: int) -> None:
     warm(points, processes)
 
 
-def _parser() -> argparse.ArgumentParser:
+def parser(prog: str) -> argparse.ArgumentParser:
+    """Return the parser of all commands, for a program of this name."""
     parser = argparse.ArgumentParser(
-        prog=program(), description="Granular flow on a chute and on a vibrating belt."
+        prog=prog, description="Granular flow on a chute and on a vibrating belt."
     )
     parser.add_argument("--version", action="version", version=f"talus {__version__}")
     parser.add_argument(

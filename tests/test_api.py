@@ -1,12 +1,9 @@
-"""The package in Python: runs without files, flows on their way, and what docs/api.md shows."""
+"""The package in Python: runs without files, and flows on their way."""
 
-import re
 import subprocess
 import sys
 import tempfile
-from pathlib import Path
 
-import nbformat
 import numpy as np
 import pytest
 
@@ -138,53 +135,3 @@ def test_importing_the_package_loads_no_library():
     assert set(dir(sim)) == set(sim.__all__)
     with pytest.raises(AttributeError, match="no attribute 'simulation'"):
         sim.simulation  # noqa: B018
-
-
-def run_snippets(snippets: list[str], monkeypatch) -> dict:
-    """Run pieces of Python one after the other in the root of the repository."""
-    monkeypatch.chdir(ROOT)
-    names: dict = {"__name__": "snippets"}
-    for snippet in snippets:
-        exec(compile(snippet, "snippet", "exec"), names)
-    return names
-
-
-def test_what_the_page_shows_runs(monkeypatch):
-    text = Path(ROOT, "docs", "api.md").read_text(encoding="utf-8")
-    snippets = re.findall(r"```python\n(.*?)```", text, re.S)
-    names = run_snippets(snippets, monkeypatch)
-    assert len(snippets) > 5 and names["velocity"].units == "m s-1"
-
-
-def test_what_the_page_on_particles_shows_runs(monkeypatch, tmp_path):
-    """Commands and Python in turn; both have the same way."""
-    text = Path(ROOT, "docs", "particles.md").read_text(encoding="utf-8")
-    snippets = re.findall(r"```(sh|python)\n(.*?)```", text, re.S)
-    assert [kind for kind, _ in snippets] == ["sh", "python", "sh", "python"]
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setenv("PYTHONPATH", str(ROOT))
-    talus = f'set -e; talus() {{ "{sys.executable}" -m sim "$@"; }}\n'
-    names: dict = {"__name__": "snippets"}
-    for kind, snippet in snippets:
-        if kind == "sh":
-            subprocess.run(["bash", "-c", talus + snippet], check=True)
-        else:
-            exec(compile(snippet, "snippet", "exec"), names)
-    run, way = names["run"], names["way"]
-    gone = float(way.mean("particle").sum("trajectory_time"))
-    # The flow as its velocity tells it, from the first frame to the last.
-    seen = run.time > run.trajectory_time[0]
-    span = run.trajectory_time[-1] - run.trajectory_time[0]
-    moved = run.mean_velocity[0].where(seen, drop=True).mean() * span
-    assert gone == pytest.approx(float(moved), rel=1e-3)
-    assert {"flow.xyz", "flow.dump", "flow.ncdf"} < {path.name for path in tmp_path.iterdir()}
-    assert len(list(tmp_path.glob("pictures/flow/0*.vtu"))) == run.sizes["trajectory_time"] == 100
-
-
-def test_the_notebook_runs(monkeypatch):
-    monkeypatch.setattr("matplotlib.pyplot.show", lambda: None)
-    notebook = nbformat.read(ROOT / "docs" / "first-flow.ipynb", as_version=4)
-    nbformat.validate(notebook)
-    cells = [cell.source for cell in notebook.cells if cell.cell_type == "code"]
-    names = run_snippets(cells, monkeypatch)
-    assert len(names["velocities"]) == 3

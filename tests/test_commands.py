@@ -10,7 +10,7 @@ from pkgutil import resolve_name
 
 import pytest
 
-from sim.__main__ import COMMANDS, _parser, main
+from sim.__main__ import COMMANDS, main, parser
 from tests.made.processes import ROOT, program
 
 STUDY = """\
@@ -379,7 +379,7 @@ LINES = {
 
 @pytest.mark.parametrize("name", COMMANDS)
 def test_every_command_has_a_function_that_takes_its_options(name):
-    options = vars(_parser().parse_args(LINES.get(name, [name, "x.yaml"])))
+    options = vars(parser("talus").parse_args(LINES.get(name, [name, "x.yaml"])))
     signature(resolve_name(options.pop("function"))).bind(**options)
 
 

@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Mapping
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, field
+from itertools import chain
 from pathlib import Path
 
 import netCDF4
@@ -19,7 +20,7 @@ from sim.dataset.rows import CENTRES
 from sim.parameters import SYSTEMS
 
 #: Parameters of all systems, `system` itself among them.
-_PARAMETERS = tuple(dict.fromkeys(name for model in SYSTEMS.values() for name in model.model_fields))
+_PARAMETERS = tuple(dict.fromkeys(chain(*(model.model_fields for model in SYSTEMS.values()))))
 
 #: Group of the dataset with one subgroup per point whose particles are kept.
 PARTICLES = "states"
