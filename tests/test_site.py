@@ -3,18 +3,17 @@
 import re
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
+import xarray as xr
 import yaml
 
 import sim
 from docs.site.pages import commands, variables
 from sim.__main__ import COMMANDS
-from sim.parameters import field_info
-from tests.engine_motion.points import chute_point
+from sim.parameters import SYSTEMS, field_info
+from tests.made.figures import make_built_study
 from tests.made.processes import ROOT
-from tests.made.runs import write_run
 
 PAGES = {path.relative_to(ROOT / "docs").as_posix() for path in (ROOT / "docs").rglob("*.md")}
 
@@ -47,13 +46,23 @@ def test_all_commands_are_told_with_their_options():
     assert "usage: talus export" in text and "--replicate N" in text
 
 
-def test_all_variables_of_a_run_are_told(tmp_path):
-    netcdf = pytest.importorskip("netCDF4")
-    told = set(re.findall(r"`(\w+)`", variables()))
-    point = chute_point()
-    with netcdf.Dataset(write_run(tmp_path, point)) as file:
-        held = {name.removesuffix("_instantaneous") for name in file.variables}
-    assert held - set(field_info(point)) <= told | {"particles", "time_step"} | set(point.limits)
+@pytest.fixture(scope="module")
+def told() -> set[str]:
+    return set(re.findall(r"`(\w+)`", variables()))
+
+
+@pytest.mark.parametrize("given", [{"system": "belt", "beads": 10, "width": 5}, {"depth": 1.5}])
+def test_all_variables_of_a_run_are_told(given, told):
+    run = sim.simulate(**given, transient=1, average=2, trajectory=1, progress=False)
+    held = {name.removesuffix("_instantaneous") for name in map(str, run.variables)}
+    assert held - set(field_info(SYSTEMS[run.attrs["system"]])) <= told
+
+
+def test_all_variables_of_a_dataset_are_told(tmp_path, told):
+    _, results = make_built_study(tmp_path)
+    with xr.open_dataset(results / "made" / "dataset.nc") as dataset:
+        held = set(map(str, dataset.variables))
+    assert held - {name for model in SYSTEMS.values() for name in field_info(model)} <= told
 
 
 def test_all_that_python_offers_is_told():
@@ -69,7 +78,9 @@ def test_the_site_builds_without_a_warning_and_needs_nothing_else(tmp_path):
     assert (done.returncode, done.stdout + done.stderr) == (0, "")
     for page in tmp_path.rglob("*.html"):
         if "results" not in page.parts:
-            loaded = re.findall(r'<(?:script|link|img)\b[^>]*?(?:src|href)="([^"]*)"', text_of(page))
+            loaded = re.findall(
+                r'<(?:script|link|img)\b[^>]*?(?:src|href)="([^"]*)"', text_of(page)
+            )
             assert not [one for one in loaded if one.startswith(("http:", "https:", "//"))]
 
 

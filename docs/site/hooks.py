@@ -47,7 +47,9 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
         files.append(File.generated(config, target, content=_text(ROOT / source)))
     for target, make in MADE.items():
         files.append(File.generated(config, target, content=make()))
-    files.append(File.generated(config, COLOURS, content=HtmlFormatter().get_style_defs(".codehilite")))
+    files.append(
+        File.generated(config, COLOURS, content=HtmlFormatter().get_style_defs(".codehilite"))
+    )
     pages = [ROOT / source for source in SHOWN] + sorted((ROOT / "docs").glob("*.md"))
     copied = {linked for page in pages for linked in _linked(page) if _is_copied(linked)}
     for path in sorted(copied):

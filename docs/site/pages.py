@@ -6,7 +6,7 @@ from functools import partial
 
 from sim.__main__ import COMMANDS, parser
 from sim.engine.observe import arrays
-from sim.parameters import observables
+from sim.parameters import SYSTEMS, observables
 from sim.parameters.observables import BELT_FORCES, PROFILES
 
 #: Characters of a line of help, whatever the terminal.
@@ -29,6 +29,15 @@ DIMENSIONS = """\
 | `block` | parts of the window, for profiles that change |
 | `overlap_bin` | intervals of overlaps; `overlap_edges` are their edges |
 """
+
+
+PATH = {"path": ("m", "position, not wrapped into the cell", ("path_time", "particle", "axis"))}
+
+#: What follows from the parameters of a point, besides `limits`.
+DERIVED = {
+    "particles": ("1", "number of particles"),
+    "time_step": ("s", "time step"),
+}
 
 
 def commands() -> str:
@@ -57,7 +66,8 @@ def variables() -> str:
         "## In a run file",
         DIMENSIONS.rstrip(),
         "All parameters of the point are scalars of the same names"
-        " ([study files](studies.md#reference)).",
+        " ([study files](studies.md#reference)), and there is what follows from them:",
+        *_section("Of the point", "", DERIVED | _limits()),
         *_section("Scalars", "(replicate)", observables.SCALARS),
         *_section("Time series of a chute", "(replicate, time)", observables.CHUTE_SERIES),
         *_section("Time series of a belt", "(replicate, time)", observables.BELT_SERIES),
@@ -65,16 +75,24 @@ def variables() -> str:
         *_section("Profiles", "(replicate, height)", PROFILES),
         "Those with `_instantaneous` behind their names are of the last sample alone.",
         *_shaped("Particles", arrays.SNAPSHOTS),
+        *_shaped("Path of the particles once the run is over", PATH),
         *_shaped("Trajectory, where `trajectory` is set", _frames()),
         *_shaped("Tables, each where the system or a parameter asks for it", arrays.TABLES),
         "## In a dataset",
-        "All scalars of run files, over `(point, replicate)`, and of each system:",
+        "All scalars of run files, over `(point, replicate)`; all parameters over `(point)`, as"
+        " coordinates; and",
+        *_section("Of points", "(point)", observables.OF_POINTS),
         *_section("Measures of both", "(point, replicate)", observables.ENERGY_MEASURES),
         *_section("Measures of a chute", "(point, replicate)", observables.CHUTE_MEASURES),
         *_section("Measures of a belt", "(point, replicate)", observables.BELT_MEASURES),
         *_section("Groups `chute` and `belt`, besides the profiles", "", observables.ALONG),
     ]
     return "\n\n".join(parts) + "\n"
+
+
+def _limits() -> dict[str, tuple[str, str]]:
+    limits = [model().limits for model in SYSTEMS.values()]
+    return {name: ("m s-2", text) for each in limits for name, (_, text) in each.items()}
 
 
 def _frames() -> dict[str, tuple[str, str, tuple[str, ...]]]:

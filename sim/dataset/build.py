@@ -16,12 +16,13 @@ from sim.base.files import replacing, seal
 from sim.dataset.boundaries import table
 from sim.dataset.boundary_side import side
 from sim.dataset.boundary_table import GROUP
-from sim.dataset.combine import in_natural_units, in_si_units, profiles, root, runs
+from sim.dataset.combine import profiles, root, runs
 from sim.dataset.earlier import RUNS, keep
 from sim.dataset.results import PARTICLES
 from sim.dataset.rounds import as_wanted, refined, sides_of
 from sim.dataset.rows import Rows, selected
 from sim.dataset.runs import Runs
+from sim.dataset.units import in_natural_units, in_si_units
 from sim.parameters import SYSTEMS, Parameters, point_id
 from sim.study.catalogue import FIGURES
 from sim.study.load import Boundary, Study, load_study

@@ -20,16 +20,11 @@ from sim.dataset.rows import (
     sizes_of,
 )
 from sim.engine.observe.arrays import described
-from sim.parameters import SYSTEMS, complete, field_info, in_si
-from sim.parameters.observables import ALONG
+from sim.parameters import SYSTEMS, complete, field_info
+from sim.parameters.observables import ALONG, OF_POINTS
 from sim.study.load import Point, Study
 
-_CAVEAT = {"long_name": "what to know before trusting the point"}
-_PARTICLES = {"units": "1", "long_name": "number of particles"}
 _REPLICATE = {"units": "1", "long_name": "number of the replicate"}
-
-#: Velocities that a dataset also has in natural units.
-_VELOCITIES = ("velocity", "velocity_half_width", "point_velocity", "point_half_width")
 
 
 def root(blocks: Sequence[Rows], study: Study) -> xr.Dataset:
@@ -91,34 +86,6 @@ def profiles(blocks: Sequence[Rows], points: Sequence[str], replicates: int) -> 
     return xr.Dataset(held, {"run": ("run", list(points), {"long_name": "point id"})})
 
 
-def in_natural_units(found: xr.Dataset) -> xr.Dataset:
-    """Return the velocities of the root of a dataset in √(g diameter) of their points."""
-    velocity_unit = np.sqrt(found["gravity"] * found["diameter"])
-    made = {
-        name: (found[name] / velocity_unit).assign_attrs(
-            units="1",
-            long_name=found[name].attrs["long_name"],
-            comment="multiple of √(gσ), of a belt √(g⟨d⟩)",
-        )
-        for name in _VELOCITIES
-    }
-    return xr.Dataset(made).reset_coords(drop=True)[list(made)]
-
-
-def in_si_units(points: Sequence[Point]) -> xr.Dataset:
-    """Return the parameters that have a dimension over ``point``, NaN where a point has none."""
-    given = [in_si(point.parameters) for point in points]
-    names = dict.fromkeys(name for one in given for name in one)
-    systems = list(dict.fromkeys(point.parameters.system for point in points))
-    held = {}
-    for name in names:
-        (unit,) = {one[name].unit for one in given if name in one}
-        values = [one[name].value if name in one else np.nan for one in given]
-        attrs = {"units": unit, "long_name": _declared(name, "description", systems)}
-        held[name] = ("point", np.array(values, float), attrs)
-    return xr.Dataset(held, {"point": _point(points)})
-
-
 def runs(blocks: Sequence[Rows], points: Iterable[str]) -> xr.Dataset:
     """Return the group `RUNS`: seal, amounts and versions of the run file behind each row."""
     made = origins(blocks).iloc[_order(blocks, points)]
@@ -137,30 +104,31 @@ def _told(name: str) -> dict[str, str]:
     return {"units": unit, "long_name": long_name}
 
 
-def _point(points: Sequence[Point]) -> Any:
+def ids(points: Sequence[Point]) -> Any:
+    """Return the coordinate ``point``."""
     return "point", [point.id for point in points], {"long_name": "point id"}
 
 
 def _described(name: str) -> dict[str, str]:
-    unit, long_name = kept()[name]
+    unit, long_name = OF_POINTS[name] if name in OF_POINTS else kept()[name]
     return ({"units": unit} if unit else {}) | {"long_name": long_name}
 
 
 def _together(found: xr.Dataset) -> dict[str, Any]:
     """Return the variables ``point_*``, the results of each point over its replicates."""
     each = outcomes(found)
-    numbers = {"velocity": "mean velocity", "half_width": "half width of its 95 % interval"}
     made = {
-        f"point_{name}": (
-            "point",
-            np.array([one[name] for one in each], float),
-            {"units": "m s-1", "long_name": f"{text}, all replicates together"},
-        )
-        for name, text in numbers.items()
+        f"point_{name}": ("point", np.array([one[name] for one in each], float))
+        for name in ("velocity", "half_width")
     }
     for name in ("regime", "quality", "stopped"):
         made[f"point_{name}"] = _words(one[name] for one in each)
-    return made
+    return _told_of_points(made)
+
+
+def _told_of_points(made: Mapping[str, Any]) -> dict[str, Any]:
+    """Return variables over ``point`` with their units and long names."""
+    return {name: (*values[:2], _described(name)) for name, values in made.items()}
 
 
 def _attributes(made: pd.DataFrame, study: Study) -> dict[str, str]:
@@ -183,14 +151,16 @@ def _attributes(made: pd.DataFrame, study: Study) -> dict[str, str]:
 def _labels(study: Study, caveats: Iterable[str], hashes: Iterable[str]) -> dict[str, Any]:
     """Return id, series, figures, caveat and number of particles of each point as coordinates."""
     points = list(study.points.values())
-    return {
-        "point": _point(points),
-        "series": _words(" ".join(point.series) for point in points),
-        "figures": _words(" ".join(point.figures) for point in points),
-        "caveat": _words(caveats, _CAVEAT),
-        "run_source_hash": _words(hashes),
-        "particles": ("point", [point.parameters.particles for point in points], _PARTICLES),
-    }
+    return _told_of_points(
+        {
+            "point": ids(points),
+            "series": _words(" ".join(point.series) for point in points),
+            "figures": _words(" ".join(point.figures) for point in points),
+            "caveat": _words(caveats),
+            "run_source_hash": _words(hashes),
+            "particles": ("point", [point.parameters.particles for point in points]),
+        }
+    )
 
 
 def _parameters(points: Sequence[Point]) -> dict[str, Any]:
@@ -203,7 +173,7 @@ def _parameters(points: Sequence[Point]) -> dict[str, Any]:
 def _parameter(name: str, given: Sequence[Mapping[str, Any]]) -> Any:
     values = [one.get(name) for one in given]
     systems = dict.fromkeys(one["system"] for one in given if name in one)
-    attrs = {"long_name": _declared(name, "description", systems)}
+    attrs = {"long_name": declared(name, "description", systems)}
     if any(isinstance(value, str) for value in values):
         return _words(("" if value is None else value for value in values), attrs)
     rows = {system: field_info(SYSTEMS[system])[name] for system in systems}
@@ -226,7 +196,7 @@ def _by_system(texts: Mapping[str, str]) -> str:
     return "; ".join(f"{system}: {text}" for system, text in texts.items() if text)
 
 
-def _declared(name: str, what: str, systems: Iterable[str]) -> str:
+def declared(name: str, what: str, systems: Iterable[str]) -> str:
     """Join what some systems declare about a parameter, once where they agree."""
     rows = [field_info(SYSTEMS[system]).get(name) for system in systems]
     return "; ".join(dict.fromkeys(getattr(row, what) for row in rows if row))

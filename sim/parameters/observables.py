@@ -194,3 +194,21 @@ ALONG = {
     "cycle_shear_force": ("N", "mean force of the beads on the belt, along it"),
     "cycle_contact_time": ("1", "share of the time in which any bead touches the belt"),
 }
+
+#: Unit and long name of what a dataset says of each point, besides its parameters.
+OF_POINTS = {
+    "point": ("", "id of the point"),
+    "series": ("", "series of the study that have the point"),
+    "figures": ("", "figures that the point feeds"),
+    "caveat": ("", "what to know before trusting the point"),
+    "run_source_hash": ("", "hash of the sources that ran the point"),
+    "particles": ("1", "number of particles"),
+    "point_velocity": ("m s-1", "mean velocity, all replicates together"),
+    "point_half_width": (
+        "m s-1",
+        "half width of the 95 % interval of the mean velocity, all replicates together",
+    ),
+    "point_regime": ("", "steady, accelerating, arrested or undetermined, all replicates together"),
+    "point_quality": ("", "what the mean of all replicates together is worth"),
+    "point_stopped": ("", "why the runs ended"),
+}

@@ -60,7 +60,6 @@ TABLES |= {
 } | {"block_end": ("s", "end of the block, since the start", ("block",))}
 
 
-
 def described(name: str) -> tuple[str, str]:
     """Return unit and long name of a profile, of whichever part of the run it is the mean.
 
