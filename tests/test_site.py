@@ -78,11 +78,6 @@ def test_the_site_builds_without_a_warning_and_needs_nothing_else(tmp_path):
     assert (done.returncode, done.stdout + done.stderr) == (0, "")
     for page in tmp_path.rglob("*.html"):
         if "results" not in page.parts:
-            loaded = re.findall(
-                r'<(?:script|link|img)\b[^>]*?(?:src|href)="([^"]*)"', text_of(page)
-            )
+            text = page.read_text(encoding="utf-8")
+            loaded = re.findall(r'<(?:script|link|img)\b[^>]*?(?:src|href)="([^"]*)"', text)
             assert not [one for one in loaded if one.startswith(("http:", "https:", "//"))]
-
-
-def text_of(page: Path) -> str:
-    return page.read_text(encoding="utf-8")
