@@ -5,7 +5,6 @@ CORES ?= 2
 VENV := .venv
 BIN := $(VENV)/bin
 STAMP := $(VENV)/.locked
-DOCS_STAMP := $(VENV)/.locked-docs
 PAPERS := walton gallas
 
 .DEFAULT_GOAL := help
@@ -37,7 +36,7 @@ $(PAPERS:%=paper-%): paper-%: setup
 test: setup  ## the whole test suite
 	$(BIN)/python -m pytest -n $(CORES) --dist loadfile --no-loadscope-reorder
 
-long: setup  ## tests that take long: published results computed anew, more examples
+long: $(STAMP)-long  ## tests that take long: published results computed anew, more examples
 	$(BIN)/python -m pytest -m long
 
 lint: setup  ## ruff, mypy, snakefmt and snakemake --lint
@@ -46,13 +45,13 @@ lint: setup  ## ruff, mypy, snakefmt and snakemake --lint
 	$(BIN)/snakefmt --check Snakefile workflow
 	$(BIN)/snakemake --lint
 
-docs: $(DOCS_STAMP)  ## the documentation as a site, into build/site
+docs: $(STAMP)-docs  ## the documentation as a site, into build/site
 	$(BIN)/python -m mkdocs build --strict --quiet
 	@echo 'open build/site/index.html; searching needs: python3 -m http.server -d build/site'
 
-$(DOCS_STAMP): $(STAMP) requirements-docs.lock
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-compile --requirement requirements-docs.lock
-	@touch $(DOCS_STAMP)
+$(STAMP)-%: $(STAMP) requirements-%.lock
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-compile --requirement requirements-$*.lock
+	@touch $@
 
 clean:  ## remove .venv and caches; results stay, and .snakemake, which knows what made them
 	rm -rf $(VENV) .pytest_cache .mypy_cache .ruff_cache .hypothesis
