@@ -13,7 +13,7 @@ from sim.base.yaml import read_yaml
 from sim.dataset.results import Results
 from sim.parameters import SYSTEMS, roles
 from sim.parameters.laws import is_own
-from sim.parameters.wording import setting
+from sim.parameters.words import setting
 
 _TABLE = "readings.yaml"
 

@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from sim.figures.data import FigureData, split_curves, varying
 from sim.figures.style import CurveStyle, cycled, move_aside
 from sim.parameters import SYSTEMS
-from sim.parameters.wording import setting
+from sim.parameters.words import setting
 
 #: What the boundaries are called in legends, and how their bars look where nothing tells several
 #: of a kind apart.

@@ -8,7 +8,7 @@ import pandas as pd
 
 from sim.figures.data import FigureData
 from sim.figures.style import undecided
-from sim.parameters.wording import quantity
+from sim.parameters.words import quantity
 
 _REGIMES = {
     "accelerating": "still accelerating",

@@ -16,7 +16,7 @@ from sim.figures.data import FigureData, split_curves
 from sim.figures.kind import Kind
 from sim.figures.style import COLOURS, DOTTED, PALE, place_legend
 from sim.parameters import SYSTEMS
-from sim.parameters.wording import PROTOCOLS, setting
+from sim.parameters.words import PROTOCOLS, setting
 from sim.study.catalogue.limits import LARGEST_PORTION, SHARE
 
 PIXELS = 640

@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
 from sim.figures.style import CurveStyle, cycled, prescribed
-from sim.parameters.wording import setting
+from sim.parameters.words import setting
 from sim.study.catalogue import FigureSpec
 
 #: Gives style and legend entry of a curve from the values that name it and its number.

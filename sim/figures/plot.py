@@ -22,7 +22,7 @@ from sim.figures.quantity import Quantity, of_replicates
 from sim.figures.style import CHARACTERS_PER_INCH, CurveStyle, cycled
 from sim.figures.units import headed, scale_of, unit_of
 from sim.parameters import SYSTEMS, field_info
-from sim.parameters.wording import setting
+from sim.parameters.words import setting
 from sim.study.plot_words import described, plain
 from sim.study.plottable import Observable, numbers
 

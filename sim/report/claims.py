@@ -7,7 +7,7 @@ from typing import Any
 
 from sim.base.damage import checked_read
 from sim.base.sealed_json import read_sealed
-from sim.parameters.wording import PROTOCOLS
+from sim.parameters.words import PROTOCOLS
 from sim.report.numbers import bounds, measured, strip, threshold, with_chance
 from sim.study.catalogue import FIGURES
 

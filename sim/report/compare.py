@@ -11,7 +11,7 @@ import numpy as np
 from sim.base.errors import InputError
 from sim.dataset.compare import Comparison, Mean, Pair, compare, read_measured
 from sim.parameters import SYSTEMS
-from sim.parameters.wording import setting
+from sim.parameters.words import setting
 from sim.report.points import aligned
 
 _HEADINGS = ("point", "A", "B", "B - A", "p", "")

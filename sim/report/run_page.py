@@ -17,7 +17,7 @@ from sim.base.files import read_regular, read_seal, replacing, require_writable
 from sim.dataset.run_file import RunFile
 from sim.engine.stored_run import parameters_of
 from sim.parameters import Parameters, as_yaml, complete, default_of, field_info
-from sim.parameters.wording import setting
+from sim.parameters.words import setting
 from sim.report.numbers import measured
 from sim.report.templating import template
 

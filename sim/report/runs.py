@@ -8,7 +8,7 @@ import xarray as xr
 
 from sim.dataset.replicates import outcomes
 from sim.parameters import SYSTEMS, Parameters, field_info
-from sim.parameters.wording import setting
+from sim.parameters.words import setting
 from sim.report.numbers import finite, measured
 from sim.study.load import Study
 

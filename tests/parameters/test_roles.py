@@ -49,7 +49,7 @@ import json
 from sim.engine.warm import variants
 from sim.parameters import NUMERICAL, SYSTEMS, BeltParameters, field_info, parse_point, point_id
 from sim.parameters import roles
-from sim.parameters.wording import setting
+from sim.parameters.words import setting
 from sim.study.catalogue import FIGURES
 from sim.study.reference import reference_text, schema
 

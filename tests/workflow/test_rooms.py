@@ -64,7 +64,7 @@ def test_nothing_is_old_before_an_edit(tree):
 @pytest.mark.parametrize(
     ("name", "old"),
     [
-        ("sim/parameters/wording.py", DATASET),
+        ("sim/parameters/words.py", DATASET),
         ("sim/engine/contact/damping.py", {}),
         ("sim/figures/caption.py", DRAWN),
         ("sim/claims/claims_walton.yaml", {"claims": 1, "report": 1}),
@@ -83,7 +83,7 @@ ALL = {"dataset", "figures", "claims", "report"}
     ("name", "rooms"),
     [
         ("base/errors.py", ALL),
-        ("parameters/wording.py", ALL),
+        ("parameters/words.py", ALL),
         ("study/load.py", ALL),
         ("study/catalogue/walton.py", {"report"}),
         ("engine/contact/damping.py", set()),

@@ -3,7 +3,7 @@
 import pytest
 
 from sim.parameters import SYSTEMS
-from sim.parameters.wording import setting
+from sim.parameters.words import setting
 
 
 @pytest.mark.parametrize(
