@@ -272,7 +272,6 @@ def test_results_of_a_law_that_is_not_there_are_read_but_not_compared(folder):
 
 
 def test_an_ellipse_is_the_harmonic_motion_where_nothing_lags(folder):
-    """In a process of its own, as other tests have the engine without the motion."""
     lines = (
         "import numpy as np, sim\n"
         "sim.load_plugins('ellipse.py')\n"
@@ -292,10 +291,44 @@ def test_an_ellipse_is_the_harmonic_motion_where_nothing_lags(folder):
         "found, before = at(0.013, motion='ellipse'), at(0.013 - 1 / 80)\n"
         "assert np.allclose(found, [usual[0], before[1], usual[2]], rtol=1e-9)\n"
     )
+    in_process(folder, lines)
+
+
+def in_process(folder: Path, lines: str) -> None:
+    """Run lines in a process of its own, as others have the engine without what they add."""
     environment = os.environ | {"PYTHONPATH": str(ROOT), "TALUS_CACHE_DIR": str(folder / "cache")}
     command = [sys.executable, "-c", lines]
     done = subprocess.run(command, env=environment, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
+
+
+def test_a_compiled_law_is_the_function_of_its_file(folder):
+    lines = (
+        "import runpy, numpy as np, sim\n"
+        "own = runpy.run_path('hertz_mindlin.py')['force']\n"
+        "sim.load_plugins('hertz_mindlin.py')\n"
+        "from sim.claims.contacts import contact_path\n"
+        "from sim.engine.contact import Partners, law_of\n"
+        "from sim.engine.contact.own import Between\n"
+        "from sim.parameters import parse_point\n"
+        "p = parse_point({'system': 'chute', 'law': 'hertz_mindlin'}, 'p')\n"
+        "law = law_of(p, Partners(0.4, 1e-6, 1e-5))\n"
+        "t = np.linspace(0, 3, 60)\n"
+        "overlap, normal, slip = 1e-5 * np.sin(t), np.zeros((60, 3)), np.zeros((60, 3))\n"
+        "normal[:, 2], slip[:, 0], slip[:, 1] = 1, 3e-7 * np.cos(3 * t), 1e-7\n"
+        "found, sheared, memory = contact_path(Between(law, 5e-4, 1e-6), overlap, normal, slip)\n"
+        "held, kept, before, stuck = (0.0,) * 3, (0.0,) * 4, 0.0, 0\n"
+        "for k in range(60):\n"
+        "    given = overlap[k], overlap[k] - before, slip[k], held, kept, 5e-4, 1e-6\n"
+        "    force, held, kept, _ = own(law, *given)\n"
+        "    before = overlap[k]\n"
+        "    stuck += np.hypot(*held[:2]) < 0.39 * force\n"
+        "    assert np.isclose(found[k], force, rtol=1e-12, atol=0)\n"
+        "    assert np.allclose(sheared[k], held, rtol=1e-9, atol=1e-12)\n"
+        "    assert np.allclose(memory[k, 3:], kept, rtol=1e-12, atol=0)\n"
+        "assert 5 < stuck < 55\n"
+    )
+    in_process(folder, lines)
 
 
 def test_compiled_code_of_a_law_has_a_folder_of_its_own(folder, monkeypatch):
