@@ -4,10 +4,19 @@ What carries out a command is imported when the command is called, so that a run
 libraries of the figures and a figure without those of the engine.
 """
 
+import sys
+
+if __name__ == "__main__" and not sys.flags.safe_path:
+    # What lies in the present folder, where Python looks first, is none of the program's. Where the
+    # package lies comes last, for processes that this one starts.
+    del sys.path[0]
+    from pathlib import Path
+
+    sys.path.append(str(Path(__file__).absolute().parents[1]))
+
 import argparse
 import io
 import os
-import sys
 from collections.abc import Sequence
 from pathlib import Path
 from pkgutil import resolve_name
@@ -15,7 +24,7 @@ from typing import Any
 
 from sim.base.completion import SHELLS, PrintCompletion
 from sim.base.errors import InputError
-from sim.base.plugins import load_from_environment
+from sim.base.plugins import compile_fault, load_from_environment
 from sim.base.program import __version__, program
 from sim.base.words import printable
 
@@ -90,6 +99,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except OSError as error:
         print(f"error: {error}", file=sys.stderr)
         return SYSTEM_ERROR
+    except Exception as error:
+        if told := compile_fault(error):
+            print(f"error: {told}", file=sys.stderr)
+            return INPUT_ERROR
+        raise
 
 
 def parse(arguments: Sequence[str]) -> dict[str, Any]:

@@ -132,6 +132,52 @@ def test_a_mistake_in_a_plugin_is_one_line_and_harms_no_run_file(folder):
     assert not list(Path("results/own/runs").glob("*.damaged"))
 
 
+@pytest.mark.parametrize(
+    ("line", "why"),
+    [
+        ('run["height"][...] = 1', "ValueError: assignment destination is read-only"),
+        ('height = run["height"]; height /= 2', "ValueError: output array is read-only"),
+        ("raise SystemExit(0)", "SystemExit: 0"),
+    ],
+)
+def test_an_observable_changes_nothing_that_others_read_and_ends_nothing(folder, line, why):
+    text = (folder / "base_slip.py").read_text()
+    (folder / "base_slip.py").write_text(
+        text.replace("def base_slip(run):", f"def base_slip(run):\n    {line}")
+    )
+    make_runs(load_study("own.yaml"))
+    with pytest.raises(InputError, match=rf"observable base_slip of chute.*: line 15: {why}"):
+        build("own.yaml")
+
+
+def test_what_cannot_be_compiled_is_told_with_its_line(folder):
+    """With one contact in place of a run, whose loops would take a minute to get that far."""
+    path = folder / "hertz_mindlin.py"
+    path.write_text(path.read_text().replace("* law.modulus * edge * overlap", "* law.moduls", 1))
+    lines = (
+        "import sys, numpy as np\n"
+        "from sim.__main__ import main\n"
+        "from sim.engine import command\n"
+        "def one_contact(**options):\n"
+        "    from sim.claims.contacts import contact_path\n"
+        "    from sim.engine.contact import Partners, law_of\n"
+        "    from sim.engine.contact.own import Between\n"
+        "    from sim.parameters import parse_point\n"
+        "    p = parse_point({'system': 'chute', 'law': 'hertz_mindlin'}, 'p')\n"
+        "    law = Between(law_of(p, Partners(0.4, 1e-6, 1e-5)), 5e-4, 1e-6)\n"
+        "    contact_path(law, np.ones(1), np.ones((1, 3)), np.ones((1, 3)))\n"
+        "command.run = one_contact\n"
+        "sys.exit(main(['run', 'p.yaml', '-o', 'r.nc']))\n"
+    )
+    environment = os.environ | {"PYTHONPATH": str(ROOT), "TALUS_PLUGINS": "hertz_mindlin.py"}
+    environment |= {"TALUS_CACHE_DIR": str(folder / "cache")}
+    command = [sys.executable, "-c", lines]
+    done = subprocess.run(command, env=environment, capture_output=True, text=True)
+    said = r"^error: plug-in hertz_mindlin.py .*: line \d+: cannot be compiled: .*moduls"
+    assert done.returncode == 2 and re.search(said, done.stderr, re.MULTILINE), done.stderr
+    assert "Traceback" not in done.stderr
+
+
 def test_a_figure_is_old_when_its_plugin_is_edited(folder):
     spec = load_study("own.yaml").plots
     (folder / "boxes.py").write_text((folder / "boxes.py").read_text() + "# edited\n")

@@ -84,7 +84,7 @@ def input_error(
     """Turn the error of validating ``model`` into the line shown to the user.
 
     Of several errors the first is reported, an unknown key before all others: it often explains
-    a missing one.
+    a missing one; but an unknown choice before it, which may be what the key belongs to.
 
     Parameters
     ----------
@@ -98,7 +98,9 @@ def input_error(
         Full path in the file of each key, where that is not the key itself.
     """
     details = error.errors(include_url=False)
-    entry = next((one for one in details if one["type"] in _UNKNOWN), details[0])
+    choices = [one for one in details if one["type"] == "literal_error"]
+    unknown = [one for one in details if one["type"] in _UNKNOWN]
+    entry = (choices if unknown and choices else unknown or details)[0]
     location, owner = _resolve(model, entry["loc"])
     rule = entry["ctx"] if entry["type"] == "rule" else {}
     path = key_path([*location, rule["key"]] if rule.get("key") else location)

@@ -10,7 +10,8 @@ import os
 import re
 import sys
 import traceback
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from importlib import import_module
 from importlib.metadata import entry_points
@@ -38,6 +39,9 @@ NAME = r"^[a-z][a-z0-9_]{0,39}$"
 _FILE = ".py"
 _CODE_DIGITS = 8
 
+#: The end of a name with a hash.
+_PINNED = re.compile(rf"@[0-9a-f]{{{_CODE_DIGITS}}}$")
+
 
 @dataclass(frozen=True)
 class Plugin:
@@ -56,6 +60,11 @@ class Plugin:
     name: str
     place: str
     code: str
+
+    @property
+    def pinned(self) -> str:
+        """How ``TALUS_PLUGINS`` names it as it is now, and not as it may be when it is loaded."""
+        return f"{self.place}@{self.code}"
 
     @property
     def is_file(self) -> bool:
@@ -137,11 +146,32 @@ def changed() -> None:
         function()
 
 
-def fault(kind: str, name: str, error: Exception, of: str = "") -> InputError:
+def fault(kind: str, name: str, error: BaseException, of: str = "") -> InputError:
     """Return the error of something that a plug-in has added as one line, with its place there."""
     plugin = _additions[kind][name].plugin
-    why = f"{_line_of(error, Path(plugin.place))}{type(error).__name__}: {error}"
-    return InputError(f"{plugin}: {kind} {name}{of}: {why}")
+    return InputError(f"{plugin}: {kind} {name}{of}: {_told(error, Path(plugin.place))}")
+
+
+@contextmanager
+def blamed(kind: str, name: str) -> Iterator[None]:
+    """Tell whatever goes wrong in a block as the mistake of something that a plug-in has added."""
+    try:
+        yield
+    except (Exception, SystemExit) as error:
+        raise fault(kind, name, error) from None
+
+
+def compile_fault(error: Exception) -> InputError | None:
+    """Return what numba could not compile of a plug-in as one line; none for other errors."""
+    if not type(error).__module__.startswith("numba."):
+        return None
+    text = str(error)
+    for plugin in _plugins.values():
+        place = re.search(rf'File "[^"]*{re.escape(plugin.name)}", line (\d+)', text)
+        if place:
+            lines = [line.strip() for line in text[: place.start()].splitlines() if line.strip()]
+            return InputError(f"{plugin}: line {place[1]}: cannot be compiled: {lines[-1]}")
+    return None
 
 
 def places() -> list[str]:
@@ -181,8 +211,11 @@ def load(names: Iterable[str], folder: Path, source: str) -> tuple[Plugin, ...]:
 
 def load_from_environment() -> None:
     """Load the plug-ins that ``TALUS_PLUGINS`` names."""
-    named = os.environ.get(VARIABLE, "")
-    load(filter(None, named.split(os.pathsep)), Path(), VARIABLE)
+    for entry in filter(None, os.environ.get(VARIABLE, "").split(os.pathsep)):
+        name, _, code = entry.rpartition("@") if _PINNED.search(entry) else (entry, "", "")
+        (one,) = load([name], Path(), VARIABLE)
+        if code and one.code != code:
+            raise InputError(f"{one}: edited since this study was started; start it again")
 
 
 def load_plugins(*names: str | Path) -> None:
@@ -261,8 +294,10 @@ def _run(found: _Found, refused: Callable[[str], InputError]) -> None:
             exec(compile(text, str(file), "exec"), made.__dict__)
     except Refused as error:
         why = str(error)
-    except (Exception, SystemExit) as error:
-        why = f"{_line_of(error, file)}{type(error).__name__}: {error}"
+    except KeyboardInterrupt:
+        raise
+    except BaseException as error:
+        why = _told(error, file)
     finally:
         _loading.pop()
     new = {kind: held.keys() - before.get(kind, {}).keys() for kind, held in _additions.items()}
@@ -275,6 +310,15 @@ def _run(found: _Found, refused: Callable[[str], InputError]) -> None:
     _plugins[plugin.code] = plugin
     changed()
     print(f"plug-in {plugin.place} ({plugin.code}): {', '.join(told)}", file=sys.stderr)
+
+
+def _told(error: BaseException, file: Path) -> str:
+    """Return an error in words, with the line of a file that it comes from."""
+    try:
+        words = str(error)
+    except Exception:
+        words = "an error without words"
+    return f"{_line_of(error, file)}{type(error).__name__}: {words}"
 
 
 def _line_of(error: BaseException, file: Path) -> str:

@@ -30,3 +30,22 @@ def student_half_width(values: np.ndarray) -> np.ndarray:
     if len(values) < 2:
         return np.full(values.shape[1:], np.nan)
     return student(len(values) - 1) * values.std(axis=0, ddof=1) / np.sqrt(len(values))
+
+
+def mean_interval(values: np.ndarray, half_widths: np.ndarray) -> tuple[float, str]:
+    """Return the half width of the 95 % interval of a mean over replicates, and its kind.
+
+    Two replicates or more give Student's interval over them, which knows how much one initial state
+    differs from another; where few agree by accident, what each knows of itself still counts:
+    the interval is not smaller than that of the mean of their own. A single one has only its own.
+
+    >>> mean_interval(np.array([1.0]), np.array([0.1]))[1]
+    'within run'
+    """
+    own = float(np.sqrt((half_widths**2).sum())) / max(1, values.size)
+    if values.size >= 2:
+        known = filter(np.isfinite, (float(student_half_width(values)), own))
+        return max(known, default=np.nan), "replicates"
+    if values.size == 1 and np.isfinite(own):
+        return own, "within run"
+    return np.nan, "none"

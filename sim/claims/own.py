@@ -84,6 +84,9 @@ def judge(
     """
     if system not in SYSTEMS:
         raise Refused(f"judge {name}: system is one of {', '.join(SYSTEMS)}")
+    for text in (title, statement, criterion, reason, needs):
+        if isinstance(text, str) and not text.isprintable():
+            raise Refused(f"judge {name}: {text!r}: a line without control characters")
     words: dict[str, Any] = {"title": title, "statement": statement, "criterion": criterion}
     try:
         claim = OwnClaim(id=name, reason=reason, needs=needs, own_system=system, **words)

@@ -12,7 +12,7 @@ from scipy.stats import false_discovery_control, t
 
 from sim.base.damage import checked_read
 from sim.base.errors import InputError
-from sim.base.statistics import CONFIDENCE, MANY, student
+from sim.base.statistics import CONFIDENCE, MANY, mean_interval, student
 from sim.dataset.added import require_known_options
 from sim.dataset.results import load
 from sim.engine.stored_run import parameters_of
@@ -66,15 +66,18 @@ class Measured:
 
     @cached_property
     def mean(self) -> Mean:
-        """Mean of the replicates; of a single one with the error that it knows by itself."""
-        number = self.values.size
+        """Mean of the replicates with the error by their scatter, or by what each knows of itself:
+        the larger of the two, as everywhere (`sim.base.statistics.mean_interval`)."""
+        number, value = self.values.size, float(self.values.mean())
+        half_width, _ = mean_interval(self.values, self.own)
         if number > 1:
             error = float(self.values.std(ddof=1) / np.sqrt(number))
-            return Mean(float(self.values.mean()), error, number - 1)
-        freedom = float(self.samples[0]) - 1
+            if not half_width > student(number - 1) * error:
+                return Mean(value, error, number - 1)
+        freedom = float(self.samples.sum()) - number
         if not freedom > 0:
-            return Mean(float(self.values[0]), np.nan, np.nan)
-        return Mean(float(self.values[0]), float(self.own[0] / student(freedom)), freedom)
+            return Mean(value, np.nan, np.nan)
+        return Mean(value, float(half_width / student(freedom)), freedom)
 
 
 @dataclass(frozen=True)

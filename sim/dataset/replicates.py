@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 
 from sim.base.named import Named
-from sim.base.statistics import MANY, student, student_half_width
+from sim.base.statistics import MANY, mean_interval, student, student_half_width
 from sim.parameters.chute import negligible_acceleration
 from sim.parameters.common import drift_beyond
 
@@ -168,25 +168,6 @@ def _quality(completed: Named, regime: str, slope: float, half_width: float, tar
         return "drifting"
     few = np.nansum(completed["independent_samples"]) < INDEPENDENT
     return "short" if few or regime in ("undetermined", "mixed") else "reliable"
-
-
-def mean_interval(values: np.ndarray, half_widths: np.ndarray) -> tuple[float, str]:
-    """Return the half width of the 95 % interval of a mean over replicates, and its kind.
-
-    Two replicates or more give Student's interval over them, which knows how much one initial state
-    differs from another; where few agree by accident, what each knows of itself still counts:
-    the interval is not smaller than that of the mean of their own. A single one has only its own.
-
-    >>> mean_interval(np.array([1.0]), np.array([0.1]))[1]
-    'within run'
-    """
-    own = float(np.sqrt((half_widths**2).sum())) / max(1, values.size)
-    if values.size >= 2:
-        known = filter(np.isfinite, (float(student_half_width(values)), own))
-        return max(known, default=np.nan), "replicates"
-    if values.size == 1 and np.isfinite(own):
-        return own, "within run"
-    return np.nan, "none"
 
 
 #: p of Cochran's Q below which slopes of replicates are taken to differ.

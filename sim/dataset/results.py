@@ -15,7 +15,7 @@ from sim.base.damage import checked_read
 from sim.base.errors import InputError
 from sim.dataset.added import with_added
 from sim.dataset.boundary_table import is_of_study, read_table
-from sim.dataset.grids import number_of, on_grid
+from sim.dataset.grids import GRIDS, number_of, on_grid
 from sim.dataset.rows import CENTRES
 from sim.parameters import SYSTEMS
 
@@ -60,6 +60,8 @@ class Results:
 
     def of(self, system: str) -> xr.Dataset:
         """Return the points of one system, without what only the other has."""
+        if system not in list(SYSTEMS):
+            raise InputError.of_value("of", "system", system, "one of " + ", ".join(SYSTEMS))
         held = self.dataset
         some = held.sel(point=held["system"] == system)
         others = [name for name in _PARAMETERS if name not in SYSTEMS[system].model_fields]
@@ -80,7 +82,7 @@ class Results:
         InputError
             When the dataset has no such profile of the point, or it is not known on that grid.
         """
-        if point not in self.dataset.indexes["point"]:
+        if not isinstance(point, str) or point not in self.dataset.indexes["point"]:
             raise InputError(f"{point}: no such point in the dataset")
         held, index = self.dataset.variables, self.dataset.indexes["point"].get_loc(point)
         system = str(held["system"].values[index])
@@ -99,14 +101,16 @@ class Results:
         beads = profiles.get(number_of(name))
         number = None if beads is None else beads.values[row][completed][:, real]
         diameter = float(held["diameter"].values[index])
+        if (grid := grid or self.grid) not in GRIDS:
+            raise InputError.of_value("profile", "grid", grid, "one of " + ", ".join(GRIDS))
         try:
-            return on_grid(grid or self.grid, diameter, centres, name, values, number)
+            return on_grid(grid, diameter, centres, name, values, number)
         except ValueError as error:
             raise InputError(f"{point}: {name} {error}") from None
 
     def particles(self, point: str) -> xr.Dataset:
         """Return last state and path of the particles of a point."""
-        if point not in self.states:
+        if not isinstance(point, str) or point not in self.states:
             raise InputError(f"{point}: no particles in the dataset")
         return self.states[point]
 

@@ -45,7 +45,10 @@ class RunFile(Mapping[str, np.ndarray]):
         if name not in self._read:
             held = self._variables[name]
             several = held.dimensions[:1] == ("replicate",)
-            self._read[name] = np.asarray(held[self._first] if several else held[...])
+            values = np.asarray(held[self._first] if several else held[...])
+            # Whoever works on them in place would change what others read.
+            values.flags.writeable = False
+            self._read[name] = values
         return self._read[name]
 
     def __iter__(self) -> Iterator[str]:

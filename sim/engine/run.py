@@ -12,7 +12,7 @@ import numpy as np
 
 from sim.base.files import alone
 from sim.base.program import __version__
-from sim.base.statistics import student_half_width
+from sim.base.statistics import mean_interval
 from sim.engine.identity import NUMERICS, library_versions, source_hash
 from sim.engine.observe.recorder import Record
 from sim.engine.observe.run_file import Layout, Stage, write
@@ -151,7 +151,9 @@ def _together(parameters: Parameters, records: list[Record]) -> str:
     if failed:
         return f"{name}: failed: {failed} of {len(records)} replicates"
     velocities = np.array([each["velocity"] for each in scalars])
-    half_width = float(student_half_width(velocities))
+    half_width, _ = mean_interval(
+        velocities, np.array([each["velocity_half_width"] for each in scalars])
+    )
     regimes = ", ".join(dict.fromkeys(str(each["regime"]) for each in scalars))
     return (
         f"{name}: {_velocity(velocities.mean(), half_width)}, {regimes}; {len(records)} replicates"

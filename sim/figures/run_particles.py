@@ -50,15 +50,22 @@ class Seen:
         """Yield the particles of each frame, those at the front last."""
         span = np.quantile(self.speed, _SHOWN)
         for place, speed in zip(self.place, self.speed, strict=True):
-            deep = place.shape[1] == 3
-            order = np.argsort(-place[:, 1]) if deep else np.arange(len(place))
+            x = np.mod(place[:, 0], self.wide)
+            # Those across the periodic sides are seen at both.
+            over = [x < self.size / 2, x > self.wide - self.size / 2]
+            every = np.concatenate([np.arange(len(x)), *map(np.flatnonzero, over)])
+            shift = np.repeat(
+                [0.0, self.wide, -self.wide], [len(x), *(side.sum() for side in over)]
+            )
+            front = np.argsort(-place[every, 1], kind="stable") if place.shape[1] == 3 else ...
+            order, shift = every[front], shift[front]
             size = self.size[order]
             yield EllipseCollection(
                 size,
                 size,
                 np.zeros_like(size),
                 units="xy",
-                offsets=np.column_stack([np.mod(place[order, 0], self.wide), place[order, -1]]),
+                offsets=np.column_stack([x[order] + shift, place[order, -1]]),
                 array=speed[order],
                 clim=span,
                 cmap="cividis",

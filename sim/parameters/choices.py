@@ -7,6 +7,7 @@ points say, and so their ids and run files. An edited one is another one.
 import re
 from collections.abc import Iterable, Mapping
 from functools import cache
+from keyword import iskeyword
 from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import BeforeValidator, Field, create_model, model_validator
@@ -17,6 +18,9 @@ from sim.parameters.observables import ASKED_FOR, MEASURES, PROFILES, SCALARS, S
 from sim.parameters.roles import Role, declare
 
 _RANGE = {"gt", "ge", "lt", "le"}
+
+#: Names in files of runs and studies that are neither parameters nor observed.
+_ELSEWHERE = {"system", "study", "point", "series", "name", "figures", "caveat", "replicate"}
 
 
 def parameter(
@@ -55,9 +59,10 @@ def named(option: str) -> str:
 def require_free(model: type[Parameters], what: str, names: Iterable[str]) -> None:
     """Refuse names of parameters that others have; ``what`` declares them."""
     observed = (SCALARS, MEASURES, PROFILES, ASKED_FOR, *SERIES.values())
-    taken = {*model.model_fields, *(one for each in observed for one in each)}
+    taken = {*dir(WithOwn), *WithOwn.__class_vars__, *dir(model), *model.model_fields, *_ELSEWHERE}
+    taken |= {one for each in observed for one in each}
     for name in names:
-        if not re.fullmatch(NAME, name):
+        if not re.fullmatch(NAME, name) or iskeyword(name):
             raise Refused(f"{what}: parameter {name!r}: a name has letters a-z, digits and _")
         if name in taken:
             raise Refused(f"{what}: parameter {name}: Talus has one of this name")

@@ -2,6 +2,7 @@
 
 import base64
 import hashlib
+import re
 from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
 from functools import partial
@@ -13,6 +14,7 @@ import netCDF4
 import numpy as np
 
 from sim.base.damage import checked_read
+from sim.base.errors import InputError
 from sim.base.files import read_regular, read_seal, replacing, require_writable
 from sim.dataset.run_file import RunFile
 from sim.engine.stored_run import parameters_of
@@ -23,6 +25,9 @@ from sim.report.templating import template
 
 #: Last lines of a log that are shown.
 LINES = 40
+
+#: How pages begin.
+_MARK = rb"<!-- [0-9a-f]{64} -->\n"
 
 #: Attributes of a run that say what made it.
 _MADE = ("created", "engine_version", "machine")
@@ -50,8 +55,16 @@ def write_pages(
     Raises
     ------
     InputError
-        When the folder cannot be written, or a run file is missing or damaged.
+        When the folder cannot be written, something else has the name of a page, two runs have one
+        name, or a run file is missing or damaged.
     """
+    names = [path.stem for path in paths]
+    for path in paths:
+        if names.count(path.stem) > 1:
+            allowed = "runs of different names, as their pages are named like them"
+            raise InputError.of_value("page", "", str(path), allowed)
+        if (output := folder / f"{path.stem}.html").exists() and not _begins_with(output, _MARK):
+            raise InputError(f"{output}: is there already, and is no page of a run")
     require_writable(folder, "--output")
     folder.mkdir(parents=True, exist_ok=True)
     make = partial(_write, folder=folder, report=report, code=code)
@@ -75,7 +88,7 @@ def _write(path: Path, folder: Path, report: str, code: str) -> None:
 
 def _begins_with(path: Path, mark: bytes) -> bool:
     try:
-        return read_regular(path).startswith(mark)
+        return bool(re.match(mark, read_regular(path)))
     except OSError:
         return False
 

@@ -11,7 +11,7 @@ from sim.base import plugins
 from sim.base.errors import InputError
 from sim.base.plugins import additions, codes, load
 from sim.study.load import load_study
-from tests.made.plugins import forgotten
+from tests.made.plugins import alone, forgotten
 from tests.made.processes import ROOT
 
 RIGHT = """\
@@ -60,6 +60,24 @@ def test_parts_bring_their_plugins(tmp_path):
         ("import sim\n1 / 0\n", "line 2: ZeroDivisionError: division by zero"),
         ("def (:\n", "SyntaxError: "),
         ("raise SystemExit(3)\n", "line 1: SystemExit: 3"),
+        ("raise GeneratorExit\n", "line 1: GeneratorExit: "),
+        (
+            "class E(Exception):\n    def __str__(self):\n        1 / 0\nraise E\n",
+            "line 4: E: an error without words",
+        ),
+        (
+            "import sim\n"
+            "sim.judge('j', system='belt', title='a\\x1b', statement='s', criterion='c')\n",
+            "a line without control characters",
+        ),
+        *(
+            (
+                "import sim\nsim.motion('m', make=dict, state=dict, parameters={\n"
+                f"  '{name}': sim.parameter(0.5, unit='1', description='d')}})\n",
+                f"parameter {name}: Talus has one of this name",
+            )
+            for name in ("drift", "particles", "time_step", "choice", "offered", "dict", "point")
+        ),
         ("import helpers_beside_it\n", "line 1: ModuleNotFoundError: No module named"),
         (RIGHT.replace('"answer"', '"velocity"'), "velocity: Talus has one of this name"),
         (RIGHT.replace('"answer"', '"angle"'), "angle: Talus has one of this name"),
@@ -108,6 +126,22 @@ def test_an_edited_plugin_needs_a_new_process(tmp_path):
     written(tmp_path, RIGHT.replace("42", "43"))
     with pytest.raises(InputError, match="has one of this name in this process; start another"):
         load_study(path, None)
+
+
+def test_a_job_takes_no_other_text_than_that_with_which_its_study_was_started(
+    tmp_path, monkeypatch
+):
+    (plugin,) = load_study(written(tmp_path), None).plugins
+    monkeypatch.setenv(plugins.VARIABLE, plugin.pinned)
+    with alone():
+        plugins.load_from_environment()
+        assert set(additions("observable")) == {"answer"}
+    written(tmp_path, RIGHT.replace("42", "43"))
+    with (
+        alone(),
+        pytest.raises(InputError, match=r"mine.py .*: edited since this study was started"),
+    ):
+        plugins.load_from_environment()
 
 
 def test_installed_packages_add_by_their_entry_points(tmp_path, monkeypatch):

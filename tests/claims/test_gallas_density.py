@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from sim.base.errors import InputError
 from sim.claims.evidence import Evidence
 from sim.claims.gallas_density import (
     g15,
@@ -87,6 +88,8 @@ def test_grids_of_cells_and_of_points_count_other_beads():
     for grid, share in (("centres", 1.0), ("points", 0.0)):
         checks = g16(Evidence(replace(results, grid=grid), "published"))
         assert [check.value for check in checks] == pytest.approx([share] * 3 * 2)
+    with pytest.raises(InputError, match="grid: got 'centers'; allowed: one of centres, "):
+        results.profile(results.dataset.point.values[0], "number_density", "centers")
     assert len(checks_of(g16, row((20, 60, 80)))) == 3
 
 

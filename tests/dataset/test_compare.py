@@ -65,6 +65,14 @@ def test_a_single_replicate_knows_what_its_own_window_says():
     )
 
 
+def test_replicates_that_agree_by_accident_still_have_what_each_knows_of_itself():
+    """As in the dataset and the line of a run: the larger of the two intervals counts."""
+    one, other = belt([1.0, 1.001], own=0.2, samples=20), belt([1.1, 1.101], own=0.2, samples=20)
+    (pair,) = compare([one], [other], "velocity", "m s-1").pairs
+    assert pair.first.half_width == pytest.approx(0.2 / np.sqrt(2)) and pair.first.freedom == 38
+    assert pair.chance > 0.05
+
+
 def test_equal_values_without_any_error_do_not_differ():
     (pair,) = compare([belt([1.0, 1.0])], [belt([1.0, 1.0])], "velocity", "m s-1").pairs
     assert pair.chance == 1 and pair.difference.value == 0

@@ -57,6 +57,11 @@ def test_a_point_or_a_group_that_is_not_there_is_refused(dataset):
         found.profiles["chute"]
 
 
+def test_a_system_that_is_none_is_refused(dataset):
+    with pytest.raises(InputError, match=r"of: system: got 'blet'; allowed: one of chute, belt"):
+        load_results(dataset).of("blet")
+
+
 def test_a_dataset_that_is_gone_when_its_particles_are_asked_for_is_named(dataset):
     found = load_results(dataset)
     dataset.unlink()

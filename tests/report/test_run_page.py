@@ -2,6 +2,7 @@
 
 import base64
 import re
+import shutil
 from html import unescape
 from io import BytesIO
 from pathlib import Path
@@ -106,3 +107,20 @@ def test_what_is_no_run_is_refused_in_one_line(tmp_path, capsys):
     error = capsys.readouterr().err
     assert error.count("\n") == 1 and "odd.nc: damaged or not a run file" in error
     assert not list(tmp_path.glob("*.html"))
+
+
+def test_what_is_no_page_is_not_overwritten(tmp_path, capsys):
+    path = write_run(tmp_path / "runs", BELT)
+    for name in ("run.html", "run.nc"):
+        shutil.copy(path, tmp_path / name)
+    before = (tmp_path / "run.html").read_bytes()
+    for run in ("run.html", "run.nc"):
+        assert main(["page", str(tmp_path / run), "-o", str(tmp_path)]) == 2
+        assert "run.html: is there already, and is no page" in capsys.readouterr().err
+    assert (tmp_path / "run.html").read_bytes() == before
+
+
+def test_two_runs_of_one_name_are_refused(tmp_path, capsys):
+    runs = [str(tmp_path / folder / "run.nc") for folder in "ab"]
+    assert main(["page", *runs, "-o", str(tmp_path)]) == 2
+    assert "allowed: runs of different names" in capsys.readouterr().err

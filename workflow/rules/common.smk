@@ -283,7 +283,7 @@ ENVIRONMENT = {"PYTHONPATH": [str(ROOT)], "PYTHONSAFEPATH": ["1"]}
 ENVIRONMENT["TALUS_STUDY"] = [str(STUDY.path)]
 if STUDY.plugins:
     # Runs know their points alone, and not the study.
-    ENVIRONMENT[VARIABLE] = [one.place for one in STUDY.plugins]
+    ENVIRONMENT[VARIABLE] = [one.pinned for one in STUDY.plugins]
 if not workflow.deployment_settings.deployment_method:
     # Conda and containers bring an interpreter of their own.
     ENVIRONMENT["PATH"] = [str(Path(sys.executable).parent), os.environ.get("PATH")]

@@ -33,5 +33,5 @@ def _own(one: OwnObservable, name: str, replicate: Replicate, point: str) -> flo
     """Return an observable of a plug-in, whose mistakes must not look like those of the file."""
     try:
         return float(one.measure(replicate))
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         raise fault(OBSERVABLE, name, error, f" of {point}") from None

@@ -11,8 +11,10 @@ the law of a point for one kind of partners, or a law of a plug-in (`sim.engine.
 from importlib import import_module
 from typing import NamedTuple
 
+from sim.base.plugins import blamed
 from sim.parameters import ChuteParameters
-from sim.parameters.laws import own_laws
+from sim.parameters.choices import named
+from sim.parameters.laws import LAW, own_laws
 
 
 class Partners(NamedTuple):
@@ -29,7 +31,8 @@ def law_of(parameters: ChuteParameters, partners: Partners) -> NamedTuple:
     if own := own_laws().get(parameters.law):
         from sim.engine.contact.own import add_law
 
-        made = own.make(parameters, partners)
-        add_law(type(made), own.force, own.energy)
+        with blamed(LAW, named(parameters.law)):
+            made = own.make(parameters, partners)
+            add_law(type(made), own.force, own.energy)
         return made
     return import_module(f"{__name__}.{parameters.law}").from_parameters(parameters, partners)

@@ -5,10 +5,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from sim.base.plugins import blamed
 from sim.engine.boundary.belt import Belt, OwnBelt, add_motion, belt_height
 from sim.engine.dynamics.cells import Box
 from sim.engine.systems.packing import random_packing
 from sim.parameters import BeltParameters
+from sim.parameters.choices import named
 from sim.parameters.motions import MOTION, own_motions
 
 #: Area fraction of the random initial state; random sequential addition saturates near 0.55.
@@ -66,6 +68,7 @@ def vibration(p: BeltParameters, frequency: float) -> Belt | OwnBelt:
     own = own_motions().get(getattr(p, MOTION, ""))
     if own is None:
         return belt
-    motion = own.make(p)
-    add_motion(type(motion), own.state)
+    with blamed(MOTION, named(getattr(p, MOTION))):
+        motion = own.make(p)
+        add_motion(type(motion), own.state)
     return OwnBelt(*belt, motion)

@@ -47,6 +47,8 @@ def export(path: Path, to: str, output: Path | None, replicate: int) -> str:
         When the run file cannot be read, has no such replicate, or the output cannot be written.
     """
     suffix, write = FORMATS[to]
+    if not path.name or (output and not output.name):
+        raise InputError.of_value("export", "", str(output or path), "the name of a file")
     output = Path(path.with_suffix(suffix).name) if output is None else output
     _require_new(output, to)
     with ExitStack() as opened:
