@@ -153,12 +153,12 @@ def fault(kind: str, name: str, error: BaseException, of: str = "") -> InputErro
 
 
 @contextmanager
-def blamed(kind: str, name: str) -> Iterator[None]:
+def blamed(kind: str, name: str, of: str = "") -> Iterator[None]:
     """Tell whatever goes wrong in a block as the mistake of something that a plug-in has added."""
     try:
         yield
     except (Exception, SystemExit) as error:
-        raise fault(kind, name, error) from None
+        raise fault(kind, name, error, of) from None
 
 
 def compile_fault(error: Exception) -> InputError | None:

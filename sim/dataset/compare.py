@@ -10,12 +10,11 @@ import netCDF4
 import numpy as np
 from scipy.stats import false_discovery_control, t
 
-from sim.base.damage import checked_read
 from sim.base.errors import InputError
-from sim.base.statistics import CONFIDENCE, MANY, mean_interval, student
+from sim.base.statistics import CONFIDENCE, MANY, mean_interval, student, student_half_width
 from sim.dataset.added import require_known_options
 from sim.dataset.results import load
-from sim.engine.stored_run import parameters_of
+from sim.engine.stored_run import opened, parameters_of
 from sim.parameters import AMOUNTS, SYSTEMS, complete, field_info
 
 #: Share of false ones among the differences that are called real.
@@ -70,11 +69,8 @@ class Measured:
         the larger of the two, as everywhere (`sim.base.statistics.mean_interval`)."""
         number, value = self.values.size, float(self.values.mean())
         half_width, _ = mean_interval(self.values, self.own)
-        if number > 1:
-            error = float(self.values.std(ddof=1) / np.sqrt(number))
-            if not half_width > student(number - 1) * error:
-                return Mean(value, error, number - 1)
-        freedom = float(self.samples.sum()) - number
+        by_scatter = half_width == student_half_width(self.values)
+        freedom = number - 1 if by_scatter else float(self.samples.sum()) - number
         if not freedom > 0:
             return Mean(value, np.nan, np.nan)
         return Mean(value, float(half_width / student(freedom)), freedom)
@@ -174,11 +170,7 @@ def read_measured(path: Path, quantity: str) -> tuple[list[Measured], str]:
 
 
 def _of_run(path: Path, quantity: str) -> tuple[list[Measured], str]:
-    with (
-        checked_read(path, "run file", replaceable=False, sealed=True),
-        netCDF4.Dataset(path) as file,
-    ):
-        file.set_auto_mask(False)
+    with opened(path) as file:
         point = parameters_of(file, path)
         _require(quantity, path, [n for n, one in file.variables.items() if _is_number(one)])
         done = file["status"][:] == "completed"

@@ -1,7 +1,7 @@
 """What an existing run file holds: its point, its numerics, how much of the point was run."""
 
-from collections.abc import Iterable, Mapping, Sequence
-from contextlib import suppress
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -84,6 +84,17 @@ def started_at(path: Path) -> list[int]:
     return []
 
 
+@contextmanager
+def opened(path: Path, replaceable: bool = False) -> Iterator[netCDF4.Dataset]:
+    """Open a run file, without masks; whatever goes wrong in the block becomes one line.
+
+    Raises as `sim.base.damage.checked_read` does, which says what ``replaceable`` is.
+    """
+    with checked_read(path, "run file", replaceable, sealed=True), netCDF4.Dataset(path) as file:
+        file.set_auto_mask(False)
+        yield file
+
+
 def read_parameters(path: Path) -> Parameters:
     """Return the point of a run file, with how much of it the file holds.
 
@@ -92,11 +103,7 @@ def read_parameters(path: Path) -> Parameters:
     InputError
         When there is no such file, or it is not a run file.
     """
-    with (
-        checked_read(path, "run file", replaceable=False, sealed=True),
-        netCDF4.Dataset(path) as file,
-    ):
-        file.set_auto_mask(False)
+    with opened(path) as file:
         return parameters_of(file, path)
 
 

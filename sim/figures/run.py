@@ -20,7 +20,10 @@ from sim.study.catalogue.limits import SHARE
 #: Inches of a picture's width and height.
 SIZE = (7.4, 2.8)
 
-_REPLICATE = {"linewidth": 0.9, "alpha": 0.8}
+
+def _look(number: int) -> dict[str, Any]:
+    """Return how a replicate is drawn."""
+    return {"color": COLOURS[number % len(COLOURS)], "linewidth": 0.9, "alpha": 0.8}
 
 
 def pictures(run: RunFile, parameters: Parameters) -> dict[str, str]:
@@ -59,8 +62,8 @@ def _series(run: RunFile) -> Figure | None:
     axes = figure.subplots()
     for number, one in enumerate(values):
         known = np.isfinite(one)
-        look: dict[str, Any] = {"color": COLOURS[number % len(COLOURS)], **_REPLICATE}
-        axes.plot(thinned(time[known]), thinned(one[known]), label=f"replicate {number}", **look)
+        label = f"replicate {number}"
+        axes.plot(thinned(time[known]), thinned(one[known]), label=label, **_look(number))
     starts = np.asarray(run["average_start"], float)
     if np.isfinite(starts).any():
         axes.axvline(float(np.nanmean(starts)), **LEVEL)
@@ -83,8 +86,7 @@ def _profiles(run: RunFile, parameters: Parameters, completed: np.ndarray) -> Fi
     panels = figure.subplots(1, len(names), sharey=True)
     for axes, name in zip(panels, names, strict=True):
         for number in completed:
-            look: dict[str, Any] = {"color": COLOURS[number % len(COLOURS)], **_REPLICATE}
-            axes.plot(np.asarray(run[name])[number][:top], height[:top], **look)
+            axes.plot(np.asarray(run[name])[number][:top], height[:top], **_look(number))
         unit, meaning = PROFILES[name]
         axes.set_xlabel(headed(meaning, "m/s" if unit == "m s-1" else ""))
     panels[0].set_ylabel(headed("height", "diameters"))

@@ -5,7 +5,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar, get_args
 
-from sim.base.plugins import add, fault
+from sim.base.plugins import add, blamed
 from sim.parameters.choices import WithOwn, extended, named, own, require_free
 from sim.parameters.chute import ChuteParameters
 
@@ -87,12 +87,10 @@ class _WithOwnLaws(WithOwn, ChuteParameters):
         one = self.offered.get(self.law)
         if one is None:
             return super().collision_time
-        try:
+        with blamed(LAW, named(self.law)):
             time = float(one.collision_time(self))
             if not 0 < time < math.inf:
                 raise ValueError(f"a collision takes {time} s")
-        except Exception as error:
-            raise fault(LAW, named(self.law), error) from None
         return time
 
     @property

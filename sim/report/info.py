@@ -5,8 +5,7 @@ from pathlib import Path
 
 import netCDF4
 
-from sim.base.damage import checked_read
-from sim.engine.stored_run import parameters_of
+from sim.engine.stored_run import opened, parameters_of
 from sim.parameters import Parameters, as_yaml, complete, field_info
 from sim.parameters.observables import SCALARS
 
@@ -38,11 +37,7 @@ def describe(path: str | Path, as_point: bool = False) -> str:
         When there is no such file, or it is not a run file.
     """
     path = Path(path)
-    with (
-        checked_read(path, "run file", replaceable=False, sealed=True),
-        netCDF4.Dataset(path) as file,
-    ):
-        file.set_auto_mask(False)
+    with opened(path) as file:
         parameters = parameters_of(file, path)
         return as_yaml(parameters).rstrip() if as_point else _summary(file, parameters)
 

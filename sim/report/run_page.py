@@ -10,14 +10,12 @@ from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
-import netCDF4
 import numpy as np
 
-from sim.base.damage import checked_read
 from sim.base.errors import InputError
 from sim.base.files import read_regular, read_seal, replacing, require_writable
 from sim.dataset.run_file import RunFile
-from sim.engine.stored_run import parameters_of
+from sim.engine.stored_run import opened, parameters_of
 from sim.parameters import Parameters, as_yaml, complete, default_of, field_info
 from sim.parameters.words import setting
 from sim.report.numbers import measured
@@ -74,14 +72,12 @@ def write_pages(
 
 def _write(path: Path, folder: Path, report: str, code: str) -> None:
     output = folder / f"{path.stem}.html"
-    with checked_read(path, "run file", replaceable=False, sealed=True):
+    with opened(path) as file:
         mark = f"<!-- {hashlib.sha256(f'{code} {read_seal(path)}'.encode()).hexdigest()} -->\n"
         if code and _begins_with(output, mark.encode()):
             return
-        with netCDF4.Dataset(path) as file:
-            file.set_auto_mask(False)
-            parameters = parameters_of(file, path)
-            page = _page(RunFile(file), parameters, _log_of(path), report)
+        parameters = parameters_of(file, path)
+        page = _page(RunFile(file), parameters, _log_of(path), report)
     with replacing(output) as temporary:
         temporary.write_text(mark + page, encoding="utf-8")
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from sim.base.plugins import fault
+from sim.base.plugins import blamed
 from sim.dataset.measures import belt, chute, energy
 from sim.dataset.run_file import Replicate, RunFile
 from sim.parameters.observables import BELT_MEASURES, CHUTE_MEASURES, ENERGY_MEASURES
@@ -31,7 +31,5 @@ def measures(run: RunFile) -> dict[str, np.ndarray]:
 
 def _own(one: OwnObservable, name: str, replicate: Replicate, point: str) -> float:
     """Return an observable of a plug-in, whose mistakes must not look like those of the file."""
-    try:
+    with blamed(OBSERVABLE, name, f" of {point}"):
         return float(one.measure(replicate))
-    except (Exception, SystemExit) as error:
-        raise fault(OBSERVABLE, name, error, f" of {point}") from None
