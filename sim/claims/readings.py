@@ -63,6 +63,10 @@ class Readings(BaseModel):
         return [self.open[name] for name in reading if name in self.open]
 
 
+#: Of a system that is no paper's.
+_NOTHING_OPEN = Readings(headline={}, why="no paper is read", open={}, controls=[])
+
+
 class _Table(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
 
@@ -72,12 +76,12 @@ class _Table(BaseModel):
 
 @cache
 def readings_of(system: str) -> Readings:
-    """Return how the paper of a system is read."""
+    """Return how the paper of a system is read; nothing is open of one without a paper."""
     try:
         table = _Table.model_validate(read_yaml(Path(__file__).parent / _TABLE))
     except ValidationError as error:
         raise input_error(error, _Table, _TABLE) from None
-    return getattr(table, system)
+    return getattr(table, system, None) or _NOTHING_OPEN
 
 
 def in_words(system: str, reading: Mapping[str, Any]) -> str:

@@ -9,7 +9,10 @@ import numpy as np
 from sim.base.damage import checked_read
 from sim.base.named import Named
 from sim.dataset.summary import summary_of
-from sim.parameters import BeltParameters, Parameters, amounts, point_id
+from sim.parameters import BeltParameters, ConveyorParameters, Parameters, amounts, point_id
+
+#: Systems whose boundary of ``transport`` may be asked for.
+Vibrated = BeltParameters | ConveyorParameters
 
 #: Sides of the boundaries that regimes tell, by regime.
 REGIMES = {
@@ -68,9 +71,9 @@ def side(scalars: Named, of: str, parameters: Parameters) -> str | None:
     _, gain = _interval(held, "acceleration")
     done = np.flatnonzero(held["status"] == "completed")
     if of == "transport":
-        # Studies ask for the transport of belts alone.
-        belt = cast(BeltParameters, parameters)
-        sides = {_transport(belt, slowest[index], fastest[index]) for index in done}
+        # Studies ask for the transport of what vibrates alone.
+        vibrated = cast(Vibrated, parameters)
+        sides = {_transport(vibrated, slowest[index], fastest[index]) for index in done}
     else:
         moving = (slowest > 0) & (gain >= 0)
         sides = {_of_regime(of, held["regime"][index], moving[index]) for index in done}
@@ -90,7 +93,7 @@ def _of_regime(of: str, regime: str, moving: bool) -> str | None:
     return REGIMES[of].get(regime)
 
 
-def _transport(parameters: BeltParameters, slowest: float, fastest: float) -> str | None:
+def _transport(parameters: Vibrated, slowest: float, fastest: float) -> str | None:
     """Return the side that the whole 95 % interval of a mean velocity (m/s) is on."""
     least = parameters.least_transport
     if fastest <= least:

@@ -119,7 +119,8 @@ def _negligible(point: Named, completed: Named) -> tuple[float, float]:
     window = np.mean(end - completed["average_start"])
     over_window = abs(float(completed["velocity"].mean())) / window if window > 0 else np.inf
     negligible = drift_beyond(float(point["target"])) * over_window
-    if point["system"] == "chute":
+    # On a level conveyor, as on a belt, nothing accelerates for ever.
+    if point["system"] == "chute" or (point["system"] == "conveyor" and point["angle"]):
         slope = negligible_acceleration(float(point["gravity"]), float(point["angle"]))
         negligible = min(negligible, slope)
     return negligible, over_window

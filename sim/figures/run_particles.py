@@ -32,7 +32,7 @@ FRAMES, DPI, DURATION = 60, 100, 100
 _SHOWN = (0.02, 0.98)
 
 #: The line at z = 0.
-_BELOW = {"chute": "plane", "belt": "average position of the belt"}
+_BELOW = {"chute": "plane", "belt": "average position of the belt", "conveyor": "moving plane"}
 
 
 @dataclass(frozen=True)

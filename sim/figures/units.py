@@ -2,6 +2,8 @@
 
 import pandas as pd
 
+from sim.parameters import SYSTEMS, field_info
+
 #: What to divide by, as powers of diameter, gravity and mass, and how that is written, by SI unit.
 _NATURAL = {
     "m": ((1, 0, 0), "d"),
@@ -30,9 +32,6 @@ _WRITTEN = {
     "kg m-1 s-1": "kg/(m s)",
 }
 
-#: The diameter as the papers write it.
-_DIAMETER = {"chute": "σ", "belt": "⟨d⟩"}
-
 
 def unit_of(unit: str, units: str, system: str) -> str:
     """Return a unit as axes have it, empty for pure numbers.
@@ -43,8 +42,13 @@ def unit_of(unit: str, units: str, system: str) -> str:
     if unit == "1":
         return ""
     if units == "natural" and unit in _NATURAL:
-        return _NATURAL[unit][1].replace("d", _DIAMETER[system])
+        return _NATURAL[unit][1].replace("d", _diameter(system))
     return _WRITTEN.get(unit, unit)
+
+
+def _diameter(system: str) -> str:
+    """Return the symbol of the diameter."""
+    return field_info(SYSTEMS[system])["diameter"].symbol
 
 
 def scale_of(unit: str, units: str, rows: pd.DataFrame) -> pd.Series:

@@ -1,9 +1,10 @@
-"""The parameters of both systems: symbol, unit, range, equation and default in one place."""
+"""The parameters of all systems: symbol, unit, range, equation and default in one place."""
 
 from sim.parameters.amounts import amounts, covers, more
 from sim.parameters.belt import BeltParameters
 from sim.parameters.chute import ChuteParameters
 from sim.parameters.common import Parameters, canonical_number
+from sim.parameters.conveyor import ConveyorParameters
 from sim.parameters.points import (
     AMOUNTS,
     NUMERICAL,
@@ -32,6 +33,7 @@ __all__ = [
     "SYSTEMS",
     "BeltParameters",
     "ChuteParameters",
+    "ConveyorParameters",
     "FieldRow",
     "Parameters",
     "amounts",

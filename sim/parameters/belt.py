@@ -66,7 +66,7 @@ class BeltParameters(Parameters):
         *("belt_ghost", "integrator", "corrector_order"),
     )
 
-    system: Literal["belt"] = declare("belt", description="which of the two systems")
+    system: Literal["belt"] = declare("belt", description="which of the systems")
     frequency: Real = declare(
         20,
         symbol="f",

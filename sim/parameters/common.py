@@ -1,4 +1,4 @@
-"""What the parameters of both systems have in common: canonical numbers, lengths, sizes."""
+"""What the parameters of all systems have in common: canonical numbers, lengths, sizes."""
 
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
 
@@ -55,7 +55,7 @@ def broken_rule(key: str, value: Any, allowed: str) -> PydanticCustomError:
 
 
 class Parameters(BaseModel):
-    """Parameters shared by both systems, and the lengths of a run counted in steps.
+    """Parameters shared by all systems, and the lengths of a run counted in steps.
 
     Instances are immutable, complete (every omitted parameter has its value) and canonical.
     A concrete system adds ``diameter`` (m), ``mass`` (kg), ``gravity`` (m s⁻²), ``stiffness``,
@@ -148,7 +148,7 @@ class Parameters(BaseModel):
         changes_start=True,
         added=True,
         allowed="the id of a point of the study, or a run file (*.nc)",
-        pattern=r"^(|(chute|belt)-[\w.-]+-[0-9a-f]{8}|[^\x00-\x1f\x7f]+\.nc)$",
+        pattern=r"^(|[a-z]+-[\w.-]+-[0-9a-f]{8}|[^\x00-\x1f\x7f]+\.nc)$",
         max_length=1000,
     )
 

@@ -8,6 +8,8 @@ from typing import Any, ClassVar, get_args
 from sim.base.plugins import add, blamed
 from sim.parameters.choices import WithOwn, extended, named, own, require_free
 from sim.parameters.chute import ChuteParameters
+from sim.parameters.conveyor import ConveyorParameters
+from sim.parameters.spheres import SphereParameters
 
 #: Kind of these additions, and the parameter that names them.
 LAW = "law"
@@ -78,7 +80,7 @@ def is_own(law: str) -> bool:
     return law not in (*LAWS, "")
 
 
-class _WithOwnLaws(WithOwn, ChuteParameters):
+class _WithOwnLaws(WithOwn, SphereParameters):
     choice: ClassVar[str] = LAW
 
     @property
@@ -99,6 +101,17 @@ class _WithOwnLaws(WithOwn, ChuteParameters):
         return "" if self.law in self.offered else super().caveat
 
 
-def with_own_laws() -> Any:
-    """Return the parameters of a chute that may have the laws of the plug-ins there are."""
-    return extended(ChuteParameters, _WithOwnLaws, LAW, LAWS, "reading")
+class _Chute(_WithOwnLaws, ChuteParameters):
+    pass
+
+
+class _Conveyor(_WithOwnLaws, ConveyorParameters):
+    pass
+
+
+def with_own_laws() -> dict[str, Any]:
+    """Return the parameters of chute and conveyor that may have the laws of the plug-ins."""
+    return {
+        "chute": extended(ChuteParameters, _Chute, LAW, LAWS, "reading"),
+        "conveyor": extended(ConveyorParameters, _Conveyor, LAW, LAWS, "reading"),
+    }

@@ -19,6 +19,7 @@ SCALARS = {
     "frictional_power": ("W", "mean power dissipated by friction over the averaging window"),
     "shear_power": ("W", "mean power dissipated by shear friction over the averaging window"),
     "belt_power": ("W", "mean power of the belt over the averaging window"),
+    "plane_power": ("W", "mean power of the vibrating plane over the averaging window"),
     "max_overlap": ("1", "largest overlap of the whole run, as in largest_overlap"),
     "base_normal": ("N", "mean normal force on the plane over the averaging window"),
     "base_shear": ("N", "mean shear force on the plane over the averaging window"),
@@ -117,8 +118,20 @@ BELT_FORCES = {
     "belt_contact_time": ("1", "share of the time in which any bead touches the belt"),
 }
 
+#: Those of the conveyor: of the chute, in the laboratory, and what the plane does.
+CONVEYOR_SERIES = CHUTE_SERIES | {
+    "mean_velocity": ("m s-1", "mean velocity along the plane in the laboratory, by mass"),
+    "height_of_mass": ("m", "height of the centre of mass above the mean position of the plane"),
+    "plane_work": ("J", "work of the plane on the particles since the start"),
+    "plane_phase": ("rad", "phase of the plane's vibration"),
+}
+
 #: The time series of each system, with those that are kept where they are asked for.
-SERIES = {"chute": CHUTE_SERIES, "belt": BELT_SERIES | BELT_FORCES}
+SERIES = {
+    "chute": CHUTE_SERIES,
+    "belt": BELT_SERIES | BELT_FORCES,
+    "conveyor": CONVEYOR_SERIES,
+}
 
 #: States of a deep flow in words.
 PLUG_STATES = {
@@ -127,7 +140,7 @@ PLUG_STATES = {
     "locked": "with a locked plug",
 }
 
-#: Unit and long name of the measures that a dataset adds to the scalars, of both systems.
+#: Unit and long name of the measures that a dataset adds to the scalars, of all systems.
 ENERGY_MEASURES = {
     "missing_energy": ("1", "share of the energy turned over, gains included, that is not found")
 }
@@ -179,8 +192,16 @@ BELT_MEASURES = {
     ),
 }
 
+#: Those of the conveyor, some of which the chute has too.
+CONVEYOR_MEASURES = {
+    "shaking_strength": ("1", "peak acceleration of the plane along z over gravity, A_z ω²/g"),
+    "transport_efficiency": ("1", "mean velocity over that of the plane along x, V/(A_x ω)"),
+} | {name: CHUTE_MEASURES[name] for name in ("median_overlap", "overlap_999", "base_overlap")}
+
 #: All of them.
-MEASURES: dict[str, tuple[str, str]] = ENERGY_MEASURES | CHUTE_MEASURES | BELT_MEASURES
+MEASURES: dict[str, tuple[str, str]] = (
+    ENERGY_MEASURES | CHUTE_MEASURES | BELT_MEASURES | CONVEYOR_MEASURES
+)
 
 #: Unit and long name of what a dataset has along the belt and over its cycle, and of where profiles
 #: lie.

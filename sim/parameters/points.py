@@ -18,16 +18,21 @@ from sim.base.yaml import read_yaml
 from sim.parameters.belt import BeltParameters
 from sim.parameters.chute import ChuteParameters
 from sim.parameters.common import Parameters, canonical_number
+from sim.parameters.conveyor import ConveyorParameters
 from sim.parameters.laws import with_own_laws
 from sim.parameters.motions import with_own_motions
 from sim.parameters.roles import Declaration, added, amounts, declarations, id_parts, numerical
 
-SYSTEMS: dict[str, type[Parameters]] = {"chute": ChuteParameters, "belt": BeltParameters}
+SYSTEMS: dict[str, type[Parameters]] = {
+    "chute": ChuteParameters,
+    "belt": BeltParameters,
+    "conveyor": ConveyorParameters,
+}
 
 
 def _with_own() -> None:
-    """Give both systems the laws and motions of the plug-ins that are loaded."""
-    SYSTEMS.update(chute=with_own_laws(), belt=with_own_motions())
+    """Give the systems the laws and motions of the plug-ins that are loaded."""
+    SYSTEMS.update(with_own_laws(), belt=with_own_motions())
 
 
 whenever(_with_own)

@@ -10,6 +10,7 @@ from sim.parameters import SYSTEMS, field_info
 PROTOCOLS = {
     "chute": {"published": "fixed length", "converged": "converged"},
     "belt": {"published": "published protocol", "converged": "converged protocol"},
+    "conveyor": {"published": "fixed length", "converged": "converged"},
 }
 
 

@@ -9,7 +9,11 @@ from sim.dataset.caveats import UNSOUND
 OPEN = ("undetermined", "mixed")
 
 #: The parameter that makes time steps shorter, by system.
-SHORTER_STEPS = {"chute": "steps_per_collision", "belt": "steps_per_cycle"}
+SHORTER_STEPS = {
+    "chute": "steps_per_collision",
+    "belt": "steps_per_cycle",
+    "conveyor": "steps_per_collision",
+}
 
 
 def state_of(runs: Sequence[Mapping[str, Any]]) -> dict[str, Any]:

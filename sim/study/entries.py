@@ -112,7 +112,7 @@ class _Family(Strict):
         description="name, unique in the study",
         json_schema_extra=ALLOWED_NAME,
     )
-    system: str = Field(description="which of the two systems")
+    system: str = Field(description="which of the systems")
     base: Some = optional("parameters shared by all points")
     grid: Lists = optional("one point (boundary) for every combination of the values listed")
 

@@ -88,7 +88,9 @@ class PlotFile(Strict):
         description="`curves` of a number with intervals; `map` over two parameters; `profiles` "
         "over the height; `time_series`; `distribution` of the replicates; or one of a plug-in",
     )
-    system: Literal["chute", "belt"] = optional("which system, where the series have both")
+    system: Literal["chute", "belt", "conveyor"] = optional(
+        "which system, where the series have several"
+    )
     title: str = Field("", description="one line (omitted: made from what is shown)")
     x: str = optional(
         "parameter on the horizontal axis; of `profiles` the observable (velocity)",

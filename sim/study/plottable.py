@@ -9,6 +9,7 @@ from sim.parameters.observables import (
     BELT_FORCES,
     BELT_MEASURES,
     CHUTE_MEASURES,
+    CONVEYOR_MEASURES,
     ENERGY_MEASURES,
     PROFILES,
     SCALARS,
@@ -16,23 +17,32 @@ from sim.parameters.observables import (
 )
 from sim.parameters.own import own_observables
 
-_MEASURES = {"chute": CHUTE_MEASURES, "belt": BELT_MEASURES}
+_MEASURES = {
+    "chute": CHUTE_MEASURES,
+    "belt": BELT_MEASURES,
+    "conveyor": CONVEYOR_MEASURES,
+}
 
-#: Scalars and profiles that only one of the systems has.
-_OF_ONE = {
-    "chute": {
-        "frictional_power",
-        "base_normal",
-        "base_shear",
-        "normal_balance",
-        "shear_balance",
-        "base_normal_error",
-        "base_shear_error",
-        "momentum_budget",
-        "momentum_budget_error",
-        *(name for name in ASKED_FOR if name != "fluctuation_temperature_profile"),
-    },
-    "belt": {"shear_power", "belt_power", "number_density", "fluctuation_temperature_profile"},
+#: Scalars and profiles that some of the systems have: of spheres on a plane, and of the belt.
+_OF_SPHERES = {
+    "frictional_power",
+    "base_normal",
+    "base_shear",
+    "normal_balance",
+    "shear_balance",
+    "base_normal_error",
+    "base_shear_error",
+    "momentum_budget",
+    "momentum_budget_error",
+    *(name for name in ASKED_FOR if name != "fluctuation_temperature_profile"),
+}
+_OF_BELTS = {"shear_power", "belt_power", "number_density", "fluctuation_temperature_profile"}
+
+#: Those that a system lacks.
+_LACKING = {
+    "chute": _OF_BELTS | {"plane_power"},
+    "belt": _OF_SPHERES | {"plane_power"},
+    "conveyor": _OF_BELTS,
 }
 
 #: Parameters without which an observable is not kept.
@@ -131,5 +141,5 @@ def every_name() -> list[str]:
 
 def _own(system: str, rows: Mapping[str, tuple[str, str]]) -> dict[str, tuple[str, str]]:
     """Return the rows of what a system has."""
-    others = set().union(*(names for one, names in _OF_ONE.items() if one != system))
-    return {name: row for name, row in rows.items() if name not in others}
+    lacking: set[str] = _LACKING.get(system, set())
+    return {name: row for name, row in rows.items() if name not in lacking}

@@ -25,7 +25,7 @@ FOLDER = Path(__file__).parent
 BITS, VALUES = FOLDER / "bits.json", FOLDER / "values.json"
 
 #: Samples of the time series that are compared by value: later ones depend on the last bit.
-EARLY = {"chute": 4, "belt": 12}
+EARLY = {"chute": 4, "belt": 12, "conveyor": 4}
 TOLERANCE = 1e-9
 
 #: Points that blow up before their first sample.

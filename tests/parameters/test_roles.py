@@ -218,8 +218,8 @@ def test_a_system_is_added_to_studies_by_its_parameters(package):
     change(folder / "points.py", imported, new)
     change(
         folder / "points.py",
-        '"belt": BeltParameters}',
-        '"belt": BeltParameters, "drum": DrumParameters}',
+        '"belt": BeltParameters,\n',
+        '"belt": BeltParameters,\n    "drum": DrumParameters,\n',
     )
     found = seen(package, STUDY)
     assert sorted(found["points"].values()) == [10, 50]

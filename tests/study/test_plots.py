@@ -74,6 +74,7 @@ def test_parts_bring_their_plots(parse, tmp_path):
 def test_every_kind_shows_its_usual_observable_of_every_system(parse, kind, system):
     grids = {"chute": {"depth": [1, 2], "friction": [0.4, 0.5]}}
     grids["belt"] = {"frequency": [20, 50], "obstacle": [0, 1]}
+    grids["conveyor"] = {"frequency": [20, 50], "friction": [0.2, 0.4]}
     axes = dict(zip(AXES[kind], grids[system], strict=False))
     series = {"name": "a", "system": system, "grid": grids[system]}
     spec = parse({"name": "p", "kind": kind} | axes, series=(series,)).plots["p"]

@@ -21,7 +21,7 @@ from sim.base.errors import InputError
 from sim.base.files import read_regular, replacing
 from sim.base.plugins import VARIABLE, codes
 from sim.base.rooms import files_hash, room_hash
-from sim.parameters import RUN_FILE, amounts, canonical_json
+from sim.parameters import RUN_FILE, SYSTEMS, amounts, canonical_json
 from sim.engine.stored_run import holds, is_to_grow, planned_amounts
 from sim.engine.identity import numerics_mark
 from sim.dataset.rounds import read_round
@@ -298,5 +298,5 @@ shell.prefix(f"export {LITERAL}; ")
 wildcard_constraints:
     # One pattern for all points: a list of thousands would be searched for each. What only looks
     # like a point of the study is refused by `parameters`.
-    point=r"(?:chute|belt)-[\w.-]+-[0-9a-f]{8}",
+    point=rf"(?:{'|'.join(SYSTEMS)})-[\w.-]+-[0-9a-f]{{8}}",
     round="|".join(map(str, range(1, STUDY.rounds + 1))) or "none",

@@ -3,12 +3,21 @@
 import numpy as np
 
 from sim.base.plugins import blamed
-from sim.dataset.measures import belt, chute, energy
+from sim.dataset.measures import belt, chute, conveyor, energy
 from sim.dataset.run_file import Replicate, RunFile
-from sim.parameters.observables import BELT_MEASURES, CHUTE_MEASURES, ENERGY_MEASURES
+from sim.parameters.observables import (
+    BELT_MEASURES,
+    CHUTE_MEASURES,
+    CONVEYOR_MEASURES,
+    ENERGY_MEASURES,
+)
 from sim.parameters.own import OBSERVABLE, OwnObservable, own_observables
 
-_OF_SYSTEM = {"chute": (chute, CHUTE_MEASURES), "belt": (belt, BELT_MEASURES)}
+_OF_SYSTEM = {
+    "chute": (chute, CHUTE_MEASURES),
+    "belt": (belt, BELT_MEASURES),
+    "conveyor": (conveyor, CONVEYOR_MEASURES),
+}
 
 
 def measures(run: RunFile) -> dict[str, np.ndarray]:

@@ -13,7 +13,7 @@ _QUANTILES = {"median_overlap": 0.5, "overlap_999": 0.999}
 
 def measure(run: Mapping[Any, Any]) -> dict[str, float]:
     """Return the measures that the arrays of a replicate allow."""
-    return _of_profiles(run) | _of_overlaps(run) | _of_spin(run) | _of_base(run)
+    return _of_profiles(run) | of_overlaps(run) | _of_spin(run) | of_base(run)
 
 
 def _of_profiles(run: Mapping[Any, Any]) -> dict[str, float]:
@@ -49,7 +49,7 @@ def _of_spin(run: Mapping[Any, Any]) -> dict[str, float]:
     return {"base_rolling": radius * spin / velocity if velocity else np.nan}
 
 
-def _of_base(run: Mapping[Any, Any]) -> dict[str, float]:
+def of_base(run: Mapping[Any, Any]) -> dict[str, float]:
     """Return how much spheres overlap the plane in the last state, nothing where none does."""
     if "position" not in run or "radius" not in run:
         return {}
@@ -60,7 +60,7 @@ def _of_base(run: Mapping[Any, Any]) -> dict[str, float]:
     return {"base_overlap": float(overlap[touching].mean() / float(run["diameter"]))}
 
 
-def _of_overlaps(run: Mapping[Any, Any]) -> dict[str, float]:
+def of_overlaps(run: Mapping[Any, Any]) -> dict[str, float]:
     """Return quantiles of the overlaps of contacts, where they were counted."""
     if "overlap_histogram" not in run:
         return {}

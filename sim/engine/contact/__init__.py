@@ -12,9 +12,9 @@ from importlib import import_module
 from typing import NamedTuple
 
 from sim.base.plugins import blamed
-from sim.parameters import ChuteParameters
 from sim.parameters.choices import named
 from sim.parameters.laws import LAW, own_laws
+from sim.parameters.spheres import SphereParameters
 
 
 class Partners(NamedTuple):
@@ -26,7 +26,7 @@ class Partners(NamedTuple):
     time_step: float
 
 
-def law_of(parameters: ChuteParameters, partners: Partners) -> NamedTuple:
+def law_of(parameters: SphereParameters, partners: Partners) -> NamedTuple:
     """Return the law that a point names, for one kind of partners."""
     if own := own_laws().get(parameters.law):
         from sim.engine.contact.own import add_law

@@ -13,7 +13,7 @@ from sim.engine.contact import Partners
 from sim.engine.contact.friction import contact_force, stored_energy
 from sim.engine.contact.roots import SMALLEST, inverse_square_root
 from sim.engine.contact.tangential import friction_direction, work_against
-from sim.parameters import ChuteParameters
+from sim.parameters.spheres import SphereParameters
 
 
 class SpringDashpot(NamedTuple):
@@ -53,7 +53,7 @@ def spring_dashpot(
     )
 
 
-def from_parameters(p: ChuteParameters, partners: Partners) -> SpringDashpot:
+def from_parameters(p: SphereParameters, partners: Partners) -> SpringDashpot:
     """Return the law of a point for one kind of partners."""
     return spring_dashpot(
         p.stiffness,

@@ -11,7 +11,7 @@ from sim.engine.contact import Partners
 from sim.engine.contact.friction import contact_force, implements, stored_energy
 from sim.engine.contact.roots import SMALLEST, cube_root, inverse_square_root
 from sim.engine.contact.tangential import friction_direction, work_against
-from sim.parameters import ChuteParameters
+from sim.parameters.spheres import SphereParameters
 
 #: A friction this close to its limit, relative, is at it. Without the margin a friction just cut to
 #: the limit would keep a stiffness made of its rounding error, which the cube root turns into 5e-6.
@@ -105,7 +105,7 @@ def walton_braun(
     )
 
 
-def from_parameters(p: ChuteParameters, partners: Partners) -> WaltonBraun:
+def from_parameters(p: SphereParameters, partners: Partners) -> WaltonBraun:
     """Return the law of a point for one kind of partners."""
     return walton_braun(
         p.stiffness,

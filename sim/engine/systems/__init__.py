@@ -6,7 +6,11 @@ from sim.engine.observe.system import System
 from sim.parameters import Parameters
 
 #: Module and class of each system; imported only when needed, with what it compiles.
-SYSTEMS = {"chute": ("chute", "Chute"), "belt": ("belt", "Belt")}
+SYSTEMS = {
+    "chute": ("chute", "Chute"),
+    "belt": ("belt", "Belt"),
+    "conveyor": ("conveyor", "Conveyor"),
+}
 
 
 def build(parameters: Parameters, replicate: int, substeps: int = 1) -> System:

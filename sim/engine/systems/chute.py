@@ -1,16 +1,17 @@
 """Walton's inclined chute: spheres, Walton-Braun contacts, a frictional plane, leap-frog."""
 
 from functools import partial
-from math import ceil, cos, radians, sin
+from math import ceil, cos, isfinite, radians, sin
 from time import process_time
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from sim.engine.boundary.drive import Gravity
 from sim.engine.boundary.plane import make_plane, stored_in_plane
 from sim.engine.calls import Direct, kind_of
 from sim.engine.contact import Partners, law_of
-from sim.engine.dynamics.cells import make_box
+from sim.engine.dynamics.cells import Box, make_box
 from sim.engine.dynamics.neighbors import empty_pair_list, grown
 from sim.engine.dynamics.spheres import (
     SOLID,
@@ -31,13 +32,13 @@ from sim.engine.observe.regime import Scales
 from sim.engine.observe.sums import Sums, first_of, stacked
 from sim.engine.observe.system import Samples, no_pause
 from sim.engine.systems import leap_frog
-from sim.engine.systems.chute_start import initial_layer
+from sim.engine.systems.chute_start import Layer, initial_layer
 from sim.engine.systems.flow_profiles import FlowProfiles
 from sim.engine.systems.series import CHUTE_LEDGER, since_start
 from sim.engine.systems.sharing import Thread
-from sim.parameters import ChuteParameters
 from sim.parameters.chute import negligible_acceleration
 from sim.parameters.observables import CHUTE_SERIES
+from sim.parameters.spheres import SphereParameters
 
 #: Skin of the neighbor list in diameters.
 SKIN = 0.2
@@ -45,15 +46,15 @@ SKIN = 0.2
 #: Particle-steps from one pause to the next, at most: some tenths of a second.
 MOST_WORK = 4_000_000
 
-#: States of the path that ends a run, and the time (√(σ/g)) from one to the next.
-PATH_STATES, PATH_INTERVAL = 41, 0.1
+#: States of the path that ends a run.
+PATH_STATES = 41
 
 
 class _Kernels:
-    """What is called for each sample of flows with such laws."""
+    """What is called for each sample of flows with such laws and such a drive."""
 
-    def __init__(self, laws: tuple[NamedTuple, NamedTuple]):
-        kind = kind_of(laws)
+    def __init__(self, laws: tuple[NamedTuple, NamedTuple], drive: NamedTuple):
+        kind = kind_of(laws, drive)
         self.advance = Direct(leap_frog.advance_spheres, kind)
         self.stored_in_spheres = Direct(stored_in_spheres, kind)
         self.stored_in_plane = Direct(stored_in_plane, kind)
@@ -68,20 +69,26 @@ class Chute:
     series = CHUTE_SERIES
     ledger = CHUTE_LEDGER
     axes = ("x", "y", "z")
-    moving = (
+    moving: tuple[str, ...] = (
         *("spheres", "pairs", "plane", "memory", "scratch", "flow"),
         *("travelled", "lost", "work_done"),
     )
 
-    def __init__(self, parameters: ChuteParameters, replicate: int, substeps: int = 1):
+    #: Moment of inertia over m r², infinite without rotation; what of a particle counts towards a
+    #: slice; and the time, in units of the system, from one state of the path to the next.
+    inertia, weighed_by, path_interval = SOLID, VOLUME, 0.1
+
+    def __init__(self, parameters: SphereParameters, replicate: int, substeps: int = 1):
         self.parameters = p = parameters
         self.pause, self.stage = no_pause, ""
         self.substeps = substeps
         self.time_step = p.time_step / substeps
         self.sample_steps = p.sample_steps * substeps
-        side = p.cell * p.diameter
-        self.box = make_box(side, side)
-        layer = initial_layer(p, self.box, replicate)
+        self.box = self._box()
+        angle = radians(p.angle)
+        self.gravity = (p.gravity * sin(angle), 0.0, -p.gravity * cos(angle))
+        self.drive = self._drive()
+        layer = self._layer(replicate)
         number = len(layer.radius)
         self.spheres = make_spheres(*layer[:4], p.threads, p.orientations)
         self.pairs = empty_pair_list(layer.radius, self.box, SKIN * p.diameter)
@@ -92,27 +99,22 @@ class Chute:
         self.glued = number - p.particles
         self.flow = leap_frog.make_flow(number, p.threads, fixed=self.glued > 0)
         self.laws = (self._law(p.friction, 0.5 * p.mass), self._law(p.friction_plane, p.mass))
-        angle = radians(p.angle)
-        self.gravity = (p.gravity * sin(angle), 0.0, -p.gravity * cos(angle))
         slice_height = p.slice_height * p.diameter
         self.slices = FlowProfiles(
             ceil((1.5 * layer.height + 10.0 * p.diameter) / slice_height),
             slice_height,
-            area=self.box.length[0] * self.box.length[1],
+            area=self._base_area(),
             gravity=-self.gravity[2],
             stress=p.stress_profiles,
         )
-        negligible = negligible_acceleration(p.gravity, p.angle)
-        self.scales = Scales(
-            1e-3 * p.velocity_unit, acceleration=negligible, drift=p.drift, target=p.target
-        )
+        self.scales = self._scales()
         self.mass = float(self.spheres.mass.sum())
         self.weight = (self.mass * self.gravity[0], -self.mass * self.gravity[2])
         self.period = 1
         self.profile_height = self.slices.height()
         self.followed = FOLLOWED if p.stress_profiles else ()
         self._stretch = max(1, MOST_WORK // number)
-        self.loop_time, self._call = 0.0, _Kernels(self.laws)
+        self.loop_time, self._call = 0.0, _Kernels(self.laws, self.drive)
         self.travelled, self.lost, self.work_done = 0.0, 0.0, 0.0
         self.coordinates = {
             "overlap_edges": ("1", "edges of the intervals of overlap, in diameters", EDGES),
@@ -123,9 +125,30 @@ class Chute:
             ),
         }
 
+    def _box(self) -> Box:
+        side = self.parameters.cell * self.parameters.diameter
+        return make_box(side, side)
+
+    def _layer(self, replicate: int) -> Layer:
+        return initial_layer(self.parameters, self.box, replicate)
+
+    def _base_area(self) -> float:
+        """Return what a packing fraction is a share of, per height: the area of the cell, m²."""
+        return self.box.length[0] * self.box.length[1]
+
+    def _drive(self) -> NamedTuple:
+        return Gravity(self.gravity)
+
+    def _scales(self) -> Scales:
+        p = self.parameters
+        negligible = negligible_acceleration(p.gravity, p.angle)
+        return Scales(
+            1e-3 * p.velocity_unit, acceleration=negligible, drift=p.drift, target=p.target
+        )
+
     def _path_steps(self) -> int:
         """Return the time steps from one state of the path to the next."""
-        interval = PATH_INTERVAL * self.parameters.time_unit
+        interval = self.path_interval * self.parameters.time_unit
         return max(1, round(interval / self.parameters.time_step)) * self.substeps
 
     def _law(self, friction: float, reduced_mass: float) -> NamedTuple:
@@ -201,7 +224,8 @@ class Chute:
         return leap_frog.FlowContacts(self.laws, self.pairs, self.plane, self.memory)
 
     def _advance(self, steps: int, rank: int) -> int:
-        motion = leap_frog.Motion(self.gravity, self.time_step, self.parameters.overlap_limit)
+        limit = self.parameters.overlap_limit
+        motion = leap_frog.Motion(self.drive, self.time_step, limit, self.inertia)
         thread = Thread(rank, self.team.gate, self.scratch[rank])
         return self._call.advance(self.spheres, self._contacts(), self.flow, motion, thread, steps)
 
@@ -231,11 +255,12 @@ class Chute:
         along = self.gravity[0] * since_start(self, "travelled", way)
         across = -self.gravity[2] * height
         work = since_start(self, "work_done", sums[leap_frog.FRICTION_WORK])
+        inertia = self.inertia if isfinite(self.inertia) else 0.0
         return {
             "mean_velocity": velocity,
             "mass_flux": velocity * self.mass / self.box.length[0] ** 2,
             "kinetic_energy": 0.5 * kinetic,
-            "rotational_energy": 0.5 * SOLID * rotational,
+            "rotational_energy": 0.5 * inertia * rotational,
             "potential_energy": self.mass * (across - along),
             "stored_energy": normal + tangential,
             "normal_loss": since_start(self, "lost", sums[leap_frog.NORMAL_LOSS]),
@@ -261,7 +286,7 @@ class Chute:
             height, radius, velocity = height[moving], radius[moving], velocity[:, moving].copy()
             rim = rim[:, moving]
         profile, overlaps, *inside = (type(one)(*(part[k] for part in one)) for one in several)
-        self._call.add_sample(profile, VOLUME, slice_height, height, radius, velocity)
+        self._call.add_sample(profile, self.weighed_by, slice_height, height, radius, velocity)
         self._call.count_overlaps(overlaps.counts, spheres, self.pairs)
         if inside:
             spin, *carried = inside

@@ -5,9 +5,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sim.engine.dynamics.cells import Box
+from sim.engine.dynamics.cells import Box, make_box
 from sim.engine.systems.packing import random_packing
-from sim.parameters import ChuteParameters
+from sim.parameters.spheres import SphereParameters
 
 
 class Layer(NamedTuple):
@@ -23,38 +23,78 @@ class Layer(NamedTuple):
     height: float
 
 
-def initial_layer(p: ChuteParameters, box: Box, replicate: int) -> Layer:
-    """Return the initial state of a replicate.
+def initial_layer(p: SphereParameters, box: Box, replicate: int) -> Layer:
+    """Return the initial state of a replicate of spheres.
 
     Raises ``ValueError`` when the particles do not fit.
     """
     rng = np.random.default_rng([p.seed, replicate])
     height = p.depth * pi / 6.0 * p.diameter / p.initial_packing
-    size = np.ones(p.particles)
+    size = _sizes(p, rng)
     if p.diameter_spread > 0.0:
-        size = rng.uniform(1.0 - p.diameter_spread, 1.0 + p.diameter_spread, p.particles)
         # The flow shall weigh as much as one of equal spheres.
         size /= np.cbrt((size**3).mean())
     radius = 0.5 * p.diameter * size
     position = random_packing(box, height, radius, rng)
-    velocity = rng.normal(0.0, p.initial_agitation * p.velocity_unit / 3**0.5, position.shape)
+    velocity = _agitated(p, position.shape, rng)
+    mobile = Layer(position, velocity, radius, p.mass * size**3, height)
+    if not p.bumps:
+        return mobile
+    return _lifted(mobile, p, _bumps(p, box, replicate))
+
+
+def initial_row(p: SphereParameters, box: Box, replicate: int) -> Layer:
+    """Return the initial state of a replicate of discs, all in the plane y = 0.
+
+    Raises ``ValueError`` when they do not fit.
+    """
+    rng = np.random.default_rng([p.seed, replicate])
+    height = p.depth * pi / 4.0 * p.diameter / p.initial_packing
+    size = _sizes(p, rng)
+    size /= np.sqrt((size**2).mean())
+    radius = 0.5 * p.diameter * size
+    flat = make_box(box.length[0])
+    position = random_packing(flat, height, radius, rng)
+    velocity = _agitated(p, position.shape, rng)
+    mobile = Layer(_in_a_row(position), _in_a_row(velocity), radius, p.mass * size**2, height)
+    if not p.bumps:
+        return mobile
+    return _lifted(mobile, p, _in_a_row(_bumps(p, flat, replicate)))
+
+
+def _sizes(p: SphereParameters, rng) -> np.ndarray:
+    """Return diameters relative to each other."""
+    if p.diameter_spread > 0.0:
+        return rng.uniform(1.0 - p.diameter_spread, 1.0 + p.diameter_spread, p.particles)
+    return np.ones(p.particles)
+
+
+def _agitated(p: SphereParameters, shape: tuple[int, ...], rng) -> np.ndarray:
+    """Return random velocities (N, D) about the common one, m/s."""
+    velocity = rng.normal(0.0, p.initial_agitation * p.velocity_unit / shape[1] ** 0.5, shape)
     velocity -= velocity.mean(axis=0)
     velocity[:, 0] += p.initial_velocity * p.velocity_unit
-    mobile = Layer(position, velocity, radius, p.mass * size**3, height)
-    return _above_bumps(mobile, p, box, replicate) if p.bumps > 0.0 else mobile
+    return velocity
 
 
-def _above_bumps(mobile: Layer, p: ChuteParameters, box: Box, replicate: int) -> Layer:
-    """Lift the spheres and put those that are glued to the plane below them."""
+def _in_a_row(flat: np.ndarray) -> np.ndarray:
+    """Return vectors (N, 2) along x and z as (N, 3)."""
+    return np.insert(flat, 1, 0.0, axis=1)
+
+
+def _bumps(p: SphereParameters, box: Box, replicate: int) -> np.ndarray:
+    """Return places of the particles that are glued to the plane."""
     rng = np.random.default_rng([p.seed, replicate, 1])
+    return random_packing(box, 0.0, np.full(p.glued, p.bumps * p.diameter / 2), rng)
+
+
+def _lifted(mobile: Layer, p: SphereParameters, glued: np.ndarray) -> Layer:
+    """Return the particles lifted above those that are glued at these places."""
     diameter = p.bumps * p.diameter
-    radius = np.full(p.glued, diameter / 2)
-    glued = random_packing(box, 0.0, radius, rng)
-    lifted = mobile.position + np.array([0.0, 0.0, diameter])
     return Layer(
-        np.concatenate([lifted, glued]),
+        np.concatenate([mobile.position + np.array([0.0, 0.0, diameter]), glued]),
         np.concatenate([mobile.velocity, np.zeros_like(glued)]),
-        np.concatenate([mobile.radius, radius]),
-        np.concatenate([mobile.mass, np.zeros(len(radius))]),
+        np.concatenate([mobile.radius, np.full(len(glued), diameter / 2)]),
+        np.concatenate([mobile.mass, np.zeros(len(glued))]),
         mobile.height + diameter,
     )

@@ -12,12 +12,13 @@ from typing import NamedTuple
 
 import numpy as np
 
+from sim.engine.boundary.drive import acceleration, note_work
 from sim.engine.boundary.plane import Plane, plane_forces
 from sim.engine.compile import inlined, kernel, vectorised, wide_vectors
 from sim.engine.dynamics.mean_flow import AGE, allowed_stray
 from sim.engine.dynamics.neighbors import PairList
 from sim.engine.dynamics.orientation import rotate
-from sim.engine.dynamics.spheres import SOLID, Contacts, sphere_forces
+from sim.engine.dynamics.spheres import Contacts, sphere_forces
 from sim.engine.dynamics.status import OK, OVERLAP
 from sim.engine.dynamics.team import Share, barrier
 from sim.engine.systems.sharing import (
@@ -55,12 +56,13 @@ class FlowContacts(NamedTuple):
 
 
 class Motion(NamedTuple):
-    """``gravity`` (m/s²) along x, y, z, ``time_step`` (s), and the largest overlap relative to the
-    sum of the radii that is admitted."""
+    """``drive``, ``time_step`` (s), the largest overlap relative to the sum of the radii that is
+    admitted, and the ``inertia``, moment of inertia over m r², infinite without rotation."""
 
-    gravity: tuple[float, float, float]
+    drive: NamedTuple
     time_step: float
     overlap_limit: float
+    inertia: float
 
 
 class Flow(NamedTuple):
@@ -87,9 +89,10 @@ def make_flow(particles: int, threads: int = 1, fixed: bool = False) -> Flow:
 
 
 @inlined
-def move_spheres(spheres, pairs, motion, allowed, share):
+def move_spheres(spheres, pairs, motion, gravity, allowed, share):
     """Advance velocities and positions of some particles by one step.
 
+    ``gravity`` (m/s²) is that of the drive in this step.
     Returns the sums of the velocities along x, y and z, the momentum along x, how many particles
     are farther than ``allowed`` (m) from where drift and mean flow would have carried them. Any
     common vector serves as the drift, so the mean velocity of the last step may be used to advance
@@ -97,7 +100,7 @@ def move_spheres(spheres, pairs, motion, allowed, share):
     """
     vectorised()
     rank, begin, end = share
-    gravity, time_step, _ = motion
+    time_step, inertia = motion.time_step, motion.inertia
     x, v, w = spheres.position, spheres.velocity, spheres.rim
     force, moment, anchor = spheres.force, spheres.moment, pairs.anchor
     age = pairs.clock[AGE] * time_step
@@ -106,7 +109,7 @@ def move_spheres(spheres, pairs, motion, allowed, share):
     for k in range(begin, end):
         i = np.uint64(k)
         rate = time_step * spheres.inverse_mass[i]
-        spin_rate = rate / SOLID
+        spin_rate = rate / inertia
         vx = v[0, i] + (force[rank, 0, i] * rate + gravity[0] * time_step)
         vy = v[1, i] + (force[rank, 1, i] * rate + gravity[1] * time_step)
         vz = v[2, i] + (force[rank, 2, i] * rate + gravity[2] * time_step)
@@ -128,7 +131,7 @@ def move_spheres(spheres, pairs, motion, allowed, share):
 
 
 @inlined
-def hold(spheres, motion, share):
+def hold(spheres, gravity, time_step, share):
     """Keep the fixed particles where they are through the next move.
 
     Returns the sums of the forces on them along x and z (N).
@@ -141,7 +144,7 @@ def hold(spheres, motion, share):
             upward += spheres.force[rank, 2, i]
             # What gravity adds to it makes zero, to the last bit.
             for d in range(3):
-                spheres.velocity[d, i] = -(motion.gravity[d] * motion.time_step)
+                spheres.velocity[d, i] = -(gravity[d] * time_step)
     return along, upward
 
 
@@ -183,14 +186,17 @@ def _finish_forces_and_move(spheres, contacts, flow, motion, thread, step):
     before, after = plane.memory[(step + 1) % 2], plane.memory[step % 2]
     on_plane = Contacts(contacts.laws[1], plane.slot, before, after)
     allowed = allowed_stray(contacts.pairs, time_step)
+    gravity = acceleration(motion.drive, step, time_step)
     for start in range(share.begin, share.end, STRIP):
         strip = Share(share.rank, start, min(start + STRIP, share.end))
         touching, overlap, lost, work, along, upward = plane_forces(
             spheres, on_plane, thread.scratch, time_step, strip
         )
         collect_forces(spheres, flow.sharing, strip)
-        held_x, held_z = hold(spheres, motion, strip) if flow.fixed[0] else (0.0, 0.0)
-        moved, momentum, strayed = move_spheres(spheres, contacts.pairs, motion, allowed, strip)
+        held_x, held_z = hold(spheres, gravity, time_step, strip) if flow.fixed[0] else (0.0, 0.0)
+        moved, momentum, strayed = move_spheres(
+            spheres, contacts.pairs, motion, gravity, allowed, strip
+        )
         rotate(spheres.orientation, spheres.rim, spheres.radius, time_step, strip.begin, strip.end)
         _note(part, touching, overlap, lost, work)
         part[MOMENTUM] += momentum
@@ -202,10 +208,10 @@ def _finish_forces_and_move(spheres, contacts, flow, motion, thread, step):
 
 
 @inlined
-def _take_stock(pairs, flow, time_step, step):
+def _take_stock(pairs, flow, motion, step):
     """Add up the parts of a step: sums of observables, the drift, whether the list still holds."""
     sums, parts, number = flow.sums, flow.sharing.parts[step % 2], pairs.stream.size
-    strayed = 0.0
+    time_step, strayed, along, upward = motion.time_step, 0.0, 0.0, 0.0
     for rank in range(parts.shape[0]):
         sums[MOMENTUM] += parts[rank, MOMENTUM]
         sums[CONTACTS] += parts[rank, CONTACTS]
@@ -214,9 +220,12 @@ def _take_stock(pairs, flow, time_step, step):
         sums[FRICTION_WORK] += parts[rank, FRICTION_WORK]
         sums[PLANE_X] += parts[rank, PLANE_X]
         sums[PLANE_Z] += parts[rank, PLANE_Z]
+        along += parts[rank, PLANE_X]
+        upward += parts[rank, PLANE_Z]
         strayed += parts[rank, STRAYED]
         for d in range(3):
             pairs.drift[d] += parts[rank, MOVED + d] * time_step / number
+    note_work(motion.drive, step, time_step, along, upward)
     sums[STEPS] += 1.0
     pairs.clock[AGE] += 1.0
     pairs.valid[0] = strayed == 0.0
@@ -254,7 +263,7 @@ def advance_spheres(spheres, contacts, flow, motion, thread, steps):
             largest = max(largest, parts[rank, LARGEST])
         valid = strayed == 0.0
         if thread.rank == 0:
-            _take_stock(contacts.pairs, flow, motion.time_step, step)
+            _take_stock(contacts.pairs, flow, motion, step)
         if not largest < motion.overlap_limit:
             return OVERLAP
     return OK

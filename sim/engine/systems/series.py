@@ -1,4 +1,4 @@
-"""Which time series of both systems add up to the energy, and sums since the start."""
+"""Which time series of each system add up to the energy, and sums since the start."""
 
 from typing import Any
 
@@ -37,6 +37,13 @@ BELT_LEDGER = Ledger(
         "shear_loss": "shear_power",
         "belt_work": "belt_power",
     },
+)
+
+
+CONVEYOR_LEDGER = Ledger(
+    terms=CHUTE_LEDGER.terms | {"plane_work": -1},
+    turnover=CHUTE_LEDGER.turnover,
+    powers=CHUTE_LEDGER.powers | {"plane_work": "plane_power"},
 )
 
 

@@ -8,7 +8,8 @@ import netCDF4
 import numpy as np
 
 from sim.base.errors import InputError
-from sim.parameters import BeltParameters, ChuteParameters, Parameters
+from sim.parameters import Parameters
+from sim.parameters.spheres import SphereParameters
 
 #: What a frame is made of: in a trajectory, and in the first and last state of any run.
 _OF_TRAJECTORY = ("trajectory_position", "trajectory_velocity", "trajectory_spin")
@@ -131,10 +132,9 @@ def _cell(
     """Return low and high corner of a cell that holds all particles, and where it is periodic."""
     bottom = min(0.0, float((height - radius).min(initial=0.0)))
     top = float((height + radius).max(initial=parameters.diameter))
-    if isinstance(parameters, ChuteParameters):
-        side = parameters.period
+    side = parameters.period
+    if isinstance(parameters, SphereParameters) and not parameters.is_flat:
         return np.array([0.0, 0.0, bottom]), np.array([side, side, top]), (True, True, False)
-    assert isinstance(parameters, BeltParameters), "there are two systems"
     thick = float(radius.max())
-    high = np.array([parameters.period, thick, top])
+    high = np.array([side, thick, top])
     return np.array([0.0, -thick, bottom]), high, (True, False, False)

@@ -1,0 +1,115 @@
+"""What drives particles on a plane: gravity, and how the plane moves.
+
+Particles are told in the frame of the plane, in which contacts, bumps and neighbor list know
+nothing of its motion: what a plane that moves with the velocity u adds is the acceleration
+-du/dt of all that is free. Gravity alone is a type of its own, for which nothing is left of it.
+"""
+
+from math import pi, radians
+from typing import NamedTuple
+
+import numpy as np
+
+from sim.engine.compile import implements, inlined
+from sim.parameters.conveyor import ConveyorParameters
+
+
+class Gravity(NamedTuple):
+    """``gravity`` (m/s²) along x, y, z; the plane rests."""
+
+    gravity: tuple[float, float, float]
+
+
+class Vibration(NamedTuple):
+    """A plane that moves along x and z, each as a sin(ωt + φ) + b sin(kωt + ψ).
+
+    ``gravity`` (m/s²); ``rate`` ω (1/s) and ``overtone`` k; for x and z ``amplitude`` a (m) with
+    ``phase`` φ (rad) and ``second`` b (m) with the ``second_phase`` ψ (rad) of both; ``work`` (1,)
+    of the plane on the particles (J), a sum over steps.
+    """
+
+    gravity: tuple[float, float, float]
+    rate: float
+    overtone: float
+    amplitude: tuple[float, float]
+    phase: tuple[float, float]
+    second: tuple[float, float]
+    second_phase: float
+    work: np.ndarray
+
+
+def vibration(p: ConveyorParameters, gravity: tuple[float, float, float]) -> Vibration:
+    """Return the vibration of a point under such gravity (m/s²)."""
+    sigma = p.diameter
+    return Vibration(
+        gravity,
+        2.0 * pi * p.frequency,
+        float(p.overtone),
+        (p.amplitude_along * sigma, p.amplitude * sigma),
+        (radians(p.phase_along), 0.0),
+        (p.overtone_along * sigma, p.overtone_amplitude * sigma),
+        radians(p.overtone_phase),
+        np.zeros(1),
+    )
+
+
+@inlined
+def plane_velocity(drive, axis, time):
+    """Return the velocity (m/s) of a vibrating plane along x (axis 0) or z (1)."""
+    angle, again = drive.rate * time, drive.overtone * drive.rate
+    first = drive.amplitude[axis] * drive.rate * np.cos(angle + drive.phase[axis])
+    second = again * np.cos(drive.overtone * angle + drive.second_phase)
+    return first + drive.second[axis] * second
+
+
+def plane_place(drive: Vibration, axis: int, time: np.ndarray) -> np.ndarray:
+    """Return where a vibrating plane is (m) along x (axis 0) or z (1)."""
+    angle = drive.rate * time
+    first = drive.amplitude[axis] * np.sin(angle + drive.phase[axis])
+    return first + drive.second[axis] * np.sin(drive.overtone * angle + drive.second_phase)
+
+
+def acceleration(drive, step, time_step):
+    """Return the acceleration (m/s²) along x, y, z of what touches nothing, in a step.
+
+    It takes velocities from half a step before the time of the last step to half a step behind it.
+    """
+    raise NotImplementedError
+
+
+@implements(acceleration)
+def _acceleration(drive, step, time_step):
+    if drive.instance_class is Gravity:
+        return lambda drive, step, time_step: drive.gravity
+    return lambda drive, step, time_step: _in_the_frame(drive, step, time_step)
+
+
+@inlined
+def _in_the_frame(drive, step, time_step):
+    gx, gy, gz = drive.gravity
+    before, after = (step - 1.5) * time_step, (step - 0.5) * time_step
+    ax = (plane_velocity(drive, 0, after) - plane_velocity(drive, 0, before)) / time_step
+    az = (plane_velocity(drive, 1, after) - plane_velocity(drive, 1, before)) / time_step
+    return gx - ax, gy, gz - az
+
+
+def note_work(drive, step, time_step, along, upward):
+    """Add the work of a moving plane that pushes with a force along x and z (N) in a step."""
+    raise NotImplementedError
+
+
+@implements(note_work)
+def _note_work(drive, step, time_step, along, upward):
+    if drive.instance_class is Gravity:
+        return lambda drive, step, time_step, along, upward: None
+    return lambda drive, step, time_step, along, upward: _add_work(
+        drive, step, time_step, along, upward
+    )
+
+
+@inlined
+def _add_work(drive, step, time_step, along, upward):
+    before, after = (step - 1.5) * time_step, (step - 0.5) * time_step
+    ux = 0.5 * (plane_velocity(drive, 0, before) + plane_velocity(drive, 0, after))
+    uz = 0.5 * (plane_velocity(drive, 1, before) + plane_velocity(drive, 1, after))
+    drive.work[0] += (along * ux + upward * uz) * time_step

@@ -1,0 +1,125 @@
+"""A vibrating plane with spheres or discs on it, told in the frame of the plane."""
+
+from math import inf, pi
+
+import numpy as np
+
+from sim.engine.boundary.drive import Vibration, plane_place, plane_velocity, vibration
+from sim.engine.dynamics.cells import Box, make_box
+from sim.engine.dynamics.spheres import SOLID
+from sim.engine.observe.profiles import AREA, VOLUME
+from sim.engine.observe.regime import Scales
+from sim.engine.systems.chute import Chute
+from sim.engine.systems.chute_start import Layer, initial_layer, initial_row
+from sim.engine.systems.series import CONVEYOR_LEDGER, since_start
+from sim.parameters import ConveyorParameters
+from sim.parameters.chute import negligible_acceleration
+from sim.parameters.observables import CONVEYOR_SERIES
+
+#: Moment of inertia of a disc over m r².
+DISC = 0.5
+
+#: Breadth of the cell of discs in their largest diameters: no disc meets its own image.
+BREADTH = 3.0
+
+
+class Conveyor(Chute):
+    """One replicate of a flow on a vibrating plane.
+
+    Positions and velocities of the particles are those relative to the plane; time series and
+    energies are those of the laboratory.
+    """
+
+    series = CONVEYOR_SERIES
+    ledger = CONVEYOR_LEDGER
+    moving = (*Chute.moving, "drive", "plane_work")
+    path_interval = 1 / 40
+
+    parameters: ConveyorParameters
+    drive: Vibration
+
+    def __init__(self, parameters: ConveyorParameters, replicate: int, substeps: int = 1):
+        flat = parameters.is_flat
+        self.weighed_by = AREA if flat else VOLUME
+        self.inertia = (DISC if flat else SOLID) if parameters.rotation else inf
+        self.plane_work = 0.0
+        super().__init__(parameters, replicate, substeps)
+        self.period = parameters.samples_per_cycle
+
+    def _box(self) -> Box:
+        p = self.parameters
+        if not p.is_flat:
+            return super()._box()
+        breadth = BREADTH * max(p.diameter * (1 + p.diameter_spread), p.bumps * p.diameter)
+        return make_box(p.cell * p.diameter, breadth)
+
+    def _layer(self, replicate: int) -> Layer:
+        """Return the initial state: told in the frame of the plane, which moves already."""
+        made = initial_row if self.parameters.is_flat else initial_layer
+        layer = made(self.parameters, self.box, replicate)
+        for axis, d in ((0, 0), (1, 2)):
+            speed = plane_velocity(self.drive, axis, -0.5 * self.time_step)
+            layer.velocity[layer.mass > 0.0, d] -= speed
+        return layer
+
+    def _base_area(self) -> float:
+        """Return the area of the cell (m²), or the length of that of discs (m)."""
+        return self.box.length[0] if self.parameters.is_flat else super()._base_area()
+
+    def _drive(self) -> Vibration:
+        return vibration(self.parameters, self.gravity)
+
+    def _scales(self) -> Scales:
+        p = self.parameters
+        # Without a slope nothing accelerates for ever.
+        negligible = negligible_acceleration(p.gravity, p.angle) if p.angle else inf
+        return Scales(p.least_transport, acceleration=negligible, drift=p.drift, target=p.target)
+
+    def take_over(self, other: Chute) -> None:
+        """Go on with the particles of another flow, the plane in its initial phase."""
+        assert isinstance(other, Conveyor), "starts are alike"
+        if other.flow.step[0] % other._cycle_steps:
+            raise ValueError("that flow has been shaken for no whole number of cycles")
+        super().take_over(other)
+        self.flow.step[0] = 0
+
+    def _state(self) -> tuple[float, ...]:
+        """Return what a sample needs: as for the chute, then what the plane has moved and done."""
+        spheres, step = self.spheres, int(self.flow.step[0])
+        momentum = (spheres.mass * spheres.velocity[::2]).sum(axis=1)
+        work, self.drive.work[0] = float(self.drive.work[0]), 0.0
+        return (*super()._state(), *momentum.tolist(), work, float(step))
+
+    def _values(self, states: np.ndarray) -> dict[str, np.ndarray]:
+        """Return what the time series hold of such states (S, K), in the laboratory."""
+        *chute, along, upward, work, step = states
+        values = super()._values(np.array(chute))
+        time, interval = step * self.time_step, chute[0] * self.time_step
+        # Velocities live half a step before the positions.
+        ux, uz = (plane_velocity(self.drive, d, time - 0.5 * self.time_step) for d in (0, 1))
+        x, z = (plane_place(self.drive, d, time) for d in (0, 1))
+        way = x - plane_place(self.drive, 0, time - interval)
+        carried = x - plane_place(self.drive, 0, np.zeros(1))
+        values["mean_velocity"] = values["mean_velocity"] + way / interval
+        values["mass_flux"] = values["mean_velocity"] * self.mass / self._flux_area()
+        values["kinetic_energy"] = (
+            values["kinetic_energy"]
+            + (along * ux + upward * uz)
+            + 0.5 * self.mass * (ux * ux + uz * uz)
+        )
+        lifted = -self.gravity[2] * z - self.gravity[0] * carried
+        values["potential_energy"] = values["potential_energy"] + self.mass * lifted
+        values["height_of_mass"] = values["height_of_mass"] + z
+        return values | {
+            "plane_work": since_start(self, "plane_work", work),
+            "plane_phase": 2.0 * pi * (step % self._cycle_steps) / self._cycle_steps,
+        }
+
+    @property
+    def _cycle_steps(self) -> int:
+        return self.sample_steps * self.parameters.samples_per_cycle
+
+    def _flux_area(self) -> float:
+        """Return the area (m²) of the cell; discs count as one mean diameter thick."""
+        length = self.box.length[0]
+        return length * (self.parameters.diameter if self.parameters.is_flat else length)

@@ -1,0 +1,375 @@
+"""Parameters of spheres with contact laws of the chute's kind, whatever drives them."""
+
+import math
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self
+
+from pydantic import model_validator
+
+from sim.parameters.common import MAX_PARTICLES, Parameters, Real, broken_rule
+from sim.parameters.roles import declare
+
+#: Particle-steps per second on one core of a present-day server up to a depth, and the power by
+#: which the rate falls with depth above it: there are more contacts per particle.
+RATE = 45.0e6
+RATE_DEPTH = 5.0
+RATE_EXPONENT = -0.55
+
+#: Largest overlap of an impact in diameters for which the laws of small overlaps stand: twice that
+#: of the paper's softest spheres.
+SMALL = 0.1
+
+_TOO_SOFT = (
+    f"overlap by more than {100 * SMALL:g} % of a diameter, beyond the range of the contact law; a "
+    "larger stiffness cures it"
+)
+
+
+class SphereParameters(Parameters):
+    """Particles that rotate and slide, and the plane that they are on.
+
+    Lengths in diameters; a concrete system adds ``angle``, ``initial_velocity`` and the lengths of
+    a run.
+    """
+
+    state_numbers: ClassVar[int] = 9
+    smallest: ClassVar[dict[str, Any]] = {"depth": 0.2, "cell": 5}
+    kept: ClassVar[tuple[str, ...]] = (
+        *("seed", "depth", "cell", "diameter", "diameter_spread", "mass", "bumps", "bump_coverage"),
+        *("restitution", "stiffness", "law", "tangential_ratio", "tangential_exponent"),
+        *("overlap_memory", "initial_packing", "orientations", "threads"),
+    )
+
+    if TYPE_CHECKING:
+
+        @property
+        def angle(self) -> float: ...
+        @property
+        def initial_velocity(self) -> float: ...
+
+    depth: Real = declare(
+        5,
+        symbol="n",
+        unit="1",
+        description="depth of the flow: particles per squared diameter of plane",
+        equation="Walton, Sec. 3: n = N/σ²",
+        id_part="depth",
+        gt=0,
+    )
+    friction: Real = declare(
+        0.4,
+        symbol="μ",
+        unit="1",
+        description="friction coefficient between particles",
+        equation="Walton, Sec. 2.2: |T| ≤ μ F_N",
+        id_part="friction",
+        ge=0,
+    )
+    friction_plane: Real = declare(
+        symbol="μ_p",
+        unit="1",
+        description="friction coefficient between particles and plane (omitted: friction)",
+        equation="Walton, Sec. 3",
+        ge=0,
+        default_factory=lambda given: given["friction"],
+    )
+    restitution: Real = declare(
+        0.85,
+        symbol="e",
+        unit="1",
+        description="normal coefficient of restitution, the same at every impact velocity",
+        equation="Walton, Sec. 2.1: e = √(K1/K2)",
+        id_part="restitution",
+        ge=0.001,
+        le=1,
+    )
+    stiffness: Real = declare(
+        100,
+        symbol="K1",
+        unit="N m-1",
+        description="normal stiffness in loading",
+        equation="Walton, Sec. 2.1: F_N = K1 α",
+        id_part="stiffness",
+        gt=0,
+    )
+    law: Literal["walton_braun", "spring_dashpot"] = declare(
+        "walton_braun",
+        description="contact law: Walton and Braun's, or the linear spring and dashpot with a "
+        "linear tangential spring that most DEM codes use",
+        equation="Walton, Sec. 2; Cundall and Strack (1979)",
+        role="reading",
+        compiled=True,
+    )
+    tangential_ratio: Real = declare(
+        0.8,
+        symbol="K0/K1",
+        unit="1",
+        description="initial tangential stiffness relative to the normal stiffness",
+        equation="Walton, Eq. 1",
+        role="reading",
+        gt=0,
+    )
+    tangential_exponent: Real = declare(
+        1 / 3,
+        symbol="γ",
+        unit="1",
+        description="exponent of the tangential stiffness (0: linear spring)",
+        equation="Walton, Eq. 1",
+        role="reading",
+        compiled=True,
+        ge=0,
+    )
+    cell: Real = declare(
+        symbol="L",
+        unit="1",
+        scale="σ",
+        description="side of the periodic cell (omitted: 10 up to depth 10, 5 above)",
+        equation="Walton, Sec. 3, Figs. 1.1-1.6",
+        role="numerics",
+        changes_start=True,
+        ge=3,
+        default_factory=lambda given: 10 if given["depth"] <= 10 else 5,
+    )
+    diameter: Real = declare(
+        1e-3,
+        symbol="σ",
+        unit="m",
+        description="diameter of a particle",
+        equation="Walton, Sec. 3",
+        gt=0,
+    )
+    mass: Real = declare(
+        1.492e-6,
+        symbol="m",
+        unit="kg",
+        description="mass of a particle",
+        equation="Walton, Sec. 3",
+        gt=0,
+    )
+    diameter_spread: Real = declare(
+        0,
+        symbol="Δσ/σ",
+        unit="1",
+        scale="σ",
+        description="half width of the uniform distribution of diameters, which are scaled so that "
+        "the mean mass is mass (the paper: 0)",
+        equation="Walton, Sec. 3",
+        ge=0,
+        le=0.5,
+    )
+    bumps: Real = declare(
+        0,
+        symbol="d_b",
+        unit="1",
+        scale="σ",
+        description="diameter of the spheres glued to the plane at random places (0: none)",
+        equation="Walton, Sec. 3: various degrees of roughness",
+        ge=0,
+        le=3,
+    )
+    bump_coverage: Real = declare(
+        0.4,
+        symbol="c_b",
+        unit="1",
+        description="share of the plane that the glued spheres cover, seen from above",
+        ge=0.01,
+        le=0.45,
+    )
+    gravity: Real = declare(
+        9.8,
+        symbol="g",
+        unit="m s-2",
+        description="gravitational acceleration",
+        equation="Walton, Sec. 3",
+        gt=0,
+    )
+    initial_packing: Real = declare(
+        0.32,
+        symbol="φ0",
+        unit="1",
+        description="packing fraction of the random initial state",
+        equation="Walton, Sec. 1: 0.4 or less",
+        role="numerics",
+        ge=0.001,
+        le=0.35,
+    )
+    initial_agitation: Real = declare(
+        0.1,
+        symbol="u0",
+        unit="1",
+        scale="√(gσ)",
+        description="root mean square of the random initial velocities",
+        equation="Walton, Sec. 1",
+        role="numerics",
+        ge=0,
+    )
+    steps_per_collision: int = declare(
+        40,
+        symbol="t_c/Δt",
+        unit="1",
+        description="time steps in one binary collision",
+        equation="t_c = (π/2) √(m/2K1) (1 + e)",
+        role="numerics",
+        ge=10,
+        le=1000,
+    )
+    slice_height: Real = declare(
+        0.25,
+        symbol="Δz",
+        unit="1",
+        scale="σ",
+        description="height of the slices of the profiles",
+        equation="Walton, Figs. 1.1-1.6",
+        role="numerics",
+        ge=0.01,
+    )
+    stress_profiles: bool = declare(
+        False,
+        description="also keep profiles of stress, spin and slip, and how the profiles change "
+        "with time",
+        role="numerics",
+        compiled=True,
+        added=True,
+    )
+    overlap_limit: Real = declare(
+        0.25,
+        symbol="α_lim",
+        unit="1",
+        scale="σ",
+        description="overlap at which the run stops as unphysical (0.25: half a radius)",
+        role="numerics",
+        gt=0,
+        le=0.95,
+    )
+    orientations: bool = declare(
+        True,
+        description="follow the orientations of the particles (changes no trajectory)",
+        equation="Walton, Sec. 2",
+        role="numerics",
+        compiled=True,
+    )
+    threads: int = declare(
+        1,
+        unit="1",
+        description="threads of one run (pays from some thousand particles on); the bits of the "
+        "result depend on their number",
+        role="numerics",
+        ge=1,
+        le=256,
+    )
+    overlap_memory: Literal["separation", "shrink", "reset"] = declare(
+        "separation",
+        description="the largest overlap of a contact is remembered until the particles separate, "
+        "shrinks with the overlap once the force is zero, or is reset when the force is zero",
+        equation="Walton, Sec. 2.1: α0",
+        role="reading",
+        compiled=True,
+    )
+    friction_cap: Literal["before", "after"] = declare(
+        "before",
+        description="a tangential force above the friction limit is cut before or after the "
+        "tangential stiffness is evaluated",
+        equation="Walton, Sec. 2.2",
+        role="reading",
+        compiled=True,
+    )
+
+    @classmethod
+    def hint(cls, key: str, value: Any) -> str:
+        """Say what may have been meant by a value."""
+        if key == "law" and isinstance(value, str):
+            return "a plug-in's, where plugins of the study or TALUS_PLUGINS name the plug-in"
+        return ""
+
+    @property
+    def collision_time(self) -> float:
+        """Duration of a binary collision of the lightest particles, s, with m* = m/2.
+
+        t_c = (π/2) √(m*/K1) (1 + e); of spring and dashpot π √(m*/K) √(1 + (ln e/π)²).
+        """
+        spread = self.diameter_spread
+        lightest = self.mass * (1 - spread) ** 3 / (1 + spread**2)
+        loading = math.pi / 2 * math.sqrt(lightest / 2 / self.stiffness)
+        if self.law == "spring_dashpot":
+            return 2 * loading * math.hypot(1, math.log(self.restitution) / math.pi)
+        return loading * (1 + self.restitution)
+
+    @property
+    def period(self) -> float:
+        """Length along x after which all comes again, m."""
+        return self.cell * self.diameter
+
+    @property
+    def particles(self) -> int:
+        """Particles in the cell: depth times the cell's area in squared diameters."""
+        return max(1, round(self.depth * self.cell * self._breadth))
+
+    @property
+    def glued(self) -> int:
+        """Spheres glued to the plane: their circles cover the share of it that is wanted."""
+        if not self.bumps:
+            return 0
+        return max(1, round(self.bump_coverage * self._area / self._covered_by_a_bump))
+
+    @property
+    def is_flat(self) -> bool:
+        """Whether all particles lie in one plane, y = 0."""
+        return False
+
+    @property
+    def _breadth(self) -> float:
+        """Side of the cell across the flow, in diameters."""
+        return self.cell
+
+    @property
+    def _area(self) -> float:
+        """Area of the cell in squared diameters."""
+        return self.cell * self._breadth
+
+    @property
+    def _covered_by_a_bump(self) -> float:
+        """Area of a glued sphere's circle in squared diameters; 0 where it is below all numbers."""
+        return math.pi / 4 * self.bumps**2
+
+    def caveat_of(self, overlap: float) -> str:
+        """Say so when spheres have overlapped by more than the contact law bears."""
+        return f"spheres {_TOO_SOFT}" if overlap > SMALL else ""
+
+    def _caveat_at(self, speed: float, what: str) -> str:
+        """Say so when impacts at a speed (m/s) overlap by more than the contact law bears.
+
+        Spheres that meet head-on at a speed v overlap by v √(m/2K1).
+        """
+        overlap = speed * math.sqrt(0.5 * self.mass / self.stiffness) / self.diameter
+        return f"impacts at {what} {_TOO_SOFT}" if overlap > SMALL else ""
+
+    @property
+    def cores(self) -> int:
+        """Cores that a run can keep busy: one per thread."""
+        return self.threads
+
+    @property
+    def rate(self) -> float:
+        """Particle-steps per second, about."""
+        return RATE * (max(RATE_DEPTH, self.depth) / RATE_DEPTH) ** RATE_EXPONENT
+
+    @model_validator(mode="after")
+    def _of_one_mass_for_dashpots(self) -> Self:
+        # The damping that gives the restitution wanted depends on the masses of both partners.
+        if self.law == "spring_dashpot":
+            for name in ("diameter_spread", "bumps"):
+                if getattr(self, name):
+                    raise broken_rule(name, getattr(self, name), "0 with law: spring_dashpot")
+        return self
+
+    @model_validator(mode="after")
+    def _of_feasible_count(self) -> Self:
+        if not self.depth * self._area <= MAX_PARTICLES:
+            allowed = f"a value that gives at most {MAX_PARTICLES:.0e} particles in the cell"
+            raise broken_rule("depth", self.depth, allowed)
+        room = (MAX_PARTICLES - self.particles) * self._covered_by_a_bump
+        if self.bumps and not self.bump_coverage * self._area <= room:
+            allowed = (
+                f"a value that gives at most {MAX_PARTICLES:.0e} particles, glued ones included"
+            )
+            raise broken_rule("bumps", self.bumps, allowed)
+        return self
