@@ -49,6 +49,10 @@ COMMANDS = {
     "export": ("sim.report.export.command:export", "write the particles of a run in other formats"),
     "warm": (f"{__name__}:warm", "compile the engine, so that runs start at once"),
     "bench": ("sim.engine.bench:main", "measure speed, start-up and memory"),
+    "adopt": (
+        "sim.dataset.adopt:adopt",
+        "take what a dataset has of a study instead of running it",
+    ),
     "dataset": ("sim.dataset.build:build", "combine the runs of a study in one dataset"),
     "boundaries": ("sim.dataset.boundaries:build", "write the boundaries found as CSV"),
     "claims": ("sim.claims.written:build", "judge the claims of both papers on a study"),
@@ -164,7 +168,7 @@ def parser(prog: str) -> argparse.ArgumentParser:
         description = f"{text[0].upper()}{text[1:]}."
         parsers[name] = commands.add_parser(name, help=text, description=description)
         parsers[name].set_defaults(function=function)
-    of_studies = "points refine dataset boundaries claims decide report orphans publish"
+    of_studies = "points refine adopt dataset boundaries claims decide report orphans publish"
     for name in of_studies.split():
         _add_study(parsers[name])
     _add_study(parsers["status"], nargs="?", help="(default: config/quick.yaml)")
@@ -317,6 +321,13 @@ def _add_result_options(parsers: dict[str, argparse.ArgumentParser]) -> None:
         metavar="ADDRESS",
         help="have the workers of a dask cluster read them (default: $DASK_SCHEDULER_ADDRESS)",
     )
+    dataset.add_argument(
+        "--finished",
+        type=Path,
+        metavar="FILE.nc",
+        help="write only the points whose runs have finished, to be adopted elsewhere",
+    )
+    parsers["adopt"].add_argument("dataset_path", type=Path, metavar="DATASET.nc")
     figure.add_argument("names", nargs="+", metavar="NAME", help="such as walton_2")
     figure.add_argument("dataset_path", type=Path, metavar="DATASET.nc")
     figure.add_argument(

@@ -369,6 +369,7 @@ def test_a_reader_that_leaves_early_is_no_error(tmp_path):
 LINES = {
     "refine": ["refine", "x.yaml", "1"],
     "run": ["run", "x.yaml", "-o", "run.nc"],
+    "adopt": ["adopt", "x.yaml", "x.nc"],
     "info": ["info", "run.nc"],
     "export": ["export", "run.nc", "--to", "vtk"],
     "compare": ["compare", "a.nc", "b.nc"],

@@ -198,7 +198,7 @@ def test_what_the_page_on_particles_shows_runs(folder):
 
 def test_what_the_pages_on_growth_and_data_show_runs(results):
     """The run that grows on one page is looked at on the other."""
-    _, grow = of_kind("docs/continue.md", "sh")
+    _, grow, _ = of_kind("docs/continue.md", "sh")
     run([Snippet("sh", grow)], results)
     (point,) = of_kind("docs/continue.md", "yaml")
     (results / "other.yaml").write_text(point)

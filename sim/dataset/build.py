@@ -7,25 +7,30 @@ file each row was read from, so that it need not be read again.
 """
 
 from collections.abc import Iterable, Iterator, Sequence
+from contextlib import suppress
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, Literal
 
 import xarray as xr
 
-from sim.base.files import replacing, seal
+from sim.base.errors import InputError
+from sim.base.files import replacing, require_writable, seal
+from sim.dataset.adopted import Adopted
 from sim.dataset.boundaries import table
 from sim.dataset.boundary_side import side
 from sim.dataset.boundary_table import GROUP
 from sim.dataset.combine import profiles, root, runs
-from sim.dataset.earlier import RUNS, keep
-from sim.dataset.results import PARTICLES
-from sim.dataset.rounds import as_wanted, refined, sides_of
+from sim.dataset.earlier import keep
+from sim.dataset.results import PARTICLES, RUNS
+from sim.dataset.rounds import as_wanted, known_points, refined, sides_of
 from sim.dataset.rows import Rows, selected
 from sim.dataset.runs import Runs
 from sim.dataset.units import in_natural_units, in_si_units
+from sim.engine.stored_run import current_status
 from sim.parameters import SYSTEMS, Parameters, point_id
-from sim.study.catalogue import FIGURES
-from sim.study.load import Boundary, Study, load_study
+from sim.study.figure_points import are_of_particles, shows_particles
+from sim.study.load import Boundary, Study, as_member, load_study
 from sim.study.refine import Sides
 
 #: How arrays are stored.
@@ -37,10 +42,12 @@ def build(
     results: str | Path = "results",
     processes: int = 1,
     scheduler: str | None = None,
+    finished: Path | None = None,
 ) -> Path:
     """Combine the run files of a study into ``results/<study>/dataset.nc``.
 
-    Run files that are those of an earlier dataset are not read again; the result is the same.
+    Run files that are those of an earlier dataset are not read again; the result is the same. Rows
+    of adopted points are those of the adopted datasets.
 
     Parameters
     ----------
@@ -53,6 +60,9 @@ def build(
         How many read run files side by side.
     scheduler : str, optional
         Address of a dask scheduler whose workers read them instead.
+    finished : Path, optional
+        Write this file instead, which must not be there yet: a dataset of only those points that
+        have whole run files with all that is wanted of them, boundaries left out.
 
     Returns
     -------
@@ -64,24 +74,54 @@ def build(
     ------
     InputError
         When a run file is missing or is damaged, naming it. All damaged ones are set aside, so that
-        the workflow computes them again.
+        the workflow computes them again. For ``finished``, when that is there or no run file is.
     """
     study = load_study(study_path, results)
     folder = Path(results) / study.name
-    shown = {point.id for point in study.points.values() if _are_shown(point.figures)}
-    # Which points of later rounds there are, and which figures they feed, is not known yet.
-    everything = any(_are_shown(boundary.figures) for boundary in study.boundaries)
-    held = Runs(folder, lambda point: everything or point in shown, processes, scheduler)
+    if finished is not None:
+        study = _finished(study, folder, finished)
+    adopted = Adopted(study, folder)
+    held = Runs(folder, shows_particles(study), adopted, processes, scheduler)
     held.read({key: point.parameters for key, point in study.points.items()})
     found = _sides(study, held)
     study = refined(study, found)
-    output = folder / "dataset.nc"
+    output = finished or folder / "dataset.nc"
     with replacing(output) as temporary:
         for group, dataset in _groups(held.rows(study.points), study, found):
             _write(temporary, group, dataset, output)
         seal(temporary)
-        keep(temporary, folder)
+        if not finished:
+            keep(temporary, folder)
     return output
+
+
+def _finished(study: Study, folder: Path, output: Path) -> Study:
+    """Return a study of those points, of all rounds so far, whose run files have all of them."""
+    if output.exists():
+        raise InputError.of_value("--finished", "", str(output), "a file that is not there yet")
+    require_writable(output.parent, "--finished")
+    points = dict(study.points)
+    for key, parameters in known_points(study, folder).items():
+        for boundary in study.boundaries if key not in study.points else ():
+            if _is_along(boundary, parameters):
+                points[key] = as_member(points, parameters, boundary.name, boundary.figures)
+    there = {
+        key: point
+        for key, point in points.items()
+        if current_status(folder / "runs" / f"{key}.nc", point.parameters)
+    }
+    if not there:
+        raise InputError(f"{study.path}: no point has a run file with all that is wanted of it")
+    output.parent.mkdir(parents=True, exist_ok=True)
+    return replace(study, points=there, boundaries=())
+
+
+def _is_along(boundary: Boundary, parameters: Parameters) -> bool:
+    """Return whether a point is one of those at which a boundary is looked for."""
+    value = getattr(parameters, boundary.along, None)
+    with suppress(InputError):
+        return value is not None and point_id(boundary.at(value)) == point_id(parameters)
+    return False
 
 
 def _sides(study: Study, held: Runs) -> Sequence[Sides]:
@@ -94,11 +134,6 @@ def _sides(study: Study, held: Runs) -> Sequence[Sides]:
         held.read({point_id(point): as_wanted(study, point) for point in points})
 
     return sides_of(study.boundaries, side_of, read_round)
-
-
-def _are_shown(figures: Iterable[str]) -> bool:
-    """Return whether one of some figures shows its points particle by particle."""
-    return any(FIGURES[name].particles for name in figures)
 
 
 def _groups(
@@ -116,7 +151,7 @@ def _groups(
             yield system, profiles(selected(blocks, set(own)), own, scalars.sizes["replicate"])
     states = {key: state for block in blocks for key, state in block.states.items()}
     for key, point in study.points.items():
-        if key in states and _are_shown(point.figures):
+        if key in states and are_of_particles(point.figures):
             state = states[key].drop_encoding()
             # The library gives them back in an order of its own.
             state.attrs = dict(sorted(state.attrs.items()))

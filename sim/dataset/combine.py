@@ -8,7 +8,7 @@ import pandas as pd
 import xarray as xr
 
 from sim.dataset.caveats import caveat
-from sim.dataset.earlier import reading_code
+from sim.dataset.earlier import names_read, reading_code
 from sim.dataset.replicates import outcomes
 from sim.dataset.rows import (
     OF_PROFILES,
@@ -87,10 +87,14 @@ def profiles(blocks: Sequence[Rows], points: Sequence[str], replicates: int) -> 
 
 
 def runs(blocks: Sequence[Rows], points: Iterable[str]) -> xr.Dataset:
-    """Return the group `RUNS`: seal, amounts and versions of the run file behind each row."""
+    """Return the group `RUNS`: seal, amounts and versions of the run file behind each row.
+
+    ``reads`` are the names of all that a row could have, if its run file has it.
+    """
     made = origins(blocks).iloc[_order(blocks, points)]
     words = {name: ("point", made[name].to_numpy(object)) for name in made}
-    return xr.Dataset(words, attrs={"code": reading_code()})
+    reads = " ".join(sorted(names_read()))
+    return xr.Dataset(words, attrs={"code": reading_code(), "reads": reads})
 
 
 def _order(blocks: Iterable[Rows], points: Iterable[str]) -> np.ndarray:

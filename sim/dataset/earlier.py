@@ -1,13 +1,15 @@
-"""Rows that an earlier dataset of the study has: run files that are the same are not read again."""
+"""Rows that datasets have already: an earlier one of the study, and adopted ones."""
 
 import os
 import shutil
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import netCDF4
+import numpy as np
 import pandas as pd
 import xarray as xr
 
@@ -15,15 +17,12 @@ from sim.base.damage import UNREADABLE
 from sim.base.files import is_damaged, read_seal, replacing
 from sim.base.plugins import codes
 from sim.base.rooms import files_hash, room_hash
-from sim.dataset.results import PARTICLES
-from sim.dataset.rows import OF_PROFILES, WORDS, Rows
+from sim.dataset.gather import STATE, as_text
+from sim.dataset.results import PARTICLES, RUNS
+from sim.dataset.rows import OF_PROFILES, WORDS, Rows, dimensions, kept
 from sim.engine import identity
 from sim.engine.observe import arrays
 from sim.parameters.own import OBSERVABLE
-
-#: Group of a dataset that says of each row which run file it was read from, and which variables
-#: that had.
-RUNS = "runs"
 
 #: Second name of the last dataset of a study, which stays when the workflow, before it makes a new
 #: one or when it cannot, removes the first.
@@ -43,6 +42,26 @@ def _own_code() -> str:
     package = Path(__file__).parents[1]
     names = (Path(module.__file__ or "") for module in (identity, arrays))
     return f"{room_hash(package, 'dataset')} {files_hash(names)}"
+
+
+def names_read() -> set[str]:
+    """Return the names of all that the present code would keep of run files that have it.
+
+    Of observables of plug-ins also name and hash.
+    """
+    return {*kept(), *OF_PROFILES, *STATE, *codes(OBSERVABLE).split()}
+
+
+def names_unknown(made: Any) -> list[str]:
+    """Return what the code that has made a dataset did not know of all that the present one keeps.
+
+    Parameters
+    ----------
+    made : netCDF4.Dataset
+        Its group `RUNS`.
+    """
+    known = made.getncattr("reads") if "reads" in made.ncattrs() else ""
+    return sorted(names_read() - set(known.split()))
 
 
 def keep(dataset: Path, folder: Path) -> None:
@@ -65,16 +84,59 @@ def earlier_rows(folder: Path, is_shown: Callable[[str], bool]) -> list[Rows]:
     is_shown : callable
         Tells whether the state of the particles of a point must be there.
     """
-    path = folder / EARLIER
+    path, runs = folder / EARLIER, folder / "runs"
+
+    def is_same(point: str, seal: str, code: str) -> bool:
+        return code == reading_code() and _is_of(runs / f"{point}.nc", seal)
+
     try:
         if path.is_file() and not is_damaged(path):
-            return list(_rows(path, folder / "runs", is_shown))
+            return list(_rows(path, is_same, is_shown))
     except UNREADABLE:
         pass
     return []
 
 
-def _rows(path: Path, runs: Path, is_shown: Callable[[str], bool]) -> Iterator[Rows]:
+def adopted_rows(
+    path: Path, wanted: Mapping[str, Mapping[str, float]], is_shown: Callable[[str], bool]
+) -> list[Rows]:
+    """Return the rows of points in an adopted dataset, as if no more replicates had been run.
+
+    Parameters
+    ----------
+    path : Path
+        The dataset, which has all that is wanted; its name ends in the origin of the rows.
+    wanted : mapping
+        How much is wanted of each of these points, by id.
+    is_shown : callable
+        Tells whether the state of the particles of a point must be there.
+    """
+    blocks = _rows(path, lambda point, *_: point in wanted, is_shown)
+    return [_as_wanted(block, wanted, path.stem) for block in blocks]
+
+
+def _as_wanted(block: Rows, wanted: Mapping[str, Mapping[str, float]], adopted: str) -> Rows:
+    """Return rows of an adopted dataset without the replicates that are not wanted."""
+    counts = np.array([wanted[point]["replicates"] for point in block.points])
+    values = {}
+    for name, held in block.values.items():
+        values[name] = held
+        if dimensions(name)[0] == "replicate":
+            values[name] = held.copy()
+            beyond = np.arange(held.shape[1]) >= counts[:, np.newaxis]
+            values[name][beyond] = "" if name in WORDS else np.nan
+    texts = [as_text(wanted[point]) for point in block.points]
+    origin = block.origin | {"wanted": texts, "adopted": [adopted] * len(texts)}
+    return block._replace(origin=origin, values=values)
+
+
+def _rows(
+    path: Path, is_taken: Callable[[str, str, str], bool], is_shown: Callable[[str], bool]
+) -> Iterator[Rows]:
+    """Yield the rows of a dataset that are taken, told by point, seal and code that has read it.
+
+    What the present code does not know is left out.
+    """
     with netCDF4.Dataset(path) as file:
         states = set(file.groups[PARTICLES].groups) if PARTICLES in file.groups else set()
     with ExitStack() as stack:
@@ -85,13 +147,13 @@ def _rows(path: Path, runs: Path, is_shown: Callable[[str], bool]) -> Iterator[R
             return stack.enter_context(file)
 
         root, made = opened(None), opened(RUNS)
-        if made.attrs["code"] != reading_code():
-            return
+        known = names_read()
         table = pd.DataFrame({name: root[name].values for name in ("point", "system")})
         words = [str(name) for name in made]
+        origin = [name for name in words if name not in ("variables", "adopted")]
         table = table.assign(**{name: made[name].values for name in words})
         same = [
-            _is_of(runs / f"{point}.nc", seal) and (point in states or not is_shown(point))
+            is_taken(point, seal, made.attrs["code"]) and (point in states or not is_shown(point))
             for point, seal in zip(table["point"], table["seal"], strict=True)
         ]
         for (system, variables), some in table[same].groupby(["system", "variables"], sort=False):
@@ -102,10 +164,12 @@ def _rows(path: Path, runs: Path, is_shown: Callable[[str], bool]) -> Iterator[R
                 if name in OF_PROFILES
                 else root[name].values[rows].astype(object if name in WORDS else float)
                 for name in variables.split()
+                if name in known
             }
             yield Rows(
                 points=points,
-                origin={name: some[name].tolist() for name in words if name != "variables"},
+                origin={name: some[name].tolist() for name in origin}
+                | {"adopted": [""] * len(points)},
                 values=values,
                 states={
                     point: opened(f"{PARTICLES}/{point}").load()

@@ -64,6 +64,7 @@ def read_run(path: Path, wanted: Mapping[str, float] | None = None, shown: bool 
                     f"{path}: holds {held} of {_listed(wanted)}; rerun the study to let it grow"
                 )
             origin = {"seal": seal, "wanted": as_text(wanted)} | _made_by(run.attrs)
+            origin["adopted"] = ""
             values = _scalars(run) | _profiles(run)
             state = _state(run) if shown else None
     return Rows(

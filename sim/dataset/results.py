@@ -25,6 +25,10 @@ _PARAMETERS = tuple(dict.fromkeys(chain(*(model.model_fields for model in SYSTEM
 #: Group of the dataset with one subgroup per point whose particles are kept.
 PARTICLES = "states"
 
+#: Group of the dataset that says of each row which run file it was read from, and which variables
+#: that had.
+RUNS = "runs"
+
 
 @dataclass(frozen=True)
 class Results:
@@ -47,6 +51,8 @@ class Results:
         replicate.
     runs : Path, optional
         Folder of the run files, for their time series.
+    adopted : mapping of str to tuple of str
+        Per point whose row was taken from an adopted dataset the name of that, and when it was run.
     grid : str
         One of `sim.dataset.grids.GRIDS`, on which profiles are if no other is asked for.
     """
@@ -56,6 +62,7 @@ class Results:
     boundaries: pd.DataFrame
     states: Mapping[str, xr.Dataset] = field(default_factory=dict)
     runs: Path | None = None
+    adopted: Mapping[str, tuple[str, str]] = field(default_factory=dict)
     grid: str = "centres"
 
     def of(self, system: str) -> xr.Dataset:
@@ -160,13 +167,24 @@ def load_results(path: str | Path) -> Results:
         with netCDF4.Dataset(path) as file:
             groups = set(file.groups)
             points = list(file.groups[PARTICLES].groups) if PARTICLES in groups else []
+            adopted = _adopted(file) if RUNS in groups else {}
         return Results(
             dataset=_with_all_parameters(_loaded(path, None)),
             profiles=Groups(path, {name: name for name in SYSTEMS if name in groups}),
             boundaries=read_table(path),
             states=Groups(path, {point: f"{PARTICLES}/{point}" for point in points}),
             runs=path.parent / "runs",
+            adopted=adopted,
         )
+
+
+def _adopted(file: netCDF4.Dataset) -> dict[str, tuple[str, str]]:
+    made = file.groups[RUNS].variables
+    if "adopted" not in made:
+        return {}
+    columns = (file["point"], made["adopted"], made["created"])
+    table = zip(*(column[:].tolist() for column in columns), strict=True)
+    return {point: (dataset, created) for point, dataset, created in table if dataset}
 
 
 def load(results: str | Path) -> Results:

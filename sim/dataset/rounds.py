@@ -9,7 +9,8 @@ from pathlib import Path
 from sim.base.damage import checked_read
 from sim.base.errors import InputError
 from sim.base.files import replacing
-from sim.dataset.boundary_side import side_of_run
+from sim.dataset.adopted import Adopted
+from sim.dataset.boundary_side import side, side_of_run
 from sim.parameters import Parameters, canonical, parse_point, point_id
 from sim.study.load import Boundary, Study, as_member, load_study
 from sim.study.plots import points_shown
@@ -37,6 +38,20 @@ def read_round(path: Path) -> dict[str, Parameters]:
         if wrong:
             raise ValueError(f"{wrong[0]} is not the id of its point")
         return points
+
+
+def round_files(study: Study, folder: Path) -> list[Path]:
+    """Return the files of the rounds that have been worked out, in the folder of the results."""
+    files = (folder / "rounds" / f"{number}.json" for number in range(1, study.rounds + 1))
+    return list(filter(Path.is_file, files))
+
+
+def known_points(study: Study, folder: Path) -> dict[str, Parameters]:
+    """Return the points of the study file and those that its rounds so far have added to them."""
+    points = {key: point.parameters for key, point in study.points.items()}
+    for path in round_files(study, folder):
+        points |= read_round(path)
+    return points
 
 
 def write_round(study_path: str | Path, number: int, results: str | Path = "results") -> Path:
@@ -78,7 +93,8 @@ def write_round(study_path: str | Path, number: int, results: str | Path = "resu
 def added_points(study: Study, number: int, runs: Path) -> dict[str, Parameters]:
     """Return the points by id that round ``number`` adds to all before it.
 
-    Which these are follows from the run files in ``runs`` alone, however often it is asked.
+    Which these are follows from the run files in ``runs``, and adopted datasets beside that folder,
+    alone, however often it is asked.
     """
     seen = set(study.points)
     added: dict[str, Parameters] = {}
@@ -97,11 +113,17 @@ def added_points(study: Study, number: int, runs: Path) -> dict[str, Parameters]
 
 
 def from_files(study: Study, runs: Path) -> SideOf:
-    """Return a function that reads the side of a point from its run file in the folder ``runs``."""
+    """Return a function that reads the side of a point from its run file in the folder ``runs``.
+
+    That of an adopted point is told by its dataset.
+    """
+    adopted = Adopted(study, runs.parent)
 
     def side_of(boundary: Boundary, point: Parameters) -> str | None:
-        path = runs / f"{point_id(point)}.nc"
-        return side_of_run(path, boundary.of, as_wanted(study, point))
+        key, wanted = point_id(point), as_wanted(study, point)
+        if held := adopted.source(key, wanted):
+            return side(held.scalars_of(wanted), boundary.of, wanted)
+        return side_of_run(runs / f"{key}.nc", boundary.of, wanted)
 
     return side_of
 

@@ -77,7 +77,8 @@ class Rows(NamedTuple):
     origin : dict of str to list of str
         By name, what made each: ``seal`` of its file, how much of it was ``wanted``,
         ``engine_version``, ``numerics``,
-        ``source_hash``, ``versions``, ``created``, and the ``caveat`` it gives itself.
+        ``source_hash``, ``versions``, ``created``, the ``caveat`` it gives itself, and the name of
+        the dataset that it was ``adopted`` with, if any.
     values : dict of str to array
         Scalars, measures and profiles, over rows and their `dimensions`.
     states : dict of str to xarray.Dataset

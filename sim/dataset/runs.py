@@ -1,11 +1,13 @@
-"""The runs of a study, each read once: from an earlier dataset or from its file."""
+"""The runs of a study, each read once: from an earlier or adopted dataset or from its file."""
 
 from collections.abc import Callable, Collection, Iterable, Mapping
 from pathlib import Path
 
 import numpy as np
 
-from sim.dataset.earlier import earlier_rows
+from sim.base.damage import checked_read
+from sim.dataset.adopted import Adopted
+from sim.dataset.earlier import adopted_rows, earlier_rows
 from sim.dataset.gather import as_text
 from sim.dataset.rows import OF_PROFILES, Rows, selected
 from sim.dataset.side_by_side import read_files
@@ -21,6 +23,8 @@ class Runs:
         Results of the study: its runs, and its earlier dataset if there is one.
     is_shown : callable
         Tells whether a figure shows the particles of a point.
+    adopted : Adopted
+        Tells which points are taken from adopted datasets.
     processes : int
         How many read run files side by side.
     scheduler : str, optional
@@ -31,10 +35,11 @@ class Runs:
         self,
         folder: Path,
         is_shown: Callable[[str], bool],
+        adopted: Adopted,
         processes: int = 1,
         scheduler: str | None = None,
     ):
-        self._folder, self._is_shown = folder / "runs", is_shown
+        self._folder, self._is_shown, self._adopted = folder / "runs", is_shown, adopted
         self._processes, self._scheduler = processes, scheduler
         self._blocks: list[Rows] = []
         self._places: dict[str, tuple[Rows, int]] = {}
@@ -59,9 +64,19 @@ class Runs:
             known = selected(self._blocks, self._places.keys() - new)
             self._blocks, self._places = [], {}
             self._add(known)
+        sources = {point: self._adopted.source(point, points[point]) for point in new}
+        for dataset in sorted({held.dataset for held in sources.values() if held}):
+            mine = {
+                point: new[point]
+                for point, held in sources.items()
+                if held and held.dataset == dataset
+            }
+            with checked_read(dataset, "adopted dataset", replaceable=True):
+                self._add(adopted_rows(dataset, mine, self._is_shown))
         files = [
             (self._folder / f"{point}.nc", much, self._is_shown(point))
             for point, much in new.items()
+            if not sources[point]
         ]
         self._add(read_files(files, self._processes, self._scheduler))
 

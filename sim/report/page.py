@@ -8,6 +8,7 @@ import xarray as xr
 
 from sim.base.files import replacing
 from sim.base.program import __version__
+from sim.base.words import counted
 from sim.dataset.agreement import require_agreement
 from sim.dataset.caveats import CLOSED
 from sim.dataset.results import Results, load_results
@@ -24,7 +25,7 @@ from sim.report.claims import (
 )
 from sim.report.gallery import Address, data_uri, figure_entries, headline
 from sim.report.readings import reading_tables
-from sim.report.runs import boundary_rows, parameter_rows, run_rows
+from sim.report.runs import adopted_datasets, boundary_rows, parameter_rows, run_rows
 from sim.report.state import state_of
 from sim.report.templating import template
 from sim.study.load import Study, load_study
@@ -96,6 +97,7 @@ def render(
             for name, spec in study.plots.items()
             if spec.is_fed_by(run["system"], run["series"])
         ]
+        run["adopted"], _ = results.adopted.get(run["point"], ("", ""))
         page = Path("pages") / f"{run['point']}.html"
         run["page"] = page.as_posix() if (figures.parent / page).is_file() else ""
     every = claim_rows(claims, runs, study.figures)
@@ -105,7 +107,7 @@ def render(
     return template("report.html.j2").render(
         study=study,
         study_files={file.name: file.read_text(encoding="utf-8") for file in study.sources},
-        summary=_summary(dataset, runs),
+        summary=_summary(dataset, runs) | {"adopted": len(results.adopted)},
         caveats=caveats,
         verdicts=VERDICTS,
         outcomes=VERDICTS | REPORTED,
@@ -127,7 +129,7 @@ def render(
         parameters=parameter_rows(dataset),
         boundaries=boundary_rows(study, results.boundaries),
         energy_limit=CLOSED,
-        provenance=_provenance(dataset) | _plugins(study),
+        provenance=_provenance(dataset) | _adopted(results) | _plugins(study),
     )
 
 
@@ -177,6 +179,16 @@ def _dates(first: str, last: str) -> str:
     '2026-01-30 to 2026-02-01'
     """
     return " to ".join(dict.fromkeys((first[:10], last[:10])))
+
+
+def _adopted(results: Results) -> dict[str, str]:
+    """Return how many points come from which adopted datasets."""
+    told = "; ".join(
+        f"{counted(row['points'], 'point')} from dataset {row['dataset']}, "
+        f"run {_dates(row['from'], row['to'])}"
+        for row in adopted_datasets(results)
+    )
+    return {"Adopted": told} if told else {}
 
 
 def _plugins(study: Study) -> dict[str, str]:

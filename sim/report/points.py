@@ -2,7 +2,7 @@
 
 import json
 import sys
-from collections.abc import Container, Iterator, Sequence
+from collections.abc import Container, Iterator, Mapping, Sequence
 from pathlib import Path
 
 import psutil
@@ -11,6 +11,7 @@ from sim.base.errors import InputError
 from sim.base.files import require_writable
 from sim.base.program import program
 from sim.base.words import counted, duration
+from sim.dataset.adopted import Adopted
 from sim.parameters import complete
 from sim.study.cost import Estimate, estimate
 from sim.study.figure_points import left_out
@@ -26,18 +27,24 @@ MOST_NAMED = 3
 _HEADINGS = ("id", "system", "particles", "steps", "core time", "figures", "series")
 _RIGHT = {"particles", "steps", "core time"}
 
+_NONE: Mapping[str, str] = {}
+
 
 def show(study_path: Path, results: Path, format: str) -> str:
     """Return the points of a study as ``table`` or ``json``, after warnings on standard error."""
     study = load_study(study_path, None)
     for warning in warnings(study, results):
         print(f"warning: {warning}", file=sys.stderr)
-    return as_json(study) if format == "json" else as_table(study)
+    points = {key: point.parameters for key, point in study.points.items()}
+    sources = Adopted(study, results / study.name).sources(points)
+    adopted = {key: held.dataset.stem for key, held in sources.items()}
+    return as_json(study, adopted) if format == "json" else as_table(study, adopted)
 
 
-def as_table(study: Study) -> str:
+def as_table(study: Study, adopted: Mapping[str, str] = _NONE) -> str:
     """Return one aligned line per point; below, what figures leave out, caveats, and the totals.
 
+    ``adopted`` are the datasets from which points are taken, by id of the point.
     ``steps`` and ``core time`` are over all replicates of a point.
     """
     costs = _costs(study)
@@ -49,6 +56,7 @@ def as_table(study: Study) -> str:
         _caveats(study),
         [
             _totals(list(costs.values())),
+            *_adopted(adopted, costs),
             *_trajectories(list(costs.values())),
             *([_refinement(study)] if study.rounds else []),
             *([_decisions(study.decide.budget)] if study.decide else []),
@@ -57,8 +65,8 @@ def as_table(study: Study) -> str:
     return "\n\n".join("\n".join(lines) for lines in sections if lines)
 
 
-def as_json(study: Study) -> str:
-    """Return the study, its points with all parameters, and the totals as JSON."""
+def as_json(study: Study, adopted: Mapping[str, str] = _NONE) -> str:
+    """Return the study, its points with all parameters, and the totals as JSON; see `as_table`."""
     costs = _costs(study)
     points = [
         {
@@ -68,6 +76,7 @@ def as_json(study: Study) -> str:
             "figures": point.figures,
             "left_out": point.left_out,
             "caveat": point.parameters.caveat,
+            "adopted": adopted.get(point.id, ""),
             "particles": costs[point.id].particles,
             "steps": costs[point.id].steps,
             "core_seconds": round(costs[point.id].core_seconds, 3),
@@ -162,6 +171,18 @@ def _totals(costs: Sequence[Estimate]) -> str:
         f"on {CORES} cores {duration(max(total / CORES, longest))}; computing alone, without "
         "compilation, Snakemake and figures"
     )
+
+
+def _adopted(adopted: Mapping[str, str], costs: Mapping[str, Estimate]) -> list[str]:
+    """Return the line that says how many points are adopted, and what the others take."""
+    if not adopted:
+        return []
+    left = sum(cost.core_seconds for key, cost in costs.items() if key not in adopted)
+    names = ", ".join(sorted(set(adopted.values())))
+    return [
+        f"{counted(len(adopted), 'point')} adopted from {names}, not to be run; "
+        f"core time of the others {duration(left)}"
+    ]
 
 
 def _trajectories(costs: Sequence[Estimate]) -> list[str]:

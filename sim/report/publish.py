@@ -6,15 +6,14 @@ import shutil
 from collections.abc import Sequence
 from pathlib import Path
 
-import xarray as xr
-
 from sim.base.errors import InputError
 from sim.dataset.agreement import require_agreement
-from sim.dataset.results import load_results
+from sim.dataset.results import Results, load_results
 from sim.report.claims import read_claims
 from sim.report.gallery import beside
 from sim.report.integrity import require_intact
 from sim.report.page import render
+from sim.report.runs import adopted_datasets
 from sim.study.load import Study, load_study
 
 #: Where published studies lie, beside the results of everybody's own.
@@ -64,7 +63,7 @@ def publish(
     require_intact(study, found, folder)
     claims = read_claims(folder / "claims.json")
     page = render(study, found, folder / "figures", claims, beside)
-    made = json.dumps(provenance(found.dataset), indent=1, ensure_ascii=False, allow_nan=False)
+    made = json.dumps(provenance(found), indent=1, ensure_ascii=False, allow_nan=False)
     shutil.rmtree(temporary, ignore_errors=True)
     try:
         (temporary / "figures").mkdir(parents=True)
@@ -157,13 +156,15 @@ def size(folder: Path) -> int:
     return sum(path.stat().st_size for path in folder.rglob("*") if path.is_file())
 
 
-def provenance(data: xr.Dataset) -> dict[str, object]:
+def provenance(results: Results) -> dict[str, object]:
     """Return size, cost, dates and versions of a dataset for ``provenance.json``."""
+    data = results.dataset
     return {
         "study": data.attrs["study"],
         "title": data.attrs["title"],
         "points": data.sizes["point"],
         "runs": int((data["status"] != "").sum()),
+        "points from adopted datasets": adopted_datasets(results),
         "failed runs": int((data["status"] == "failed").sum()),
         "time steps": int(data["steps"].sum()),
         "core hours": round(float(data["wall_time"].sum()) / 3600, 2),

@@ -7,6 +7,7 @@ import pandas as pd
 import xarray as xr
 
 from sim.dataset.replicates import outcomes
+from sim.dataset.results import Results
 from sim.parameters import SYSTEMS, Parameters, field_info
 from sim.parameters.words import setting
 from sim.report.numbers import finite, measured
@@ -48,6 +49,17 @@ def run_rows(dataset: xr.Dataset, caveats: Sequence[str]) -> list[dict[str, Any]
             }
         )
     return rows
+
+
+def adopted_datasets(results: Results) -> list[dict[str, Any]]:
+    """Return one row per adopted dataset: its name, how many points are from it, when they ran."""
+    created: dict[str, list[str]] = {}
+    for dataset, when in results.adopted.values():
+        created.setdefault(dataset, []).append(when)
+    return [
+        {"dataset": name, "points": len(times), "from": min(times), "to": max(times)}
+        for name, times in sorted(created.items())
+    ]
 
 
 def boundary_rows(study: Study, found: pd.DataFrame) -> list[dict[str, Any]]:

@@ -8,11 +8,13 @@ from datetime import UTC, datetime, timedelta
 from functools import cache
 from pathlib import Path
 
+import numpy as np
 import psutil
 
 from sim.base.damage import UNREADABLE
+from sim.dataset.adopted import Adopted, Held
 from sim.dataset.caveats import caveat_of_run
-from sim.dataset.rounds import read_round
+from sim.dataset.rounds import known_points, round_files
 from sim.dataset.summary import summary_of
 from sim.engine.identity import NUMERICS, numerics_of
 from sim.engine.progress import CREDIT, Progress, may_end_early, progress_file, read_progress
@@ -22,7 +24,10 @@ from sim.study.cost import PROCESS_TIME, estimate
 from sim.study.extra_amounts import ExtraAmounts, read_extra_amounts, with_extra_amounts
 from sim.study.load import Study
 
-STATES = ("done", "failed", "running", "interrupted", "waiting")
+STATES = ("done", "failed", "adopted", "running", "interrupted", "waiting")
+
+#: Those that a point comes to.
+ENDED = STATES[:3]
 
 #: Names of run files; those that begin with a dot are states, progress and temporary files.
 RUN_FILE = re.compile(r"[^.].*\.nc")
@@ -47,11 +52,11 @@ class PointStatus:
     progress : Progress or None
         What its run said last, while it is running or interrupted.
     core_seconds : float
-        What its run took, while that is known: of a point that is done or failed.
+        What its run took, wherever it was made: of a point that is done, failed or adopted.
     outdated : bool
         Whether other numerics made its run file.
     caveat : str
-        What to know before trusting its run file, empty if nothing.
+        What to know before trusting it, empty if nothing.
     """
 
     state: str
@@ -87,7 +92,7 @@ class StudyStatus:
     points : dict
         `PointStatus` by id, in the order of the study.
     core_seconds_left : float
-        Estimate for all that is not done or failed, on one core.
+        Estimate for all that is not done, failed or adopted, on one core.
     longest_left : float
         Longest time (s) that one of those points still takes on its own threads.
     at_most : bool
@@ -119,13 +124,13 @@ class StudyStatus:
 
     @property
     def caveats(self) -> int:
-        """Number of points whose run files carry a caveat."""
+        """Number of points that carry a caveat."""
         return sum(bool(point.caveat) for point in self.points.values())
 
     @property
     def is_over(self) -> bool:
-        """Whether every point, those of rounds of refinement included, is done or failed."""
-        ended = all(point.state in ("done", "failed") for point in self.points.values())
+        """Whether every point, those of rounds included, is done, failed or adopted."""
+        ended = all(point.state in ENDED for point in self.points.values())
         return ended and not self.rounds_left
 
     @property
@@ -135,7 +140,7 @@ class StudyStatus:
 
     @property
     def core_seconds(self) -> float:
-        """What the points that are done or failed took, on one core."""
+        """What the points that are done, failed or adopted took, on one core."""
         return sum(point.core_seconds for point in self.points.values())
 
     @property
@@ -164,14 +169,17 @@ def survey(study: Study, results: str | Path = "results") -> StudyStatus:
     folder = Path(results) / study.name
     extra = read_extra_amounts(folder) if study.decide else ExtraAmounts()
     study = replace(study, points=with_extra_amounts(study.points, extra))
-    parameters = _all_points(study, folder)
+    parameters = known_points(study, folder)
+    adopted = Adopted(study, folder).sources(parameters)
     runs = folder / "runs"
     try:
         present = {path.name for path in runs.iterdir()}
     except OSError:
         present = set()
-    points = {key: _look(key, value, runs, present) for key, value in parameters.items()}
-    to_come = study.rounds - len(_round_files(study, folder))
+    points = {
+        key: _look(key, value, runs, present, adopted.get(key)) for key, value in parameters.items()
+    }
+    to_come = study.rounds - len(round_files(study, folder))
     there = (name.removesuffix(".nc") for name in sorted(present) if RUN_FILE.fullmatch(name))
     orphans = () if to_come else tuple(name for name in there if name not in points)
     left = _left(points, parameters)
@@ -184,21 +192,9 @@ def _budget(hours: float, points: Mapping[str, PointStatus], extra: ExtraAmounts
     return Budget(hours, max(0.0, taken - extra.before) if extra.amounts else 0.0)
 
 
-def _all_points(study: Study, folder: Path) -> dict[str, Parameters]:
-    """Return the points of the study file and those that later rounds have added to them."""
-    points = {key: point.parameters for key, point in study.points.items()}
-    for path in _round_files(study, folder):
-        points |= read_round(path)
-    return points
-
-
-def _round_files(study: Study, folder: Path) -> list[Path]:
-    """Return the files of the rounds of refinement that have been worked out."""
-    files = (folder / "rounds" / f"{number}.json" for number in range(1, study.rounds + 1))
-    return list(filter(Path.is_file, files))
-
-
-def _look(key: str, parameters: Parameters, runs: Path, present: set[str]) -> PointStatus:
+def _look(
+    key: str, parameters: Parameters, runs: Path, present: set[str], adopted: Held | None
+) -> PointStatus:
     """Find the state of one point. A run that goes on counts more than an earlier one's file."""
     threads = parameters.cores
     path = runs / f"{key}.nc"
@@ -207,6 +203,9 @@ def _look(key: str, parameters: Parameters, runs: Path, present: set[str]) -> Po
         said = None
     if said and _goes_on(said):
         return PointStatus("running", threads, progress=said)
+    if adopted:
+        took = float(np.nansum(adopted.scalars_of(parameters)["wall_time"])) * threads
+        return PointStatus("adopted", threads, core_seconds=took, caveat=adopted.caveat)
     if path.name in present:
         try:
             return _finished(path, path.stat().st_mtime_ns, parameters)
@@ -268,7 +267,7 @@ def _left(
     factors = _factors(points, parameters)
     total, longest, at_most = 0.0, 0.0, False
     for key, point in points.items():
-        if point.state in ("done", "failed"):
+        if point.state in ENDED:
             continue
         values = parameters[key]
         known = point.progress.left if point.progress and point.state == "running" else None

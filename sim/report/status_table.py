@@ -11,7 +11,7 @@ from typing import Any
 from sim.base.errors import InputError
 from sim.base.words import counted, duration, printable
 from sim.report.points import aligned
-from sim.report.status import PointStatus, StudyStatus, survey
+from sim.report.status import ENDED, PointStatus, StudyStatus, survey
 from sim.study.load import DEFAULT_STUDY, load_study
 
 #: What makes a terminal start a new screen, and the seconds of a day.
@@ -192,7 +192,7 @@ def _point(key: str, point: PointStatus) -> dict[str, Any]:
             "seconds_left": _rounded(said.left) if point.state == "running" else None,
             "at_most": said.at_most,
         }
-    if point.state in ("done", "failed"):
+    if point.state in ENDED:
         entry |= {"core_seconds": round(point.core_seconds, 3), "outdated": point.outdated}
         entry |= {"reason": point.reason} if point.reason else {}
         entry |= {"caveat": point.caveat} if point.caveat else {}

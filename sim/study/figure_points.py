@@ -1,6 +1,6 @@
 """Which points of a study each figure takes, and what it asks of them."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
 from sim.base.errors import InputError
@@ -9,6 +9,7 @@ from sim.study.catalogue import FIGURES, FigureSpec
 from sim.study.catalogue.spec import written
 from sim.study.file import StudyFile
 from sim.study.model import Point, Study
+from sim.study.plot_kinds import like
 from sim.study.points import Fed
 
 
@@ -40,6 +41,35 @@ def points_of_figures(
         require_places(spec, members, *fed[name])
         figures[name] = tuple(point.id for point in members)
     return figures
+
+
+def shows_particles(study: Study) -> Callable[[str], bool]:
+    """Return what tells of a point's id whether a figure shows it particle by particle."""
+    shown = {key for key, point in study.points.items() if are_of_particles(point.figures)}
+    # Which points of later rounds there are, and which figures they feed, is not known yet.
+    everything = any(are_of_particles(boundary.figures) for boundary in study.boundaries)
+    return lambda point: everything or point in shown
+
+
+def are_of_particles(figures: Iterable[str]) -> bool:
+    """Return whether one of some figures shows its points particle by particle."""
+    return any(FIGURES[name].particles for name in figures)
+
+
+def needs_run_file(study: Study) -> Callable[[str], bool]:
+    """Return what tells of a point's id whether its page or a figure is drawn from its run file.
+
+    Figures of time series are, of the study's own and of plug-ins' kinds.
+    """
+    specs = [
+        spec
+        for spec in study.entries.values()
+        if like(spec.kind.removeprefix("plot_")) == "time_series"
+    ]
+    points = set(study.points) if study.pages else set()
+    points.update(*(study.figures[spec.name] for spec in specs))
+    of_rounds = any(one.name in spec.series for spec in specs for one in study.boundaries)
+    return lambda point: point in points or (of_rounds and point not in study.points)
 
 
 def left_out(study: Study) -> list[str]:

@@ -4,98 +4,28 @@ import random
 import shutil
 from pathlib import Path
 
-import numpy as np
 import pytest
 import xarray as xr
 
 from sim.base.files import seal
 from sim.dataset import earlier, gather, side_by_side
-from sim.dataset.build import build
-from sim.parameters import Parameters, parse_point, point_id
+from tests.made.mixed import POINTS, SHOWN, Mixed, ids
 from tests.made.netcdf import store
-from tests.made.runs import write_run
-
-#: Points that differ in all that is lined up: systems, replicates, slices, squares, variables.
-POINTS = [
-    {"system": "chute", "depth": 2},
-    {"system": "chute", "depth": 5, "replicates": 3},
-    {"system": "chute", "depth": 1, "friction": 0.5, "replicates": 2},
-    {"system": "belt", "frequency": 30},
-    {"system": "belt", "frequency": 20, "replicates": 2},
-    {"system": "belt", "frequency": 50, "width": 30, "replicates": 4},
-]
-
-#: The number of a point that a figure shows particle by particle, and that figure.
-SHOWN, FIGURE = 4, "gallas_4c"
-
-
-def arrays(parameters: Parameters) -> dict[str, object]:
-    """Return arrays as long as the point is large, and some that only some runs have."""
-    count, slices = parameters.replicates, parameters.replicates + 3
-    made = {
-        "height": ("height", np.arange(slices) * 1e-3),
-        "velocity_profile": (("replicate", "height"), np.ones((count, slices))),
-    }
-    if parameters.system == "belt":
-        squares = round(parameters.width)
-        dims, field = ("replicate", "column", "level"), np.ones((count, squares, 2))
-        made |= {"column": ("column", np.arange(squares) * 1e-3), "level": ("level", [0.0, 1e-3])}
-        made |= {"field_velocity": (dims, field), "field_density": (dims, field)}
-        dims = ("replicate", "frame", "particle", "axis")
-        made |= {"position": (dims, np.ones((count, 2, 3, 2))), "axis": ("axis", ["x", "z"])}
-    elif count == 2:
-        made["transient_end"] = ("replicate", np.full(count, np.nan))
-    return made
-
-
-class Study:
-    """A study of some of the points, whose run files are all there."""
-
-    def __init__(self, folder: Path):
-        self.path, self.results = folder / "made.yaml", folder / "results"
-        self.runs = self.results / "made" / "runs"
-        self.output = self.results / "made" / "dataset.nc"
-        self.points = [parse_point(values, "test") for values in POINTS]
-
-    def write(self, number: int, velocity: float = 0.5) -> Path:
-        """Write the run file of a point."""
-        point = self.points[number]
-        return write_run(
-            self.runs, point, velocity, failed=[0] * (number == 1), arrays=arrays(point)
-        )
-
-    def build(self, *numbers: int, shown: bool = False) -> bytes:
-        """Make the dataset of points by their numbers, in their order."""
-        series = ""
-        for number in numbers:
-            values = dict(POINTS[number])
-            figures = [FIGURE] * (shown and number == SHOWN)
-            series += (
-                f"  - {{name: s{number}, system: {values.pop('system')}, figures: {figures},"
-                f" cases: [{values}]}}\n"
-            )
-        self.path.write_text(f"study: made\nseries:\n{series}")
-        return build(self.path, self.results).read_bytes()
-
-    def afresh(self, *numbers: int, shown: bool = False) -> bytes:
-        """Make it from run files alone."""
-        (self.output.parent / earlier.EARLIER).unlink(missing_ok=True)
-        return self.build(*numbers, shown=shown)
 
 
 @pytest.fixture(scope="module")
 def original(tmp_path_factory) -> Path:
     folder = tmp_path_factory.mktemp("made")
-    study = Study(folder)
+    study = Mixed(folder)
     for number in range(len(POINTS)):
         study.write(number)
     return folder
 
 
 @pytest.fixture
-def study(original, tmp_path) -> Study:
+def study(original, tmp_path) -> Mixed:
     shutil.copytree(original, tmp_path, dirs_exist_ok=True)
-    return Study(tmp_path)
+    return Mixed(tmp_path)
 
 
 @pytest.fixture
@@ -109,10 +39,6 @@ def read(monkeypatch) -> list[str]:
 
     monkeypatch.setattr(side_by_side, "read_run", read_run)
     return found
-
-
-def ids(study: Study, *numbers: int) -> list[str]:
-    return [point_id(study.points[number]) for number in numbers]
 
 
 def test_nothing_is_read_again(study, read):

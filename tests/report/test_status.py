@@ -12,6 +12,7 @@ from sim.engine.identity import NUMERICS
 from sim.engine.progress import read_progress
 from sim.engine.warm import warm
 from sim.parameters import canonical, parse_point, point_id
+from sim.report.status import STATES
 from sim.report.status_table import as_text
 from sim.study.cost import PROCESS_TIME, estimate
 from tests.made.folder import BOUNDED, EARLIER, LATER, STUDY, Folder
@@ -26,7 +27,7 @@ def folder(tmp_path) -> Folder:
 
 def test_a_study_that_was_not_started_waits(folder):
     status = folder.survey()
-    assert status.counts == {"done": 0, "failed": 0, "running": 0, "interrupted": 0, "waiting": 5}
+    assert status.counts == dict.fromkeys(STATES, 0) | {"waiting": 5}
     cost = sum(estimate(point.parameters).core_seconds for point in folder.study.points.values())
     assert status.core_seconds_left == pytest.approx(cost)
     assert status.left is None and not status.is_over

@@ -6,6 +6,7 @@ import shlex
 import sys
 from collections import defaultdict
 from contextlib import suppress
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -24,6 +25,7 @@ from sim.base.rooms import files_hash, room_hash
 from sim.parameters import RUN_FILE, SYSTEMS, amounts, canonical_json
 from sim.engine.stored_run import holds, is_to_grow, planned_amounts
 from sim.engine.identity import numerics_mark
+from sim.dataset.adopted import Adopted
 from sim.dataset.rounds import read_round
 from sim.study.batches import batches
 from sim.study.load import DEFAULT_STUDY, estimate, load_study
@@ -123,8 +125,8 @@ def planned_batches():
     if not workflow.is_main_process:
         return json.loads(read_regular(PLANNED))
     alike = defaultdict(dict)
-    for point in filter(is_wanted, STUDY.points):
-        if not origin_file(point):
+    for point in STUDY.points:
+        if point not in SOURCES and is_wanted(point) and not origin_file(point):
             alike[amount(point)][point] = parameters(point)
     return {
         name: each
@@ -139,18 +141,21 @@ def round_file(number):
 
 
 def run_files(rounds):
-    """Return the run files of the study and of its first rounds of refinement.
+    """Return the run files of the study and of its first rounds of refinement, and adopted datasets.
+
+    Points that are taken from these need no run file.
 
     Snakemake evaluates this again after each round: until its file is up to date, asking for it
     raises.
     """
-    points = list(STUDY.points)
+    points = [point for point in STUDY.points if point not in SOURCES]
     for number in range(1, rounds + 1):
         added = read_round(Path(checkpoints.refine.get(round=number).output[0]))
-        for point in added:
+        to_run = [point for point in added if not ADOPTED.source(point, added[point])]
+        for point in to_run:
             is_wanted(point)
-        points += added
-    return list(map(run_file, points))
+        points += to_run
+    return [*map(run_file, points), *map(str, ADOPTED.files)]
 
 
 def figure_files():
@@ -203,7 +208,8 @@ def watch():
     from sim.report.failed_jobs import FailedJobs, is_news
     from sim.report.watch import Watch
 
-    started = Watch(STUDY, Path(RESULTS))
+    here = {key: one for key, one in STUDY.points.items() if key not in SOURCES}
+    started = Watch(replace(STUDY, points=here), Path(RESULTS))
     started.start()
     logger.addFilter(is_news)
     logger.addHandler(FailedJobs(started.write))
@@ -230,6 +236,9 @@ try:
     # What keeps every run from starting is said at once, not in the log of the first.
     checkpoint_interval()
     STUDY = load_study(study_path())
+    RESULTS = f"results/{STUDY.name}"
+    ADOPTED = Adopted(STUDY, Path(RESULTS))
+    SOURCES = ADOPTED.sources({key: one.parameters for key, one in STUDY.points.items()})
 except InputError as error:
     print(f"error: {error}", file=sys.stderr)
     sys.exit(2)
@@ -237,7 +246,6 @@ except InputError as error:
 # An input of every run, older than all runs but those that are to grow.
 START = Path(".snakemake") / "talus.start"
 LOCK = release_stale_lock() if workflow.is_main_process else None
-RESULTS = f"results/{STUDY.name}"
 
 # What jobs ask for that read all runs, or their dataset.
 READING = {

@@ -1,0 +1,371 @@
+"""A study goes on from datasets: what they have is not run, and the result is the same."""
+
+import shutil
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import netCDF4
+import pytest
+import xarray as xr
+
+from sim.__main__ import main
+from sim.base.damage import DamagedError
+from sim.base.errors import InputError
+from sim.dataset import adopt as adopt_module
+from sim.dataset import earlier
+from sim.dataset.adopt import adopt
+from sim.dataset.adopted import Adopted
+from sim.dataset.build import build
+from sim.dataset.results import load_results
+from sim.dataset.rounds import write_round
+from sim.engine.identity import NUMERICS
+from sim.report.points import as_table, show
+from sim.report.publish import provenance
+from sim.report.runs import adopted_datasets
+from sim.report.status import survey
+from sim.study.load import load_study
+from tests.made.folder import Folder
+from tests.made.mixed import SHOWN, Mixed, ids
+from tests.made.netcdf import changing, store
+from tests.made.processes import ROOT
+from tests.made.runs import make_regimes, write_run
+
+HALF, REST = (0, 1, 4), (2, 3, 5)
+
+
+def groups(path: Path) -> dict[str, xr.Dataset]:
+    """Return the groups of a dataset, without what says that rows were adopted."""
+    with xr.open_datatree(path) as tree:
+        found = {node.path: node.to_dataset(inherit=False).load() for node in tree.subtree}
+    found["/runs"] = found["/runs"].drop_vars("adopted")
+    return found
+
+
+def assert_same(one: Path, other: Path) -> None:
+    first, second = groups(one), groups(other)
+    assert list(first) == list(second)
+    for name in first:
+        xr.testing.assert_identical(first[name], second[name])
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory) -> Mixed:
+    """A study of all points with its dataset, made from run files."""
+    study = Mixed(tmp_path_factory.mktemp("whole"))
+    for number in range(6):
+        study.write(number)
+    study.build(*range(6), shown=True)
+    return study
+
+
+@pytest.fixture(scope="module")
+def half(tmp_path_factory) -> Path:
+    """The dataset of a study under way that has half of its runs."""
+    study = Mixed(tmp_path_factory.mktemp("half"))
+    for number in HALF:
+        study.write(number)
+    study.save(*range(6), shown=True)
+    return build(study.path, study.results, finished=study.path.with_name("half.nc"))
+
+
+@pytest.fixture
+def study(tmp_path) -> Mixed:
+    """The study in another folder, without any results."""
+    study = Mixed(tmp_path)
+    study.save(*range(6), shown=True)
+    return study
+
+
+def adopted(study: Mixed) -> set[str]:
+    held = load_study(study.path, study.results)
+    points = {key: point.parameters for key, point in held.points.items()}
+    return set(Adopted(held, study.output.parent).sources(points))
+
+
+def test_a_study_goes_on_from_half_of_its_runs(study, half, whole):
+    said = adopt(study.path, half, study.results)
+    (there,) = (study.output.parent / "adopted").iterdir()
+    assert said == f"made: {half} covers 3 of 6 points; adopted as {there}"
+    assert adopt(study.path, half, study.results) == said
+    assert adopted(study) == set(ids(study, *HALF))
+    status = survey(load_study(study.path, study.results), study.results)
+    assert (status.counts["adopted"], status.counts["waiting"]) == (3, 3)
+    assert status.core_seconds == pytest.approx(1.5 * (1 + 3 + 2))
+    for number in REST:
+        study.write(number)
+    build(study.path, study.results)
+    assert_same(study.output, whole.output)
+    # And again, from the earlier dataset where that has rows of run files.
+    again = study.output.read_bytes()
+    assert build(study.path, study.results).read_bytes() == again
+    results = load_results(study.output)
+    row = {"dataset": there.stem, "points": 3, "from": "2026-01-01T00:00:00Z"}
+    assert adopted_datasets(results) == [row | {"to": "2026-01-01T00:00:00Z"}]
+    assert provenance(results)["points from adopted datasets"] == adopted_datasets(results)
+    assert set(results.adopted) == adopted(study)
+
+
+def test_a_dataset_of_adopted_points_alone_can_be_adopted(study, whole, tmp_path):
+    adopt(study.path, whole.output, study.results)
+    output = build(study.path, study.results)
+    assert_same(output, whole.output)
+    other = Mixed(tmp_path / "other")
+    other.path.parent.mkdir()
+    other.save(*range(6), shown=True)
+    adopt(other.path, output, other.results)
+    assert len(adopted(other)) == 6
+
+
+def test_a_run_file_that_holds_enough_goes_before(study, whole):
+    adopt(study.path, whole.output, study.results)
+    study.write(3, velocity=0.7)
+    assert adopted(study) == set(ids(study, 0, 1, 2, 4, 5))
+    build(study.path, study.results)
+    results = load_results(study.output)
+    point = ids(study, 3)[0]
+    assert point not in results.adopted
+    velocity = results.dataset["velocity"].sel(point=point).values[0]
+    assert velocity == pytest.approx(0.7)
+
+
+def test_of_more_replicates_the_first_are_taken(study, whole, tmp_path):
+    text = study.path.read_text().replace("'replicates': 4", "'replicates': 1")
+    study.path.write_text(text)
+    adopt(study.path, whole.output, study.results)
+    build(study.path, study.results)
+    shutil.copytree(whole.runs, tmp_path / "straight" / "made" / "runs")
+    assert_same(study.output, build(study.path, tmp_path / "straight"))
+    assert load_results(study.output).dataset.sizes["replicate"] == 3
+
+
+def test_a_point_of_which_more_is_wanted_is_run(study, whole):
+    text = study.path.read_text()
+    study.path.write_text(text.replace("'replicates': 4", "'replicates': 5"))
+    assert "covers 5 of 6 points" in adopt(study.path, whole.output, study.results)
+    point = ids(study, 5)[0]
+    assert point not in adopted(study)
+    status = survey(load_study(study.path, study.results), study.results)
+    assert status.points[point].state == "waiting"
+    with pytest.raises(InputError, match=f"{point}.nc: no such run file"):
+        build(study.path, study.results)
+    # Another dataset may have it.
+    study.path.write_text(text)
+    assert "covers 6 of 6" in adopt(study.path, whole.output, study.results)
+
+
+def test_of_two_datasets_that_which_has_just_what_is_wanted_is_taken(study, whole, tmp_path):
+    other = Mixed(tmp_path / "other")
+    other.path.parent.mkdir()
+    other.points = [
+        point.model_copy(update={"average": 2 * point.average}) for point in study.points
+    ]
+    for number in (0, 3):
+        other.write(number, velocity=0.9)
+    other.save(0, 3)
+    text = other.path.read_text().replace("}]}", ", 'average': %g}]}")
+    other.path.write_text(text % tuple(other.points[number].average for number in (0, 3)))
+    longer = build(other.path, other.results)
+    for path in (longer, whole.output):
+        adopt(study.path, path, study.results)
+    held = load_study(study.path, study.results)
+    source = Adopted(held, study.output.parent).source
+    point = ids(study, 0)[0]
+    wanted = held.points[point].parameters
+    assert source(point, wanted).scalars["velocity"][0] == pytest.approx(0.5)
+    more = wanted.model_copy(update={"average": 1.5 * wanted.average})
+    assert source(point, more).scalars["velocity"][0] == pytest.approx(0.9)
+
+
+def test_a_point_that_is_shown_needs_its_state(study, whole, tmp_path):
+    hidden = Mixed(tmp_path / "hidden")
+    shutil.copytree(whole.results, hidden.results)
+    dataset = tmp_path / "hidden.nc"
+    hidden.afresh(*range(6))
+    shutil.copy(hidden.output, dataset)
+    assert "covers 5 of 6" in adopt(study.path, dataset, study.results)
+    assert adopted(study) == set(ids(study, *({*range(6)} - {SHOWN})))
+
+
+@pytest.mark.parametrize(
+    "more",
+    [
+        "pages: true\n",
+        "plots: [{name: p, kind: time_series, y: velocity, series: [s0]}]\n",
+    ],
+)
+def test_what_is_drawn_from_run_files_needs_them(more, study, whole):
+    study.path.write_text(study.path.read_text().replace("series:", f"{more}series:", 1))
+    if more.startswith("pages"):
+        with pytest.raises(InputError, match="covers no point"):
+            adopt(study.path, whole.output, study.results)
+    else:
+        assert "covers 5 of 6" in adopt(study.path, whole.output, study.results)
+        assert adopted(study) == set(ids(study, 1, 2, 3, 4, 5))
+
+
+def test_what_other_code_has_read_is_taken_if_it_knew_all_names(study, whole, monkeypatch):
+    adopt(study.path, whole.output, study.results)
+    monkeypatch.setattr(earlier, "_own_code", lambda: "other")
+    assert len(adopted(study)) == 6
+    build(study.path, study.results)
+    xr.testing.assert_identical(xr.load_dataset(study.output), xr.load_dataset(whole.output))
+    names = earlier.names_read()
+    monkeypatch.setattr(earlier, "names_read", lambda: names | {"new_measure"})
+    monkeypatch.setattr(earlier, "_own_code", lambda: "another")
+    assert adopted(study) == set()
+    monkeypatch.setattr(adopt_module, "names_unknown", lambda made: ["new_measure"])
+    with pytest.raises(InputError, match="got 'a dataset that cannot have new_measure'; allowed"):
+        adopt(study.path, whole.output, study.results)
+
+
+def test_what_a_point_starts_from_is_run_with_it(tmp_path):
+    text = "study: made\nseries: [{name: beds, system: belt, cases: [{frequency: 20}%s]}]\n"
+    folder = Folder(tmp_path, text % "")
+    (first,) = folder.ids
+    case = f", {{frequency: 40, start_from: {first}}}"
+    both = Folder(tmp_path, text % case)
+    _, then = both.ids
+    for key in both.ids:
+        both.finish(key)
+    dataset = build(both.file, both.results, finished=tmp_path / "both.nc")
+    alone = Folder(tmp_path, text % "")
+    one = build(alone.file, alone.results, finished=tmp_path / "one.nc")
+    for name, path, expected in (("a", one, set()), ("b", dataset, {first, then})):
+        other = tmp_path / name
+        other.mkdir()
+        fresh = Folder(other, text % case)
+        adopt(fresh.file, path, fresh.results)
+        found = {key for key, at in fresh.survey().points.items() if at.state == "adopted"}
+        assert found == expected
+
+
+def refused(study: Mixed, dataset: Path, *words: str) -> None:
+    """Check that a dataset is refused in one line, before anything is written."""
+    with pytest.raises(InputError) as error:
+        adopt(study.path, dataset, study.results)
+    assert "\n" not in str(error.value) and str(dataset) in str(error.value)
+    assert all(word in str(error.value) for word in words), error.value
+    assert not study.results.exists()
+
+
+def test_what_cannot_be_used_is_refused(study, whole, tmp_path):
+    content = whole.output.read_bytes()
+    path = tmp_path / "bad.nc"
+    refused(study, path, "no such dataset")
+    for bad in (b"", content[: len(content) // 2], content[:-1], content + b"x"):
+        path.write_bytes(bad)
+        refused(study, path, "checksum")
+    store(xr.Dataset({"depth": 1.0}), path)
+    refused(study, path, "not a dataset (no study in it)")
+    run = next(whole.runs.glob("*.nc"))
+    refused(study, run, "not a dataset (no study in it)")
+    refused(study, ROOT / "results/published/paper_walton/dataset.nc", "how much of each point")
+    path.write_bytes(content)
+    with changing(path) as file:
+        file.numerics = str(NUMERICS + 1)
+    refused(study, path, f"numerics: got '{NUMERICS + 1}'; allowed: {NUMERICS}")
+    study.path.write_text("study: made\nseries: [{name: a, system: chute, cases: [{depth: 7}]}]\n")
+    refused(study, whole.output, "covers no point of", "of 1 point it has 0")
+    text = "study: made\nseries: [{name: a, system: chute, cases: [{depth: 2, replicates: 9}]}]\n"
+    study.path.write_text(text)
+    refused(study, whole.output, "of 1 point it has 1, none with all that is wanted of it")
+
+
+def test_rows_of_other_numerics_are_not_taken(study, tmp_path):
+    made = Mixed(tmp_path / "made")
+    made.write(0)
+    write_run(made.runs, made.points[3], numerics=NUMERICS + 1)
+    made.build(0, 3)
+    assert "covers 1 of 6" in adopt(study.path, made.output, study.results)
+    assert adopted(study) == set(ids(study, 0))
+
+
+def test_the_command_ends_with_one_line_and_2(study, whole, capsys):
+    path = study.path.with_name("bad.nc")
+    path.write_bytes(whole.output.read_bytes()[:-100])
+    words = ["--results", str(study.results)]
+    assert main(["adopt", str(study.path), str(path), *words]) == 2
+    said = capsys.readouterr().err
+    assert said.startswith(f"error: {path}: damaged or not a dataset") and said.count("\n") == 1
+    assert main(["adopt", str(study.path), str(whole.output), *words]) == 0
+    assert "covers 6 of 6 points" in capsys.readouterr().out
+
+
+def test_one_that_is_damaged_later_is_set_aside_and_its_points_are_run(study, whole):
+    adopt(study.path, whole.output, study.results)
+    (there,) = (study.output.parent / "adopted").iterdir()
+    content = there.read_bytes()
+    there.write_bytes(content[: len(content) // 2] + content[len(content) // 2 + 1 :])
+    with pytest.raises(DamagedError, match=f"now {there.name}.damaged: rerun the study"):
+        build(study.path, study.results)
+    assert adopted(study) == set()
+    adopt(study.path, whole.output, study.results)
+    assert there.read_bytes() == content
+
+
+KILLED = """
+import os, signal
+from pathlib import Path
+import sim.base.files
+sim.base.files._flush = lambda path: os.kill(os.getpid(), signal.SIGKILL)
+from sim.dataset.adopt import adopt
+adopt(*map(Path, {paths}))
+"""
+
+
+def test_one_that_is_killed_leaves_nothing_half(study, whole):
+    paths = [str(path) for path in (study.path, whole.output, study.results)]
+    done = subprocess.run([sys.executable, "-c", KILLED.format(paths=paths)], cwd=ROOT)
+    assert done.returncode == -signal.SIGKILL
+    folder = study.output.parent / "adopted"
+    (left,) = folder.iterdir()
+    assert left.suffix == ".part" and adopted(study) == set()
+    adopt(study.path, whole.output, study.results)
+    assert [path.suffix for path in folder.iterdir()] == [".nc"] and len(adopted(study)) == 6
+
+
+def test_points_says_what_is_adopted(study, half):
+    adopt(study.path, half, study.results)
+    (there,) = (study.output.parent / "adopted").iterdir()
+    told = f"3 points adopted from {there.stem}, not to be run; core time of the others "
+    assert told in show(study.path, study.results, "table")
+    assert show(study.path, study.results, "json").count(f'"adopted": "{there.stem}"') == 3
+    assert "adopted" not in as_table(load_study(study.path, None))
+
+
+def test_what_has_finished_is_written_beside_nothing_else(study, tmp_path):
+    output = tmp_path / "new" / "half.nc"
+    with pytest.raises(InputError, match="no point has a run file with all that is wanted"):
+        build(study.path, study.results, finished=output)
+    assert not output.parent.exists()
+    for number in HALF:
+        study.write(number)
+    write_run(study.runs, study.points[5].model_copy(update={"replicates": 1}))
+    damaged = study.write(3)
+    damaged.write_bytes(damaged.read_bytes()[:-1])
+    build(study.path, study.results, finished=output)
+    results = load_results(output)
+    assert set(results.dataset["point"].values) == set(ids(study, *HALF))
+    assert not study.output.exists() and damaged.exists()
+    with pytest.raises(InputError, match="a file that is not there yet"):
+        build(study.path, study.results, finished=output)
+
+
+def test_boundaries_refine_by_adopted_points(tmp_path):
+    path, results = make_regimes(tmp_path)
+    rounds = load_study(path, results).rounds
+    for number in range(1, rounds + 1):
+        write_round(path, number, results)
+    finished = build(path, results, finished=tmp_path / "regimes.nc")
+    with netCDF4.Dataset(build(path, results)) as file, netCDF4.Dataset(finished) as other:
+        assert set(other["point"][:]) == set(file["point"][:])
+    fresh = tmp_path / "fresh"
+    adopt(path, finished, fresh)
+    for number in range(1, rounds + 1):
+        made = write_round(path, number, fresh)
+        assert made.read_text() == (results / "regimes" / "rounds" / made.name).read_text()
+    assert_same(build(path, fresh), results / "regimes" / "dataset.nc")
+    status = survey(load_study(path, fresh), fresh)
+    assert status.is_over and status.counts["adopted"] == len(status.points)
