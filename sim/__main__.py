@@ -22,9 +22,10 @@ from pathlib import Path
 from pkgutil import resolve_name
 from typing import Any
 
+from sim.base.additions import compile_fault
 from sim.base.completion import SHELLS, PrintCompletion
 from sim.base.errors import InputError
-from sim.base.plugins import compile_fault, load_from_environment
+from sim.base.plugins import load_from_environment
 from sim.base.program import __version__, program
 from sim.base.words import printable
 

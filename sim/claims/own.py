@@ -5,8 +5,8 @@ from typing import Any
 
 from pydantic import Field, PrivateAttr, ValidationError
 
+from sim.base.additions import NAME, Refused, add, additions, fault
 from sim.base.messages import input_error
-from sim.base.plugins import NAME, Refused, add, additions, fault
 from sim.claims.evidence import Evidence
 from sim.claims.table import OWN, Claim
 from sim.claims.verdict import Check, Untestable

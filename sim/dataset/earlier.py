@@ -11,9 +11,9 @@ import netCDF4
 import pandas as pd
 import xarray as xr
 
+from sim.base.additions import codes
 from sim.base.damage import UNREADABLE
 from sim.base.files import is_damaged, read_seal, replacing
-from sim.base.plugins import codes
 from sim.base.rooms import files_hash, room_hash
 from sim.dataset.results import PARTICLES
 from sim.dataset.rows import OF_PROFILES, WORDS, Rows

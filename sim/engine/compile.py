@@ -10,7 +10,7 @@ import os
 import sys
 from functools import partial, wraps
 
-from sim.base.plugins import codes
+from sim.base.additions import codes
 from sim.engine.cache import CODED_KINDS, cache_directory
 
 log = logging.getLogger("talus")

@@ -1,7 +1,7 @@
 """Types of the parameters of plug-ins' laws and motions, by which numba picks their functions."""
 
+from sim.base.additions import codes
 from sim.base.errors import InputError
-from sim.base.plugins import codes
 from sim.engine.cache import CODED_KINDS
 from sim.engine.compile import PLUGGED
 

@@ -9,7 +9,7 @@ from typing import Any
 import pandas as pd
 from matplotlib.figure import Figure
 
-from sim.base.plugins import fault
+from sim.base.additions import fault
 from sim.figures.animation import Animation
 from sim.figures.caption import velocity_notes
 from sim.figures.data import FigureData, velocity_table

@@ -12,7 +12,7 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import BeforeValidator, Field, create_model, model_validator
 
-from sim.base.plugins import NAME, Refused, additions
+from sim.base.additions import NAME, Refused, additions
 from sim.parameters.common import Parameters, Real, broken_rule
 from sim.parameters.observables import ASKED_FOR, MEASURES, PROFILES, SCALARS, SERIES
 from sim.parameters.roles import Role, declare

@@ -5,7 +5,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar, get_args
 
-from sim.base.plugins import add, blamed
+from sim.base.additions import add, blamed
 from sim.parameters.choices import WithOwn, extended, named, own, require_free
 from sim.parameters.chute import ChuteParameters
 

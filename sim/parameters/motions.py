@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from sim.base.plugins import add
+from sim.base.additions import add
 from sim.parameters.belt import BeltParameters
 from sim.parameters.choices import WithOwn, extended, own, require_free
 

@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from sim.base.plugins import Refused, add, additions
+from sim.base.additions import Refused, add, additions
 from sim.parameters.observables import ASKED_FOR, MEASURES, PROFILES, SCALARS, SERIES
 from sim.parameters.points import SYSTEMS
 

@@ -11,9 +11,9 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from sim.base.additions import whenever
 from sim.base.errors import InputError
 from sim.base.messages import allowed_values, input_error
-from sim.base.plugins import whenever
 from sim.base.yaml import read_yaml
 from sim.parameters.belt import BeltParameters
 from sim.parameters.chute import ChuteParameters

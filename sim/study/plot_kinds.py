@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from sim.base.plugins import Refused, add, additions
+from sim.base.additions import Refused, add, additions
 
 if TYPE_CHECKING:
     import pandas as pd

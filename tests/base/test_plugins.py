@@ -1,15 +1,20 @@
 """Plug-ins: loaded where a study names them, refused in one line, never where results name one."""
 
+import os
 import subprocess
 import sys
+import warnings
 from collections.abc import Iterator
+from contextlib import nullcontext
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from sim.base import plugins
+from sim.base.additions import additions, codes
 from sim.base.errors import InputError
-from sim.base.plugins import additions, codes, load
+from sim.base.plugins import load
 from sim.study.load import load_study
 from tests.made.plugins import alone, forgotten
 from tests.made.processes import ROOT
@@ -167,6 +172,33 @@ def test_results_that_name_a_study_run_none_of_its_code(tmp_path):
     path = written(tmp_path)
     load_study(path, None, plugins=False)
     assert not plugins.places()
+
+
+def test_a_plugin_changes_nothing_of_the_process_that_talus_relies_on(tmp_path, monkeypatch):
+    lines = (
+        "import os, sys, warnings, numpy\n"
+        "sys.setrecursionlimit(150)\n"
+        "os.chdir('/')\n"
+        "os.umask(0o777)\n"
+        "sys.path.insert(0, '/nowhere')\n"
+        "numpy.seterr(all='raise')\n"
+        "warnings.simplefilter('error')\n"
+        "warnings.filterwarnings('ignore', message='of mine')\n"
+    )
+    monkeypatch.chdir(tmp_path)
+
+    def now() -> tuple:
+        mask = os.umask(0)
+        os.umask(mask)
+        return sys.getrecursionlimit(), Path.cwd(), mask, list(sys.path), np.geterr()
+
+    before = now()
+    for text, loads in ((lines + RIGHT, True), (lines + "1 / 0\n", False)):
+        with forgotten(), nullcontext() if loads else pytest.raises(InputError):
+            load_study(written(tmp_path, text), None)
+        assert now() == before
+        assert not any(one[0] == "error" and one[1] is None for one in warnings.filters[:3])
+        assert any(one[1] and one[1].match("of mine") for one in warnings.filters)
 
 
 def test_commands_load_what_the_environment_names(tmp_path):

@@ -11,7 +11,7 @@ the law of a point for one kind of partners, or a law of a plug-in (`sim.engine.
 from importlib import import_module
 from typing import NamedTuple
 
-from sim.base.plugins import blamed
+from sim.base.additions import blamed
 from sim.parameters import ChuteParameters
 from sim.parameters.choices import named
 from sim.parameters.laws import LAW, own_laws

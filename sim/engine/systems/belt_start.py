@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sim.base.plugins import blamed
+from sim.base.additions import blamed
 from sim.engine.boundary.belt import Belt, OwnBelt, add_motion, belt_height
 from sim.engine.dynamics.cells import Box
 from sim.engine.systems.packing import random_packing
