@@ -91,8 +91,7 @@ def add(kind: str, name: str, value: Any, taken: Iterable[str] = ()) -> None:
     Refused
         When the name is none, or in use: by something of Talus (``taken``) or of a plug-in.
     """
-    if not re.fullmatch(NAME, name):
-        raise Refused(f"{kind} {name!r}: a name has up to 40 letters a-z, digits and _")
+    require_name(kind, name)
     if name in taken:
         raise Refused(f"{kind} {name}: Talus has one of this name")
     if not _loading:
@@ -103,6 +102,12 @@ def add(kind: str, name: str, value: Any, taken: Iterable[str] = ()) -> None:
         same = " in this process; start another" if other.name == _loading[-1].name else ""
         raise Refused(f"{kind} {name}: {other} has one of this name{same}")
     held[name] = Addition(value, _loading[-1])
+
+
+def require_name(kind: str, name: Any) -> None:
+    """Refuse what can be no name of something that a plug-in adds."""
+    if not (isinstance(name, str) and re.fullmatch(NAME, name)):
+        raise Refused(f"{kind} {name!r}: a name has up to 40 letters a-z, digits and _")
 
 
 def added_by(plugin: Plugin) -> list[str]:
@@ -180,7 +185,8 @@ def words_of(error: BaseException, file: Path) -> str:
         words = str(error)
     except Exception:
         words = "an error without words"
-    return f"{_line_of(error, file)}{type(error).__name__}: {words}"
+    kind = "" if isinstance(error, Refused) else f"{type(error).__name__}: "
+    return f"{_line_of(error, file)}{kind}{words}"
 
 
 def _line_of(error: BaseException, file: Path) -> str:

@@ -158,8 +158,7 @@ def _run(found: _Found, refused: Callable[[str], InputError]) -> None:
         raise
     except BaseException as error:
         sys.modules.pop(found.module, None)
-        why = str(error) if isinstance(error, Refused) else words_of(error, found.file)
-        raise refused(why) from None
+        raise refused(words_of(error, found.file)) from None
     _plugins[plugin.code] = plugin
     changed()
     print(printable(f"plug-in {plugin.place} ({plugin.code}): {', '.join(told)}"), file=sys.stderr)

@@ -16,10 +16,11 @@ from sim.base.errors import InputError
 from sim.base.messages import allowed_values, input_error
 from sim.base.yaml import read_yaml
 from sim.parameters.belt import BeltParameters
+from sim.parameters.choices import extended
 from sim.parameters.chute import ChuteParameters
 from sim.parameters.common import Parameters, canonical_number
-from sim.parameters.laws import with_own_laws
-from sim.parameters.motions import with_own_motions
+from sim.parameters.laws import WithOwnLaws
+from sim.parameters.motions import WithOwnMotions
 from sim.parameters.roles import Declaration, added, amounts, declarations, id_parts, numerical
 
 SYSTEMS: dict[str, type[Parameters]] = {"chute": ChuteParameters, "belt": BeltParameters}
@@ -27,7 +28,7 @@ SYSTEMS: dict[str, type[Parameters]] = {"chute": ChuteParameters, "belt": BeltPa
 
 def _with_own() -> None:
     """Give both systems the laws and motions of the plug-ins that are loaded."""
-    SYSTEMS.update(chute=with_own_laws(), belt=with_own_motions())
+    SYSTEMS.update(chute=extended(WithOwnLaws), belt=extended(WithOwnMotions))
 
 
 whenever(_with_own)
