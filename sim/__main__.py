@@ -299,7 +299,8 @@ def _add_point_options(parsers: dict[str, argparse.ArgumentParser]) -> None:
         "--output",
         type=Path,
         metavar="FILE",
-        help="must not be there yet (default: named like the run, in this folder)",
+        help="must not be there yet, and end as files of the format do "
+        "(default: named like the run, in this folder)",
     )
     export.add_argument(
         "--replicate", type=int, default=0, metavar="N", help="its number, from 0 (default: 0)"
