@@ -106,6 +106,8 @@ def test_the_examples_go_the_whole_way(made, folder):
     )
     assert own["id"] == "steeper_is_faster" and own["verdict"] == "reproduced"
     page = build_report("own.yaml").read_text()
+    claims = page[page.index('id="own-claims"') :].partition("</section>")[0]
+    assert "Fixed length" in claims and "onverged" not in claims
     assert "What this study claims" in page and "Steeper flows are faster" in page
     assert "base_slip.py" in page and "Plug-ins" in page
     published = publish("own.yaml", target=folder / "published")
