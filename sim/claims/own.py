@@ -1,12 +1,14 @@
 """Claims of a study's own: what plug-ins claim, and judge by the rules of the papers' claims."""
 
 from collections.abc import Callable, Iterable
+from dataclasses import replace
 from typing import Any
 
 from pydantic import Field, PrivateAttr
 
 from sim.base.additions import NAME, add, additions, fault, require_name
 from sim.base.declared import require_function, require_line, require_one_of
+from sim.base.words import printable
 from sim.claims.evidence import Evidence
 from sim.claims.table import OWN, Claim
 from sim.claims.verdict import Check, Untestable
@@ -50,13 +52,21 @@ class OwnClaim(Claim):
                 checks = list(self._judging(evidence))
                 if not all(isinstance(check, Check) for check in checks) or not checks:
                     raise TypeError("a judge returns checks, one at least")
-            except (Untestable, ZeroDivisionError):
+                return [_shown(check) for check in checks]
+            except Untestable as error:
+                raise Untestable(printable(str(error))) from None
+            except ZeroDivisionError:
                 raise
             except Exception as error:
                 raise fault(JUDGE, self.id, error) from None
-            return checks
 
         return judged
+
+
+def _shown(check: Check) -> Check:
+    """Return a check whose texts move no cursor and turn no letters where they are shown."""
+    what, unit, withheld = map(printable, (check.what, check.unit, check.withheld))
+    return replace(check, what=what, unit=unit, withheld=withheld)
 
 
 def judge(

@@ -42,6 +42,17 @@ def test_only_protocols_that_the_study_has_are_told(protocol):
     assert set(as_table([found])["protocol"]) == {protocol}
 
 
+def test_texts_of_a_judge_turn_no_letters_where_they_are_shown(tmp_path):
+    text = Path(STEEPER).read_text().replace('"steeper_is_faster"', '"another"')
+    path = tmp_path / "another.py"
+    path.write_text(text.replace('above("V(18°)', r'above("\u202eV\x1b[2J(18°)'))
+    load_plugins(path)
+    made = [made_point("chute", {"velocity": 0.4}, angle=angle, depth=2.5) for angle in (17, 18)]
+    _, found = judge.judge(made_results(*made))
+    (check,) = found.variants[0].checks
+    assert check.what.isprintable() and "V\\x1b[2J(18°)" in check.what
+
+
 @pytest.mark.parametrize(
     ("scalars", "said"),
     [

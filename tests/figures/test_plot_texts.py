@@ -10,6 +10,7 @@ import pytest
 from matplotlib.figure import Figure
 from matplotlib.markers import CARETDOWN, CARETUP
 
+from sim.base.errors import InputError
 from sim.base.plugins import load_plugins
 from sim.figures.render import derived
 from sim.figures.style import SETTINGS
@@ -73,6 +74,25 @@ def test_profiles_tell_of_bands_or_of_pale_lines():
     assert "pale" in (text := caption_of(plot, flows(replicates=2))) and "Bands" not in text
     text = caption_of(plot, flows(replicates=1))
     assert "pale" not in text and "Bands" not in text
+
+
+@pytest.mark.parametrize(
+    ("notes", "said"), [("['a\\x1b[2J']", r"a\x1b[2J"), ("None", "TypeError: 'NoneType'")]
+)
+def test_notes_of_a_plugin_move_no_cursor(tmp_path, notes, said):
+    path = tmp_path / "own.py"
+    path.write_text(
+        "import sim\n"
+        f"sim.plot_kind('own', like='curves', notes=lambda data: {notes})(lambda data: None)\n"
+    )
+    with forgotten():
+        load_plugins(path)
+        plot = {"kind": "own", "x": "friction", "curves": "angle"}
+        if notes == "None":
+            with pytest.raises(InputError, match=said):
+                caption_of(plot, flows())
+        else:
+            assert said in caption_of(plot, flows())
 
 
 def shown_texts(figure: Figure) -> set[str]:
