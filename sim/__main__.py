@@ -16,6 +16,7 @@ if __name__ == "__main__" and not sys.flags.safe_path:
 
 import argparse
 import io
+import logging
 import os
 from collections.abc import Sequence
 from pathlib import Path
@@ -143,6 +144,7 @@ def warm(study_path: Path | None, processes: int) -> None:
 
     from sim.engine.warm import warm
 
+    logging.basicConfig(format="%(message)s", level=logging.INFO, stream=sys.stderr)
     warm(points, processes)
 
 
