@@ -16,15 +16,17 @@ if __name__ == "__main__" and not sys.flags.safe_path:
 
 import argparse
 import io
+import logging
 import os
 from collections.abc import Sequence
 from pathlib import Path
 from pkgutil import resolve_name
 from typing import Any
 
+from sim.base.additions import compile_fault
 from sim.base.completion import SHELLS, PrintCompletion
 from sim.base.errors import InputError
-from sim.base.plugins import compile_fault, load_from_environment
+from sim.base.plugins import load_from_environment
 from sim.base.program import __version__, program
 from sim.base.words import printable
 
@@ -146,6 +148,7 @@ def warm(study_path: Path | None, processes: int) -> None:
 
     from sim.engine.warm import warm
 
+    logging.basicConfig(format="%(message)s", level=logging.INFO, stream=sys.stderr)
     warm(points, processes)
 
 
@@ -302,7 +305,8 @@ def _add_point_options(parsers: dict[str, argparse.ArgumentParser]) -> None:
         "--output",
         type=Path,
         metavar="FILE",
-        help="must not be there yet (default: named like the run, in this folder)",
+        help="must not be there yet, and end as files of the format do "
+        "(default: named like the run, in this folder)",
     )
     export.add_argument(
         "--replicate", type=int, default=0, metavar="N", help="its number, from 0 (default: 0)"

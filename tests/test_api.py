@@ -85,6 +85,17 @@ def test_a_flow_that_blows_up_says_why():
         flow.run(5, progress=False)
 
 
+def test_many_short_calls_go_on_for_their_sum():
+    flow = sim.Flow("belt", beads=3, width=5)
+    interval = flow.parameters.sample_steps * flow.parameters.time_step
+    asked = 0.0
+    for part in (0.3, 0.7, 1.4, 0.2) * 10:
+        flow.run(part * interval / flow.parameters.time_unit, progress=False)
+        asked += part * interval
+        assert abs(flow.time - asked) <= 0.51 * interval
+    assert flow.series.sizes["time"] == 26
+
+
 def motionless(duration):
     sim.Flow("belt", beads=3).run(duration)
 

@@ -25,6 +25,8 @@ from sim.claims.written import build as build_claims
 from sim.dataset.build import build
 from sim.dataset.earlier import reading_code
 from sim.engine.cache import cache_directory
+from sim.engine.contact import Partners, law_of
+from sim.engine.systems.belt_start import vibration
 from sim.figures.several import draw_several
 from sim.parameters import ChuteParameters, Parameters, parse_point, point_id
 from sim.report.compare import show
@@ -104,6 +106,8 @@ def test_the_examples_go_the_whole_way(made, folder):
     )
     assert own["id"] == "steeper_is_faster" and own["verdict"] == "reproduced"
     page = build_report("own.yaml").read_text()
+    claims = page[page.index('id="own-claims"') :].partition("</section>")[0]
+    assert "Fixed length" in claims and "onverged" not in claims
     assert "What this study claims" in page and "Steeper flows are faster" in page
     assert "base_slip.py" in page and "Plug-ins" in page
     published = publish("own.yaml", target=folder / "published")
@@ -279,6 +283,29 @@ def test_a_law_whose_collision_takes_no_time_is_told_with_its_line(folder):
     load_plugins("hertz_mindlin.py")
     with pytest.raises(InputError, match=r"law hertz_mindlin: ValueError: a collision takes 0.0 s"):
         parse_point({"system": "chute", "law": "hertz_mindlin"}, "point")
+
+
+@pytest.mark.parametrize(
+    ("text", "got"),
+    [("{'a': 1}", "{'a': 1}"), ("(1.0, 2.0)", "(1, 2)"), ("HertzMindlin(1.0, '2', 0, 0)", "")],
+)
+def test_a_law_that_makes_no_numbers_is_told(folder, text, got):
+    path = folder / "hertz_mindlin.py"
+    path.write_text(path.read_text().replace("    nu = p.", f"    return {text}\n    nu = p."))
+    load_plugins("hertz_mindlin.py")
+    point = parse_point({"system": "chute", "law": "hertz_mindlin"}, "point")
+    said = f"law hertz_mindlin: TypeError: make returns a NamedTuple of numbers: got {got}"
+    with pytest.raises(InputError, match=re.escape(said)):
+        law_of(point, Partners(0.4, 1e-6, 1e-5))
+
+
+def test_a_motion_that_makes_no_numbers_is_told(folder):
+    path = folder / "ellipse.py"
+    path.write_text(path.read_text().replace("return Ellipse(", "return str("))
+    load_plugins("ellipse.py")
+    point = parse_point({"system": "belt", "motion": "ellipse"}, "point")
+    with pytest.raises(InputError, match=r"motion ellipse: .*NamedTuple of numbers: got '1\.57"):
+        vibration(point, 20.0)
 
 
 def test_two_plugins_have_no_parameter_in_common(folder):

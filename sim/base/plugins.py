@@ -9,19 +9,20 @@ import hashlib
 import os
 import re
 import sys
-import traceback
-from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable
+from contextvars import copy_context
 from importlib import import_module
 from importlib.metadata import entry_points
 from importlib.util import find_spec
 from pathlib import Path
 from types import ModuleType
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
+from sim.base.additions import FILE, Plugin, Refused, added_by, adding, changed, words_of
 from sim.base.errors import InputError
 from sim.base.files import read_regular
+from sim.base.process import process_kept
+from sim.base.words import printable
 
 #: Where installed packages name their modules.
 GROUP = "talus.plugins"
@@ -33,145 +34,12 @@ VARIABLE = "TALUS_PLUGINS"
 PATTERN = r"^[A-Za-z_][A-Za-z0-9_-]*(\.py)?$"
 ALLOWED = "a Python file beside the study, as my_law.py, or the name of an installed plug-in"
 
-#: What the name of something that a plug-in adds may be.
-NAME = r"^[a-z][a-z0-9_]{0,39}$"
-
-_FILE = ".py"
 _CODE_DIGITS = 8
 
 #: The end of a name with a hash.
 _PINNED = re.compile(rf"@[0-9a-f]{{{_CODE_DIGITS}}}$")
 
-
-@dataclass(frozen=True)
-class Plugin:
-    """A plug-in that is loaded.
-
-    Attributes
-    ----------
-    name : str
-        As the study names it.
-    place : str
-        What another process loads it by: the file, or the name of the installed one.
-    code : str
-        Hash of its content.
-    """
-
-    name: str
-    place: str
-    code: str
-
-    @property
-    def pinned(self) -> str:
-        """How ``TALUS_PLUGINS`` names it as it is now, and not as it may be when it is loaded."""
-        return f"{self.place}@{self.code}"
-
-    @property
-    def is_file(self) -> bool:
-        """Whether it is a file beside a study, and not installed."""
-        return self.name.endswith(_FILE)
-
-    def __str__(self) -> str:
-        return f"plug-in {self.name} ({self.code})"
-
-
-@dataclass(frozen=True)
-class Addition:
-    """Something that a plug-in adds, and the plug-in."""
-
-    value: Any
-    plugin: Plugin
-
-
-class Refused(Exception):
-    """What a plug-in adds cannot be added; the message says why."""
-
-
 _plugins: dict[str, Plugin] = {}
-_additions: dict[str, dict[str, Addition]] = {}
-_loading: list[Plugin] = []
-_listeners: list[Callable[[], None]] = []
-
-
-def add(kind: str, name: str, value: Any, taken: Iterable[str] = ()) -> None:
-    """Add something of a kind under a name; nothing, where no plug-in is being loaded.
-
-    So the file of a plug-in can also be imported like any other.
-
-    Raises
-    ------
-    Refused
-        When the name is none, or in use: by something of Talus (``taken``) or of a plug-in.
-    """
-    if not re.fullmatch(NAME, name):
-        raise Refused(f"{kind} {name!r}: a name has up to 40 letters a-z, digits and _")
-    if name in taken:
-        raise Refused(f"{kind} {name}: Talus has one of this name")
-    if not _loading:
-        return
-    held = _additions.setdefault(kind, {})
-    if name in held:
-        other = held[name].plugin
-        same = " in this process; start another" if other.name == _loading[-1].name else ""
-        raise Refused(f"{kind} {name}: {other} has one of this name{same}")
-    held[name] = Addition(value, _loading[-1])
-
-
-def additions(kind: str) -> dict[str, Addition]:
-    """Return what plug-ins have added of a kind, by name."""
-    return dict(_additions.get(kind, {}))
-
-
-def codes(*kinds: str) -> str:
-    """Return names and hashes of what is added of kinds: a text that changes when any of it does.
-
-    Empty without any.
-    """
-    return " ".join(
-        f"{name}.{one.plugin.code}"
-        for kind in kinds
-        for name, one in sorted(additions(kind).items())
-    )
-
-
-def whenever(function: Callable[[], None]) -> None:
-    """Call a function now, and whenever what plug-ins add changes."""
-    _listeners.append(function)
-    function()
-
-
-def changed() -> None:
-    """Tell those who want to know that what plug-ins add has changed."""
-    for function in _listeners:
-        function()
-
-
-def fault(kind: str, name: str, error: BaseException, of: str = "") -> InputError:
-    """Return the error of something that a plug-in has added as one line, with its place there."""
-    plugin = _additions[kind][name].plugin
-    return InputError(f"{plugin}: {kind} {name}{of}: {_told(error, Path(plugin.place))}")
-
-
-@contextmanager
-def blamed(kind: str, name: str, of: str = "") -> Iterator[None]:
-    """Tell whatever goes wrong in a block as the mistake of something that a plug-in has added."""
-    try:
-        yield
-    except (Exception, SystemExit) as error:
-        raise fault(kind, name, error, of) from None
-
-
-def compile_fault(error: Exception) -> InputError | None:
-    """Return what numba could not compile of a plug-in as one line; none for other errors."""
-    if not type(error).__module__.startswith("numba."):
-        return None
-    text = str(error)
-    for plugin in _plugins.values():
-        place = re.search(rf'File "[^"]*{re.escape(plugin.name)}", line (\d+)', text)
-        if place:
-            lines = [line.strip() for line in text[: place.start()].splitlines() if line.strip()]
-            return InputError(f"{plugin}: line {place[1]}: cannot be compiled: {lines[-1]}")
-    return None
 
 
 def places() -> list[str]:
@@ -245,7 +113,7 @@ class _Found(NamedTuple):
 
 def _found(name: str, folder: Path, refused: Callable[[str], InputError]) -> _Found:
     """Return a plug-in by the name that a study has for it."""
-    if name.endswith(_FILE):
+    if name.endswith(FILE):
         path = (folder / name).absolute()
         try:
             text = read_regular(path)
@@ -264,7 +132,7 @@ def _found(name: str, folder: Path, refused: Callable[[str], InputError]) -> _Fo
     if spec is None or spec.origin is None:
         raise refused(f"no module {module}")
     file = Path(spec.origin)
-    files = file.parent.rglob(f"*{_FILE}") if spec.submodule_search_locations else [file]
+    files = file.parent.rglob(f"*{FILE}") if spec.submodule_search_locations else [file]
     code = _hash((path.name, path.read_bytes()) for path in sorted(files))
     return _Found(Plugin(name, name, code), file, module)
 
@@ -279,53 +147,30 @@ def _hash(files: Iterable[tuple[str, bytes]]) -> str:
 
 def _run(found: _Found, refused: Callable[[str], InputError]) -> None:
     """Run the code of a plug-in, which adds what it has; nothing of it stays after an error."""
-    plugin, file, module, text = found
-    before = {kind: dict(held) for kind, held in _additions.items()}
-    _loading.append(plugin)
-    why = ""
+    plugin = found.plugin
     try:
-        sys.modules.pop(module, None)
-        if text is None:
-            import_module(module)
-        else:
-            # The very text of which the hash is, and no compiled file of an earlier one.
-            made = sys.modules[module] = ModuleType(module)
-            made.__file__ = str(file)
-            exec(compile(text, str(file), "exec"), made.__dict__)
-    except Refused as error:
-        why = str(error)
+        with adding(plugin), process_kept():
+            # A context of its own: how NumPy and decimals round and warn stays as it was, too.
+            copy_context().run(_execute, found)
+            if not (told := added_by(plugin)):
+                raise Refused("it adds nothing")
     except KeyboardInterrupt:
         raise
     except BaseException as error:
-        why = _told(error, file)
-    finally:
-        _loading.pop()
-    new = {kind: held.keys() - before.get(kind, {}).keys() for kind, held in _additions.items()}
-    told = [f"{kind} {name}" for kind, names in new.items() for name in sorted(names)]
-    if why or not told:
-        _additions.clear()
-        _additions.update(before)
-        sys.modules.pop(module, None)
-        raise refused(why or "it adds nothing")
+        sys.modules.pop(found.module, None)
+        raise refused(words_of(error, found.file)) from None
     _plugins[plugin.code] = plugin
     changed()
-    print(f"plug-in {plugin.place} ({plugin.code}): {', '.join(told)}", file=sys.stderr)
+    print(printable(f"plug-in {plugin.place} ({plugin.code}): {', '.join(told)}"), file=sys.stderr)
 
 
-def _told(error: BaseException, file: Path) -> str:
-    """Return an error in words, with the line of a file that it comes from."""
-    try:
-        words = str(error)
-    except Exception:
-        words = "an error without words"
-    return f"{_line_of(error, file)}{type(error).__name__}: {words}"
-
-
-def _line_of(error: BaseException, file: Path) -> str:
-    """Return where in a file an error comes from."""
-    lines = [
-        frame.lineno
-        for frame in traceback.extract_tb(error.__traceback__)
-        if Path(frame.filename) == file
-    ]
-    return f"line {lines[-1]}: " if lines else ""
+def _execute(found: _Found) -> None:
+    """Run the code of a plug-in as a module."""
+    sys.modules.pop(found.module, None)
+    if found.text is None:
+        import_module(found.module)
+        return
+    # The very text of which the hash is, and no compiled file of an earlier one.
+    made = sys.modules[found.module] = ModuleType(found.module)
+    made.__file__ = str(found.file)
+    exec(compile(found.text, str(found.file), "exec"), made.__dict__)

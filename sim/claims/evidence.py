@@ -1,6 +1,7 @@
 """What judges ask for: places of a study under one protocol and one reading, with intervals."""
 
-from collections.abc import Mapping
+from collections import Counter
+from collections.abc import Iterable, Mapping
 from math import inf
 from typing import Any
 
@@ -76,6 +77,21 @@ class Evidence:
             value: self._place(self._points.richest(system, found[values == value], where))
             for value in sorted(set(values.tolist()))
         }
+
+    def has_runs(self, system: str) -> bool:
+        """Return whether the study has any point of the system under the protocol."""
+        held = self._results.dataset
+        return bool(((held["system"] == system) & (held["protocol"] == self.protocol)).any())
+
+    def unsteady(self, points: Iterable[str]) -> str:
+        """Say how many of some points are not steady, and what instead; empty where all are."""
+        found = Counter(self._place(point).regime for point in points)
+        others = [f"{count} {regime}" for regime, count in found.items() if regime != "steady"]
+        if not others:
+            return ""
+        count = found.total() - found["steady"]
+        verb = "is" if count == 1 else "are"
+        return f"{count} of {found.total()} points {verb} not steady: {', '.join(others)}"
 
     def boundary(
         self,

@@ -10,7 +10,7 @@ from sim.claims.judgement import MODEL, PROTOCOLS, Judgement, Variant
 from sim.claims.own import own_claims
 from sim.claims.points import Points
 from sim.claims.readings import GRID, in_words, readings_of, readings_run
-from sim.claims.table import Claim, claims
+from sim.claims.table import OWN, Claim, claims
 from sim.claims.verdict import Check, Untestable
 from sim.dataset.results import Results
 
@@ -66,6 +66,9 @@ def _variants(
         return
     seen = set()
     for reading, evidence in every:
+        if claim.paper == OWN and not evidence.has_runs(claim.system):
+            # Nothing is said of a protocol that the study has not chosen.
+            continue
         words = in_words(claim.system, reading)
         variant = _judged(claim, evidence, words, declared.is_control(reading))
         found = variant.protocol, repr(variant.checks)
@@ -83,6 +86,10 @@ def _judged(claim: Claim, evidence: Evidence, reading: str, control: str) -> Var
     except ZeroDivisionError:
         reason = "a quantity that the claim divides by is exactly zero"
         return Variant(evidence.protocol, reading, reason=reason, control=control)
+    if claim.paper == OWN:
+        used = dict.fromkeys(point for check in checks for point in check.points)
+        unsteady = evidence.unsteady(used)
+        return Variant(evidence.protocol, reading, checks, control=control, unsteady=unsteady)
     others = {}
     for value in number.values if number else ():
         try:

@@ -35,7 +35,8 @@ class Variant:
 
     ``reason`` says why it is untestable; ``checks`` is then empty. ``others`` are the checks with
     other values of a number that the paper does not give. ``control`` says why the reading is none
-    of the paper's, empty where it is one.
+    of the paper's, empty where it is one; ``unsteady`` how many points are not steady, which judges
+    of a study's own claims need not ask.
     """
 
     protocol: str
@@ -44,6 +45,7 @@ class Variant:
     reason: str = ""
     others: Mapping[float, tuple[Check, ...]] = field(default_factory=dict)
     control: str = ""
+    unsteady: str = ""
 
     def on(self, part: str) -> list[Check]:
         """Return the checks that vote on a part of the claim."""

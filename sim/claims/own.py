@@ -1,12 +1,14 @@
 """Claims of a study's own: what plug-ins claim, and judge by the rules of the papers' claims."""
 
 from collections.abc import Callable, Iterable
+from dataclasses import replace
 from typing import Any
 
-from pydantic import Field, PrivateAttr, ValidationError
+from pydantic import Field, PrivateAttr
 
-from sim.base.messages import input_error
-from sim.base.plugins import NAME, Refused, add, additions, fault
+from sim.base.additions import NAME, add, additions, fault, require_name
+from sim.base.declared import require_function, require_line, require_one_of
+from sim.base.words import printable
 from sim.claims.evidence import Evidence
 from sim.claims.table import OWN, Claim
 from sim.claims.verdict import Check, Untestable
@@ -15,6 +17,9 @@ from sim.study.entries import JUDGE
 
 #: Gives the checks of a claim, one at least, from the runs of one protocol and reading.
 Judging = Callable[[Evidence], Iterable[Check]]
+
+#: Most letters of what a claim says of itself.
+_LONGEST = 2000
 
 
 class OwnClaim(Claim):
@@ -47,13 +52,21 @@ class OwnClaim(Claim):
                 checks = list(self._judging(evidence))
                 if not all(isinstance(check, Check) for check in checks) or not checks:
                     raise TypeError("a judge returns checks, one at least")
-            except (Untestable, ZeroDivisionError):
+                return [_shown(check) for check in checks]
+            except Untestable as error:
+                raise Untestable(printable(str(error))) from None
+            except ZeroDivisionError:
                 raise
             except Exception as error:
                 raise fault(JUDGE, self.id, error) from None
-            return checks
 
         return judged
+
+
+def _shown(check: Check) -> Check:
+    """Return a check whose texts move no cursor and turn no letters where they are shown."""
+    what, unit, withheld = map(printable, (check.what, check.unit, check.withheld))
+    return replace(check, what=what, unit=unit, withheld=withheld)
 
 
 def judge(
@@ -82,18 +95,15 @@ def judge(
     reason, needs : str
         Why the criterion is what it is; which runs decide it.
     """
-    if system not in SYSTEMS:
-        raise Refused(f"judge {name}: system is one of {', '.join(SYSTEMS)}")
-    for text in (title, statement, criterion, reason, needs):
-        if isinstance(text, str) and not text.isprintable():
-            raise Refused(f"judge {name}: {text!r}: a line without control characters")
+    require_name(JUDGE, name)
+    require_one_of(f"judge {name}: system", system, SYSTEMS)
     words: dict[str, Any] = {"title": title, "statement": statement, "criterion": criterion}
-    try:
-        claim = OwnClaim(id=name, reason=reason, needs=needs, own_system=system, **words)
-    except ValidationError as error:
-        raise Refused(str(input_error(error, OwnClaim, f"judge {name}"))) from None
+    for key, text in (words | {"reason": reason, "needs": needs}).items():
+        require_line(f"judge {name}: {key}", text, empty=key not in words, longest=_LONGEST)
+    claim = OwnClaim(id=name, reason=reason, needs=needs, own_system=system, **words)
 
     def declared(judging: Judging) -> Judging:
+        require_function(f"judge {name}", judging)
         claim._judging = judging
         add(JUDGE, name, claim)
         return judging

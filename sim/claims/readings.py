@@ -12,7 +12,7 @@ from sim.base.messages import input_error
 from sim.base.yaml import read_yaml
 from sim.dataset.results import Results
 from sim.parameters import SYSTEMS, roles
-from sim.parameters.laws import is_own
+from sim.parameters.laws import LAW
 from sim.parameters.words import setting
 
 _TABLE = "readings.yaml"
@@ -51,7 +51,7 @@ class Readings(BaseModel):
 
     def is_control(self, reading: Mapping[str, Any]) -> str:
         """Return why a reading is none of the paper's, empty where it is one."""
-        if is_own(reading.get("law", "")):
+        if LAW.is_own(reading.get("law", "")):
             return "the law of a plug-in"
         for one in self.controls:
             if one.values.items() <= reading.items():

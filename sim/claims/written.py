@@ -13,6 +13,7 @@ from sim.base.files import replacing
 from sim.base.sealed_json import as_sealed
 from sim.claims.judge import judge
 from sim.claims.judgement import Judgement, Variant
+from sim.claims.table import OWN
 from sim.claims.verdict import Check, plan
 from sim.dataset.agreement import require_agreement
 from sim.dataset.results import load_results
@@ -103,6 +104,7 @@ def _variant(variant: Variant, one: Judgement) -> dict[str, Any]:
         "control": variant.control,
         "verdict": variant.verdict(one.claim.parts),
         "reason": variant.reason,
+        **({"unsteady": variant.unsteady} if variant.unsteady else {}),
         "checks": [_check(check) for check in variant.checks],
     }
 
@@ -149,6 +151,8 @@ def as_table(judgements: list[Judgement]) -> pd.DataFrame:
                 "reading": variant.reading,
                 "verdict": variant.verdict(one.claim.parts),
             }
+            if one.claim.paper == OWN:
+                shared["steadiness"] = variant.unsteady
             for check in variant.checks:
                 values = {
                     name: value

@@ -13,9 +13,9 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from sim.base.additions import codes
 from sim.base.damage import UNREADABLE
 from sim.base.files import is_damaged, read_seal, replacing
-from sim.base.plugins import codes
 from sim.base.rooms import files_hash, room_hash
 from sim.dataset.gather import STATE, as_text
 from sim.dataset.results import PARTICLES, RUNS

@@ -12,8 +12,8 @@ import tempfile
 from functools import cache
 from pathlib import Path
 
+from sim.base.additions import codes
 from sim.base.errors import InputError
-from sim.base.plugins import codes
 from sim.base.private import Unfit, caches, own_temporary, private_folder
 from sim.engine.identity import COMPILED, source_hash
 

@@ -9,8 +9,9 @@ import logging
 import os
 import sys
 from functools import partial, wraps
+from time import process_time
 
-from sim.base.plugins import codes
+from sim.base.additions import codes
 from sim.engine.cache import CODED_KINDS, cache_directory
 
 log = logging.getLogger("talus")
@@ -25,6 +26,7 @@ import numba  # noqa: E402  (the cache folder must be named before numba is impo
 import numpy as np  # noqa: E402
 from llvmlite import ir  # noqa: E402
 from numba import types  # noqa: E402
+from numba.core import event  # noqa: E402
 from numba.core.caching import IndexDataCacheFile  # noqa: E402
 from numba.extending import intrinsic, overload, register_jitable  # noqa: E402
 
@@ -38,6 +40,37 @@ if "scipy.linalg" not in sys.modules:
     import numba.np.arraymath
 
     del sys.modules["scipy.linalg"]
+
+
+class _Compiling(event.Listener):
+    """Says in the log that code is compiled, and how much processor time (s) that has taken."""
+
+    def __init__(self):
+        self.spent, self._began, self._depth = 0.0, 0.0, 0
+
+    def on_start(self, event):
+        """Begin a piece of code, which may be part of another."""
+        if self._depth == 0:
+            self._began = process_time()
+            if self.spent == 0.0:
+                plugged = f" with {PLUGGED}" if PLUGGED else ""
+                log.info("compiling the engine%s; what is compiled is kept", plugged)
+        self._depth += 1
+
+    def on_end(self, event):
+        """End it."""
+        self._depth -= 1
+        if self._depth == 0:
+            self.spent += process_time() - self._began
+
+
+_compiling = _Compiling()
+event.register("numba:compile", _compiling)
+
+
+def working_time():
+    """Return the processor time (s) of this process without that in which it has compiled."""
+    return process_time() - _compiling.spent
 
 
 def _if_possible(save):

@@ -64,14 +64,17 @@ class Flow:
         replicate = int(replicate)
         self._system = build(self.parameters, replicate)
         self._taken: list[dict[str, np.ndarray]] = []
-        self._samples = 0
+        self._samples, self._owed = 0, 0.0
         if origin := origin_of(self.parameters, Path("flow.nc")):
             origin.start(self._system, replicate)
         else:
             self._system.settle()
 
     def run(self, duration: float, *, progress: bool = True) -> Self:
-        """Go on for a while, in whole sample intervals and at least one, and return the flow.
+        """Go on for a while, in whole sample intervals, and return the flow.
+
+        What a call goes on for too long or too short, half an interval at most, the next makes up
+        for: after many short ones the flow has gone on for their sum to within half an interval.
 
         Parameters
         ----------
@@ -92,7 +95,10 @@ class Flow:
         if not (_is(Real, duration) and 0 < duration <= longest):
             allowed = f"a number > 0 and <= {longest:.6g}"
             raise InputError.of_value("run", "duration", duration, allowed)
-        left = max(1, round(duration * self.parameters.time_unit / self._interval))
+        wanted = duration * self.parameters.time_unit / self._interval + self._owed
+        left = round(wanted)
+        # Where it ends before, by a signal or a blow-up, nothing is owed.
+        owed, self._owed = wanted - left, 0.0
         with bar(left, point_id(self.parameters), "sample", quiet=not progress) as shown:
             while left:
                 values = self._system.sample(left).values
@@ -102,6 +108,7 @@ class Flow:
                 self._samples += number
                 left -= number
                 shown.update(number)
+        self._owed = owed
         return self
 
     @property

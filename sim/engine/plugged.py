@@ -1,9 +1,14 @@
-"""Types of the parameters of plug-ins' laws and motions, by which numba picks their functions."""
+"""Laws and motions of plug-ins: numbers, by whose type numba picks their functions."""
 
-from sim.base.errors import InputError
-from sim.base.plugins import codes
+from collections.abc import Callable
+from numbers import Real
+from typing import Any, NamedTuple
+
+from sim.base.additions import blamed, codes
+from sim.base.errors import InputError, in_short
 from sim.engine.cache import CODED_KINDS
 from sim.engine.compile import PLUGGED
+from sim.parameters.choices import Choice, named, own
 
 #: Those known so far.
 adopted: set[type] = set()
@@ -27,3 +32,20 @@ def adopt(kind: type) -> bool:
         )
     adopted.add(kind)
     return True
+
+
+def made(
+    choice: Choice, option: str, register: Callable[[type, Any], None], *given: Any
+) -> NamedTuple:
+    """Return the numbers of an option of a plug-in, whose functions are registered for their type.
+
+    That is what its ``make`` returns of what is ``given``.
+    """
+    one = own(choice.name)[option]
+    with blamed(choice.name, named(option)):
+        numbers = one.make(*given)
+        is_named = isinstance(numbers, tuple) and hasattr(numbers, "_fields")
+        if not is_named or not all(isinstance(number, Real) for number in numbers):
+            raise TypeError(f"make returns a NamedTuple of numbers: got {in_short(numbers)}")
+        register(type(numbers), one)
+    return numbers

@@ -8,7 +8,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 
 from sim.figures.data import FigureData, split_curves, varying
-from sim.figures.style import CurveStyle, cycled, move_aside
+from sim.figures.style import CurveStyle, cycled, literal, move_aside
 from sim.parameters import SYSTEMS
 from sim.parameters.words import setting
 
@@ -69,7 +69,7 @@ def draw_boundaries(
             shift = aside + PITCH * taken[before]
             move_aside(axes, drawn.get_children(), **{"x" if upright else "y": shift})
             taken[before] += 1
-        axes.plot([], [], **style, linewidth=2.2, label=label)
+        axes.plot([], [], **style, linewidth=2.2, label=literal(label))
 
 
 def _kinds(found: pd.DataFrame, plane: Sequence[str]) -> list[tuple[str, CurveStyle, pd.DataFrame]]:

@@ -7,6 +7,7 @@ from typing import Any
 import pandas as pd
 
 from sim.figures.data import FigureData
+from sim.figures.quantity import Quantity, measures
 from sim.figures.style import undecided
 from sim.parameters.words import quantity
 
@@ -43,8 +44,18 @@ def velocity_notes(data: FigureData) -> list[str]:
 
 def measure_notes(data: FigureData) -> list[str]:
     """Return what a caption says of error bars and markers of measures."""
-    bars = "Error bars: Student's 95 % interval of the mean over replicates, none where only one."
-    return [bars, regime_sentence(data.rows)]
+    return quantity_notes(data, measures(data))
+
+
+def quantity_notes(data: FigureData, quantities: Sequence[Quantity]) -> list[str]:
+    """Return what a caption says of error bars and markers of quantities, where they are known."""
+    known = pd.concat([each.value.notna() for each in quantities], axis=1)
+    bars = pd.concat([each.half_width.notna() for each in quantities], axis=1) & known
+    sentence = "Error bars: Student's 95 % interval of the mean over replicates"
+    if bars.sum().sum() < known.sum().sum():
+        sentence += ", none where only one"
+    drawn = [f"{sentence}."] if bars.any().any() else []
+    return [*drawn, regime_sentence(data.rows[known.any(axis=1)])]
 
 
 def velocity_text(row: Mapping[str, Any]) -> str:
@@ -95,25 +106,27 @@ def interval_sentence(rows: pd.DataFrame) -> str:
 
 
 def regime_sentence(rows: pd.DataFrame) -> str:
-    """Explain pale and open markers, with the number of points of each; empty if all are steady."""
-    unknown = undecided(rows)
-    counts = rows[rows["regime"].isin(_REGIMES) & ~unknown]["regime"].value_counts()
-    parts = []
+    """Explain the markers there are, with the number of points of each; empty if all are steady."""
+    shown = rows[rows["completed"] > 0]
+    unknown = undecided(shown)
+    steady = (shown["regime"] == "steady") & ~unknown
+    counts = shown[shown["regime"].isin(_REGIMES) & ~unknown]["regime"].value_counts()
+    parts = ["filled markers are steady flows"] if steady.any() else []
     if unknown.any():
+        which = "pale ones may be" if parts else "pale markers are flows that may be steady"
         parts.append(
-            f"pale ones may be, their runs are too short to tell ({points_text(unknown.sum())}), "
+            f"{which}, their runs are too short to tell ({points_text(unknown.sum())}), "
             "and their error bars may be too small"
         )
     if len(counts):
         named = [f"{points_text(count)} {_REGIMES[regime]}" for regime, count in counts.items()]
-        parts.append("open ones are not shown to be: " + ", ".join(named))
-    if not parts:
+        which = "open ones are" if parts else "open markers are flows"
+        parts.append(f"{which} not shown to be{'' if parts else ' steady'}: " + ", ".join(named))
+    if not (unknown.any() or len(counts)):
         return ""
-    return (
-        "Filled markers are steady flows; "
-        + "; ".join(parts)
-        + "; their value is the mean over the averaging window all the same."
-    )
+    text = "; ".join(parts)
+    value = "their value is the mean over the averaging window all the same"
+    return f"{text[0].upper()}{text[1:]}; {value}."
 
 
 def caveat_sentence(rows: pd.DataFrame) -> str:

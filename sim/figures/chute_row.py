@@ -14,7 +14,7 @@ from sim.figures.caption import velocity_text
 from sim.figures.configuration import Scene
 from sim.figures.data import FigureData, split_curves
 from sim.figures.kind import Kind
-from sim.figures.style import COLOURS, DOTTED, PALE, place_legend
+from sim.figures.style import COLOURS, DOTTED, PALE, literal, place_legend
 from sim.parameters import SYSTEMS
 from sim.parameters.words import PROTOCOLS, setting
 from sim.study.catalogue.limits import LARGEST_PORTION, SHARE
@@ -114,7 +114,7 @@ def _draw_averages(axes: Axes, values: pd.DataFrame, name: str, colour: str, suf
     """Draw the time averages of the replicates and their mean; its suffix names one of several."""
     for each in _replicates(values, name):
         axes.plot(values[each], values["z"], color=colour, **_REPLICATE)
-    label, z = f"cumulative average{suffix}", values["z"]
+    label, z = literal(f"cumulative average{suffix}"), values["z"]
     axes.plot(values[name], z, color=colour, linestyle=DOTTED, linewidth=1.8, label=label)
 
 

@@ -1,6 +1,6 @@
 """What a kind of plot is, and which there are."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from importlib import import_module
@@ -9,7 +9,8 @@ from typing import Any
 import pandas as pd
 from matplotlib.figure import Figure
 
-from sim.base.plugins import fault
+from sim.base.additions import fault
+from sim.base.words import printable
 from sim.figures.animation import Animation
 from sim.figures.caption import velocity_notes
 from sim.figures.data import FigureData, velocity_table
@@ -78,9 +79,14 @@ def load_kind(name: str) -> Kind:
     return Kind(
         partial(_called, kind, one.draw),
         table=partial(_called, kind, one.table) if one.table else base.table,
-        notes=partial(_called, kind, one.notes) if one.notes else base.notes,
+        notes=partial(_called, kind, _shown(one.notes)) if one.notes else base.notes,
         select=base.select,
     )
+
+
+def _shown(notes: Callable[[FigureData], Sequence[str]]) -> Callable[[FigureData], list[str]]:
+    """Return a function for notes in which nothing moves a cursor or turns the letters."""
+    return lambda data: [printable(note) for note in notes(data)]
 
 
 def _called(kind: str, function: Callable[[FigureData], Any], data: FigureData) -> Any:

@@ -9,7 +9,7 @@ that differ from it; ``look``, where two parameters make one entry.
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
-from sim.figures.style import CurveStyle, cycled, prescribed
+from sim.figures.style import CurveStyle, cycled, literal, prescribed
 from sim.parameters.words import setting
 from sim.study.catalogue import FigureSpec
 
@@ -42,7 +42,7 @@ def look_of(spec: FigureSpec, keys: Sequence[str] | None = None) -> Look:
 
 def settings(system: str, named: Iterable[tuple[str, object]]) -> str:
     """Write values of parameters for a legend: ``e = 0.85, K1 = 100 N/m``."""
-    return ", ".join(setting(system, name, value) for name, value in named)
+    return literal(", ".join(setting(system, name, value) for name, value in named))
 
 
 def _by_values(spec: FigureSpec, named: Mapping[str, object], index: int) -> tuple[CurveStyle, str]:

@@ -19,7 +19,7 @@ from sim.dataset.results import Results
 from sim.figures.data import FigureData, parameter_columns, varying
 from sim.figures.looks import Look, settings
 from sim.figures.quantity import Quantity, of_replicates
-from sim.figures.style import CHARACTERS_PER_INCH, CurveStyle, cycled
+from sim.figures.style import CHARACTERS_PER_INCH, CurveStyle, cycled, literal
 from sim.figures.units import headed, scale_of, unit_of
 from sim.parameters import SYSTEMS, field_info
 from sim.parameters.words import setting
@@ -89,9 +89,9 @@ def _means(results: Results, point: str, profile: str) -> np.ndarray:
 
 
 def observable_label(data: FigureData, one: Observable) -> str:
-    """Return the label of the axis of an observable."""
-    meaning = one.meaning.removesuffix(" over the averaging window")
-    return wrapped(headed(meaning, unit_of(one.unit, data.spec.options["units"], data.spec.system)))
+    """Return the label of the axis of an observable: its name; the caption says what it means."""
+    unit = unit_of(one.unit, data.spec.options["units"], data.spec.system)
+    return wrapped(headed(plain(one.name), unit))
 
 
 def parameter_label(system: str, name: str) -> str:
@@ -101,8 +101,8 @@ def parameter_label(system: str, name: str) -> str:
 
 
 def wrapped(text: str) -> str:
-    """Return a label in lines that fit along an axis."""
-    return "\n".join(textwrap.wrap(text, _LINE))
+    """Return a label in lines that fit along an axis, to be drawn as it is written."""
+    return literal("\n".join(textwrap.wrap(text, _LINE)))
 
 
 def panels(data: FigureData) -> tuple[Figure, Panels]:
@@ -119,7 +119,7 @@ def panels(data: FigureData) -> tuple[Figure, Panels]:
     grid = figure.subplots(down, across, sharex=True, sharey=True, squeeze=False)
     found = []
     for axes, value in zip(grid.flat, values, strict=False):
-        axes.set_title(setting(data.spec.system, name, value), fontsize=9)
+        axes.set_title(literal(setting(data.spec.system, name, value)), fontsize=9)
         found.append((axes, rows[rows[name] == value]))
     for axes in grid.flat[len(values) :]:
         axes.set_visible(False)

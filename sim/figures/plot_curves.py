@@ -3,11 +3,13 @@
 Options of a figure: those of `sim.figures.plot`.
 """
 
+from dataclasses import replace
+
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from sim.figures.caption import measure_notes, velocity_notes
+from sim.figures.caption import quantity_notes, velocity_notes
 from sim.figures.curves import draw_family, mark_cut_bars
 from sim.figures.data import FigureData
 from sim.figures.kind import Kind
@@ -73,10 +75,16 @@ def _end_bars(axes: Axes, values: pd.Series) -> None:
     """Let no interval take more room than the values do: of two replicates it may be very wide."""
     if values.empty:
         return
-    room = _ROOM * (values.max() - values.min() or abs(values.max()) or 1.0)
+    least, most = _ends(values)
     low, high = axes.get_ylim()
-    low, high = max(low, values.min() - room), min(high, values.max() + room)
-    axes.set_ylim(max(low, 0.0) if values.min() >= 0 else low, high)
+    axes.set_ylim(max(low, least), min(high, most))
+
+
+def _ends(values: pd.Series) -> tuple[float, float]:
+    """Return how far an axis that is not logarithmic goes at most below and above values."""
+    low, high = values.min(), values.max()
+    room = _ROOM * (high - low or abs(high) or 1.0)
+    return max(low - room, 0.0) if low >= 0 else low - room, high + room
 
 
 def table(data: FigureData) -> pd.DataFrame:
@@ -85,15 +93,34 @@ def table(data: FigureData) -> pd.DataFrame:
 
 
 def notes(data: FigureData) -> list[str]:
-    """Return what the caption says of error bars and markers."""
-    told = velocity_notes if data.spec.options["show"] == "velocity" else measure_notes
-    accelerating = (data.rows["regime"] == "accelerating").any()
+    """Return what the caption says of error bars and markers that there are."""
+    quantity, keys = observed(data), list(keys_of(data))
+    shown = data.rows[(data.rows["completed"] > 0) & quantity.value.notna()]
+    own = replace(
+        quantity, value=quantity.value[shown.index], half_width=quantity.half_width[shown.index]
+    )
+    drawn = replace(data, rows=shown)
+    of_velocity = data.spec.options["show"] == "velocity"
+    aside = keys and len(shown[keys].drop_duplicates()) > 1
+    accelerating = (shown["regime"] == "accelerating").any()
     return [
-        *told(data),
-        "Error bars that end in a caret go on beyond the axes.",
-        *(["Curves are drawn a little aside of each other."] if keys_of(data) else []),
+        *(velocity_notes(drawn) if of_velocity else quantity_notes(drawn, [own])),
+        *(["Error bars that end in a caret go on beyond the axes."] if _cut(data, own) else []),
+        *(["Curves are drawn a little aside of each other."] if aside else []),
         *(["Lines are interrupted at flows that accelerate."] if accelerating else []),
     ]
+
+
+def _cut(data: FigureData, quantity: Quantity) -> bool:
+    """Return whether an error bar leaves the axes, where `mark_cut_bars` puts a caret."""
+    if quantity.value.empty:
+        return False
+    half = quantity.half_width.fillna(0)
+    lowest, highest = (quantity.value - half).min(), (quantity.value + half).max()
+    if "y" in data.spec.options["log"]:
+        return bool(lowest <= 0)
+    least, most = _ends(quantity.value)
+    return bool(lowest < least or highest > most)
 
 
 KIND = Kind(draw, table=table, notes=notes)

@@ -63,8 +63,7 @@ def _draw_regimes(data: FigureData, shown: Panels) -> None:
 def _draw_values(data: FigureData, figure: Figure, shown: Panels) -> None:
     """Draw squares filled with the colour of a value; open ones have none."""
     x, y = data.spec.axes
-    value = observed(data).value
-    known = value[value > 0] if "colour" in data.spec.options["log"] else value.dropna()
+    known = _known(data)
     scale = LogNorm if "colour" in data.spec.options["log"] else Normalize
     norm = scale(known.min(), known.max()) if len(known) else Normalize()
     for axes, rows in shown:
@@ -84,6 +83,12 @@ def _draw_values(data: FigureData, figure: Figure, shown: Panels) -> None:
     bar = figure.colorbar(ScalarMappable(norm, COLOURS), ax=[axes for axes, _ in shown], pad=0.02)
     bar.set_label(observable_label(data, numbers(data.spec.system)[data.spec.options["show"]]))
     bar.outline.set_visible(False)
+
+
+def _known(data: FigureData) -> pd.Series:
+    """Return the values that a colour can show, of their points."""
+    value = observed(data).value
+    return value[value > 0] if "colour" in data.spec.options["log"] else value.dropna()
 
 
 def _set_axes(data: FigureData, shown: Panels) -> None:
@@ -111,7 +116,7 @@ def notes(data: FigureData) -> list[str]:
     """Return what the caption says of markers."""
     if data.spec.options["show"] == REGIME:
         return ["One marker per point."]
-    unknown = int(observed(data).value.isna().sum())
+    unknown = len(data.rows) - len(_known(data))
     return ["One square per point."] + ([f"Open: {unknown} without a value."] if unknown else [])
 
 

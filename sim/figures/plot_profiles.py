@@ -105,11 +105,14 @@ def table(data: FigureData) -> pd.DataFrame:
 
 def notes(data: FigureData) -> list[str]:
     """Return what the caption says of lines and bands."""
-    return [
-        f"Lines end where {100 * SHARE:g} % of the particles are below.",
-        f"Bands: Student's 95 % interval of the mean over replicates; of fewer than {ENOUGH} each "
-        "is a pale line.",
-    ]
+    completed = data.rows["completed"]
+    many, few = (completed >= ENOUGH).any(), ((completed > 1) & (completed < ENOUGH)).any()
+    pale = f"of fewer than {ENOUGH}, each is a pale line"
+    bands = "Bands: Student's 95 % interval of the mean over replicates"
+    ends = f"Lines end where {100 * SHARE:g} % of the particles are below."
+    if many:
+        return [ends, f"{bands}; {pale}." if few else f"{bands}."]
+    return [ends, *([f"Lines are means over replicates; {pale}."] if few else [])]
 
 
 KIND = Kind(draw, table=table, notes=notes)

@@ -121,6 +121,14 @@ def undecided(rows: pd.DataFrame) -> pd.Series:
     return rows["regime"].isin(("steady", "undetermined")) & (rows["quality"] == "short")
 
 
+def literal(text: str) -> str:
+    """Return a text as matplotlib draws it letter by letter.
+
+    A dollar sign would begin a formula, and an entry that begins with _ be left out of a legend.
+    """
+    return (" " if text.startswith("_") else "") + text.replace("$", r"\$")
+
+
 def move_aside(axes: Axes, artists: Iterable[Artist], x: float = 0, y: float = 0) -> None:
     """Move what is drawn aside (points of print), which leaves the limits of the axes alone."""
     for artist in artists:

@@ -4,20 +4,24 @@ An option goes by its name and the hash of the plug-in that it is from (``hertz.
 points say, and so their ids and run files. An edited one is another one.
 """
 
+import operator
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from functools import cache
 from keyword import iskeyword
 from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import BeforeValidator, Field, create_model, model_validator
 
-from sim.base.plugins import NAME, Refused, additions
+from sim.base.additions import NAME, Refused, add, additions
+from sim.base.declared import require_function, require_line, require_number
+from sim.base.errors import in_short
 from sim.parameters.common import Parameters, Real, broken_rule
 from sim.parameters.observables import ASKED_FOR, MEASURES, PROFILES, SCALARS, SERIES
-from sim.parameters.roles import Role, declare
+from sim.parameters.roles import Declaration, Role, declare
 
-_RANGE = {"gt", "ge", "lt", "le"}
+_RANGE = {"gt": operator.gt, "ge": operator.ge, "lt": operator.lt, "le": operator.le}
 
 #: Names in files of runs and studies that are neither parameters nor observed.
 _ELSEWHERE = {"system", "study", "point", "series", "name", "figures", "caveat", "replicate"}
@@ -39,8 +43,15 @@ def parameter(
     **interval
         Any of ``gt``, ``ge``, ``lt``, ``le``.
     """
-    if unknown := interval.keys() - _RANGE:
+    if unknown := interval.keys() - _RANGE.keys():
         raise Refused(f"parameter: no {sorted(unknown)[0]}; a range has gt, ge, lt, le")
+    for what, value in ({"default": default} | interval).items():
+        require_number(f"parameter: {what}", value)
+    if not all(_RANGE[name](default, bound) for name, bound in interval.items()):
+        raise Refused(f"parameter: default {default:g} is outside its own range")
+    for what, text in (("unit", unit), ("description", description)):
+        require_line(f"parameter: {what}", text)
+    require_line("parameter: symbol", symbol, empty=True)
     return declare(
         float(default), unit=unit, description=description, symbol=symbol, added=True, **interval
     )
@@ -56,84 +67,126 @@ def named(option: str) -> str:
     return option.rpartition(".")[0]
 
 
-def require_free(model: type[Parameters], what: str, names: Iterable[str]) -> None:
-    """Refuse names of parameters that others have; ``what`` declares them."""
-    observed = (SCALARS, MEASURES, PROFILES, ASKED_FOR, *SERIES.values())
-    taken = {*dir(WithOwn), *WithOwn.__class_vars__, *dir(model), *model.model_fields, *_ELSEWHERE}
-    taken |= {one for each in observed for one in each}
-    for name in names:
-        if not re.fullmatch(NAME, name) or iskeyword(name):
+@dataclass(frozen=True)
+class OwnOption:
+    """An option of a plug-in: ``make`` gives the engine its numbers, ``parameters`` are its own."""
+
+    make: Callable[..., Any]
+    parameters: Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class Choice:
+    """A parameter of some systems to which plug-ins add options.
+
+    Attributes
+    ----------
+    name : str
+        The parameter, and the kind of the additions.
+    models : tuple of type
+        Parameters of these systems.
+    usual : tuple of str
+        Options of Talus, its default first.
+    role : str
+        Role of the parameter.
+    """
+
+    name: str
+    models: tuple[type[Parameters], ...]
+    usual: tuple[str, ...]
+    role: Role
+
+    def add(self, name: str, option: OwnOption) -> None:
+        """Add an option of the plug-in that is being loaded.
+
+        Raises
+        ------
+        Refused
+            When its functions are none, or its parameters not those that `parameter` makes.
+        """
+        what, parameters = f"{self.name} {name}", option.parameters
+        for key, function in vars(option).items():
+            if key != "parameters":
+                require_function(f"{what}: {key}", function)
+        if not isinstance(parameters, Mapping):
+            allowed = "a mapping of names to what sim.parameter makes"
+            raise Refused(f"{what}: parameters is {allowed}: got {in_short(parameters)}")
+        for key, one in parameters.items():
+            self._require_free(what, key)
+            if not isinstance(getattr(one, "json_schema_extra", None), Declaration):
+                allowed = "what sim.parameter makes"
+                raise Refused(f"{what}: parameters.{key} is {allowed}: got {in_short(one)}")
+        add(self.name, name, option, self.usual)
+
+    def _require_free(self, what: str, name: Any) -> None:
+        """Refuse the name of a parameter that others have; ``what`` declares it."""
+        if not (isinstance(name, str) and re.fullmatch(NAME, name)) or iskeyword(name):
             raise Refused(f"{what}: parameter {name!r}: a name has letters a-z, digits and _")
-        if name in taken:
+        observed = (SCALARS, MEASURES, PROFILES, ASKED_FOR, *SERIES.values())
+        taken = {*dir(WithOwn), *WithOwn.__class_vars__, *_ELSEWHERE}.union(*observed)
+        if name in taken.union(*((*dir(one), *one.model_fields) for one in self.models)):
             raise Refused(f"{what}: parameter {name}: Talus has one of this name")
         for kind in ("law", "motion"):
             for other, one in own(kind).items():
                 if name in one.parameters:
                     raise Refused(f"{what}: parameter {name}: {kind} {named(other)} has it")
 
+    def is_own(self, option: str) -> bool:
+        """Return whether an option is that of a plug-in, be it loaded or not."""
+        return option not in (*self.usual, "")
+
 
 class WithOwn(Parameters):
     """Parameters of a system of which plug-ins offer options, the ``offered``, for a ``choice``."""
 
-    choice: ClassVar[str]
+    choice: ClassVar[Choice]
     offered: ClassVar[Mapping[str, Any]]
 
     @model_validator(mode="after")
     def _with_parameters_of_its_option(self) -> Self:
+        choice = self.choice.name
         for option, one in self.offered.items():
-            for name in one.parameters if option != getattr(self, self.choice) else ():
+            for name in one.parameters if option != getattr(self, choice) else ():
                 usual = type(self).model_fields[name].default
                 if getattr(self, name) != usual:
-                    allowed = f"{usual:g} unless {self.choice} is {named(option)}, whose it is"
+                    allowed = f"{usual:g} unless {choice} is {named(option)}, whose it is"
                     raise broken_rule(name, getattr(self, name), allowed)
         return self
 
 
-def extended(
-    model: type[Parameters], base: type[WithOwn], choice: str, usual: Iterable[str], role: Role
-) -> type[Parameters]:
+def extended(base: type[WithOwn]) -> type[Parameters]:
     """Return the parameters of a system with what plug-ins offer for a choice.
 
     Parameters
     ----------
-    model : type
-        The parameters of Talus, which are returned where there is no offer.
     base : type
-        What stands for them where there is one.
-    choice : str
-        The parameter that names an option, and kind of the additions.
-    usual : iterable of str
-        Options of Talus, its default first.
-    role : str
-        Role of the choice.
+        Stands for the parameters of Talus, of which it is made, where there is an offer.
     """
-    offered = own(choice)
-    return _extended(base, choice, tuple(usual), tuple(offered), role) if offered else model
+    offered = own(base.choice.name)
+    return _extended(base, tuple(offered)) if offered else base.__bases__[1]
 
 
 @cache
-def _extended(
-    base: type[WithOwn], choice: str, usual: tuple[str, ...], options: tuple[str, ...], role: Role
-) -> type[Parameters]:
-    offered = own(choice)
+def _extended(base: type[WithOwn], options: tuple[str, ...]) -> type[Parameters]:
+    choice = base.choice
+    offered = own(choice.name)
     known = {named(option): option for option in options}
 
     def coded(value: Any) -> Any:
         return known.get(value, value) if isinstance(value, str) else value
 
-    if held := base.model_fields.get(choice):
+    if held := base.model_fields.get(choice.name):
         extra = held.json_schema_extra
         said = Field(held.default, description=held.description, json_schema_extra=extra)
     else:
-        text = f"{choice}: {usual[0]}, or one of a plug-in"
-        said = declare(usual[0], description=text, role=role, compiled=True, added=True)
-    fields: dict[str, Any] = {
-        choice: (Annotated[Literal[(*usual, *options)], BeforeValidator(coded)], said)
-    }
+        usual = choice.usual[0]
+        text = f"{choice.name}: {usual}, or one of a plug-in"
+        said = declare(usual, description=text, role=choice.role, compiled=True, added=True)
+    allowed: Any = Literal[(*choice.usual, *options)]
+    fields: dict[str, Any] = {choice.name: (Annotated[allowed, BeforeValidator(coded)], said)}
     for one in offered.values():
         fields |= {name: (Real, field) for name, field in one.parameters.items()}
-    (system,) = base.__bases__[1:]
-    made: Any = create_model(system.__name__, __base__=base, **fields)
+    made: Any = create_model(base.__bases__[1].__name__, __base__=base, **fields)
     made.kept = (*base.kept, *(name for one in offered.values() for name in one.parameters))
     made.offered = offered
     return made

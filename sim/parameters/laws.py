@@ -3,30 +3,31 @@
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Any, ClassVar, get_args
 
-from sim.base.plugins import add, blamed
-from sim.parameters.choices import WithOwn, extended, named, own, require_free
+from sim.base.additions import blamed
+from sim.parameters.choices import Choice, OwnOption, WithOwn, named
 from sim.parameters.chute import ChuteParameters
 from sim.parameters.conveyor import ConveyorParameters
 from sim.parameters.spheres import SphereParameters
 
-#: Kind of these additions, and the parameter that names them.
-LAW = "law"
-
-#: The laws of Talus.
-LAWS: tuple[str, ...] = get_args(ChuteParameters.model_fields[LAW].annotation)
+#: The choice of a contact law.
+LAW = Choice(
+    "law",
+    (ChuteParameters, ConveyorParameters),
+    get_args(SphereParameters.model_fields["law"].annotation),
+    "reading",
+)
 
 
 @dataclass(frozen=True)
-class OwnLaw:
+class OwnLaw(OwnOption):
     """A contact law of a plug-in: see `law`."""
 
-    make: Callable[[Any, Any], Any]
     force: Callable[..., Any]
     energy: Callable[..., Any]
     collision_time: Callable[[Any], float]
-    parameters: Mapping[str, Any]
 
 
 def law(
@@ -36,7 +37,7 @@ def law(
     force: Callable[..., Any],
     energy: Callable[..., Any],
     collision_time: Callable[[Any], float],
-    parameters: Mapping[str, Any] | None = None,
+    parameters: Mapping[str, Any] = MappingProxyType({}),
 ) -> None:
     """Declare a contact law of the spheres, an option of the parameter ``law``.
 
@@ -65,23 +66,11 @@ def law(
     parameters : mapping, optional
         Parameters that it adds to those of the chute, made by `parameter`.
     """
-    own_parameters = dict(parameters or {})
-    require_free(ChuteParameters, f"law {name}", own_parameters)
-    add(LAW, name, OwnLaw(make, force, energy, collision_time, own_parameters), LAWS)
-
-
-def own_laws() -> dict[str, OwnLaw]:
-    """Return the laws of plug-ins, by the names that points have for them."""
-    return own(LAW)
-
-
-def is_own(law: str) -> bool:
-    """Return whether the law of a point is that of a plug-in, be it loaded or not."""
-    return law not in (*LAWS, "")
+    LAW.add(name, OwnLaw(make, parameters, force, energy, collision_time))
 
 
 class _WithOwnLaws(WithOwn, SphereParameters):
-    choice: ClassVar[str] = LAW
+    choice: ClassVar[Choice] = LAW
 
     @property
     def collision_time(self) -> float:
@@ -89,7 +78,7 @@ class _WithOwnLaws(WithOwn, SphereParameters):
         one = self.offered.get(self.law)
         if one is None:
             return super().collision_time
-        with blamed(LAW, named(self.law)):
+        with blamed(LAW.name, named(self.law)):
             time = float(one.collision_time(self))
             if not 0 < time < math.inf:
                 raise ValueError(f"a collision takes {time} s")
@@ -101,17 +90,9 @@ class _WithOwnLaws(WithOwn, SphereParameters):
         return "" if self.law in self.offered else super().caveat
 
 
-class _Chute(_WithOwnLaws, ChuteParameters):
-    pass
+class ChuteWithLaws(_WithOwnLaws, ChuteParameters):
+    """Parameters of a chute with laws of plug-ins."""
 
 
-class _Conveyor(_WithOwnLaws, ConveyorParameters):
-    pass
-
-
-def with_own_laws() -> dict[str, Any]:
-    """Return the parameters of chute and conveyor that may have the laws of the plug-ins."""
-    return {
-        "chute": extended(ChuteParameters, _Chute, LAW, LAWS, "reading"),
-        "conveyor": extended(ConveyorParameters, _Conveyor, LAW, LAWS, "reading"),
-    }
+class ConveyorWithLaws(_WithOwnLaws, ConveyorParameters):
+    """Parameters of a conveyor with laws of plug-ins."""

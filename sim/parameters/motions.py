@@ -2,26 +2,21 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Any, ClassVar
 
-from sim.base.plugins import add
 from sim.parameters.belt import BeltParameters
-from sim.parameters.choices import WithOwn, extended, own, require_free
+from sim.parameters.choices import Choice, OwnOption, WithOwn
 
-#: Kind of these additions, and the parameter that names them.
-MOTION = "motion"
-
-#: The motion of Talus: harmonic.
-MOTIONS = ("harmonic",)
+#: The choice of a motion; that of Talus is harmonic.
+MOTION = Choice("motion", (BeltParameters,), ("harmonic",), "physics")
 
 
 @dataclass(frozen=True)
-class OwnMotion:
+class OwnMotion(OwnOption):
     """A motion of a plug-in: see `motion`."""
 
-    make: Callable[[Any], Any]
     state: Callable[..., Any]
-    parameters: Mapping[str, Any]
 
 
 def motion(
@@ -29,7 +24,7 @@ def motion(
     *,
     make: Callable[[Any], Any],
     state: Callable[..., Any],
-    parameters: Mapping[str, Any] | None = None,
+    parameters: Mapping[str, Any] = MappingProxyType({}),
 ) -> None:
     """Declare a motion of the belt, an option of the parameter ``motion``, which is ``harmonic``.
 
@@ -46,20 +41,10 @@ def motion(
     parameters : mapping, optional
         Parameters that it adds to those of the belt, made by `parameter`.
     """
-    own_parameters = dict(parameters or {})
-    require_free(BeltParameters, f"motion {name}", own_parameters)
-    add(MOTION, name, OwnMotion(make, state, own_parameters), MOTIONS)
+    MOTION.add(name, OwnMotion(make, parameters, state))
 
 
-def own_motions() -> dict[str, OwnMotion]:
-    """Return the motions of plug-ins, by the names that points have for them."""
-    return own(MOTION)
+class WithOwnMotions(WithOwn, BeltParameters):
+    """Parameters of a belt with motions of plug-ins."""
 
-
-class _WithOwnMotions(WithOwn, BeltParameters):
-    choice: ClassVar[str] = MOTION
-
-
-def with_own_motions() -> Any:
-    """Return the parameters of a belt that may have the motions of the plug-ins there are."""
-    return extended(BeltParameters, _WithOwnMotions, MOTION, MOTIONS, "physics")
+    choice: ClassVar[Choice] = MOTION

@@ -4,7 +4,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from sim.base.plugins import Refused, add, additions
+from sim.base.additions import add, additions
+from sim.base.declared import require_function, require_line, require_one_of
 from sim.parameters.observables import ASKED_FOR, MEASURES, PROFILES, SCALARS, SERIES
 from sim.parameters.points import SYSTEMS
 
@@ -16,9 +17,6 @@ OBSERVABLE = "observable"
 
 #: Names in a dataset that are neither observables nor parameters.
 _OF_DATASETS = {"point", "replicate", "series", "figures", "caveat", "particles", "boundaries"}
-
-#: Longest unit and meaning.
-_LONGEST = 200
 
 
 @dataclass(frozen=True)
@@ -54,13 +52,12 @@ def observable(
     meaning : str
         What it is, for axes and captions.
     """
-    if system not in SYSTEMS:
-        raise Refused(f"observable {name}: system is one of {', '.join(SYSTEMS)}")
-    for what, text in (("unit", unit), ("meaning", meaning)):
-        if not (text and text.isprintable() and len(text) <= _LONGEST):
-            raise Refused(f"observable {name}: {what} is one line of text, not empty")
+    require_one_of(f"observable {name}: system", system, SYSTEMS)
+    require_line(f"observable {name}: unit", unit)
+    require_line(f"observable {name}: meaning", meaning)
 
     def declared(measure: Measuring) -> Measuring:
+        require_function(f"observable {name}", measure)
         add(OBSERVABLE, name, OwnObservable(system, unit, meaning, measure), _taken())
         return measure
 

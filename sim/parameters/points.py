@@ -11,16 +11,17 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from sim.base.additions import whenever
 from sim.base.errors import InputError
 from sim.base.messages import allowed_values, input_error
-from sim.base.plugins import whenever
 from sim.base.yaml import read_yaml
 from sim.parameters.belt import BeltParameters
+from sim.parameters.choices import extended
 from sim.parameters.chute import ChuteParameters
 from sim.parameters.common import Parameters, canonical_number
 from sim.parameters.conveyor import ConveyorParameters
-from sim.parameters.laws import with_own_laws
-from sim.parameters.motions import with_own_motions
+from sim.parameters.laws import ChuteWithLaws, ConveyorWithLaws
+from sim.parameters.motions import WithOwnMotions
 from sim.parameters.roles import Declaration, added, amounts, declarations, id_parts, numerical
 
 SYSTEMS: dict[str, type[Parameters]] = {
@@ -32,7 +33,11 @@ SYSTEMS: dict[str, type[Parameters]] = {
 
 def _with_own() -> None:
     """Give the systems the laws and motions of the plug-ins that are loaded."""
-    SYSTEMS.update(with_own_laws(), belt=with_own_motions())
+    SYSTEMS.update(
+        chute=extended(ChuteWithLaws),
+        belt=extended(WithOwnMotions),
+        conveyor=extended(ConveyorWithLaws),
+    )
 
 
 whenever(_with_own)

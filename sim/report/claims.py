@@ -157,6 +157,7 @@ def _variant(
         **variant,
         "title": words + named,
         "usual": usual,
+        "unsteady": variant.get("unsteady", ""),
         "checks": [_check(check, numbers) for check in variant["checks"]],
     }
 

@@ -5,7 +5,7 @@ from unicodedata import category
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from sim.base.plugins import additions
+from sim.base.additions import additions
 from sim.parameters import AMOUNTS, SYSTEMS, Parameters
 from sim.parameters.common import Real, broken_rule
 from sim.study.catalogue import FIGURES

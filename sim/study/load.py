@@ -5,9 +5,10 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from sim.base.additions import Plugin
 from sim.base.errors import InputError
 from sim.base.files import require_writable
-from sim.base.plugins import PATTERN, Plugin, load
+from sim.base.plugins import PATTERN, load
 from sim.base.yaml import read_yaml
 from sim.parameters import RUN_FILE, require_alike
 from sim.study.catalogue import FigureSpec

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from sim.base.plugins import Plugin
+from sim.base.additions import Plugin
 from sim.parameters import Parameters
 from sim.study.catalogue import FIGURES, FigureSpec
 from sim.study.entries import DecideFile

@@ -4,7 +4,7 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import AfterValidator, BeforeValidator, Field, WithJsonSchema, model_validator
 
-from sim.base.plugins import NAME as PLUGGED
+from sim.base.additions import NAME as PLUGGED
 from sim.parameters.common import broken_rule
 from sim.study.catalogue import FIGURES
 from sim.study.entries import ALLOWED_NAME, NAME, Strict, optional, require_shown

@@ -4,7 +4,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from sim.base.plugins import Refused, add, additions
+from sim.base.additions import add, additions
+from sim.base.declared import require_function, require_one_of
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -52,10 +53,13 @@ def plot_kind(
         Give the data behind the picture, and sentences of the caption; those of ``like`` if
         omitted.
     """
-    if like not in KINDS:
-        raise Refused(f"plot {name}: like is one of {', '.join(KINDS)}")
+    require_one_of(f"plot {name}: like", like, KINDS)
+    for what, function in (("table", table), ("notes", notes)):
+        if function is not None:
+            require_function(f"plot {name}: {what}", function)
 
     def declared(draw: Drawing) -> Drawing:
+        require_function(f"plot {name}", draw)
         add(PLOT, name, OwnPlot(like, draw, table, notes), KINDS)
         return draw
 

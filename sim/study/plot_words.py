@@ -23,7 +23,8 @@ def title_of(
 
 def lead_of(one: PlotFile, observable: Observable | None, system: str) -> str:
     """Return the first sentence of the caption of a plot."""
-    what = f"{observable.meaning[0].upper()}{observable.meaning[1:]}" if observable else "Regimes"
+    name = plain(observable.name).capitalize() if observable else ""
+    what = f"{name}: {observable.meaning}" if observable else "Regimes"
     against = [described(system, name) for name in one.on_axes]
     over = _OVER.get(one.like) or ("over " if one.like == "map" else "against ")
     parts = [f"{what}, {over}{' and '.join(against)}"]

@@ -1,15 +1,20 @@
 """Plug-ins: loaded where a study names them, refused in one line, never where results name one."""
 
+import os
 import subprocess
 import sys
+import warnings
 from collections.abc import Iterator
+from contextlib import nullcontext
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from sim.base import plugins
+from sim.base.additions import additions, codes
 from sim.base.errors import InputError
-from sim.base.plugins import additions, codes, load
+from sim.base.plugins import load
 from sim.study.load import load_study
 from tests.made.plugins import alone, forgotten
 from tests.made.processes import ROOT
@@ -68,7 +73,7 @@ def test_parts_bring_their_plugins(tmp_path):
         (
             "import sim\n"
             "sim.judge('j', system='belt', title='a\\x1b', statement='s', criterion='c')\n",
-            "a line without control characters",
+            "title is one line of text",
         ),
         *(
             (
@@ -83,13 +88,13 @@ def test_parts_bring_their_plugins(tmp_path):
         (RIGHT.replace('"answer"', '"angle"'), "angle: Talus has one of this name"),
         (RIGHT.replace('"answer"', '"Answer 1"'), "a name has up to 40 letters"),
         (RIGHT.replace('"chute"', '"drum"'), "system is one of chute, belt"),
-        (RIGHT.replace('"1"', '""'), "unit is one line of text"),
+        (RIGHT.replace('"1"', '""'), "unit is text, not empty"),
         (RIGHT + RIGHT, "observable answer: plug-in mine.py"),
         ("import sim\nsim.plot_kind('map', like='map')(print)\n", "map: Talus has one"),
         ("import sim\nsim.plot_kind('x', like='pie')(print)\n", "like is one of curves"),
         (
             "import sim\nsim.judge('j', system='belt', title='', statement='s', criterion='c')\n",
-            "judge j: title: got ''",
+            "judge j: title is text, not empty: got ''",
         ),
     ],
 )
@@ -100,6 +105,48 @@ def test_what_is_wrong_with_a_plugin_is_one_line_and_nothing_of_it_stays(tmp_pat
     assert message.startswith(f"{tmp_path}/s.yaml: plugins[0]: got 'mine.py'; allowed: a Python")
     assert why in message and "\n" not in message
     assert not additions("observable") and not plugins.places()
+
+
+JUDGE = "judge('j', system='belt', title='t', statement='s', criterion='c')"
+MOTION = "motion('m', make=dict, state=dict, "
+
+
+@pytest.mark.parametrize(
+    ("call", "why"),
+    [
+        (JUDGE.replace("'j'", "2"), "judge 2: a name has up to 40 letters"),
+        (JUDGE.replace("'belt'", "{}"), "judge j: system is one of chute, belt, conveyor: got {}"),
+        (JUDGE.replace("'c'", "3"), "judge j: criterion is text, not empty: got 3"),
+        (f"{JUDGE}(1)", "judge j is a function: got 1"),
+        ("motion(2, make=dict, state=dict)", "motion 2: a name has up to 40 letters"),
+        ("motion('m', make=1, state=dict)", "motion m: make is a function: got 1"),
+        (MOTION + "parameters={'a': 5})", "parameters.a is what sim.parameter makes: got 5"),
+        (MOTION + "parameters=['a'])", "parameters is a mapping of names to what sim.parameter"),
+        (
+            "law('l', make=dict, force=dict, energy=None, collision_time=dict)",
+            "law l: energy is a function: got nothing",
+        ),
+        ("parameter('a', unit='1', description='d')", "default is a finite number: got 'a'"),
+        ("parameter(1, unit='1', description='d', gt='0')", "gt is a finite number: got '0'"),
+        ("parameter(1e999, unit='1', description='d')", "default is a finite number: got inf"),
+        ("parameter(3, unit='1', description='d', le=2)", "default 3 is outside its own range"),
+        ("parameter(1, unit=1, description='d')", "unit is text, not empty: got 1"),
+        ("parameter(1, unit='m\\x1b[2J', description='d')", "unit is one line of text"),
+        ("parameter(1, unit='1', description='a\\u202eb')", "description is one line of text"),
+        ("parameter(1, unit='1', description='d', symbol='\\n')", "symbol is one line of text"),
+        ("observable('o', system=[], unit='1', meaning='m')", "system is one of chute, belt"),
+        ("observable('o', system='belt', unit=1, meaning='m')", "unit is text, not empty: got 1"),
+        ("observable('o', system='belt', unit='1', meaning='m')(2)", "o is a function: got 2"),
+        ("plot_kind('p', like={})", "plot p: like is one of curves, "),
+        ("plot_kind('p', like='map', notes='n')", "plot p: notes is a function: got 'n'"),
+        ("plot_kind('p', like='map')(None)", "plot p is a function: got nothing"),
+    ],
+)
+def test_what_is_no_declaration_is_one_line_with_its_place(tmp_path, call, why):
+    with pytest.raises(InputError) as caught:
+        load_study(written(tmp_path, f"import sim\nsim.{call}\n"), None)
+    message = str(caught.value)
+    assert "; line 2: " in message and why in message and message.isprintable()
 
 
 @pytest.mark.parametrize("name", ["../mine.py", "/tmp/mine.py", "a/mine.py", "mine.txt", "-m", ""])
@@ -167,6 +214,33 @@ def test_results_that_name_a_study_run_none_of_its_code(tmp_path):
     path = written(tmp_path)
     load_study(path, None, plugins=False)
     assert not plugins.places()
+
+
+def test_a_plugin_changes_nothing_of_the_process_that_talus_relies_on(tmp_path, monkeypatch):
+    lines = (
+        "import os, sys, warnings, numpy\n"
+        "sys.setrecursionlimit(150)\n"
+        "os.chdir('/')\n"
+        "os.umask(0o777)\n"
+        "sys.path.insert(0, '/nowhere')\n"
+        "numpy.seterr(all='raise')\n"
+        "warnings.simplefilter('error')\n"
+        "warnings.filterwarnings('ignore', message='of mine')\n"
+    )
+    monkeypatch.chdir(tmp_path)
+
+    def now() -> tuple:
+        mask = os.umask(0)
+        os.umask(mask)
+        return sys.getrecursionlimit(), Path.cwd(), mask, list(sys.path), np.geterr()
+
+    before = now()
+    for text, loads in ((lines + RIGHT, True), (lines + "1 / 0\n", False)):
+        with forgotten(), nullcontext() if loads else pytest.raises(InputError):
+            load_study(written(tmp_path, text), None)
+        assert now() == before
+        assert not any(one[0] == "error" and one[1] is None for one in warnings.filters[:3])
+        assert any(one[1] and one[1].match("of mine") for one in warnings.filters)
 
 
 def test_commands_load_what_the_environment_names(tmp_path):

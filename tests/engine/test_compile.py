@@ -3,10 +3,15 @@
 import shutil
 import subprocess
 import sys
+from time import process_time
 
+import numpy as np
 import pytest
 
+from sim.engine.compile import numba
 from sim.engine.identity import COMPILED, ENGINE, PACKAGE, source_files, source_hash
+from sim.engine.systems import build
+from tests.engine_motion.points import belt_point, chute_point
 from tests.made.processes import ROOT
 
 FLOW = """
@@ -21,6 +26,19 @@ import numpy as np
 from sim.claims.contacts import contact_path
 from sim.engine.contact.walton_braun import walton_braun
 contact_path(walton_braun(100.0, 0.8, 0.4), np.ones(1), np.ones((1, 3)), np.ones((1, 3)))
+"""
+
+TOLD = """
+import logging
+from time import process_time
+import numpy as np
+from sim.engine.compile import numba, working_time
+logging.basicConfig(format="%(message)s", level=logging.INFO)
+began, worked = process_time(), working_time()
+for _ in range(2):
+    numba.njit(lambda values: np.sin(values).sum())(np.ones(3))
+spent = process_time() - began
+assert working_time() - worked < 0.1 * spent, spent
 """
 
 COUNT = """
@@ -77,3 +95,31 @@ def test_hash_changes_with_any_file_of_its_parts_and_with_no_other(parts, tmp_pa
         assert source_hash(parts) != before, path
         path.write_text(text)
     assert source_hash(parts) == before
+
+
+def test_compiling_is_told_once_and_is_no_work():
+    command = [sys.executable, "-c", TOLD]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
+    assert done.returncode == 0 and done.stderr.count("compiling the engine;") == 1, done.stderr
+
+
+@pytest.mark.parametrize("given", [chute_point(depth=1, cell=4), belt_point(beads=5, width=5)])
+def test_the_time_of_the_loop_is_without_what_is_compiled_in_it(given, monkeypatch):
+    system = build(given, 0)
+    holder, name = (system, "_advance") if given.system == "belt" else (system._call, "advance")
+    advance = getattr(holder, name)
+
+    def advance_and_compile(*arguments):
+        if not spent:
+            began = process_time()
+            numba.njit(lambda values: np.sin(values).sum())(np.ones(3))
+            spent.append(process_time() - began)
+        return advance(*arguments)
+
+    system.settle()
+    system.sample()
+    before, spent = system.loop_time, []
+    monkeypatch.setattr(holder, name, advance_and_compile)
+    # For a belt, the path after the run; its samples are timed by the loop itself.
+    system.trace()
+    assert spent and system.loop_time - before < sum(spent)

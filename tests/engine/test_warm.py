@@ -1,10 +1,14 @@
 """Warming up: one small point per set of compiled kernels."""
 
+import subprocess
+import sys
+
 import pytest
 
 from sim.engine import warm as warming
 from sim.engine.warm import variants, warm
 from sim.parameters import parse_point
+from tests.made.processes import ROOT
 
 
 def point(**values):
@@ -36,6 +40,20 @@ def test_every_reading_that_selects_code_is_a_variant_of_its_own():
 
 def test_warming_runs_every_kernel_of_a_run():
     warm([point(system="belt", beads=5, width=6)])
+
+
+def test_the_command_says_what_it_compiles():
+    lines = (
+        "import logging, sys, sim.engine.warm\n"
+        "def told(*_):\n"
+        "    logging.getLogger('talus').info('compiling')\n"
+        "sim.engine.warm.warm = told\n"
+        "from sim.__main__ import main\n"
+        "sys.exit(main(['warm']))\n"
+    )
+    command = [sys.executable, "-c", lines]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
+    assert (done.returncode, done.stderr) == (0, "compiling\n")
 
 
 def test_systems_may_be_warmed_side_by_side(monkeypatch):

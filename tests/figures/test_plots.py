@@ -1,7 +1,5 @@
 """Plots of a study's own: every kind, from made-up points to picture, data and caption."""
 
-from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 
@@ -11,68 +9,14 @@ import pytest
 
 from sim.base.errors import InputError
 from sim.dataset.build import build
-from sim.dataset.results import Results, load_results
-from sim.figures.data import figure_data
+from sim.dataset.results import load_results
 from sim.figures.render import derived, render
 from sim.figures.ticks import set_ticks
 from sim.figures.units import scale_of, unit_of
-from sim.parameters import ChuteParameters
-from sim.study.catalogue import FigureSpec
-from sim.study.load import load_study, parse_study
-from tests.figures.drawing import picture, table
-from tests.made.results import MadePoint, made_point, made_results
+from sim.study.load import load_study
+from tests.figures.made_plots import GRID, SPEED, drawn, flows
+from tests.made.results import made_point
 from tests.made.runs import write_run
-
-GRID = {"friction": [0.3, 0.4, 0.6], "angle": [16, 17]}
-SIZE, SPEED = ChuteParameters().diameter, ChuteParameters().velocity_unit
-
-
-def made(plot: Mapping, points: Sequence[MadePoint]) -> tuple[FigureSpec, Results]:
-    """Return a plot of points, and these as results."""
-    grid = {name: sorted({getattr(one.parameters, name) for one in points}) for name in GRID}
-    series = {"name": "flows", "system": "chute", "grid": grid}
-    study = parse_study({"study": "s", "series": [series], "plots": [plot]}, "s.yaml", None)
-    found = made_results(*points)
-    names = ("point", np.full(len(points), "flows", object))
-    systems = ("point", np.full(len(points), "chute", object))
-    root = found.dataset.assign_coords(series=names, system=systems)
-    return study.plots[plot["name"]], replace(
-        found, dataset=root, boundaries=pd.DataFrame(columns=["figures"])
-    )
-
-
-def flows(**options) -> list[MadePoint]:
-    """Return flows that are slower the rougher they are, in packing 0.6 up to 5 diameters."""
-
-    def packing(height):
-        return np.where(height < 5 * SIZE, 0.6, 0.0)
-
-    def hot(height):
-        return np.where(height < 5 * SIZE, 2.0 + 0 * height, np.nan)
-
-    profiles = {
-        "packing_profile": packing,
-        "velocity_profile": lambda height: height / SIZE,
-        "granular_temperature_profile": hot,
-    }
-    return [
-        made_point(
-            "chute",
-            {"velocity": angle / 16 - friction, "shear_depth": 2 * SIZE},
-            profiles,
-            friction=friction,
-            angle=angle,
-            **options,
-        )
-        for friction in GRID["friction"]
-        for angle in GRID["angle"]
-    ]
-
-
-def drawn(plot: Mapping, points: Sequence[MadePoint] | None = None):
-    spec, results = made({"name": "p"} | dict(plot), flows() if points is None else points)
-    data = figure_data(results, spec)
-    return picture(data), table(data), data
 
 
 def labels(axes) -> list[str]:
@@ -85,7 +29,7 @@ def test_curves_name_what_varies_and_every_value_has_a_number():
     assert [text.get_text() for text in figure.legends[0].texts] == ["θ = 16°", "θ = 17°"]
     figure.draw_without_rendering()
     assert labels(axes) == ["0.3", "0.4", "0.6"]
-    assert axes.get_ylabel() == "mean velocity\N{NO-BREAK SPACE}(m/s)"
+    assert axes.get_ylabel() == "velocity\N{NO-BREAK SPACE}(m/s)"
     assert rows["mean velocity over the averaging window [m/s]"].tolist()[0] == pytest.approx(0.7)
     assert len(rows) == 6
 
@@ -146,7 +90,7 @@ def test_a_map_shows_regimes_or_a_number():
     figure, rows, _ = drawn({"kind": "map", "x": "friction", "y": "angle", "colour": "velocity"})
     axes, bar = figure.axes
     assert len(axes.collections[0].get_offsets()) == 6
-    assert bar.get_ylabel() == "mean velocity\N{NO-BREAK SPACE}(m/s)"
+    assert bar.get_ylabel() == "velocity\N{NO-BREAK SPACE}(m/s)"
     assert len(rows) == 6
 
 
@@ -190,7 +134,7 @@ def test_time_series_are_read_from_run_files(run_study, tmp_path):
     assert set(rows["replicate"]) == {0, 1} and len(rows) == 2 * 2 * 400
     first = rows[(rows["replicate"] == 0) & (rows["point"] == rows["point"].iloc[0])]
     assert first["velocity [√(gσ)]"].mean() == pytest.approx(0.4 / SPEED, rel=1e-2)
-    assert files[3].read_text().startswith("Mean velocity down the slope, weighted by mass, ")
+    assert files[3].read_text().startswith("Velocity: mean velocity down the slope, weighted by")
     (dataset.parent / "runs" / f"{next(iter(study.points))}.nc").unlink()
     with pytest.raises(InputError, match="no such run file"):
         derived(spec, load_results(dataset))

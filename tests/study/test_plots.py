@@ -41,7 +41,7 @@ def test_a_plot_is_an_entry_of_all_points_of_its_series(parse):
     spec = study.entries["v"]
     assert (spec.kind, spec.system, spec.axes) == ("plot_curves", "chute", ("friction",))
     assert spec.title == "Velocity against friction, by angle and law"
-    assert spec.lead.startswith("Mean velocity over the averaging window, against friction μ; ")
+    assert spec.lead.startswith("Velocity: mean velocity over the averaging window, against")
     assert eval(repr(spec), {"FigureSpec": FigureSpec}) == spec
     assert study.figures["v"] == tuple(study.points)
     assert all(point.figures == () for point in study.points.values())

@@ -18,9 +18,10 @@ sys.path[:0] = [str(ROOT), str(WORKFLOW)]
 from helpers import age, correct_future_times, release_stale_lock, write_start
 
 from sim.engine.states import checkpoint_interval
+from sim.base.additions import codes
 from sim.base.errors import InputError
 from sim.base.files import read_regular, replacing
-from sim.base.plugins import VARIABLE, codes
+from sim.base.plugins import VARIABLE
 from sim.base.rooms import files_hash, room_hash
 from sim.parameters import RUN_FILE, SYSTEMS, amounts, canonical_json
 from sim.engine.stored_run import holds, is_to_grow, planned_amounts

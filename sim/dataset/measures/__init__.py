@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from sim.base.plugins import blamed
+from sim.base.additions import blamed
 from sim.dataset.measures import belt, chute, conveyor, energy
 from sim.dataset.run_file import Replicate, RunFile
 from sim.parameters.observables import (

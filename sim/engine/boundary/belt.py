@@ -62,11 +62,11 @@ def shape_of(motion, angle):
     raise NotImplementedError
 
 
-def add_motion(kind, state):
+def add_motion(kind, motion):
     """Make a type of parameters known as a motion, with the function of a plug-in for it."""
     if not adopt(kind):
         return
-    own_state = inlined(state)
+    own_state = inlined(motion.state)
 
     @implements(shape_of)
     def _shape(motion, angle):

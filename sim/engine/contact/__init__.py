@@ -11,9 +11,7 @@ the law of a point for one kind of partners, or a law of a plug-in (`sim.engine.
 from importlib import import_module
 from typing import NamedTuple
 
-from sim.base.plugins import blamed
-from sim.parameters.choices import named
-from sim.parameters.laws import LAW, own_laws
+from sim.parameters.laws import LAW
 from sim.parameters.spheres import SphereParameters
 
 
@@ -28,11 +26,9 @@ class Partners(NamedTuple):
 
 def law_of(parameters: SphereParameters, partners: Partners) -> NamedTuple:
     """Return the law that a point names, for one kind of partners."""
-    if own := own_laws().get(parameters.law):
+    if LAW.is_own(parameters.law):
         from sim.engine.contact.own import add_law
+        from sim.engine.plugged import made
 
-        with blamed(LAW, named(parameters.law)):
-            made = own.make(parameters, partners)
-            add_law(type(made), own.force, own.energy)
-        return made
+        return made(LAW, parameters.law, add_law, parameters, partners)
     return import_module(f"{__name__}.{parameters.law}").from_parameters(parameters, partners)

@@ -97,11 +97,11 @@ def _stored_energy(law, overlap, memory):
     )
 
 
-def add_law(kind, force, energy):
+def add_law(kind, law):
     """Make a type of parameters known as a law, with the functions of a plug-in for it."""
     if not adopt(kind):
         return
-    own_force, own_energy = inlined(force), inlined(energy)
+    own_force, own_energy = inlined(law.force), inlined(law.energy)
 
     @implements(force_of)
     def _force(law, overlap, approach, slip, tangential, memory, radius, mass):

@@ -1,12 +1,12 @@
 """The vibrating belt of Gallas, Herrmann and Sokolowski: beads on a line that shakes."""
 
 from math import pi, radians, sqrt
-from time import process_time
 
 import numpy as np
 
 from sim.engine.boundary.obstacle import Obstacle
 from sim.engine.calls import Direct, kind_of
+from sim.engine.compile import working_time
 from sim.engine.contact.spring_damping import spring_damping
 from sim.engine.dynamics.cells import make_box
 from sim.engine.dynamics.disks import make_disks
@@ -190,13 +190,13 @@ class Belt:
         last = loop.step[0] + steps
         while loop.step[0] < last:
             target = min(last, loop.step[0] + self._stretch)
-            began, status = process_time(), LIST_FULL
+            began, status = working_time(), LIST_FULL
             while status == LIST_FULL:
                 remaining = target - loop.step[0]
                 status = self._advance(self.disks, self._contacts(belt), loop, motion, remaining)
                 if status == LIST_FULL:
                     self.pairs = grown(self.pairs)
-            self.loop_time += process_time() - began
+            self.loop_time += working_time() - began
             if wrong := outcome(status, self.disks.taylor):
                 raise BlowUp(f"{wrong} at step {loop.step[0]} {where}")
             if target < last:

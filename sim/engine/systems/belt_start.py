@@ -5,13 +5,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sim.base.plugins import blamed
 from sim.engine.boundary.belt import Belt, OwnBelt, add_motion, belt_height
 from sim.engine.dynamics.cells import Box
+from sim.engine.plugged import made
 from sim.engine.systems.packing import random_packing
 from sim.parameters import BeltParameters
-from sim.parameters.choices import named
-from sim.parameters.motions import MOTION, own_motions
+from sim.parameters.motions import MOTION
 
 #: Area fraction of the random initial state; random sequential addition saturates near 0.55.
 INITIAL_PACKING = 0.3
@@ -65,10 +64,5 @@ def vibration(p: BeltParameters, frequency: float) -> Belt | OwnBelt:
         surface,
         inverse_mass=1.0 / p.mass if p.ghost_mass == "mean" else 0.0,
     )
-    own = own_motions().get(getattr(p, MOTION, ""))
-    if own is None:
-        return belt
-    with blamed(MOTION, named(getattr(p, MOTION))):
-        motion = own.make(p)
-        add_motion(type(motion), own.state)
-    return OwnBelt(*belt, motion)
+    motion = getattr(p, MOTION.name, "")
+    return OwnBelt(*belt, made(MOTION, motion, add_motion, p)) if MOTION.is_own(motion) else belt

@@ -2,7 +2,6 @@
 
 from functools import partial
 from math import ceil, cos, isfinite, radians, sin
-from time import process_time
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -10,6 +9,7 @@ import numpy as np
 from sim.engine.boundary.drive import Gravity
 from sim.engine.boundary.plane import make_plane, stored_in_plane
 from sim.engine.calls import Direct, kind_of
+from sim.engine.compile import working_time
 from sim.engine.contact import Partners, law_of
 from sim.engine.dynamics.cells import Box, make_box
 from sim.engine.dynamics.neighbors import empty_pair_list, grown
@@ -209,13 +209,13 @@ class Chute:
 
     def _advance_to(self, target: int) -> None:
         flow = self.flow
-        began, status = process_time(), LIST_FULL
+        began, status = working_time(), LIST_FULL
         while status == LIST_FULL:
             status = self.team.run(partial(self._advance, target - flow.step[0]))
             if status == LIST_FULL:
                 self.pairs = grown(self.pairs)
                 self.memory = enlarged(self.memory, len(self.pairs.touching))
-        self.loop_time += process_time() - began
+        self.loop_time += working_time() - began
         if wrong := outcome(status, self.spheres.position):
             time = flow.step[0] * self.time_step / self.parameters.time_unit
             raise BlowUp(f"{wrong} at step {flow.step[0]} (t* = {time:.4g})")

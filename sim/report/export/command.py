@@ -13,12 +13,12 @@ from sim.engine.stored_run import parameters_of
 from sim.report.export import amber, text, vtk
 from sim.report.export.frames import Frames, frames_of
 
-#: Format -> how the names of its files end, and what writes one.
-FORMATS: dict[str, tuple[str, Callable[[Path, Frames], None]]] = {
-    "amber": (".ncdf", amber.write_amber),
-    "extxyz": (".xyz", text.write_extxyz),
-    "lammps-dump": (".dump", text.write_lammps_dump),
-    "vtk": (".pvd", vtk.write_vtk),
+#: Format -> how the names of its files may end, the usual one first, and what writes one.
+FORMATS: dict[str, tuple[tuple[str, ...], Callable[[Path, Frames], None]]] = {
+    "amber": ((".ncdf", ".nc"), amber.write_amber),
+    "extxyz": ((".xyz", ".extxyz"), text.write_extxyz),
+    "lammps-dump": ((".dump", ".lammpstrj"), text.write_lammps_dump),
+    "vtk": ((".pvd",), vtk.write_vtk),
 }
 
 
@@ -32,7 +32,8 @@ def export(path: Path, to: str, output: Path | None, replicate: int) -> str:
     to : str
         One of `FORMATS`.
     output : Path, optional
-        The file to write, which must not be there; else named like the run file, in this folder.
+        The file to write, which must not be there, with an ending of the format, by which other
+        programs know it; else named like the run file, in this folder.
     replicate : int
         Number of the replicate, from 0.
 
@@ -46,10 +47,16 @@ def export(path: Path, to: str, output: Path | None, replicate: int) -> str:
     InputError
         When the run file cannot be read, has no such replicate, or the output cannot be written.
     """
-    suffix, write = FORMATS[to]
+    endings, write = FORMATS[to]
     if not path.name or (output and not output.name):
         raise InputError.of_value("export", "", str(output or path), "the name of a file")
-    output = Path(path.with_suffix(suffix).name) if output is None else output
+    output = Path(path.with_suffix(endings[0]).name) if output is None else output
+    if output.is_dir():
+        allowed = f"the name of a file; {output} is a folder"
+        raise InputError.of_value("--output", "", str(output), allowed)
+    if output.suffix.lower() not in endings:
+        allowed = f"a name that ends in {' or '.join(endings)}, as {to} does"
+        raise InputError.of_value("--output", "", str(output), allowed)
     _require_new(output, to)
     with ExitStack() as opened:
         with checked_read(path, "run file", replaceable=False, sealed=True):

@@ -107,7 +107,7 @@ class Held:
 
 
 def exported(run: Path, to: str, *words: str) -> Path:
-    output = run.parent / "out" / f"run{FORMATS[to][0]}"
+    output = run.parent / "out" / f"run{FORMATS[to][0][0]}"
     assert main(["export", str(run), "--to", to, "-o", str(output), *words]) == 0
     return output
 
@@ -220,14 +220,22 @@ def test_the_default_output_is_named_like_the_run_and_lies_here(run, tmp_path, m
     [
         (["--replicate", "2"], "--replicate: got 2; allowed: a replicate of the run, 0 to 1"),
         (["--replicate", "-1"], "--replicate: got -1; allowed: a replicate of the run, 0 to 1"),
-        (["-o", "there"], "--output: got 'there'; allowed: a name that nothing has"),
+        (["-o", "there.xyz"], "--output: got 'there.xyz'; allowed: a name that nothing has"),
+        (["-o", "a_folder"], "--output: got 'a_folder'; allowed: the name of a file; a_folder is"),
+        (["-o", "a_folder/"], "a_folder is a folder"),
+        (["-o", "..", "--to", "vtk"], "the name of a file; .. is a folder"),
+        (["-o", "new/", "--to", "vtk"], "--output: got 'new'; allowed: a name that ends in .pvd"),
+        (["-o", "new", "--to", "amber"], "allowed: a name that ends in .ncdf or .nc, as amber"),
+        (["-o", "new.dcd"], "a name that ends in .xyz or .extxyz, as extxyz does"),
         (["-o", "there.pvd", "--to", "vtk"], "--output: got 'there'; allowed: a name that nothing"),
-        (["-o", "there/x"], "--output: got 'there'; allowed: a folder that can be written"),
+        (["-o", "there/x.xyz"], "--output: got 'there'; allowed: a folder that can be written"),
     ],
 )
 def test_mistakes_are_one_line_and_leave_nothing(words, message, run, monkeypatch, capsys):
     monkeypatch.chdir(run.parent)
     Path("there").touch()
+    Path("there.xyz").touch()
+    Path("a_folder").mkdir()
     before = sorted(Path().rglob("*"))
     assert main(["export", run.name, "--to", "extxyz", *words]) == 2
     error = capsys.readouterr().err

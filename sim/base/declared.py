@@ -1,0 +1,43 @@
+"""What plug-ins give where they declare something, checked: what is wrong is one clear line."""
+
+from collections.abc import Collection
+from math import isfinite
+from typing import Any
+
+from sim.base.additions import Refused
+from sim.base.errors import in_short
+
+#: Most letters of a text of a plug-in.
+LONGEST = 200
+
+
+def require_line(what: str, text: Any, *, empty: bool = False, longest: int = LONGEST) -> None:
+    """Refuse what is no line of letters, fit for terminals, pages and pictures.
+
+    Control characters and marks that turn the direction of writing are no letters.
+    """
+    if not (isinstance(text, str) and (text or empty)):
+        raise Refused(f"{what} is text{'' if empty else ', not empty'}: got {in_short(text)}")
+    if not (text.isprintable() and len(text) <= longest):
+        raise Refused(
+            f"{what} is one line of text, at most {longest} letters, without control characters "
+            f"or direction marks: got {in_short(text)}"
+        )
+
+
+def require_function(what: str, function: Any) -> None:
+    """Refuse what cannot be called."""
+    if not callable(function):
+        raise Refused(f"{what} is a function: got {in_short(function)}")
+
+
+def require_one_of(what: str, value: Any, choices: Collection[str]) -> None:
+    """Refuse what is none of the choices."""
+    if not (isinstance(value, str) and value in choices):
+        raise Refused(f"{what} is one of {', '.join(choices)}: got {in_short(value)}")
+
+
+def require_number(what: str, value: Any) -> None:
+    """Refuse what is no finite number; ``True`` and ``False`` are none."""
+    if isinstance(value, bool) or not isinstance(value, int | float) or not isfinite(value):
+        raise Refused(f"{what} is a finite number: got {in_short(value)}")

@@ -1,0 +1,132 @@
+"""What plots of a study's own say: captions of what is drawn, texts of users letter by letter."""
+
+import io
+from collections.abc import Mapping, Sequence
+from xml.etree import ElementTree
+
+import matplotlib as mpl
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+from matplotlib.markers import CARETDOWN, CARETUP
+
+from sim.base.errors import InputError
+from sim.base.plugins import load_plugins
+from sim.figures.render import derived
+from sim.figures.style import SETTINGS
+from tests.figures.made_plots import GRID, drawn, flows, made
+from tests.made.plugins import forgotten
+from tests.made.processes import ROOT
+from tests.made.results import MadePoint, made_point
+
+
+def caption_of(plot: Mapping, points: Sequence[MadePoint]) -> str:
+    spec, results = made(plot, points)
+    return derived(spec, results)[1]
+
+
+def at_frictions(*scalars: Mapping, replicates: int = 3) -> list[MadePoint]:
+    """Return a flow per friction, what it came to given."""
+    return [
+        made_point("chute", {"velocity": 0.5} | dict(one), friction=friction, replicates=replicates)
+        for one, friction in zip(scalars, GRID["friction"], strict=True)
+    ]
+
+
+@pytest.mark.parametrize("y", ["velocity", "shear_depth"])
+def test_a_caption_explains_no_marker_and_no_bar_that_is_not_drawn(y):
+    depth = {"shear_depth": 0.001}
+    steady, plot = depth | {"regime": "steady"}, {"x": "friction", "y": y}
+    text = caption_of(plot, at_frictions(steady, steady, steady))
+    assert "Error bars: " in text
+    for word in ("caret", "aside", "markers", "interrupted", "only one"):
+        assert word not in text
+    speeding = depth | {"regime": "accelerating", "acceleration": 2.0}
+    text = caption_of(plot, at_frictions(speeding, speeding, speeding))
+    assert "Open markers are flows not shown to be steady: 3 points still" in text
+    assert "Filled" not in text and "Lines are interrupted" in text
+    short = depth | {"independent_samples": 4.0}
+    text = caption_of(plot, at_frictions(steady, short, speeding))
+    assert "Filled markers are steady flows; pale ones may be, their runs" in text
+    assert "; open ones are not shown to be: 1 point still accelerating" in text
+    text = caption_of(plot, at_frictions(short, short, short))
+    assert "Pale markers are flows that may be steady, their runs" in text and "open" not in text
+
+
+def test_a_caption_tells_of_carets_and_of_points_where_they_are():
+    wide = {"velocity": 0.4, "shear_depth": [0.001, 0.1, 0.001]}
+    usual = {"velocity": 0.4, "shear_depth": [0.001, 0.001, 0.001]}
+    plot = {"x": "friction", "y": "shear_depth"}
+    points = at_frictions(usual, usual, wide)
+    assert "end in a caret" in caption_of(plot, points)
+    figure, _, _ = drawn(plot, points)
+    assert any(line.get_marker() in (CARETUP, CARETDOWN) for line in figure.axes[0].lines)
+    # Nothing is said of points that have no value, and of bars that no point has.
+    unknown = {"shear_depth": np.full(1, np.nan), "acceleration": 2.0}
+    known = {"shear_depth": 0.001}
+    text = caption_of(plot, at_frictions(known, known, unknown, replicates=1))
+    assert "arker" not in text and "Error bars" not in text
+
+
+def test_profiles_tell_of_bands_or_of_pale_lines():
+    plot = {"kind": "profiles", "curves": "friction", "panels": "angle"}
+    assert "Bands: " in (text := caption_of(plot, flows(replicates=3))) and "pale" not in text
+    assert "pale" in (text := caption_of(plot, flows(replicates=2))) and "Bands" not in text
+    text = caption_of(plot, flows(replicates=1))
+    assert "pale" not in text and "Bands" not in text
+
+
+@pytest.mark.parametrize(
+    ("notes", "said"), [("['a\\x1b[2J']", r"a\x1b[2J"), ("None", "TypeError: 'NoneType'")]
+)
+def test_notes_of_a_plugin_move_no_cursor(tmp_path, notes, said):
+    path = tmp_path / "own.py"
+    path.write_text(
+        "import sim\n"
+        f"sim.plot_kind('own', like='curves', notes=lambda data: {notes})(lambda data: None)\n"
+    )
+    with forgotten():
+        load_plugins(path)
+        plot = {"kind": "own", "x": "friction", "curves": "angle"}
+        if notes == "None":
+            with pytest.raises(InputError, match=said):
+                caption_of(plot, flows())
+        else:
+            assert said in caption_of(plot, flows())
+
+
+def shown_texts(figure: Figure) -> set[str]:
+    """Return the texts of a picture as they are drawn, spaces all alike."""
+    with mpl.rc_context(SETTINGS | {"svg.fonttype": "none"}):
+        figure.savefig(file := io.BytesIO(), format="svg")
+    root = ElementTree.fromstring(file.getvalue())
+    texts = root.iter("{http://www.w3.org/2000/svg}text")
+    return {" ".join("".join(one.itertext()).split()) for one in texts}
+
+
+def test_texts_of_users_are_drawn_as_they_are_written(tmp_path):
+    """Dollars, subscripts and backslashes mean something to matplotlib, and a first _ hides."""
+    law = (ROOT / "docs" / "examples" / "hertz_mindlin.py").read_text()
+    law = law.replace('symbol="E", unit="Pa"', 'symbol="_E_$1^2", unit="US$/frac"')
+    own = 'sim.observable("cost", system="chute", unit="$_2^{", meaning="a $b")(len)'
+    (tmp_path / "own.py").write_text(f"{law}\n{own}\n".replace("/frac", r"\\frac"))
+    with forgotten():
+        load_plugins(tmp_path / "own.py")
+        points = [
+            made_point(
+                "chute",
+                {"velocity": 0.5, "cost": 1.0},
+                law="hertz_mindlin",
+                friction=friction,
+                youngs_modulus=modulus,
+            )
+            for friction in (0.3, 0.4)
+            for modulus in (1e6, 2e6)
+        ]
+        curves, _, _ = drawn({"x": "friction", "curves": "youngs_modulus", "y": "cost"}, points)
+        axis, _, _ = drawn({"x": "youngs_modulus", "panels": "friction", "y": "cost"}, points)
+        panels, _, _ = drawn({"x": "friction", "panels": "youngs_modulus", "y": "cost"}, points)
+    names = {r"_E_$1^2 = 1e+06 US$\frac", r"_E_$1^2 = 2e+06 US$\frac"}
+    assert names | {"cost ($_2^{)"} <= shown_texts(curves)
+    assert names <= shown_texts(panels)
+    assert r"youngs modulus _E_$1^2 (US$\frac)" in shown_texts(axis)
