@@ -7,7 +7,7 @@ points say, and so their ids and run files. An edited one is another one.
 import operator
 import re
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from keyword import iskeyword
 from typing import Annotated, Any, ClassVar, Literal, Self
@@ -116,7 +116,7 @@ class Choice:
             if not isinstance(getattr(one, "json_schema_extra", None), Declaration):
                 allowed = "what sim.parameter makes"
                 raise Refused(f"{what}: parameters.{key} is {allowed}: got {in_short(one)}")
-        add(self.name, name, option, self.usual)
+        add(self.name, name, replace(option, parameters=dict(parameters)), self.usual)
 
     def _require_free(self, what: str, name: Any) -> None:
         """Refuse the name of a parameter that others have; ``what`` declares it."""

@@ -3,7 +3,6 @@
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from types import MappingProxyType
 from typing import Any, ClassVar, get_args
 
 from sim.base.additions import blamed
@@ -37,7 +36,7 @@ def law(
     force: Callable[..., Any],
     energy: Callable[..., Any],
     collision_time: Callable[[Any], float],
-    parameters: Mapping[str, Any] = MappingProxyType({}),
+    parameters: Mapping[str, Any] | None = None,
 ) -> None:
     """Declare a contact law of the spheres, an option of the parameter ``law``.
 
@@ -66,7 +65,7 @@ def law(
     parameters : mapping, optional
         Parameters that it adds to those of the chute, made by `parameter`.
     """
-    LAW.add(name, OwnLaw(make, parameters, force, energy, collision_time))
+    LAW.add(name, OwnLaw(make, parameters or {}, force, energy, collision_time))
 
 
 class _WithOwnLaws(WithOwn, SphereParameters):

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from types import MappingProxyType
 from typing import Any, ClassVar
 
 from sim.parameters.belt import BeltParameters
@@ -24,7 +23,7 @@ def motion(
     *,
     make: Callable[[Any], Any],
     state: Callable[..., Any],
-    parameters: Mapping[str, Any] = MappingProxyType({}),
+    parameters: Mapping[str, Any] | None = None,
 ) -> None:
     """Declare a motion of the belt, an option of the parameter ``motion``, which is ``harmonic``.
 
@@ -41,7 +40,7 @@ def motion(
     parameters : mapping, optional
         Parameters that it adds to those of the belt, made by `parameter`.
     """
-    MOTION.add(name, OwnMotion(make, parameters, state))
+    MOTION.add(name, OwnMotion(make, parameters or {}, state))
 
 
 class WithOwnMotions(WithOwn, BeltParameters):
