@@ -263,7 +263,7 @@ def test_points_tell_the_law_and_its_code(folder):
 @pytest.mark.parametrize(
     ("values", "message"),
     [
-        ({"law": "hertz"}, "law: got 'hertz'; allowed: .*TALUS_PLUGINS name the plug-in"),
+        ({"law": "herz"}, "law: got 'herz'; allowed: .*TALUS_PLUGINS name the plug-in"),
         ({"law": "hertz_mindlin.00000000"}, "law: got 'hertz_mindlin.00000000'; allowed: "),
         ({"youngs_modulus": 2e6}, "youngs_modulus: got 2000000; .* unless law is hertz_mindlin"),
         ({"law": "hertz_mindlin", "youngs_modulus": 0}, "got 0; allowed: a number > 0"),

@@ -14,6 +14,9 @@ RATE = 45.0e6
 RATE_DEPTH = 5.0
 RATE_EXPONENT = -0.55
 
+#: Velocity in √(gσ) of the impacts that a time step of Hertz's law has to resolve.
+IMPACT = 10
+
 #: Largest overlap of an impact in diameters for which the laws of small overlaps stand: twice that
 #: of the paper's softest spheres.
 SMALL = 0.1
@@ -91,11 +94,12 @@ class SphereParameters(Parameters):
         id_part="stiffness",
         gt=0,
     )
-    law: Literal["walton_braun", "spring_dashpot"] = declare(
+    law: Literal["walton_braun", "spring_dashpot", "hertz", "drag"] = declare(
         "walton_braun",
-        description="contact law: Walton and Braun's, or the linear spring and dashpot with a "
-        "linear tangential spring that most DEM codes use",
-        equation="Walton, Sec. 2; Cundall and Strack (1979)",
+        description="contact law: Walton and Braun's; the linear spring and dashpot with a linear "
+        "tangential spring that most DEM codes use; Hertz's and Mindlin's, at an overlap of σ/100 "
+        "as stiff as the spring K1; or the spring of the belt with its drags, without friction",
+        equation="Walton, Sec. 2; Cundall and Strack (1979); Gallas, Eqs. 2-4",
         role="reading",
         compiled=True,
     )
@@ -107,6 +111,16 @@ class SphereParameters(Parameters):
         equation="Walton, Eq. 1",
         role="reading",
         gt=0,
+    )
+    shear_damping: Real = declare(
+        50,
+        symbol="γ_s",
+        unit="1",
+        scale="g",
+        description="shear friction coefficient of law: drag",
+        equation="Gallas, Eq. 4",
+        added=True,
+        ge=0,
     )
     tangential_exponent: Real = declare(
         1 / 3,
@@ -284,14 +298,27 @@ class SphereParameters(Parameters):
     def collision_time(self) -> float:
         """Duration of a binary collision of the lightest particles, s, with m* = m/2.
 
-        t_c = (π/2) √(m*/K1) (1 + e); of spring and dashpot π √(m*/K) √(1 + (ln e/π)²).
+        t_c = (π/2) √(m*/K1) (1 + e); of spring and dashpot π √(m*/K) √(1 + (ln e/π)²); of Hertz's
+        force 2.87 (m*²/(R* E*² v))^(1/5) at a velocity of 10 √(gσ).
         """
         spread = self.diameter_spread
         lightest = self.mass * (1 - spread) ** 3 / (1 + spread**2)
         loading = math.pi / 2 * math.sqrt(lightest / 2 / self.stiffness)
-        if self.law == "spring_dashpot":
+        if self.law == "hertz":
+            radius = self.diameter * (1 - spread) / 4
+            speed = IMPACT * self.velocity_unit
+            return 2.87 * ((lightest / 2 / self.effective_modulus) ** 2 / (radius * speed)) ** 0.2
+        if self.law in ("spring_dashpot", "drag"):
             return 2 * loading * math.hypot(1, math.log(self.restitution) / math.pi)
         return loading * (1 + self.restitution)
+
+    @property
+    def effective_modulus(self) -> float:
+        """E* of Hertz's law, Pa: the force of two spheres that overlap by σ/100 is that of K1.
+
+        (4/3) E* √(σ/4) (σ/100)^(3/2) = K1 σ/100.
+        """
+        return 15 * self.stiffness / self.diameter
 
     @property
     def period(self) -> float:
@@ -359,6 +386,14 @@ class SphereParameters(Parameters):
             for name in ("diameter_spread", "bumps"):
                 if getattr(self, name):
                     raise broken_rule(name, getattr(self, name), "0 with law: spring_dashpot")
+        return self
+
+    @model_validator(mode="after")
+    def _of_drags_alone(self) -> Self:
+        usual = type(self).model_fields["shear_damping"].default
+        if self.law != "drag" and self.shear_damping != usual:
+            allowed = f"{usual:g} unless law is drag, whose it is"
+            raise broken_rule("shear_damping", self.shear_damping, allowed)
         return self
 
     @model_validator(mode="after")

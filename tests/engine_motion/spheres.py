@@ -4,12 +4,11 @@ from functools import partial
 
 import numpy as np
 
+from sim.engine.boundary.drive import Gravity
 from sim.engine.boundary.plane import make_plane
-from sim.engine.contact.spring_dashpot import SpringDashpot
-from sim.engine.contact.walton_braun import WaltonBraun
 from sim.engine.dynamics.cells import make_box
 from sim.engine.dynamics.neighbors import empty_pair_list, grown
-from sim.engine.dynamics.spheres import enlarged, make_memory, make_scratch, make_spheres
+from sim.engine.dynamics.spheres import SOLID, enlarged, make_memory, make_scratch, make_spheres
 from sim.engine.dynamics.team import Team
 from sim.engine.systems import leap_frog
 from sim.engine.systems.sharing import Thread
@@ -40,8 +39,8 @@ class SphereMotion:
         velocity,
         spin=0.0,
         *,
-        law: WaltonBraun | SpringDashpot | None = None,
-        plane_law: WaltonBraun | SpringDashpot | None = None,
+        law: tuple | None = None,
+        plane_law: tuple | None = None,
         radius=RADIUS,
         mass=MASS,
         box=None,
@@ -77,7 +76,8 @@ class SphereMotion:
 
     def _advance(self, steps: int, rank: int) -> int:
         contacts = leap_frog.FlowContacts(self.laws, self.pairs, self.plane, self.memory)
-        motion = leap_frog.Motion(self.gravity, self.time_step, self.overlap_limit)
+        drive = Gravity(self.gravity)
+        motion = leap_frog.Motion(drive, self.time_step, self.overlap_limit, SOLID)
         thread = Thread(rank, self.team.gate, self.scratch[rank])
         return leap_frog.advance_spheres(self.spheres, contacts, self.flow, motion, thread, steps)
 

@@ -66,6 +66,8 @@ def test_every_parameter_is_in_the_id_but_how_much_is_wanted(system):
         "start_from": "run.nc",
     }
     needed = {"ghost_mass": {"damping_mass": "reduced"}}
+    if system != "belt":
+        needed["shear_damping"] = {"law": "drag"}
     default = SYSTEMS[system]()
     for name, row in field_info(default).items():
         if name == "system":
@@ -93,7 +95,12 @@ def test_a_parameter_added_later_is_in_the_name_where_it_is_used_alone():
         assert canonical(used) == canonical(usual) | {name: value}
         assert parse_point(canonical(used), "point.yaml") == used
     assert "-corrections2-" in point_id(BeltParameters(corrections=2))
-    assert unsaid("chute") == {"start_from": "", "stress_profiles": False, "trajectory": 0}
+    assert unsaid("chute") == {
+        "start_from": "",
+        "stress_profiles": False,
+        "trajectory": 0,
+        "shear_damping": 50,
+    }
 
 
 @pytest.mark.parametrize("system", SYSTEMS)

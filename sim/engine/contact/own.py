@@ -1,7 +1,7 @@
-"""Contact laws of plug-ins: plain functions of theirs as members of the family of spheres.
+"""Contact laws that are plain functions of two partners, those of plug-ins among them.
 
-Between two partners such a law is held together with what it may know of them (`Between`); the laws
-of Talus, which need neither radius nor mass, stay as they are and cost nothing more.
+Between two partners such a law is held together with what it may know of them (`Between`); laws
+that need neither radius nor mass stay as they are and cost nothing more.
 """
 
 from typing import NamedTuple
@@ -10,11 +10,14 @@ from sim.engine.compile import implements, inlined
 from sim.engine.contact.friction import contact_force, stored_energy
 from sim.engine.contact.roots import SMALLEST, inverse_square_root
 from sim.engine.contact.tangential import friction_direction, work_against
-from sim.engine.plugged import adopt, adopted
+from sim.engine.plugged import adopt
+
+#: Types of the laws that are such functions.
+_functional: set[type] = set()
 
 
 class Between(NamedTuple):
-    """A law of a plug-in between two partners: with reduced ``radius`` (m) and ``mass`` (kg)."""
+    """Such a law between two partners: with their reduced ``radius`` (m) and ``mass`` (kg)."""
 
     law: NamedTuple
     radius: float
@@ -33,7 +36,7 @@ def on_plane(law, spheres, i):
 
 @implements(between)
 def _between(law, spheres, pairs, p):
-    if law.instance_class not in adopted:
+    if law.instance_class not in _functional:
         return lambda law, spheres, pairs, p: law
 
     def body(law, spheres, pairs, p):
@@ -48,7 +51,7 @@ def _between(law, spheres, pairs, p):
 
 @implements(on_plane)
 def _on_plane(law, spheres, i):
-    if law.instance_class not in adopted:
+    if law.instance_class not in _functional:
         return lambda law, spheres, i: law
     return lambda law, spheres, i: Between(law, spheres.radius[i], spheres.mass[i])
 
@@ -63,12 +66,12 @@ def turned(normal, tangential):
 
 
 def force_of(law, overlap, approach, slip, tangential, memory, radius, mass):
-    """Return what the function ``force`` of a plug-in does, see `sim.parameters.laws.law`."""
+    """Return what the function ``force`` of a law does, see `sim.parameters.laws.law`."""
     raise NotImplementedError
 
 
 def energy_of(law, overlap, tangential, memory, radius, mass):
-    """Return what the function ``energy`` of a plug-in does."""
+    """Return what the function ``energy`` of a law does."""
     raise NotImplementedError
 
 
@@ -99,9 +102,14 @@ def _stored_energy(law, overlap, memory):
 
 def add_law(kind, law):
     """Make a type of parameters known as a law, with the functions of a plug-in for it."""
-    if not adopt(kind):
-        return
-    own_force, own_energy = inlined(law.force), inlined(law.energy)
+    if adopt(kind):
+        add_functions(kind, law.force, law.energy)
+
+
+def add_functions(kind, force, energy):
+    """Make a type of parameters known as a law with these functions."""
+    own_force, own_energy = inlined(force), inlined(energy)
+    _functional.add(kind)
 
     @implements(force_of)
     def _force(law, overlap, approach, slip, tangential, memory, radius, mass):

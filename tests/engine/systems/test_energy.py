@@ -28,6 +28,8 @@ def residual(point, system) -> float:
         ({**LAWS[1], "restitution": 1.0}, 2e-3),
         ({"friction": 0.0}, 1e-3),
         ({"law": "spring_dashpot"}, 5e-3),
+        ({"law": "hertz", "diameter_spread": 0.3}, 5e-3),
+        ({"law": "drag", "bumps": 0.5}, 1e-2),
     ],
 )
 def test_the_chute_loses_what_it_gains(values, allowed):
