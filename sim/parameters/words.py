@@ -31,7 +31,13 @@ def quantity(system: str, name: str, values: Sequence[Any]) -> str:
 
 
 def setting(system: str, name: str, value: object) -> str:
-    """Write one value of a parameter, choices by name: ``θ = 16°``, ``integrator verlet``."""
-    if isinstance(value, bool):
+    """Write one value of a parameter, choices by name: ``θ = 16°``, ``integrator verlet``.
+
+    Datasets have numbers for what is true or false:
+
+    >>> setting("conveyor", "rotation", 0.0), setting("chute", "stress_profiles", True)
+    ('no rotation', 'stress_profiles')
+    """
+    if isinstance(value, bool) or SYSTEMS[system].model_fields[name].annotation is bool:
         return name if value else f"no {name}"
     return f"{name} {value}" if isinstance(value, str) else quantity(system, name, [value])
