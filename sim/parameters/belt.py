@@ -59,6 +59,9 @@ class BeltParameters(Parameters):
 
     sampling_key: ClassVar[str] = "samples_per_cycle"
     state_numbers: ClassVar[int] = 4
+    axes: ClassVar[int] = 2
+    # Each from the side of either partner, and those with belt and obstacle.
+    most_contacts: ClassVar[int] = 10
     boundaries: ClassVar[tuple[str, ...]] = ("flow", "transport")
     smallest: ClassVar[dict[str, Any]] = {"beads": 2, "settle_velocity_squared": 1e6}
     kept: ClassVar[tuple[str, ...]] = (

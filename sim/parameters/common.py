@@ -75,6 +75,10 @@ class Parameters(BaseModel):
         What a flow cannot change on its way: it shares them with the run that it starts from.
     state_numbers : int
         Numbers that tell in a frame of a trajectory where a particle is and how it moves.
+    axes : int
+        Directions in which particles move.
+    most_contacts : int
+        Contacts for each particle that a frame of a trajectory has room for.
     """
 
     model_config = ConfigDict(
@@ -89,6 +93,8 @@ class Parameters(BaseModel):
     smallest: ClassVar[dict[str, Any]]
     kept: ClassVar[tuple[str, ...]]
     state_numbers: ClassVar[int]
+    axes: ClassVar[int]
+    most_contacts: ClassVar[int]
 
     if TYPE_CHECKING:
         # What every concrete system adds; each declares its own ranges, defaults and meanings.
@@ -150,6 +156,13 @@ class Parameters(BaseModel):
         allowed="the id of a point of the study, or a run file (*.nc)",
         pattern=r"^(|[a-z]+-[\w.-]+-[0-9a-f]{8}|[^\x00-\x1f\x7f]+\.nc)$",
         max_length=1000,
+    )
+
+    trajectory_contacts: bool = declare(
+        False,
+        description="also keep the contacts in each frame of the trajectory: partners and forces",
+        role="numerics",
+        added=True,
     )
 
     # No amount: names of points and curves tell a flow under one protocol from that under another.
@@ -253,12 +266,19 @@ class Parameters(BaseModel):
         return max(1, round(self.trajectory * self.time_unit / interval))
 
     @property
+    def trajectory_room(self) -> int:
+        """Contacts that a frame of the trajectory has room for, 0 where none are kept."""
+        kept = self.trajectory and self.trajectory_contacts
+        return self.most_contacts * (self.particles + self.glued) if kept else 0
+
+    @property
     def trajectory_bytes(self) -> int:
         """Bytes of the frames of all replicates, of the longest run and before compression."""
         if not self.trajectory:
             return 0
         frames = self.replicates * (self.longest_samples // self.trajectory_samples)
-        return frames * (self.particles + self.glued) * self.state_numbers * SINGLE
+        each = (self.particles + self.glued) * self.state_numbers
+        return frames * SINGLE * (each + self.trajectory_room * (2 + self.axes))
 
     @model_validator(mode="after")
     def _of_feasible_magnitude(self) -> Self:
@@ -295,6 +315,9 @@ class Parameters(BaseModel):
 def require_feasible_trajectory(parameters: Parameters) -> None:
     """Refuse a trajectory without a single frame, or of too many."""
     p = parameters
+    if p.trajectory_contacts and not p.trajectory:
+        allowed = "false without a trajectory, whose frames have them"
+        raise broken_rule("trajectory_contacts", p.trajectory_contacts, allowed)
     if p.trajectory_samples > p.shortest_samples:
         allowed = f"0 or at most transient + average = {p.transient + p.average:g}"
         raise broken_rule("trajectory", p.trajectory, allowed)

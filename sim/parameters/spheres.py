@@ -35,6 +35,9 @@ class SphereParameters(Parameters):
     """
 
     state_numbers: ClassVar[int] = 9
+    axes: ClassVar[int] = 3
+    # Twelve neighbors of equal size, and more where sizes differ or overlaps are large.
+    most_contacts: ClassVar[int] = 10
     smallest: ClassVar[dict[str, Any]] = {"depth": 0.2, "cell": 5}
     kept: ClassVar[tuple[str, ...]] = (
         *("seed", "depth", "cell", "diameter", "diameter_spread", "mass", "bumps", "bump_coverage"),

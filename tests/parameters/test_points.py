@@ -51,6 +51,7 @@ def test_every_parameter_is_in_the_id_but_how_much_is_wanted(system):
         "prior_cycles": 2,
         "orientations": False,
         "rotation": False,
+        "trajectory_contacts": True,
         "beads": 201,
         "threads": 2,
         "steps_per_collision": 41,
@@ -66,6 +67,7 @@ def test_every_parameter_is_in_the_id_but_how_much_is_wanted(system):
         "start_from": "run.nc",
     }
     needed = {"ghost_mass": {"damping_mass": "reduced"}}
+    needed["trajectory_contacts"] = {"trajectory": 1}
     if system != "belt":
         needed["shear_damping"] = {"law": "drag"}
     default = SYSTEMS[system]()
@@ -99,6 +101,7 @@ def test_a_parameter_added_later_is_in_the_name_where_it_is_used_alone():
         "start_from": "",
         "stress_profiles": False,
         "trajectory": 0,
+        "trajectory_contacts": False,
         "shear_damping": 50,
     }
 

@@ -28,11 +28,23 @@ SNAPSHOTS = {
     "fixed": ("1", "1 for a sphere glued to the plane, 0 for one that moves", ("particle",)),
 }
 
+#: What contacts of a frame are told where they are asked for, as `SNAPSHOTS`.
+OF_CONTACTS = {
+    "contact_pair": (
+        "1",
+        "numbers of both partners, the second -1 for plane or belt and -2 for the obstacle",
+        ("frame", "contact", "partner"),
+    ),
+    "contact_force": ("N", "force of the contact on the first", ("frame", "contact", "axis")),
+}
+
 #: The frames of a trajectory: name -> what of a snapshot they hold.
 FRAMES = {
     "trajectory_position": "position",
     "trajectory_velocity": "particle_velocity",
     "trajectory_spin": "particle_spin",
+    "trajectory_contact_pair": "contact_pair",
+    "trajectory_contact_force": "contact_force",
 }
 
 #: Unit, long name and dimensions of tables with dimensions of their own.

@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sim.engine.compile import inlined, kernel
+from sim.engine.compile import implements, inlined, kernel
 from sim.engine.contact.own import between, on_plane
 from sim.engine.dynamics.spheres import (
     DEPTH,
@@ -31,6 +31,7 @@ from sim.engine.dynamics.spheres import (
     react,
     recall,
 )
+from sim.engine.observe.listed import Listed
 
 #: Components of the stress that the symmetry of the flow leaves, and how many; the last is the
 #: force along x through planes of constant z.
@@ -84,6 +85,13 @@ class Slip(NamedTuple):
     contacts: np.ndarray
     sliding: np.ndarray
     speed: np.ndarray
+
+
+class Carried(NamedTuple):
+    """Sums of what contacts carry over the height, and of how they slip."""
+
+    stress: Stress
+    slip: Slip
 
 
 class Sampling(NamedTuple):
@@ -140,16 +148,36 @@ def _normal_and_slip(rows, time_step):
     return normal, (sx * sx + sy * sy + sz * sz) ** 0.5 / time_step
 
 
-@inlined
-def _add_contact(sums, sampling, rows, place, normal, sliding):
-    """Add a contact with the force of column 0.
+def note(seen, sampling, rows, met):
+    """Take note of a contact with the force of column 0.
 
-    ``place``: its branch (x, y, z) (m) from j to i, and the heights of i and of the contact;
-    ``sliding``: the slip velocity (m/s) and the coefficient of friction.
+    ``met``: numbers of its partners; its branch (x, y, z) (m) from j to i, and the heights of i and
+    of the contact; its normal; the slip velocity (m/s) and the coefficient of friction.
     """
-    stress, slip = sums
-    speed, friction = sliding
-    (bx, by, bz), top, at = place
+    raise NotImplementedError
+
+
+@implements(note)
+def _note(seen, sampling, rows, met):
+    if seen.instance_class is Listed:
+        return lambda seen, sampling, rows, met: _list_contact(seen, rows, met)
+    return lambda seen, sampling, rows, met: _add_contact(seen, sampling, rows, met)
+
+
+@inlined
+def _list_contact(seen, rows, met):
+    row = seen.number[0]
+    seen.number[0] += 1
+    if row < seen.pair.shape[0]:
+        seen.pair[row, 0], seen.pair[row, 1] = met[0]
+        for d in range(3):
+            seen.force[row, d] = rows[(FX + d) * STRIDE]
+
+
+@inlined
+def _add_contact(sums, sampling, rows, met):
+    stress, slip = sums.stress, sums.slip
+    _, ((bx, by, bz), top, at), normal, (speed, friction) = met
     fx, fy, fz = rows[FX * STRIDE], rows[(FX + 1) * STRIDE], rows[(FX + 2) * STRIDE]
     low, high = min(top, top - bz), max(top, top - bz)
     for s in _slices_of(low, high, sampling.slice, stress.mass.size):
@@ -204,13 +232,26 @@ def _add_spheres(stress, spheres, sampling):
 
 @kernel
 def add_contacts(sums, spheres, contacts, sampling):
-    """Add the present state to sums of stress and slip.
+    """Add the present state to sums of stress and slip, see `_visit`."""
+    sums.stress.samples[0] += 1.0
+    _visit(sums, spheres, contacts, sampling)
+    _add_spheres(sums.stress, spheres, sampling)
+
+
+@kernel
+def list_contacts(listed, spheres, contacts, sampling):
+    """List the contacts of the present state, see `_visit`."""
+    _visit(listed, spheres, contacts, sampling)
+
+
+@inlined
+def _visit(seen, spheres, contacts, sampling):
+    """Take note of each contact of the present state.
 
     The forces are those with which the next step begins, so the same for all laws. ``contacts``
     are those of the loop over steps. Where the pair list no longer holds, those are missing that
     the last step has opened.
     """
-    stress, _ = sums
     x, v, w, step = spheres.position, spheres.velocity, spheres.rim, sampling.time_step
     law, plane_law = contacts.laws
     friction, plane_friction = sampling.friction
@@ -218,7 +259,6 @@ def add_contacts(sums, spheres, contacts, sampling):
     memory = contacts.memory[sampling.step % 2]
     plane_memory = contacts.plane.memory[sampling.step % 2]
     rows = np.zeros(ROWS * STRIDE)
-    stress.samples[0] += 1.0
     for p in range(pairs.start[-1]):
         i, j = pairs.first[p], pairs.second[p]
         dx, dy, dz = nearest(x, pairs.box, i, j)
@@ -232,7 +272,8 @@ def add_contacts(sums, spheres, contacts, sampling):
         react(between(law, spheres, pairs, p), rows, 0, recall(memory, pairs.slot[p]))
         at = x[2, i] + (spheres.radius[i] - 0.5 * rows[DEPTH * STRIDE]) * normal[2]
         place = (-dx, -dy, -dz), x[2, i], at
-        _add_contact(sums, sampling, rows, place, normal, (speed, friction))
+        met = (spheres.label[0, i], spheres.label[0, j]), place, normal, (speed, friction)
+        note(seen, sampling, rows, met)
     for i in range(spheres.mass.size):
         if spheres.mass[i] == 0.0 or x[2, i] >= spheres.radius[i]:
             continue
@@ -241,5 +282,5 @@ def add_contacts(sums, spheres, contacts, sampling):
         normal, speed = _normal_and_slip(rows, step)
         react(on_plane(plane_law, spheres, i), rows, 0, recall(plane_memory, slot[0, i]))
         place = (0.0, 0.0, x[2, i]), x[2, i], 0.0
-        _add_contact(sums, sampling, rows, place, normal, (speed, plane_friction))
-    _add_spheres(stress, spheres, sampling)
+        met = (spheres.label[0, i], np.int64(-1)), place, normal, (speed, plane_friction)
+        note(seen, sampling, rows, met)

@@ -56,7 +56,7 @@ class Recorder:
         self._trend: Trend | None = None
         self._table = np.full((len(system.series), p.shortest_samples), np.nan)
         self._profiles = ProfileBlocks()
-        self._trajectory = Trajectory(p.trajectory_samples)
+        self._trajectory = Trajectory(p.trajectory_samples, p.trajectory_room)
         self.snapshots: dict[str, list[np.ndarray]] = {}
         self.path: np.ndarray | None = None
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from sim.base.files import replacing, seal
 from sim.base.summary import append_summary
-from sim.engine.observe.arrays import FRAMES, SNAPSHOTS, TABLES, described
+from sim.engine.observe.arrays import FRAMES, OF_CONTACTS, SNAPSHOTS, TABLES, described
 from sim.engine.observe.recorder import Record
 from sim.parameters import Parameters, amounts, canonical, field_info, in_si
 from sim.parameters.observables import SCALARS
@@ -246,17 +246,21 @@ def _write_trajectory(file: _GroupWriter, stage: Stage, layout: Layout) -> None:
     time = every * layout.interval * np.arange(1, count + 1)
     meant = "time of the frame of the trajectory, since the start"
     _put(file, "trajectory_time", ("trajectory_time",), time, "s", meant)
-    dimensions = ("replicate", "trajectory_time", "particle", "axis")
     for name, source in FRAMES.items():
         held = {k: one.frames[name] for k, one in enumerate(records) if name in one.frames}
         if not held:
             continue
         frame = next(iter(held.values()))[0]
+        unit, long_name, (_, *each) = (SNAPSHOTS | OF_CONTACTS)[source]
+        for dimension, size in zip(each, frame.shape, strict=True):
+            if dimension not in file.group.dimensions:
+                file.group.createDimension(dimension, size)
+        dimensions = ("replicate", "trajectory_time", *each)
         chunk = (1, max(1, min(count, CHUNK // frame.nbytes)), *frame.shape)
         options: dict[str, Any] = FILTERS | {"chunksizes": chunk, "fill_value": np.nan}
         variable: Any = file.group.createVariable(name, "f4", dimensions, **options)
-        variable.units, variable.long_name, _ = SNAPSHOTS[source]
-        variable.long_name += ", at each frame of the trajectory"
+        variable.units = unit
+        variable.long_name = f"{long_name}, at each frame of the trajectory"
         for k, frames in held.items():
             file.waiting.append((variable, np.s_[k, : len(frames)], frames))
 

@@ -6,6 +6,7 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 
 from sim.engine.observe.ledger import Ledger
+from sim.engine.observe.listed import Listed
 from sim.engine.observe.regime import Scales
 from sim.engine.observe.sums import Sums
 from sim.parameters import Parameters
@@ -91,6 +92,10 @@ class System(Protocol):
 
     def tables(self, sums: Sums) -> dict[str, np.ndarray]:
         """Turn sums of profiles into what has other dimensions than height."""
+
+    def contacts_now(self, most: int) -> Listed:
+        """Return the contacts of the present state, listed where there are no more than so many."""
+        ...
 
     def trace(self) -> np.ndarray:
         """Go on for a little and return the path of every particle (S, N, D) in m."""

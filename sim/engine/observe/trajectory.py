@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from sim.engine.dynamics.status import BlowUp
 from sim.engine.observe.arrays import FRAMES
 from sim.engine.observe.system import System
 
@@ -12,12 +13,14 @@ from sim.engine.observe.system import System
 class Trajectory:
     """Takes a frame at the end of each ``samples``-th sample, none where that is 0.
 
+    With room for so many ``contacts``, none where that is 0; frames have fewer, and are filled up.
+
     In single precision, like the formats that others read: a place in a cell of ten diameters is
     known to a millionth of a diameter.
     """
 
-    def __init__(self, samples: int):
-        self._samples = samples
+    def __init__(self, samples: int, contacts: int = 0):
+        self._samples, self._contacts = samples, contacts
         self._frames: dict[str, list[np.ndarray]] = {}
 
     def due(self, taken: int) -> list[int]:
@@ -28,10 +31,19 @@ class Trajectory:
         """Take a frame of a system that has finished so many samples, if one is due."""
         if self._samples and taken % self._samples == 0:
             state = system.snapshot()
+            if self._contacts:
+                state |= self._of_contacts(system)
             for name, source in FRAMES.items():
                 if source in state:
                     frame = np.array(state[source], np.float32)
                     self._frames.setdefault(name, []).append(frame)
+
+    def _of_contacts(self, system: System) -> dict[str, np.ndarray]:
+        """Return the contacts of the present state; those that are missing are not-a-number."""
+        listed = system.contacts_now(self._contacts)
+        if (number := int(listed.number[0])) > self._contacts:
+            raise BlowUp(f"{number} contacts, more than {self._contacts}, which a frame holds")
+        return {"contact_pair": listed.pair, "contact_force": listed.force}
 
     def frames(self) -> dict[str, np.ndarray]:
         """Return the frames so far, name -> (F, N, D); nothing before the first."""

@@ -13,7 +13,9 @@ from sim.engine.dynamics.disks import make_disks
 from sim.engine.dynamics.gear import CORRECTORS, Gear, Verlet, restarted
 from sim.engine.dynamics.neighbors import empty_pair_list, grown, make_search
 from sim.engine.dynamics.status import LIST_FULL, REASONS, BlowUp, outcome
+from sim.engine.observe.bed_contacts import list_bed_contacts
 from sim.engine.observe.field import squares, wave_power
+from sim.engine.observe.listed import Listed, no_contacts
 from sim.engine.observe.regime import Scales
 from sim.engine.observe.sums import Sums
 from sim.engine.observe.system import Samples, no_pause
@@ -88,6 +90,7 @@ class Belt:
         kind = kind_of(self.law, self.belt, self.integrator)
         self._advance = Direct(shaking.advance_disks, kind)
         self._take = Direct(bed_samples.sample_bed, kind)
+        self._list = Direct(list_bed_contacts, kind)
         self._calls: bed_samples.Calls | None = None
         self.scales = Scales(p.least_transport, acceleration=np.inf, drift=p.drift, target=p.target)
         self.mass = float(bed.mass.sum())
@@ -294,6 +297,12 @@ class Belt:
 
     def _velocity(self) -> np.ndarray:
         return self.disks.taylor[1] / self.time_step
+
+    def contacts_now(self, most: int) -> Listed:
+        """Return the contacts of the present state, listed where there are no more than so many."""
+        listed, time = no_contacts(most, axes=2), float(self.loop.step[0] * self.time_step)
+        self._list(listed, self.disks, self._contacts(self.belt), time, self.time_step)
+        return listed
 
     def no_profiles(self) -> Sums:
         """Return sums of zero: profiles above the belt, by centres and by area, and the field."""

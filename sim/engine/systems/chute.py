@@ -24,8 +24,14 @@ from sim.engine.dynamics.spheres import (
 from sim.engine.dynamics.status import LIST_FULL, BlowUp, outcome
 from sim.engine.dynamics.team import Team
 from sim.engine.observe.arrays import FOLLOWED
-from sim.engine.observe.contacts import Sampling, add_contacts
+from sim.engine.observe.contacts import (
+    Carried,
+    Sampling,
+    add_contacts,
+    list_contacts,
+)
 from sim.engine.observe.flow import flow_energies
+from sim.engine.observe.listed import Listed, no_contacts
 from sim.engine.observe.overlaps import EDGES, count_overlaps
 from sim.engine.observe.profiles import VOLUME, add_sample
 from sim.engine.observe.regime import Scales
@@ -61,6 +67,7 @@ class _Kernels:
         self.add_sample = Direct(add_sample, kind)
         self.count_overlaps = Direct(count_overlaps, kind)
         self.add_contacts = Direct(add_contacts, kind)
+        self.list_contacts = Direct(list_contacts, kind)
 
 
 class Chute:
@@ -291,9 +298,20 @@ class Chute:
         if inside:
             spin, *carried = inside
             self._call.add_sample(spin, VOLUME, slice_height, height, radius, rim / radius)
-            friction = self.parameters.friction, self.parameters.friction_plane
-            sampling = Sampling(int(self.flow.step[0]), slice_height, self.time_step, friction)
-            self._call.add_contacts(tuple(carried), spheres, self._contacts(), sampling)
+            call, listed = self._call.add_contacts, Carried(*carried)
+            call(listed, spheres, self._contacts(), self._sampling())
+
+    def _sampling(self) -> Sampling:
+        """Return what forces of contacts depend on besides the particles."""
+        p = self.parameters
+        friction = p.friction, p.friction_plane
+        return Sampling(int(self.flow.step[0]), self.slices.slice_height, self.time_step, friction)
+
+    def contacts_now(self, most: int) -> Listed:
+        """Return the contacts of the present state, listed where there are no more than so many."""
+        listed = no_contacts(most)
+        self._call.list_contacts(listed, self.spheres, self._contacts(), self._sampling())
+        return listed
 
     def profiles(self, sums: Any) -> dict[str, np.ndarray]:
         """Return velocity, packing fraction and granular temperature per slice."""

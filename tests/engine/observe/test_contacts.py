@@ -6,6 +6,7 @@ import pytest
 from sim.engine.observe.contacts import (
     XZ,
     ZZ,
+    Carried,
     Sampling,
     add_contacts,
     no_slip,
@@ -154,7 +155,7 @@ def test_contact_stress_is_that_of_the_reference():
     stress, slip = no_stress(slices), no_slip(slices)
     contacts = FlowContacts(motion.laws, motion.pairs, motion.plane, motion.memory)
     sampling = Sampling(7, height, motion.time_step, (0.4, 0.25))
-    add_contacts((stress, slip), motion.spheres, contacts, sampling)
+    add_contacts(Carried(stress, slip), motion.spheres, contacts, sampling)
 
     expected = np.zeros((slices, 4))
     edges = height * np.arange(slices + 1)
@@ -193,7 +194,9 @@ def test_kinetic_stress_is_that_about_the_mean_profile():
     motion = SphereMotion(position, velocity, radius=1e-3 * RADIUS, box=(0.04, 0.04))
     stress, slip = no_stress(3), no_slip(3)
     contacts = FlowContacts(motion.laws, motion.pairs, motion.plane, motion.memory)
-    add_contacts((stress, slip), motion.spheres, contacts, Sampling(0, 20 * RADIUS, 1e-9, (0, 0)))
+    add_contacts(
+        Carried(stress, slip), motion.spheres, contacts, Sampling(0, 20 * RADIUS, 1e-9, (0, 0))
+    )
     found = stress.kinetic(1.0) / stress.mass[:, None]
     covariance = spread.T @ spread
     expected = [*np.diag(covariance), -covariance[0, 2]]
