@@ -21,7 +21,7 @@ DIMENSIONS = """\
 | `height` | slices of the profiles |
 | `frame` | 2: first and last state |
 | `particle` | all particles, the spheres glued to a plane included |
-| `axis` | directions: x, y, z of a chute, x, z of a belt |
+| `axis` | directions: x, y, z of a chute or conveyor, x, z of a belt |
 | `quaternion` | 4 |
 | `trajectory_time` | frames of the trajectory |
 | `path_time` | states of the path that particles are followed on once the run is over |
@@ -71,6 +71,7 @@ def variables() -> str:
         *_section("Scalars", "(replicate)", observables.SCALARS),
         *_section("Time series of a chute", "(replicate, time)", observables.CHUTE_SERIES),
         *_section("Time series of a belt", "(replicate, time)", observables.BELT_SERIES),
+        *_section("Time series of a conveyor", "(replicate, time)", observables.CONVEYOR_SERIES),
         *_section("Where `belt_forces` is set", "(replicate, time)", BELT_FORCES),
         *_section("Profiles", "(replicate, height)", PROFILES),
         "Those with `_instantaneous` behind their names are of the last sample alone.",
@@ -82,10 +83,11 @@ def variables() -> str:
         "All scalars of run files, over `(point, replicate)`; all parameters over `(point)`, as"
         " coordinates; and",
         *_section("Of points", "(point)", observables.OF_POINTS),
-        *_section("Measures of both", "(point, replicate)", observables.ENERGY_MEASURES),
+        *_section("Measures of all", "(point, replicate)", observables.ENERGY_MEASURES),
         *_section("Measures of a chute", "(point, replicate)", observables.CHUTE_MEASURES),
         *_section("Measures of a belt", "(point, replicate)", observables.BELT_MEASURES),
-        *_section("Groups `chute` and `belt`, besides the profiles", "", observables.ALONG),
+        *_section("Measures of a conveyor", "(point, replicate)", observables.CONVEYOR_MEASURES),
+        *_section("Groups of the systems, besides the profiles", "", observables.ALONG),
     ]
     return "\n\n".join(parts) + "\n"
 
@@ -96,8 +98,9 @@ def _limits() -> dict[str, tuple[str, str]]:
 
 
 def _frames() -> dict[str, tuple[str, str, tuple[str, ...]]]:
+    told = arrays.SNAPSHOTS | arrays.OF_CONTACTS
     return {
-        name: (*arrays.SNAPSHOTS[source][:2], ("trajectory_time", "particle", "axis"))
+        name: (*told[source][:2], ("trajectory_time", *told[source][2][1:]))
         for name, source in arrays.FRAMES.items()
     }
 

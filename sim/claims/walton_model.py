@@ -10,6 +10,7 @@ from uncertainties import ufloat
 from sim.claims.checks import above, below, within
 from sim.claims.contacts import contact_path, random_curve, vector_spring
 from sim.claims.verdict import Check
+from sim.engine.boundary.drive import Gravity
 from sim.engine.contact import Partners
 from sim.engine.contact.walton_braun import WaltonBraun, from_parameters
 from sim.engine.systems.chute import Chute
@@ -134,7 +135,7 @@ def _restitutions(
     depth = particles / cell**2
     p = ChuteParameters(depth=depth, cell=cell, restitution=restitution, **reading)
     chute = Chute(p, 0)
-    chute.gravity = (0.0, 0.0, 0.0)
+    chute.drive = Gravity((0.0, 0.0, 0.0))
     if change:
         change(chute)
     axis, position, velocity = _before_impact(partner, speed, phase * speed * chute.time_step)

@@ -26,6 +26,7 @@ from sim.claims.verdict import (
 from sim.claims.written import as_mapping, as_table
 from sim.dataset.grids import GRIDS
 from sim.parameters import SYSTEMS, ChuteParameters, roles
+from sim.report.claims import SYSTEM
 from sim.study.catalogue import FIGURES
 from tests.made.paper_belt import BEAD
 from tests.made.results import made_point, made_results
@@ -100,8 +101,8 @@ def test_a_control_is_no_reading():
 
 
 def test_every_reading_has_the_words_that_leave_it_open_or_is_a_control():
-    for system, model in SYSTEMS.items():
-        declared = readings_of(system)
+    for system in SYSTEM.values():
+        model, declared = SYSTEMS[system], readings_of(system)
         for name in set(roles.readings(model)) - declared.open.keys():
             others = set(get_args(model.model_fields[name].annotation)) - {getattr(model(), name)}
             assert others, f"{name}: neither open nor a choice of which all others are controls"
@@ -288,7 +289,7 @@ def test_a_study_of_nothing_relevant_leaves_the_claims_on_flows_untestable():
     results = made_results(made_point("belt", {"velocity": 0.1}, diameter_spread=0.1))
     judgements = judge.judge(results)
     assert {one.claim.system for one in judgements} == {"belt"}
-    assert {claim.system for claim in claims()} == set(SYSTEMS)
+    assert {claim.system for claim in claims()} == set(SYSTEM.values())
     for one in judgements:
         assert one.verdict == UNTESTABLE, one.claim.id
         assert all(variant.reason for variant in one.variants), one.claim.id

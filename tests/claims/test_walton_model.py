@@ -7,6 +7,7 @@ from sim.claims.contacts import contact_path
 from sim.claims.judge import MODEL_READINGS
 from sim.claims.verdict import NOT_REPRODUCED, REPRODUCED, together
 from sim.claims.walton_model import w1, w2, w3, w4
+from sim.engine.boundary.drive import Gravity
 from sim.engine.contact.walton_braun import walton_braun
 from sim.engine.systems.chute import Chute
 from tests.claims.judging import failed
@@ -46,7 +47,7 @@ def test_a_restitution_that_depends_on_the_speed_is_found():
     """Weight speeds slow spheres up on their way to the plane, and leaves pairs alone."""
 
     def heavy(chute):
-        chute.gravity = (0.0, 0.0, -0.1)
+        chute.drive = Gravity((0.0, 0.0, -0.1))
 
     found = failed(w1(change=heavy))
     assert "change of e over three decades of speed, plane" in found
