@@ -24,6 +24,7 @@ DIMENSIONS = """\
 | `axis` | directions: x, y, z of a chute or conveyor, x, z of a belt |
 | `quaternion` | 4 |
 | `trajectory_time` | frames of the trajectory |
+| `contact`, `partner` | contacts that a frame has room for, and the two partners of each |
 | `path_time` | states of the path that particles are followed on once the run is over |
 | `column`, `level` | squares of the field of a belt |
 | `block` | parts of the window, for profiles that change |
