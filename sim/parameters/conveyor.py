@@ -236,7 +236,7 @@ class ConveyorParameters(SphereParameters):
     @model_validator(mode="after")
     def _of_spheres_alone(self) -> Self:
         if self.is_flat and self.stress_profiles:
-            allowed = "false with shape: disc, which has no stress per area"
+            allowed = "false with shape: disc: none of its stresses is per area"
             raise broken_rule("stress_profiles", self.stress_profiles, allowed)
         return self
 

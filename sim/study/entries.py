@@ -99,7 +99,7 @@ class _Family(Strict):
     @classmethod
     def hint(cls, key: str, value: Any) -> str:
         """Say what may have been meant by a value, or by a key that is not known."""
-        if key == "figures" and value in FIGURES:
+        if key == "figures" and isinstance(value, str) and value in FIGURES:
             (own,) = get_args(cls.model_fields["system"].annotation)
             return f"a figure of the {own}; {value} is one of the {FIGURES[value].system}"
         if any(key in model.model_fields for model in SYSTEMS.values()):
