@@ -6,6 +6,7 @@ examples in every run.
 
 import gc
 import os
+import sys
 from pathlib import Path
 
 import pytest
@@ -24,6 +25,13 @@ settings.register_profile(
 )
 settings.register_profile("long", max_examples=1000, deadline=None, suppress_health_check=SLOW)
 settings.load_profile("fixed")
+
+# Some machines keep Python from writing bytecode. Each of the many processes that tests start would
+# compile its libraries anew, which takes longer than most of what these do.
+if os.environ.pop("PYTHONDONTWRITEBYTECODE", None):
+    bytecode = Path(__file__).parents[1] / ".pytest_cache" / "bytecode"
+    os.environ["PYTHONPYCACHEPREFIX"] = sys.pycache_prefix = str(bytecode)
+    sys.dont_write_bytecode = False
 
 # What the tests and their libraries hold lives long: looking through all of it as often as Python
 # usually does took a fifth of the time.

@@ -29,7 +29,7 @@ from tests.made.figures import make_figures
 from tests.made.processes import program, start_run, wait_until
 
 POINT = belt_point(beads=20, width=5, transient=1, average=3)
-LONG = belt_point(beads=200, transient=10, average=40)
+LONG = belt_point(beads=200, transient=2, average=10)
 OFFSETS = 120
 
 

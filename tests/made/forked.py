@@ -14,7 +14,11 @@ from subprocess import CompletedProcess
 # Not the package itself, of which some tests have a copy.
 import numpy  # noqa: F401
 import pydantic  # noqa: F401
+import smart_open  # noqa: F401
 import snakemake.cli
+
+# With it come the plug-ins of Snakemake.
+snakemake.cli.get_argument_parser()
 
 
 def snakemake_in(folder: Path, arguments: Sequence[str]) -> CompletedProcess:

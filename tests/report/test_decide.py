@@ -2,7 +2,9 @@
 
 import json
 import re
+import shutil
 from math import inf
+from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
@@ -56,14 +58,21 @@ class Folder:
         return [point.parameters.replicates for point in self.points.values()]
 
 
+@pytest.fixture(scope="module")
+def ran(tmp_path_factory) -> Path:
+    """Return a folder with the study, its runs and its dataset."""
+    folder = Folder(tmp_path_factory.mktemp("ran"), "budget: 1, precision: 0.1")
+    folder.run()
+    return folder.root
+
+
 @pytest.fixture
-def made(tmp_path):
+def made(ran, tmp_path):
     """Return a function that makes a study, with its runs, that decides something."""
 
     def make(text: str) -> Folder:
-        folder = Folder(tmp_path, text)
-        folder.run()
-        return folder
+        shutil.copytree(ran, tmp_path, dirs_exist_ok=True)
+        return Folder(tmp_path, text)
 
     return make
 

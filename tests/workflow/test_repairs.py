@@ -37,7 +37,7 @@ class Killed:
         self.process.wait()
         self.before = {path: path.stat().st_mtime_ns for path in self.runs.glob("*.nc")}
         self.log = log.read_text()
-        self.resumed = snakemake(tree, "runs", study="small.yaml")
+        self.resumed = snakemake(tree, "dataset", study="small.yaml")
 
     def _stopped_halfway(self, tree: Path, log: Path) -> bool:
         """Start the workflow and stop it after three runs; return whether there were more to do."""
@@ -92,8 +92,6 @@ def test_the_longest_points_start_first(killed):
 def test_a_damaged_run_is_named_and_computed_again_by_a_rerun(killed):
     """And a workflow that fails ends with a summary as others do."""
     tree = killed.runs.parents[2]
-    made = snakemake(tree, "dataset", study="small.yaml")
-    assert made.returncode == 0, made.stderr
     path = sorted(killed.runs.glob("*.nc"))[1]
     whole = path.read_bytes()
     path.write_bytes(whole[: len(whole) // 2])

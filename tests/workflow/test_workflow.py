@@ -115,6 +115,15 @@ def test_points_of_which_more_is_wanted_are_run_on_and_no_others(tree):
     assert point.startswith("belt-frequency20-") and point in TINY.points
 
 
+def test_points_that_are_run_on_share_no_batch_with_new_ones(tree):
+    text = (tree / STUDY).read_text().replace("{frequency: 20}", "{frequency: 20, replicates: 2}")
+    text = text.replace("frequency: [20, 60]", "frequency: [20, 40, 60]")
+    (tree / "both.yaml").write_text(text)
+    dry = plan(tree, study="both.yaml")
+    assert len(points(dry)) == 3
+    assert jobs(dry) == {"batch": 1, "run": 1, "dataset": 1, **AFTER_IT}
+
+
 def test_where_less_is_wanted_nothing_is_run(tree):
     (tree / "less.yaml").write_text((tree / STUDY).read_text().replace("average: 2", "average: 1"))
     assert planned(tree, study="less.yaml") == {"dataset": 1, **AFTER_IT}

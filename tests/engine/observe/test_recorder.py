@@ -21,6 +21,7 @@ LENGTHS = {
     "shortest_samples": 16,
     "target": 0.02,
     "trajectory_samples": 0,
+    "trajectory_room": 0,
 }
 PUBLISHED = SimpleNamespace(protocol="published", longest_samples=16, **LENGTHS)
 CONVERGED = SimpleNamespace(protocol="converged", longest_samples=64, **LENGTHS)
