@@ -136,7 +136,7 @@ def _call(function: str, options: dict[str, Any]) -> int:
 
 
 def warm(study_path: Path | None, processes: int) -> None:
-    """Compile what the points of a study need, or those of both systems by default."""
+    """Compile what the points of a study need, or those of all systems by default."""
     from sim.parameters import SYSTEMS
 
     if study_path is None:
@@ -247,7 +247,7 @@ def _add_study_options(parsers: dict[str, argparse.ArgumentParser]) -> None:
         type=Path,
         nargs="?",
         metavar="STUDY.yaml",
-        help="compile what this study needs (default: both systems with their default readings)",
+        help="compile what this study needs (default: all systems with their default readings)",
     )
     parsers["warm"].add_argument(
         "-j", "--processes", type=int, default=1, metavar="N", help="compile N systems side by side"

@@ -37,7 +37,7 @@ class Results:
     Attributes
     ----------
     dataset : xarray.Dataset
-        Scalars over (point, replicate), every parameter of both systems a coordinate over point,
+        Scalars over (point, replicate), every parameter of all systems a coordinate over point,
         NaN or ``""`` where it is none of the point's; `of` leaves those out.
     profiles : mapping of str to xarray.Dataset
         Per system its profiles over (run, replicate, slice), with ``height`` (run, slice) in m; of
@@ -212,7 +212,7 @@ def _reading(path: Path) -> AbstractContextManager[None]:
 
 
 def _with_all_parameters(dataset: xr.Dataset) -> xr.Dataset:
-    """Return a dataset with the parameters of both systems, those from after it included."""
+    """Return a dataset with the parameters of all systems, those from after it included."""
     held = {str(name): values.values for name, values in dataset.coords.variables.items()}
     none = np.full(dataset.sizes["point"], np.nan)
     lacking = (name for name in _PARAMETERS if name not in held)

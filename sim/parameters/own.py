@@ -65,7 +65,7 @@ def observable(
 
 
 def own_observables(system: str | None = None) -> dict[str, OwnObservable]:
-    """Return what plug-ins have declared, of one system or of both."""
+    """Return what plug-ins have declared, of one system or of all."""
     found = {name: one.value for name, one in additions(OBSERVABLE).items()}
     return {name: one for name, one in found.items() if system in (None, one.system)}
 
