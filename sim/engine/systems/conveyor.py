@@ -57,9 +57,7 @@ class Conveyor(Chute):
         """Return the initial state: told in the frame of the plane, which moves already."""
         made = initial_row if self.parameters.is_flat else initial_layer
         layer = made(self.parameters, self.box, replicate)
-        for axis, d in ((0, 0), (1, 2)):
-            speed = plane_velocity(self.drive, axis, -0.5 * self.time_step)
-            layer.velocity[layer.mass > 0.0, d] -= speed
+        layer.velocity[layer.mass > 0.0, ::2] -= self._initial()
         return layer
 
     def _base_area(self) -> float:
@@ -76,12 +74,26 @@ class Conveyor(Chute):
         return Scales(p.least_transport, acceleration=negligible, drift=p.drift, target=p.target)
 
     def take_over(self, other: Chute) -> None:
-        """Go on with the particles of another flow, the plane in its initial phase."""
+        """Go on with the particles of another flow, the plane in its initial phase.
+
+        They keep their velocities in the laboratory, whatever the plane does from now on.
+        """
         assert isinstance(other, Conveyor), "starts are alike"
         if other.flow.step[0] % other._cycle_steps:
             raise ValueError("that flow has been shaken for no whole number of cycles")
         super().take_over(other)
+        if self.flow.step[0] % 2:
+            # Even and odd steps remember contacts in turn, and the next one is the first.
+            self.memory = self.memory[::-1].copy()
+            self.plane = self.plane._replace(memory=self.plane.memory[::-1].copy())
         self.flow.step[0] = 0
+        mobile = self.spheres.mass > 0.0
+        self.spheres.velocity[::2, mobile] += (other._initial() - self._initial())[:, None]
+
+    def _initial(self) -> np.ndarray:
+        """Return the velocity of the plane along x and z half a step before it starts, m/s."""
+        time = -0.5 * self.time_step
+        return np.array([plane_velocity(self.drive, axis, time) for axis in (0, 1)])
 
     def _state(self) -> tuple[float, ...]:
         """Return what a sample needs: as for the chute, then what the plane has moved and done."""
