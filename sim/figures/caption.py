@@ -9,7 +9,8 @@ import pandas as pd
 from sim.figures.data import FigureData
 from sim.figures.quantity import Quantity, measures
 from sim.figures.style import undecided
-from sim.parameters.words import quantity
+from sim.parameters import SYSTEMS, field_info
+from sim.parameters.words import quantity, setting
 
 _REGIMES = {
     "accelerating": "still accelerating",
@@ -66,7 +67,12 @@ def velocity_text(row: Mapping[str, Any]) -> str:
 
 def parameters_sentence(rows: pd.DataFrame, system: str, names: Sequence[str]) -> str:
     """Write the parameters that the points of a figure share, or the values they take."""
-    parts = [quantity(system, name, rows[name]) for name in names]
+    parts = [
+        quantity(system, name, rows[name])
+        if field_info(SYSTEMS[system])[name].unit
+        else " and ".join(setting(system, name, one) for one in sorted(set(rows[name])))
+        for name in names
+    ]
     return "Parameters: " + "; ".join(parts) + "."
 
 

@@ -1,6 +1,7 @@
 """Curves of a quantity that differ in parameters, with its intervals, regimes and protocols."""
 
 from collections.abc import Sequence
+from itertools import product
 from typing import Any
 
 import pandas as pd
@@ -173,16 +174,19 @@ def _draw_points(
     lone = pale and style.dashes == "none"
     unknown = undecided(rows)
     steady = (rows["regime"] == "steady") & ~unknown
-    for chosen, face in (
+    faces = (
         (steady, style.colour),
         (unknown, (*to_rgb(style.colour), PALE)),
         (~(steady | unknown), "white"),
-    ):
-        part = rows[chosen]
+    )
+    # Where no interval is known there is no bar, not one of no length.
+    known = quantity.half_width[rows.index].notna()
+    for (chosen, face), has_bar in product(faces, (True, False)):
+        part = rows[chosen & (known == has_bar)]
         bars = axes.errorbar(
             part[along],
             quantity.value[part.index],
-            yerr=quantity.half_width[part.index].fillna(0),
+            yerr=quantity.half_width[part.index] if has_bar else None,
             linestyle="none",
             color=style.colour,
             marker=style.marker,

@@ -153,6 +153,10 @@ def _instead(one: PlotFile, system: str, known: list[str]) -> str:
     return did_you_mean(name, known) + "one of " + ", ".join(known)
 
 
+#: Parameters that captions tell elsewhere, or not at all.
+_APART = {"system", "protocol", "start_from"}
+
+
 def _named(system: str, points: Sequence[Parameters]) -> tuple[str, ...]:
     """Return the parameters that a caption gives: those that name points, vary or are not usual."""
     model = SYSTEMS[system]
@@ -161,7 +165,7 @@ def _named(system: str, points: Sequence[Parameters]) -> tuple[str, ...]:
         name
         for name, row in rows.items()
         if name not in NUMERICAL
-        and row.unit
+        and name not in _APART
         and row.default is not None
         and any(getattr(one, name) != canonical_number(row.default) for one in points)
     }
@@ -169,4 +173,4 @@ def _named(system: str, points: Sequence[Parameters]) -> tuple[str, ...]:
     if all(getattr(one, "friction_plane", 0) == getattr(one, "friction", 0) for one in points):
         # A plane as rough as the particles.
         chosen -= {"friction_plane"}
-    return tuple(name for name in rows if name in chosen and rows[name].unit)
+    return tuple(name for name in rows if name in chosen and name not in _APART)

@@ -6,14 +6,18 @@ from xml.etree import ElementTree
 
 import matplotlib as mpl
 import numpy as np
+import pandas as pd
 import pytest
 from matplotlib.figure import Figure
 from matplotlib.markers import CARETDOWN, CARETUP
 
 from sim.base.errors import InputError
 from sim.base.plugins import load_plugins
+from sim.figures.caption import parameters_sentence
+from sim.figures.curves import _draw_points
+from sim.figures.quantity import Quantity
 from sim.figures.render import derived
-from sim.figures.style import SETTINGS
+from sim.figures.style import SETTINGS, CurveStyle
 from tests.figures.made_plots import GRID, drawn, flows, made
 from tests.made.plugins import forgotten
 from tests.made.processes import ROOT
@@ -130,3 +134,19 @@ def test_texts_of_users_are_drawn_as_they_are_written(tmp_path):
     assert names | {"cost ($_2^{)"} <= shown_texts(curves)
     assert names <= shown_texts(panels)
     assert r"youngs modulus _E_$1^2 (US$\frac)" in shown_texts(axis)
+
+
+def test_a_caption_names_choices_that_are_not_usual():
+    rows = pd.DataFrame({"depth": [3.0, 3.0], "shape": ["disc", "disc"], "rotation": [0.0, 1.0]})
+    told = parameters_sentence(rows, "conveyor", ("depth", "shape", "rotation"))
+    assert told == "Parameters: n = 3; shape disc; no rotation and rotation."
+
+
+def test_where_no_interval_is_known_there_is_no_bar():
+    rows = pd.DataFrame({"depth": [1.0, 2.0], "regime": "steady", "quality": "reliable"})
+    values = Quantity("velocity", "V", pd.Series([1.0, 2.0]), pd.Series([0.1, float("nan")]))
+    axes = Figure().subplots()
+    _draw_points(axes, rows, values, "depth", CurveStyle("#000000", "-"), False)
+    drawn = [bars.lines[2] for bars in axes.containers]
+    ends = [part.get_segments() for bars in drawn for part in bars]
+    assert [len(segments) for segments in ends] == [1, 0, 0]
