@@ -85,12 +85,18 @@ def _acceleration(drive, step, time_step):
 
 
 @inlined
+def _around(drive, axis, step, time_step):
+    """Return the velocities (m/s) of the plane half a step before a step's forces and behind."""
+    before, after = (step - 1.5) * time_step, (step - 0.5) * time_step
+    return plane_velocity(drive, axis, before), plane_velocity(drive, axis, after)
+
+
+@inlined
 def _in_the_frame(drive, step, time_step):
     gx, gy, gz = drive.gravity
-    before, after = (step - 1.5) * time_step, (step - 0.5) * time_step
-    ax = (plane_velocity(drive, 0, after) - plane_velocity(drive, 0, before)) / time_step
-    az = (plane_velocity(drive, 1, after) - plane_velocity(drive, 1, before)) / time_step
-    return gx - ax, gy, gz - az
+    x_before, x_after = _around(drive, 0, step, time_step)
+    z_before, z_after = _around(drive, 1, step, time_step)
+    return gx - (x_after - x_before) / time_step, gy, gz - (z_after - z_before) / time_step
 
 
 def note_work(drive, step, time_step, along, upward):
@@ -109,7 +115,7 @@ def _note_work(drive, step, time_step, along, upward):
 
 @inlined
 def _add_work(drive, step, time_step, along, upward):
-    before, after = (step - 1.5) * time_step, (step - 0.5) * time_step
-    ux = 0.5 * (plane_velocity(drive, 0, before) + plane_velocity(drive, 0, after))
-    uz = 0.5 * (plane_velocity(drive, 1, before) + plane_velocity(drive, 1, after))
+    x_before, x_after = _around(drive, 0, step, time_step)
+    z_before, z_after = _around(drive, 1, step, time_step)
+    ux, uz = 0.5 * (x_before + x_after), 0.5 * (z_before + z_after)
     drive.work[0] += (along * ux + upward * uz) * time_step

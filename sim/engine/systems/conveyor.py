@@ -57,7 +57,7 @@ class Conveyor(Chute):
         """Return the initial state: told in the frame of the plane, which moves already."""
         made = initial_row if self.parameters.is_flat else initial_layer
         layer = made(self.parameters, self.box, replicate)
-        layer.velocity[layer.mass > 0.0, ::2] -= self._initial()
+        layer.velocity[layer.mass > 0.0, ::2] -= self._starting_velocity()
         return layer
 
     def _base_area(self) -> float:
@@ -88,9 +88,11 @@ class Conveyor(Chute):
             self.plane = self.plane._replace(memory=self.plane.memory[::-1].copy())
         self.flow.step[0] = 0
         mobile = self.spheres.mass > 0.0
-        self.spheres.velocity[::2, mobile] += (other._initial() - self._initial())[:, None]
+        self.spheres.velocity[::2, mobile] += (
+            other._starting_velocity() - self._starting_velocity()
+        )[:, None]
 
-    def _initial(self) -> np.ndarray:
+    def _starting_velocity(self) -> np.ndarray:
         """Return the velocity of the plane along x and z half a step before it starts, m/s."""
         time = -0.5 * self.time_step
         return np.array([plane_velocity(self.drive, axis, time) for axis in (0, 1)])
