@@ -78,7 +78,10 @@ def adopt(study_path: Path, dataset_path: Path, results: Path) -> str:
 
 
 def _require_origin(path: Path) -> None:
-    """Refuse what is no dataset, or not of the present numerics, or without what is kept now."""
+    """Refuse what is no dataset, or not of the present numerics, or without what is kept now.
+
+    Of several systems those without are left out.
+    """
     with netCDF4.Dataset(path) as file:
         if "study" not in file.ncattrs():
             raise ValueError("no study in it")
@@ -87,10 +90,11 @@ def _require_origin(path: Path) -> None:
                 f"{path}: does not say how much of each point it holds; make it again from its runs"
             )
         numerics = str(file.getncattr("numerics"))
-        unknown = names_unknown(file.groups[RUNS])
+        systems = sorted(set(file["system"][:].tolist()))
+        lacking = [names_unknown(file.groups[RUNS], system) for system in systems]
     if str(NUMERICS) not in numerics.split(", "):
         raise InputError.of_value(path, "numerics", numerics, str(NUMERICS))
-    if unknown:
-        names = ", ".join(unknown[:MOST_NAMED])
+    if lacking and all(lacking):
+        names = ", ".join(lacking[0][:MOST_NAMED])
         allowed = "one whose program knew them; make it again from its runs"
         raise InputError.of_value(path, "", f"a dataset that cannot have {names}", allowed)

@@ -128,12 +128,11 @@ def _rows_of(path: Path, changed: int, code: str) -> dict[str, Held]:
     with netCDF4.Dataset(path) as file:
         file.set_auto_mask(False)
         made = file.groups[RUNS]
-        if names_unknown(made):
-            return {}
         states = file.groups[PARTICLES].groups if PARTICLES in file.groups else {}
         scalars = {name: file[name][:] for name in (*SCALARS, "wall_time")}
-        columns = (file["point"], made["wanted"], made["numerics"], file["caveat"])
-        table: Any = zip(*(column[:].tolist() for column in columns), strict=True)
+        columns = (file["point"], file["system"], made["wanted"], made["numerics"], file["caveat"])
+        table: Any = list(zip(*(column[:].tolist() for column in columns), strict=True))
+        known = {system for _, system, *_ in table if not names_unknown(made, system)}
         return {
             point: Held(
                 dataset=path,
@@ -142,6 +141,6 @@ def _rows_of(path: Path, changed: int, code: str) -> dict[str, Held]:
                 caveat=caveat,
                 scalars={name: values[row] for name, values in scalars.items()},
             )
-            for row, (point, wanted, numerics, caveat) in enumerate(table)
-            if numerics == str(NUMERICS)
+            for row, (point, system, wanted, numerics, caveat) in enumerate(table)
+            if numerics == str(NUMERICS) and system in known
         }

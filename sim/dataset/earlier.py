@@ -22,6 +22,7 @@ from sim.dataset.results import PARTICLES, RUNS
 from sim.dataset.rows import OF_PROFILES, WORDS, Rows, dimensions, kept
 from sim.engine import identity
 from sim.engine.observe import arrays
+from sim.parameters.observables import LACKING
 from sim.parameters.own import OBSERVABLE
 
 #: Second name of the last dataset of a study, which stays when the workflow, before it makes a new
@@ -52,16 +53,18 @@ def names_read() -> set[str]:
     return {*kept(), *OF_PROFILES, *STATE, *codes(OBSERVABLE).split()}
 
 
-def names_unknown(made: Any) -> list[str]:
+def names_unknown(made: Any, system: str) -> list[str]:
     """Return what the code that has made a dataset did not know of all that the present one keeps.
 
     Parameters
     ----------
     made : netCDF4.Dataset
         Its group `RUNS`.
+    system : str
+        Whose runs it is kept of.
     """
     known = made.getncattr("reads") if "reads" in made.ncattrs() else ""
-    return sorted(names_read() - set(known.split()))
+    return sorted(names_read() - set(known.split()) - LACKING[system])
 
 
 def keep(dataset: Path, folder: Path) -> None:

@@ -62,6 +62,13 @@ ASKED_FOR = {
     "spin_profile": ("s-1", "mean angular velocity about y"),
     "sliding_share_profile": ("1", "share of the contacts with a force that slide"),
     "slip_velocity_profile": ("m s-1", "mean slip velocity at the contacts that slide"),
+    "normal_dissipation_profile": ("W m-3", "power dissipated by normal forces per volume"),
+    "frictional_dissipation_profile": (
+        "W m-3",
+        "work against friction per time and volume, what its springs store included",
+    ),
+    "stress_ratio_profile": ("1", "stress xz over stress zz, of contacts and motion"),
+    "inertial_number_profile": ("1", "inertial number, shear rate times σ over √(P/ρ)"),
     "fluctuation_temperature_profile": (
         "m2 s-2",
         "granular temperature about the mean velocity at each phase of the cycle",
@@ -160,6 +167,11 @@ CHUTE_MEASURES = {
         "1",
         "spin times radius over velocity of the spheres at the plane, 1 where they roll",
     ),
+    "base_slip": (
+        "1",
+        "slip velocity of the spheres at the plane over the root of their vertical temperature",
+    ),
+    "base_stress_ratio": ("1", "mean shear over mean normal force on the plane"),
 } | {
     f"{state}_{what}": (unit, text.format(words))
     for what, unit, text in (
@@ -198,10 +210,41 @@ CONVEYOR_MEASURES = {
     "transport_efficiency": ("1", "mean velocity over that of the plane along x, V/(A_x ω)"),
 } | {name: CHUTE_MEASURES[name] for name in ("median_overlap", "overlap_999", "base_overlap")}
 
+#: Those of each system besides.
+MEASURES_OF = {
+    "chute": CHUTE_MEASURES,
+    "belt": BELT_MEASURES,
+    "conveyor": CONVEYOR_MEASURES,
+}
+
 #: All of them.
 MEASURES: dict[str, tuple[str, str]] = (
     ENERGY_MEASURES | CHUTE_MEASURES | BELT_MEASURES | CONVEYOR_MEASURES
 )
+
+_OF_SPHERES = {
+    "frictional_power",
+    "base_normal",
+    "base_shear",
+    "normal_balance",
+    "shear_balance",
+    "base_normal_error",
+    "base_shear_error",
+    "momentum_budget",
+    "momentum_budget_error",
+    *(name for name in ASKED_FOR if name != "fluctuation_temperature_profile"),
+}
+_OF_BELTS = {"shear_power", "belt_power", "number_density", "fluctuation_temperature_profile"}
+
+#: Scalars, profiles and measures that a system never has.
+LACKING = {
+    system: lacking | (MEASURES.keys() - ENERGY_MEASURES.keys() - MEASURES_OF[system].keys())
+    for system, lacking in {
+        "chute": _OF_BELTS | {"plane_power"},
+        "belt": _OF_SPHERES | {"plane_power"},
+        "conveyor": _OF_BELTS,
+    }.items()
+}
 
 #: Unit and long name of what a dataset has along the belt and over its cycle, and of where profiles
 #: lie.

@@ -40,7 +40,8 @@ class SphereParameters(Parameters):
     most_contacts: ClassVar[int] = 10
     smallest: ClassVar[dict[str, Any]] = {"depth": 0.2, "cell": 5}
     kept: ClassVar[tuple[str, ...]] = (
-        *("seed", "depth", "cell", "diameter", "diameter_spread", "mass", "bumps", "bump_coverage"),
+        *("seed", "depth", "cell", "diameter", "diameter_spread", "mass"),
+        *("bumps", "bump_coverage", "bump_arrangement"),
         *("restitution", "stiffness", "law", "tangential_ratio", "tangential_exponent"),
         *("overlap_memory", "initial_packing", "orientations", "threads"),
     )
@@ -178,7 +179,7 @@ class SphereParameters(Parameters):
         symbol="d_b",
         unit="1",
         scale="σ",
-        description="diameter of the spheres glued to the plane at random places (0: none)",
+        description="diameter of the spheres glued to the plane (0: none)",
         equation="Walton, Sec. 3: various degrees of roughness",
         ge=0,
         le=3,
@@ -190,6 +191,13 @@ class SphereParameters(Parameters):
         description="share of the plane that the glued spheres cover, seen from above",
         ge=0.01,
         le=0.45,
+    )
+    bump_arrangement: Literal["random", "ordered"] = declare(
+        "random",
+        description="glued spheres lie at random places, or on a square lattice along x and y, of "
+        "as many as come nearest to the coverage",
+        equation="Walton, Sec. 3: various degrees of roughness",
+        added=True,
     )
     gravity: Real = declare(
         9.8,
@@ -338,7 +346,16 @@ class SphereParameters(Parameters):
         """Spheres glued to the plane: their circles cover the share of it that is wanted."""
         if not self.bumps:
             return 0
+        if self.bump_arrangement == "ordered":
+            return self.bump_rows ** (1 if self.is_flat else 2)
         return max(1, round(self.bump_coverage * self._area / self._covered_by_a_bump))
+
+    @property
+    def bump_rows(self) -> int:
+        """Glued spheres in a row of an ordered arrangement, which do not overlap."""
+        wanted = self.bump_coverage * self._area / self._covered_by_a_bump
+        rows = round(wanted if self.is_flat else wanted**0.5)
+        return max(1, min(rows, math.floor(self.cell / self.bumps)))
 
     @property
     def is_flat(self) -> bool:
@@ -397,6 +414,13 @@ class SphereParameters(Parameters):
         if self.law != "drag" and self.shear_damping != usual:
             allowed = f"{usual:g} unless law is drag, whose it is"
             raise broken_rule("shear_damping", self.shear_damping, allowed)
+        return self
+
+    @model_validator(mode="after")
+    def _of_bumps_to_arrange(self) -> Self:
+        if self.bump_arrangement != "random" and not self.bumps:
+            allowed = "random unless there are bumps, whose arrangement it is"
+            raise broken_rule("bump_arrangement", self.bump_arrangement, allowed)
         return self
 
     @model_validator(mode="after")

@@ -7,43 +7,13 @@ from sim.parameters import SYSTEMS
 from sim.parameters.observables import (
     ASKED_FOR,
     BELT_FORCES,
-    BELT_MEASURES,
-    CHUTE_MEASURES,
-    CONVEYOR_MEASURES,
-    ENERGY_MEASURES,
+    LACKING,
+    MEASURES,
     PROFILES,
     SCALARS,
     SERIES,
 )
 from sim.parameters.own import own_observables
-
-_MEASURES = {
-    "chute": CHUTE_MEASURES,
-    "belt": BELT_MEASURES,
-    "conveyor": CONVEYOR_MEASURES,
-}
-
-#: Scalars and profiles that some of the systems have: of spheres on a plane, and of the belt.
-_OF_SPHERES = {
-    "frictional_power",
-    "base_normal",
-    "base_shear",
-    "normal_balance",
-    "shear_balance",
-    "base_normal_error",
-    "base_shear_error",
-    "momentum_budget",
-    "momentum_budget_error",
-    *(name for name in ASKED_FOR if name != "fluctuation_temperature_profile"),
-}
-_OF_BELTS = {"shear_power", "belt_power", "number_density", "fluctuation_temperature_profile"}
-
-#: Those that a system lacks.
-_LACKING = {
-    "chute": _OF_BELTS | {"plane_power"},
-    "belt": _OF_SPHERES | {"plane_power"},
-    "conveyor": _OF_BELTS,
-}
 
 #: Parameters without which an observable is not kept.
 _ASKED_BY = (
@@ -83,7 +53,7 @@ class Observable:
 
 def numbers(system: str) -> dict[str, Observable]:
     """Return what is one number per replicate: scalars, measures, means of profiles, plug-ins'."""
-    scalars = _own(system, SCALARS) | ENERGY_MEASURES | _MEASURES.get(system, {})
+    scalars = _own(system, SCALARS | MEASURES)
     found = {
         name: Observable(name, name, unit, meaning, asked_by=_ASKED_BY.get(name, ""))
         for name, (unit, meaning) in scalars.items()
@@ -141,5 +111,4 @@ def every_name() -> list[str]:
 
 def _own(system: str, rows: Mapping[str, tuple[str, str]]) -> dict[str, tuple[str, str]]:
     """Return the rows of what a system has."""
-    lacking: set[str] = _LACKING.get(system, set())
-    return {name: row for name, row in rows.items() if name not in lacking}
+    return {name: row for name, row in rows.items() if name not in LACKING.get(system, MEASURES)}

@@ -21,6 +21,7 @@ from sim.dataset.build import build
 from sim.dataset.results import load_results
 from sim.dataset.rounds import write_round
 from sim.engine.identity import NUMERICS
+from sim.parameters.observables import LACKING
 from sim.report.points import as_table, show
 from sim.report.publish import provenance
 from sim.report.runs import adopted_datasets
@@ -215,7 +216,11 @@ def test_what_other_code_has_read_is_taken_if_it_knew_all_names(study, whole, mo
     monkeypatch.setattr(earlier, "names_read", lambda: names | {"new_measure"})
     monkeypatch.setattr(earlier, "_own_code", lambda: "another")
     assert adopted(study) == set()
-    monkeypatch.setattr(adopt_module, "names_unknown", lambda made: ["new_measure"])
+    belt = LACKING["belt"] | {"new_measure"}
+    monkeypatch.setattr(earlier, "LACKING", LACKING | {"belt": belt})
+    monkeypatch.setattr(earlier, "_own_code", lambda: "a third")
+    assert adopted(study) == set(ids(study, 3, 4, 5))
+    monkeypatch.setattr(adopt_module, "names_unknown", lambda made, system: ["new_measure"])
     with pytest.raises(InputError, match="got 'a dataset that cannot have new_measure'; allowed"):
         adopt(study.path, whole.output, study.results)
 

@@ -70,6 +70,7 @@ def test_every_parameter_is_in_the_id_but_how_much_is_wanted(system):
     needed["trajectory_contacts"] = {"trajectory": 1}
     if system != "belt":
         needed["shear_damping"] = {"law": "drag"}
+        needed["bump_arrangement"] = {"bumps": 1}
     default = SYSTEMS[system]()
     for name, row in field_info(default).items():
         if name == "system":
@@ -103,6 +104,7 @@ def test_a_parameter_added_later_is_in_the_name_where_it_is_used_alone():
         "trajectory": 0,
         "trajectory_contacts": False,
         "shear_damping": 50,
+        "bump_arrangement": "random",
     }
 
 

@@ -5,19 +5,10 @@ import numpy as np
 from sim.base.additions import blamed
 from sim.dataset.measures import belt, chute, conveyor, energy
 from sim.dataset.run_file import Replicate, RunFile
-from sim.parameters.observables import (
-    BELT_MEASURES,
-    CHUTE_MEASURES,
-    CONVEYOR_MEASURES,
-    ENERGY_MEASURES,
-)
+from sim.parameters.observables import ENERGY_MEASURES, MEASURES_OF
 from sim.parameters.own import OBSERVABLE, OwnObservable, own_observables
 
-_OF_SYSTEM = {
-    "chute": (chute, CHUTE_MEASURES),
-    "belt": (belt, BELT_MEASURES),
-    "conveyor": (conveyor, CONVEYOR_MEASURES),
-}
+_OF_SYSTEM = {"chute": chute, "belt": belt, "conveyor": conveyor}
 
 
 def measures(run: RunFile) -> dict[str, np.ndarray]:
@@ -25,9 +16,10 @@ def measures(run: RunFile) -> dict[str, np.ndarray]:
 
     Replicates that failed, and files without the arrays that a measure needs, give not-a-number.
     """
-    (system, names), status = _OF_SYSTEM[run.attrs["system"]], run["status"]
-    own = own_observables(run.attrs["system"])
-    table = {name: np.full(len(status), np.nan) for name in (*ENERGY_MEASURES, *names, *own)}
+    name, status = run.attrs["system"], run["status"]
+    system, own = _OF_SYSTEM[name], own_observables(name)
+    names = (*ENERGY_MEASURES, *MEASURES_OF[name], *own)
+    table = {name: np.full(len(status), np.nan) for name in names}
     point = run.attrs["point_id"]
     for index in np.flatnonzero(status == "completed"):
         replicate = Replicate(run, int(index))

@@ -13,7 +13,8 @@ _QUANTILES = {"median_overlap": 0.5, "overlap_999": 0.999}
 
 def measure(run: Mapping[Any, Any]) -> dict[str, float]:
     """Return the measures that the arrays of a replicate allow."""
-    return _of_profiles(run) | of_overlaps(run) | _of_spin(run) | of_base(run)
+    base = _of_spin(run) | of_base(run) | _of_forces(run)
+    return _of_profiles(run) | of_overlaps(run) | base
 
 
 def _of_profiles(run: Mapping[Any, Any]) -> dict[str, float]:
@@ -42,11 +43,21 @@ def _of_spin(run: Mapping[Any, Any]) -> dict[str, float]:
         return {}
     radius, height = 0.5 * float(run["diameter"]), np.asarray(run["height"])
     packing = np.asarray(run["packing_profile"])
-    spin, velocity = (
-        layers.mean_between(height, np.asarray(run[name]), packing, 0.0, radius)
-        for name in ("spin_profile", "velocity_profile")
+    names = ("spin_profile", "velocity_profile", "vertical_temperature_profile")
+    spin, velocity, temperature = (
+        layers.mean_between(height, np.asarray(run[name]), packing, 0.0, radius) for name in names
     )
-    return {"base_rolling": radius * spin / velocity if velocity else np.nan}
+    slip = velocity - radius * spin
+    return {
+        "base_rolling": radius * spin / velocity if velocity else np.nan,
+        "base_slip": slip / temperature**0.5 if temperature > 0 else np.nan,
+    }
+
+
+def _of_forces(run: Mapping[Any, Any]) -> dict[str, float]:
+    """Return the ratio of the forces on the plane."""
+    normal = float(run["base_normal"]) if "base_normal" in run else 0.0
+    return {"base_stress_ratio": float(run["base_shear"]) / normal} if normal > 0 else {}
 
 
 def of_base(run: Mapping[Any, Any]) -> dict[str, float]:

@@ -1,4 +1,4 @@
-"""What a chute flow carries over its height, and how its contacts slip.
+"""What a chute flow carries over its height, and how its contacts slip and dissipate.
 
 Momentum is where the centres are, and a slice [a, a + Δz) has a share h = (z - a)/Δz, cut to
 [0, 1], of what is at z above its middle. A step of leap-frog is a drift from z to z' and a kick
@@ -21,10 +21,12 @@ from sim.engine.contact.own import between, on_plane
 from sim.engine.dynamics.spheres import (
     DEPTH,
     FX,
+    LOST,
     NX,
     ROWS,
     STRIDE,
     SX,
+    WORK,
     Meeting,
     approach,
     nearest,
@@ -79,12 +81,18 @@ class Stress(NamedTuple):
 
 
 class Slip(NamedTuple):
-    """Sums over samples, one row per slice: ``contacts`` (H,) with a force, those ``sliding`` (H,)
-    and their ``speed`` (H,), the slip velocity (m/s)."""
+    """Sums over samples, one row per slice, each contact in that of its height.
+
+    ``contacts`` (H,) with a force, those ``sliding`` (H,) and their ``speed`` (H,), the slip
+    velocity (m/s); of all, the power ``lost`` (H,) (W) by normal forces and that ``rubbed`` (H,)
+    against friction, what its springs store included.
+    """
 
     contacts: np.ndarray
     sliding: np.ndarray
     speed: np.ndarray
+    lost: np.ndarray
+    rubbed: np.ndarray
 
 
 class Carried(NamedTuple):
@@ -120,7 +128,7 @@ def no_stress(slices: int) -> Stress:
 
 def no_slip(slices: int) -> Slip:
     """Return sums of zero."""
-    return Slip(np.zeros(slices), np.zeros(slices), np.zeros(slices))
+    return Slip(*(np.zeros(slices) for _ in Slip._fields))
 
 
 @inlined
@@ -188,6 +196,8 @@ def _add_contact(sums, sampling, rows, met):
         stress.branches[s, XZ] -= fx * bz * share
     pressed = -(fx * normal[0] + fy * normal[1] + fz * normal[2])
     for s in _slices_of(at, at, sampling.slice, stress.mass.size):
+        slip.lost[s] += rows[LOST * STRIDE] / sampling.time_step
+        slip.rubbed[s] += rows[WORK * STRIDE] / sampling.time_step
         if pressed > 0.0:
             tx, ty = fx + pressed * normal[0], fy + pressed * normal[1]
             tz = fz + pressed * normal[2]

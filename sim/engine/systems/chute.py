@@ -1,7 +1,7 @@
 """Walton's inclined chute: spheres, Walton-Braun contacts, a frictional plane, leap-frog."""
 
 from functools import partial
-from math import ceil, cos, isfinite, radians, sin
+from math import ceil, cos, isfinite, pi, radians, sin
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -112,6 +112,8 @@ class Chute:
             slice_height,
             area=self._base_area(),
             gravity=-self.gravity[2],
+            diameter=p.diameter,
+            density=p.mass / (pi / 6.0 * p.diameter**3),
             stress=p.stress_profiles,
         )
         self.scales = self._scales()
@@ -319,7 +321,7 @@ class Chute:
 
     def tables(self, sums: Any) -> dict[str, np.ndarray]:
         """Return how many contacts overlapped by how much, and what else is kept."""
-        return self.slices.tables(*sums[1:])
+        return self.slices.tables(*sums)
 
     def trace(self) -> np.ndarray:
         """Go on for a while and return the path of every sphere (S, N, 3) in m, unwrapped."""

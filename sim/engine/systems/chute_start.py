@@ -84,8 +84,13 @@ def _in_a_row(flat: np.ndarray) -> np.ndarray:
 
 def _bumps(p: SphereParameters, box: Box, replicate: int) -> np.ndarray:
     """Return places of the particles that are glued to the plane."""
-    rng = np.random.default_rng([p.seed, replicate, 1])
-    return random_packing(box, 0.0, np.full(p.glued, p.bumps * p.diameter / 2), rng)
+    radius = p.bumps * p.diameter / 2
+    if p.bump_arrangement == "random":
+        rng = np.random.default_rng([p.seed, replicate, 1])
+        return random_packing(box, 0.0, np.full(p.glued, radius), rng)
+    middles = (np.arange(p.bump_rows) + 0.5) / p.bump_rows
+    places = np.meshgrid(*(length * middles for length in box.length[:-1]), [radius])
+    return np.stack([axis.ravel() for axis in places], axis=1)
 
 
 def _lifted(mobile: Layer, p: SphereParameters, glued: np.ndarray) -> Layer:

@@ -7,6 +7,7 @@ import numpy as np
 from sim.engine.observe.contacts import XX, XZ, YY, ZZ, Slip, Stress, no_slip, no_stress
 from sim.engine.observe.overlaps import Overlaps, no_overlaps
 from sim.engine.observe.profiles import Profile, empty_profile
+from sim.engine.observe.rheology import inertial_number, shear_rate, stress_ratio
 from sim.engine.observe.sums import Sums
 
 #: Names of the components of the stress.
@@ -21,14 +22,17 @@ STRESSES = {
 class FlowProfiles(NamedTuple):
     """How a flow is cut into ``slices`` of ``slice_height`` (m) above an ``area`` (m²).
 
-    ``gravity`` (m/s²) is that normal to the plane. Sums are the profile, weighted by volume, and
-    the overlaps; where ``stress`` is true, the profile of the spin, stress and slip follow.
+    ``gravity`` (m/s²) is that normal to the plane; the particles have a ``diameter`` (m) and are
+    of a material with a ``density`` (kg/m³). Sums are the profile, weighted by volume, and the
+    overlaps; where ``stress`` is true, the profile of the spin, stress and slip follow.
     """
 
     slices: int
     slice_height: float
     area: float
     gravity: float
+    diameter: float
+    density: float
     stress: bool
 
     def height(self) -> np.ndarray:
@@ -58,12 +62,15 @@ class FlowProfiles(NamedTuple):
             "vertical_temperature_profile": temperature[:, 2],
         }
 
-    def tables(self, overlaps: Overlaps, *inside: Any) -> dict[str, np.ndarray]:
+    def tables(self, profile: Profile, overlaps: Overlaps, *inside: Any) -> dict[str, np.ndarray]:
         """Return how many contacts overlapped by how much, and what else is kept."""
-        return {"overlap_histogram": overlaps.counts} | (self._inside(*inside) if inside else {})
+        found = {"overlap_histogram": overlaps.counts}
+        return found | (self._inside(profile, *inside) if inside else {})
 
-    def _inside(self, spin: Profile, stress: Stress, slip: Slip) -> dict[str, np.ndarray]:
-        """Return stress, spin and slip per slice."""
+    def _inside(
+        self, profile: Profile, spin: Profile, stress: Stress, slip: Slip
+    ) -> dict[str, np.ndarray]:
+        """Return stress, rheology, spin, slip and dissipation per slice."""
         slab = self.area * self.slice_height
         contact, kinetic = stress.contact(slab), stress.kinetic(slab)
         weight = self.gravity * stress.above / (self.area * stress.samples[0])
@@ -74,4 +81,13 @@ class FlowProfiles(NamedTuple):
         with np.errstate(invalid="ignore", divide="ignore"):
             found["sliding_share_profile"] = slip.sliding / slip.contacts
             found["slip_velocity_profile"] = slip.speed / slip.sliding
+        volume = slab * stress.samples[0]
+        found["normal_dissipation_profile"] = slip.lost / volume
+        found["frictional_dissipation_profile"] = slip.rubbed / volume
+        normal = contact[:, ZZ] + kinetic[:, ZZ]
+        rate = shear_rate(profile.velocity(), self.slice_height, self.diameter)
+        found["stress_ratio_profile"] = stress_ratio(contact[:, XZ] + kinetic[:, XZ], normal)
+        found["inertial_number_profile"] = inertial_number(
+            rate, normal, self.diameter, self.density
+        )
         return found

@@ -56,6 +56,18 @@ def test_quantiles_of_overlaps():
 
 def test_rolling_of_the_lowest_spheres_is_told_where_spins_were_kept():
     """By what is below their centres, where those above them do not count."""
-    spin = np.where(HEIGHT < 0.5 * SIZE, 0.5 * HEIGHT / (2 * SIZE) / (0.5 * SIZE), 99.0)
-    assert measure(made_run(spin_profile=("height", spin)))["base_rolling"] == pytest.approx(0.5)
-    assert "base_rolling" not in measure(made_run())
+    below = HEIGHT < 0.5 * SIZE
+    spin = np.where(below, 0.5 * HEIGHT / (2 * SIZE) / (0.5 * SIZE), 99.0)
+    profiles = {
+        "spin_profile": ("height", spin),
+        "vertical_temperature_profile": ("height", np.where(below, 0.01, 7.0)),
+    }
+    found = measure(made_run(**profiles))
+    assert found["base_rolling"] == pytest.approx(0.5)
+    assert found["base_slip"] == pytest.approx(0.5 * 0.125 / 0.1)
+    assert not {"base_rolling", "base_slip"} & measure(made_run()).keys()
+
+
+def test_forces_on_the_plane_have_a_ratio():
+    assert measure(made_run(base_normal=2.0, base_shear=0.5))["base_stress_ratio"] == 0.25
+    assert "base_stress_ratio" not in measure(made_run(base_normal=0.0, base_shear=0.0))

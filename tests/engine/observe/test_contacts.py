@@ -1,5 +1,7 @@
 """Stress, spin and slip of chute flows: against the momentum that flows gain, and the reference."""
 
+from functools import cache
+
 import numpy as np
 import pytest
 
@@ -12,8 +14,9 @@ from sim.engine.observe.contacts import (
     no_slip,
     no_stress,
 )
+from sim.engine.observe.rheology import inertial_number, shear_rate, stress_ratio
 from sim.engine.observe.sums import plus
-from sim.engine.systems import build
+from sim.engine.systems import build, leap_frog
 from sim.engine.systems.leap_frog import FlowContacts
 from sim.parameters.observables import ASKED_FOR
 from tests.engine.dynamics.test_chute_reference import SPEED, dense_state, laws
@@ -23,6 +26,7 @@ from tests.engine_motion.points import chute_point, sums_of
 from tests.engine_motion.spheres import SphereMotion
 
 SMALL = {"depth": 2, "cell": 5, "stress_profiles": True}
+STEADY = SMALL | {"depth": 4, "angle": 17, "transient": 100, "average": 100}
 READINGS = [
     {},
     {"tangential_exponent": 1, "overlap_memory": "reset"},
@@ -221,6 +225,64 @@ def test_a_sphere_alone_rolls_or_slips(friction, slides):
     else:
         assert found["sliding_share_profile"][0] < 0.5
         assert abs(surface) < 1e-3 * found["velocity_profile"][1]
+
+
+@pytest.mark.parametrize("reading", READINGS, ids=str)
+def test_what_is_dissipated_over_the_height_is_the_loss_of_the_next_step(reading):
+    system, total = moving(**reading), 0.0
+    for _ in range(5):
+        slip, step = sums_of(system)[4], system.time_step
+        system._run(1)
+        lost, work = system.flow.sums[[leap_frog.NORMAL_LOSS, leap_frog.FRICTION_WORK]]
+        assert slip.lost.sum() * step == pytest.approx(lost, rel=1e-9, abs=1e-20)
+        assert slip.rubbed.sum() * step == pytest.approx(work, rel=1e-9, abs=1e-20)
+        total += lost + work
+    assert total > 1e-12
+
+
+def test_the_power_of_gravity_is_dissipated_where_the_flow_shears():
+    """In a steady flow what is dissipated is the work of the shear stress, all heights together."""
+    system, found = steady()
+    thickness = system.slices.slice_height
+    lost = found["normal_dissipation_profile"] + found["frictional_dissipation_profile"]
+    velocity, packing = found["velocity_profile"], found["packing_profile"]
+    moving = np.isfinite(velocity)
+    weight = (velocity * packing)[moving].sum() * thickness * system.slices.density
+    assert lost.sum() * thickness == pytest.approx(weight * system.gravity[0], rel=0.1)
+
+
+def test_a_flow_that_shears_evenly_has_the_inertial_number_of_its_definition():
+    height, rate, sigma = np.arange(40) * 1e-4 + 5e-5, 30.0, 1e-3
+    velocity, normal = 0.02 + rate * height, np.full(40, 50.0)
+    normal[-1] = 0.0
+    found = inertial_number(shear_rate(velocity, 1e-4, sigma), normal, sigma, 2500.0)
+    assert found[5:-5] == pytest.approx(rate * sigma * (2500.0 / 50.0) ** 0.5)
+    assert np.isnan(found[[0, 4, -5, -1]]).all()
+    assert np.isnan(shear_rate(velocity[:8], 1e-4, sigma)).all()
+    ratio = stress_ratio(np.full(40, 20.0), normal)
+    assert ratio[0] == pytest.approx(0.4) and np.isnan(ratio[-1])
+
+
+def test_the_stress_ratio_of_a_steady_flow_is_the_slope():
+    _, found = steady()
+    inside = slice(6, 14)
+    assert found["stress_ratio_profile"][inside].mean() == pytest.approx(
+        np.tan(np.radians(17)), rel=0.1
+    )
+    assert 0.01 < np.nanmean(found["inertial_number_profile"][inside]) < 1.0
+
+
+@cache
+def steady():
+    """A steady flow, and profiles and tables of its window."""
+    point = chute_point(**STEADY)
+    system = build(point, 0)
+    for _ in range(point.transient_samples):
+        system.advance()
+    sums = system.no_profiles()
+    for _ in range(point.average_samples):
+        sums = tuple(plus(*pair) for pair in zip(sums, sums_of(system), strict=True))
+    return system, system.profiles(sums) | system.tables(sums)
 
 
 def test_profiles_that_are_asked_for_change_no_motion():

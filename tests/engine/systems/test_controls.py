@@ -75,6 +75,26 @@ def test_glued_spheres_lie_on_the_plane_and_stay():
     assert (end["position"][~glued] != start["position"][~glued]).all()
 
 
+def test_ordered_bumps_lie_on_a_lattice():
+    """Also where the whole lattice that comes nearest would overlap."""
+    for cell, bumps, rows in ((5, 0.8, 5), (6, 3, 2), (5.94, 3, 1)):
+        values = {"depth": 1, "bumps": bumps, "bump_coverage": 0.45}
+        system = build(chute_point(cell=cell, bump_arrangement="ordered", **values), 0)
+        start, p = system.snapshot(), system.parameters
+        places = start["position"][start["fixed"] == 1] / p.diameter
+        assert len(places) == p.glued == rows**2
+        assert places[:, 2] == pytest.approx(bumps / 2)
+        steps = cell * (np.arange(rows) + 0.5) / rows
+        lattice = [(x, y) for x in steps for y in steps]
+        assert np.allclose(sorted(map(tuple, places[:, :2].round(9))), lattice)
+        assert cell / rows >= bumps
+
+
+def test_an_arrangement_needs_bumps():
+    with pytest.raises(InputError, match=r"bump_arrangement: got 'ordered'; allowed: random unl"):
+        chute_point(bump_arrangement="ordered")
+
+
 def test_averages_leave_out_what_is_glued():
     system = build(chute_point(**BUMPY), 0)
     profile, _ = sums_of(system)
