@@ -19,6 +19,10 @@ RIM = 2.5
 START = 1e-12
 
 
+#: Changes between sticking and slipping that no impact has but one at the edge of sliding.
+CHANGES = 20
+
+
 class Friction(NamedTuple):
     """Tangential stiffness over the normal one, friction coefficient, restitution."""
 
@@ -81,9 +85,9 @@ def rebound(law: Friction, slope: float, bend: float = 0.0) -> np.ndarray:
     """
     contact = Contact(law, bend)
     y = np.array([START, 1.0, slope, 0.0, 0.0, 0.0])
-    sense, ends = 1.0, np.empty(0)
+    sense = 1.0
     slips = contact.excess(y, sense) > 0
-    while not ends.size:
+    for _ in range(CHANGES):
         if slips:
             changes = _event(lambda _, y, sense=sense: contact.excess(y, sense), -1)
             rates = contact.slipping(sense)
@@ -94,7 +98,9 @@ def rebound(law: Friction, slope: float, bend: float = 0.0) -> np.ndarray:
         parts = _event(lambda _, y: y[0] - START, -1)
         events = [parts, changes, pulls]
         found = solve_ivp(rates, (0, 99), y, "DOP853", events=events, rtol=1e-9, atol=1e-12)
-        y, (ends, _, pulled) = found.y[:, -1].copy(), found.t_events
+        y, (parted, _, pulled) = found.y[:, -1].copy(), found.t_events
+        if parted.size:
+            return np.array([-y[1], y[2], y[3], y[4]])
         if pulled.size:
             contact.pushes, sense = -1.0, copysign(1.0, y[2] - y[3])
             slips = contact.excess(y, sense) > 0
@@ -102,7 +108,7 @@ def rebound(law: Friction, slope: float, bend: float = 0.0) -> np.ndarray:
             sense = sense if slips else copysign(1.0, y[5])
             slips = not slips
         y[5] = sense * contact.limit(y)
-    return np.array([-y[1], y[2], y[3], y[4]])
+    raise RuntimeError(f"sticks and slips by turns at slope {slope}")
 
 
 def _event(function, direction: int):
