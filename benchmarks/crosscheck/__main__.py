@@ -17,6 +17,7 @@ from pathlib import Path
 from benchmarks.crosscheck import figure
 from benchmarks.crosscheck.contacts import checks
 from benchmarks.crosscheck.flows import DEPTHS, FLOWS, Flow
+from benchmarks.crosscheck.hertz import hertz_checks, other_models
 from benchmarks.crosscheck.results import comparison, table
 from benchmarks.crosscheck.runs import CACHE, compute_all
 from benchmarks.peers.client import Client
@@ -26,9 +27,12 @@ from benchmarks.peers.environment import peer_python
 def check_contacts() -> bool:
     """Print the first stage; return whether it found the same trajectories."""
     with Client() as client:
-        found = checks(client)
+        found = [*checks(client), *hertz_checks(client)]
+        others = other_models(client)
     for check in found:
         print(check, flush=True)
+    for name, apart in others.items():
+        print(f"another model, {name:47}{apart:9.1e}", flush=True)
     return all(check.holds for check in found)
 
 

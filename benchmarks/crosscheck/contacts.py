@@ -1,11 +1,12 @@
 """First stage: single impacts and a few particles, the same trajectories in both engines."""
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
 
 from benchmarks.crosscheck.engines import synchronised
-from benchmarks.crosscheck.impact import impact
+from benchmarks.crosscheck.impact import LAMMPS, TALUS, Convention, impact
 from benchmarks.peers.chute_input import chute_request, chute_state
 from benchmarks.peers.client import Client
 from benchmarks.peers.settings import Settings
@@ -19,6 +20,14 @@ GRAVITY, SPEED = 0.098, 50.0
 SLOPES = [0.0, 0.3, 1.0, 4.0]
 
 RESTITUTIONS = [0.7, 0.85, 0.95]
+
+IMPACTS = [(e, slope) for e in RESTITUTIONS for slope in SLOPES]
+
+#: Depth of the flow, of which the particles are what collides, and the spread of their diameters.
+PARTNERS = {"plane": (0.01, 0.0), "pair": (0.02, 0.0), "unlike pair": (0.02, 0.5)}
+
+#: Commands of LAMMPS, changed for a point.
+Edit = Callable[[ChuteParameters, str], str]
 
 #: Steps of the few particles, in which each collides several times.
 STEPS = 600
@@ -73,7 +82,9 @@ def parameters(steps: int, **values) -> ChuteParameters:
     return p.model_copy(update={"sample_interval": steps * p.time_step / p.time_unit})
 
 
-def both(client: Client, p: ChuteParameters, position=None, velocity=None) -> list[Motion]:
+def both(
+    client: Client, p: ChuteParameters, position=None, velocity=None, edit: Edit | None = None
+) -> list[Motion]:
     """Return the state after one sample interval in Talus and in LAMMPS.
 
     The random packing may be replaced by positions and velocities (N, 3) in natural units. No
@@ -81,10 +92,14 @@ def both(client: Client, p: ChuteParameters, position=None, velocity=None) -> li
     """
     system = build(p, 0)
     if position is not None:
-        system.spheres.position[:] = position.T * p.diameter
-        system.spheres.velocity[:] = velocity.T * p.velocity_unit
+        place = np.argsort(system.spheres.label[0])
+        system.spheres.position[:, place] = position.T * p.diameter
+        system.spheres.velocity[:, place] = velocity.T * p.velocity_unit
     snapshot, settings = synchronised(p, system.snapshot()), Settings(every=1)
-    client.setup(chute_request(p, snapshot, settings), chute_state(p, snapshot, settings))
+    request = chute_request(p, snapshot, settings)
+    if edit is not None:
+        request["after"] = edit(p, "\n".join(request["after"])).split("\n")
+    client.setup(request, chute_state(p, snapshot, settings))
     client.ask("run", steps=p.sample_steps)
     theirs = {key: np.array(value) for key, value in client.ask("snapshot").items()}
     system.advance()
@@ -99,37 +114,45 @@ def _natural(p: ChuteParameters, position, velocity, spin) -> Motion:
     return Motion(position / p.diameter, velocity / p.velocity_unit, spin * p.time_unit)
 
 
-def rebound(client: Client, partner: str, restitution: float, slope: float) -> Apart:
+def rebound(
+    client: Client, partner: str, slope: float, edit: Edit | None = None, **values
+) -> Apart:
     """Let a sphere hit its partner, moving ``slope`` times as fast across the normal as along."""
-    pair = partner == "pair"
-    values = {"restitution": restitution, "depth": 0.02 if pair else 0.01, "gravity": GRAVITY}
-    p = parameters(120, **values)
-    speed, step = (0.5 if pair else 1.0) * SPEED, p.time_step / p.time_unit
-    velocity = speed * np.array([0.8 * slope, 0.6 * slope, -1.0])
-    above = np.array([0.0, 0.0, 0.5 + 0.1 * speed * step])
-    sign = np.array([[1.0], [-1.0]]) if pair else np.array([[1.0]])
-    centre = np.array([5.0, 5.0, 5.0 if pair else 0.0])
-    motions = both(client, p, centre + sign * above, sign * velocity)
-    ours, theirs = (_outgoing(motion, pair) for motion in motions)
-    whole, part = (_plain(p, partner, above, velocity, rescaled) for rescaled in (True, False))
+    depth, spread = PARTNERS[partner]
+    collisions = 3 * values.get("steps_per_collision", 40)
+    p = parameters(collisions, depth=depth, diameter_spread=spread, gravity=GRAVITY, **values)
+    radii = build(p, 0).snapshot()["radius"] / p.diameter
+    # How much of the motion relative to the partner is whose, in the frame of the centre of mass.
+    share = np.array([1.0, -((radii[0] / radii[1]) ** 3)]) if len(radii) == 2 else np.ones(1)
+    share /= share[0] - share[1:].sum()
+    velocity = SPEED * np.array([0.8 * slope, 0.6 * slope, -1.0])
+    above = np.array([0.0, 0.0, radii.sum() + 0.1 * SPEED * p.time_step / p.time_unit])
+    centre = np.array([5.0, 5.0, 5.0 if len(radii) == 2 else 0.0])
+    motions = both(client, p, centre + share[:, None] * above, share[:, None] * velocity, edit)
+    ours, theirs = (_outgoing(motion, radii) for motion in motions)
+    whole, part = (
+        _plain(p, radii, share[0] * above, share[0] * velocity, convention)
+        for convention in (TALUS, LAMMPS[p.law])
+    )
     return Apart(
         _largest(ours - theirs),
         _largest(ours - whole),
         _largest(theirs - part),
-        abs(ours[2] / speed - restitution),
+        abs(ours[2] / (share[0] * SPEED) - p.restitution),
     )
 
 
-def _outgoing(motion: Motion, pair: bool) -> np.ndarray:
-    """Return velocity and rim velocity of the first sphere; those of a pair in its own frame."""
-    velocity = motion.velocity[0] - (motion.velocity.mean(axis=0) if pair else 0.0)
-    return np.concatenate([velocity, 0.5 * motion.spin[0]])
+def _outgoing(motion: Motion, radii: np.ndarray) -> np.ndarray:
+    """Return the first sphere's velocity, for a pair in its own frame, and rims' velocities."""
+    mean = radii**3 @ motion.velocity / (radii**3).sum() if len(radii) == 2 else 0.0
+    return np.concatenate([motion.velocity[0] - mean, (radii[:, None] * motion.spin).ravel()])
 
 
-def _plain(p: ChuteParameters, partner: str, position, velocity, rescaled: bool) -> np.ndarray:
+def _plain(p: ChuteParameters, radii, position, velocity, convention: Convention) -> np.ndarray:
     position, velocity = position * p.diameter, velocity * p.velocity_unit
-    velocity, spin = impact(p, partner, position, velocity, p.sample_steps, rescaled)
-    return np.concatenate([velocity / p.velocity_unit, 0.5 * spin * p.time_unit])
+    velocity, spin = impact(p, radii * p.diameter, position, velocity, p.sample_steps, convention)
+    rims = (radii[:, None] * spin).ravel()
+    return np.concatenate([velocity / p.velocity_unit, rims * p.time_unit])
 
 
 def _largest(difference: np.ndarray) -> float:
@@ -149,26 +172,30 @@ def drift_apart(client: Client, **values) -> float:
     return float(np.abs(apart).max())
 
 
-def rebound_checks(client: Client, partner: str, allowed: float) -> list[Check]:
-    """Return what impacts at all restitutions and slopes give at most."""
-    impacts = [(e, slope) for e in RESTITUTIONS for slope in SLOPES]
-    every = [rebound(client, partner, *values) for values in impacts]
-    head_on = max(apart.restitution for apart in every[:: len(SLOPES)])
+def rebound_checks(
+    client: Client, partner: str, allowed: float, impacts: list[tuple[float, float]], **values
+) -> list[Check]:
+    """Return what impacts with these restitutions and slopes give at most."""
+    every = [rebound(client, partner, slope, restitution=e, **values) for e, slope in impacts]
+    head_on = max(
+        apart.restitution for apart, (_, slope) in zip(every, impacts, strict=True) if not slope
+    )
     worst = Apart(*(max(values) for values in zip(*every, strict=True)))
+    name = f"{values['law']}, {partner}" if "law" in values else partner
     return [
-        Check(f"{partner}: restitution, from the one asked for", head_on, RESTITUTION),
-        Check(f"{partner}: rebound, Talus from LAMMPS", worst.engines, allowed),
-        Check(f"{partner}: rebound, Talus from plain Python", worst.ours, ROUNDING),
-        Check(f"{partner}: rebound, LAMMPS from plain Python", worst.theirs, ROUNDING),
+        Check(f"{name}: restitution, from the one asked for", head_on, RESTITUTION),
+        Check(f"{name}: rebound, Talus from LAMMPS", worst.engines, allowed),
+        Check(f"{name}: rebound, Talus from plain Python", worst.ours, ROUNDING),
+        Check(f"{name}: rebound, LAMMPS from plain Python", worst.theirs, ROUNDING),
     ]
 
 
 def checks(client: Client) -> list[Check]:
-    """Return what single impacts and a few particles give."""
+    """Return what single impacts and a few particles give with ``spring_dashpot``."""
     smooth = drift_apart(client, friction=0, friction_plane=0.4)
     return [
-        *rebound_checks(client, "pair", TURNING),
-        *rebound_checks(client, "plane", ROUNDING),
+        *rebound_checks(client, "pair", TURNING, IMPACTS),
+        *rebound_checks(client, "plane", ROUNDING, IMPACTS),
         Check(f"50 particles, {STEPS} steps, friction with the plane only", smooth, ROUNDING),
         Check(f"50 particles, {STEPS} steps, friction", drift_apart(client), TURNING),
     ]

@@ -1,73 +1,107 @@
-"""One impact in plain Python, with the one convention in which the engines differ as a choice."""
+"""One impact in plain Python, with the two conventions in which the engines differ as a choice."""
 
 from math import inf, log, pi, sqrt
+from typing import NamedTuple
 
 import numpy as np
 
 from sim.parameters import ChuteParameters
 
 
-def damping_constant(p: ChuteParameters, mass: float) -> float:
-    """Return c (kg/s) of F = K α + c dα/dt for this restitution and reduced mass (kg)."""
-    lost = -log(p.restitution)
-    return 2.0 * lost / sqrt(pi**2 + lost**2) * sqrt(p.stiffness * mass)
+class Convention(NamedTuple):
+    """What an engine makes of a tangential force between two spheres.
+
+    Whether it keeps its size when it is turned into the new tangent plane, or only its part within
+    that plane; and by which share of the overlap the arms of its torques are shorter than radii.
+    """
+
+    rescaled: bool
+    shortened: float
+
+
+TALUS = Convention(True, 0.0)
+
+#: LAMMPS, by the law: ``gran/hooke/history`` and ``granular``.
+LAMMPS = {"spring_dashpot": Convention(False, 0.0), "hertz": Convention(True, 0.5)}
+
+
+class Springs(NamedTuple):
+    """F_N = ``normal`` (N/m) α + ``damping`` (kg/s) dα/dt; stiffness ``tangential`` (N/m)."""
+
+    normal: float
+    damping: float
+    tangential: float
+
+
+def damping_constant(restitution: float, stiffness: float, mass: float) -> float:
+    """Return c (kg/s) of F = K α + c dα/dt for a restitution, K (N/m) and reduced mass (kg)."""
+    lost = -log(restitution)
+    return 2.0 * lost / sqrt(pi**2 + lost**2) * sqrt(stiffness * mass)
+
+
+def springs(p: ChuteParameters, overlap: float, radius: float, mass: float) -> Springs:
+    """Return the springs of a law at an overlap, for the reduced radius (m) and mass (kg)."""
+    if p.law == "hertz":
+        stiffness = 2.0 * p.effective_modulus * sqrt(radius * overlap)
+        damping = sqrt(5 / 6) * damping_constant(p.restitution, stiffness, mass)
+        return Springs(2 / 3 * stiffness, damping, p.tangential_ratio * stiffness)
+    damping = damping_constant(p.restitution, p.stiffness, mass)
+    return Springs(p.stiffness, damping, p.tangential_ratio * p.stiffness)
 
 
 def impact(
     p: ChuteParameters,
-    partner: str,
+    radii: np.ndarray,
     position: np.ndarray,
     velocity: np.ndarray,
     steps: int,
-    rescaled: bool,
+    convention: Convention,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return velocity (m/s) and spin (1/s) of sphere i after its impact.
+    """Return the velocity (m/s) of a sphere after its impact, and all spins (1/s).
 
-    A pair is looked at in the frame that falls with it.
+    A pair is looked at in the frame of its centre of mass, which falls.
 
     Parameters
     ----------
     p : ChuteParameters
         The law, and the time step (s) of the leap-frog.
-    partner : str
-        ``pair``: an equal sphere with the opposite velocity; ``plane``: the plane z = 0.
+    radii : (1,) or (2,) array
+        Of the sphere and its partner of the same density (m); one alone meets the plane z = 0.
     position, velocity : (3,) arrays
-        Of sphere i (m, m/s), which does not spin; relative to the centre of mass or the plane.
+        Of the sphere (m, m/s), which does not spin; relative to the centre of mass or the plane.
         The velocity is that half a step before the position, the one returned belongs to the end.
     steps : int
         Time steps.
-    rescaled : bool
-        Whether the tangential force keeps its size when it is turned into the new tangent plane, as
-        in Talus, or only its part within that plane, as in ``gran/hooke/history`` of LAMMPS.
+    convention : Convention
+        The engine's.
     """
-    pair = partner == "pair"
-    mass, friction = (0.5 * p.mass, p.friction) if pair else (p.mass, p.friction_plane)
-    damping, stiffness = damping_constant(p, mass), p.tangential_ratio * p.stiffness
-    radius, inertia = 0.5 * p.diameter, 0.1 * p.mass * p.diameter**2
+    pair = len(radii) == 2
+    friction = p.friction if pair else p.friction_plane
+    masses = p.mass * (2.0 * radii / p.diameter) ** 3
+    mass, radius = (1.0 / (1.0 / of_both).sum() for of_both in (masses, radii))
+    # The partner moves as the mirror image of the sphere, but for its mass.
+    whole, shortened = masses[0] / mass, convention.shortened if pair else 0.0
     weight = np.array([0.0, 0.0, 0.0 if pair else -p.gravity])
-    x, v, spin, history = position.copy(), velocity.copy(), np.zeros(3), np.zeros(3)
+    x, v, rims, history = position.copy(), velocity.copy(), np.zeros((len(radii), 3)), np.zeros(3)
     for _ in range(steps):
-        # From i to its partner, whose motion is the mirror image of that of i.
-        separation = -2.0 * x if pair else np.array([0.0, 0.0, -x[2]])
+        separation = -whole * x if pair else np.array([0.0, 0.0, -x[2]])
         distance = float(np.linalg.norm(separation))
-        normal, overlap = separation / distance, (p.diameter if pair else radius) - distance
-        force, torque = np.zeros(3), np.zeros(3)
+        normal, overlap, force = separation / distance, radii.sum() - distance, np.zeros(3)
         if overlap > 0.0:
-            relative = -2.0 * v if pair else -v
-            surface = relative - np.cross((2.0 if pair else 1.0) * radius * spin, normal)
-            approach = -surface @ normal
-            pressure = p.stiffness * overlap + damping * approach
+            surface = -whole * v - np.cross(rims.sum(axis=0), normal)
+            approach, law = -surface @ normal, springs(p, overlap, radius, mass)
+            pressure = law.normal * overlap + law.damping * approach
             slip = (surface + approach * normal) * p.time_step
-            history = turned(history, normal, rescaled) + stiffness * slip
+            history = turned(history, normal, convention.rescaled) + law.tangential * slip
             history *= min(1.0, friction * abs(pressure) / (np.linalg.norm(history) or inf))
             force = history - pressure * normal
-            torque = radius * np.cross(normal, history)
+            arms = (1.0 - shortened * overlap / radii) / (0.4 * masses)
+            rims += arms[:, None] * np.cross(normal, history) * p.time_step
         else:
             history = np.zeros(3)
-        v = v + (force / p.mass + weight) * p.time_step
-        spin = spin + torque / inertia * p.time_step
+        v = v + (force / masses[0] + weight) * p.time_step
         x = x + v * p.time_step
-    return v + 0.5 * weight * p.time_step, spin
+    return v + 0.5 * weight * p.time_step, rims / radii[:, None]
 
 
 def turned(history: np.ndarray, normal: np.ndarray, rescaled: bool) -> np.ndarray:

@@ -5,12 +5,14 @@ from math import pi
 
 import numpy as np
 import pytest
+from scipy.special import beta
 
 from benchmarks.crosscheck import runs
 from benchmarks.crosscheck.contacts import parameters
 from benchmarks.crosscheck.engines import Record, run, synchronised
 from benchmarks.crosscheck.flows import BLOCKS, FLOWS, Flow
-from benchmarks.crosscheck.impact import damping_constant, impact, turned
+from benchmarks.crosscheck.hertz import LAW, OTHERS, POLYNOMIAL
+from benchmarks.crosscheck.impact import LAMMPS, TALUS, damping_constant, impact, turned
 from benchmarks.crosscheck.results import Comparison, Measured, mean_and_interval, measured, table
 from benchmarks.crosscheck.statistics import (
     Estimate,
@@ -23,6 +25,7 @@ from benchmarks.crosscheck.statistics import (
 from benchmarks.peers.chute_input import chute_request, damping_rate
 from benchmarks.peers.settings import Settings
 from sim.base.statistics import student_half_width
+from tests.engine.reference.hertz_impact import Friction, rebound
 
 TINY = Flow("tiny", {"depth": 1, "cell": 4, "stiffness": 117}, 1, 3, 2)
 
@@ -79,25 +82,68 @@ def test_slices_with_little_mass_are_not_compared():
     np.testing.assert_array_equal(compared(packing), [True, True, False, False])
 
 
+#: Radii in diameters.
+PARTNERS = {"pair": (0.5, 0.5), "unlike": (0.7, 0.4), "plane": (0.5,)}
+
+
+def met(partner: str, velocity, steps: int, convention=TALUS, **values):
+    """Return radii and masses, and velocity and spins after an impact that is about to begin."""
+    p = parameters(1, gravity=1e-6, **values)
+    radii = np.array(PARTNERS[partner]) * p.diameter
+    masses = p.mass * (2 * radii / p.diameter) ** 3
+    share = masses[1] / masses.sum() if len(radii) == 2 else 1.0
+    start = share * np.array([0, 0, radii.sum()])
+    return radii, masses, *impact(p, radii, start, np.array(velocity), steps, convention)
+
+
+@pytest.mark.parametrize("law", ["spring_dashpot", "hertz"])
 @pytest.mark.parametrize("partner", ["pair", "plane"])
 @pytest.mark.parametrize("restitution", [0.7, 0.95])
-def test_plain_impact_has_the_restitution_asked_for(partner, restitution):
-    p = parameters(1, restitution=restitution, steps_per_collision=1000, gravity=1e-6)
-    down = np.array([0.0, 0.0, -0.01])
-    velocity, spin = impact(p, partner, np.array([0, 0, 0.5 * p.diameter]), down, 1500, True)
-    assert velocity[2] == pytest.approx(-restitution * down[2], rel=1e-3)
-    np.testing.assert_array_equal(spin, 0.0)
+def test_plain_impact_has_the_restitution_asked_for(partner, restitution, law):
+    values = {"restitution": restitution, "law": law, "steps_per_collision": 1000}
+    _, _, velocity, spins = met(partner, [0, 0, -0.01], 3000, **values)
+    assert velocity[2] == pytest.approx(restitution * 0.01, rel=1e-3)
+    np.testing.assert_array_equal(spins, 0.0)
 
 
 @pytest.mark.parametrize("partner", ["pair", "plane"])
 def test_plain_impact_in_gross_slip_gives_the_friction_impulse_to_slide_and_spin(partner):
-    p = parameters(1, friction=0.2, steps_per_collision=400, gravity=1e-6)
     start = np.array([0.008, 0.0, -0.001])
-    velocity, spin = impact(p, partner, np.array([0, 0, 0.5 * p.diameter]), start, 600, True)
+    radii, _, velocity, spins = met(partner, start, 600, friction=0.2, steps_per_collision=400)
     impulse = start - velocity
     # A pair turns while it is in contact, and the drag that pulls at the end of it rubs, too.
-    assert impulse[0] == pytest.approx(-p.friction * impulse[2], rel=0.03)
-    assert 0.5 * p.diameter * spin[1] == pytest.approx(2.5 * impulse[0], rel=0.03)
+    assert impulse[0] == pytest.approx(-0.2 * impulse[2], rel=0.03)
+    np.testing.assert_allclose(radii * spins[:, 1], 2.5 * impulse[0], rtol=0.03)
+
+
+@pytest.mark.parametrize("partner", PARTNERS)
+def test_plain_impact_with_hertz_is_that_of_the_differential_equations(partner):
+    """So slow that a pair hardly turns, once from sticking and once from sliding throughout."""
+    values = {"steps_per_collision": 200, "friction": 0.3, "restitution": 0.9}
+    for slope in (0.5, 3.0):
+        start = np.array([slope, 0, -1]) * 1e-5
+        radii, masses, velocity, spins = met(partner, start, 4000, **LAW, **values)
+        parting, across, rims, _ = rebound(Friction(LAW["tangential_ratio"], 0.3, 0.9), slope)
+        np.testing.assert_allclose(velocity[[2, 0]], np.array([parting, across]) * 1e-5, rtol=2e-3)
+        shares = rims / masses / (1 / masses).sum()
+        # The frame of the reference is that of the partner, of which the sphere has a share.
+        whole = masses[0] * (1 / masses).sum()
+        np.testing.assert_allclose(radii * spins[:, 1], whole * shares * 1e-5, rtol=5e-3)
+
+
+@pytest.mark.parametrize("partner", ["pair", "unlike"])
+def test_lammps_takes_half_the_overlap_from_the_arms_of_pairs(partner):
+    """Spins are smaller by the overlap's mean, weighted with the force: B(7/5, 1/2)/2 of it."""
+    start, spins = np.array([0.02, 0.0, -0.02]), {}
+    for convention in (TALUS, LAMMPS["hertz"]):
+        values = {"friction": 0.1, "restitution": 1, **LAW}
+        radii, masses, _, spins[convention] = met(partner, start, 200, convention, **values)
+    p = parameters(1, **LAW)
+    mass, radius = (1 / (1 / both).sum() for both in (masses, radii))
+    speed = 0.02 * masses[0] / mass
+    deepest = (15 * mass * speed**2 / (16 * radius**0.5 * p.effective_modulus)) ** 0.4
+    smaller = 1 - spins[LAMMPS["hertz"]][:, 1] / spins[TALUS][:, 1]
+    np.testing.assert_allclose(smaller, beta(1.4, 0.5) / 2 * deepest / 2 / radii, rtol=0.01)
 
 
 def test_a_turned_force_keeps_its_size_or_its_part_within_the_plane():
@@ -110,13 +156,18 @@ def test_plain_and_lammps_damping_are_the_same():
     p = parameters(1)
     for mass in (p.mass, 0.5 * p.mass):
         rate = damping_rate(p.stiffness, mass, p.restitution)
-        assert damping_constant(p, mass) == pytest.approx(mass * rate, rel=1e-12)
+        constant = damping_constant(p.restitution, p.stiffness, mass)
+        assert constant == pytest.approx(mass * rate, rel=1e-12)
+
+
+def commands(p) -> list[str]:
+    snapshot = {"position": np.ones((1, 3)) * p.diameter, "particle_velocity": np.zeros((1, 3))}
+    return chute_request(p, snapshot, Settings())["after"]
 
 
 def test_lammps_gets_the_tangential_spring_of_the_law_and_no_tangential_damping():
     p = parameters(1, tangential_ratio=0.5, friction=0.4, friction_plane=0.3)
-    snapshot = {"position": np.ones((1, 3)) * p.diameter, "particle_velocity": np.zeros((1, 3))}
-    lines = chute_request(p, snapshot, Settings())["after"]
+    lines = commands(p)
     pair = next(line.split() for line in lines if line.startswith("pair_style"))
     plane = next(line.split() for line in lines if "wall/gran" in line)
     assert [float(word) for word in pair[2:4]] == [p.stiffness, 0.5 * p.stiffness]
@@ -124,6 +175,26 @@ def test_lammps_gets_the_tangential_spring_of_the_law_and_no_tangential_damping(
     spring = plane.index("linear_history")
     assert [float(word) for word in plane[spring + 1 : spring + 4]] == [0.5 * p.stiffness, 0.0, 0.3]
     assert float(pair[4]) == pytest.approx(2**0.5 * float(plane[7]))
+
+
+def test_lammps_gets_the_material_of_hertz_and_mindlin():
+    p = parameters(1, **LAW, friction=0.4, friction_plane=0.3, restitution=0.8)
+    pair = next(line.split() for line in commands(p) if line.startswith("pair_coeff"))
+    plane = next(line.split() for line in commands(p) if "wall/gran" in line)
+    for words, friction in ((pair[3:], 0.4), (plane[5:], 0.3)):
+        assert words[0] == "hertz/material" and words[4:6] == ["damping", "coeff_restitution"]
+        young, restitution, poisson = map(float, words[1:4])
+        assert restitution == 0.8 and poisson == pytest.approx(0.3)
+        assert young / (2 * (1 - poisson**2)) == pytest.approx(p.effective_modulus)
+        assert words[6:10] == ["tangential", "mindlin/force", "NULL", "0"]
+        assert float(words[10]) == friction
+
+
+def test_other_models_are_other_commands():
+    p = parameters(1, **LAW)
+    ours = "\n".join(commands(p))
+    others = {edit(p, ours) for edit in (POLYNOMIAL, *(edit for _, edit in OTHERS.values()))}
+    assert ours not in others and len(others) == 1 + len(OTHERS)
 
 
 def test_synchronised_velocities_have_fallen_for_half_a_step():

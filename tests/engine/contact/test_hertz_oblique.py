@@ -1,0 +1,190 @@
+"""Oblique impacts with the law `hertz`: exact results, its differential equations, full Mindlin."""
+
+from math import sqrt
+
+import numpy as np
+import pytest
+
+from sim.engine.contact import Partners, hertz
+from sim.parameters import ChuteParameters
+from tests.engine.reference.hertz_impact import RIM, Friction, mindlin_rebound, rebound
+from tests.engine_motion.spheres import SphereMotion
+
+#: Of spheres with Poisson's ratio 0.3.
+SHARE = 2 * (1 - 0.3) / (2 - 0.3)
+
+SLOPES = np.tan(np.radians(np.arange(5.0, 90.0, 5.0)))
+
+#: Radii (m) of both spheres, or of the one that meets the plane.
+PARTNERS = {"plane": (0.4e-3,), "equal": (0.5e-3, 0.5e-3), "unlike": (0.3e-3, 0.8e-3)}
+
+#: Duration of an elastic impact in the units of the reference.
+LASTING = 2.94327 * (15 / 16) ** 0.4
+
+#: From the first sphere of a pair to the second one, and the way along which that slides.
+NORMAL, TANGENT = np.array([0.6, 0.0, 0.8]), np.array([-0.64, 0.6, 0.48])
+
+
+class Impacts:
+    """One impact for each slope, apart from each other, each begun at another part of a step.
+
+    Lengths of the reference are ``unit``, of which the centres are 1/``bend`` apart.
+    """
+
+    def __init__(self, law: Friction, radii, slopes, steps: int, unit=1e-5):
+        point = ChuteParameters(
+            law="hertz", restitution=law.restitution, tangential_ratio=law.share
+        )
+        self.radii, self.slopes = np.array(radii), np.array(slopes, float)
+        self.mass = point.mass * (2 * self.radii / point.diameter) ** 3
+        reduced = 1 / sum(1 / self.mass)
+        stiffness = point.effective_modulus * sqrt(1 / sum(1 / self.radii))
+        self.bend = unit / sum(self.radii) if len(radii) == 2 else 0.0
+        self.speed = sqrt(unit**2.5 * stiffness / reduced)
+        self.steps, self.step = steps, LASTING * unit / self.speed / steps
+        self.law = hertz.from_parameters(point, Partners(law.friction, reduced, self.step))
+        self.frame = np.array([NORMAL, TANGENT] if self.bend else [[0, 0, -1.0], [0, 1.0, 0]])
+        self.motion = self.pairs() if self.bend else self.lone()
+
+    def lone(self) -> SphereMotion:
+        """Return spheres above the plane, which slides along them as the second ones of pairs."""
+        velocity = -self.approaching()
+        return self.moving(self.places(self.radii[0]) - self.delays()[:, None] * velocity, velocity)
+
+    def pairs(self) -> SphereMotion:
+        """Return pairs of spheres whose momenta cancel."""
+        normal = self.frame[0]
+        first = self.places(30e-3)
+        velocity, shares = self.approaching(), self.mass[::-1] / sum(self.mass)
+        second = first + sum(self.radii) * normal - self.delays()[:, None] * velocity
+        return self.moving(
+            np.stack([first, second], axis=1).reshape(-1, 3),
+            np.stack([-shares[0] * velocity, shares[1] * velocity], axis=1).reshape(-1, 3),
+        )
+
+    def places(self, height: float) -> np.ndarray:
+        number = np.arange(len(self.slopes))
+        return np.stack([6e-3 * (number % 9), 9e-3 * (number // 9), 0 * number + height], axis=1)
+
+    def delays(self) -> np.ndarray:
+        """Return the times until the contacts begin (slopes,)."""
+        return self.step * np.linspace(0.1, 0.9, len(self.slopes))
+
+    def approaching(self) -> np.ndarray:
+        """Return the velocities of the second surface relative to the first (slopes, 3)."""
+        return self.speed * (self.slopes[:, None] * self.frame[1] - self.frame[0])
+
+    def moving(self, position, velocity) -> SphereMotion:
+        size, mass = (np.tile(v, len(self.slopes)) for v in (self.radii, self.mass))
+        return SphereMotion(
+            position, velocity, law=self.law, time_step=self.step, radius=size, mass=mass
+        )
+
+    def run(self, durations: float = 1.25) -> "Impacts":
+        """Run for so many durations of an elastic impact, until all have parted."""
+        self.motion.run(round(durations * self.steps))
+        assert not self.motion.contacts()[0].size and not self.motion.plane_contacts()[0].size
+        return self
+
+    def velocities(self) -> np.ndarray:
+        """Return velocities along normal and tangent, and all rims', over the speed (slopes, …)."""
+        velocity = self.motion.velocity.reshape(len(self.slopes), -1, 3)
+        spin = self.motion.spin.reshape(velocity.shape)
+        relative = velocity[:, 1] - velocity[:, 0] if self.bend else -velocity[:, 0]
+        rims = self.radii * (spin @ np.cross(*self.frame))
+        return np.hstack([relative @ self.frame.T, rims]) / self.speed
+
+    def slips(self) -> np.ndarray:
+        """Return the velocities of the surfaces along each other, over the normal speed."""
+        return self.velocities()[:, 1] - self.velocities()[:, 2:].sum(axis=1)
+
+    def expected(self, law: Friction) -> np.ndarray:
+        """Return the velocities that the reference gives, as `velocities` does."""
+        shared = 1 / self.mass / sum(1 / self.mass)
+        rows = []
+        for slope in self.slopes:
+            parting, across, rims, turn = rebound(law, slope, self.bend)
+            c, s = np.cos(turn), np.sin(turn)
+            rows.append([parting * c - across * s, across * c + parting * s, *(rims * shared)])
+        return np.array(rows)
+
+
+def impacts(law: Friction, partners="plane", slopes=SLOPES, steps=400, **options) -> Impacts:
+    return Impacts(law, PARTNERS[partners], slopes, steps, **options).run()
+
+
+@pytest.mark.parametrize("partners", PARTNERS)
+@pytest.mark.parametrize("restitution", [1.0, 0.8])
+def test_rebounds_approach_those_of_the_differential_equations(partners, restitution):
+    """From sticking to sliding throughout: an error of first order, without which none is left."""
+    law = Friction(SHARE, 0.3, restitution)
+    coarse, fine = (impacts(law, partners, steps=steps) for steps in (400, 800))
+    expected = fine.expected(law)
+    assert np.abs(coarse.velocities() - expected).max() < 2e-3
+    assert np.abs(2 * fine.velocities() - coarse.velocities() - expected).max() < 3e-4
+
+
+def test_without_friction_nothing_changes_across_the_normal():
+    found = impacts(Friction(SHARE, 0.0)).velocities()
+    np.testing.assert_allclose(found[:, 0], 1.0, rtol=1e-5)
+    np.testing.assert_allclose(found[:, 1], SLOPES, rtol=1e-12)
+    np.testing.assert_array_equal(found[:, 2], 0.0)
+
+
+#: The second: alumina on glass, as Kharaz, Gorham and Salman (Powder Technol. 120 (2001) 281) have
+#: measured; its damping rubs on while it pulls at the end.
+@pytest.mark.parametrize(
+    ("law", "allowed"), [(Friction(SHARE, 0.3), 1e-9), (Friction(SHARE, 0.092, 0.98), 2e-4)]
+)
+def test_gross_sliding_gives_the_impulses_of_rigid_bodies(law, allowed):
+    slopes = 7 * law.friction * np.array([1.0, 1.5, 3.0, 10.0])
+    parting, across, rim = impacts(law, slopes=slopes).velocities().T
+    impulse = law.friction * (1 + parting)
+    np.testing.assert_allclose(parting, law.restitution, atol=2e-5)
+    np.testing.assert_allclose(slopes - across, impulse, rtol=allowed)
+    np.testing.assert_allclose(rim, RIM * impulse, rtol=allowed)
+
+
+@pytest.mark.parametrize("share", [2 / 7, SHARE, 1.0])
+def test_sliding_lasts_from_the_angle_of_maw_barber_and_fawcett_on(share):
+    """From ψ₁ = 4χ - 1 on, where ψ₁ is share · slope/μ and χ is 7/4 of the share of a sphere."""
+    friction, critical = 0.3, 7 * share - 1
+    angles = critical * np.array([0.95, 1.01, 1.1])
+    slopes = angles * friction / share
+    parting, across, _ = impacts(Friction(share, friction), slopes=slopes).velocities().T
+    rubbed = (slopes - across) / (friction * (1 + parting))
+    assert rubbed[0] < 0.997
+    np.testing.assert_allclose(rubbed[1:], 1.0, rtol=1e-9)
+
+
+STICKING = np.linspace(0.1, 1.0, 4)
+
+
+@pytest.mark.parametrize("partners", PARTNERS)
+def test_with_two_sevenths_of_the_stiffness_a_sticking_impact_turns_the_slip_round(partners):
+    """The friction is then 2/7 of the slope times the normal force all along, below μ = 0.3."""
+    met = impacts(Friction(2 / 7, 0.3), partners, STICKING, 800, unit=1e-7)
+    np.testing.assert_allclose(met.slips(), -STICKING, atol=1e-3)
+
+
+def test_an_impact_without_loss_goes_backwards_as_it_came():
+    met = impacts(Friction(2 / 7, 0.3), "unlike", STICKING, 800, unit=1e-7)
+    before, spheres = met.approaching() / met.speed, met.motion.spheres
+    spheres.velocity[:] *= -1
+    spheres.rim[:] *= -1
+    back = met.run(1.75).velocities()
+    np.testing.assert_allclose(back[:, :2] @ met.frame, -before, atol=1e-3)
+    np.testing.assert_allclose(back[:, 2:], 0.0, atol=1e-3)
+
+
+def test_full_mindlin_slides_and_rebounds_alike_where_impacts_slide_most_of_the_time():
+    """Micro-slip gives up tangential energy of sticking impacts, which the law does not."""
+    law, critical = Friction(SHARE, 0.3), 7 * SHARE - 1
+    angles = np.array([0.25, 0.5, 1.0, 1.5, 2.0, 3.0, 4.0, critical, 6.0])
+    slopes = angles * law.friction / law.share
+    found, full = impacts(law, slopes=slopes).slips(), mindlin_rebound(law, slopes)
+    apart = (found - full) * law.share / law.friction
+    assert (np.abs(apart[angles < critical]) < 0.5).all()
+    assert (np.abs(apart[angles >= 3.0]) < 0.22).all()
+    assert (np.abs(apart[angles >= critical]) < 3e-3).all()
+    assert (full[(angles > 0.7) & (angles < critical)] < 0).all()
