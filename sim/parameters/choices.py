@@ -74,6 +74,9 @@ class OwnOption:
     make: Callable[..., Any]
     parameters: Mapping[str, Any]
 
+    #: What of it is no function.
+    plain: ClassVar[tuple[str, ...]] = ("parameters",)
+
 
 @dataclass(frozen=True)
 class Choice:
@@ -106,7 +109,7 @@ class Choice:
         """
         what, parameters = f"{self.name} {name}", option.parameters
         for key, function in vars(option).items():
-            if key != "parameters":
+            if key not in option.plain:
                 require_function(f"{what}: {key}", function)
         if not isinstance(parameters, Mapping):
             allowed = "a mapping of names to what sim.parameter makes"

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Any, ClassVar, get_args
 
 from sim.base.additions import blamed
+from sim.base.declared import require_count
 from sim.parameters.choices import Choice, OwnOption, WithOwn, named
 from sim.parameters.chute import ChuteParameters
 from sim.parameters.conveyor import ConveyorParameters
@@ -27,6 +28,13 @@ class OwnLaw(OwnOption):
     force: Callable[..., Any]
     energy: Callable[..., Any]
     collision_time: Callable[[Any], float]
+    remembers: int
+
+    plain: ClassVar[tuple[str, ...]] = (*OwnOption.plain, "remembers")
+
+
+#: Numbers of its own that a law remembers of a contact unless it says another number, and at most.
+USUALLY_REMEMBERED, MOST_REMEMBERED = 4, 32
 
 
 def law(
@@ -37,6 +45,7 @@ def law(
     energy: Callable[..., Any],
     collision_time: Callable[[Any], float],
     parameters: Mapping[str, Any] | None = None,
+    remembers: int = USUALLY_REMEMBERED,
 ) -> None:
     """Declare a contact law of the spheres, an option of the parameter ``law``.
 
@@ -51,11 +60,11 @@ def law(
     force : callable
         ``force(law, overlap, approach, slip, tangential, memory, radius, mass)``, compiled, returns
         the normal force (N), positive where it repels; the tangential one on the first partner, 3
-        numbers (N); 4 numbers to remember; and the energy (J) that the normal force has dissipated
-        in the step. ``overlap`` is in m, ``approach`` what it has grown by and ``slip`` the 3
-        numbers by which the second surface has moved along the first in the step (m);
-        ``tangential`` and ``memory`` are those of the last step, all zero for a new contact, the
-        force turned with the contact; ``radius`` (m) and ``mass`` (kg) are the reduced ones.
+        numbers (N); a tuple of the numbers to remember; and the energy (J) that the normal force
+        has dissipated in the step. ``overlap`` is in m, ``approach`` what it has grown by and
+        ``slip`` the 3 numbers by which the second surface has moved along the first in the step
+        (m); ``tangential`` and ``memory`` are those of the last step, all zero for a new contact,
+        the force turned with the contact; ``radius`` (m) and ``mass`` (kg) are the reduced ones.
     energy : callable
         ``energy(law, overlap, tangential, memory, radius, mass)``, compiled, returns the energy (J)
         in the normal and in the tangential spring.
@@ -64,8 +73,11 @@ def law(
         is one in ``steps_per_collision``.
     parameters : mapping, optional
         Parameters that it adds to those of the chute, made by `parameter`.
+    remembers : int
+        How many numbers ``force`` gives to remember. What no contact keeps need not be moved.
     """
-    LAW.add(name, OwnLaw(make, parameters or {}, force, energy, collision_time))
+    require_count(f"law {name}: remembers", remembers, MOST_REMEMBERED)
+    LAW.add(name, OwnLaw(make, parameters or {}, force, energy, collision_time, remembers))
 
 
 class _WithOwnLaws(WithOwn, SphereParameters):

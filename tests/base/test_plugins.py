@@ -126,6 +126,14 @@ MOTION = "motion('m', make=dict, state=dict, "
             "law('l', make=dict, force=dict, energy=None, collision_time=dict)",
             "law l: energy is a function: got nothing",
         ),
+        *(
+            (
+                f"law('l', make=dict, force=dict, energy=dict, collision_time=dict, "
+                f"remembers={wrong})",
+                f"law l: remembers is a whole number from 0 to 32: got {wrong.lower()}",
+            )
+            for wrong in ("-1", "33", "1.5", "True")
+        ),
         ("parameter('a', unit='1', description='d')", "default is a finite number: got 'a'"),
         ("parameter(1, unit='1', description='d', gt='0')", "gt is a finite number: got '0'"),
         ("parameter(1e999, unit='1', description='d')", "default is a finite number: got inf"),
