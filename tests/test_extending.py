@@ -34,7 +34,7 @@ from sim.report.page import build as build_report
 from sim.report.publish import publish
 from sim.study.load import Study, load_study, parse_study
 from tests.made.plugins import alone, forgotten
-from tests.made.processes import ROOT
+from tests.made.processes import ROOT, in_process
 from tests.made.runs import write_run
 
 EXAMPLES = ROOT / "docs" / "examples"
@@ -373,14 +373,6 @@ def test_an_ellipse_is_the_harmonic_motion_where_nothing_lags(folder):
         "assert np.allclose(found, [usual[0], before[1], usual[2]], rtol=1e-9)\n"
     )
     in_process(folder, lines)
-
-
-def in_process(folder: Path, lines: str) -> None:
-    """Run lines in a process of its own, as others have the engine without what they add."""
-    environment = os.environ | {"PYTHONPATH": str(ROOT), "TALUS_CACHE_DIR": str(folder / "cache")}
-    command = [sys.executable, "-c", lines]
-    done = subprocess.run(command, env=environment, capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr
 
 
 @pytest.mark.parametrize(

@@ -18,6 +18,7 @@ LAW = Choice(
     (ChuteParameters, ConveyorParameters),
     get_args(SphereParameters.model_fields["law"].annotation),
     "reading",
+    kept=True,
 )
 
 
@@ -80,13 +81,13 @@ def law(
     LAW.add(name, OwnLaw(make, parameters or {}, force, energy, collision_time, remembers))
 
 
-class _WithOwnLaws(WithOwn, SphereParameters):
-    choice: ClassVar[Choice] = LAW
+class WithOwnLaws(WithOwn, SphereParameters):
+    """What a law of a plug-in says of a system of spheres."""
 
     @property
     def collision_time(self) -> float:
         """Duration of the shortest collision, s."""
-        one = self.offered.get(self.law)
+        one = self.own_option(LAW)
         if one is None:
             return super().collision_time
         with blamed(LAW.name, named(self.law)):
@@ -98,12 +99,8 @@ class _WithOwnLaws(WithOwn, SphereParameters):
     @property
     def caveat(self) -> str:
         """Say nothing of the start: how much spheres overlap is the law's affair."""
-        return "" if self.law in self.offered else super().caveat
+        return "" if self.own_option(LAW) else super().caveat
 
 
-class ChuteWithLaws(_WithOwnLaws, ChuteParameters):
+class ChuteWithOwn(WithOwnLaws, ChuteParameters):
     """Parameters of a chute with laws of plug-ins."""
-
-
-class ConveyorWithLaws(_WithOwnLaws, ConveyorParameters):
-    """Parameters of a conveyor with laws of plug-ins."""

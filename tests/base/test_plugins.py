@@ -81,7 +81,15 @@ def test_parts_bring_their_plugins(tmp_path):
                 f"  '{name}': sim.parameter(0.5, unit='1', description='d')}})\n",
                 f"parameter {name}: Talus has one of this name",
             )
-            for name in ("drift", "particles", "time_step", "choice", "offered", "dict", "point")
+            for name in (
+                "drift",
+                "particles",
+                "time_step",
+                "own_option",
+                "offered",
+                "dict",
+                "point",
+            )
         ),
         ("import helpers_beside_it\n", "line 1: ModuleNotFoundError: No module named"),
         (RIGHT.replace('"answer"', '"velocity"'), "velocity: Talus has one of this name"),
