@@ -75,7 +75,7 @@ def law(
     parameters : mapping, optional
         Parameters that it adds to those of the chute, made by `parameter`.
     remembers : int
-        How many numbers ``force`` gives to remember. What no contact keeps need not be moved.
+        How many numbers ``force`` gives to remember.
     """
     require_count(f"law {name}: remembers", remembers, MOST_REMEMBERED)
     LAW.add(name, OwnLaw(make, parameters or {}, force, energy, collision_time, remembers))
