@@ -34,7 +34,7 @@ from sim.report.page import build as build_report
 from sim.report.publish import publish
 from sim.study.load import Study, load_study, parse_study
 from tests.made.plugins import alone, forgotten
-from tests.made.processes import ROOT
+from tests.made.processes import ROOT, in_process
 from tests.made.runs import write_run
 
 EXAMPLES = ROOT / "docs" / "examples"
@@ -154,10 +154,18 @@ def test_an_observable_changes_nothing_that_others_read_and_ends_nothing(folder,
         build("own.yaml")
 
 
-def test_what_cannot_be_compiled_is_told_with_its_line(folder):
+@pytest.mark.parametrize(
+    ("right", "wrong", "why"),
+    [
+        ("* law.modulus * edge * overlap", "* law.moduls", "cannot be compiled: .*moduls"),
+        ("remembers=1", "remembers=2", "to remember is no tuple of 2 numbers, as remembers says"),
+        ("(drag,), lost", "drag, lost", "to remember is no tuple of 1 numbers, as remembers says"),
+    ],
+)
+def test_what_cannot_be_compiled_is_told_with_its_line(folder, right, wrong, why):
     """With one contact in place of a run, whose loops would take a minute to get that far."""
     path = folder / "hertz_mindlin.py"
-    path.write_text(path.read_text().replace("* law.modulus * edge * overlap", "* law.moduls", 1))
+    path.write_text(path.read_text().replace(right, wrong, 1))
     lines = (
         "import sys, numpy as np\n"
         "from sim.__main__ import main\n"
@@ -177,7 +185,7 @@ def test_what_cannot_be_compiled_is_told_with_its_line(folder):
     environment |= {"TALUS_CACHE_DIR": str(folder / "cache")}
     command = [sys.executable, "-c", lines]
     done = subprocess.run(command, env=environment, capture_output=True, text=True)
-    said = r"^error: plug-in hertz_mindlin.py .*: line \d+: cannot be compiled: .*moduls"
+    said = rf"^error: plug-in hertz_mindlin.py .*: line \d+: .*{why}"
     assert done.returncode == 2 and re.search(said, done.stderr, re.MULTILINE), done.stderr
     assert "Traceback" not in done.stderr
 
@@ -217,7 +225,7 @@ def test_hertz_mindlin_gives_the_restitution_at_every_size_and_speed(sizes, rest
     lasts = 2.87 * (mass**2 / (radius * (1e6 / 1.82) ** 2 * speed)) ** 0.2
     step = lasts / 200
     law = own.make(given, SimpleNamespace(friction=0.4, time_step=step))
-    velocity, overlap, memory, lost = speed, speed * step, (0.0,) * 4, 0.0
+    velocity, overlap, memory, lost = speed, speed * step, (0.0,), 0.0
     none = (0.0,) * 3
     while overlap > 0:
         force, _, memory, part = own.force(
@@ -235,10 +243,10 @@ def test_hertz_mindlin_stores_what_its_spring_does():
     own = SimpleNamespace(**runpy.run_path(str(EXAMPLES / "hertz_mindlin.py")))
     law = own.HertzMindlin(1e6, 1e6, 0.0, 0.4)
     none, overlaps = (0.0,) * 3, np.linspace(0, 1e-5, 2001)
-    forces = [own.force(law, one, 0.0, none, none, (0.0,) * 4, 1e-3, 1e-6)[0] for one in overlaps]
-    pressed, sheared = own.energy(law, 1e-5, none, (0.0,) * 4, 1e-3, 1e-6)
+    forces = [own.force(law, one, 0.0, none, none, (0.0,), 1e-3, 1e-6)[0] for one in overlaps]
+    pressed, sheared = own.energy(law, 1e-5, none, (0.0,), 1e-3, 1e-6)
     assert pressed == pytest.approx(np.trapezoid(forces, overlaps), rel=1e-5) and sheared == 0
-    _, held, _, _ = own.force(law, 1e-5, 0.0, (1e-6, 0, 0), none, (0.0,) * 4, 1e-3, 1e-6)
+    _, held, _, _ = own.force(law, 1e-5, 0.0, (1e-6, 0, 0), none, (0.0,), 1e-3, 1e-6)
     limit = 0.4 * forces[-1]
     assert np.hypot(*held[:2]) == pytest.approx(min(limit, 8e6 * 1e-4 * 1e-6))
 
@@ -367,15 +375,20 @@ def test_an_ellipse_is_the_harmonic_motion_where_nothing_lags(folder):
     in_process(folder, lines)
 
 
-def in_process(folder: Path, lines: str) -> None:
-    """Run lines in a process of its own, as others have the engine without what they add."""
-    environment = os.environ | {"PYTHONPATH": str(ROOT), "TALUS_CACHE_DIR": str(folder / "cache")}
-    command = [sys.executable, "-c", lines]
-    done = subprocess.run(command, env=environment, capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr
-
-
-def test_a_compiled_law_is_the_function_of_its_file(folder):
+@pytest.mark.parametrize(
+    ("count", "changes"),
+    [
+        (1, {}),
+        (4, {"    remembers=1,\n": "", "(drag,), lost": "(drag, 0.0, 2.0, drag), lost"}),
+        (0, {"remembers=1": "remembers=0", "(drag,), lost": "(), lost", "memory[0]": "drag"}),
+    ],
+)
+def test_a_compiled_law_is_the_function_of_its_file(folder, count, changes):
+    """Whatever it remembers: one number, four unless it says how many, or nothing."""
+    path = folder / "hertz_mindlin.py"
+    for right, other in changes.items():
+        assert right in path.read_text()
+        path.write_text(path.read_text().replace(right, other))
     lines = (
         "import runpy, numpy as np, sim\n"
         "own = runpy.run_path('hertz_mindlin.py')['force']\n"
@@ -390,7 +403,7 @@ def test_a_compiled_law_is_the_function_of_its_file(folder):
         "overlap, normal, slip = 1e-5 * np.sin(t), np.zeros((60, 3)), np.zeros((60, 3))\n"
         "normal[:, 2], slip[:, 0], slip[:, 1] = 1, 3e-7 * np.cos(3 * t), 1e-7\n"
         "found, sheared, memory = contact_path(Between(law, 5e-4, 1e-6), overlap, normal, slip)\n"
-        "held, kept, before, stuck = (0.0,) * 3, (0.0,) * 4, 0.0, 0\n"
+        f"held, kept, before, stuck = (0.0,) * 3, (0.0,) * {count}, 0.0, 0\n"
         "for k in range(60):\n"
         "    given = overlap[k], overlap[k] - before, slip[k], held, kept, 5e-4, 1e-6\n"
         "    force, held, kept, _ = own(law, *given)\n"

@@ -1,4 +1,4 @@
-"""A motion of the belt: an ellipse, which the belt goes round once in a cycle, as in feeders."""
+"""A motion of belt or conveyor: an ellipse, gone round once in a cycle, as in feeders."""
 
 from math import cos, radians, sin
 from typing import NamedTuple
@@ -7,7 +7,7 @@ import sim
 
 
 class Ellipse(NamedTuple):
-    """Lag (rad) of the motion along the belt behind that across it."""
+    """Lag (rad) of the motion along the base behind that across it."""
 
     lag: float
 
@@ -28,7 +28,7 @@ sim.motion(
     state=state,
     parameters={
         "belt_lag": sim.parameter(
-            90, unit="degree", description="lag of the motion along the belt", ge=-180, le=180
+            90, unit="degree", description="lag of the motion along the base", ge=-180, le=180
         )
     },
 )

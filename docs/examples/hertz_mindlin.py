@@ -46,7 +46,7 @@ def force(law, overlap, approach, slip, tangential, memory, radius, mass):
     limit = law.friction * abs(normal)
     scale = min(1.0, limit / size) if size > 0.0 else 0.0
     lost = 0.5 * (memory[0] + drag) * approach
-    return normal, (tx * scale, ty * scale, tz * scale), (drag, 0.0, 0.0, 0.0), lost
+    return normal, (tx * scale, ty * scale, tz * scale), (drag,), lost
 
 
 def energy(law, overlap, tangential, memory, radius, mass):
@@ -73,6 +73,7 @@ sim.law(
     make=make,
     force=force,
     energy=energy,
+    remembers=1,
     collision_time=collision_time,
     parameters={
         "youngs_modulus": sim.parameter(

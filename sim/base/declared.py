@@ -41,3 +41,9 @@ def require_number(what: str, value: Any) -> None:
     """Refuse what is no finite number; ``True`` and ``False`` are none."""
     if isinstance(value, bool) or not isinstance(value, int | float) or not isfinite(value):
         raise Refused(f"{what} is a finite number: got {in_short(value)}")
+
+
+def require_count(what: str, value: Any, most: int) -> None:
+    """Refuse what is no whole number from 0 to the most there may be."""
+    if isinstance(value, bool) or not isinstance(value, int) or not 0 <= value <= most:
+        raise Refused(f"{what} is a whole number from 0 to {most}: got {in_short(value)}")

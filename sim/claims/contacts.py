@@ -5,19 +5,19 @@ from math import sqrt
 import numpy as np
 
 from sim.engine.compile import kernel
-from sim.engine.contact.friction import MEMORY, contact_force
+from sim.engine.contact.friction import blank, contact_force
 
 
 @kernel
 def contact_path(law, overlap, normal, slip):
     """Take one contact along a path of overlaps (n,), normals (n, 3) and slips (n, 3).
 
-    Returns normal forces (n,), tangential forces (n, 3) and memories (n, 7).
+    Returns normal forces (n,), tangential forces (n, 3) and memories (n, M).
     """
     steps = overlap.size
     force, tangential = np.zeros(steps), np.zeros((steps, 3))
-    memories = np.zeros((steps, MEMORY))
-    memory = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    memory = blank(law)
+    memories = np.zeros((steps, len(memory)))
     for k in range(steps):
         n = (normal[k, 0], normal[k, 1], normal[k, 2])
         s = (slip[k, 0], slip[k, 1], slip[k, 2])
@@ -25,7 +25,7 @@ def contact_path(law, overlap, normal, slip):
         force[k], t, memory, _ = contact_force(law, overlap[k], approach, n, s, memory)
         for d in range(3):
             tangential[k, d] = t[d]
-        for m in range(MEMORY):
+        for m in range(len(memory)):
             memories[k, m] = memory[m]
     return force, tangential, memories
 

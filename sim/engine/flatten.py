@@ -50,16 +50,17 @@ def part_at(place: str, held: Mapping[str, Any]) -> FlatState:
     return {name[len(prefix) :]: held[name] for name in held if name.startswith(prefix)}
 
 
-def refilled(structure: Any, held: Mapping[str, Any]) -> Any:
+def refilled(structure: Any, held: Mapping[str, Any], growing: int = -1) -> Any:
     """Return a structure of the same kind that holds other arrays and numbers.
 
-    What is one array in two places of the structure is one in what is returned.
+    What is one array in two places of the structure is one in what is returned. Arrays may be
+    longer or shorter along the ``growing`` axis, as those of contacts are where there are more.
 
     Raises
     ------
     ValueError
-        When ``held`` has other places than the structure, or arrays of another type or number of
-        dimensions there; their shapes may differ.
+        When ``held`` has other places than the structure, or arrays of another type or of
+        other lengths there.
     """
     expected = flattened(structure)
     if expected.keys() != held.keys():
@@ -68,6 +69,9 @@ def refilled(structure: Any, held: Mapping[str, Any]) -> Any:
     for place, value in expected.items():
         if _kind(value) != _kind(held[place]):
             raise ValueError(f"{place} is of another kind")
+        one, other = np.shape(value), np.shape(held[place])
+        if _without(one, growing) != _without(other, growing):
+            raise ValueError(f"{place} has the lengths {other}, not {one}")
     return _filled(structure, held, "", {})
 
 
@@ -75,6 +79,10 @@ def _kind(value: Any) -> tuple[Any, ...]:
     if isinstance(value, np.ndarray):
         return value.dtype, value.ndim
     return (str if isinstance(value, str) else float,)
+
+
+def _without(lengths: tuple[int, ...], axis: int) -> tuple[int, ...]:
+    return lengths[:axis] + lengths[axis:][1:]
 
 
 def _filled(value: Any, held: Mapping[str, Any], place: str, known: dict[int, Any]) -> Any:

@@ -74,6 +74,9 @@ class OwnOption:
     make: Callable[..., Any]
     parameters: Mapping[str, Any]
 
+    #: What of it is no function.
+    plain: ClassVar[tuple[str, ...]] = ("parameters",)
+
 
 @dataclass(frozen=True)
 class Choice:
@@ -89,12 +92,15 @@ class Choice:
         Options of Talus, its default first.
     role : str
         Role of the parameter.
+    kept : bool
+        Whether what an option's parameters say is the same in a flow that goes on under others.
     """
 
     name: str
     models: tuple[type[Parameters], ...]
     usual: tuple[str, ...]
     role: Role
+    kept: bool
 
     def add(self, name: str, option: OwnOption) -> None:
         """Add an option of the plug-in that is being loaded.
@@ -106,7 +112,7 @@ class Choice:
         """
         what, parameters = f"{self.name} {name}", option.parameters
         for key, function in vars(option).items():
-            if key != "parameters":
+            if key not in option.plain:
                 require_function(f"{what}: {key}", function)
         if not isinstance(parameters, Mapping):
             allowed = "a mapping of names to what sim.parameter makes"
@@ -137,39 +143,63 @@ class Choice:
 
 
 class WithOwn(Parameters):
-    """Parameters of a system of which plug-ins offer options, the ``offered``, for a ``choice``."""
+    """Parameters of a system with the options, by choice, that plug-ins have ``offered``."""
 
-    choice: ClassVar[Choice]
-    offered: ClassVar[Mapping[str, Any]]
+    offered: ClassVar[Mapping[Choice, Mapping[str, Any]]]
+
+    def own_option(self, choice: Choice) -> Any:
+        """Return what a plug-in offers that this point has chosen, None where nothing is."""
+        return self.offered.get(choice, {}).get(getattr(self, choice.name, ""))
 
     @model_validator(mode="after")
-    def _with_parameters_of_its_option(self) -> Self:
-        choice = self.choice.name
-        for option, one in self.offered.items():
-            for name in one.parameters if option != getattr(self, choice) else ():
-                usual = type(self).model_fields[name].default
-                if getattr(self, name) != usual:
-                    allowed = f"{usual:g} unless {choice} is {named(option)}, whose it is"
-                    raise broken_rule(name, getattr(self, name), allowed)
+    def _with_parameters_of_its_options(self) -> Self:
+        for choice, offered in self.offered.items():
+            for option, one in offered.items():
+                for name in one.parameters if option != getattr(self, choice.name) else ():
+                    require_usual(self, name, f"{choice.name} is {named(option)}, whose it is")
         return self
 
 
-def extended(base: type[WithOwn]) -> type[Parameters]:
-    """Return the parameters of a system with what plug-ins offer for a choice.
+def require_usual(parameters: Parameters, name: str, unless: str) -> None:
+    """Refuse another value of a parameter than its default, ``unless`` something is."""
+    value, usual = getattr(parameters, name), type(parameters).model_fields[name].default
+    if value != usual:
+        raise broken_rule(name, value, f"{usual:g} unless {unless}")
+
+
+def extended(base: type[WithOwn], *choices: Choice) -> type[Parameters]:
+    """Return the parameters of a system with what plug-ins offer for choices.
 
     Parameters
     ----------
     base : type
-        Stands for the parameters of Talus, of which it is made, where there is an offer.
+        Stands for the parameters of Talus, its last base, where there is an offer.
+    *choices : Choice
+        What plug-ins may offer.
     """
-    offered = own(base.choice.name)
-    return _extended(base, tuple(offered)) if offered else base.__bases__[1]
+    options = {choice: tuple(own(choice.name)) for choice in choices}
+    offers = tuple((choice, names) for choice, names in options.items() if names)
+    return _extended(base, offers) if offers else base.__bases__[-1]
 
 
 @cache
-def _extended(base: type[WithOwn], options: tuple[str, ...]) -> type[Parameters]:
-    choice = base.choice
-    offered = own(choice.name)
+def _extended(
+    base: type[WithOwn], offers: tuple[tuple[Choice, tuple[str, ...]], ...]
+) -> type[Parameters]:
+    fields: dict[str, Any] = {}
+    kept, offered = [*base.kept], {choice: own(choice.name) for choice, _ in offers}
+    for choice, options in offers:
+        fields[choice.name] = _field(base, choice, options)
+        for one in offered[choice].values():
+            fields |= {name: (Real, field) for name, field in one.parameters.items()}
+            kept += one.parameters if choice.kept else ()
+    made: Any = create_model(base.__bases__[-1].__name__, __base__=base, **fields)
+    made.kept, made.offered = tuple(kept), offered
+    return made
+
+
+def _field(base: type[WithOwn], choice: Choice, options: tuple[str, ...]) -> tuple[Any, Any]:
+    """Return type and declaration of a choice with more options."""
     known = {named(option): option for option in options}
 
     def coded(value: Any) -> Any:
@@ -183,10 +213,4 @@ def _extended(base: type[WithOwn], options: tuple[str, ...]) -> type[Parameters]
         text = f"{choice.name}: {usual}, or one of a plug-in"
         said = declare(usual, description=text, role=choice.role, compiled=True, added=True)
     allowed: Any = Literal[(*choice.usual, *options)]
-    fields: dict[str, Any] = {choice.name: (Annotated[allowed, BeforeValidator(coded)], said)}
-    for one in offered.values():
-        fields |= {name: (Real, field) for name, field in one.parameters.items()}
-    made: Any = create_model(base.__bases__[1].__name__, __base__=base, **fields)
-    made.kept = (*base.kept, *(name for one in offered.values() for name in one.parameters))
-    made.offered = offered
-    return made
+    return Annotated[allowed, BeforeValidator(coded)], said

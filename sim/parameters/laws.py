@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Any, ClassVar, get_args
 
 from sim.base.additions import blamed
+from sim.base.declared import require_count
 from sim.parameters.choices import Choice, OwnOption, WithOwn, named
 from sim.parameters.chute import ChuteParameters
 from sim.parameters.conveyor import ConveyorParameters
@@ -17,6 +18,7 @@ LAW = Choice(
     (ChuteParameters, ConveyorParameters),
     get_args(SphereParameters.model_fields["law"].annotation),
     "reading",
+    kept=True,
 )
 
 
@@ -27,6 +29,13 @@ class OwnLaw(OwnOption):
     force: Callable[..., Any]
     energy: Callable[..., Any]
     collision_time: Callable[[Any], float]
+    remembers: int
+
+    plain: ClassVar[tuple[str, ...]] = (*OwnOption.plain, "remembers")
+
+
+#: Numbers of its own that a law remembers of a contact unless it says another number, and at most.
+USUALLY_REMEMBERED, MOST_REMEMBERED = 4, 32
 
 
 def law(
@@ -37,6 +46,7 @@ def law(
     energy: Callable[..., Any],
     collision_time: Callable[[Any], float],
     parameters: Mapping[str, Any] | None = None,
+    remembers: int = USUALLY_REMEMBERED,
 ) -> None:
     """Declare a contact law of the spheres, an option of the parameter ``law``.
 
@@ -51,11 +61,11 @@ def law(
     force : callable
         ``force(law, overlap, approach, slip, tangential, memory, radius, mass)``, compiled, returns
         the normal force (N), positive where it repels; the tangential one on the first partner, 3
-        numbers (N); 4 numbers to remember; and the energy (J) that the normal force has dissipated
-        in the step. ``overlap`` is in m, ``approach`` what it has grown by and ``slip`` the 3
-        numbers by which the second surface has moved along the first in the step (m);
-        ``tangential`` and ``memory`` are those of the last step, all zero for a new contact, the
-        force turned with the contact; ``radius`` (m) and ``mass`` (kg) are the reduced ones.
+        numbers (N); a tuple of the numbers to remember; and the energy (J) that the normal force
+        has dissipated in the step. ``overlap`` is in m, ``approach`` what it has grown by and
+        ``slip`` the 3 numbers by which the second surface has moved along the first in the step
+        (m); ``tangential`` and ``memory`` are those of the last step, all zero for a new contact,
+        the force turned with the contact; ``radius`` (m) and ``mass`` (kg) are the reduced ones.
     energy : callable
         ``energy(law, overlap, tangential, memory, radius, mass)``, compiled, returns the energy (J)
         in the normal and in the tangential spring.
@@ -64,17 +74,20 @@ def law(
         is one in ``steps_per_collision``.
     parameters : mapping, optional
         Parameters that it adds to those of the chute, made by `parameter`.
+    remembers : int
+        How many numbers ``force`` gives to remember.
     """
-    LAW.add(name, OwnLaw(make, parameters or {}, force, energy, collision_time))
+    require_count(f"law {name}: remembers", remembers, MOST_REMEMBERED)
+    LAW.add(name, OwnLaw(make, parameters or {}, force, energy, collision_time, remembers))
 
 
-class _WithOwnLaws(WithOwn, SphereParameters):
-    choice: ClassVar[Choice] = LAW
+class WithOwnLaws(WithOwn, SphereParameters):
+    """What a law of a plug-in says of a system of spheres."""
 
     @property
     def collision_time(self) -> float:
         """Duration of the shortest collision, s."""
-        one = self.offered.get(self.law)
+        one = self.own_option(LAW)
         if one is None:
             return super().collision_time
         with blamed(LAW.name, named(self.law)):
@@ -86,12 +99,8 @@ class _WithOwnLaws(WithOwn, SphereParameters):
     @property
     def caveat(self) -> str:
         """Say nothing of the start: how much spheres overlap is the law's affair."""
-        return "" if self.law in self.offered else super().caveat
+        return "" if self.own_option(LAW) else super().caveat
 
 
-class ChuteWithLaws(_WithOwnLaws, ChuteParameters):
+class ChuteWithOwn(WithOwnLaws, ChuteParameters):
     """Parameters of a chute with laws of plug-ins."""
-
-
-class ConveyorWithLaws(_WithOwnLaws, ConveyorParameters):
-    """Parameters of a conveyor with laws of plug-ins."""

@@ -1,14 +1,29 @@
-"""Motions of the belt of plug-ins, and the parameters of a belt with them."""
+"""Motions of plug-ins, and the parameters of a belt and of a conveyor with them."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any, Self
+
+from pydantic import model_validator
 
 from sim.parameters.belt import BeltParameters
-from sim.parameters.choices import Choice, OwnOption, WithOwn
+from sim.parameters.choices import Choice, OwnOption, WithOwn, require_usual
+from sim.parameters.conveyor import ConveyorParameters
+from sim.parameters.laws import WithOwnLaws
 
 #: The choice of a motion; that of Talus is harmonic.
-MOTION = Choice("motion", (BeltParameters,), ("harmonic",), "physics")
+MOTION = Choice(
+    "motion", (BeltParameters, ConveyorParameters), ("harmonic",), "physics", kept=False
+)
+
+#: What of the plane's motion a motion of a plug-in takes the place of.
+_HARMONIC = (
+    "phase_along",
+    "overtone",
+    "overtone_amplitude",
+    "overtone_along",
+    "overtone_phase",
+)
 
 
 @dataclass(frozen=True)
@@ -25,7 +40,9 @@ def motion(
     state: Callable[..., Any],
     parameters: Mapping[str, Any] | None = None,
 ) -> None:
-    """Declare a motion of the belt, an option of the parameter ``motion``, which is ``harmonic``.
+    """Declare a motion of the belt and of the plane of the conveyor.
+
+    It is an option of their parameter ``motion``, which is ``harmonic``.
 
     Parameters
     ----------
@@ -34,16 +51,25 @@ def motion(
     make : callable
         ``make(p)`` returns a ``NamedTuple`` of numbers from the parameters of the point.
     state : callable
-        ``state(motion, angle)``, compiled, returns how high the belt is, in amplitudes A_z, and the
-        derivatives of x, in A_x, and of z after the ``angle`` ωt + φ (rad), with whose period 2π it
-        repeats: sin, cos, cos of the harmonic motion. Where it is along x makes no difference.
+        ``state(motion, angle)``, compiled, returns how high the base is, in amplitudes A_z, and the
+        derivatives of x, in A_x, and of z after the ``angle`` (rad), with whose period 2π it
+        repeats: sin, cos, cos of the harmonic motion. The angle is ωt + φ of a belt and ωt of a
+        conveyor. Where the base is along x makes no difference.
     parameters : mapping, optional
-        Parameters that it adds to those of the belt, made by `parameter`.
+        Parameters that it adds to those of belt and conveyor, made by `parameter`.
     """
     MOTION.add(name, OwnMotion(make, parameters or {}, state))
 
 
-class WithOwnMotions(WithOwn, BeltParameters):
+class BeltWithOwn(WithOwn, BeltParameters):
     """Parameters of a belt with motions of plug-ins."""
 
-    choice: ClassVar[Choice] = MOTION
+
+class ConveyorWithOwn(WithOwnLaws, ConveyorParameters):
+    """Parameters of a conveyor with laws and motions of plug-ins."""
+
+    @model_validator(mode="after")
+    def _of_harmonic_motions_alone(self) -> Self:
+        for name in _HARMONIC if self.own_option(MOTION) else ():
+            require_usual(self, name, "motion is harmonic, whose it is")
+        return self

@@ -20,8 +20,8 @@ from sim.parameters.choices import extended
 from sim.parameters.chute import ChuteParameters
 from sim.parameters.common import Parameters, canonical_number
 from sim.parameters.conveyor import ConveyorParameters
-from sim.parameters.laws import ChuteWithLaws, ConveyorWithLaws
-from sim.parameters.motions import WithOwnMotions
+from sim.parameters.laws import LAW, ChuteWithOwn
+from sim.parameters.motions import MOTION, BeltWithOwn, ConveyorWithOwn
 from sim.parameters.roles import Declaration, added, amounts, declarations, id_parts, numerical
 
 SYSTEMS: dict[str, type[Parameters]] = {
@@ -34,9 +34,9 @@ SYSTEMS: dict[str, type[Parameters]] = {
 def _with_own() -> None:
     """Give the systems the laws and motions of the plug-ins that are loaded."""
     SYSTEMS.update(
-        chute=extended(ChuteWithLaws),
-        belt=extended(WithOwnMotions),
-        conveyor=extended(ConveyorWithLaws),
+        chute=extended(ChuteWithOwn, LAW),
+        belt=extended(BeltWithOwn, MOTION),
+        conveyor=extended(ConveyorWithOwn, LAW, MOTION),
     )
 
 

@@ -81,7 +81,15 @@ def test_parts_bring_their_plugins(tmp_path):
                 f"  '{name}': sim.parameter(0.5, unit='1', description='d')}})\n",
                 f"parameter {name}: Talus has one of this name",
             )
-            for name in ("drift", "particles", "time_step", "choice", "offered", "dict", "point")
+            for name in (
+                "drift",
+                "particles",
+                "time_step",
+                "own_option",
+                "offered",
+                "dict",
+                "point",
+            )
         ),
         ("import helpers_beside_it\n", "line 1: ModuleNotFoundError: No module named"),
         (RIGHT.replace('"answer"', '"velocity"'), "velocity: Talus has one of this name"),
@@ -125,6 +133,14 @@ MOTION = "motion('m', make=dict, state=dict, "
         (
             "law('l', make=dict, force=dict, energy=None, collision_time=dict)",
             "law l: energy is a function: got nothing",
+        ),
+        *(
+            (
+                f"law('l', make=dict, force=dict, energy=dict, collision_time=dict, "
+                f"remembers={wrong})",
+                f"law l: remembers is a whole number from 0 to 32: got {wrong.lower()}",
+            )
+            for wrong in ("-1", "33", "1.5", "True")
         ),
         ("parameter('a', unit='1', description='d')", "default is a finite number: got 'a'"),
         ("parameter(1, unit='1', description='d', gt='0')", "gt is a finite number: got '0'"),

@@ -8,6 +8,7 @@ import xarray as xr
 
 from sim.base.errors import InputError
 from sim.engine.run import run_point
+from sim.engine.states import States, packed, unpacked
 from sim.parameters import Parameters, parse_point, point_id
 from sim.study.load import parse_study
 from tests.engine_motion.points import belt_point, chute_point
@@ -83,6 +84,22 @@ def test_a_run_without_its_states_is_refused(tmp_path):
     first.with_name(f".{first.name}.state").unlink()
     with pytest.raises(InputError, match=r"the state of its replicate 0 in .* beside it"):
         run(tmp_path, CHUTE, start_from=first.stem, angle=20.0)
+
+
+def test_contacts_that_remember_other_numbers_are_refused(tmp_path, caplog):
+    """A state that a program has written whose law kept seven numbers of each contact."""
+    point = parse_point(CHUTE.model_dump() | {"law": "hertz"}, "point")
+    first = run(tmp_path, point)
+    states = States(first, point)
+    for number in range(point.replicates):
+        state = unpacked(states._archives[number])
+        held = state["moving.memory"]
+        state["moving.memory"] = np.pad(held, ((0, 0), (0, 7 - held.shape[1]), (0, 0)))
+        states._archives[number] = packed(state)
+    states.save()
+    with pytest.raises(InputError, match=r"the state of its replicate 0 in .* beside it; remove"):
+        run(tmp_path, point, start_from=first.stem, angle=20.0)
+    assert "memory has the lengths (2, 7, " in caplog.text
 
 
 def test_what_starts_from_a_failure_has_failed(tmp_path):

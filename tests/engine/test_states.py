@@ -289,6 +289,7 @@ def changed(state: dict, changes: dict) -> dict:
         ({"moving.disks.label": None}, "disks.label"),
         ({"moving.more": 1.0}, "more"),
         ({"moving.disks.taylor": np.zeros((2, 2))}, "disks.taylor"),
+        ({"moving.disks.taylor": np.zeros((6, 3, 20))}, "disks.taylor has the lengths (6, 3, 20)"),
         ({"moving.loop.step": np.zeros(1, np.float32)}, "loop.step"),
         ({"moving.belt_work": "much"}, "belt_work"),
         ({"table": np.zeros((3, 1))}, "series"),

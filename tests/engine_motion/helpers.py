@@ -10,7 +10,7 @@ import numpy as np
 from sim.engine.boundary.belt import belt_state
 from sim.engine.compile import FASTMATH, append_negative, kernel, vectorised
 from sim.engine.contact.damping import disk_force
-from sim.engine.contact.friction import contact_force
+from sim.engine.contact.friction import blank, contact_force
 from sim.engine.contact.roots import cube_root, inverse_square_root
 from sim.engine.contact.spring_damping import SpringDamping, spring_damping
 from sim.engine.contact.walton_braun import WaltonBraun, walton_braun
@@ -151,7 +151,7 @@ def meet(gate, rounds, rank, count):
 @kernel
 def dissipated_energy(law, overlap):
     """Energy that the law says a contact of spheres has lost along overlaps (n,), without slip."""
-    lost, memory, still = 0.0, (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+    lost, memory, still = 0.0, blank(law), (0.0, 0.0, 0.0)
     for k in range(overlap.size):
         approach = overlap[k] - (overlap[k - 1] if k else 0.0)
         _, _, memory, energy = contact_force(

@@ -2,7 +2,6 @@
 
 import numpy as np
 
-from sim.engine.contact.friction import MEMORY
 from sim.engine.dynamics import neighbors
 from sim.engine.dynamics.cells import make_box
 from sim.engine.dynamics.neighbors import empty_pair_list
@@ -12,6 +11,9 @@ from tests.engine_motion.helpers import all_pairs, compiled, listed_pairs, pair_
 refresh = compiled(neighbors.refresh)
 
 UNIT = 1e-3
+
+#: Numbers that a contact keeps here.
+MEMORY = 7
 
 
 class Gas:

@@ -62,10 +62,8 @@ class SphereMotion:
         self.length = (*(box or UNBOUNDED), 0.0)
         self.box, self.unbounded = make_box(*self.length[:2]), box is None
         self.pairs = empty_pair_list(self.spheres.radius, self.box, skin, room)
-        self.plane, self.memory = (
-            make_plane(number, threads),
-            make_memory(len(self.pairs.touching)),
-        )
+        self.plane = make_plane(self.laws[1], number, threads)
+        self.memory = make_memory(self.laws[0], len(self.pairs.touching))
         self.team, self.scratch = Team(threads), [make_scratch() for _ in range(threads)]
         self.flow = leap_frog.make_flow(number, threads)
         self.gravity, self.overlap_limit = gravity, overlap_limit
@@ -136,7 +134,7 @@ class SphereMotion:
         return 0.4 * self.mass * self._ordered(self.spheres.radius) ** 2
 
     def contacts(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-        """First and second partner, sum of radii and memory (7, C) of the last step's contacts."""
+        """First and second partner, sum of radii and memory (M, C) of the last step's contacts."""
         slot, label = self.pairs.slot[: self.pairs.start[-1]], self.spheres.label[0]
         touched = np.flatnonzero(slot >= 0)
         pairs = label[self.pairs.first[touched]], label[self.pairs.second[touched]]
@@ -144,7 +142,7 @@ class SphereMotion:
         return *pairs, self.pairs.reach[touched], memory[:, slot[touched]]
 
     def plane_contacts(self) -> tuple[np.ndarray, np.ndarray]:
-        """Spheres that touched the plane in the last step, and the memory (7, C) of it."""
+        """Spheres that touched the plane in the last step, and the memory (M, C) of it."""
         slot = self.plane.slot[0]
         touched = np.flatnonzero(slot >= 0)
         memory = self.plane.memory[self.flow.step[0] % 2]

@@ -5,6 +5,7 @@ have ended.
 """
 
 import json
+import os
 import subprocess
 import sys
 import time
@@ -52,3 +53,12 @@ def start_run(parameters: Parameters, output: Path, **options) -> subprocess.Pop
     process.stdin.close()
     process.stdin = None
     return process
+
+
+def in_process(folder: Path, lines: str) -> None:
+    """Run lines in a folder, in a process of their own: others have the engine without what they
+    add."""
+    environment = os.environ | {"PYTHONPATH": str(ROOT), "TALUS_CACHE_DIR": str(folder / "cache")}
+    command = [sys.executable, "-c", lines]
+    done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr

@@ -8,9 +8,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from sim.engine.boundary.own_motion import shape_of
 from sim.engine.compile import append_negative, implements, inlined, kernel, vectorised
 from sim.engine.contact.damping import disk_force, dissipated, elastic_energy
-from sim.engine.plugged import adopt
 
 
 class Belt(NamedTuple):
@@ -55,24 +55,6 @@ def _belt_state(belt, time):
     if belt.instance_class is Belt:
         return lambda belt, time: _harmonic(belt, time)
     return lambda belt, time: _own(belt, time)
-
-
-def shape_of(motion, angle):
-    """Return what the function ``state`` of a plug-in does, see `sim.parameters.motions.motion`."""
-    raise NotImplementedError
-
-
-def add_motion(kind, motion):
-    """Make a type of parameters known as a motion, with the function of a plug-in for it."""
-    if not adopt(kind):
-        return
-    own_state = inlined(motion.state)
-
-    @implements(shape_of)
-    def _shape(motion, angle):
-        if motion.instance_class is not kind:
-            return None
-        return lambda motion, angle: own_state(motion, angle)
 
 
 @inlined

@@ -3,6 +3,7 @@
 Particles are told in the frame of the plane, in which contacts, bumps and neighbor list know
 nothing of its motion: what a plane that moves with the velocity u adds is the acceleration
 -du/dt of all that is free. Gravity alone is a type of its own, for which nothing is left of it.
+The plane moves harmonically, at one or two frequencies, or as a plug-in says.
 """
 
 from math import pi, radians
@@ -10,7 +11,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sim.engine.compile import implements, inlined
+from sim.engine.boundary.own_motion import heights, own_motion, shape_of, ways
+from sim.engine.compile import implements, inlined, kernel
 from sim.parameters.conveyor import ConveyorParameters
 
 
@@ -38,14 +40,32 @@ class Vibration(NamedTuple):
     work: np.ndarray
 
 
-def vibration(p: ConveyorParameters, gravity: tuple[float, float, float]) -> Vibration:
+class OwnVibration(NamedTuple):
+    """A plane that moves as a plug-in says: x = A_x s_x(ωt), z = A_z s_z(ωt).
+
+    The type of ``motion``, the plug-in's parameters, tells s_x and s_z; all else as in `Vibration`.
+    """
+
+    gravity: tuple[float, float, float]
+    rate: float
+    amplitude: tuple[float, float]
+    motion: NamedTuple
+    work: np.ndarray
+
+
+def vibration(
+    p: ConveyorParameters, gravity: tuple[float, float, float]
+) -> Vibration | OwnVibration:
     """Return the vibration of a point under such gravity (m/s²)."""
-    sigma = p.diameter
+    sigma, rate, motion = p.diameter, 2.0 * pi * p.frequency, own_motion(p)
+    amplitude = (p.amplitude_along * sigma, p.amplitude * sigma)
+    if motion is not None:
+        return OwnVibration(gravity, rate, amplitude, motion, np.zeros(1))
     return Vibration(
         gravity,
-        2.0 * pi * p.frequency,
+        rate,
         float(p.overtone),
-        (p.amplitude_along * sigma, p.amplitude * sigma),
+        amplitude,
         (radians(p.phase_along), 0.0),
         (p.overtone_along * sigma, p.overtone_amplitude * sigma),
         radians(p.overtone_phase),
@@ -53,18 +73,44 @@ def vibration(p: ConveyorParameters, gravity: tuple[float, float, float]) -> Vib
     )
 
 
-@inlined
 def plane_velocity(drive, axis, time):
     """Return the velocity (m/s) of a vibrating plane along x (axis 0) or z (1)."""
+    if isinstance(drive, Vibration):
+        return _harmonic_velocity(drive, axis, time)
+    return _own_velocities(drive, axis, np.ravel(time)).reshape(np.shape(time))
+
+
+@implements(plane_velocity)
+def _plane_velocity(drive, axis, time):
+    return _harmonic_velocity if drive.instance_class is Vibration else _own_velocity
+
+
+def _harmonic_velocity(drive, axis, time):
     angle, again = drive.rate * time, drive.overtone * drive.rate
     first = drive.amplitude[axis] * drive.rate * np.cos(angle + drive.phase[axis])
     second = again * np.cos(drive.overtone * angle + drive.second_phase)
     return first + drive.second[axis] * second
 
 
-def plane_place(drive: Vibration, axis: int, time: np.ndarray) -> np.ndarray:
+def _own_velocity(drive, axis, time):
+    _, along, upward = shape_of(drive.motion, drive.rate * time)
+    return drive.amplitude[axis] * drive.rate * (upward if axis == 1 else along)
+
+
+@kernel
+def _own_velocities(drive, axis, times):
+    found = np.empty(times.size)
+    for k in range(times.size):
+        found[k] = plane_velocity(drive, axis, times[k])
+    return found
+
+
+def plane_place(drive: Vibration | OwnVibration, axis: int, time: np.ndarray) -> np.ndarray:
     """Return where a vibrating plane is (m) along x (axis 0) or z (1)."""
     angle = drive.rate * time
+    if isinstance(drive, OwnVibration):
+        places = heights if axis == 1 else ways
+        return drive.amplitude[axis] * places(drive.motion, angle)
     first = drive.amplitude[axis] * np.sin(angle + drive.phase[axis])
     return first + drive.second[axis] * np.sin(drive.overtone * angle + drive.second_phase)
 

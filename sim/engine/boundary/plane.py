@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from sim.engine.compile import append_negative, inlined, kernel, vectorised
-from sim.engine.contact.friction import MEMORY, stored_energy
+from sim.engine.contact.friction import blank, recall, stored_energy
 from sim.engine.contact.own import on_plane
 from sim.engine.dynamics.cells import LANES
 from sim.engine.dynamics.neighbors import BLOCK
@@ -20,20 +20,20 @@ from sim.engine.dynamics.spheres import (
     filled_up,
     make_memory,
     react,
-    recall,
 )
 
 
 class Plane(NamedTuple):
-    """``slot`` (1, N): where each particle's contact is in ``memory`` (2, 7, C), -1 for none."""
+    """``slot`` (1, N): where each particle's contact is in ``memory`` (2, M, C), -1 for none."""
 
     slot: np.ndarray
     memory: np.ndarray
 
 
-def make_plane(particles: int, threads: int = 1) -> Plane:
-    """Return a plane that nothing has touched yet."""
-    return Plane(np.full((1, particles), -1, np.int32), make_memory(particles + LANES * threads))
+def make_plane(law: NamedTuple, particles: int, threads: int = 1) -> Plane:
+    """Return a plane, for spheres that obey such a law, that nothing has touched yet."""
+    room = make_memory(law, particles + LANES * threads)
+    return Plane(np.full((1, particles), -1, np.int32), room)
 
 
 @inlined
@@ -50,6 +50,7 @@ def _evaluate(spheres, contacts, scratch, number, base, time_step):
     """Apply the law to ``number`` touching particles of a block; the memory goes to base + k."""
     x, v, w = spheres.position, spheres.velocity, spheres.rim
     slot, touching, rows = contacts.partners, scratch.search.touching, scratch.rows
+    new = blank(contacts.law)
     for k in range(number):
         i = np.uint64(touching[k])
         velocity, rim = (-v[0, i], -v[1, i], -v[2, i]), (w[0, i], w[1, i], w[2, i])
@@ -58,8 +59,8 @@ def _evaluate(spheres, contacts, scratch, number, base, time_step):
     for k in range(number):
         i = np.uint64(touching[k])
         law = on_plane(contacts.law, spheres, i)
-        memory = react(law, rows, k, recall(contacts.before, slot[0, i]))
-        for m in range(MEMORY):
+        memory = react(law, rows, k, recall(new, contacts.before, slot[0, i]))
+        for m in range(len(new)):
             contacts.after[m, np.uint64(base + k)] = memory[m]
 
 
@@ -109,14 +110,14 @@ def stored_in_plane(law, spheres, plane, memory, time_step):
 
     Arguments as for ``stored_in_spheres``.
     """
-    normal, tangential = 0.0, 0.0
+    normal, tangential, new = 0.0, 0.0, blank(law)
     for i in range(spheres.radius.size):
         if plane.slot[0, i] < 0:
             continue
         height = spheres.position[2, i] - spheres.velocity[2, i] * time_step
         overlap = spheres.radius[i] - abs(height)
         met = on_plane(law, spheres, i)
-        pressed, sheared = stored_energy(met, overlap, recall(memory, plane.slot[0, i]))
+        pressed, sheared = stored_energy(met, overlap, recall(new, memory, plane.slot[0, i]))
         normal += pressed
         tangential += sheared
     return normal, tangential

@@ -40,7 +40,7 @@ def force(law, overlap, approach, slip, tangential, memory, radius, mass):
     lost = 0.5 * ((drag if begun else memory[0]) + drag) * approach
     if begun:
         lost += 0.5 * (along[0] * slip[0] + along[1] * slip[1] + along[2] * slip[2])
-    return law.stiffness * overlap + drag, along, (drag, 1.0, 0.0, 0.0), lost
+    return law.stiffness * overlap + drag, along, (drag, 1.0), lost
 
 
 def energy(law, overlap, tangential, memory, radius, mass):
@@ -48,4 +48,4 @@ def energy(law, overlap, tangential, memory, radius, mass):
     return 0.5 * law.stiffness * overlap * overlap, 0.0
 
 
-add_functions(Drag, force, energy)
+add_functions(Drag, force, energy, kept=2)

@@ -50,7 +50,7 @@ def force(law, overlap, approach, slip, tangential, memory, radius, mass):
     limit = law.friction * abs(normal)
     scale = limit / size if size > limit else 1.0
     lost = 0.5 * (memory[0] + drag) * approach
-    return normal, (tx * scale, ty * scale, tz * scale), (drag, 0.0, 0.0, 0.0), lost
+    return normal, (tx * scale, ty * scale, tz * scale), (drag,), lost
 
 
 def energy(law, overlap, tangential, memory, radius, mass):
@@ -62,4 +62,4 @@ def energy(law, overlap, tangential, memory, radius, mass):
     return pressed, 0.5 * square / spring if spring > 0.0 else 0.0
 
 
-add_functions(Hertz, force, energy)
+add_functions(Hertz, force, energy, kept=1)

@@ -6,8 +6,12 @@ that need neither radius nor mass stay as they are and cost nothing more.
 
 from typing import NamedTuple
 
+from numba.core.errors import TypingError
+from numba.core.ir import Loc
+from numba.core.types import BaseTuple
+
 from sim.engine.compile import implements, inlined
-from sim.engine.contact.friction import contact_force, stored_energy
+from sim.engine.contact.friction import blank, contact_force, remembers, stored_energy
 from sim.engine.contact.roots import SMALLEST, inverse_square_root
 from sim.engine.contact.tangential import friction_direction, work_against
 from sim.engine.plugged import adopt
@@ -56,6 +60,11 @@ def _on_plane(law, spheres, i):
     return lambda law, spheres, i: Between(law, spheres.radius[i], spheres.mass[i])
 
 
+@implements(blank)
+def _blank(law):
+    return (lambda law: blank(law.law)) if law.instance_class is Between else None
+
+
 @inlined
 def turned(normal, tangential):
     """Return a tangential force turned into the present tangent plane, its magnitude kept."""
@@ -67,6 +76,11 @@ def turned(normal, tangential):
 
 def force_of(law, overlap, approach, slip, tangential, memory, radius, mass):
     """Return what the function ``force`` of a law does, see `sim.parameters.laws.law`."""
+    raise NotImplementedError
+
+
+def remembered_of(law, numbers):
+    """Return the numbers that ``force`` of a law gives to remember, as many as the law keeps."""
     raise NotImplementedError
 
 
@@ -103,21 +117,38 @@ def _stored_energy(law, overlap, memory):
 def add_law(kind, law):
     """Make a type of parameters known as a law, with the functions of a plug-in for it."""
     if adopt(kind):
-        add_functions(kind, law.force, law.energy)
+        add_functions(kind, law.force, law.energy, law.remembers)
 
 
-def add_functions(kind, force, energy):
-    """Make a type of parameters known as a law with these functions."""
+def add_functions(kind, force, energy, kept):
+    """Make a type of parameters known as a law with these functions, which keeps such a number of
+    numbers of its own."""
     own_force, own_energy = inlined(force), inlined(energy)
+    place = Loc(force.__code__.co_filename, force.__code__.co_firstlineno)
     _functional.add(kind)
+    remembers(kind, kept)
 
     @implements(force_of)
     def _force(law, overlap, approach, slip, tangential, memory, radius, mass):
         if law.instance_class is not kind:
             return None
-        return lambda law, overlap, approach, slip, tangential, memory, radius, mass: own_force(
-            law, overlap, approach, slip, tangential, memory, radius, mass
-        )
+
+        def body(law, overlap, approach, slip, tangential, memory, radius, mass):
+            normal, along, numbers, lost = own_force(
+                law, overlap, approach, slip, tangential, memory, radius, mass
+            )
+            return normal, along, remembered_of(law, numbers), lost
+
+        return body
+
+    @implements(remembered_of)
+    def _remembered(law, numbers):
+        if law.instance_class is not kind:
+            return None
+        if not (isinstance(numbers, BaseTuple) and len(numbers) == kept):
+            said = f"what force gives to remember is no tuple of {kept} numbers, as remembers says"
+            raise TypingError(f"{said}: got {numbers}", place)
+        return lambda law, numbers: numbers
 
     @implements(energy_of)
     def _energy(law, overlap, tangential, memory, radius, mass):

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 from sim.engine.compile import implements
 from sim.engine.contact import Partners
-from sim.engine.contact.friction import contact_force, stored_energy
+from sim.engine.contact.friction import contact_force, remembers, stored_energy
 from sim.engine.contact.roots import SMALLEST, inverse_square_root
 from sim.engine.contact.tangential import friction_direction, work_against
 from sim.parameters.spheres import SphereParameters
@@ -27,6 +27,10 @@ class SpringDashpot(NamedTuple):
     damping: float
     tangential: float
     friction: float
+
+
+#: The drag of the last step.
+remembers(SpringDashpot, 1)
 
 
 def damping_ratio(restitution: float) -> float:
@@ -93,7 +97,7 @@ def _spring_dashpot(law, overlap, approach, normal, slip, memory):
         return (
             force,
             tangential,
-            (*tangential, drag, 0.0, 0.0, 0.0),
+            (*tangential, drag),
             (0.5 * (drag_before + drag) * approach, work_against(before, tangential, slip)),
         )
 

@@ -6,9 +6,9 @@ surface displacement and the points that the paper leaves open.
 
 from typing import NamedTuple
 
-from sim.engine.compile import inlined
+from sim.engine.compile import implements, inlined
 from sim.engine.contact import Partners
-from sim.engine.contact.friction import contact_force, implements, stored_energy
+from sim.engine.contact.friction import contact_force, remembers, stored_energy
 from sim.engine.contact.roots import SMALLEST, cube_root, inverse_square_root
 from sim.engine.contact.tangential import friction_direction, work_against
 from sim.parameters.spheres import SphereParameters
@@ -80,6 +80,10 @@ class WaltonBraun(NamedTuple):
     stiffening: Linear | CubeRoot | Power
     dent: Separation | Shrink | Reset
     limit: CapBefore | CapAfter
+
+
+#: Magnitude of the friction, its turning point, whether it falls, and the largest overlap.
+remembers(WaltonBraun, 4)
 
 
 def walton_braun(

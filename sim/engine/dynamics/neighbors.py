@@ -189,7 +189,7 @@ def find_next(pairs, position, radius, rank, threads):
 def carry_slots(pairs, order, memory, first, last):
     """Tell the next list where the contacts among pairs ``first``..``last`` are remembered.
 
-    ``memory`` (7, C) is that of the last step: where partners change places, the remembered force
+    ``memory`` (M, C) is that of the last step: where partners change places, the remembered force
     changes sign.
     """
     found, rank = pairs.next, np.empty(order.size, np.int64)

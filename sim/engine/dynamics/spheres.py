@@ -12,7 +12,13 @@ from typing import NamedTuple
 import numpy as np
 
 from sim.engine.compile import inlined, kernel, vectorised
-from sim.engine.contact.friction import MEMORY, contact_force, stored_energy
+from sim.engine.contact.friction import (
+    blank,
+    contact_force,
+    memory_size,
+    recall,
+    stored_energy,
+)
 from sim.engine.contact.own import between
 from sim.engine.contact.roots import inverse_square_root
 from sim.engine.dynamics.cells import LANES, nearest_image, rounded_up
@@ -61,7 +67,7 @@ class Contacts(NamedTuple):
     """The contacts of spheres with each other or with a boundary in one step.
 
     Their ``law``; ``partners``, who may touch whom: a pair list or the slots of a plane; and what
-    they remember, ``before`` and ``after`` the step (7, C).
+    they remember, ``before`` and ``after`` the step (M, C).
     """
 
     law: NamedTuple
@@ -173,26 +179,11 @@ def react(law, rows, k, memory):
 
 
 @inlined
-def recall(memory, slot):
-    """Return what a contact remembers; a negative slot means that it did not touch."""
-    held = slot >= 0
-    s = np.uint64(max(slot, 0))
-    return (
-        memory[0, s] if held else 0.0,
-        memory[1, s] if held else 0.0,
-        memory[2, s] if held else 0.0,
-        memory[3, s] if held else 0.0,
-        memory[4, s] if held else 0.0,
-        memory[5, s] if held else 0.0,
-        memory[6, s] if held else 0.0,
-    )
-
-
-@inlined
 def _evaluate(spheres, contacts, block, time_step):
     """Apply the law to the touching pairs of a block, and to some more that fill whole vectors."""
     x, v, w = spheres.position, spheres.velocity, spheres.rim
     pairs, rows, number = contacts.partners, block.rows, rounded_up(block.number, LANES)
+    new = blank(contacts.law)
     for k in range(number):
         p = np.uint64(pairs.touching[np.uint64(block.base + k)])
         i, j = np.uint64(pairs.first[p]), np.uint64(pairs.second[p])
@@ -202,10 +193,10 @@ def _evaluate(spheres, contacts, block, time_step):
         approach(rows, k, Meeting(separation, velocity, rim, pairs.reach[p]), time_step)
     for k in range(number):
         c = np.uint64(block.base + k)
-        memory = recall(contacts.before, pairs.slot[pairs.touching[c]])
+        memory = recall(new, contacts.before, pairs.slot[pairs.touching[c]])
         law = between(contacts.law, spheres, pairs, pairs.touching[c])
         memory = react(law, rows, k, memory)
-        for m in range(MEMORY):
+        for m in range(len(new)):
             contacts.after[m, c] = memory[m]
 
 
@@ -287,11 +278,11 @@ def sphere_forces(spheres, contacts, scratch, time_step, share):
 def stored_in_spheres(law, spheres, pairs, memory, time_step):
     """Return the energy (J) in the normal and tangential springs of all pairs in contact.
 
-    ``memory`` (7, C) is that of the last step, and the overlaps are those of its force evaluation,
+    ``memory`` (M, C) is that of the last step, and the overlaps are those of its force evaluation,
     one displacement ago.
     """
     x, v = spheres.position, spheres.velocity
-    normal, tangential = 0.0, 0.0
+    normal, tangential, new = 0.0, 0.0, blank(law)
     for p in range(pairs.start[-1]):
         if pairs.slot[p] < 0:
             continue
@@ -302,15 +293,18 @@ def stored_in_spheres(law, spheres, pairs, memory, time_step):
         dz -= (v[2, j] - v[2, i]) * time_step
         overlap = pairs.reach[p] - (dx * dx + dy * dy + dz * dz) ** 0.5
         met = between(law, spheres, pairs, p)
-        pressed, sheared = stored_energy(met, overlap, recall(memory, pairs.slot[p]))
+        pressed, sheared = stored_energy(met, overlap, recall(new, memory, pairs.slot[p]))
         normal += pressed
         tangential += sheared
     return normal, tangential
 
 
-def make_memory(contacts: int) -> np.ndarray:
-    """Return room (2, 7, C) for what contacts remember, written in even and odd steps in turn."""
-    return np.zeros((2, MEMORY, contacts))
+def make_memory(law: NamedTuple, contacts: int) -> np.ndarray:
+    """Return room (2, M, C) for what contacts remember, written in even and odd steps in turn.
+
+    M is as many numbers as a contact keeps under the law.
+    """
+    return np.zeros((2, memory_size(type(law)), contacts))
 
 
 def enlarged(memory: np.ndarray, contacts: int) -> np.ndarray:

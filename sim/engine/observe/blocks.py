@@ -40,7 +40,7 @@ class ProfileBlocks:
         """
         some = any(place.startswith("latest") for place in held)
         kind = {name: _stacked([like] if some else []) for name in ("blocks", "latest")}
-        found = refilled({"length": 0, "filled": 0} | kind, held)
+        found = refilled({"length": 0, "filled": 0} | kind, held, growing=0)
         self._length, self._filled = found["length"], found["filled"]
         self._blocks = _unstacked(found["blocks"])
         self.latest = next(iter(_unstacked(found["latest"])), None)

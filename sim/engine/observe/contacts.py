@@ -17,6 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from sim.engine.compile import implements, inlined, kernel
+from sim.engine.contact.friction import blank, recall
 from sim.engine.contact.own import between, on_plane
 from sim.engine.dynamics.spheres import (
     DEPTH,
@@ -31,7 +32,6 @@ from sim.engine.dynamics.spheres import (
     approach,
     nearest,
     react,
-    recall,
 )
 from sim.engine.observe.listed import Listed
 
@@ -268,7 +268,7 @@ def _visit(seen, spheres, contacts, sampling):
     pairs, slot = contacts.pairs, contacts.plane.slot
     memory = contacts.memory[sampling.step % 2]
     plane_memory = contacts.plane.memory[sampling.step % 2]
-    rows = np.zeros(ROWS * STRIDE)
+    rows, new = np.zeros(ROWS * STRIDE), blank(law)
     for p in range(pairs.start[-1]):
         i, j = pairs.first[p], pairs.second[p]
         dx, dy, dz = nearest(x, pairs.box, i, j)
@@ -279,7 +279,7 @@ def _visit(seen, spheres, contacts, sampling):
         rim = (w[0, j] + w[0, i], w[1, j] + w[1, i], w[2, j] + w[2, i])
         approach(rows, 0, Meeting((dx, dy, dz), velocity, rim, pairs.reach[p]), step)
         normal, speed = _normal_and_slip(rows, step)
-        react(between(law, spheres, pairs, p), rows, 0, recall(memory, pairs.slot[p]))
+        react(between(law, spheres, pairs, p), rows, 0, recall(new, memory, pairs.slot[p]))
         at = x[2, i] + (spheres.radius[i] - 0.5 * rows[DEPTH * STRIDE]) * normal[2]
         place = (-dx, -dy, -dz), x[2, i], at
         met = (spheres.label[0, i], spheres.label[0, j]), place, normal, (speed, friction)
@@ -290,7 +290,7 @@ def _visit(seen, spheres, contacts, sampling):
         velocity, rim = (-v[0, i], -v[1, i], -v[2, i]), (w[0, i], w[1, i], w[2, i])
         approach(rows, 0, Meeting((0.0, 0.0, -x[2, i]), velocity, rim, spheres.radius[i]), step)
         normal, speed = _normal_and_slip(rows, step)
-        react(on_plane(plane_law, spheres, i), rows, 0, recall(plane_memory, slot[0, i]))
+        react(on_plane(plane_law, spheres, i), rows, 0, recall(new, plane_memory, slot[0, i]))
         place = (0.0, 0.0, x[2, i]), x[2, i], 0.0
         met = (spheres.label[0, i], np.int64(-1)), place, normal, (speed, plane_friction)
         note(seen, sampling, rows, met)

@@ -5,12 +5,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sim.engine.boundary.belt import Belt, OwnBelt, add_motion, belt_height
+from sim.engine.boundary.belt import Belt, OwnBelt, belt_height
+from sim.engine.boundary.own_motion import own_motion
 from sim.engine.dynamics.cells import Box
-from sim.engine.plugged import made
 from sim.engine.systems.packing import random_packing
 from sim.parameters import BeltParameters
-from sim.parameters.motions import MOTION
 
 #: Area fraction of the random initial state; random sequential addition saturates near 0.55.
 INITIAL_PACKING = 0.3
@@ -64,5 +63,5 @@ def vibration(p: BeltParameters, frequency: float) -> Belt | OwnBelt:
         surface,
         inverse_mass=1.0 / p.mass if p.ghost_mass == "mean" else 0.0,
     )
-    motion = getattr(p, MOTION.name, "")
-    return OwnBelt(*belt, made(MOTION, motion, add_motion, p)) if MOTION.is_own(motion) else belt
+    motion = own_motion(p)
+    return belt if motion is None else OwnBelt(*belt, motion)

@@ -99,13 +99,13 @@ class Chute:
         number = len(layer.radius)
         self.spheres = make_spheres(*layer[:4], p.threads, p.orientations)
         self.pairs = empty_pair_list(layer.radius, self.box, SKIN * p.diameter)
-        self.plane = make_plane(number, p.threads)
-        self.memory = make_memory(len(self.pairs.touching))
+        self.laws = (self._law(p.friction, 0.5 * p.mass), self._law(p.friction_plane, p.mass))
+        self.plane = make_plane(self.laws[1], number, p.threads)
+        self.memory = make_memory(self.laws[0], len(self.pairs.touching))
         self.team = Team(p.threads)
         self.scratch = [make_scratch() for _ in range(p.threads)]
         self.glued = number - p.particles
         self.flow = leap_frog.make_flow(number, p.threads, fixed=self.glued > 0)
-        self.laws = (self._law(p.friction, 0.5 * p.mass), self._law(p.friction_plane, p.mass))
         slice_height = p.slice_height * p.diameter
         self.slices = FlowProfiles(
             ceil((1.5 * layer.height + 10.0 * p.diameter) / slice_height),

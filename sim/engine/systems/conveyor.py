@@ -4,7 +4,13 @@ from math import inf, pi
 
 import numpy as np
 
-from sim.engine.boundary.drive import Vibration, plane_place, plane_velocity, vibration
+from sim.engine.boundary.drive import (
+    OwnVibration,
+    Vibration,
+    plane_place,
+    plane_velocity,
+    vibration,
+)
 from sim.engine.dynamics.cells import Box, make_box
 from sim.engine.dynamics.spheres import SOLID
 from sim.engine.observe.profiles import AREA, VOLUME
@@ -36,7 +42,7 @@ class Conveyor(Chute):
     path_interval = 1 / 40
 
     parameters: ConveyorParameters
-    drive: Vibration
+    drive: Vibration | OwnVibration
 
     def __init__(self, parameters: ConveyorParameters, replicate: int, substeps: int = 1):
         flat = parameters.is_flat
@@ -64,7 +70,7 @@ class Conveyor(Chute):
         """Return the area of the cell (m²), or the length of that of discs (m)."""
         return self.box.length[0] if self.parameters.is_flat else super()._base_area()
 
-    def _drive(self) -> Vibration:
+    def _drive(self) -> Vibration | OwnVibration:
         return vibration(self.parameters, self.gravity)
 
     def _scales(self) -> Scales:

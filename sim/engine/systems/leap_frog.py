@@ -46,7 +46,7 @@ STRIP = 2048
 class FlowContacts(NamedTuple):
     """What the spheres may touch, and what they remember of it.
 
-    ``laws`` between two spheres and between a sphere and the plane; ``memory`` (2, 7, C) of pairs.
+    ``laws`` between two spheres and between a sphere and the plane; ``memory`` (2, M, C) of pairs.
     """
 
     laws: tuple[NamedTuple, NamedTuple]

@@ -93,7 +93,7 @@ def collect_forces(spheres, sharing, share):
 def refresh_together(spheres, pairs, plane, sharing, thread, memory):
     """Rebuild the neighbor list, sort the particles by place and share them out anew.
 
-    Done by all threads together; ``memory`` (7, C) is that of the last step. Returns a status:
+    Done by all threads together; ``memory`` (M, C) is that of the last step. Returns a status:
     unless it is OK, list and particles are as they were, but for positions wrapped into the cell.
     """
     rank, gate = thread.rank, thread.gate

@@ -5,6 +5,7 @@ from typing import get_args
 import pytest
 
 from sim.engine.contact import Partners, law_of
+from sim.engine.systems import build
 from sim.parameters import ChuteParameters
 
 NAMES = get_args(ChuteParameters.model_fields["law"].annotation)
@@ -18,3 +19,11 @@ def test_every_law_that_a_point_may_name_has_a_file_that_makes_it(name):
     # Hertz's law has a modulus in place of a stiffness, and drags have no friction.
     assert (250.0 in law) == (name != "hertz")
     assert ("friction=0.3" in repr(law)) == (name != "drag")
+
+
+@pytest.mark.parametrize(
+    ("name", "numbers"), [("walton_braun", 7), ("spring_dashpot", 4), ("hertz", 4), ("drag", 5)]
+)
+def test_contacts_keep_as_many_numbers_as_their_law_says(name, numbers):
+    system = build(ChuteParameters(law=name, depth=1, cell=4), 0)
+    assert system.memory.shape[:2] == system.plane.memory.shape[:2] == (2, numbers)

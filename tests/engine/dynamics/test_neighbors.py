@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from sim.engine.contact.friction import MEMORY, VECTOR
+from sim.engine.contact.friction import VECTOR
 from sim.engine.dynamics.neighbors import grown
 from sim.engine.dynamics.status import LIST_FULL, NOT_FINITE, OK
 from tests.engine_motion.lists import UNIT, Gas, random_gas
@@ -76,7 +76,7 @@ def test_memory_goes_with_the_pairs_that_touched_last_and_with_no_others():
     slot[: len(names)] = np.where(touched, rng.permutation(len(names)), -1)
     gas.memory[:] = rng.random(gas.memory.shape)
     before = {name: gas.memory[:, slot[k]].copy() for k, name in enumerate(names) if touched[k]}
-    turned = {(j, i): np.where(np.arange(MEMORY) < VECTOR, -m, m) for (i, j), m in before.items()}
+    turned = {(j, i): np.where(np.arange(len(m)) < VECTOR, -m, m) for (i, j), m in before.items()}
     gas.position += rng.normal(0, 0.05 * UNIT, gas.position.shape)
     assert gas.rebuild()
     kept = swapped = 0

@@ -69,7 +69,7 @@ def test_a_list_that_grows_under_threads_loses_nothing():
     system.pairs = empty_pair_list(
         system.spheres.radius, system.box, system.pairs.skin, per_particle=0
     )
-    system.memory = make_memory(len(system.pairs.touching))
+    system.memory = make_memory(system.laws[0], len(system.pairs.touching))
     small = system.pairs.second.size
     series = [system.advance() for _ in range(2)]
     assert system.pairs.second.size > small
