@@ -35,6 +35,9 @@ OBSERVABLE: dict[str, tuple[str, str]] = {
     "distribution": ("y", "velocity"),
 }
 
+#: The key of a second observable of the kinds that can show one against another.
+SECOND = {"curves": "x"}
+
 #: Keys of the parameters that stand on the axes of each kind, and what to know of keys it lacks.
 AXES: dict[str, tuple[str, ...]] = {
     "curves": ("x",),
@@ -93,7 +96,8 @@ class PlotFile(Strict):
     )
     title: str = Field("", description="one line (omitted: made from what is shown)")
     x: str = optional(
-        "parameter on the horizontal axis; of `profiles` the observable (velocity)",
+        "parameter on the horizontal axis, of `curves` also another observable; of `profiles` the "
+        "observable (velocity)",
         json_schema=_ANY,
     )
     y: str = optional(
@@ -132,7 +136,8 @@ class PlotFile(Strict):
                 allowed = _LACKING.get((self.like, key), f"{key} of a map alone")
                 raise broken_rule(key, value, allowed)
             if value is None and key in AXES[self.like]:
-                raise broken_rule(key, value, "a parameter that the points vary")
+                other = ", or an observable" if SECOND.get(self.like) == key else ""
+                raise broken_rule(key, value, f"a parameter that the points vary{other}")
         for number, axis in enumerate(self.log):
             if axis not in _LOG[self.like]:
                 allowed = "one of " + ", ".join(_LOG[self.like])
@@ -151,6 +156,11 @@ class PlotFile(Strict):
         return getattr(self, key) or usual
 
     @property
+    def second(self) -> str:
+        """Key of a second observable, empty where the kind shows none."""
+        return SECOND.get(self.like, "")
+
+    @property
     def on_axes(self) -> tuple[str, ...]:
-        """Parameters on the axes."""
+        """What stands on the axes where a parameter may: parameters, unless it is ``second``."""
         return tuple(getattr(self, key) for key in AXES[self.like])

@@ -7,32 +7,39 @@ from sim.study.plottable import Observable
 _OVER = {"profiles": "over the height", "time_series": "against time"}
 
 
-def title_of(
-    one: PlotFile, observable: Observable | None, curves: tuple[str, ...], panels: str
-) -> str:
+def title_of(one: PlotFile, observable: Observable | None, second: Observable | None) -> str:
     """Return the title of a plot that gives none: ``Velocity against friction, by angle``."""
     what = plain(observable.name) if observable else "regimes"
-    over = _OVER.get(one.like) or "against " + " and ".join(map(plain, one.on_axes))
-    if one.like == "map":
-        over = "over " + " and ".join(map(plain, one.on_axes))
-    by = [*curves, *([panels] if panels else [])]
+    over = _over(one, [plain(second.name)] if second else list(map(plain, one.on_axes)))
+    by = [*(one.curves or []), *([one.panels] if one.panels else [])]
     replicates = " of each replicate" if one.like == "distribution" else ""
     title = f"{what}{replicates} {over}" + (f", by {' and '.join(map(plain, by))}" if by else "")
     return title[0].upper() + title[1:]
 
 
-def lead_of(one: PlotFile, observable: Observable | None, system: str) -> str:
+def lead_of(
+    one: PlotFile, observable: Observable | None, second: Observable | None, system: str
+) -> str:
     """Return the first sentence of the caption of a plot."""
     name = plain(observable.name).capitalize() if observable else ""
     what = f"{name}: {observable.meaning}" if observable else "Regimes"
-    against = [described(system, name) for name in one.on_axes]
-    over = _OVER.get(one.like) or ("over " if one.like == "map" else "against ")
-    parts = [f"{what}, {over}{' and '.join(against)}"]
+    against = (
+        [f"{plain(second.name)} ({second.meaning})"]
+        if second
+        else [described(system, name) for name in one.on_axes]
+    )
+    parts = [f"{what}, {_over(one, against)}"]
     if one.curves:
         parts.append("curves: " + ", ".join(described(system, name) for name in one.curves))
     if one.panels:
         parts.append(f"panels: {described(system, one.panels)}")
     return "; ".join(parts) + "."
+
+
+def _over(one: PlotFile, names: list[str]) -> str:
+    """Say what something is shown against, or over."""
+    named = ("over " if one.like == "map" else "against ") + " and ".join(names)
+    return _OVER.get(one.like, named)
 
 
 def described(system: str, name: str) -> str:

@@ -1,5 +1,6 @@
 """Plots of a study's own: every kind, from made-up points to picture, data and caption."""
 
+from collections.abc import Mapping, Sequence
 from itertools import pairwise
 from pathlib import Path
 
@@ -8,14 +9,16 @@ import pandas as pd
 import pytest
 
 from sim.base.errors import InputError
+from sim.base.statistics import student_half_width
 from sim.dataset.build import build
 from sim.dataset.results import load_results
+from sim.figures.kind import load_kind
 from sim.figures.render import derived, render
 from sim.figures.ticks import set_ticks
 from sim.figures.units import scale_of, unit_of
 from sim.study.load import load_study
-from tests.figures.made_plots import GRID, SPEED, drawn, flows
-from tests.made.results import made_point
+from tests.figures.made_plots import GRID, SIZE, SPEED, drawn, flows
+from tests.made.results import MadePoint, made_point
 from tests.made.runs import write_run
 
 
@@ -31,6 +34,67 @@ def test_curves_name_what_varies_and_every_value_has_a_number():
     assert labels(axes) == ["0.3", "0.4", "0.6"]
     assert axes.get_ylabel() == "velocity\N{NO-BREAK SPACE}(m/s)"
     assert rows["mean velocity over the averaging window [m/s]"].tolist()[0] == pytest.approx(0.7)
+    assert len(rows) == 6
+
+
+def measured(x: Mapping[float, Sequence[float]], angles=(16, 17)) -> list[MadePoint]:
+    """Return flows of some shear depths (diameters), one per replicate, by their frictions."""
+    return [
+        made_point(
+            "chute",
+            {"velocity": friction, "shear_depth": np.asarray(depths) * SIZE},
+            replicates=len(depths),
+            friction=friction,
+            angle=angle,
+        )
+        for friction, depths in x.items()
+        for angle in angles
+    ]
+
+
+def lines(axes) -> list[np.ndarray]:
+    """Return where the curves of a plot go along x."""
+    return [line.get_xdata() for line in axes.lines if line.get_linestyle() not in ("None", "none")]
+
+
+def test_curves_against_a_number_are_joined_in_its_order_with_bars_both_ways():
+    points = measured({0.3: (3, 3.3, 3.6), 0.4: (1, 1.1, 1.2), 0.6: (2, 2, 2.3)})
+    plot = {"x": "shear_depth", "curves": "angle", "units": "natural"}
+    figure, rows, _ = drawn(plot, points)
+    (axes,) = figure.axes
+    assert axes.get_xlabel() == "shear depth\N{NO-BREAK SPACE}(σ)"
+    assert [line.tolist() for line in lines(axes)[:1]] == [pytest.approx([1.1, 2.1, 3.3])]
+    ends = [part.get_segments() for bars in axes.containers for part in bars.lines[2]]
+    wide = [segment for each in ends for segment in each if segment[0][0] < segment[1][0]]
+    high = [segment for each in ends for segment in each if segment[0][1] < segment[1][1]]
+    assert len(wide) == len(high) == 6
+    assert rows.filter(regex=r"^height .*\[σ\]").iloc[0, 0] == pytest.approx(3.3)
+    half = rows.filter(regex=r"^half width .* height .*\[σ\]").iloc[0, 0]
+    assert half == pytest.approx(student_half_width(np.array([3, 3.3, 3.6])))
+    assert rows.filter(like="mean velocity").shape[1] == 2
+
+
+def test_a_cloud_of_points_is_not_joined_and_choices_tell_curves_apart():
+    points = measured({0.3: (3,), 0.4: (1,), 0.6: (2,)})
+    figure, _, data = drawn({"x": "shear_depth"}, points)
+    (axes,) = figure.axes
+    assert not lines(axes) and not figure.legends
+    assert sum(len(bars.lines[0].get_xdata()) for bars in axes.containers) == 6
+    # Of one replicate the velocity alone has bars, which are upright.
+    ends = [part.get_segments() for bars in axes.containers for part in bars.lines[2]]
+    assert all(low[0] == high[0] for each in ends for low, high in each)
+    text = " ".join(load_kind(data.spec.kind).notes(data))
+    assert "Points that differ in friction μ and angle θ are not joined." in text
+    assert "No bar of the shear depth where only one replicate is known." in text
+
+
+def test_what_is_not_above_zero_has_no_place_on_a_logarithmic_axis():
+    points = measured({0.3: (3, 3.1), 0.4: (0, 0), 0.6: (2, 2.1)}, angles=(16,))
+    points += measured({0.3: (1, 1.1), 0.4: (1, 1.1), 0.6: (1, 1.1)}, angles=(17,))
+    figure, rows, data = drawn({"x": "shear_depth", "panels": "angle", "log": ["x"]}, points)
+    assert figure.axes[0].get_xscale() == "log"
+    assert [len(one) for axes in figure.axes for one in lines(axes) if len(one)] == [2, 3]
+    assert "a logarithmic axis: 1 point." in " ".join(load_kind(data.spec.kind).notes(data))
     assert len(rows) == 6
 
 

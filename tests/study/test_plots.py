@@ -47,6 +47,17 @@ def test_a_plot_is_an_entry_of_all_points_of_its_series(parse):
     assert all(point.figures == () for point in study.points.values())
 
 
+def test_x_of_curves_may_be_an_observable(parse):
+    study = parse(RIGHT | {"x": "shear_depth"})
+    spec = study.entries["v"]
+    assert spec.axes == () and spec.curves == ("angle", "law")
+    assert (spec.options["show"], spec.options["second"]) == ("velocity", "shear_depth")
+    assert spec.title == "Velocity against shear depth, by angle and law"
+    assert ", against shear depth (height at which the velocity is" in spec.lead
+    assert "friction" in spec.named
+    assert parse(RIGHT).entries["v"].options["second"] == ""
+
+
 def test_plots_draw_on_the_series_they_name_and_on_those_of_their_system(parse):
     more = {"name": "more", "system": "chute", "cases": [{"friction": 0.5}, {"friction": 0.6}]}
     study = parse(
@@ -92,6 +103,10 @@ def test_every_kind_shows_its_usual_observable_of_every_system(parse, kind, syst
         ({"x": "fricton"}, "x: got 'fricton'; allowed: did you mean friction"),
         ({"x": "frequency"}, "x: got 'frequency'; allowed: a parameter of the chute; this is"),
         ({"x": "law", "panels": "friction"}, "x: got 'law'; allowed: a parameter that is a number"),
+        ({"x": "velocity"}, "x: got 'velocity'; allowed: an observable other than y"),
+        ({"x": "shear_dept"}, "x: got 'shear_dept'; allowed: did you mean shear_depth"),
+        ({"x": "backflow"}, "x: got 'backflow'; allowed: an observable of the chute; backflow is"),
+        ({"x": "overburden"}, "x: got 'overburden'; allowed: points with stress_profiles: true"),
         ({"x": "depth"}, "x: got 'depth, which is 5 throughout'; allowed: a parameter that the"),
         ({"curves": ["angle", "depth"]}, "curves[1]: got 'depth, which is 5 throughout'"),
         ({"panels": "friction"}, "panels: got 'friction'; allowed: a parameter other than x"),
