@@ -7,8 +7,6 @@ from matplotlib.axes import Axes
 from matplotlib.container import ErrorbarContainer
 from matplotlib.markers import CARETDOWN, CARETLEFT, CARETRIGHT, CARETUP
 
-from sim.figures.quantity import Quantity
-
 #: Room around the values for their intervals, in parts of the range of the values.
 _ROOM = 0.6
 
@@ -32,15 +30,15 @@ def _ends(values: pd.Series) -> tuple[float, float]:
     return max(low - room, 0.0) if low >= 0 else low - room, high + room
 
 
-def cuts(quantity: Quantity, logarithmic: bool) -> bool:
+def cuts(values: pd.Series, half_widths: pd.Series, *, logarithmic: bool) -> bool:
     """Return whether an error bar leaves the axes, where `mark_cut_bars` puts a caret."""
-    if quantity.value.empty:
+    if values.empty:
         return False
-    half = quantity.half_width.fillna(0)
-    lowest, highest = (quantity.value - half).min(), (quantity.value + half).max()
+    half = half_widths.fillna(0)
+    lowest, highest = (values - half).min(), (values + half).max()
     if logarithmic:
         return bool(lowest <= 0)
-    least, most = _ends(quantity.value)
+    least, most = _ends(values)
     return bool(lowest < least or highest > most)
 
 

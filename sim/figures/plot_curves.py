@@ -172,7 +172,8 @@ def notes(data: FigureData) -> list[str]:
         axis: replace(one, value=one.value[shown.index], half_width=one.half_width[shown.index])
         for axis, one in quantities.items()
     }
-    cut = any(cuts(one, axis in spec.options["log"]) for axis, one in own.items())
+    log = spec.options["log"]
+    cut = any(cuts(one.value, one.half_width, logarithmic=axis in log) for axis, one in own.items())
     along = [] if spec.axes else _vary_along(data)
     aside = spec.axes and keys and len(shown[keys].drop_duplicates()) > 1
     accelerating = len(along) < 2 and (shown["regime"] == "accelerating").any()

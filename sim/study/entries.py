@@ -40,6 +40,7 @@ def optional(
         schema.pop("default", None)
         schema.update(json_schema or {})
 
+    changed.allowed = (json_schema or {}).get("allowed", "")  # type: ignore[attr-defined]
     return Field(None, description=description, json_schema_extra=changed, **options)
 
 

@@ -5,7 +5,7 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import AfterValidator, BeforeValidator, Field, WithJsonSchema, model_validator
 
 from sim.base.additions import NAME as PLUGGED
-from sim.parameters.common import broken_rule
+from sim.parameters.common import Real, broken_rule
 from sim.study.catalogue import FIGURES
 from sim.study.entries import ALLOWED_NAME, NAME, Strict, optional, require_shown
 from sim.study.plot_kinds import KINDS, like, own_plots
@@ -36,7 +36,10 @@ OBSERVABLE: dict[str, tuple[str, str]] = {
 }
 
 #: The key of a second observable of the kinds that can show one against another.
-SECOND = {"curves": "x"}
+SECOND = {"curves": "x", "profiles": "y"}
+
+#: What is allowed as heights to show slices between.
+_BETWEEN = "two heights in diameters, 0 or more, the lower one first"
 
 #: Keys of the parameters that stand on the axes of each kind, and what to know of keys it lacks.
 AXES: dict[str, tuple[str, ...]] = {
@@ -48,7 +51,6 @@ AXES: dict[str, tuple[str, ...]] = {
 }
 _LACKING = {
     ("map", "curves"): "no curves on a map; panels tell further parameters apart",
-    ("profiles", "y"): "nothing: y is the height, x what is shown over it",
     ("time_series", "x"): "nothing: x is the time",
 }
 
@@ -101,7 +103,8 @@ class PlotFile(Strict):
         json_schema=_ANY,
     )
     y: str = optional(
-        "observable on the vertical axis (velocity); of a `map` a parameter",
+        "observable on the vertical axis (velocity); of a `map` a parameter; of `profiles` an "
+        "observable over the height, in each slice shown against x (omitted: the height itself)",
         json_schema=_ANY,
     )
     colour: str = optional(
@@ -117,6 +120,12 @@ class PlotFile(Strict):
         description="units of what is observed: `si`, or `natural` ones of diameter, mass and "
         "gravity; parameters are as in study files",
     )
+    between: list[Real] = optional(
+        "of `profiles`: heights above the base between which slices are shown, in diameters",
+        json_schema={"allowed": _BETWEEN},
+        min_length=2,
+        max_length=2,
+    )
     log: list[Literal["x", "y", "colour"]] = Field([], description="axes that are logarithmic")
 
     @model_validator(mode="after")
@@ -129,7 +138,8 @@ class PlotFile(Strict):
     @model_validator(mode="after")
     def _with_the_keys_of_its_kind(self) -> Self:
         observed, _ = OBSERVABLE[self.like]
-        has = {observed, "panels", *AXES[self.like], *(["curves"] if self.like != "map" else [])}
+        has = {observed, self.second, "panels", *AXES[self.like]}
+        has |= set() if self.like == "map" else {"curves"}
         for key in ("x", "y", "colour", "curves", "panels"):
             value = getattr(self, key)
             if value is not None and key not in has:
@@ -139,9 +149,21 @@ class PlotFile(Strict):
                 other = ", or an observable" if SECOND.get(self.like) == key else ""
                 raise broken_rule(key, value, f"a parameter that the points vary{other}")
         for number, axis in enumerate(self.log):
-            if axis not in _LOG[self.like]:
-                allowed = "one of " + ", ".join(_LOG[self.like])
+            known = _LOG[self.like] + (("y",) if self.like == "profiles" and self.y else ())
+            if axis not in known:
+                allowed = "one of " + ", ".join(known)
                 raise broken_rule(f"log[{number}]", axis, allowed)
+        return self
+
+    @model_validator(mode="after")
+    def _with_heights_of_profiles(self) -> Self:
+        if self.between is None:
+            return self
+        if self.like != "profiles":
+            raise broken_rule("between", self.between, "between of profiles alone")
+        low, high = self.between
+        if not 0 <= low < high:
+            raise broken_rule("between", self.between, _BETWEEN)
         return self
 
     @property

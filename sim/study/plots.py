@@ -96,6 +96,7 @@ def _entry(one: PlotFile, study: Study, refused: Refused, source: str, path: str
         options={
             "show": one.observable,
             "second": second.name if second else "",
+            "between": tuple(one.between or ()),
             "panels": panels,
             "curves": curves,
             "units": one.units,

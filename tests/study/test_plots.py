@@ -58,6 +58,35 @@ def test_x_of_curves_may_be_an_observable(parse):
     assert parse(RIGHT).entries["v"].options["second"] == ""
 
 
+def test_y_of_profiles_is_another_profile_in_the_same_slices(parse):
+    plot = {"name": "p", "kind": "profiles", "x": "granular_temperature", "y": "packing"}
+    spec = parse(plot | {"between": [1, 4], "log": ["y"]}).entries["p"]
+    assert (spec.options["show"], spec.options["second"]) == ("granular_temperature", "packing")
+    assert spec.options["between"] == (1.0, 4.0)
+    assert spec.title == "Packing against granular temperature"
+    assert spec.lead.startswith("Packing: packing fraction, against granular temperature (granular")
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"y": "packng"}, "y: got 'packng'; allowed: did you mean packing"),
+        ({"y": "velocity"}, "y: got 'velocity'; allowed: an observable other than x"),
+        ({"y": "shear_depth"}, "y: got 'shear_depth'; allowed: an observable of profiles; shear"),
+        ({"y": "overburden"}, "y: got 'overburden'; allowed: points with stress_profiles: true"),
+        ({"log": ["y"]}, "log[0]: got 'y'; allowed: one of x"),
+        ({"between": [4, 1]}, "between: got [4, 1]; allowed: two heights in diameters, 0 or"),
+        ({"between": [-1, 1]}, "between: got [-1, 1]; allowed: two heights in diameters, 0"),
+        ({"between": [1]}, "between: got [1]; allowed: two heights in diameters, 0 or more"),
+        ({"between": 1}, "between: got 1; allowed: two heights in diameters, 0 or more, the"),
+        ({"between": [1, ".inf"]}, "between[1]: got '.inf'; allowed: two heights in diameters"),
+        ({"kind": "time_series", "between": [1, 4]}, "between: got [1, 4]; allowed: between"),
+    ],
+)
+def test_mistakes_in_profiles_are_refused_by_their_key(parse, change, message):
+    assert refused(parse, {"name": "p", "kind": "profiles"} | change).startswith(message)
+
+
 def test_plots_draw_on_the_series_they_name_and_on_those_of_their_system(parse):
     more = {"name": "more", "system": "chute", "cases": [{"friction": 0.5}, {"friction": 0.6}]}
     study = parse(
