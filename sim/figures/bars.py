@@ -30,15 +30,20 @@ def _ends(values: pd.Series) -> tuple[float, float]:
     return max(low - room, 0.0) if low >= 0 else low - room, high + room
 
 
-def cuts(values: pd.Series, half_widths: pd.Series, *, logarithmic: bool) -> bool:
-    """Return whether an error bar leaves the axes, where `mark_cut_bars` puts a caret."""
+def cuts(
+    values: pd.Series, half_widths: pd.Series, others: pd.Series, *, logarithmic: bool
+) -> bool:
+    """Return whether an error bar leaves the axes, where `mark_cut_bars` puts a caret.
+
+    ``others`` are what else has its place on the axis.
+    """
     if values.empty:
         return False
     half = half_widths.fillna(0)
     lowest, highest = (values - half).min(), (values + half).max()
     if logarithmic:
         return bool(lowest <= 0)
-    least, most = _ends(values)
+    least, most = _ends(pd.concat([values, others]))
     return bool(lowest < least or highest > most)
 
 

@@ -177,17 +177,21 @@ def look_of_all(data: FigureData, named: Sequence[str]) -> Look:
     return look
 
 
-def legend(figure: Figure, shown: Panels) -> None:
-    """Put one legend for all panels above them, each entry once; none for one nameless curve."""
+def legend(figure: Figure, shown: Panels, beside: Mapping[str, Any] | None = None) -> None:
+    """Put one legend for all panels above them, each entry once; none for one nameless curve.
+
+    ``beside`` are entries of data beside the study's own, which may be called the same.
+    """
     entries: dict[str, Any] = {}
     for axes, _ in shown:
         for handle, label in zip(*axes.get_legend_handles_labels(), strict=True):
             entries.setdefault(label, handle)
     entries.pop("", None)
-    if entries:
+    labels = [*entries, *(beside or {})]
+    if labels:
         room = CHARACTERS_PER_INCH * figure.get_figwidth()
-        columns = max(1, min(4, int(room / (max(map(len, entries)) + 6))))
-        handles, labels = list(entries.values()), list(entries)
+        columns = max(1, min(4, int(room / (max(map(len, labels)) + 6))))
+        handles = [*entries.values(), *(beside or {}).values()]
         figure.legend(handles, labels, loc="outside upper center", ncols=columns)
 
 

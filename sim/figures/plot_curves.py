@@ -11,6 +11,13 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from sim.figures.bars import cuts, end_bars, mark_cut_bars
+from sim.figures.beside import (
+    beside_notes,
+    draw_beside,
+    set_run_ticks,
+    values_beside,
+    with_beside,
+)
 from sim.figures.caption import interval_sentence, points_text, quantity_notes, regime_sentence
 from sim.figures.curves import draw_family
 from sim.figures.data import FigureData, varying
@@ -32,7 +39,6 @@ from sim.figures.plot import (
 )
 from sim.figures.quantity import Quantity, quantity_table
 from sim.figures.style import CurveStyle
-from sim.figures.ticks import set_ticks
 from sim.parameters import SYSTEMS
 from sim.study.plot_words import described, plain
 from sim.study.plottable import numbers
@@ -53,6 +59,9 @@ def draw(data: FigureData) -> Figure:
     figure, shown = panels(data)
     for axes, rows in shown:
         _draw_curves(data, axes, rows, quantities)
+    lacking = [axis for axis, one in quantities.items() if one.value.isna().all()]
+    empty_text(shown, quantities[(*lacking, "y")[0]].name)
+    beside = draw_beside(data, shown)
     _set_axes(data, shown, quantities)
     for axes, _ in shown:
         mark_cut_bars(axes)
@@ -63,9 +72,7 @@ def draw(data: FigureData) -> Figure:
         else observable_label(data, named[spec.options["second"]])
     )
     label_axes(figure, shown, x, observable_label(data, named[spec.options["show"]]))
-    lacking = [axis for axis, one in quantities.items() if one.value.isna().all()]
-    empty_text(shown, quantities[(*lacking, "y")[0]].name)
-    legend(figure, shown)
+    legend(figure, shown, beside)
     return figure
 
 
@@ -150,16 +157,20 @@ def _set_axes(data: FigureData, shown: Panels, quantities: dict[str, Quantity]) 
         axes.autoscale_view()
         for axis, one in quantities.items():
             if axis not in log:
-                end_bars(axes, axis, one.value[chosen])
+                end_bars(axes, axis, pd.concat([one.value[chosen], values_beside(data, axis)]))
         if data.spec.axes:
-            set_ticks(axes, data.rows[data.spec.axes[0]], width_of(shown))
+            set_run_ticks(axes, data, data.spec.axes[0], width_of(shown))
         elif "x" not in log:
             axes.locator_params("x", nbins=round(_PER_INCH * width_of(shown)))
 
 
 def table(data: FigureData) -> pd.DataFrame:
     """Return the data behind the figure, one row per point, units in the headings."""
-    return quantity_table(data, list(_quantities(data).values()))
+    quantities = _quantities(data)
+    found = quantity_table(data, list(quantities.values()))
+    # Behind the name of the point.
+    x = quantities["x"].label if "x" in quantities else found.columns[1]
+    return with_beside(data, found, x, quantities["y"].label)
 
 
 def notes(data: FigureData) -> list[str]:
@@ -173,7 +184,10 @@ def notes(data: FigureData) -> list[str]:
         for axis, one in quantities.items()
     }
     log = spec.options["log"]
-    cut = any(cuts(one.value, one.half_width, logarithmic=axis in log) for axis, one in own.items())
+    cut = any(
+        cuts(one.value, one.half_width, values_beside(data, axis), logarithmic=axis in log)
+        for axis, one in own.items()
+    )
     along = [] if spec.axes else _vary_along(data)
     aside = spec.axes and keys and len(shown[keys].drop_duplicates()) > 1
     accelerating = len(along) < 2 and (shown["regime"] == "accelerating").any()
@@ -184,6 +198,7 @@ def notes(data: FigureData) -> list[str]:
         *_notes_on_lines([described(spec.system, name) for name in along]),
         *(["Lines are interrupted at flows that accelerate."] if accelerating else []),
         *([f"Not above 0, and so not on a logarithmic axis: {points_text(lost)}."] if lost else []),
+        *beside_notes(data),
     ]
 
 

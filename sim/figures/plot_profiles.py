@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 
 from sim.base.statistics import student_half_width
 from sim.figures import plot_slices
+from sim.figures.beside import beside_notes, draw_beside, values_beside, with_beside
 from sim.figures.data import FigureData
 from sim.figures.kind import Kind
 from sim.figures.plot import (
@@ -49,14 +50,15 @@ def draw(data: FigureData) -> Figure:
                 axes.fill_betweenx(height, mean - half, mean + half, **band)
         if "x" in spec.options["log"]:
             set_log(axes, "x")
+    one = profiles(spec.system)[spec.options["show"]]
+    empty_text(shown, one.name)
+    beside = draw_beside(data, shown)
     if not spec.options["between"]:
         # Panels share their axes, and limits that are set follow nothing that is drawn later.
-        shown[0][0].set_ylim(bottom=0)
+        shown[0][0].set_ylim(bottom=min([0.0, *values_beside(data, "y")]))
     unit = unit_of("m", spec.options["units"], spec.system)
-    one = profiles(spec.system)[spec.options["show"]]
     label_axes(figure, shown, observable_label(data, one), headed("height z", unit))
-    empty_text(shown, one.name)
-    legend(figure, shown)
+    legend(figure, shown, beside)
     return figure
 
 
@@ -97,7 +99,9 @@ def table(data: FigureData) -> pd.DataFrame:
             f"half width of 95 % interval [{units[0] or '1'}]": values["half_width"],
         }
         parts.append(pd.DataFrame(own | columns | {"completed replicates": row["completed"]}))
-    return pd.concat(parts) if parts else pd.DataFrame(columns=list(named))
+    headings = [f"height [{units[1]}]", f"{one.name} [{units[0] or '1'}]"]
+    found = pd.concat(parts) if parts else pd.DataFrame(columns=[*named, *headings])
+    return with_beside(data, found, headings[1], headings[0])
 
 
 def notes(data: FigureData) -> list[str]:
@@ -109,9 +113,10 @@ def notes(data: FigureData) -> list[str]:
     pale = f"of fewer than {ENOUGH}, each is a pale line"
     bands = "Bands: Student's 95 % interval of the mean over replicates"
     ends = extent_sentence(data, "Lines")
+    beside = beside_notes(data)
     if many:
-        return [ends, f"{bands}; {pale}." if few else f"{bands}."]
-    return [ends, *([f"Lines are means over replicates; {pale}."] if few else [])]
+        return [ends, f"{bands}; {pale}." if few else f"{bands}.", *beside]
+    return [ends, *([f"Lines are means over replicates; {pale}."] if few else []), *beside]
 
 
 KIND = Kind(draw, table=table, notes=notes)

@@ -14,6 +14,7 @@ from matplotlib.figure import Figure
 
 from sim.base.statistics import student_half_width
 from sim.figures.bars import cuts, end_bars, mark_cut_bars
+from sim.figures.beside import beside_notes, draw_beside, values_beside, with_beside
 from sim.figures.data import FigureData
 from sim.figures.plot import (
     Panels,
@@ -113,12 +114,13 @@ def draw(data: FigureData) -> Figure:
                 axes.plot(*map(np.ravel, both), style.marker, markersize=_SINGLE, **look)
             _draw_means(axes, found, style, row["completed"] >= ENOUGH)
             axes.plot([], [], style.marker, color=style.colour, label=label)
-    _set_axes(data, shown, pd.concat(drawn) if drawn else pd.DataFrame())
     x, y = observables(data)
-    label_axes(figure, shown, observable_label(data, x), observable_label(data, y))
     there = " at these heights" if data.spec.options["between"] else ""
     empty_text(shown, f"{x.name} and {y.name}{there}")
-    legend(figure, shown)
+    beside = draw_beside(data, shown)
+    _set_axes(data, shown, pd.concat(drawn) if drawn else pd.DataFrame())
+    label_axes(figure, shown, observable_label(data, x), observable_label(data, y))
+    legend(figure, shown, beside)
     return figure
 
 
@@ -139,7 +141,8 @@ def _set_axes(data: FigureData, shown: Panels, drawn: pd.DataFrame) -> None:
             set_log(axes, axis)
         axes.autoscale_view()
         for axis in {"x", "y"} - set(data.spec.options["log"]):
-            end_bars(axes, axis, drawn.get(axis, pd.Series()))
+            own = drawn.get(axis, pd.Series(dtype=float))
+            end_bars(axes, axis, pd.concat([own, values_beside(data, axis)]))
     for axes, _ in shown:
         mark_cut_bars(axes)
 
@@ -159,7 +162,8 @@ def table(data: FigureData) -> pd.DataFrame:
         own = {name: column[index] for name, column in named.items()}
         columns = {headings[str(name)]: found[name] for name in found}
         parts.append(pd.DataFrame(own | columns | {"completed replicates": row["completed"]}))
-    return pd.concat(parts) if parts else pd.DataFrame(columns=[*named, *headings.values()])
+    found = pd.concat(parts) if parts else pd.DataFrame(columns=[*named, *headings.values()])
+    return with_beside(data, found, headings["x"], headings["y"])
 
 
 def _each(data: FigureData) -> list[pd.DataFrame]:
@@ -179,7 +183,8 @@ def notes(data: FigureData) -> list[str]:
     drawn = pd.concat([kept for _, kept in found]) if found else pd.DataFrame()
     log = data.spec.options["log"]
     cut = many and any(
-        cuts(drawn[axis], drawn[f"{axis}_half"], logarithmic=axis in log) for axis in "xy"
+        cuts(drawn[axis], drawn[f"{axis}_half"], values_beside(data, axis), logarithmic=axis in log)
+        for axis in "xy"
     )
     return [
         "A marker per slice of the height, the mean over the replicates.",
@@ -188,6 +193,7 @@ def notes(data: FigureData) -> list[str]:
         *([f"{pale[0].upper()}{pale[1:]}."] if few and not many else []),
         *(["Bars that end in a caret go on beyond the axes."] if cut else []),
         *([f"Not above 0, and so not on a logarithmic axis: {lost} slices."] if lost else []),
+        *beside_notes(data),
     ]
 
 

@@ -8,6 +8,7 @@ from sim.base.additions import NAME as PLUGGED
 from sim.parameters.common import Real, broken_rule
 from sim.study.catalogue import FIGURES
 from sim.study.entries import ALLOWED_NAME, NAME, Strict, optional, require_shown
+from sim.study.plot_beside import MOST_BESIDE, BesideFile
 from sim.study.plot_kinds import KINDS, like, own_plots
 from sim.study.plottable import every_name
 
@@ -37,6 +38,9 @@ OBSERVABLE: dict[str, tuple[str, str]] = {
 
 #: The key of a second observable of the kinds that can show one against another.
 SECOND = {"curves": "x", "profiles": "y"}
+
+#: Kinds that have a place for data beside.
+_TAKE_BESIDE = ("curves", "profiles", "map")
 
 #: What is allowed as heights to show slices between.
 _BETWEEN = "two heights in diameters, 0 or more, the lower one first"
@@ -126,6 +130,12 @@ class PlotFile(Strict):
         min_length=2,
         max_length=2,
     )
+    beside: list[BesideFile] = optional(
+        "data that are not of the study, drawn beside it: of `curves`, `profiles` and `map`",
+        min_length=1,
+        max_length=MOST_BESIDE,
+        json_schema={"allowed": f"a list of at most {MOST_BESIDE} mappings with label and points"},
+    )
     log: list[Literal["x", "y", "colour"]] = Field([], description="axes that are logarithmic")
 
     @model_validator(mode="after")
@@ -164,6 +174,23 @@ class PlotFile(Strict):
         low, high = self.between
         if not 0 <= low < high:
             raise broken_rule("between", self.between, _BETWEEN)
+        return self
+
+    @model_validator(mode="after")
+    def _with_data_beside_that_have_a_place(self) -> Self:
+        labels: set[str] = set()
+        for number, one in enumerate(self.beside or []):
+            if self.kind not in _TAKE_BESIDE:
+                allowed = f"no data beside, which are of {', '.join(_TAKE_BESIDE)} alone"
+                raise broken_rule("beside", one.label, allowed)
+            if one.label in labels:
+                raise broken_rule(f"beside[{number}].label", one.label, "a label of its own")
+            labels.add(one.label)
+            for place, point in enumerate(one.points):
+                low = [axis for axis, at in zip("xy", point, strict=True) if at <= 0]
+                if axes := [axis for axis in low if axis in self.log]:
+                    allowed = f"numbers > 0 on the logarithmic axis {axes[0]}"
+                    raise broken_rule(f"beside[{number}].points[{place}]", point, allowed)
         return self
 
     @property

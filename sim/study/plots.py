@@ -97,6 +97,9 @@ def _entry(one: PlotFile, study: Study, refused: Refused, source: str, path: str
             "show": one.observable,
             "second": second.name if second else "",
             "between": tuple(one.between or ()),
+            "beside": tuple(
+                (each.label, tuple(map(tuple, each.points)), each.line) for each in one.beside or ()
+            ),
             "panels": panels,
             "curves": curves,
             "units": one.units,

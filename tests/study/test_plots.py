@@ -87,6 +87,50 @@ def test_mistakes_in_profiles_are_refused_by_their_key(parse, change, message):
     assert refused(parse, {"name": "p", "kind": "profiles"} | change).startswith(message)
 
 
+OTHERS = {"label": "Pouliquen (1999)", "points": [[0.3, 1], [0.6, 2.5]]}
+
+
+def test_data_beside_a_plot_are_kept_with_it(parse):
+    spec = parse(RIGHT | {"beside": [OTHERS, OTHERS | {"label": "law", "line": True}]}).entries["v"]
+    points = ((0.3, 1.0), (0.6, 2.5))
+    assert spec.options["beside"] == (("Pouliquen (1999)", points, False), ("law", points, True))
+    assert eval(repr(spec), {"FigureSpec": FigureSpec}) == spec
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"label": " "}, "beside[0].label: got ' '; allowed: a text that is not empty"),
+        ({"label": "a" * 61}, "beside[0].label: got 'aaa"),
+        (
+            {"label": "a\u202eb"},
+            "beside[0].label: got 'a\\u202eb'; allowed: one line of at most 60",
+        ),
+        ({"points": []}, "beside[0].points: got []; allowed: a list of points [x, y], finite"),
+        ({"points": [0.3, 1]}, "beside[0].points[0]: got 0.3; allowed: a list of points [x, y]"),
+        ({"points": [[1, 2, 3]]}, "beside[0].points[0]: got [1, 2, 3]; allowed: a list of points"),
+        ({"points": [[1, float("nan")]]}, "beside[0].points[0][1]: got nan; allowed: finite, a"),
+        ({"points": [[1, 2]], "line": True}, "beside[0].points: got [[1, 2]]; allowed: at least"),
+        ({"colour": "red"}, "beside[0].colour: unknown key, got 'red'; "),
+    ],
+)
+def test_mistakes_in_data_beside_are_refused_by_their_key(parse, change, message):
+    assert refused(parse, RIGHT | {"beside": [OTHERS | change]}).startswith(message)
+
+
+def test_data_beside_without_a_place_are_refused(parse):
+    below = OTHERS | {"points": [[0.3, 1], [0.4, 0]]}
+    message = refused(parse, RIGHT | {"log": ["y"], "beside": [below]})
+    assert message.startswith("beside[0].points[1]: got [0.4, 0]; allowed: numbers > 0 on the log")
+    assert parse(RIGHT | {"log": ["x"], "beside": [below]}).plots
+    message = refused(parse, RIGHT | {"beside": [OTHERS, OTHERS]})
+    assert message.startswith("beside[1].label: got 'Pouliquen (1999)'; allowed: a label of its")
+    message = refused(parse, RIGHT | {"kind": "distribution", "beside": [OTHERS]})
+    assert message.startswith("beside: got 'Pouliquen (1999)'; allowed: no data beside, which are")
+    message = refused(parse, RIGHT | {"beside": [OTHERS | {"label": str(n)} for n in range(7)]})
+    assert "allowed: a list of at most 6" in message
+
+
 def test_plots_draw_on_the_series_they_name_and_on_those_of_their_system(parse):
     more = {"name": "more", "system": "chute", "cases": [{"friction": 0.5}, {"friction": 0.6}]}
     study = parse(
