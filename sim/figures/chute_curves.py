@@ -9,7 +9,8 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from sim.figures.curves import draw_family, mark_cut_bars
+from sim.figures.bars import mark_cut_bars
+from sim.figures.curves import draw_family
 from sim.figures.data import FigureData
 from sim.figures.kind import Kind
 from sim.figures.looks import Look, look_of

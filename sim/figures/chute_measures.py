@@ -13,9 +13,9 @@ from typing import Any
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from sim.figures.bars import mark_cut_bars
 from sim.figures.caption import measure_notes
 from sim.figures.chute_curves import draw_curves, set_depth_axis, unjoined, varied
-from sim.figures.curves import mark_cut_bars
 from sim.figures.data import FigureData
 from sim.figures.kind import Kind
 from sim.figures.looks import Look, look_of

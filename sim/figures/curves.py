@@ -1,15 +1,13 @@
 """Curves of a quantity that differ in parameters, with its intervals, regimes and protocols."""
 
 from collections.abc import Sequence
-from itertools import product
+from itertools import compress, product
 from typing import Any
 
 import pandas as pd
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.colors import to_rgb
-from matplotlib.container import ErrorbarContainer
-from matplotlib.markers import CARETDOWN, CARETUP
 
 from sim.figures.data import split_curves
 from sim.figures.looks import Look
@@ -38,6 +36,7 @@ def draw_family(
     look: Look,
     unjoined: pd.Series | None = None,
     pitch: float = 0,
+    spread: pd.Series | None = None,
 ) -> None:
     """Draw one curve per set of parameters.
 
@@ -63,6 +62,8 @@ def draw_family(
     pitch : float
         How far each curve is drawn to the right of the one before, in points of print, so that
         points that coincide can be told apart.
+    spread : pandas.Series, optional
+        As for `draw_curve`.
     """
     if rows.empty:
         return
@@ -72,8 +73,8 @@ def draw_family(
     shifts = {label: pitch * (n - (len(styles) - 1) / 2) for n, label in enumerate(styles)}
     seen: set[str] = set()
     for (_, curve), label in zip(curves, labels, strict=True):
-        beside: dict[str, Any] = {"pale": label in seen, "shift": shifts[label]}
-        draw_curve(axes, curve, quantity, along, styles[label], label, unjoined=unjoined, **beside)
+        how: dict[str, Any] = {"pale": label in seen, "shift": shifts[label], "spread": spread}
+        draw_curve(axes, curve, quantity, along, styles[label], label, unjoined=unjoined, **how)
         seen.add(label)
     if len(seen) < len(curves):
         name_protocols(axes, str(curves[0][1]["system"].iloc[0]))
@@ -107,6 +108,7 @@ def draw_curve(
     unjoined: pd.Series | None = None,
     pale: bool = False,
     shift: float = 0,
+    spread: pd.Series | None = None,
 ) -> None:
     """Draw a quantity against a parameter, with 95 % intervals.
 
@@ -132,6 +134,8 @@ def draw_curve(
         Draw it beside another curve of the same style, which has the entry in the legend.
     shift : float
         How far to the right of its place it is drawn, in points of print.
+    spread : pandas.Series, optional
+        Half widths of the 95 % intervals of ``along``, where that is no parameter but observed.
     """
     completed = rows[rows["completed"] > 0]
     if completed.empty:
@@ -142,7 +146,7 @@ def draw_curve(
         if unjoined is not None:
             line = line.mask(unjoined[completed.index])
         artists += _draw_line(axes, completed[along], line, style, pale)
-    artists += _draw_points(axes, completed, quantity, along, style, pale)
+    artists += _draw_points(axes, completed, quantity, along, style, pale, spread)
     move_aside(axes, artists, x=shift)
     if not pale:
         _add_entry(axes, style, label)
@@ -168,6 +172,7 @@ def _draw_points(
     along: str,
     style: CurveStyle,
     pale: bool,
+    spread: pd.Series | None = None,
 ) -> list[Artist]:
     """Draw the markers of a curve, filled, pale or open, with their error bars; return them."""
     artists: list[Artist] = []
@@ -179,14 +184,15 @@ def _draw_points(
         (unknown, (*to_rgb(style.colour), PALE)),
         (~(steady | unknown), "white"),
     )
+    widths = {"yerr": quantity.half_width} | ({} if spread is None else {"xerr": spread})
+    known = pd.DataFrame({name: each[rows.index].notna() for name, each in widths.items()})
     # Where no interval is known there is no bar, not one of no length.
-    known = quantity.half_width[rows.index].notna()
-    for (chosen, face), has_bar in product(faces, (True, False)):
-        part = rows[chosen & (known == has_bar)]
+    for (chosen, face), *has in product(faces, *[(True, False)] * len(widths)):
+        part = rows[chosen & (known == has).all(axis=1)]
         bars = axes.errorbar(
             part[along],
             quantity.value[part.index],
-            yerr=quantity.half_width[part.index] if has_bar else None,
+            **{name: widths[name][part.index] for name in compress(widths, has)},
             linestyle="none",
             color=style.colour,
             marker=style.marker,
@@ -199,16 +205,3 @@ def _draw_points(
         )
         artists += bars.get_children()
     return artists
-
-
-def mark_cut_bars(axes: Axes) -> None:
-    """Put a caret on the edge where an error bar leaves the axes, whose limits are then final."""
-    bottom, top = axes.get_ylim()
-    drawn = (bars.lines for bars in axes.containers if isinstance(bars, ErrorbarContainer))
-    for points, _, bars in drawn:
-        for (x, low), (_, high) in (ends for part in bars for ends in part.get_segments()):
-            for cut, edge, caret in ((low < bottom, bottom, CARETDOWN), (high > top, top, CARETUP)):
-                if cut:
-                    look: dict[str, Any] = {"marker": caret, "color": points.get_color()}
-                    (mark,) = axes.plot(x, edge, **look, scalex=False, scaley=False)
-                    mark.set_transform(points.get_transform())

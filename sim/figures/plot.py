@@ -1,12 +1,13 @@
 """What all plots of a study's own share: observables in their units, panels, labels, looks.
 
-Options of a figure: ``show``, name of the observable; ``curves``, parameters that tell curves
+Options of a figure: ``show``, name of the observable, and ``second``, of that on the other axis, or
+nothing where a parameter is there; ``curves``, parameters that tell curves
 apart, and ``panels``, one that tells panels apart, or nothing; ``units``, ``"si"`` or
 ``"natural"``; ``log``, axes that are logarithmic.
 """
 
 import textwrap
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -36,10 +37,10 @@ Panels = list[tuple[Axes, pd.DataFrame]]
 _LINE = 44
 
 
-def observed(data: FigureData) -> Quantity:
-    """Return the observable of a plot, in its units, of every point."""
+def observed(data: FigureData, option: str = "show") -> Quantity:
+    """Return the observable that an option of a plot names, in its units, of every point."""
     spec, rows = data.spec, data.rows
-    one = numbers(spec.system)[spec.options["show"]]
+    one = numbers(spec.system)[spec.options[option]]
     unit, scale = unit_of(one.unit, spec.options["units"], spec.system), _scale(data, one)
     label = f"{one.meaning} [{unit or '1'}]"
     if one.name == "velocity":
@@ -160,11 +161,11 @@ def keys_of(data: FigureData) -> tuple[str, ...]:
     return *spec.options["curves"], *varying(rows, parameters)
 
 
-def look_of_all(data: FigureData) -> Look:
-    """Return a look that is the same for the same curve in all panels."""
+def look_of_all(data: FigureData, named: Sequence[str]) -> Look:
+    """Return a look that is the same in all panels for the same curve, which parameters name."""
     system = data.spec.system
     places: dict[str, int] = {}
-    keys = [name for name in keys_of(data) if name != "protocol"]
+    keys = [name for name in named if name != "protocol"]
     every = data.rows[keys].drop_duplicates().sort_values(keys) if keys else data.rows[:1]
     for values in every[keys].to_dict("records"):
         places[settings(system, values.items())] = len(places)
@@ -176,17 +177,21 @@ def look_of_all(data: FigureData) -> Look:
     return look
 
 
-def legend(figure: Figure, shown: Panels) -> None:
-    """Put one legend for all panels above them, each entry once; none for one nameless curve."""
+def legend(figure: Figure, shown: Panels, beside: Mapping[str, Any] | None = None) -> None:
+    """Put one legend for all panels above them, each entry once; none for one nameless curve.
+
+    ``beside`` are entries of data beside the study's own, which may be called the same.
+    """
     entries: dict[str, Any] = {}
     for axes, _ in shown:
         for handle, label in zip(*axes.get_legend_handles_labels(), strict=True):
             entries.setdefault(label, handle)
     entries.pop("", None)
-    if entries:
+    labels = [*entries, *(beside or {})]
+    if labels:
         room = CHARACTERS_PER_INCH * figure.get_figwidth()
-        columns = max(1, min(4, int(room / (max(map(len, entries)) + 6))))
-        handles, labels = list(entries.values()), list(entries)
+        columns = max(1, min(4, int(room / (max(map(len, labels)) + 6))))
+        handles = [*entries.values(), *(beside or {}).values()]
         figure.legend(handles, labels, loc="outside upper center", ncols=columns)
 
 
@@ -194,7 +199,8 @@ def groups(
     data: FigureData, rows: pd.DataFrame
 ) -> Iterator[tuple[CurveStyle, str, Mapping[str, Any]]]:
     """Yield style, legend entry and row of each completed point that is a curve of its own."""
-    look, keys = look_of_all(data), keys_of(data)
+    keys = keys_of(data)
+    look = look_of_all(data, keys)
     known = rows[rows["completed"] > 0].sort_values(list(keys)) if keys else rows
     for index, row in enumerate(known[known["completed"] > 0].to_dict("records")):
         names = {str(name): row[name] for name in keys}

@@ -59,7 +59,8 @@ def _draw_curves(
     axes: Axes, data: FigureData, rows: pd.DataFrame, values: pd.Series, places: dict[float, int]
 ) -> None:
     """Draw the replicates of points, those of each curve beside those of the others."""
-    look, keys = look_of_all(data), list(keys_of(data))
+    keys = list(keys_of(data))
+    look = look_of_all(data, keys)
     curves = [names for names, _ in data.rows.groupby(keys)] if keys else [()]
     width = _ROOM / len(curves)
     named: set[str] = set()

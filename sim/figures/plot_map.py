@@ -10,6 +10,7 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import LogNorm, Normalize
 from matplotlib.figure import Figure
 
+from sim.figures.beside import beside_notes, draw_beside, set_run_ticks, with_beside
 from sim.figures.configuration import COLOURS
 from sim.figures.data import FigureData, velocity_table
 from sim.figures.kind import Kind
@@ -23,11 +24,11 @@ from sim.figures.plot import (
     observed,
     panels,
     parameter_label,
+    set_log,
     width_of,
 )
 from sim.figures.quantity import quantity_table
 from sim.figures.regimes import MARKS
-from sim.figures.ticks import set_ticks
 from sim.study.plots import REGIME
 from sim.study.plottable import numbers
 
@@ -43,9 +44,10 @@ def draw(data: FigureData) -> Figure:
         _draw_regimes(data, shown)
     else:
         _draw_values(data, figure, shown)
+    beside = draw_beside(data, shown)
     _set_axes(data, shown)
     label_axes(figure, shown, *(parameter_label(spec.system, name) for name in spec.axes))
-    legend(figure, shown)
+    legend(figure, shown, beside)
     return figure
 
 
@@ -97,27 +99,30 @@ def _set_axes(data: FigureData, shown: Panels) -> None:
     log = data.spec.options["log"]
     height = SINGLE[1] - 1.0 if len(shown) == 1 else SEVERAL[1] - 0.5
     for axes, _ in shown:
-        axes.set_xscale("log" if "x" in log else "linear")
-        axes.set_yscale("log" if "y" in log else "linear")
+        for axis in {"x", "y"} & set(log):
+            set_log(axes, axis)
         axes.margins(0.1)
         axes.autoscale_view()
-        set_ticks(axes, data.rows[x], width_of(shown))
-        set_ticks(axes, data.rows[y], height, vertical=True)
+        set_run_ticks(axes, data, x, width_of(shown))
+        set_run_ticks(axes, data, y, height, "y")
 
 
 def table(data: FigureData) -> pd.DataFrame:
     """Return the data behind the map, one row per point, units in the headings."""
-    if data.spec.options["show"] == REGIME:
-        return velocity_table(data)
-    return quantity_table(data, [observed(data)])
+    of_regimes = data.spec.options["show"] == REGIME
+    found = velocity_table(data) if of_regimes else quantity_table(data, [observed(data)])
+    # Behind the name of the point.
+    _, x, y, *_ = found.columns
+    return with_beside(data, found, x, y)
 
 
 def notes(data: FigureData) -> list[str]:
     """Return what the caption says of markers."""
     if data.spec.options["show"] == REGIME:
-        return ["One marker per point."]
+        return ["One marker per point.", *beside_notes(data)]
     unknown = len(data.rows) - len(_known(data))
-    return ["One square per point."] + ([f"Open: {unknown} without a value."] if unknown else [])
+    without = [f"Open: {unknown} without a value."] if unknown else []
+    return ["One square per point.", *without, *beside_notes(data)]
 
 
 KIND = Kind(draw, table=table, notes=notes)

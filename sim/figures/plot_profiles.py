@@ -1,6 +1,6 @@
 """Profiles over the height, each the mean of the replicates of a point: a study's own plot.
 
-Options of a figure: those of `sim.figures.plot`.
+Options of a figure: those of `sim.figures.plot_slices`, which draws one profile against another.
 """
 
 from collections.abc import Mapping
@@ -11,6 +11,8 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from sim.base.statistics import student_half_width
+from sim.figures import plot_slices
+from sim.figures.beside import beside_notes, draw_beside, values_beside, with_beside
 from sim.figures.data import FigureData
 from sim.figures.kind import Kind
 from sim.figures.plot import (
@@ -21,21 +23,19 @@ from sim.figures.plot import (
     named_columns,
     observable_label,
     panels,
-    scale_of_point,
     set_log,
 )
+from sim.figures.plot_slices import ENOUGH, extent_sentence, slices
 from sim.figures.style import PALE
 from sim.figures.units import headed, unit_of
-from sim.study.catalogue.limits import SHARE
 from sim.study.plottable import profiles
-
-#: Replicates from which their mean is drawn with its interval, which of two says little.
-ENOUGH = 3
 
 
 def draw(data: FigureData) -> Figure:
     """Draw a line per point, about it the interval of its mean or, of few, its replicates."""
     spec = data.spec
+    if spec.options["second"]:
+        return plot_slices.draw(data)
     figure, shown = panels(data)
     for axes, rows in shown:
         for style, label, row in groups(data, rows):
@@ -50,42 +50,41 @@ def draw(data: FigureData) -> Figure:
                 axes.fill_betweenx(height, mean - half, mean + half, **band)
         if "x" in spec.options["log"]:
             set_log(axes, "x")
-    # Panels share their axes, and limits that are set follow nothing that is drawn later.
-    shown[0][0].set_ylim(bottom=0)
-    unit = unit_of("m", spec.options["units"], spec.system)
     one = profiles(spec.system)[spec.options["show"]]
-    label_axes(figure, shown, observable_label(data, one), headed("height z", unit))
     empty_text(shown, one.name)
-    legend(figure, shown)
+    beside = draw_beside(data, shown)
+    if not spec.options["between"]:
+        # Panels share their axes, and limits that are set follow nothing that is drawn later.
+        shown[0][0].set_ylim(bottom=min([0.0, *values_beside(data, "y")]))
+    unit = unit_of("m", spec.options["units"], spec.system)
+    label_axes(figure, shown, observable_label(data, one), headed("height z", unit))
+    legend(figure, shown, beside)
     return figure
 
 
 def profile(data: FigureData, row: Mapping[str, Any]) -> pd.DataFrame:
-    """Return a profile of a point up to the height below which almost all particles are.
+    """Return a profile of a point, those of its slices that are shown.
 
     Columns ``height``, ``mean`` over the replicates, ``half_width`` of its 95 % interval and
     ``replicate 1`` and so on, in the units of the plot; not-a-number where nothing is known.
     """
     one = profiles(data.spec.system)[data.spec.options["show"]]
-    values, height = data.results.profile(row["point"], one.source)
-    packing, _ = data.results.profile(row["point"], "packing_profile")
-    filled = np.cumsum(np.nan_to_num(packing.mean(axis=0)))
-    top = int(np.searchsorted(filled, SHARE * filled[-1])) + 1
-    by, over = (scale_of_point(data, row, unit) for unit in (one.unit, "m"))
-    columns = values[:, :top].T / by
-    known = [each[np.isfinite(each)] for each in columns]
+    values, height = slices(data, row, one)
+    known = [each[np.isfinite(each)] for each in values.T]
     return pd.DataFrame(
         {
-            "height": height[:top] / over,
+            "height": height,
             "mean": [each.mean() if each.size else np.nan for each in known],
             "half_width": [float(student_half_width(each)) for each in known],
         }
-        | {f"replicate {number}": one for number, one in enumerate(columns.T, 1)}
+        | {f"replicate {number}": one for number, one in enumerate(values, 1)}
     )
 
 
 def table(data: FigureData) -> pd.DataFrame:
     """Return the data behind the profiles, a row per point and slice, units in the headings."""
+    if data.spec.options["second"]:
+        return plot_slices.table(data)
     spec, one = data.spec, profiles(data.spec.system)[data.spec.options["show"]]
     units = [unit_of(unit, spec.options["units"], spec.system) for unit in (one.unit, "m")]
     known = data.rows[data.rows["completed"] > 0]
@@ -100,19 +99,24 @@ def table(data: FigureData) -> pd.DataFrame:
             f"half width of 95 % interval [{units[0] or '1'}]": values["half_width"],
         }
         parts.append(pd.DataFrame(own | columns | {"completed replicates": row["completed"]}))
-    return pd.concat(parts) if parts else pd.DataFrame(columns=list(named))
+    headings = [f"height [{units[1]}]", f"{one.name} [{units[0] or '1'}]"]
+    found = pd.concat(parts) if parts else pd.DataFrame(columns=[*named, *headings])
+    return with_beside(data, found, headings[1], headings[0])
 
 
 def notes(data: FigureData) -> list[str]:
     """Return what the caption says of lines and bands."""
+    if data.spec.options["second"]:
+        return plot_slices.notes(data)
     completed = data.rows["completed"]
     many, few = (completed >= ENOUGH).any(), ((completed > 1) & (completed < ENOUGH)).any()
     pale = f"of fewer than {ENOUGH}, each is a pale line"
     bands = "Bands: Student's 95 % interval of the mean over replicates"
-    ends = f"Lines end where {100 * SHARE:g} % of the particles are below."
+    ends = extent_sentence(data, "Lines")
+    beside = beside_notes(data)
     if many:
-        return [ends, f"{bands}; {pale}." if few else f"{bands}."]
-    return [ends, *([f"Lines are means over replicates; {pale}."] if few else [])]
+        return [ends, f"{bands}; {pale}." if few else f"{bands}.", *beside]
+    return [ends, *([f"Lines are means over replicates; {pale}."] if few else []), *beside]
 
 
 KIND = Kind(draw, table=table, notes=notes)

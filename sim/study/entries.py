@@ -16,11 +16,11 @@ from sim.study.refine import MAX_ROUNDS, PARTS, further_rounds
 _UNSHOWN, _LONGEST = ("Cc", "Cf", "Cn", "Co", "Cs", "Zl", "Zp"), 300
 
 
-def require_shown(title: str) -> None:
-    """Refuse a title that is no line of letters; raises the error of a validator."""
-    if len(title) > _LONGEST or any(category(letter) in _UNSHOWN for letter in title):
-        allowed = f"one line of at most {_LONGEST} letters, without control or direction marks"
-        raise broken_rule("title", title, allowed)
+def require_shown(text: str, key: str = "title", longest: int = _LONGEST) -> None:
+    """Refuse a text that is no line of letters; raises the error of a validator."""
+    if len(text) > longest or any(category(letter) in _UNSHOWN for letter in text):
+        allowed = f"one line of at most {longest} letters, without control or direction marks"
+        raise broken_rule(key, text, allowed)
 
 
 class Strict(BaseModel):
@@ -40,6 +40,7 @@ def optional(
         schema.pop("default", None)
         schema.update(json_schema or {})
 
+    changed.allowed = (json_schema or {}).get("allowed", "")  # type: ignore[attr-defined]
     return Field(None, description=description, json_schema_extra=changed, **options)
 
 

@@ -1,6 +1,6 @@
 """What is refused of plots whose keys are right: parameters that the points do not bear out."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from typing import Any
 
 from sim.base.errors import InputError
@@ -10,6 +10,7 @@ from sim.study.catalogue import FigureSpec
 from sim.study.catalogue.spec import written
 from sim.study.model import Point
 from sim.study.plot_file import PlotFile
+from sim.study.plottable import SHOWN_BY
 
 #: Most panels of a plot.
 MOST_PANELS = 12
@@ -19,26 +20,30 @@ Refused = Callable[[str, Any, str], InputError]
 
 
 def require_parameters(
-    one: PlotFile, system: str, points: Sequence[Point], refused: Refused
+    one: PlotFile, axes: Sequence[str], system: str, points: Sequence[Point], refused: Refused
 ) -> None:
     """Refuse a plot over what the points of its system do not vary, or that cannot be drawn.
+
+    ``axes`` are those of its parameters that stand on axes.
 
     Raises
     ------
     InputError
         That ``refused`` gives.
     """
-    for key, name in _parameters(one):
-        _require_parameter(key, name, system, refused)
+    named = _parameters(one, axes)
+    for key, name in named:
+        either = SHOWN_BY[one.like](system) if key == one.second else ()
+        _require_parameter(key, name, system, either, refused)
         _require_varied(key, name, points, refused)
-    _require_distinct(one, refused)
+    _require_distinct(named, refused)
     _require_few_panels(one, points, refused)
-    _require_logarithms(one, points, refused)
+    _require_logarithms(one, axes, points, refused)
 
 
-def _parameters(one: PlotFile) -> list[tuple[str, str]]:
+def _parameters(one: PlotFile, on_axes: Sequence[str]) -> list[tuple[str, str]]:
     """Return the parameters that a plot is over, with the keys that name them."""
-    axes = [(key, getattr(one, key)) for key in ("x", "y") if getattr(one, key) in one.on_axes]
+    axes = [(key, getattr(one, key)) for key in ("x", "y") if getattr(one, key) in on_axes]
     curves = [
         (f"curves[{number}]" if len(one.curves or []) > 1 else "curves", name)
         for number, name in enumerate(one.curves or [])
@@ -46,16 +51,21 @@ def _parameters(one: PlotFile) -> list[tuple[str, str]]:
     return [*axes, *curves, *([("panels", one.panels)] if one.panels else [])]
 
 
-def _require_parameter(key: str, name: str, system: str, refused: Refused) -> None:
-    """Refuse what is no parameter of the system, or on an axis no number."""
+def _require_parameter(
+    key: str, name: str, system: str, either: Collection[str], refused: Refused
+) -> None:
+    """Refuse what is no parameter of the system, or on an axis no number.
+
+    ``either`` are the observables that may stand in its place.
+    """
     fields = SYSTEMS[system].model_fields
     if name not in fields or name == "system":
         others = [one for one, model in SYSTEMS.items() if name in model.model_fields]
         if name != "system" and others:
             raise refused(key, name, f"a parameter of the {system}; this is one of the {others[0]}")
         known = [one for one in fields if one != "system"]
-        hint = did_you_mean(name, known)
-        raise refused(key, name, f"{hint}a parameter of the {system} that the points vary")
+        hint, other = did_you_mean(name, [*known, *either]), ", or an observable" if either else ""
+        raise refused(key, name, f"{hint}a parameter of the {system} that the points vary{other}")
     if key in ("x", "y") and fields[name].annotation not in (int, float):
         raise refused(key, name, "a parameter that is a number; curves and panels take any")
 
@@ -68,9 +78,9 @@ def _require_varied(key: str, name: str, points: Sequence[Point], refused: Refus
         raise refused(key, f"{name}, which is {_written(values.pop())} throughout", allowed)
 
 
-def _require_distinct(one: PlotFile, refused: Refused) -> None:
+def _require_distinct(named: Sequence[tuple[str, str]], refused: Refused) -> None:
     seen: dict[str, str] = {}
-    for key, name in _parameters(one):
+    for key, name in named:
         if name in seen:
             raise refused(key, name, f"a parameter other than {seen[name]}")
         seen[name] = key
@@ -84,11 +94,13 @@ def _require_few_panels(one: PlotFile, points: Sequence[Point], refused: Refused
             raise refused("panels", f"{one.panels} with {count} values", allowed)
 
 
-def _require_logarithms(one: PlotFile, points: Sequence[Point], refused: Refused) -> None:
+def _require_logarithms(
+    one: PlotFile, axes: Sequence[str], points: Sequence[Point], refused: Refused
+) -> None:
     """Refuse a logarithmic axis of a parameter that is zero or negative somewhere."""
     for number, axis in enumerate(one.log):
         name = getattr(one, axis)
-        if name in one.on_axes:
+        if name in axes:
             least = min(getattr(point.parameters, name) for point in points)
             if least <= 0:
                 got = f"{axis} with {name} = {written(least)}"

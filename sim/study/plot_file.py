@@ -5,9 +5,10 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import AfterValidator, BeforeValidator, Field, WithJsonSchema, model_validator
 
 from sim.base.additions import NAME as PLUGGED
-from sim.parameters.common import broken_rule
+from sim.parameters.common import Real, broken_rule
 from sim.study.catalogue import FIGURES
 from sim.study.entries import ALLOWED_NAME, NAME, Strict, optional, require_shown
+from sim.study.plot_beside import MOST_BESIDE, BesideFile
 from sim.study.plot_kinds import KINDS, like, own_plots
 from sim.study.plottable import every_name
 
@@ -35,6 +36,15 @@ OBSERVABLE: dict[str, tuple[str, str]] = {
     "distribution": ("y", "velocity"),
 }
 
+#: The key of a second observable of the kinds that can show one against another.
+SECOND = {"curves": "x", "profiles": "y"}
+
+#: Kinds that have a place for data beside.
+_TAKE_BESIDE = ("curves", "profiles", "map")
+
+#: What is allowed as heights to show slices between.
+_BETWEEN = "two heights in diameters, 0 or more, the lower one first"
+
 #: Keys of the parameters that stand on the axes of each kind, and what to know of keys it lacks.
 AXES: dict[str, tuple[str, ...]] = {
     "curves": ("x",),
@@ -45,7 +55,6 @@ AXES: dict[str, tuple[str, ...]] = {
 }
 _LACKING = {
     ("map", "curves"): "no curves on a map; panels tell further parameters apart",
-    ("profiles", "y"): "nothing: y is the height, x what is shown over it",
     ("time_series", "x"): "nothing: x is the time",
 }
 
@@ -93,11 +102,13 @@ class PlotFile(Strict):
     )
     title: str = Field("", description="one line (omitted: made from what is shown)")
     x: str = optional(
-        "parameter on the horizontal axis; of `profiles` the observable (velocity)",
+        "parameter on the horizontal axis, of `curves` also another observable; of `profiles` the "
+        "observable (velocity)",
         json_schema=_ANY,
     )
     y: str = optional(
-        "observable on the vertical axis (velocity); of a `map` a parameter",
+        "observable on the vertical axis (velocity); of a `map` a parameter; of `profiles` an "
+        "observable over the height, in each slice shown against x (omitted: the height itself)",
         json_schema=_ANY,
     )
     colour: str = optional(
@@ -113,6 +124,18 @@ class PlotFile(Strict):
         description="units of what is observed: `si`, or `natural` ones of diameter, mass and "
         "gravity; parameters are as in study files",
     )
+    between: list[Real] = optional(
+        "of `profiles`: heights above the base between which slices are shown, in diameters",
+        json_schema={"allowed": _BETWEEN},
+        min_length=2,
+        max_length=2,
+    )
+    beside: list[BesideFile] = optional(
+        "data that are not of the study, drawn beside it: of `curves`, `profiles` and `map`",
+        min_length=1,
+        max_length=MOST_BESIDE,
+        json_schema={"allowed": f"a list of at most {MOST_BESIDE} mappings with label and points"},
+    )
     log: list[Literal["x", "y", "colour"]] = Field([], description="axes that are logarithmic")
 
     @model_validator(mode="after")
@@ -125,18 +148,49 @@ class PlotFile(Strict):
     @model_validator(mode="after")
     def _with_the_keys_of_its_kind(self) -> Self:
         observed, _ = OBSERVABLE[self.like]
-        has = {observed, "panels", *AXES[self.like], *(["curves"] if self.like != "map" else [])}
+        has = {observed, self.second, "panels", *AXES[self.like]}
+        has |= set() if self.like == "map" else {"curves"}
         for key in ("x", "y", "colour", "curves", "panels"):
             value = getattr(self, key)
             if value is not None and key not in has:
                 allowed = _LACKING.get((self.like, key), f"{key} of a map alone")
                 raise broken_rule(key, value, allowed)
             if value is None and key in AXES[self.like]:
-                raise broken_rule(key, value, "a parameter that the points vary")
+                other = ", or an observable" if SECOND.get(self.like) == key else ""
+                raise broken_rule(key, value, f"a parameter that the points vary{other}")
         for number, axis in enumerate(self.log):
-            if axis not in _LOG[self.like]:
-                allowed = "one of " + ", ".join(_LOG[self.like])
+            known = _LOG[self.like] + (("y",) if self.like == "profiles" and self.y else ())
+            if axis not in known:
+                allowed = "one of " + ", ".join(known)
                 raise broken_rule(f"log[{number}]", axis, allowed)
+        return self
+
+    @model_validator(mode="after")
+    def _with_heights_of_profiles(self) -> Self:
+        if self.between is None:
+            return self
+        if self.like != "profiles":
+            raise broken_rule("between", self.between, "between of profiles alone")
+        low, high = self.between
+        if not 0 <= low < high:
+            raise broken_rule("between", self.between, _BETWEEN)
+        return self
+
+    @model_validator(mode="after")
+    def _with_data_beside_that_have_a_place(self) -> Self:
+        labels: set[str] = set()
+        for number, one in enumerate(self.beside or []):
+            if self.kind not in _TAKE_BESIDE:
+                allowed = f"no data beside, which are of {', '.join(_TAKE_BESIDE)} alone"
+                raise broken_rule("beside", one.label, allowed)
+            if one.label in labels:
+                raise broken_rule(f"beside[{number}].label", one.label, "a label of its own")
+            labels.add(one.label)
+            for place, point in enumerate(one.points):
+                low = [axis for axis, at in zip("xy", point, strict=True) if at <= 0]
+                if axes := [axis for axis in low if axis in self.log]:
+                    allowed = f"numbers > 0 on the logarithmic axis {axes[0]}"
+                    raise broken_rule(f"beside[{number}].points[{place}]", point, allowed)
         return self
 
     @property
@@ -151,6 +205,11 @@ class PlotFile(Strict):
         return getattr(self, key) or usual
 
     @property
+    def second(self) -> str:
+        """Key of a second observable, empty where the kind shows none."""
+        return SECOND.get(self.like, "")
+
+    @property
     def on_axes(self) -> tuple[str, ...]:
-        """Parameters on the axes."""
+        """What stands on the axes where a parameter may: parameters, unless it is ``second``."""
         return tuple(getattr(self, key) for key in AXES[self.like])

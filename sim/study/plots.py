@@ -18,10 +18,10 @@ from sim.study.figure_points import require_places
 from sim.study.file import StudyFile
 from sim.study.model import Point, Study
 from sim.study.plot_checks import Refused, require_nothing_else, require_parameters, varying_of
-from sim.study.plot_file import OBSERVABLE, PlotFile
+from sim.study.plot_file import AXES, OBSERVABLE, PlotFile
 from sim.study.plot_kinds import code_of
 from sim.study.plot_words import lead_of, title_of
-from sim.study.plottable import SHOWN_BY, Observable
+from sim.study.plottable import SHOWN_BY, Observable, every_name
 
 #: What the colour of a map may be besides an observable.
 REGIME = "regime"
@@ -75,22 +75,31 @@ def _entry(one: PlotFile, study: Study, refused: Refused, source: str, path: str
     points = [point for point in study.points.values() if set(point.series) & set(names)]
     system = _system(one, points, refused)
     points = [point for point in points if point.parameters.system == system]
-    observable = _observable(one, system, points, refused)
+    key, _ = OBSERVABLE[one.like]
+    is_map = one.like == "map" and one.observable == REGIME
+    observable = None if is_map else _observable(one, key, one.observable, system, points, refused)
+    second = _second(one, system, points, refused)
+    axes = () if second else one.on_axes
     curves, panels = tuple(one.curves or ()), one.panels or ""
-    require_parameters(one, system, points, refused)
+    require_parameters(one, axes, system, points, refused)
     spec = FigureSpec(
         name=one.name,
         kind=f"plot_{one.kind}",
         paper="",
         system=system,
-        title=one.title or title_of(one, observable, curves, panels),
-        axes=one.on_axes,
+        title=one.title or title_of(one, observable, second),
+        axes=axes,
         curves=curves + ((panels,) if panels else ()),
-        lead=lead_of(one, observable, system),
+        lead=lead_of(one, observable, second, system),
         named=_named(system, [point.parameters for point in points]),
         series=tuple(names),
         options={
             "show": one.observable,
+            "second": second.name if second else "",
+            "between": tuple(one.between or ()),
+            "beside": tuple(
+                (each.label, tuple(map(tuple, each.points)), each.line) for each in one.beside or ()
+            ),
             "panels": panels,
             "curves": curves,
             "units": one.units,
@@ -122,28 +131,40 @@ def _system(one: PlotFile, points: Sequence[Point], refused: Refused) -> str:
     return system
 
 
-def _observable(
+def _second(
     one: PlotFile, system: str, points: Sequence[Point], refused: Refused
 ) -> Observable | None:
-    """Return what a plot shows; nothing for a map of regimes."""
-    key, _ = OBSERVABLE[one.like]
-    if one.like == "map" and one.observable == REGIME:
+    """Return the observable on the other axis too; nothing where a parameter is there, or may be.
+
+    What is neither is refused with the parameters.
+    """
+    name = getattr(one, one.second) if one.second else None
+    if name is None or (one.second in AXES[one.like] and name not in every_name()):
         return None
+    if name == one.observable:
+        key, _ = OBSERVABLE[one.like]
+        raise refused(one.second, name, f"an observable other than {key}")
+    return _observable(one, one.second, name, system, points, refused)
+
+
+def _observable(
+    one: PlotFile, key: str, name: str, system: str, points: Sequence[Point], refused: Refused
+) -> Observable:
+    """Return an observable that a plot shows, which its key names."""
     known = SHOWN_BY[one.like](system)
-    found = known.get(one.observable)
+    found = known.get(name)
     if found is None:
-        raise refused(key, one.observable, _instead(one, system, list(known)))
+        raise refused(key, name, _instead(one, name, system, list(known)))
     if found.asked_by and not all(
         getattr(point.parameters, found.asked_by, False) for point in points
     ):
         allowed = f"points with {found.asked_by}: true, without which it is not kept"
-        raise refused(key, one.observable, allowed)
+        raise refused(key, name, allowed)
     return found
 
 
-def _instead(one: PlotFile, system: str, known: list[str]) -> str:
+def _instead(one: PlotFile, name: str, system: str, known: list[str]) -> str:
     """Say what may be meant by an observable that a kind of plot does not know."""
-    name = one.observable
     for other in SYSTEMS:
         if other != system and name in SHOWN_BY[one.like](other):
             return f"an observable of the {system}; {name} is one of the {other}"

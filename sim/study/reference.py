@@ -13,6 +13,7 @@ from sim.parameters import SYSTEMS, FieldRow, field_info
 from sim.study import ranges
 from sim.study.catalogue import FIGURES
 from sim.study.file import file_models
+from sim.study.plot_beside import BesideFile
 from sim.study.plot_file import PlotFile
 from sim.study.plottable import SHOWN_BY
 
@@ -64,6 +65,8 @@ def reference_text() -> str:
         _keys_table(entries.boundary),
         "### Keys of a plot",
         _keys_table(PlotFile),
+        "### Keys of data beside a plot's own",
+        _keys_table(BesideFile),
         "### Keys of an override",
         _keys_table(entries.override),
         "### Keys of `defaults`",

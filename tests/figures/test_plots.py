@@ -1,5 +1,6 @@
 """Plots of a study's own: every kind, from made-up points to picture, data and caption."""
 
+from collections.abc import Mapping, Sequence
 from itertools import pairwise
 from pathlib import Path
 
@@ -8,14 +9,16 @@ import pandas as pd
 import pytest
 
 from sim.base.errors import InputError
+from sim.base.statistics import student_half_width
 from sim.dataset.build import build
 from sim.dataset.results import load_results
+from sim.figures.kind import load_kind
 from sim.figures.render import derived, render
 from sim.figures.ticks import set_ticks
 from sim.figures.units import scale_of, unit_of
 from sim.study.load import load_study
-from tests.figures.made_plots import GRID, SPEED, drawn, flows
-from tests.made.results import made_point
+from tests.figures.made_plots import GRID, SIZE, SPEED, drawn, flows
+from tests.made.results import MadePoint, made_point
 from tests.made.runs import write_run
 
 
@@ -31,6 +34,67 @@ def test_curves_name_what_varies_and_every_value_has_a_number():
     assert labels(axes) == ["0.3", "0.4", "0.6"]
     assert axes.get_ylabel() == "velocity\N{NO-BREAK SPACE}(m/s)"
     assert rows["mean velocity over the averaging window [m/s]"].tolist()[0] == pytest.approx(0.7)
+    assert len(rows) == 6
+
+
+def measured(x: Mapping[float, Sequence[float]], angles=(16, 17)) -> list[MadePoint]:
+    """Return flows of some shear depths (diameters), one per replicate, by their frictions."""
+    return [
+        made_point(
+            "chute",
+            {"velocity": friction, "shear_depth": np.asarray(depths) * SIZE},
+            replicates=len(depths),
+            friction=friction,
+            angle=angle,
+        )
+        for friction, depths in x.items()
+        for angle in angles
+    ]
+
+
+def lines(axes) -> list[np.ndarray]:
+    """Return where the curves of a plot go along x."""
+    return [line.get_xdata() for line in axes.lines if line.get_linestyle() not in ("None", "none")]
+
+
+def test_curves_against_a_number_are_joined_in_its_order_with_bars_both_ways():
+    points = measured({0.3: (3, 3.3, 3.6), 0.4: (1, 1.1, 1.2), 0.6: (2, 2, 2.3)})
+    plot = {"x": "shear_depth", "curves": "angle", "units": "natural"}
+    figure, rows, _ = drawn(plot, points)
+    (axes,) = figure.axes
+    assert axes.get_xlabel() == "shear depth\N{NO-BREAK SPACE}(σ)"
+    assert [line.tolist() for line in lines(axes)[:1]] == [pytest.approx([1.1, 2.1, 3.3])]
+    ends = [part.get_segments() for bars in axes.containers for part in bars.lines[2]]
+    wide = [segment for each in ends for segment in each if segment[0][0] < segment[1][0]]
+    high = [segment for each in ends for segment in each if segment[0][1] < segment[1][1]]
+    assert len(wide) == len(high) == 6
+    assert rows.filter(regex=r"^height .*\[σ\]").iloc[0, 0] == pytest.approx(3.3)
+    half = rows.filter(regex=r"^half width .* height .*\[σ\]").iloc[0, 0]
+    assert half == pytest.approx(student_half_width(np.array([3, 3.3, 3.6])))
+    assert rows.filter(like="mean velocity").shape[1] == 2
+
+
+def test_a_cloud_of_points_is_not_joined_and_choices_tell_curves_apart():
+    points = measured({0.3: (3,), 0.4: (1,), 0.6: (2,)})
+    figure, _, data = drawn({"x": "shear_depth"}, points)
+    (axes,) = figure.axes
+    assert not lines(axes) and not figure.legends
+    assert sum(len(bars.lines[0].get_xdata()) for bars in axes.containers) == 6
+    # Of one replicate the velocity alone has bars, which are upright.
+    ends = [part.get_segments() for bars in axes.containers for part in bars.lines[2]]
+    assert all(low[0] == high[0] for each in ends for low, high in each)
+    text = " ".join(load_kind(data.spec.kind).notes(data))
+    assert "Points that differ in friction μ and angle θ are not joined." in text
+    assert "No bar of the shear depth where only one replicate is known." in text
+
+
+def test_what_is_not_above_zero_has_no_place_on_a_logarithmic_axis():
+    points = measured({0.3: (3, 3.1), 0.4: (0, 0), 0.6: (2, 2.1)}, angles=(16,))
+    points += measured({0.3: (1, 1.1), 0.4: (1, 1.1), 0.6: (1, 1.1)}, angles=(17,))
+    figure, rows, data = drawn({"x": "shear_depth", "panels": "angle", "log": ["x"]}, points)
+    assert figure.axes[0].get_xscale() == "log"
+    assert [len(one) for axes in figure.axes for one in lines(axes) if len(one)] == [2, 3]
+    assert "a logarithmic axis: 1 point." in " ".join(load_kind(data.spec.kind).notes(data))
     assert len(rows) == 6
 
 
@@ -82,6 +146,90 @@ def test_profiles_end_above_the_last_particles():
     heights, speeds = rows["height [σ]"], rows["velocity [√(gσ)]"] * SPEED
     assert speeds.tolist() == pytest.approx(heights.tolist(), rel=1e-6)
     assert list(rows["friction [1]"].unique()) == GRID["friction"]
+
+
+def sliced(replicates: int, lone: int = 0, surface: float = 0.5) -> list[MadePoint]:
+    """Return a flow whose packing is a tenth of its granular temperature, which falls upwards.
+
+    Above 3 diameters only the first ``lone`` replicates know the temperature.
+    """
+    height = (np.arange(20) + 0.5) * 0.25 * SIZE
+    factors = 1 + 0.1 * np.arange(replicates)[:, None]
+    cold = factors * (5 - height / SIZE)
+    hot = np.where(height < 4.5 * SIZE, cold, surface)
+    unknown = (np.arange(replicates)[:, None] >= lone) & (height > 3 * SIZE)
+    profiles = {
+        "packing_profile": cold / 10,
+        "granular_temperature_profile": np.where(unknown, np.nan, hot),
+    }
+    return [
+        made_point(
+            "chute",
+            {"velocity": 0.5},
+            profiles,
+            replicates=replicates,
+            height=height,
+            friction=friction,
+            angle=16,
+        )
+        for friction in (0.3, 0.4)
+    ]
+
+
+SLICES = {"kind": "profiles", "x": "granular_temperature", "y": "packing", "curves": "friction"}
+
+
+def test_profiles_against_each_other_have_a_marker_with_bars_in_every_slice():
+    figure, rows, data = drawn(SLICES, sliced(3, lone=1))
+    (axes,) = figure.axes
+    assert axes.get_xlabel().startswith("granular temperature") and axes.get_ylabel() == "packing"
+    assert [text.get_text() for text in figure.legends[0].texts] == ["μ = 0.3", "μ = 0.4"]
+    # Above 3 diameters one replicate alone knows both, and there is no bar.
+    assert [len(bars.lines[0].get_xdata()) for bars in axes.containers] == [12, 12]
+    ends = [part.get_segments() for bars in axes.containers for part in bars.lines[2]]
+    assert [len(each) for each in ends] == [12] * 4
+    bare = [len(line.get_xdata()) for line in axes.lines if line.get_zorder() == 3]
+    assert bare == [7, 7]
+    heat, packing = (rows.filter(regex=f"^{name} ").iloc[:, 0] for name in ("gran.*", "packing"))
+    low = heat > 0.6
+    assert packing[low].tolist() == pytest.approx((heat / 10)[low].tolist())
+    assert heat.iloc[0] == pytest.approx(1.1 * 4.875) and heat.iloc[12] == pytest.approx(1.875)
+    half = rows.filter(regex="^half width .* packing").iloc[0, 0]
+    assert half == pytest.approx(student_half_width(np.array([1, 1.1, 1.2]) * 4.875 / 10))
+    assert "Bars: Student" in (text := " ".join(load_kind(data.spec.kind).notes(data)))
+    assert "pale" not in text
+
+
+def test_profiles_against_each_other_leave_out_slices_that_are_not_known_or_not_between():
+    figure, rows, data = drawn(SLICES | {"between": [1, 4], "units": "natural"}, sliced(2))
+    assert rows["height [σ]"].min() == 1.125 and rows["height [σ]"].max() == 2.875
+    (axes,) = figure.axes
+    assert not [1 for bars in axes.containers for part in bars.lines[2] if part.get_segments()]
+    single = [line for line in axes.lines if len(line.get_xdata()) == 2 * 8]
+    assert len(single) == 2
+    text = " ".join(load_kind(data.spec.kind).notes(data))
+    assert "Heights shown: 1 to 4 diameters above the base." in text
+    assert "Of fewer than 3 replicates, each is a pale marker." in text and "Bars" not in text
+    plain = {"kind": "profiles", "x": "packing", "curves": "friction", "between": [1, 4]}
+    _, rows, data = drawn(plain | {"units": "natural"}, sliced(3))
+    assert rows["height [σ]"].min() == 1.125 and rows["height [σ]"].max() == 3.875
+    assert "1 to 4 diameters" in " ".join(load_kind(data.spec.kind).notes(data))
+
+
+def test_slices_that_are_not_above_zero_have_no_place_on_logarithmic_axes():
+    figure, rows, data = drawn(SLICES | {"log": ["x", "y"]}, sliced(3, lone=3, surface=0))
+    (axes,) = figure.axes
+    assert (axes.get_xscale(), axes.get_yscale()) == ("log", "log")
+    assert [len(bars.lines[0].get_xdata()) for bars in axes.containers] == [18, 18]
+    lost = len(rows) - 36
+    text = " ".join(load_kind(data.spec.kind).notes(data))
+    assert lost and f"not on a logarithmic axis: {lost} slices." in text
+
+
+def test_where_no_slice_is_between_it_is_said():
+    figure, rows, _ = drawn(SLICES | {"between": [50, 60]}, sliced(3))
+    text = "no run has granular temperature and packing at these heights"
+    assert text in [one.get_text() for one in figure.axes[0].texts] and rows.empty
 
 
 def test_a_map_shows_regimes_or_a_number():

@@ -47,6 +47,90 @@ def test_a_plot_is_an_entry_of_all_points_of_its_series(parse):
     assert all(point.figures == () for point in study.points.values())
 
 
+def test_x_of_curves_may_be_an_observable(parse):
+    study = parse(RIGHT | {"x": "shear_depth"})
+    spec = study.entries["v"]
+    assert spec.axes == () and spec.curves == ("angle", "law")
+    assert (spec.options["show"], spec.options["second"]) == ("velocity", "shear_depth")
+    assert spec.title == "Velocity against shear depth, by angle and law"
+    assert ", against shear depth (height at which the velocity is" in spec.lead
+    assert "friction" in spec.named
+    assert parse(RIGHT).entries["v"].options["second"] == ""
+
+
+def test_y_of_profiles_is_another_profile_in_the_same_slices(parse):
+    plot = {"name": "p", "kind": "profiles", "x": "granular_temperature", "y": "packing"}
+    spec = parse(plot | {"between": [1, 4], "log": ["y"]}).entries["p"]
+    assert (spec.options["show"], spec.options["second"]) == ("granular_temperature", "packing")
+    assert spec.options["between"] == (1.0, 4.0)
+    assert spec.title == "Packing against granular temperature"
+    assert spec.lead.startswith("Packing: packing fraction, against granular temperature (granular")
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"y": "packng"}, "y: got 'packng'; allowed: did you mean packing"),
+        ({"y": "velocity"}, "y: got 'velocity'; allowed: an observable other than x"),
+        ({"y": "shear_depth"}, "y: got 'shear_depth'; allowed: an observable of profiles; shear"),
+        ({"y": "overburden"}, "y: got 'overburden'; allowed: points with stress_profiles: true"),
+        ({"log": ["y"]}, "log[0]: got 'y'; allowed: one of x"),
+        ({"between": [4, 1]}, "between: got [4, 1]; allowed: two heights in diameters, 0 or"),
+        ({"between": [-1, 1]}, "between: got [-1, 1]; allowed: two heights in diameters, 0"),
+        ({"between": [1]}, "between: got [1]; allowed: two heights in diameters, 0 or more"),
+        ({"between": 1}, "between: got 1; allowed: two heights in diameters, 0 or more, the"),
+        ({"between": [1, ".inf"]}, "between[1]: got '.inf'; allowed: two heights in diameters"),
+        ({"kind": "time_series", "between": [1, 4]}, "between: got [1, 4]; allowed: between"),
+    ],
+)
+def test_mistakes_in_profiles_are_refused_by_their_key(parse, change, message):
+    assert refused(parse, {"name": "p", "kind": "profiles"} | change).startswith(message)
+
+
+OTHERS = {"label": "Pouliquen (1999)", "points": [[0.3, 1], [0.6, 2.5]]}
+
+
+def test_data_beside_a_plot_are_kept_with_it(parse):
+    spec = parse(RIGHT | {"beside": [OTHERS, OTHERS | {"label": "law", "line": True}]}).entries["v"]
+    points = ((0.3, 1.0), (0.6, 2.5))
+    assert spec.options["beside"] == (("Pouliquen (1999)", points, False), ("law", points, True))
+    assert eval(repr(spec), {"FigureSpec": FigureSpec}) == spec
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"label": " "}, "beside[0].label: got ' '; allowed: a text that is not empty"),
+        ({"label": "a" * 61}, "beside[0].label: got 'aaa"),
+        (
+            {"label": "a\u202eb"},
+            "beside[0].label: got 'a\\u202eb'; allowed: one line of at most 60",
+        ),
+        ({"points": []}, "beside[0].points: got []; allowed: a list of points [x, y], finite"),
+        ({"points": [0.3, 1]}, "beside[0].points[0]: got 0.3; allowed: a list of points [x, y]"),
+        ({"points": [[1, 2, 3]]}, "beside[0].points[0]: got [1, 2, 3]; allowed: a list of points"),
+        ({"points": [[1, float("nan")]]}, "beside[0].points[0][1]: got nan; allowed: finite, a"),
+        ({"points": [[1, 2]], "line": True}, "beside[0].points: got [[1, 2]]; allowed: at least"),
+        ({"colour": "red"}, "beside[0].colour: unknown key, got 'red'; "),
+    ],
+)
+def test_mistakes_in_data_beside_are_refused_by_their_key(parse, change, message):
+    assert refused(parse, RIGHT | {"beside": [OTHERS | change]}).startswith(message)
+
+
+def test_data_beside_without_a_place_are_refused(parse):
+    below = OTHERS | {"points": [[0.3, 1], [0.4, 0]]}
+    message = refused(parse, RIGHT | {"log": ["y"], "beside": [below]})
+    assert message.startswith("beside[0].points[1]: got [0.4, 0]; allowed: numbers > 0 on the log")
+    assert parse(RIGHT | {"log": ["x"], "beside": [below]}).plots
+    message = refused(parse, RIGHT | {"beside": [OTHERS, OTHERS]})
+    assert message.startswith("beside[1].label: got 'Pouliquen (1999)'; allowed: a label of its")
+    message = refused(parse, RIGHT | {"kind": "distribution", "beside": [OTHERS]})
+    assert message.startswith("beside: got 'Pouliquen (1999)'; allowed: no data beside, which are")
+    message = refused(parse, RIGHT | {"beside": [OTHERS | {"label": str(n)} for n in range(7)]})
+    assert "allowed: a list of at most 6" in message
+
+
 def test_plots_draw_on_the_series_they_name_and_on_those_of_their_system(parse):
     more = {"name": "more", "system": "chute", "cases": [{"friction": 0.5}, {"friction": 0.6}]}
     study = parse(
@@ -92,6 +176,10 @@ def test_every_kind_shows_its_usual_observable_of_every_system(parse, kind, syst
         ({"x": "fricton"}, "x: got 'fricton'; allowed: did you mean friction"),
         ({"x": "frequency"}, "x: got 'frequency'; allowed: a parameter of the chute; this is"),
         ({"x": "law", "panels": "friction"}, "x: got 'law'; allowed: a parameter that is a number"),
+        ({"x": "velocity"}, "x: got 'velocity'; allowed: an observable other than y"),
+        ({"x": "shear_dept"}, "x: got 'shear_dept'; allowed: did you mean shear_depth"),
+        ({"x": "backflow"}, "x: got 'backflow'; allowed: an observable of the chute; backflow is"),
+        ({"x": "overburden"}, "x: got 'overburden'; allowed: points with stress_profiles: true"),
         ({"x": "depth"}, "x: got 'depth, which is 5 throughout'; allowed: a parameter that the"),
         ({"curves": ["angle", "depth"]}, "curves[1]: got 'depth, which is 5 throughout'"),
         ({"panels": "friction"}, "panels: got 'friction'; allowed: a parameter other than x"),

@@ -1,8 +1,8 @@
-"""What all figures share in their look: error bars that the axes cut."""
+"""Error bars that the axes cut."""
 
-from matplotlib.markers import CARETDOWN, CARETUP
+from matplotlib.markers import CARETDOWN, CARETLEFT, CARETRIGHT, CARETUP
 
-from sim.figures.curves import mark_cut_bars
+from sim.figures.bars import mark_cut_bars
 from sim.figures.style import canvas
 
 
@@ -22,3 +22,16 @@ def test_a_caret_stands_where_an_error_bar_leaves_the_axes():
         (3, 4, CARETUP, "#d55e00"),
     }
     assert axes.get_ylim() == (0, 4)
+
+
+def test_bars_along_x_end_in_carets_at_the_sides():
+    _, axes = canvas()
+    axes.errorbar([1, 2, 3], [1, 2, 3], xerr=[0.5, 3, 2], linestyle="none")
+    axes.set_xlim(0, 4)
+    before = len(axes.get_lines())
+    mark_cut_bars(axes)
+    carets = {
+        (line.get_xdata()[0], line.get_ydata()[0], line.get_marker())
+        for line in axes.get_lines()[before:]
+    }
+    assert carets == {(0, 2, CARETLEFT), (4, 2, CARETRIGHT), (4, 3, CARETRIGHT)}

@@ -1,0 +1,94 @@
+"""Data beside a study's own: drawn apart, told in the legend, the caption and the data."""
+
+import numpy as np
+import pytest
+from matplotlib.lines import Line2D
+
+from sim.figures.beside import _MARKERS
+from sim.figures.kind import load_kind
+from sim.figures.regimes import MARKS
+from sim.figures.style import COLOURS, MARKERS
+from tests.figures.made_plots import drawn
+from tests.figures.test_plot_texts import shown_texts
+
+MEASURED = {"label": "_glass $d$", "points": [[0.3, 0.5], [0.45, 0.9]]}
+LAW = {"label": "law", "points": [[0.3, 0.4], [0.6, 0.2], [0.6, 0.1]], "line": True}
+
+
+def there(axes, one: dict) -> list[Line2D]:
+    """Return what is drawn of data beside on some axes."""
+    at = np.array(one["points"], float)
+    return [line for line in axes.lines if np.array_equal(line.get_xydata(), at)]
+
+
+OVER = {"x": "friction", "curves": "angle"}
+MAP = {"kind": "map", "x": "friction", "y": "angle"}
+HEIGHTS = {"kind": "profiles", "x": "packing", "curves": "friction", "panels": "angle"}
+SLICES = {"kind": "profiles", "x": "granular_temperature", "y": "packing"}
+
+
+@pytest.mark.parametrize(
+    ("plot", "x", "y"),
+    [
+        (OVER, "friction", "mean velocity"),
+        ({"x": "friction", "panels": "angle"}, "friction", "mean velocity"),
+        ({"x": "packing", "y": "shear_depth"}, "packing", "height at which"),
+        (MAP, "friction", "angle"),
+        (MAP | {"colour": "velocity"}, "friction", "angle"),
+        (HEIGHTS, "packing", "height"),
+        (SLICES | {"curves": ["friction", "angle"]}, "granular", "packing"),
+    ],
+)
+def test_data_beside_are_in_every_panel_the_legend_the_caption_and_the_data(plot, x, y):
+    _, own, _ = drawn(plot)
+    figure, rows, data = drawn(plot | {"beside": [MEASURED, LAW]})
+    panels = [axes for axes in figure.axes if axes.get_label() != "<colorbar>"]
+    for axes in panels:
+        (markers,), (line,) = there(axes, MEASURED), there(axes, LAW)
+        assert markers.get_linestyle() == "None" and markers.get_marker() in _MARKERS
+        assert line.get_marker() == "None" and line.get_linestyle() != "-"
+        assert not {markers.get_color(), line.get_color()} & set(COLOURS)
+        (left, right), (bottom, top) = axes.get_xlim(), axes.get_ylim()
+        for one in (MEASURED, LAW):
+            at = np.array(one["points"])
+            assert np.all((left <= at[:, 0]) & (at[:, 0] <= right))
+            assert np.all((bottom <= at[:, 1]) & (at[:, 1] <= top))
+    assert {"_glass $d$", "law"} <= shown_texts(figure)
+    text = " ".join(load_kind(data.spec.kind).notes(data))
+    assert "not simulated here: _glass $d$ (markers); law (line)." in text
+    assert len(rows) == len(own) + 5 and "not of this study" not in own
+    beside = rows[rows["not of this study"].notna()]
+    assert beside["not of this study"].tolist() == ["_glass $d$"] * 2 + ["law"] * 3
+    assert beside["point"].isna().all() and rows["point"].notna().sum() == len(own)
+    told = beside.dropna(axis=1, how="all").drop(columns="not of this study")
+    points = np.array([*MEASURED["points"], *LAW["points"]])
+    assert told.filter(regex=f"^{x}").iloc[:, 0].tolist() == points[:, 0].tolist()
+    assert told.filter(regex=f"^{y}").iloc[:, 0].tolist() == points[:, 1].tolist()
+    assert told.shape[1] == 2
+
+
+def test_a_label_that_a_curve_has_too_is_another_entry():
+    same = MEASURED | {"label": "θ = 16°"}
+    figure, _, _ = drawn(OVER | {"beside": [same]})
+    named = [text.get_text() for text in figure.legends[0].texts]
+    assert named == ["θ = 16°", "θ = 17°", "θ = 16°"]
+
+
+def test_ticks_at_the_values_run_give_way_to_data_beyond_them():
+    figure, _, _ = drawn(OVER | {"beside": [MEASURED]})
+    assert figure.axes[0].get_xticks().tolist() == [0.3, 0.4, 0.6]
+    beyond = MEASURED | {"points": [[0.1, 1], [0.9, 0.5]]}
+    figure, _, _ = drawn(OVER | {"beside": [beyond]})
+    assert max(figure.axes[0].get_xticks()) >= 0.9
+    figure, _, _ = drawn(MAP | {"log": ["x"], "beside": [beyond]})
+    assert figure.axes[0].get_xscale() == "log"
+
+
+def test_nothing_beside_looks_like_anything_of_a_study():
+    assert not set(_MARKERS) & {*MARKERS, *(marker for marker, _, _ in MARKS.values())}
+
+
+def test_what_no_run_knows_is_said_with_data_beside():
+    plot = OVER | {"y": "base_rolling", "beside": [MEASURED]}
+    figure, _, _ = drawn(plot)
+    assert "no run has base rolling" in [text.get_text() for text in figure.axes[0].texts]
