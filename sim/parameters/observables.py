@@ -167,7 +167,7 @@ CHUTE_MEASURES = {
         "1",
         "spin times radius over velocity of the spheres at the plane, 1 where they roll",
     ),
-    "base_slip": (
+    "base_slip_ratio": (
         "1",
         "slip velocity of the spheres at the plane over the root of their vertical temperature",
     ),

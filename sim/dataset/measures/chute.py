@@ -50,7 +50,7 @@ def _of_spin(run: Mapping[Any, Any]) -> dict[str, float]:
     slip = velocity - radius * spin
     return {
         "base_rolling": radius * spin / velocity if velocity else np.nan,
-        "base_slip": slip / temperature**0.5 if temperature > 0 else np.nan,
+        "base_slip_ratio": slip / temperature**0.5 if temperature > 0 else np.nan,
     }
 
 

@@ -64,8 +64,8 @@ def test_rolling_of_the_lowest_spheres_is_told_where_spins_were_kept():
     }
     found = measure(made_run(**profiles))
     assert found["base_rolling"] == pytest.approx(0.5)
-    assert found["base_slip"] == pytest.approx(0.5 * 0.125 / 0.1)
-    assert not {"base_rolling", "base_slip"} & measure(made_run()).keys()
+    assert found["base_slip_ratio"] == pytest.approx(0.5 * 0.125 / 0.1)
+    assert not {"base_rolling", "base_slip_ratio"} & measure(made_run()).keys()
 
 
 def test_forces_on_the_plane_have_a_ratio():
