@@ -6,10 +6,9 @@ Its points are as small as they can be, so that what is measured is all that is 
 import csv
 from pathlib import Path
 
-import netCDF4
-
 from benchmarks.scale.cost import ROOT, Cost, cost
 from benchmarks.scale.grid import ROW, write_study
+from sim.base.summary import read_summary
 
 #: A point: some hundredths of a second of computing.
 POINT = {"beads": 4, "width": 5, "transient": 1, "average": 2}
@@ -30,7 +29,7 @@ def measure(folder: Path, rows: int, replicates: int, processes: int) -> None:
     snakemake = ("snakemake", "--cores", str(processes), "--snakefile", str(ROOT / "Snakefile"))
     snakemake += ("--configfile", study.name, "--")
     print(f"{rows * ROW:,} points of {replicates} replicates, {processes} processes\n")
-    print("| what | processor time | on the clock | memory | of Snakemake |")
+    print("| what | processor time | on the clock | memory | of the command alone |")
     print("| --- | ---: | ---: | ---: | ---: |")
     cost(folder, "sim", "warm", study.name)
 
@@ -82,5 +81,5 @@ def wall_time(results: Path, job: str) -> float:
 
 def loop_time(path: Path) -> float:
     """Return the processor time (s) that the loops of a run have taken."""
-    with netCDF4.Dataset(path) as file:
-        return float(file["loop_time"][...].sum())
+    summary = read_summary(path) or {}
+    return sum(summary["scalars"]["loop_time"])
