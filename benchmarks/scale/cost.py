@@ -46,7 +46,7 @@ def cost(folder: Path, *words: str, until: Callable[[], bool] | None = None) -> 
             stdout=log,
             stderr=log,
             env=os.environ | {"PYTHONPATH": str(ROOT)},
-            start_new_session=True,
+            process_group=0,
         )
     under_way = 0.0
     while not (ended := os.wait4(process.pid, os.WNOHANG))[0]:
