@@ -298,6 +298,17 @@ class SphereParameters(Parameters):
         compiled=True,
     )
 
+    sliding_direction: Literal["printed", "slip"] = declare(
+        "printed",
+        description="a friction cut to its limit has the direction of the printed sum, which does "
+        "not settle where spheres slip by more than 2 μ F_N/K0 in a step, or that of the old force "
+        "and K0 times all of the slip, which settles along the slip",
+        equation="Walton, Sec. 2.2",
+        role="reading",
+        compiled=True,
+        added=True,
+    )
+
     @classmethod
     def hint(cls, key: str, value: Any) -> str:
         """Say what may have been meant by a value."""

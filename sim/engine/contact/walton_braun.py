@@ -66,12 +66,30 @@ class CapAfter(NamedTuple):
     friction: float
 
 
+class AsPrinted(NamedTuple):
+    """A friction cut to the limit has the direction of the sum that was cut."""
+
+    stiffness: float
+
+
+class AlongSlip(NamedTuple):
+    """A friction cut to the limit has the direction of the old force and K0 times all of the slip.
+
+    Per slip both turn it alike, K0 sin φ/(μ F_N) at an angle φ with the slip. But the printed sum,
+    in which a sliding friction keeps its length along its old direction and grows across it, turns
+    it from φ to φ - 90° where a step slips by more than 2 μ F_N/K0, and never settles.
+    """
+
+    stiffness: float
+
+
 class WaltonBraun(NamedTuple):
-    """Parameters of the law; the types of the last three select its readings.
+    """Parameters of the law; the types of the last four select its readings.
 
     Attributes: ``loading`` and ``unloading`` stiffness K1 and K2 = K1/e² (N/m), ``tangential``
     stiffness K0 (N/m); ``stiffening`` (Linear, CubeRoot or Power), ``dent`` (Separation, Shrink or
-    Reset, holding 1 - K1/K2) and ``limit`` (CapBefore or CapAfter, holding the coefficient μ).
+    Reset, holding 1 - K1/K2), ``limit`` (CapBefore or CapAfter, holding the coefficient μ) and
+    ``sliding`` (AsPrinted or AlongSlip, holding K0).
     """
 
     loading: float
@@ -80,6 +98,7 @@ class WaltonBraun(NamedTuple):
     stiffening: Linear | CubeRoot | Power
     dent: Separation | Shrink | Reset
     limit: CapBefore | CapAfter
+    sliding: AsPrinted | AlongSlip
 
 
 #: Magnitude of the friction, its turning point, whether it falls, and the largest overlap.
@@ -95,17 +114,19 @@ def walton_braun(
     *,
     overlap_memory: str = "separation",
     friction_cap: str = "before",
+    sliding_direction: str = "printed",
 ) -> WaltonBraun:
-    """Return the law for K1 (N/m), e, μ, K0/K1, γ and the two readings."""
+    """Return the law for K1 (N/m), e, μ, K0/K1, γ and the three readings."""
     special = {0.0: Linear(), round(1.0 / 3.0, 9): CubeRoot()}
-    slope = 1.0 - restitution**2
+    slope, tangential = 1.0 - restitution**2, float(tangential_ratio * stiffness)
     return WaltonBraun(
         loading=float(stiffness),
         unloading=stiffness / restitution**2,
-        tangential=float(tangential_ratio * stiffness),
+        tangential=tangential,
         stiffening=special.get(round(tangential_exponent, 9), Power(float(tangential_exponent))),
         dent={"separation": Separation, "shrink": Shrink, "reset": Reset}[overlap_memory](slope),
         limit={"before": CapBefore, "after": CapAfter}[friction_cap](float(friction)),
+        sliding={"printed": AsPrinted, "slip": AlongSlip}[sliding_direction](tangential),
     )
 
 
@@ -119,6 +140,7 @@ def from_parameters(p: SphereParameters, partners: Partners) -> WaltonBraun:
         p.tangential_exponent,
         overlap_memory=p.overlap_memory,
         friction_cap=p.friction_cap,
+        sliding_direction=p.sliding_direction,
     )
 
 
@@ -164,6 +186,29 @@ def _cap(kind, magnitude, limit):
     if kind.instance_class is CapBefore:
         return lambda kind, magnitude, limit: min(magnitude, limit)
     return lambda kind, magnitude, limit: magnitude
+
+
+def slid(kind, total, direction, before, slip, limit):
+    """Return what is cut to the limit, from the printed sum, where that exceeds it.
+
+    ``before`` is the magnitude of the old force, which had that direction.
+    """
+    raise NotImplementedError
+
+
+@implements(slid)
+def _slid(kind, total, direction, before, slip, limit):
+    if kind.instance_class is AsPrinted:
+        return lambda kind, total, direction, before, slip, limit: total
+
+    def body(kind, total, direction, before, slip, limit):
+        slides = total[0] ** 2 + total[1] ** 2 + total[2] ** 2 > limit * limit
+        x = before * direction[0] + kind.stiffness * slip[0]
+        y = before * direction[1] + kind.stiffness * slip[1]
+        z = before * direction[2] + kind.stiffness * slip[2]
+        return x if slides else total[0], y if slides else total[1], z if slides else total[2]
+
+    return body
 
 
 @inlined
@@ -236,6 +281,7 @@ def _walton_braun(law, overlap, approach, normal, slip, memory):
         tx = change * ux + law.tangential * sx
         ty = change * uy + law.tangential * sy
         tz = change * uz + law.tangential * sz
+        tx, ty, tz = slid(law.sliding, (tx, ty, tz), (ux, uy, uz), magnitude, slip, limit)
 
         square = tx * tx + ty * ty + tz * tz
         inverse = inverse_square_root(square) if square > SMALLEST else 0.0
