@@ -188,25 +188,25 @@ def _cap(kind, magnitude, limit):
     return lambda kind, magnitude, limit: magnitude
 
 
-def slid(kind, total, direction, before, slip, limit):
-    """Return what is cut to the limit, from the printed sum, where that exceeds it.
+def kept(kind, change, before, direction, slip, limit):
+    """Return what to add along the old direction to K0 times all of the slip.
 
-    ``before`` is the magnitude of the old force, which had that direction.
+    ``change`` gives the printed sum, the ``before`` of the old force that of `AlongSlip`, which
+    takes it where the printed one is beyond the limit.
     """
     raise NotImplementedError
 
 
-@implements(slid)
-def _slid(kind, total, direction, before, slip, limit):
+@implements(kept)
+def _kept(kind, change, before, direction, slip, limit):
     if kind.instance_class is AsPrinted:
-        return lambda kind, total, direction, before, slip, limit: total
+        return lambda kind, change, before, direction, slip, limit: change
 
-    def body(kind, total, direction, before, slip, limit):
-        slides = total[0] ** 2 + total[1] ** 2 + total[2] ** 2 > limit * limit
-        x = before * direction[0] + kind.stiffness * slip[0]
-        y = before * direction[1] + kind.stiffness * slip[1]
-        z = before * direction[2] + kind.stiffness * slip[2]
-        return x if slides else total[0], y if slides else total[1], z if slides else total[2]
+    def body(kind, change, before, direction, slip, limit):
+        x = change * direction[0] + kind.stiffness * slip[0]
+        y = change * direction[1] + kind.stiffness * slip[1]
+        z = change * direction[2] + kind.stiffness * slip[2]
+        return before if x * x + y * y + z * z > limit * limit else change
 
     return body
 
@@ -278,10 +278,10 @@ def _walton_braun(law, overlap, approach, normal, slip, memory):
             law, force, magnitude, along, turning_point, falling
         )
         change = parallel - law.tangential * along
+        change = kept(law.sliding, change, magnitude, (ux, uy, uz), slip, limit)
         tx = change * ux + law.tangential * sx
         ty = change * uy + law.tangential * sy
         tz = change * uz + law.tangential * sz
-        tx, ty, tz = slid(law.sliding, (tx, ty, tz), (ux, uy, uz), magnitude, slip, limit)
 
         square = tx * tx + ty * ty + tz * tz
         inverse = inverse_square_root(square) if square > SMALLEST else 0.0
