@@ -105,6 +105,7 @@ def test_a_parameter_added_later_is_in_the_name_where_it_is_used_alone():
         "trajectory_contacts": False,
         "shear_damping": 50,
         "bump_arrangement": "random",
+        "sliding_direction": "printed",
     }
 
 

@@ -69,7 +69,7 @@ class CapAfter(NamedTuple):
 class AsPrinted(NamedTuple):
     """A friction cut to the limit has the direction of the sum that was cut."""
 
-    stiffness: float
+    settles: float = 0.0
 
 
 class AlongSlip(NamedTuple):
@@ -80,7 +80,7 @@ class AlongSlip(NamedTuple):
     it from φ to φ - 90° where a step slips by more than 2 μ F_N/K0, and never settles.
     """
 
-    stiffness: float
+    settles: float = 1.0
 
 
 class WaltonBraun(NamedTuple):
@@ -89,7 +89,7 @@ class WaltonBraun(NamedTuple):
     Attributes: ``loading`` and ``unloading`` stiffness K1 and K2 = K1/e² (N/m), ``tangential``
     stiffness K0 (N/m); ``stiffening`` (Linear, CubeRoot or Power), ``dent`` (Separation, Shrink or
     Reset, holding 1 - K1/K2), ``limit`` (CapBefore or CapAfter, holding the coefficient μ) and
-    ``sliding`` (AsPrinted or AlongSlip, holding K0).
+    ``sliding`` (AsPrinted or AlongSlip).
     """
 
     loading: float
@@ -118,15 +118,15 @@ def walton_braun(
 ) -> WaltonBraun:
     """Return the law for K1 (N/m), e, μ, K0/K1, γ and the three readings."""
     special = {0.0: Linear(), round(1.0 / 3.0, 9): CubeRoot()}
-    slope, tangential = 1.0 - restitution**2, float(tangential_ratio * stiffness)
+    slope = 1.0 - restitution**2
     return WaltonBraun(
         loading=float(stiffness),
         unloading=stiffness / restitution**2,
-        tangential=tangential,
+        tangential=float(tangential_ratio * stiffness),
         stiffening=special.get(round(tangential_exponent, 9), Power(float(tangential_exponent))),
         dent={"separation": Separation, "shrink": Shrink, "reset": Reset}[overlap_memory](slope),
         limit={"before": CapBefore, "after": CapAfter}[friction_cap](float(friction)),
-        sliding={"printed": AsPrinted, "slip": AlongSlip}[sliding_direction](tangential),
+        sliding={"printed": AsPrinted, "slip": AlongSlip}[sliding_direction](),
     )
 
 
@@ -188,8 +188,8 @@ def _cap(kind, magnitude, limit):
     return lambda kind, magnitude, limit: magnitude
 
 
-def kept(kind, change, before, direction, slip, limit):
-    """Return what to add along the old direction to K0 times all of the slip.
+def kept(kind, change, before, direction, pushed, limit):
+    """Return what to add along the old direction to K0 times all of the slip, which is ``pushed``.
 
     ``change`` gives the printed sum, the ``before`` of the old force that of `AlongSlip`, which
     takes it where the printed one is beyond the limit.
@@ -198,14 +198,14 @@ def kept(kind, change, before, direction, slip, limit):
 
 
 @implements(kept)
-def _kept(kind, change, before, direction, slip, limit):
+def _kept(kind, change, before, direction, pushed, limit):
     if kind.instance_class is AsPrinted:
-        return lambda kind, change, before, direction, slip, limit: change
+        return lambda kind, change, before, direction, pushed, limit: change
 
-    def body(kind, change, before, direction, slip, limit):
-        x = change * direction[0] + kind.stiffness * slip[0]
-        y = change * direction[1] + kind.stiffness * slip[1]
-        z = change * direction[2] + kind.stiffness * slip[2]
+    def body(kind, change, before, direction, pushed, limit):
+        x = change * direction[0] + pushed[0]
+        y = change * direction[1] + pushed[1]
+        z = change * direction[2] + pushed[2]
         return before if x * x + y * y + z * z > limit * limit else change
 
     return body
@@ -278,7 +278,8 @@ def _walton_braun(law, overlap, approach, normal, slip, memory):
             law, force, magnitude, along, turning_point, falling
         )
         change = parallel - law.tangential * along
-        change = kept(law.sliding, change, magnitude, (ux, uy, uz), slip, limit)
+        pushed = law.tangential * sx, law.tangential * sy, law.tangential * sz
+        change = kept(law.sliding, change, magnitude, (ux, uy, uz), pushed, limit)
         tx = change * ux + law.tangential * sx
         ty = change * uy + law.tangential * sy
         tz = change * uz + law.tangential * sz
