@@ -20,6 +20,7 @@ MODEL_READINGS: tuple[dict[str, Any], ...] = (
     {"overlap_memory": "shrink"},
     {"overlap_memory": "reset"},
     {"friction_cap": "after"},
+    {"sliding_direction": "slip"},
 )
 
 

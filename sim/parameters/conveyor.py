@@ -8,7 +8,7 @@ from pydantic import model_validator
 from sim.parameters.belt import LEAST_TRANSPORT
 from sim.parameters.common import Real, broken_rule, require_feasible_trajectory
 from sim.parameters.roles import declare
-from sim.parameters.spheres import SphereParameters
+from sim.parameters.spheres import SLIDING, SlidingDirection, SphereParameters
 
 
 class ConveyorParameters(SphereParameters):
@@ -24,6 +24,8 @@ class ConveyorParameters(SphereParameters):
     smallest: ClassVar[dict[str, Any]] = {"depth": 0.2, "cell": 5, "steps_per_collision": 10}
     kept: ClassVar[tuple[str, ...]] = (*SphereParameters.kept, "shape", "rotation")
 
+    # No paper has a recipe for it.
+    sliding_direction: SlidingDirection = declare("slip", **SLIDING)
     system: Literal["conveyor"] = declare("conveyor", description="which of the systems")
     frequency: Real = declare(
         20,

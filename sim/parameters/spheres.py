@@ -27,6 +27,19 @@ _TOO_SOFT = (
 )
 
 
+SlidingDirection = Literal["printed", "slip"]
+
+#: What is declared of the direction of a sliding friction, whatever its default.
+SLIDING: dict[str, Any] = {
+    "description": "a friction cut to its limit has the direction of the printed sum, which does "
+    "not settle where spheres slip by more than 2 μ F_N/K0 in a step, or that of the old force "
+    "and K0 times all of the slip, which settles along the slip",
+    "equation": "Walton, Sec. 2.2",
+    "role": "reading",
+    "compiled": True,
+}
+
+
 class SphereParameters(Parameters):
     """Particles that rotate and slide, and the plane that they are on.
 
@@ -297,6 +310,8 @@ class SphereParameters(Parameters):
         role="reading",
         compiled=True,
     )
+
+    sliding_direction: SlidingDirection = declare("printed", added=True, **SLIDING)
 
     @classmethod
     def hint(cls, key: str, value: Any) -> str:

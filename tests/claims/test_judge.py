@@ -316,7 +316,7 @@ def test_the_contact_law_is_judged_under_its_readings_too(monkeypatch):
 
 def test_every_reading_of_the_contact_law_is_judged():
     """Each other value of a reading of the law, one at a time."""
-    law = {"overlap_memory", "friction_cap"}
+    law = {"overlap_memory", "friction_cap", "sliding_direction"}
     others = [
         {name: value}
         for name in ChuteParameters.model_fields

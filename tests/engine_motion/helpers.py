@@ -30,6 +30,7 @@ DAMPING = 50 * BEAD_GRAVITY
 EXPONENTS = (0.0, 1 / 3, 1.0, 2.0)
 MEMORIES = ("separation", "shrink", "reset")
 CAPS = ("before", "after")
+SLIDINGS = ("printed", "slip")
 
 #: Laws with which tests take spheres through the whole loop over steps, whose compiling takes long:
 #: together they have every value of every reading, and tests/golden and test_judge run the same.

@@ -22,6 +22,7 @@ WALTON = {
     "steps_per_collision": 40,
     "overlap_memory": "separation",
     "friction_cap": "before",
+    "sliding_direction": "printed",
 }
 
 

@@ -171,6 +171,7 @@ def test_readings_are_told_choices_first():
         "law",
         "overlap_memory",
         "friction_cap",
+        "sliding_direction",
         "tangential_ratio",
         "tangential_exponent",
     )

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from sim.claims.contacts import contact_path, vector_spring
 from sim.engine.contact.walton_braun import walton_braun
-from tests.engine_motion.helpers import CAPS, EXPONENTS, MEMORIES, rotation
+from tests.engine_motion.helpers import CAPS, EXPONENTS, MEMORIES, SLIDINGS, rotation
 from tests.properties.values import SEEDS, magnitudes, norms
 
 STEPS = 200
@@ -24,6 +24,7 @@ READINGS = st.fixed_dictionaries(
         "tangential_exponent": st.sampled_from(EXPONENTS),
         "overlap_memory": st.sampled_from(MEMORIES),
         "friction_cap": st.sampled_from(CAPS),
+        "sliding_direction": st.sampled_from(SLIDINGS),
     }
 )
 

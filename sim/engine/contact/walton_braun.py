@@ -66,12 +66,30 @@ class CapAfter(NamedTuple):
     friction: float
 
 
+class AsPrinted(NamedTuple):
+    """A friction cut to the limit has the direction of the sum that was cut."""
+
+    settles: float = 0.0
+
+
+class AlongSlip(NamedTuple):
+    """A friction cut to the limit has the direction of the old force and K0 times all of the slip.
+
+    Per slip both turn it alike, K0 sin φ/(μ F_N) at an angle φ with the slip. But the printed sum,
+    in which a sliding friction keeps its length along its old direction and grows across it, turns
+    it from φ to φ - 90° where a step slips by more than 2 μ F_N/K0, and never settles.
+    """
+
+    settles: float = 1.0
+
+
 class WaltonBraun(NamedTuple):
-    """Parameters of the law; the types of the last three select its readings.
+    """Parameters of the law; the types of the last four select its readings.
 
     Attributes: ``loading`` and ``unloading`` stiffness K1 and K2 = K1/e² (N/m), ``tangential``
     stiffness K0 (N/m); ``stiffening`` (Linear, CubeRoot or Power), ``dent`` (Separation, Shrink or
-    Reset, holding 1 - K1/K2) and ``limit`` (CapBefore or CapAfter, holding the coefficient μ).
+    Reset, holding 1 - K1/K2), ``limit`` (CapBefore or CapAfter, holding the coefficient μ) and
+    ``sliding`` (AsPrinted or AlongSlip).
     """
 
     loading: float
@@ -80,6 +98,7 @@ class WaltonBraun(NamedTuple):
     stiffening: Linear | CubeRoot | Power
     dent: Separation | Shrink | Reset
     limit: CapBefore | CapAfter
+    sliding: AsPrinted | AlongSlip
 
 
 #: Magnitude of the friction, its turning point, whether it falls, and the largest overlap.
@@ -95,8 +114,9 @@ def walton_braun(
     *,
     overlap_memory: str = "separation",
     friction_cap: str = "before",
+    sliding_direction: str = "printed",
 ) -> WaltonBraun:
-    """Return the law for K1 (N/m), e, μ, K0/K1, γ and the two readings."""
+    """Return the law for K1 (N/m), e, μ, K0/K1, γ and the three readings."""
     special = {0.0: Linear(), round(1.0 / 3.0, 9): CubeRoot()}
     slope = 1.0 - restitution**2
     return WaltonBraun(
@@ -106,6 +126,7 @@ def walton_braun(
         stiffening=special.get(round(tangential_exponent, 9), Power(float(tangential_exponent))),
         dent={"separation": Separation, "shrink": Shrink, "reset": Reset}[overlap_memory](slope),
         limit={"before": CapBefore, "after": CapAfter}[friction_cap](float(friction)),
+        sliding={"printed": AsPrinted, "slip": AlongSlip}[sliding_direction](),
     )
 
 
@@ -119,6 +140,7 @@ def from_parameters(p: SphereParameters, partners: Partners) -> WaltonBraun:
         p.tangential_exponent,
         overlap_memory=p.overlap_memory,
         friction_cap=p.friction_cap,
+        sliding_direction=p.sliding_direction,
     )
 
 
@@ -164,6 +186,29 @@ def _cap(kind, magnitude, limit):
     if kind.instance_class is CapBefore:
         return lambda kind, magnitude, limit: min(magnitude, limit)
     return lambda kind, magnitude, limit: magnitude
+
+
+def kept(kind, change, before, direction, pushed, limit):
+    """Return what to add along the old direction to K0 times all of the slip, which is ``pushed``.
+
+    ``change`` gives the printed sum, the ``before`` of the old force that of `AlongSlip`, which
+    takes it where the printed one is beyond the limit.
+    """
+    raise NotImplementedError
+
+
+@implements(kept)
+def _kept(kind, change, before, direction, pushed, limit):
+    if kind.instance_class is AsPrinted:
+        return lambda kind, change, before, direction, pushed, limit: change
+
+    def body(kind, change, before, direction, pushed, limit):
+        x = change * direction[0] + pushed[0]
+        y = change * direction[1] + pushed[1]
+        z = change * direction[2] + pushed[2]
+        return before if x * x + y * y + z * z > limit * limit else change
+
+    return body
 
 
 @inlined
@@ -233,6 +278,8 @@ def _walton_braun(law, overlap, approach, normal, slip, memory):
             law, force, magnitude, along, turning_point, falling
         )
         change = parallel - law.tangential * along
+        pushed = law.tangential * sx, law.tangential * sy, law.tangential * sz
+        change = kept(law.sliding, change, magnitude, (ux, uy, uz), pushed, limit)
         tx = change * ux + law.tangential * sx
         ty = change * uy + law.tangential * sy
         tz = change * uz + law.tangential * sz

@@ -5,7 +5,7 @@ import pytest
 
 from sim.claims.contacts import contact_path
 from tests.engine.reference.walton_braun import Contact, ContactLaw, update
-from tests.engine_motion.helpers import CAPS, EXPONENTS, MEMORIES, sphere_law
+from tests.engine_motion.helpers import CAPS, EXPONENTS, MEMORIES, SLIDINGS, sphere_law
 
 STEPS = 400
 
@@ -32,11 +32,13 @@ def closed_stretches(overlap):
 @pytest.mark.parametrize("memory", MEMORIES)
 @pytest.mark.parametrize("exponent", EXPONENTS)
 @pytest.mark.parametrize("cap", CAPS)
-def test_law_equals_the_reference(cap, exponent, memory, slip_size):
+@pytest.mark.parametrize("sliding", SLIDINGS)
+def test_law_equals_the_reference(sliding, cap, exponent, memory, slip_size):
     readings = {
         "tangential_exponent": exponent,
         "overlap_memory": memory,
         "friction_cap": cap,
+        "sliding_direction": sliding,
     }
     law, slow = sphere_law(**readings), ContactLaw(100.0, 0.85, 0.4, **readings)
     scale = 0.4 * law.loading * 1e-5

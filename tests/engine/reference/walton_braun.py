@@ -28,6 +28,8 @@ class ContactLaw:
     without force: it is kept until they part ("separation"), falls with the overlap ("shrink") or
     is forgotten ("reset"). friction_cap says whether T is cut to the friction limit "before" the
     tangential stiffness is evaluated, or only "after" the displacement has been added.
+    sliding_direction says whether what is cut to the limit is the "printed" sum of steps 5 and 6 or
+    the old force and K0 times the whole displacement ("slip").
     """
 
     stiffness: float
@@ -37,6 +39,7 @@ class ContactLaw:
     tangential_exponent: float = 1.0 / 3.0
     overlap_memory: str = "separation"
     friction_cap: str = "before"
+    sliding_direction: str = "printed"
 
     @property
     def unloading_stiffness(self) -> float:
@@ -136,7 +139,10 @@ def tangential(
         turning_point, new_sense = -turning_point, 1
 
     # 6. Across it every displacement is new.
-    force = shortened(parallel * t_hat + k0 * sideways, limit)
+    force = parallel * t_hat + k0 * sideways
+    if law.sliding_direction == "slip" and length(force) > limit:
+        force = magnitude * t_hat + k0 * slip
+    force = shortened(force, limit)
     return Contact(force, turning_point, new_sense, contact.largest_overlap, normal_force)
 
 
