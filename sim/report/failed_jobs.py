@@ -58,4 +58,5 @@ class FailedJobs(logging.Handler):
         with suppress(OSError, IndexError):
             if logs[0].stat().st_mtime >= self._since:
                 return logs[0].read_text(encoding="utf-8", errors="replace").splitlines()[-1]
-        return "".join(f"see {path}" for path in logs[-1:] if path.exists())
+        # What could not be submitted again has the empty log of its first attempt.
+        return "".join(f"see {path}" for path in logs[-1:] if path.exists() and path.stat().st_size)

@@ -2,22 +2,33 @@
 
 import subprocess
 
+import psutil
 import pytest
 import xarray as xr
 
-from benchmarks import scale
+from benchmarks.scale import copies, grid, real
+from benchmarks.scale.cost import cost
 from sim.dataset.build import build
 from sim.parameters import parse_point
 from sim.report.status import survey
 from sim.study.load import load_study
 from tests.made.runs import write_run
 
+#: A command that tells which process it has started, and waits for it.
+WAITING = """\
+import pathlib, subprocess
+process = subprocess.Popen(["sleep", "1000"])
+pathlib.Path("part").write_text(str(process.pid))
+pathlib.Path("part").rename("child")
+process.wait()
+"""
+
 
 def test_copies_of_a_run_make_a_study(tmp_path, monkeypatch):
-    monkeypatch.setattr(scale, "ROW", 3)
+    monkeypatch.setattr(grid, "ROW", 3)
     template = write_run(tmp_path, parse_point({"system": "belt", "replicates": 2}, "test"), 0.25)
-    path = scale.write_study(tmp_path, 2, 2, added=1)
-    scale.fill(tmp_path, path, template, 1)
+    path = grid.write_study(tmp_path, 2, {"replicates": 2}, added=1)
+    copies.fill(tmp_path, path, template, 1)
     results = tmp_path / "results"
     study = load_study(path, results)
     assert survey(study, results).counts["done"] == len(study.points) == 7
@@ -26,7 +37,35 @@ def test_copies_of_a_run_make_a_study(tmp_path, monkeypatch):
         assert set(dataset["frequency"].values) == {20, 21}
 
 
+def test_a_study_comes_from_its_first_run_to_its_report(tmp_path, monkeypatch, capsys):
+    """It is killed once half of its one run is there, rounded down."""
+    monkeypatch.setattr(grid, "ROW", 1)
+    monkeypatch.setattr(real, "ROW", 1)
+    monkeypatch.setattr(real, "PLOTS", real.PLOTS[1:])
+    real.measure(tmp_path, rows=1, replicates=1, processes=1)
+    said = capsys.readouterr().out
+    for what in ("the first 0 runs, then killed", "dataset alone", "`status`"):
+        assert f"\n| {what} | " in said
+    assert "\n0 of 0 runs from before the kill are kept\n" in said
+    assert (tmp_path / "results" / "scale" / "report.html").exists()
+
+
 def test_a_command_costs_time_and_memory(tmp_path):
-    assert min(scale.cost(tmp_path, "sim", "--version")) >= 0
+    assert min(cost(tmp_path, "sim", "--version")) >= 0
     with pytest.raises(subprocess.CalledProcessError):
-        scale.cost(tmp_path, "sim", "dataset", "none.yaml")
+        cost(tmp_path, "sim", "dataset", "none.yaml")
+
+
+def test_a_command_can_be_killed_with_all_that_it_has_started(tmp_path):
+    (tmp_path / "waiting.py").write_text(WAITING)
+    child = tmp_path / "child"
+    found = cost(tmp_path, "waiting", until=child.exists)
+    assert 0 < found.own <= found.memory
+    with pytest.raises(psutil.NoSuchProcess):
+        psutil.Process(int(child.read_text())).wait(timeout=60)
+        psutil.Process(int(child.read_text()))
+
+
+def test_a_command_that_ends_before_it_is_to_be_killed_has_failed(tmp_path):
+    with pytest.raises(subprocess.CalledProcessError):
+        cost(tmp_path, "sim", "--version", until=lambda: False)

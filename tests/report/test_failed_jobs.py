@@ -69,6 +69,13 @@ def test_a_log_of_an_earlier_attempt_is_not_told(tmp_path, log, lines):
     assert lines == [f"claims: job failed: see {said}"]
 
 
+def test_no_empty_log_is_named(tmp_path, log, lines):
+    empty = tmp_path / "warm.log"
+    empty.touch()
+    fail(log, empty, message="refused")
+    assert lines == ["warm: job failed: refused"]
+
+
 def test_a_job_without_a_log_is_told_by_its_rule(log, lines):
     fail(log)
     assert lines == ["run: job failed"]

@@ -1,6 +1,7 @@
 """``python -m tests.slurm COMMAND ...``: run a command beside a Slurm of one node."""
 
 import argparse
+import signal
 import subprocess
 import sys
 import tempfile
@@ -22,6 +23,8 @@ def main() -> int:
         print(f"error: {reason}", file=sys.stderr)
         return 2
     install()
+    # Otherwise the daemons would outlive it.
+    signal.signal(signal.SIGTERM, lambda number, _: sys.exit(128 + number))
     with tempfile.TemporaryDirectory() as folder, Cluster(Path(folder)) as cluster:
         return subprocess.run(words, env=cluster.environment).returncode
 

@@ -11,6 +11,7 @@ from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
 
+import psutil
 import pytest
 
 from sim.engine.progress import progress_file
@@ -152,6 +153,19 @@ def local(tmp_path_factory) -> Path:
     done = snakemake(tree, "dataset", study=STUDY.name)
     assert done.returncode == 0, done.stderr
     return tree / "results" / "cluster"
+
+
+def test_nothing_outlives_a_command_beside_a_cluster(cluster, tmp_path):
+    """It is asked to end; `cluster` has installed what it needs."""
+    began = tmp_path / "began"
+    command = ["sh", "-c", f"touch {began}; exec sleep 100000"]
+    beside = psutil.Popen([sys.executable, "-m", "tests.slurm", *command], cwd=ROOT)
+    wait_until(began.exists, beside)
+    started = beside.children()
+    assert {"munged", "slurmd", "slurmctld"} <= {process.name() for process in started}
+    beside.terminate()
+    assert beside.wait() == 128 + signal.SIGTERM
+    assert not any(process.is_running() for process in started)
 
 
 def test_a_study_with_ended_jobs_comes_to_the_dataset_of_a_local_one(local, submitted):

@@ -1,5 +1,6 @@
 """What a cluster is given: needs of every job, a line for each that fails, a container."""
 
+import json
 import re
 import sys
 import tomllib
@@ -64,11 +65,17 @@ def test_commands_run_in_the_container(tmp_path, monkeypatch):
     assert words[0] == "exec" and str(ROOT / "talus.sif") in words
 
 
-def test_the_container_is_made_from_the_lock_file_for_a_python_that_will_do():
+def test_the_container_has_the_locked_packages_and_the_python_of_the_golden_bits():
+    """The release of Debian decides on Python and C library, and with them on bits."""
     text = (ROOT / "workflow" / "talus.def").read_text(encoding="utf-8")
-    assert "--requirement /opt/requirements.lock" in text
-    # The Python of that release of Debian is 3.11.
-    assert "from=debian:bookworm-slim" in text
+    sections = dict(re.findall(r"^%(\w+)\n(.*?)(?=^%|\Z)", text, re.M | re.S))
+    copied = dict(line.split() for line in sections["files"].strip().splitlines())
+    assert all((ROOT / source).is_file() for source in copied)
+    assert f"-m pip install --no-cache-dir --requirement {copied['requirements.lock']}\n" in text
+
+    assert re.search(r"^ +from=(.+)$", sections["arguments"], re.M)[1] == "debian:bookworm-slim"
+    bits = json.loads((ROOT / "tests" / "golden" / "bits.json").read_text(encoding="utf-8"))
+    assert all("glibc-2.36 python-3.11 " in machine for machine in bits)
     assert project()["requires-python"] == ">=3.11"
 
 
