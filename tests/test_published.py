@@ -15,6 +15,8 @@ from sim.dataset.results import load_results
 from sim.dataset.rows import Rows
 from sim.engine.run import run_point
 from sim.parameters import SYSTEMS, parse_point, point_id
+from sim.report.abstract import main as abstract
+from sim.report.abstract import page as abstract_page
 from sim.report.claims import VERDICTS, counts, read_claims
 from sim.report.publish import LARGEST, PUBLISHED, size
 from sim.report.verdict_table import main as verdict_table
@@ -75,6 +77,26 @@ def test_the_page_of_verdicts_is_that_of_what_is_published():
     """`python -m sim.report.verdict_table > docs/verdicts.md` makes it anew."""
     text = (ROOT / "docs" / "verdicts.md").read_text(encoding="utf-8")
     assert text == verdict_table(ROOT / PUBLISHED)
+
+
+def test_every_number_of_the_abstract_is_published():
+    """`python -m sim.report.abstract > docs/paper.md` makes it anew."""
+    text = (ROOT / "docs" / "paper.md").read_text(encoding="utf-8")
+    assert text == abstract(ROOT / PUBLISHED)
+
+
+def test_the_abstract_refuses_verdicts_and_numbers_that_it_does_not_know():
+    claims = {
+        claim["id"]: claim
+        for study in STUDIES
+        for claim in read_claims(study / "claims.json", replaceable=False)
+    }
+    runs = {paper: {"points": 1, "runs": 1, "core hours": 1.0} for paper in ("walton", "gallas")}
+    assert "W9: τ = " in abstract_page(claims, runs)
+    with pytest.raises(ValueError, match="W9 is 'inconclusive' and no more 'reproduced'"):
+        abstract_page(claims | {"W9": claims["W9"] | {"verdict": "inconclusive"}}, runs)
+    with pytest.raises(ValueError, match=r"W26 has 0 checks 'shear/normal over tan θ"):
+        abstract_page(claims | {"W26": claims["W26"] | {"variants": []}}, runs)
 
 
 @pytest.mark.parametrize("study", STUDIES, ids=name)

@@ -12,10 +12,13 @@ TEMPLATES = Path(__file__).parent / "templates"
 
 
 def template(name: str) -> jinja2.Template:
-    """Return a template of a page, which refuses names that it is not given."""
+    """Return a template of a page, which refuses names that it is not given.
+
+    What is put into HTML is escaped, into Markdown it is not.
+    """
     environment = jinja2.Environment(
         loader=jinja2.FileSystemLoader(TEMPLATES),
-        autoescape=True,
+        autoescape=".html" in name,
         undefined=jinja2.StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
