@@ -34,7 +34,7 @@ def shrunk(text: str) -> str:
         if "depth" in grid:
             grid["depth"] = [1, 1.5]
         else:
-            series["base"]["depth"] = 1
+            series["base"]["depth"] = 0.5 if series["base"].get("depth") == 2 else 1
     return yaml.safe_dump(raw, sort_keys=False)
 
 
