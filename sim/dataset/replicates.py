@@ -4,6 +4,7 @@ All of it comes from the replicates pooled, so more of them never make a point w
 in the slope of one averages out over many.
 """
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -35,7 +36,7 @@ SCALARS = (
 )
 
 #: The parameters that say which trend is none.
-PARAMETERS = ("system", "target", "gravity", "angle")
+PARAMETERS = ("target", "gravity", "angle")
 
 OUTCOME = (
     "velocity",
@@ -67,7 +68,7 @@ def outcomes(dataset: xr.Dataset) -> list[dict[str, Any]]:
     ]
 
 
-def outcome(point: Named) -> dict[str, Any]:
+def outcome(point: Mapping[str, Any]) -> dict[str, Any]:
     """Return mean velocity, trend, regime and quality of a point over its replicates.
 
     Parameters
@@ -111,7 +112,7 @@ def outcome(point: Named) -> dict[str, Any]:
     }
 
 
-def _negligible(point: Named, completed: Named) -> tuple[float, float]:
+def _negligible(point: Mapping[str, Any], completed: Named) -> tuple[float, float]:
     """Return the slope (m/s²) that is none, and |V| over the mean window (m/s²)."""
     if not completed["velocity"].size:
         return np.nan, np.nan
@@ -119,9 +120,9 @@ def _negligible(point: Named, completed: Named) -> tuple[float, float]:
     window = np.mean(end - completed["average_start"])
     over_window = abs(float(completed["velocity"].mean())) / window if window > 0 else np.inf
     negligible = drift_beyond(float(point["target"])) * over_window
-    # On a level conveyor, as on a belt, nothing accelerates for ever.
-    if point["system"] == "chute" or (point["system"] == "conveyor" and point["angle"]):
-        slope = negligible_acceleration(float(point["gravity"]), float(point["angle"]))
+    # On a level plane nothing accelerates for ever.
+    if (angle := float(point.get("angle", 0))) > 0:
+        slope = negligible_acceleration(float(point["gravity"]), angle)
         negligible = min(negligible, slope)
     return negligible, over_window
 
