@@ -20,7 +20,7 @@ from sim.dataset.results import Results
 from sim.figures.data import FigureData, parameter_columns, varying
 from sim.figures.looks import Look, settings
 from sim.figures.quantity import Quantity, of_replicates
-from sim.figures.style import CHARACTERS_PER_INCH, CurveStyle, cycled, literal
+from sim.figures.style import CurveStyle, cycled, legend_above, literal
 from sim.figures.units import headed, scale_of, unit_of
 from sim.parameters import SYSTEMS, field_info
 from sim.parameters.words import setting
@@ -189,10 +189,7 @@ def legend(figure: Figure, shown: Panels, beside: Mapping[str, Any] | None = Non
     entries.pop("", None)
     labels = [*entries, *(beside or {})]
     if labels:
-        room = CHARACTERS_PER_INCH * figure.get_figwidth()
-        columns = max(1, min(4, int(room / (max(map(len, labels)) + 6))))
-        handles = [*entries.values(), *(beside or {}).values()]
-        figure.legend(handles, labels, loc="outside upper center", ncols=columns)
+        legend_above(figure, [*entries.values(), *(beside or {}).values()], labels)
 
 
 def groups(

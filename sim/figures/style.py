@@ -1,6 +1,8 @@
 """How all figures look: fonts, colours, dashes, markers, the legend."""
 
-from collections.abc import Iterable
+import math
+import textwrap
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -15,7 +17,7 @@ from sim.parameters.words import PROTOCOLS
 #: Okabe and Ito's colours, told apart by colour-blind readers, darkest first.
 COLOURS = ("#000000", "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00")
 DASHES = ("-", (0, (5, 2)), (0, (5, 2, 1, 2)), (0, (1, 1.5)), (0, (5, 2, 1, 2, 1, 2)))
-MARKERS = ("o", "s", "^", "D", "v", "P", "X")
+MARKERS = ("o", "s", "^", "D", "v", "P", "X", "p")
 
 SHORT_DASH = (0, (3, 1.5))
 LONG_DASH = DASHES[1]
@@ -95,6 +97,12 @@ def cycled(index: int) -> CurveStyle:
 #: Characters of legend that fit side by side in an inch above a figure, six per entry its sample.
 CHARACTERS_PER_INCH = 13.5
 
+#: An entry of the legend is broken between words where a line would have more characters.
+ENTRY = 28
+
+#: Rows of a legend for which a figure has room, and the inches that each further one adds to it.
+ROWS, ROW = 3, 0.17
+
 
 def canvas(width: float = 5.6, height: float = 3.9) -> tuple[Figure, Axes]:
     """Return a new figure (size in inches) with one set of axes.
@@ -110,10 +118,18 @@ def place_legend(figure: Figure, axes: Axes) -> None:
     # Typed as artists of any kind, the entries are lines and markers.
     entries: list[tuple[Any, Any]] = list(zip(*axes.get_legend_handles_labels(), strict=True))
     entries.sort(key=lambda entry: entry[0].get_linestyle() == "None")
-    handles, labels = [handle for handle, _ in entries], [label for _, label in entries]
+    legend_above(figure, [handle for handle, _ in entries], [label for _, label in entries])
+
+
+def legend_above(figure: Figure, handles: Sequence[Any], labels: Sequence[str]) -> None:
+    """Put a legend above all axes, in up to four columns; its rows make the figure higher."""
+    broken = [textwrap.fill(label, ENTRY, break_long_words=False) for label in labels]
+    lines = [line for label in broken for line in label.splitlines()]
     room = CHARACTERS_PER_INCH * figure.get_figwidth()
-    columns = max(1, min(4, int(room / (max(map(len, labels), default=0) + 6))))
-    figure.legend(handles, labels, loc="outside upper center", ncols=columns)
+    columns = max(1, min(4, int(room / (max(map(len, lines), default=0) + 6))))
+    further = max(0, math.ceil(len(lines) / columns) - ROWS)
+    figure.set_figheight(figure.get_figheight() + ROW * further)
+    figure.legend(handles, broken, loc="outside upper center", ncols=columns)
 
 
 def undecided(rows: pd.DataFrame) -> pd.Series:
