@@ -1,4 +1,4 @@
-"""What all figures share: styles that tell curves apart, a legend that leaves the axes their room."""
+"""What all figures share: styles that tell curves apart, a legend that leaves axes their room."""
 
 import pytest
 from matplotlib import rc_context
