@@ -143,9 +143,17 @@ def set_log(axes: Axes, axis: str) -> None:
     """Make an axis logarithmic, ``"x"`` or ``"y"``, with plain numbers at its ticks."""
     getattr(axes, f"set_{axis}scale")("log")
     ticks = axes.xaxis if axis == "x" else axes.yaxis
-    ticks.set_major_locator(LogLocator(subs=(1, 2, 5)))
+    ticks.set_major_locator(_Decades())
     ticks.set_major_formatter("{x:g}")
     ticks.set_minor_formatter(NullFormatter())
+
+
+class _Decades(LogLocator):
+    """Ticks at 1, 2 and 5 of each decade, of more than three decades at 1 alone."""
+
+    def tick_values(self, vmin: float, vmax: float) -> Any:
+        self.set_params(subs=(1, 2, 5) if vmax <= 1e3 * vmin else (1,))
+        return super().tick_values(vmin, vmax)
 
 
 def width_of(shown: Panels) -> float:
