@@ -98,6 +98,22 @@ def test_what_is_not_above_zero_has_no_place_on_a_logarithmic_axis():
     assert len(rows) == 6
 
 
+@pytest.mark.parametrize(
+    ("widest", "ticks"), [(30, {"1", "2", "5", "10", "20"}), (9e4, {"1", "10", "100"})]
+)
+def test_a_logarithmic_axis_of_many_decades_has_a_tick_for_each_alone(widest, ticks):
+    points = measured({0.3: (1, 1.1), 0.6: (widest, widest)}, angles=(16,))
+    plot = {"x": "shear_depth", "units": "natural", "log": ["x"]}
+    figure, *_ = drawn(plot, points)
+    (axes,) = figure.axes
+    low, high = axes.get_xlim()
+    shown = {
+        text for text, at in zip(labels(axes), axes.get_xticks(), strict=True) if low <= at <= high
+    }
+    assert ticks <= shown
+    assert len(shown) <= 6
+
+
 def test_what_no_run_knows_leaves_an_empty_plot():
     unknown = {"velocity": 0.5, "velocity_error": np.full(5, np.nan)}
     points = [made_point("chute", unknown, friction=mu) for mu in GRID["friction"]]
