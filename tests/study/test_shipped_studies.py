@@ -33,6 +33,12 @@ def test_shipped_studies_feed_their_figures(name, figures, tmp_path):
         assert set().union(*study.figures.values()) == set(study.points)
 
 
+def test_the_reference_lists_every_study():
+    """Its table has a row for each file."""
+    rows = re.findall(r"^\| `(\w+\.yaml)` \|", (CONFIG / "README.md").read_text(), re.MULTILINE)
+    assert sorted(rows) == sorted(path.name for path in CONFIG.glob("*.yaml"))
+
+
 def test_shipped_studies_share_points_between_figures(tmp_path):
     study = load_study(CONFIG / "quick.yaml", tmp_path)
     a, b, c = (set(study.figures[f"gallas_1{panel}"]) for panel in "abc")
