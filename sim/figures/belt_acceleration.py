@@ -17,7 +17,6 @@ from sim.figures.looks import look_of
 from sim.figures.quantity import Quantity, quantity_table
 from sim.figures.style import LEVEL, canvas, place_legend
 from sim.parameters import BeltParameters
-from sim.parameters.belt import LEAST_TRANSPORT
 
 #: Largest acceleration drawn (g): well within the flow.
 _LARGEST = 3.0
@@ -51,7 +50,8 @@ def draw(data: FigureData) -> Figure:
     quantity, look = relative_velocity(rows), look_of(spec)
     draw_family(axes, rows, quantity, "acceleration_ratio", spec.curves, names, look=look)
     axes.axvline(1, **LEVEL)
-    axes.axhline(LEAST_TRANSPORT, **LEVEL)
+    for level in spec.options["levels"]:
+        axes.axhline(level, **LEVEL)
     axes.set_xlabel("acceleration of the belt Γ = $4π^2 f^2 A_z/g$")
     axes.set_ylabel("$V_x / (A_x 2πf)$")
     place_legend(figure, axes)

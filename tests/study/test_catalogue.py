@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from sim.dataset.measures.belt import EMPTY
+from sim.claims.table import claims
 from sim.figures.kind import KINDS
 from sim.figures.style import PATTERNS
 from sim.parameters import SYSTEMS
@@ -64,6 +64,10 @@ def test_every_kind_of_plot_is_that_of_a_figure_or_of_plots_of_a_study():
     assert {spec.kind for spec in FIGURES.values()} | own == set(KINDS)
 
 
-def test_the_level_of_a_void_is_that_of_the_verdicts():
-    assert FIGURES["belt_void"].options["levels"] == (EMPTY,)
-    assert f"Dotted: {100 * EMPTY:g} %." in FIGURES["belt_void"].lead
+def test_levels_in_figures_are_those_of_the_verdicts():
+    numbers = {claim.id: claim.number for claim in claims()}
+    for name in ("G26", "G27"):
+        assert FIGURES["belt_void"].options["levels"] == (numbers[name].headline,)
+    for name in ("G3", "G7"):
+        shown = FIGURES["onset_acceleration"].options["levels"]
+        assert numbers[name].headline in shown and set(shown) <= set(numbers[name].values)

@@ -12,9 +12,6 @@ import numpy as np
 
 from sim.base.named import Named
 
-#: Share of the beads within A_z of the mean belt position below which there is a void.
-EMPTY = 0.02
-
 #: Cycles after the start in which density waves are said to be strongest.
 EARLY_CYCLES = 10
 

@@ -168,8 +168,8 @@ DESCRIBED = (
         lead=(
             "Transport velocity V_x of the beads over that of the belt along x, A_x·2πf, against "
             "the largest acceleration of the belt, Γ = 4π²f²A_z/g, for several amplitudes A_z and "
-            "angles α of the vibration, near the onset of transport. Dotted: Γ = 1, and the 2 % "
-            "from which on beads are said to be transported."
+            "angles α of the vibration, near the onset of transport. Dotted: Γ = 1, and 10 and "
+            "2 %: the share from which on beads flow is open, 10 % unless the claim says another."
         ),
         named=("frequency", *FLOW),
         says=(
@@ -177,7 +177,10 @@ DESCRIBED = (
             "1.5 ⟨d⟩, and near 18 Hz for 0.5 ⟨d⟩; at A_z = ⟨d⟩ that is Γ ≈ 1. An onset at the same "
             "Γ for all amplitudes is one at frequencies in proportion to 1/√A_z."
         ),
-        options={"entry": "$A_z$ = {amplitude:g} ⟨d⟩, α = {vibration_angle:g}°"},
+        options={
+            "entry": "$A_z$ = {amplitude:g} ⟨d⟩, α = {vibration_angle:g}°",
+            "levels": (0.02, 0.1),
+        },
     ),
     _described(
         "belt_void",
@@ -188,7 +191,8 @@ DESCRIBED = (
         title="Share of the beads within the belt's reach against frequency",
         lead=(
             "Share of the beads whose centres are within the amplitude A_z of the mean position of "
-            "the belt, against its frequency f, for several amplitudes. Dotted: 2 %."
+            "the belt, against its frequency f, for several amplitudes. Dotted: 3 %, "
+            "below which the claims call it a void."
         ),
         named=FLOW,
         says=(
@@ -196,7 +200,7 @@ DESCRIBED = (
         ),
         options={
             "axis": "share of the beads within the belt's reach",
-            "levels": (0.02,),
+            "levels": (0.03,),
             "quantities": (
                 {"name": "base_occupancy", "label": "beads within the belt's reach [1]"},
             ),
