@@ -14,13 +14,14 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from matplotlib.ticker import LogLocator, NullFormatter
 
 from sim.dataset.results import Results
 from sim.figures.data import FigureData, parameter_columns, varying
 from sim.figures.looks import Look, settings
 from sim.figures.quantity import Quantity, of_replicates
-from sim.figures.style import CHARACTERS_PER_INCH, CurveStyle, cycled, literal
+from sim.figures.style import CHARACTERS_PER_INCH, LOOKS, CurveStyle, cycled, literal
 from sim.figures.units import headed, scale_of, unit_of
 from sim.parameters import SYSTEMS, field_info
 from sim.parameters.words import setting
@@ -35,6 +36,12 @@ Panels = list[tuple[Axes, pd.DataFrame]]
 
 #: Characters of the label of an axis in a line.
 _LINE = 44
+
+#: Lines of a legend for which a figure has room, and the height of one more, inches.
+_FEW, _ENTRY = 4, 0.18
+
+#: From how many times the lowest value on a logarithmic axis are there powers of ten alone.
+_MANY = 300
 
 
 def observed(data: FigureData, option: str = "show") -> Quantity:
@@ -143,9 +150,27 @@ def set_log(axes: Axes, axis: str) -> None:
     """Make an axis logarithmic, ``"x"`` or ``"y"``, with plain numbers at its ticks."""
     getattr(axes, f"set_{axis}scale")("log")
     ticks = axes.xaxis if axis == "x" else axes.yaxis
-    ticks.set_major_locator(LogLocator(subs=(1, 2, 5)))
+    ticks.set_major_locator(_Steps())
     ticks.set_major_formatter("{x:g}")
     ticks.set_minor_formatter(NullFormatter())
+
+
+class _Steps(LogLocator):
+    """Ticks at 1, 2 and 5 of each power of ten or, of many powers, at 1 alone."""
+
+    def tick_values(self, vmin: float, vmax: float) -> Sequence[float]:
+        self.set_params(subs=(1, 2, 5) if vmax < _MANY * vmin else (1,))
+        return super().tick_values(vmin, vmax)
+
+
+def above_zero(data: FigureData, axis: str, values: np.ndarray) -> np.ndarray:
+    """Return values with not-a-number for what has no place on an axis that is logarithmic."""
+    return np.where(values > 0, values, np.nan) if axis in data.spec.options["log"] else values
+
+
+def lost_note(lost: int, what: str) -> list[str]:
+    """Return what the caption says of so many ``what`` that a logarithmic axis has no place for."""
+    return [f"Not above 0, and so not on a logarithmic axis: {lost} {what}."] if lost else []
 
 
 def width_of(shown: Panels) -> float:
@@ -180,18 +205,28 @@ def look_of_all(data: FigureData, named: Sequence[str]) -> Look:
 def legend(figure: Figure, shown: Panels, beside: Mapping[str, Any] | None = None) -> None:
     """Put one legend for all panels above them, each entry once; none for one nameless curve.
 
-    ``beside`` are entries of data beside the study's own, which may be called the same.
+    The figure grows by what it needs of more than a few lines. Of more curves than there are looks
+    it tells how many there are. ``beside`` are entries of data beside the study's own, which may be
+    called the same.
     """
     entries: dict[str, Any] = {}
     for axes, _ in shown:
         for handle, label in zip(*axes.get_legend_handles_labels(), strict=True):
             entries.setdefault(label, handle)
     entries.pop("", None)
-    labels = [*entries, *(beside or {})]
+    if len(entries) > LOOKS:
+        entries = {f"{len(entries):,} curves, which the data names": Line2D([], [], linestyle="")}
+    handles = [*entries.values(), *(beside or {}).values()]
+    labels = [
+        "\n".join(textwrap.wrap(label, _LINE, break_long_words=False))
+        for label in (*entries, *(beside or {}))
+    ]
     if labels:
         room = CHARACTERS_PER_INCH * figure.get_figwidth()
-        columns = max(1, min(4, int(room / (max(map(len, labels)) + 6))))
-        handles = [*entries.values(), *(beside or {}).values()]
+        longest = max(len(line) for label in labels for line in label.split("\n"))
+        columns = max(1, min(4, int(room / (longest + 6))))
+        lines = sum(label.count("\n") + 1 for label in labels) / columns
+        figure.set_figheight(figure.get_figheight() + _ENTRY * max(0.0, lines - _FEW))
         figure.legend(handles, labels, loc="outside upper center", ncols=columns)
 
 
@@ -209,8 +244,11 @@ def groups(
 
 
 def empty_text(shown: Panels, what: str) -> None:
-    """Say on the axes that no run knows what is shown, where nothing is drawn."""
-    for axes, _ in shown:
+    """Say on the axes that no run knows what is shown, where nothing is drawn.
+
+    That no point has completed is said of all figures.
+    """
+    for axes, _ in shown if any(rows["completed"].any() for _, rows in shown) else ():
         if not axes.has_data():
             text = f"no run has {plain(what)}"
             axes.text(0.5, 0.5, text, ha="center", transform=axes.transAxes)
