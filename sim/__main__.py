@@ -23,7 +23,7 @@ from pathlib import Path
 from pkgutil import resolve_name
 from typing import Any
 
-from sim.base.additions import compile_fault
+from sim.base.additions import code_fault
 from sim.base.completion import SHELLS, PrintCompletion
 from sim.base.errors import InputError
 from sim.base.plugins import load_from_environment
@@ -106,7 +106,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print(f"error: {error}", file=sys.stderr)
         return SYSTEM_ERROR
     except Exception as error:
-        if told := compile_fault(error):
+        if told := code_fault(error):
             print(f"error: {told}", file=sys.stderr)
             return INPUT_ERROR
         raise

@@ -7,9 +7,17 @@ from pathlib import Path
 
 import pytest
 
+from sim.base.additions import additions, code_fault
 from sim.base.errors import InputError
 from sim.base.plugins import load_plugins
-from sim.parameters import ConveyorParameters, parse_point, point_id
+from sim.parameters import (
+    BeltParameters,
+    ChuteParameters,
+    ConveyorParameters,
+    canonical,
+    parse_point,
+    point_id,
+)
 from tests.made.plugins import alone, forgotten
 from tests.made.processes import ROOT, in_process
 
@@ -173,7 +181,12 @@ assert replicate.system.advance() == again.system.advance()
 def test_a_conveyor_has_a_law_and_a_motion_of_plugins(folder):
     usual = ConveyorParameters()
     load_plugins("hertz_mindlin.py", "ellipse.py")
-    assert point_id(parse_point({"system": "conveyor"}, "p")) == point_id(usual)
+    for one in (BeltParameters(), ChuteParameters(), usual):
+        same = parse_point({"system": one.system}, "p")
+        assert point_id(same) == point_id(one) and canonical(same) == canonical(one)
+        declared = type(same).model_fields
+        for name, field in type(one).model_fields.items():
+            assert name in ("law", "motion") or repr(declared[name]) == repr(field)
     given = {"law": "hertz_mindlin", "youngs_modulus": 2e6, "motion": "ellipse", "belt_lag": 30}
     name = point_id(both := parse_point({"system": "conveyor"} | given, "p"))
     assert re.search(r"-law-hertz_mindlin\.\w{8}-.*-motion-ellipse\.\w{8}-", name)
@@ -198,6 +211,53 @@ def test_conveyors_of_a_motion_are_checked(folder, values, message):
     load_plugins("hertz_mindlin.py", "ellipse.py")
     with pytest.raises(InputError, match=message):
         parse_point({"system": "conveyor"} | values, "point")
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        (
+            "nan * sin(angle), 1.0, 0.0",
+            "what state returns at the angle 0.00.* is not finite: [nan",
+        ),
+        ("0, 0, 1 / (angle - 9) if angle > 9 else inf", "is not finite"),
+        ("sin(angle / 2), 0.0, cos(angle / 2) / 2", "state has not the period 2π: at the angles"),
+        ("sin(angle), 0.0, 0.9 * cos(angle)", "from 0 to the angle 1.5.* by 0.9"),
+        ("angle % (2 * pi), 0.0, 1.0", "from 0 to the angle 6.283 the height that state returns"),
+    ],
+)
+def test_a_motion_that_is_none_is_refused_before_it_moves_anything(folder, given, said):
+    lines = f"""
+import re, pytest
+from sim.base.errors import InputError
+from sim.engine.boundary.own_motion import own_motion
+with pytest.raises(InputError, match="plug-in wrong.py .*motion wrong: .*") as caught:
+    own_motion(point(motion="wrong"))
+assert re.search({said.replace("[nan", "[[]nan")!r}, str(caught.value)), caught.value
+assert "\\n" not in str(caught.value)
+"""
+    (folder / "wrong.py").write_text(
+        "from math import cos, inf, nan, pi, sin\nfrom typing import NamedTuple\nimport sim\n\n"
+        "class Wrong(NamedTuple):\n    pass\n\ndef state(motion, angle):\n"
+        f"    return {given}\n\nsim.motion('wrong', make=lambda p: Wrong(), state=state)\n"
+    )
+    in_process(folder, BEGIN.replace("motions.py", "wrong.py") + lines)
+
+
+def test_what_a_motion_raises_on_its_way_is_one_line(tmp_path):
+    """Compiled code raises what its Python does, with no other frame of the plug-in's file."""
+    (tmp_path / "raises.py").write_text(
+        "import sim\n\ndef state(motion, angle):\n    raise ValueError('never')\n\n"
+        "sim.motion('raises', make=lambda p: (), state=state)\n"
+    )
+    load_plugins(str(tmp_path / "raises.py"))
+    with pytest.raises(ValueError) as caught:
+        additions("motion")["raises"].value.state(0, 0)
+    told = str(code_fault(caught.value))
+    assert told.startswith("plug-in raises.py (") and told.endswith("line 4: ValueError: never")
+    with pytest.raises(ValueError) as other:
+        int("of Talus")
+    assert code_fault(other.value) is None
 
 
 def test_a_conveyor_knows_of_no_motion_without_plugins():

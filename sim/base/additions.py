@@ -1,5 +1,6 @@
 """What plug-ins have added to Talus, by kind and name, and whose mistake an error of it is."""
 
+import inspect
 import re
 import traceback
 from collections.abc import Callable, Iterable, Iterator
@@ -12,6 +13,9 @@ from sim.base.errors import InputError
 
 #: What the name of something that a plug-in adds may be.
 NAME = r"^[a-z][a-z0-9_]{0,39}$"
+
+#: An error in a text of numba.
+_ERROR = re.compile(r"^\s*(\w+(?:Error|Exception): .*)$", re.MULTILINE)
 
 #: How the name of a plug-in ends that is a file beside a study.
 FILE = ".py"
@@ -164,18 +168,30 @@ def blamed(kind: str, name: str, of: str = "") -> Iterator[None]:
         raise fault(kind, name, error, of) from None
 
 
-def compile_fault(error: Exception) -> InputError | None:
-    """Return what numba could not compile of a plug-in as one line; none for other errors."""
-    if not type(error).__module__.startswith("numba."):
-        return None
-    text = str(error)
-    for plugin in dict.fromkeys(
-        one.plugin for held in _additions.values() for one in held.values()
-    ):
-        place = re.search(rf'File "[^"]*{re.escape(plugin.name)}", line (\d+)', text)
-        if place:
-            lines = [line.strip() for line in text[: place.start()].splitlines() if line.strip()]
-            return InputError(f"{plugin}: line {place[1]}: cannot be compiled: {lines[-1]}")
+def code_fault(error: Exception) -> InputError | None:
+    """Return what is wrong with code of a plug-in as one line; none for other errors.
+
+    That is what numba could not compile, or what compiled code has raised.
+    """
+    every = [one for held in _additions.values() for one in held.values()]
+    if type(error).__module__.startswith("numba."):
+        return next(filter(None, (_uncompiled(one, str(error)) for one in every)), None)
+    last = Path(traceback.extract_tb(error.__traceback__)[-1].filename)
+    blamed_for = [one.plugin for one in every if Path(one.plugin.place) == last]
+    return InputError(f"{blamed_for[0]}: {words_of(error, last)}") if blamed_for else None
+
+
+def _uncompiled(one: Addition, text: str) -> InputError | None:
+    """Return the line that says why something could not be compiled, if it is what numba tells."""
+    place = re.search(rf'File "[^"]*{re.escape(one.plugin.name)}", line (\d+)', text)
+    if place:
+        lines = [line.strip() for line in text[: place.start()].splitlines() if line.strip()]
+        return InputError(f"{one.plugin}: line {place[1]}: cannot be compiled: {lines[-1]}")
+    # Of names that are not defined numba tells no place, but the function.
+    for function in filter(inspect.isfunction, vars(one.value).values()):
+        if f"<function {function.__name__} at {id(function):#x}>" in text:
+            line, errors = function.__code__.co_firstlineno, _ERROR.findall(text)
+            return InputError(f"{one.plugin}: line {line}: cannot be compiled: {errors[-1]}")
     return None
 
 

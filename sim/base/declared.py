@@ -1,7 +1,9 @@
 """What plug-ins give where they declare something, checked: what is wrong is one clear line."""
 
 from collections.abc import Collection
+from inspect import signature
 from math import isfinite
+from numbers import Integral
 from typing import Any
 
 from sim.base.additions import Refused
@@ -25,10 +27,20 @@ def require_line(what: str, text: Any, *, empty: bool = False, longest: int = LO
         )
 
 
-def require_function(what: str, function: Any) -> None:
-    """Refuse what cannot be called."""
+def require_function(what: str, function: Any, takes: int) -> None:
+    """Refuse what cannot be called with so many arguments."""
     if not callable(function):
         raise Refused(f"{what} is a function: got {in_short(function)}")
+    try:
+        known = signature(function)
+    except ValueError:
+        # Of what is written in C that may not be known.
+        return
+    try:
+        known.bind(*range(takes))
+    except TypeError:
+        number = f"{takes} arguments" if takes > 1 else "1 argument"
+        raise Refused(f"{what} takes {number}: got {in_short(str(known))}") from None
 
 
 def require_one_of(what: str, value: Any, choices: Collection[str]) -> None:
@@ -45,5 +57,7 @@ def require_number(what: str, value: Any) -> None:
 
 def require_count(what: str, value: Any, most: int) -> None:
     """Refuse what is no whole number from 0 to the most there may be."""
-    if isinstance(value, bool) or not isinstance(value, int) or not 0 <= value <= most:
-        raise Refused(f"{what} is a whole number from 0 to {most}: got {in_short(value)}")
+    if isinstance(value, bool) or not isinstance(value, Integral) or not 0 <= int(value) <= most:
+        # With the point of one that is not whole, which is what is wrong with it.
+        got = repr(value) if isinstance(value, float) else in_short(value)
+        raise Refused(f"{what} is a whole number from 0 to {most}: got {got}")

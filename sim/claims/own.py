@@ -103,7 +103,7 @@ def judge(
     claim = OwnClaim(id=name, reason=reason, needs=needs, own_system=system, **words)
 
     def declared(judging: Judging) -> Judging:
-        require_function(f"judge {name}", judging)
+        require_function(f"judge {name}", judging, takes=1)
         claim._judging = judging
         add(JUDGE, name, claim)
         return judging

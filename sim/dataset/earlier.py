@@ -23,7 +23,7 @@ from sim.dataset.rows import OF_PROFILES, WORDS, Rows, dimensions, kept
 from sim.engine import identity
 from sim.engine.observe import arrays
 from sim.parameters.observables import LACKING
-from sim.parameters.own import OBSERVABLE
+from sim.parameters.own import OBSERVABLE, own_observables
 
 #: Second name of the last dataset of a study, which stays when the workflow, before it makes a new
 #: one or when it cannot, removes the first.
@@ -64,7 +64,12 @@ def names_unknown(made: Any, system: str) -> list[str]:
         Whose runs it is kept of.
     """
     known = made.getncattr("reads") if "reads" in made.ncattrs() else ""
-    return sorted(names_read() - set(known.split()) - LACKING[system])
+    if system not in LACKING:
+        # One that a later version has.
+        return [system]
+    others = {name for name in own_observables() if name not in own_observables(system)}
+    coded = {code for code in codes(OBSERVABLE).split() if code.rpartition(".")[0] in others}
+    return sorted(names_read() - set(known.split()) - LACKING[system] - others - coded)
 
 
 def keep(dataset: Path, folder: Path) -> None:

@@ -4,6 +4,10 @@ from collections.abc import Callable
 from numbers import Real
 from typing import Any, NamedTuple
 
+from numba import types
+from numba.core.errors import TypingError
+from numba.core.ir import Loc
+
 from sim.base.additions import blamed, codes
 from sim.base.errors import InputError, in_short
 from sim.engine.cache import CODED_KINDS
@@ -49,3 +53,19 @@ def made(
             raise TypeError(f"make returns a NamedTuple of numbers: got {in_short(numbers)}")
         register(type(numbers), one)
     return numbers
+
+
+def refused(function: Callable[..., Any], said: str) -> TypingError:
+    """Return the error of a compiled function of a plug-in, with its place."""
+    code = function.__code__
+    return TypingError(said, Loc(code.co_filename, code.co_firstlineno))
+
+
+def require_numbers(
+    function: Callable[..., Any], what: str, given: Any, count: int, kind: type = types.Number
+) -> None:
+    """Refuse types, of what a compiled function gives, that are no tuple of so many numbers."""
+    is_tuple = isinstance(given, tuple | types.BaseTuple) and len(given) == count
+    if not is_tuple or not all(isinstance(types.unliteral(one), kind) for one in given):
+        noun = "floats" if kind is types.Float else "numbers"
+        raise refused(function, f"{what} is no tuple of {count} {noun}: got {given}")

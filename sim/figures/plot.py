@@ -14,13 +14,14 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from matplotlib.ticker import LogLocator, NullFormatter
 
 from sim.dataset.results import Results
 from sim.figures.data import FigureData, parameter_columns, varying
 from sim.figures.looks import Look, settings
 from sim.figures.quantity import Quantity, of_replicates
-from sim.figures.style import CurveStyle, cycled, legend_above, literal
+from sim.figures.style import LOOKS, CurveStyle, cycled, legend_above, literal
 from sim.figures.units import headed, scale_of, unit_of
 from sim.parameters import SYSTEMS, field_info
 from sim.parameters.words import setting
@@ -35,6 +36,9 @@ Panels = list[tuple[Axes, pd.DataFrame]]
 
 #: Characters of the label of an axis in a line.
 _LINE = 44
+
+#: From how many times the lowest value on a logarithmic axis are there powers of ten alone.
+_MANY = 300
 
 
 def observed(data: FigureData, option: str = "show") -> Quantity:
@@ -143,17 +147,27 @@ def set_log(axes: Axes, axis: str) -> None:
     """Make an axis logarithmic, ``"x"`` or ``"y"``, with plain numbers at its ticks."""
     getattr(axes, f"set_{axis}scale")("log")
     ticks = axes.xaxis if axis == "x" else axes.yaxis
-    ticks.set_major_locator(_Decades())
+    ticks.set_major_locator(_Steps())
     ticks.set_major_formatter("{x:g}")
     ticks.set_minor_formatter(NullFormatter())
 
 
-class _Decades(LogLocator):
-    """Ticks at 1, 2 and 5 of each decade, of more than three decades at 1 alone."""
+class _Steps(LogLocator):
+    """Ticks at 1, 2 and 5 of each power of ten or, of many powers, at 1 alone."""
 
-    def tick_values(self, vmin: float, vmax: float) -> Any:
-        self.set_params(subs=(1, 2, 5) if vmax <= 1e3 * vmin else (1,))
+    def tick_values(self, vmin: float, vmax: float) -> Sequence[float]:
+        self.set_params(subs=(1, 2, 5) if vmax < _MANY * vmin else (1,))
         return super().tick_values(vmin, vmax)
+
+
+def above_zero(data: FigureData, axis: str, values: np.ndarray) -> np.ndarray:
+    """Return values with not-a-number for what has no place on an axis that is logarithmic."""
+    return np.where(values > 0, values, np.nan) if axis in data.spec.options["log"] else values
+
+
+def lost_note(lost: int, what: str) -> list[str]:
+    """Return what the caption says of so many ``what`` that a logarithmic axis has no place for."""
+    return [f"Not above 0, and so not on a logarithmic axis: {lost} {what}."] if lost else []
 
 
 def width_of(shown: Panels) -> float:
@@ -188,16 +202,20 @@ def look_of_all(data: FigureData, named: Sequence[str]) -> Look:
 def legend(figure: Figure, shown: Panels, beside: Mapping[str, Any] | None = None) -> None:
     """Put one legend for all panels above them, each entry once; none for one nameless curve.
 
-    ``beside`` are entries of data beside the study's own, which may be called the same.
+    The figure grows by what it needs of more than a few lines. Of more curves than there are looks
+    it tells how many there are. ``beside`` are entries of data beside the study's own, which may be
+    called the same.
     """
     entries: dict[str, Any] = {}
     for axes, _ in shown:
         for handle, label in zip(*axes.get_legend_handles_labels(), strict=True):
             entries.setdefault(label, handle)
     entries.pop("", None)
-    labels = [*entries, *(beside or {})]
-    if labels:
-        legend_above(figure, [*entries.values(), *(beside or {}).values()], labels)
+    if len(entries) > LOOKS:
+        entries = {f"{len(entries):,} curves, which the data names": Line2D([], [], linestyle="")}
+    handles = [*entries.values(), *(beside or {}).values()]
+    if labels := [*entries, *(beside or {})]:
+        legend_above(figure, handles, labels)
 
 
 def groups(
@@ -214,8 +232,11 @@ def groups(
 
 
 def empty_text(shown: Panels, what: str) -> None:
-    """Say on the axes that no run knows what is shown, where nothing is drawn."""
-    for axes, _ in shown:
+    """Say on the axes that no run knows what is shown, where nothing is drawn.
+
+    That no point has completed is said of all figures.
+    """
+    for axes, _ in shown if any(rows["completed"].any() for _, rows in shown) else ():
         if not axes.has_data():
             text = f"no run has {plain(what)}"
             axes.text(0.5, 0.5, text, ha="center", transform=axes.transAxes)

@@ -18,7 +18,7 @@ from sim.figures.beside import (
     values_beside,
     with_beside,
 )
-from sim.figures.caption import interval_sentence, points_text, quantity_notes, regime_sentence
+from sim.figures.caption import interval_sentence, quantity_notes, regime_sentence
 from sim.figures.curves import draw_family
 from sim.figures.data import FigureData, varying
 from sim.figures.kind import Kind
@@ -30,6 +30,7 @@ from sim.figures.plot import (
     label_axes,
     legend,
     look_of_all,
+    lost_note,
     observable_label,
     observed,
     panels,
@@ -197,7 +198,7 @@ def notes(data: FigureData) -> list[str]:
         *(["Curves are drawn a little aside of each other."] if aside else []),
         *_notes_on_lines([described(spec.system, name) for name in along]),
         *(["Lines are interrupted at flows that accelerate."] if accelerating else []),
-        *([f"Not above 0, and so not on a logarithmic axis: {points_text(lost)}."] if lost else []),
+        *lost_note(lost, "points" if lost > 1 else "point"),
         *beside_notes(data),
     ]
 

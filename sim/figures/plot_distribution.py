@@ -13,11 +13,13 @@ from matplotlib.figure import Figure
 from sim.figures.data import FigureData
 from sim.figures.kind import Kind
 from sim.figures.plot import (
+    above_zero,
     empty_text,
     keys_of,
     label_axes,
     legend,
     look_of_all,
+    lost_note,
     named_columns,
     observable_label,
     panels,
@@ -58,7 +60,10 @@ def draw(data: FigureData) -> Figure:
 def _draw_curves(
     axes: Axes, data: FigureData, rows: pd.DataFrame, values: pd.Series, places: dict[float, int]
 ) -> None:
-    """Draw the replicates of points, those of each curve beside those of the others."""
+    """Draw the replicates of points, those of each curve beside those of the others.
+
+    The bar is at the median of all, drawn or not.
+    """
     keys = list(keys_of(data))
     look = look_of_all(data, keys)
     curves = [names for names, _ in data.rows.groupby(keys)] if keys else [()]
@@ -93,7 +98,13 @@ def table(data: FigureData) -> pd.DataFrame:
 
 def notes(data: FigureData) -> list[str]:
     """Return what the caption says of dots and bars."""
-    return ["A dot per completed replicate, spread sideways; bars: medians. x is not to scale."]
+    one = numbers(data.spec.system)[data.spec.options["show"]]
+    values = np.concatenate([np.zeros(0), *replicate_values(data, one)])
+    lost = int(np.isnan(above_zero(data, "y", values)).sum())
+    return [
+        "A dot per completed replicate, spread sideways; bars: medians. x is not to scale.",
+        *lost_note(lost, "replicates" if lost > 1 else "replicate"),
+    ]
 
 
 KIND = Kind(draw, table=table, notes=notes)

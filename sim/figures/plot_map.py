@@ -29,7 +29,7 @@ from sim.figures.plot import (
 )
 from sim.figures.quantity import quantity_table
 from sim.figures.regimes import MARKS
-from sim.study.plots import REGIME
+from sim.study.plot_file import REGIME
 from sim.study.plottable import numbers
 
 #: Size of a marker of a number, points.
@@ -121,7 +121,8 @@ def notes(data: FigureData) -> list[str]:
     if data.spec.options["show"] == REGIME:
         return ["One marker per point.", *beside_notes(data)]
     unknown = len(data.rows) - len(_known(data))
-    without = [f"Open: {unknown} without a value."] if unknown else []
+    value = "a value above 0" if "colour" in data.spec.options["log"] else "a value"
+    without = [f"Open: {unknown} without {value}."] if unknown else []
     return ["One square per point.", *without, *beside_notes(data)]
 
 

@@ -16,16 +16,18 @@ from sim.figures.beside import beside_notes, draw_beside, values_beside, with_be
 from sim.figures.data import FigureData
 from sim.figures.kind import Kind
 from sim.figures.plot import (
+    above_zero,
     empty_text,
     groups,
     label_axes,
     legend,
+    lost_note,
     named_columns,
     observable_label,
     panels,
     set_log,
 )
-from sim.figures.plot_slices import ENOUGH, extent_sentence, slices
+from sim.figures.plot_slices import ENOUGH, extent_sentence, slices, there
 from sim.figures.style import PALE
 from sim.figures.units import headed, unit_of
 from sim.study.plottable import profiles
@@ -39,7 +41,9 @@ def draw(data: FigureData) -> Figure:
     figure, shown = panels(data)
     for axes, rows in shown:
         for style, label, row in groups(data, rows):
-            values = profile(data, row)
+            values = placed(data, profile(data, row))
+            if values["mean"].isna().all():
+                continue
             mean, half, height = (values[name] for name in ("mean", "half_width", "height"))
             axes.plot(mean, height, color=style.colour, linestyle=style.dashes, label=label)
             band: dict[str, Any] = {"color": style.colour, "alpha": 0.15, "linewidth": 0}
@@ -51,7 +55,7 @@ def draw(data: FigureData) -> Figure:
         if "x" in spec.options["log"]:
             set_log(axes, "x")
     one = profiles(spec.system)[spec.options["show"]]
-    empty_text(shown, one.name)
+    empty_text(shown, one.name + there(data))
     beside = draw_beside(data, shown)
     if not spec.options["between"]:
         # Panels share their axes, and limits that are set follow nothing that is drawn later.
@@ -81,6 +85,14 @@ def profile(data: FigureData, row: Mapping[str, Any]) -> pd.DataFrame:
     )
 
 
+def placed(data: FigureData, found: pd.DataFrame) -> pd.DataFrame:
+    """Return a `profile` with not-a-number for what has no place on a logarithmic axis."""
+    kept = found.copy()
+    for name in found.filter(regex="^(mean|replicate)"):
+        kept[name] = above_zero(data, "x", found[name].to_numpy())
+    return kept
+
+
 def table(data: FigureData) -> pd.DataFrame:
     """Return the data behind the profiles, a row per point and slice, units in the headings."""
     if data.spec.options["second"]:
@@ -90,8 +102,7 @@ def table(data: FigureData) -> pd.DataFrame:
     known = data.rows[data.rows["completed"] > 0]
     named = named_columns(data, known)
     parts = []
-    for index, row in known.iterrows():
-        values = profile(data, {str(name): value for name, value in row.items()})
+    for (index, row), values in zip(known.iterrows(), _each(data), strict=True):
         own = {name: column[index] for name, column in named.items()}
         columns = {
             f"height [{units[1]}]": values["height"],
@@ -104,6 +115,12 @@ def table(data: FigureData) -> pd.DataFrame:
     return with_beside(data, found, headings[1], headings[0])
 
 
+def _each(data: FigureData) -> list[pd.DataFrame]:
+    """Return the `profile` of each completed point."""
+    known = data.rows[data.rows["completed"] > 0].to_dict("records")
+    return [profile(data, {str(name): value for name, value in row.items()}) for row in known]
+
+
 def notes(data: FigureData) -> list[str]:
     """Return what the caption says of lines and bands."""
     if data.spec.options["second"]:
@@ -113,10 +130,14 @@ def notes(data: FigureData) -> list[str]:
     pale = f"of fewer than {ENOUGH}, each is a pale line"
     bands = "Bands: Student's 95 % interval of the mean over replicates"
     ends = extent_sentence(data, "Lines")
-    beside = beside_notes(data)
+    lost = sum(
+        int(one["mean"].notna().sum() - placed(data, one)["mean"].notna().sum())
+        for one in _each(data)
+    )
+    rest = [*lost_note(lost, "slices"), *beside_notes(data)]
     if many:
-        return [ends, f"{bands}; {pale}." if few else f"{bands}.", *beside]
-    return [ends, *([f"Lines are means over replicates; {pale}."] if few else []), *beside]
+        return [ends, f"{bands}; {pale}." if few else f"{bands}.", *rest]
+    return [ends, *([f"Lines are means over replicates; {pale}."] if few else []), *rest]
 
 
 KIND = Kind(draw, table=table, notes=notes)

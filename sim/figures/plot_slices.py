@@ -22,6 +22,7 @@ from sim.figures.plot import (
     groups,
     label_axes,
     legend,
+    lost_note,
     named_columns,
     observable_label,
     panels,
@@ -115,8 +116,7 @@ def draw(data: FigureData) -> Figure:
             _draw_means(axes, found, style, row["completed"] >= ENOUGH)
             axes.plot([], [], style.marker, color=style.colour, label=label)
     x, y = observables(data)
-    there = " at these heights" if data.spec.options["between"] else ""
-    empty_text(shown, f"{x.name} and {y.name}{there}")
+    empty_text(shown, f"{x.name} and {y.name}{there(data)}")
     beside = draw_beside(data, shown)
     _set_axes(data, shown, pd.concat(drawn) if drawn else pd.DataFrame())
     label_axes(figure, shown, observable_label(data, x), observable_label(data, y))
@@ -192,9 +192,14 @@ def notes(data: FigureData) -> list[str]:
         *([f"{bars}; {pale}." if few else f"{bars}."] if many else []),
         *([f"{pale[0].upper()}{pale[1:]}."] if few and not many else []),
         *(["Bars that end in a caret go on beyond the axes."] if cut else []),
-        *([f"Not above 0, and so not on a logarithmic axis: {lost} slices."] if lost else []),
+        *lost_note(lost, "slices"),
         *beside_notes(data),
     ]
+
+
+def there(data: FigureData) -> str:
+    """Return what names the heights that a plot shows behind what no run has there."""
+    return " at these heights" if data.spec.options["between"] else ""
 
 
 def extent_sentence(data: FigureData, what: str) -> str:

@@ -17,10 +17,12 @@ from sim.dataset.run_file import RunFile
 from sim.figures.data import FigureData
 from sim.figures.kind import Kind
 from sim.figures.plot import (
+    above_zero,
     empty_text,
     groups,
     label_axes,
     legend,
+    lost_note,
     named_columns,
     observable_label,
     panels,
@@ -46,7 +48,11 @@ def draw(data: FigureData) -> Figure:
             look = {"color": style.colour, "linestyle": style.dashes, "linewidth": 1.0}
             for number, (_, one) in enumerate(values.groupby("replicate")):
                 entry = label if number == 0 else None
-                axes.plot(one["time"], one["value"], label=entry, **look, zorder=2)
+                x, y = (
+                    above_zero(data, axis, one[name].to_numpy(float))
+                    for axis, name in zip("xy", ("time", "value"), strict=True)
+                )
+                axes.plot(x, y, label=entry, **look, zorder=2)
             axes.axvline(_start(data, row), **LEVEL)
         for axis in spec.options["log"]:
             set_log(axes, axis)
@@ -129,8 +135,16 @@ def notes(data: FigureData) -> list[str]:
     """Return what the caption says of the lines."""
     return [
         f"A line per replicate, of at most {MOST} means over successive samples. Dotted: where "
-        "averaging begins, in the mean over the replicates of a point."
+        "averaging begins, in the mean over the replicates of a point.",
+        *(_notes_on_logarithms(data) if data.spec.options["log"] else []),
     ]
+
+
+def _notes_on_logarithms(data: FigureData) -> list[str]:
+    """Say how many values a logarithmic axis has no place for."""
+    time, value = table(data).iloc[:, -2:].to_numpy(float).T
+    kept = above_zero(data, "x", time) + above_zero(data, "y", value)
+    return lost_note(int(np.isnan(kept).sum()), f"of {time.size:,} values")
 
 
 KIND = Kind(draw, table=table, notes=notes)

@@ -19,6 +19,9 @@ COLOURS = ("#000000", "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e
 DASHES = ("-", (0, (5, 2)), (0, (5, 2, 1, 2)), (0, (1, 1.5)), (0, (5, 2, 1, 2, 1, 2)))
 MARKERS = ("o", "s", "^", "D", "v", "P", "X", "p")
 
+#: Looks that `cycled` gives before they come again.
+LOOKS = len(COLOURS) * len(DASHES)
+
 SHORT_DASH = (0, (3, 1.5))
 LONG_DASH = DASHES[1]
 DOTTED = DASHES[3]
@@ -88,7 +91,10 @@ def prescribed(colour: str, dashes: str, marker: str = "o") -> CurveStyle:
 
 
 def cycled(index: int) -> CurveStyle:
-    """Return the style of the curve at ``index`` where the paper prescribes none."""
+    """Return the style of the curve at ``index`` where the paper prescribes none.
+
+    What comes again in a colour has another marker, as it may have no line.
+    """
     return CurveStyle(
         COLOURS[index % len(COLOURS)], DASHES[index % len(DASHES)], MARKERS[index % len(MARKERS)]
     )

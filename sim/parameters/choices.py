@@ -74,8 +74,8 @@ class OwnOption:
     make: Callable[..., Any]
     parameters: Mapping[str, Any]
 
-    #: What of it is no function.
-    plain: ClassVar[tuple[str, ...]] = ("parameters",)
+    #: Its functions, and how many arguments they take.
+    takes: ClassVar[Mapping[str, int]] = {"make": 1}
 
 
 @dataclass(frozen=True)
@@ -111,9 +111,8 @@ class Choice:
             When its functions are none, or its parameters not those that `parameter` makes.
         """
         what, parameters = f"{self.name} {name}", option.parameters
-        for key, function in vars(option).items():
-            if key not in option.plain:
-                require_function(f"{what}: {key}", function)
+        for key, number in option.takes.items():
+            require_function(f"{what}: {key}", getattr(option, key), number)
         if not isinstance(parameters, Mapping):
             allowed = "a mapping of names to what sim.parameter makes"
             raise Refused(f"{what}: parameters is {allowed}: got {in_short(parameters)}")
@@ -186,14 +185,18 @@ def extended(base: type[WithOwn], *choices: Choice) -> type[Parameters]:
 def _extended(
     base: type[WithOwn], offers: tuple[tuple[Choice, tuple[str, ...]], ...]
 ) -> type[Parameters]:
-    fields: dict[str, Any] = {}
+    usual: Any = base.__bases__[-1]
+    # Of a field that several bases declare pydantic takes that of the first, not of the system.
+    fields: dict[str, Any] = {
+        name: (field.annotation, field) for name, field in usual.model_fields.items()
+    }
     kept, offered = [*base.kept], {choice: own(choice.name) for choice, _ in offers}
     for choice, options in offers:
         fields[choice.name] = _field(base, choice, options)
         for one in offered[choice].values():
             fields |= {name: (Real, field) for name, field in one.parameters.items()}
             kept += one.parameters if choice.kept else ()
-    made: Any = create_model(base.__bases__[-1].__name__, __base__=base, **fields)
+    made: Any = create_model(usual.__name__, __base__=base, **fields)
     made.kept, made.offered = tuple(kept), offered
     return made
 

@@ -188,6 +188,11 @@ class Parameters(BaseModel):
         return 0
 
     @property
+    def effective_particles(self) -> float:
+        """Number of moving particles that take as much work and memory, fixed ones included."""
+        return self.particles + self.glued
+
+    @property
     def is_stable(self) -> bool | None:
         """Whether the time step is within the bound that is known; none where there is no bound."""
         return None

@@ -31,7 +31,7 @@ class OwnLaw(OwnOption):
     collision_time: Callable[[Any], float]
     remembers: int
 
-    plain: ClassVar[tuple[str, ...]] = (*OwnOption.plain, "remembers")
+    takes: ClassVar[Mapping[str, int]] = {"make": 2, "force": 8, "energy": 6, "collision_time": 1}
 
 
 #: Numbers of its own that a law remembers of a contact unless it says another number, and at most.
@@ -78,7 +78,7 @@ def law(
         How many numbers ``force`` gives to remember.
     """
     require_count(f"law {name}: remembers", remembers, MOST_REMEMBERED)
-    LAW.add(name, OwnLaw(make, parameters or {}, force, energy, collision_time, remembers))
+    LAW.add(name, OwnLaw(make, parameters or {}, force, energy, collision_time, int(remembers)))
 
 
 class WithOwnLaws(WithOwn, SphereParameters):

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any, Self
+from typing import Any, ClassVar, Self
 
 from pydantic import model_validator
 
@@ -31,6 +31,8 @@ class OwnMotion(OwnOption):
     """A motion of a plug-in: see `motion`."""
 
     state: Callable[..., Any]
+
+    takes: ClassVar[Mapping[str, int]] = {"make": 1, "state": 2}
 
 
 def motion(

@@ -57,7 +57,7 @@ def observable(
     require_line(f"observable {name}: meaning", meaning)
 
     def declared(measure: Measuring) -> Measuring:
-        require_function(f"observable {name}", measure)
+        require_function(f"observable {name}", measure, takes=1)
         add(OBSERVABLE, name, OwnObservable(system, unit, meaning, measure), _taken())
         return measure
 

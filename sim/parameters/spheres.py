@@ -27,6 +27,9 @@ _TOO_SOFT = (
 )
 
 
+#: Skin of the neighbor list, in diameters, and how many neighbors of a sphere are usual in it.
+SKIN, USUAL_NEIGHBORS = 0.2, 8
+
 SlidingDirection = Literal["printed", "slip"]
 
 #: What is declared of the direction of a sliding friction, whatever its default.
@@ -373,6 +376,17 @@ class SphereParameters(Parameters):
         return max(1, min(rows, math.floor(self.cell / self.bumps)))
 
     @property
+    def effective_particles(self) -> float:
+        """Spheres that move, and for how many the glued ones count: small ones lie dense.
+
+        The neighbor list holds all that are within a skin of each other.
+        """
+        reach = self.bumps + SKIN
+        within = 2 * reach if self.is_flat else math.pi * reach**2
+        pairs = 0.5 * within * self.glued / self._area
+        return self.particles + self.glued * max(1.0, pairs / USUAL_NEIGHBORS)
+
+    @property
     def is_flat(self) -> bool:
         """Whether all particles lie in one plane, y = 0."""
         return False
@@ -444,9 +458,11 @@ class SphereParameters(Parameters):
             allowed = f"a value that gives at most {MAX_PARTICLES:.0e} particles in the cell"
             raise broken_rule("depth", self.depth, allowed)
         room = (MAX_PARTICLES - self.particles) * self._covered_by_a_bump
-        if self.bumps and not self.bump_coverage * self._area <= room:
+        few = not self.bumps or self.bump_coverage * self._area <= room
+        if not (few and self.effective_particles <= MAX_PARTICLES):
             allowed = (
-                f"a value that gives at most {MAX_PARTICLES:.0e} particles, glued ones included"
+                f"a value that gives at most {MAX_PARTICLES:.0e} particles, glued ones included, "
+                "which count more the denser they are"
             )
             raise broken_rule("bumps", self.bumps, allowed)
         return self

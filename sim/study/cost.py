@@ -35,7 +35,7 @@ class Estimate:
 
 def estimate(parameters: Parameters) -> Estimate:
     """Estimate what all replicates of a point take together, glued particles included."""
-    every = parameters.particles + parameters.glued
+    every = parameters.effective_particles
     steps = parameters.replicates * (parameters.settling_steps + parameters.steps)
     frames = 1e-6 * parameters.trajectory_bytes
     return Estimate(

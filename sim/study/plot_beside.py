@@ -13,8 +13,14 @@ MOST_BESIDE = 6
 #: Most letters of a label.
 _LONGEST = 60
 
+#: Size of a number at most, and on a logarithmic axis its inverse at least: what can be drawn.
+LARGEST = 1e100
+
 _LABEL: dict[str, Any] = {"allowed": "a text that is not empty"}
-_POINTS: dict[str, Any] = {"allowed": "a list of points [x, y], finite numbers"}
+_POINTS: dict[str, Any] = {"allowed": f"a list of points [x, y], numbers of size up to {LARGEST:g}"}
+
+#: A number that can be drawn.
+_Drawn = Annotated[Real, Field(ge=-LARGEST, le=LARGEST)]
 
 
 class BesideFile(Strict):
@@ -25,7 +31,7 @@ class BesideFile(Strict):
         description=f"what it is, for legend and caption, at most {_LONGEST} letters",
         json_schema_extra=_LABEL,
     )
-    points: list[Annotated[list[Real], Field(min_length=2, max_length=2)]] = Field(
+    points: list[Annotated[list[_Drawn], Field(min_length=2, max_length=2)]] = Field(
         min_length=1,
         description="points [x, y], in the units of the axes as they are drawn",
         json_schema_extra=_POINTS,

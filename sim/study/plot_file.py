@@ -8,7 +8,7 @@ from sim.base.additions import NAME as PLUGGED
 from sim.parameters.common import Real, broken_rule
 from sim.study.catalogue import FIGURES
 from sim.study.entries import ALLOWED_NAME, NAME, Strict, optional, require_shown
-from sim.study.plot_beside import MOST_BESIDE, BesideFile
+from sim.study.plot_beside import LARGEST, MOST_BESIDE, BesideFile
 from sim.study.plot_kinds import KINDS, like, own_plots
 from sim.study.plottable import every_name
 
@@ -27,10 +27,13 @@ Kind = Annotated[
     WithJsonSchema({"anyOf": [{"enum": list(KINDS)}, {"type": "string", "pattern": PLUGGED}]}),
 ]
 
+#: What the colour of a map may be besides an observable.
+REGIME = "regime"
+
 #: The key of the observable of each kind of plot, and what it is if not given.
 OBSERVABLE: dict[str, tuple[str, str]] = {
     "curves": ("y", "velocity"),
-    "map": ("colour", "regime"),
+    "map": ("colour", REGIME),
     "profiles": ("x", "velocity"),
     "time_series": ("y", "velocity"),
     "distribution": ("y", "velocity"),
@@ -114,7 +117,10 @@ class PlotFile(Strict):
     colour: str = optional(
         "of a `map`: observable that the colour shows, or `regime` (omitted)", json_schema=_ANY
     )
-    curves: Names = optional("parameter, or list of them, that tells curves apart")
+    curves: Names = optional(
+        "parameter, or list of them, that tells curves apart",
+        json_schema={"allowed": "a name, or a list of names"},
+    )
     panels: str = optional("parameter that tells panels apart")
     series: list[str] = optional(
         "series whose points are drawn (omitted: all of the system)", min_length=1
@@ -160,6 +166,8 @@ class PlotFile(Strict):
                 raise broken_rule(key, value, f"a parameter that the points vary{other}")
         for number, axis in enumerate(self.log):
             known = _LOG[self.like] + (("y",) if self.like == "profiles" and self.y else ())
+            if self.like == "map" and self.observable == REGIME:
+                known = ("x", "y")
             if axis not in known:
                 allowed = "one of " + ", ".join(known)
                 raise broken_rule(f"log[{number}]", axis, allowed)
@@ -187,9 +195,9 @@ class PlotFile(Strict):
                 raise broken_rule(f"beside[{number}].label", one.label, "a label of its own")
             labels.add(one.label)
             for place, point in enumerate(one.points):
-                low = [axis for axis, at in zip("xy", point, strict=True) if at <= 0]
+                low = [axis for axis, at in zip("xy", point, strict=True) if at < 1 / LARGEST]
                 if axes := [axis for axis in low if axis in self.log]:
-                    allowed = f"numbers > 0 on the logarithmic axis {axes[0]}"
+                    allowed = f"numbers >= {1 / LARGEST:g} on the logarithmic axis {axes[0]}"
                     raise broken_rule(f"beside[{number}].points[{place}]", point, allowed)
         return self
 

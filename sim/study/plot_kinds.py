@@ -56,10 +56,10 @@ def plot_kind(
     require_one_of(f"plot {name}: like", like, KINDS)
     for what, function in (("table", table), ("notes", notes)):
         if function is not None:
-            require_function(f"plot {name}: {what}", function)
+            require_function(f"plot {name}: {what}", function, takes=1)
 
     def declared(draw: Drawing) -> Drawing:
-        require_function(f"plot {name}", draw)
+        require_function(f"plot {name}", draw, takes=1)
         add(PLOT, name, OwnPlot(like, draw, table, notes), KINDS)
         return draw
 

@@ -18,13 +18,10 @@ from sim.study.figure_points import require_places
 from sim.study.file import StudyFile
 from sim.study.model import Point, Study
 from sim.study.plot_checks import Refused, require_nothing_else, require_parameters, varying_of
-from sim.study.plot_file import AXES, OBSERVABLE, PlotFile
+from sim.study.plot_file import AXES, OBSERVABLE, REGIME, PlotFile
 from sim.study.plot_kinds import code_of
 from sim.study.plot_words import lead_of, title_of
 from sim.study.plottable import SHOWN_BY, Observable, every_name
-
-#: What the colour of a map may be besides an observable.
-REGIME = "regime"
 
 
 def plots_of(
@@ -124,7 +121,7 @@ def _system(one: PlotFile, points: Sequence[Point], refused: Refused) -> str:
     """Return the system of a plot: what it says, or that of all its points."""
     there = list(dict.fromkeys(point.parameters.system for point in points))
     if one.system is None and len(there) > 1:
-        raise refused("system", None, "one of " + ", ".join(there) + ", as the series have both")
+        raise refused("system", None, "one of " + ", ".join(there) + ", as the series have several")
     system = one.system or there[0]
     if system not in there:
         raise refused("system", system, f"a system of its series: {', '.join(there)}")

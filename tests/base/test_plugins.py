@@ -140,7 +140,16 @@ MOTION = "motion('m', make=dict, state=dict, "
                 f"remembers={wrong})",
                 f"law l: remembers is a whole number from 0 to 32: got {wrong.lower()}",
             )
-            for wrong in ("-1", "33", "1.5", "True")
+            for wrong in ("-1", "33", "1.5", "2.0", "True")
+        ),
+        (MOTION.replace("state=dict", "state=lambda a: a") + ")", "state takes 2 arguments: got"),
+        (
+            "law('l', make=lambda p: p, force=dict, energy=dict, collision_time=dict)",
+            "law l: make takes 2 arguments: got '(p)'",
+        ),
+        (
+            "observable('o', system='belt', unit='1', meaning='m')(lambda: 0)",
+            "observable o takes 1 argument: got '()'",
         ),
         ("parameter('a', unit='1', description='d')", "default is a finite number: got 'a'"),
         ("parameter(1, unit='1', description='d', gt='0')", "gt is a finite number: got '0'"),

@@ -30,6 +30,7 @@ from sim.study.load import load_study
 from tests.made.folder import Folder
 from tests.made.mixed import SHOWN, Mixed, ids
 from tests.made.netcdf import changing, store
+from tests.made.plugins import forgotten
 from tests.made.processes import ROOT
 from tests.made.runs import make_regimes, write_run
 
@@ -223,6 +224,26 @@ def test_what_other_code_has_read_is_taken_if_it_knew_all_names(study, whole, mo
     monkeypatch.setattr(adopt_module, "names_unknown", lambda made, system: ["new_measure"])
     with pytest.raises(InputError, match="got 'a dataset that cannot have new_measure'; allowed"):
         adopt(study.path, whole.output, study.results)
+
+
+def test_a_system_of_a_later_version_keeps_no_other_from_being_adopted(study, whole, tmp_path):
+    later = Path(shutil.copy(whole.output, tmp_path / "later.nc"))
+    with changing(later) as file:
+        row = file["point"][:].tolist().index(*ids(study, 5))
+        file["system"][row] = "drum"
+    assert "covers 5 of 6 points" in adopt(study.path, later, study.results)
+    assert adopted(study) == set(ids(study, *range(5)))
+
+
+def test_an_observable_of_one_system_keeps_no_other_from_being_adopted(study, whole, tmp_path):
+    (tmp_path / "mine.py").write_text(
+        "import sim\n@sim.observable('answer', system='chute', unit='1', meaning='m')\n"
+        "def answer(run):\n    return 42\n"
+    )
+    study.path.write_text(study.path.read_text() + "plugins: [mine.py]\n")
+    with forgotten():
+        assert "covers 3 of 6 points" in adopt(study.path, whole.output, study.results)
+        assert adopted(study) == set(ids(study, 3, 4, 5))
 
 
 def test_what_a_point_starts_from_is_run_with_it(tmp_path):

@@ -246,6 +246,20 @@ def test_where_no_slice_is_between_it_is_said():
     figure, rows, _ = drawn(SLICES | {"between": [50, 60]}, sliced(3))
     text = "no run has granular temperature and packing at these heights"
     assert text in [one.get_text() for one in figure.axes[0].texts] and rows.empty
+    heights = {"kind": "profiles", "x": "packing", "curves": "friction", "between": [50, 60]}
+    figure, _, _ = drawn(heights, sliced(3))
+    (told,) = figure.axes[0].texts
+    assert told.get_text() == "no run has packing at these heights"
+
+
+@pytest.mark.parametrize("options", [{"kind": "profiles"}, {"kind": "distribution"}, {}])
+def test_where_no_run_has_finished_nothing_is_said_twice(options):
+    """The file of the figure says it."""
+    lost = {"status": "failed", "reason": "blown up", "velocity": np.nan}
+    points = [made_point("chute", lost, friction=mu) for mu in GRID["friction"]]
+    x = "velocity" if options.get("kind") == "profiles" else "friction"
+    figure, _, data = drawn({"x": x} | options, points)
+    assert not data.rows["completed"].any() and not figure.axes[0].texts
 
 
 def test_a_map_shows_regimes_or_a_number():

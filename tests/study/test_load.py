@@ -381,11 +381,19 @@ def test_durations_are_written_in_the_unit_that_suits(seconds, text):
 
 
 def test_glued_spheres_count_and_have_a_limit():
-    smooth, rough = (estimate(ChuteParameters(bumps=bumps)) for bumps in (0.0, 0.03))
+    smooth, rough, most = (estimate(ChuteParameters(bumps=bumps)) for bumps in (0, 0.1, 0.03))
     # Circles of 0.03 σ that cover 40 % of 100 σ².
     assert ChuteParameters(bumps=0.03).glued == 56_588
-    assert rough.core_seconds > 50 * smooth.core_seconds
-    assert rough.memory - smooth.memory == pytest.approx(56_588 * 4e-3, abs=1)
+    assert ChuteParameters(bumps=0.1).glued == 5_093
+    assert rough.core_seconds > 5 * smooth.core_seconds
+    assert rough.memory - smooth.memory == pytest.approx(5_093 * 4e-3, abs=1)
+    # Each has 47 others within a skin, of which the neighbor list holds half the pairs.
+    assert most.memory - smooth.memory == pytest.approx(56_588 * 47 / 8 * 4e-3, rel=0.01)
+    with pytest.raises(InputError, match=r"bumps: got 0\.01; allowed: .* the denser they are"):
+        parse_point({"system": "chute", "bumps": 0.01}, "point.yaml")
+    with pytest.raises(InputError, match=r"bumps: got 0\.0001; allowed: .* the denser they are"):
+        values = {"shape": "disc", "bumps": 0.0001, "cell": 30, "bump_arrangement": "ordered"}
+        parse_point({"system": "conveyor"} | values, "point.yaml")
     with pytest.raises(InputError, match=r"bumps: got 0\.001; allowed: .* glued ones included"):
         parse_point({"system": "chute", "bumps": 0.001}, "point.yaml")
 

@@ -17,6 +17,8 @@ SERIES = {
 BEDS = {"name": "beds", "system": "belt", "grid": {"frequency": [20, 50]}}
 #: A plot that is right.
 RIGHT = {"name": "v", "x": "friction", "curves": "angle", "panels": "law"}
+#: What makes it a map of regimes.
+REGIMES = {"kind": "map", "y": "angle", "curves": None}
 
 
 @pytest.fixture
@@ -106,7 +108,11 @@ def test_data_beside_a_plot_are_kept_with_it(parse):
             {"label": "a\u202eb"},
             "beside[0].label: got 'a\\u202eb'; allowed: one line of at most 60",
         ),
-        ({"points": []}, "beside[0].points: got []; allowed: a list of points [x, y], finite"),
+        ({"points": []}, "beside[0].points: got []; allowed: a list of points [x, y], numbers"),
+        (
+            {"points": [[1, -1e101]]},
+            "beside[0].points[0][1]: got -1e+101; allowed: a list of points",
+        ),
         ({"points": [0.3, 1]}, "beside[0].points[0]: got 0.3; allowed: a list of points [x, y]"),
         ({"points": [[1, 2, 3]]}, "beside[0].points[0]: got [1, 2, 3]; allowed: a list of points"),
         ({"points": [[1, float("nan")]]}, "beside[0].points[0][1]: got nan; allowed: finite, a"),
@@ -121,7 +127,7 @@ def test_mistakes_in_data_beside_are_refused_by_their_key(parse, change, message
 def test_data_beside_without_a_place_are_refused(parse):
     below = OTHERS | {"points": [[0.3, 1], [0.4, 0]]}
     message = refused(parse, RIGHT | {"log": ["y"], "beside": [below]})
-    assert message.startswith("beside[0].points[1]: got [0.4, 0]; allowed: numbers > 0 on the log")
+    assert message.startswith("beside[0].points[1]: got [0.4, 0]; allowed: numbers >= 1e-100 on")
     assert parse(RIGHT | {"log": ["x"], "beside": [below]}).plots
     message = refused(parse, RIGHT | {"beside": [OTHERS, OTHERS]})
     assert message.startswith("beside[1].label: got 'Pouliquen (1999)'; allowed: a label of its")
@@ -191,6 +197,8 @@ def test_every_kind_shows_its_usual_observable_of_every_system(parse, kind, syst
         ({"system": "belt"}, "system: got 'belt'; allowed: a system of its series: chute"),
         ({"colour": "velocity"}, "colour: got 'velocity'; allowed: colour of a map alone"),
         ({"log": ["colour"]}, "log[0]: got 'colour'; allowed: one of x, y"),
+        (REGIMES | {"log": ["colour"]}, "log[0]: got 'colour'; allowed: one of x, y"),
+        ({"curves": ["angle", 1]}, "curves[1]: got 1; allowed: a name, or a list of names"),
         ({"kind": "pie"}, "kind: got 'pie'; allowed: "),
         ({"kind": "profiles", "curves": None}, "x: got 'friction'; allowed: "),
         ({"kind": "map", "y": "angle", "curves": None, "panels": None}, "panels: got nothing; "),

@@ -6,15 +6,13 @@ that need neither radius nor mass stay as they are and cost nothing more.
 
 from typing import NamedTuple
 
-from numba.core.errors import TypingError
-from numba.core.ir import Loc
-from numba.core.types import BaseTuple
+from numba.core.types import BaseTuple, Float
 
 from sim.engine.compile import implements, inlined
 from sim.engine.contact.friction import blank, contact_force, remembers, stored_energy
 from sim.engine.contact.roots import SMALLEST, inverse_square_root
 from sim.engine.contact.tangential import friction_direction, work_against
-from sim.engine.plugged import adopt
+from sim.engine.plugged import adopt, refused, require_numbers
 
 #: Types of the laws that are such functions.
 _functional: set[type] = set()
@@ -79,8 +77,13 @@ def force_of(law, overlap, approach, slip, tangential, memory, radius, mass):
     raise NotImplementedError
 
 
-def remembered_of(law, numbers):
-    """Return the numbers that ``force`` of a law gives to remember, as many as the law keeps."""
+def given_by(law, returned):
+    """Return what ``force`` of a law gives, of which it keeps as many numbers as it said."""
+    raise NotImplementedError
+
+
+def energies_of(law, returned):
+    """Return the energies that ``energy`` of a law gives."""
     raise NotImplementedError
 
 
@@ -124,7 +127,6 @@ def add_functions(kind, force, energy, kept):
     """Make a type of parameters known as a law with these functions, which keeps such a number of
     numbers of its own."""
     own_force, own_energy = inlined(force), inlined(energy)
-    place = Loc(force.__code__.co_filename, force.__code__.co_firstlineno)
     _functional.add(kind)
     remembers(kind, kept)
 
@@ -134,26 +136,37 @@ def add_functions(kind, force, energy, kept):
             return None
 
         def body(law, overlap, approach, slip, tangential, memory, radius, mass):
-            normal, along, numbers, lost = own_force(
-                law, overlap, approach, slip, tangential, memory, radius, mass
+            return given_by(
+                law, own_force(law, overlap, approach, slip, tangential, memory, radius, mass)
             )
-            return normal, along, remembered_of(law, numbers), lost
 
         return body
 
-    @implements(remembered_of)
-    def _remembered(law, numbers):
+    @implements(given_by)
+    def _given(law, returned):
         if law.instance_class is not kind:
             return None
-        if not (isinstance(numbers, BaseTuple) and len(numbers) == kept):
-            said = f"what force gives to remember is no tuple of {kept} numbers, as remembers says"
-            raise TypingError(f"{said}: got {numbers}", place)
-        return lambda law, numbers: numbers
+        if not (isinstance(returned, BaseTuple) and len(returned) == 4):
+            said = "what force returns is no tuple of normal force, tangential force, numbers to "
+            raise refused(force, f"{said}remember and energy: got {returned}")
+        normal, along, numbers, lost = returned
+        require_numbers(force, "normal force and energy that force returns", (normal, lost), 2)
+        require_numbers(force, "the tangential force that force returns", along, 3, Float)
+        said = f"what force gives to remember, {kept} as remembers says,"
+        require_numbers(force, said, numbers, kept, Float)
+        return lambda law, returned: returned
+
+    @implements(energies_of)
+    def _energies(law, returned):
+        if law.instance_class is not kind:
+            return None
+        require_numbers(energy, "what energy returns", returned, 2)
+        return lambda law, returned: returned
 
     @implements(energy_of)
     def _energy(law, overlap, tangential, memory, radius, mass):
         if law.instance_class is not kind:
             return None
-        return lambda law, overlap, tangential, memory, radius, mass: own_energy(
-            law, overlap, tangential, memory, radius, mass
+        return lambda law, overlap, tangential, memory, radius, mass: energies_of(
+            law, own_energy(law, overlap, tangential, memory, radius, mass)
         )

@@ -44,10 +44,7 @@ from sim.engine.systems.series import CHUTE_LEDGER, since_start
 from sim.engine.systems.sharing import Thread
 from sim.parameters.chute import negligible_acceleration
 from sim.parameters.observables import CHUTE_SERIES
-from sim.parameters.spheres import SphereParameters
-
-#: Skin of the neighbor list in diameters.
-SKIN = 0.2
+from sim.parameters.spheres import SKIN, SphereParameters
 
 #: Particle-steps from one pause to the next, at most: some tenths of a second.
 MOST_WORK = 4_000_000
@@ -122,7 +119,7 @@ class Chute:
         self.period = 1
         self.profile_height = self.slices.height()
         self.followed = FOLLOWED if p.stress_profiles else ()
-        self._stretch = max(1, MOST_WORK // number)
+        self._stretch = max(1, int(MOST_WORK // max(number, p.effective_particles)))
         self.loop_time, self._call = 0.0, _Kernels(self.laws, self.drive)
         self.travelled, self.lost, self.work_done = 0.0, 0.0, 0.0
         self.coordinates = {
