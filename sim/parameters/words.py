@@ -13,6 +13,9 @@ PROTOCOLS = {
     "conveyor": {"published": "fixed length", "converged": "converged"},
 }
 
+#: Characters of a name that are told, and of a longer one the last ones that are.
+LONG, END = 54, 16
+
 
 def quantity(system: str, name: str, values: Sequence[Any]) -> str:
     """Write ``symbol = value unit`` for one or several values of a parameter.
@@ -37,7 +40,17 @@ def setting(system: str, name: str, value: object) -> str:
 
     >>> setting("conveyor", "rotation", 0.0), setting("chute", "stress_profiles", True)
     ('no rotation', 'stress_profiles')
+
+    Of a long name, as of a run, the end tells it from others.
+
+    >>> run = "chute-depth5-friction0.4-restitution0.85-stiffness100-angle2-f9db71a0"
+    >>> setting("chute", "start_from", ""), setting("chute", "start_from", run)
+    ('no start_from', 'start_from …-angle2-f9db71a0')
     """
     if isinstance(value, bool) or SYSTEMS[system].model_fields[name].annotation is bool:
         return name if value else f"no {name}"
-    return f"{name} {value}" if isinstance(value, str) else quantity(system, name, [value])
+    if not isinstance(value, str):
+        return quantity(system, name, [value])
+    if not value:
+        return f"no {name}"
+    return f"{name} {value if len(value) <= LONG else '…' + value[-END:]}"

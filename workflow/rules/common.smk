@@ -217,6 +217,17 @@ def watch():
     return started
 
 
+def wake_when_jobs_end():
+    """Have the scheduler look for the next job when one has ended, and not every second as well.
+
+    Its usual limit, 100 starts in a second, leaves a timer behind for each job that has ended, which
+    wakes it once a second from then on. A limit that somebody has asked for stays.
+    """
+    limit = workflow.scheduling_settings.max_jobs_per_timespan
+    if limit and (limit.max_jobs, limit.timespan) == (100, 1):
+        workflow.scheduler.job_rate_limiter = None
+
+
 def summarize():
     """Say how the points of the study ended. What keeps it from that must not fail the workflow."""
     # Not needed for a dry run, which these libraries would slow.
@@ -283,6 +294,7 @@ onstart:
             with replacing(path) as temporary:
                 temporary.write_text(text, encoding="utf-8")
         WATCH.append(watch())
+        wake_when_jobs_end()
 
 
 # Jobs find the interpreter of this Snakemake, the package and the study wherever they run. Where a
