@@ -237,3 +237,16 @@ def test_a_job_on_a_cluster_knows_the_batches_of_the_workflow_that_planned(tmp_p
     assert done.returncode == 0, done.stderr
     assert {path.stem for path in runs.glob("*.nc")} == set(members) == set(TINY.points)
     assert f"{POINTS} points: " not in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("asked", "limited"), [((), False), (("--max-jobs-per-timespan", "5/1s"), True)]
+)
+def test_the_scheduler_is_woken_by_jobs_that_end_alone(tree, asked, limited):
+    """Its usual limit of starts per second would wake it once a second for each job that ended."""
+    told = 'print("limit", workflow.scheduler.job_rate_limiter, file=sys.stderr)'
+    text = f'include: "{ROOT}/workflow/Snakefile"\n\nonsuccess:\n    {told}\n'
+    (tree / "told.smk").write_text(text)
+    done = snakemake(tree, "--snakefile", "told.smk", "--forcerun", "report", *asked)
+    assert done.returncode == 0, done.stderr
+    assert ("limit None" not in done.stderr) == limited, done.stderr
