@@ -22,11 +22,10 @@ import netCDF4
 import numpy as np
 import yaml
 
-#: By system: the parameter that differs, its first and last value, what else is said of the points,
-#: and a figure that they feed.
-SWEEPS: dict[str, tuple[str, float, float, dict, str]] = {
-    "belt": ("frequency", 15.0, 100.0, {}, "gallas_1a"),
-    "chute": ("angle", 15.0, 18.0, {"depth": 5}, "walton_2"),
+#: By system: the parameter that differs, its first and last value, what else is said of the points.
+SWEEPS: dict[str, tuple[str, float, float, dict]] = {
+    "belt": ("frequency", 15.0, 100.0, {}),
+    "chute": ("angle", 15.0, 18.0, {"depth": 5}),
 }
 
 CORES = 2
@@ -37,10 +36,11 @@ RESULTS = Path("results") / STUDY
 
 def study(system: str, points: int) -> dict:
     """Return a study of so many points of a system."""
-    name, first, last, fixed, figure = SWEEPS[system]
+    name, first, last, fixed = SWEEPS[system]
     values = np.round(np.linspace(first, last, points), 3).tolist()
-    series = {"name": name, "system": system, "grid": {name: values}, "figures": [figure]}
-    return {"study": STUDY, "defaults": {system: fixed}, "series": [series]}
+    series = {"name": name, "system": system, "grid": {name: values}}
+    plots = [{"name": "velocity", "x": name}]
+    return {"study": STUDY, "defaults": {system: fixed}, "series": [series], "plots": plots}
 
 
 def processor_time() -> float:
