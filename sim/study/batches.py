@@ -8,7 +8,7 @@ from sim.study.cost import PROCESS_TIME, estimate
 
 #: Seconds of computing that a batch should take, the least and the most. A point that takes more
 #: than half of the most has a process of its own.
-LEAST, MOST = 3.0, 25.0
+LEAST, MOST = 3.0, 60.0
 
 #: Points of a batch at most: Snakemake looks through all of them for each.
 CROWD = 50
