@@ -34,13 +34,14 @@ STUDY = "share"
 RESULTS = Path("results") / STUDY
 
 
-def study(system: str, points: int) -> dict:
+def study(system: str, points: int, replicates: int = 1) -> dict:
     """Return a study of so many points of a system."""
     name, first, last, fixed = SWEEPS[system]
     values = np.round(np.linspace(first, last, points), 3).tolist()
     series = {"name": name, "system": system, "grid": {name: values}}
     plots = [{"name": "velocity", "x": name}]
-    return {"study": STUDY, "defaults": {system: fixed}, "series": [series], "plots": plots}
+    defaults = {system: fixed | {"replicates": replicates}}
+    return {"study": STUDY, "defaults": defaults, "series": [series], "plots": plots}
 
 
 def processor_time() -> float:
@@ -75,12 +76,13 @@ def main() -> None:
     )
     parser.add_argument("--system", choices=list(SWEEPS), default="belt")
     parser.add_argument("--points", type=int, default=100)
-    parser.add_argument("--repeats", type=int, default=1)
+    parser.add_argument("--replicates", type=int, default=1, help="of each point")
+    parser.add_argument("--repeats", type=int, default=1, help="of the measurement")
     given = parser.parse_args()
     shares = []
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "study.yaml"
-        path.write_text(yaml.safe_dump(study(given.system, given.points)))
+        path.write_text(yaml.safe_dump(study(given.system, given.points, given.replicates)))
         subprocess.run([sys.executable, "-m", "sim", "warm", path], check=True)
         for _ in range(given.repeats):
             shutil.rmtree(RESULTS, ignore_errors=True)
