@@ -2,19 +2,18 @@
 
 import hashlib
 from collections.abc import Mapping
+from heapq import heappop, heappush
+from math import ceil
 
 from sim.parameters import Parameters
 from sim.study.cost import PROCESS_TIME, estimate
 
-#: Seconds of computing that a batch should take, the least and the most. A point that takes more
-#: than half of the most has a process of its own.
+#: Seconds of computing that a batch should take, the least and the most; between them each core has
+#: one. A point that takes more than half of the most has a process of its own.
 LEAST, MOST = 3.0, 60.0
 
 #: Points of a batch at most: Snakemake looks through all of them for each.
 CROWD = 50
-
-#: Batches for each core, so that one that takes longer than estimated keeps none waiting for long.
-PER_CORE = 2
 
 
 def batches(points: Mapping[str, Parameters], cores: float | None) -> dict[str, list[str]]:
@@ -34,16 +33,17 @@ def batches(points: Mapping[str, Parameters], cores: float | None) -> dict[str, 
         cost = estimate(point)
         if cost.threads == 1 and cost.core_seconds - PROCESS_TIME <= MOST / 2:
             seconds[name] = cost.core_seconds - PROCESS_TIME
-    even = sum(seconds.values()) / (PER_CORE * cores) if cores else MOST
-    share = min(max(even, LEAST), MOST)
-    found: list[list[str]] = []
-    full = 0.0
+    total = sum(seconds.values())
+    share = min(max(total / cores, LEAST), MOST) if cores else MOST
+    number = max(ceil(total / share), ceil(len(seconds) / CROWD))
+    found: list[list[str]] = [[] for _ in range(number)]
+    open_ = [(0.0, each) for each in range(number)]
+    # The longest first, each to the batch that takes least: so all end at about the same time.
     for name in sorted(seconds, key=lambda name: (-seconds[name], name)):
-        if not found or full + seconds[name] > share or len(found[-1]) == CROWD:
-            found.append([])
-            full = 0.0
-        found[-1].append(name)
-        full += seconds[name]
+        full, each = heappop(open_)
+        found[each].append(name)
+        if len(found[each]) < CROWD:
+            heappush(open_, (full + seconds[name], each))
     return {_name(members): members for members in found if len(members) > 1}
 
 

@@ -1,5 +1,8 @@
 """Short points share a process; long ones, and those of several threads, have their own."""
 
+from math import ceil
+
+import numpy as np
 import pytest
 
 from sim.parameters import BeltParameters, ChuteParameters, point_id
@@ -25,10 +28,19 @@ def test_every_short_point_is_in_one_batch_of_the_right_length(cores):
     found = batches(points, cores)
     members = [name for batch in found.values() for name in batch]
     assert sorted(members) == sorted(named(SHORT))
-    longest = max(map(seconds, SHORT))
-    share = min(max(sum(map(seconds, SHORT)) / (2 * cores), LEAST), MOST)
-    for batch in list(found.values())[:-1]:
-        assert share - longest <= sum(seconds(points[name]) for name in batch) <= share
+    longest, total = max(map(seconds, SHORT)), sum(map(seconds, SHORT))
+    share = min(max(total / cores, LEAST), MOST)
+    assert len(found) == max(ceil(total / share), ceil(len(SHORT) / CROWD))
+    for batch in found.values():
+        taken = sum(seconds(points[name]) for name in batch)
+        assert abs(taken - total / len(found)) <= longest
+
+
+def test_points_that_take_equally_long_are_dealt_out():
+    points = named(SHORT)
+    first, second = batches(points, 2).values()
+    frequencies = [np.mean([points[name].frequency for name in batch]) for batch in (first, second)]
+    assert abs(np.diff(frequencies)) < 2
 
 
 def test_the_longest_come_first():
@@ -51,4 +63,4 @@ def test_names_tell_their_points():
 
 def test_a_batch_of_very_short_points_is_no_crowd():
     tiny = [BeltParameters(beads=5, width=5, transient=1, average=1, seed=n) for n in range(120)]
-    assert [len(batch) for batch in batches(named(tiny), 1000).values()] == [CROWD, CROWD, 20]
+    assert [len(batch) for batch in batches(named(tiny), 1000).values()] == [40, 40, 40]
