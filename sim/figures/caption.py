@@ -135,6 +135,17 @@ def regime_sentence(rows: pd.DataFrame) -> str:
     return f"{text[0].upper()}{text[1:]}; {value}."
 
 
+def unsteady_sentence(rows: pd.DataFrame) -> str:
+    """Name the flows that are not shown to be steady, where no mark tells; empty if all are."""
+    shown = rows[rows["completed"] > 0]
+    unknown = undecided(shown)
+    counts = shown[shown["regime"].isin(_REGIMES) & ~unknown]["regime"].value_counts()
+    named = [f"{points_text(count)} {_REGIMES[regime]}" for regime, count in counts.items()]
+    if unknown.any():
+        named.append(f"{points_text(unknown.sum())} whose runs are too short to tell")
+    return f"Not shown to be steady, and drawn all the same: {', '.join(named)}." if named else ""
+
+
 def caveat_sentence(rows: pd.DataFrame) -> str:
     """Give the caveats of the points and how many carry each; empty if there is none."""
     counts = rows[rows["caveat"] != ""]["caveat"].value_counts()

@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 from sim.base.statistics import student_half_width
 from sim.figures import plot_slices
 from sim.figures.beside import beside_notes, draw_beside, values_beside, with_beside
+from sim.figures.caption import unsteady_sentence
 from sim.figures.data import FigureData
 from sim.figures.kind import Kind
 from sim.figures.plot import (
@@ -134,7 +135,7 @@ def notes(data: FigureData) -> list[str]:
         int(one["mean"].notna().sum() - placed(data, one)["mean"].notna().sum())
         for one in _each(data)
     )
-    rest = [*lost_note(lost, "slices"), *beside_notes(data)]
+    rest = [*lost_note(lost, "slices"), unsteady_sentence(data.rows), *beside_notes(data)]
     if many:
         return [ends, f"{bands}; {pale}." if few else f"{bands}.", *rest]
     return [ends, *([f"Lines are means over replicates; {pale}."] if few else []), *rest]

@@ -15,6 +15,7 @@ from matplotlib.figure import Figure
 from sim.base.statistics import student_half_width
 from sim.figures.bars import cuts, end_bars, mark_cut_bars
 from sim.figures.beside import beside_notes, draw_beside, values_beside, with_beside
+from sim.figures.caption import unsteady_sentence
 from sim.figures.data import FigureData
 from sim.figures.plot import (
     Panels,
@@ -193,6 +194,7 @@ def notes(data: FigureData) -> list[str]:
         *([f"{pale[0].upper()}{pale[1:]}."] if few and not many else []),
         *(["Bars that end in a caret go on beyond the axes."] if cut else []),
         *lost_note(lost, "slices"),
+        unsteady_sentence(data.rows),
         *beside_notes(data),
     ]
 

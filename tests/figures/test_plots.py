@@ -164,7 +164,9 @@ def test_profiles_end_above_the_last_particles():
     assert list(rows["friction [1]"].unique()) == GRID["friction"]
 
 
-def sliced(replicates: int, lone: int = 0, surface: float = 0.5) -> list[MadePoint]:
+def sliced(
+    replicates: int, lone: int = 0, surface: float = 0.5, scalars: Sequence[Mapping] = ({}, {})
+) -> list[MadePoint]:
     """Return a flow whose packing is a tenth of its granular temperature, which falls upwards.
 
     Above 3 diameters only the first ``lone`` replicates know the temperature.
@@ -181,14 +183,14 @@ def sliced(replicates: int, lone: int = 0, surface: float = 0.5) -> list[MadePoi
     return [
         made_point(
             "chute",
-            {"velocity": 0.5},
+            {"velocity": 0.5} | dict(others),
             profiles,
             replicates=replicates,
             height=height,
             friction=friction,
             angle=16,
         )
-        for friction in (0.3, 0.4)
+        for friction, others in zip((0.3, 0.4), scalars, strict=True)
     ]
 
 
@@ -214,6 +216,18 @@ def test_profiles_against_each_other_have_a_marker_with_bars_in_every_slice():
     assert half == pytest.approx(student_half_width(np.array([1, 1.1, 1.2]) * 4.875 / 10))
     assert "Bars: Student" in (text := " ".join(load_kind(data.spec.kind).notes(data)))
     assert "pale" not in text
+
+
+@pytest.mark.parametrize("second", [{"y": "packing"}, {}])
+def test_captions_of_profiles_count_flows_that_are_not_shown_to_be_steady(second):
+    plot = {name: value for name, value in SLICES.items() if name != "y"} | second
+    steady, gaining = {"regime": "steady"}, {"regime": "accelerating", "acceleration": 2.0}
+    told = {}
+    for others in (steady, gaining):
+        *_, data = drawn(plot, sliced(3, scalars=(steady, others)))
+        told[others["regime"]] = " ".join(load_kind(data.spec.kind).notes(data))
+    assert "Not shown to be steady" not in told["steady"]
+    assert "drawn all the same: 1 point still accelerating." in told["accelerating"]
 
 
 def test_profiles_against_each_other_leave_out_slices_that_are_not_known_or_not_between():
