@@ -12,7 +12,8 @@ from matplotlib.lines import Line2D
 from matplotlib.patheffects import withStroke
 
 from sim.figures.data import FigureData
-from sim.figures.plot import Panels, wrapped
+from sim.figures.plot import Panels
+from sim.figures.style import literal
 from sim.figures.ticks import set_ticks
 
 #: Column of the data that tells whose they are; empty for the study's own.
@@ -31,7 +32,7 @@ def draw_beside(data: FigureData, shown: Panels) -> dict[str, Line2D]:
     for label, points, joined in data.spec.options["beside"]:
         look = _line(*next(lines)) if joined else _marker(next(markers))
         for axes, _ in shown:
-            (found[wrapped(label)],) = axes.plot(*zip(*points, strict=True), **look)
+            (found[literal(label)],) = axes.plot(*zip(*points, strict=True), **look)
     return found
 
 

@@ -116,7 +116,7 @@ def regime_sentence(rows: pd.DataFrame) -> str:
     shown = rows[rows["completed"] > 0]
     unknown = undecided(shown)
     steady = (shown["regime"] == "steady") & ~unknown
-    counts = shown[shown["regime"].isin(_REGIMES) & ~unknown]["regime"].value_counts()
+    named = _unsteady(shown[~unknown])
     parts = ["filled markers are steady flows"] if steady.any() else []
     if unknown.any():
         which = "pale ones may be" if parts else "pale markers are flows that may be steady"
@@ -124,23 +124,27 @@ def regime_sentence(rows: pd.DataFrame) -> str:
             f"{which}, their runs are too short to tell ({points_text(unknown.sum())}), "
             "and their error bars may be too small"
         )
-    if len(counts):
-        named = [f"{points_text(count)} {_REGIMES[regime]}" for regime, count in counts.items()]
+    if named:
         which = "open ones are" if parts else "open markers are flows"
         parts.append(f"{which} not shown to be{'' if parts else ' steady'}: " + ", ".join(named))
-    if not (unknown.any() or len(counts)):
+    if not (unknown.any() or named):
         return ""
     text = "; ".join(parts)
     value = "their value is the mean over the averaging window all the same"
     return f"{text[0].upper()}{text[1:]}; {value}."
 
 
+def _unsteady(rows: pd.DataFrame) -> list[str]:
+    """Return how many points are in each regime that is not steady, in words."""
+    counts = rows[rows["regime"].isin(_REGIMES)]["regime"].value_counts()
+    return [f"{points_text(count)} {_REGIMES[regime]}" for regime, count in counts.items()]
+
+
 def unsteady_sentence(rows: pd.DataFrame) -> str:
     """Name the flows that are not shown to be steady, where no mark tells; empty if all are."""
     shown = rows[rows["completed"] > 0]
     unknown = undecided(shown)
-    counts = shown[shown["regime"].isin(_REGIMES) & ~unknown]["regime"].value_counts()
-    named = [f"{points_text(count)} {_REGIMES[regime]}" for regime, count in counts.items()]
+    named = _unsteady(shown[~unknown])
     if unknown.any():
         named.append(f"{points_text(unknown.sum())} whose runs are too short to tell")
     return f"Not shown to be steady, and drawn all the same: {', '.join(named)}." if named else ""

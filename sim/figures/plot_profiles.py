@@ -131,14 +131,18 @@ def notes(data: FigureData) -> list[str]:
     pale = f"of fewer than {ENOUGH}, each is a pale line"
     bands = "Bands: Student's 95 % interval of the mean over replicates"
     ends = extent_sentence(data, "Lines")
-    lost = sum(
-        int(one["mean"].notna().sum() - placed(data, one)["mean"].notna().sum())
-        for one in _each(data)
-    )
-    rest = [*lost_note(lost, "slices"), unsteady_sentence(data.rows), *beside_notes(data)]
+    rest = [*_notes_on_logarithms(data), unsteady_sentence(data.rows), *beside_notes(data)]
     if many:
         return [ends, f"{bands}; {pale}." if few else f"{bands}.", *rest]
     return [ends, *([f"Lines are means over replicates; {pale}."] if few else []), *rest]
+
+
+def _notes_on_logarithms(data: FigureData) -> list[str]:
+    """Say how many slices a logarithmic axis has no place for."""
+    if "x" not in data.spec.options["log"]:
+        return []
+    means = np.concatenate([np.zeros(0), *(one["mean"].dropna() for one in _each(data))])
+    return lost_note(int((means <= 0).sum()), "slices")
 
 
 KIND = Kind(draw, table=table, notes=notes)

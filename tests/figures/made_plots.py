@@ -2,18 +2,21 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
 
+from sim.dataset.build import build
 from sim.dataset.results import Results
 from sim.figures.data import figure_data
 from sim.parameters import ChuteParameters
 from sim.parameters.laws import LAW
 from sim.study.catalogue import FigureSpec
-from sim.study.load import parse_study
+from sim.study.load import load_study, parse_study
 from tests.figures.drawing import picture, table
 from tests.made.results import MadePoint, made_point, made_results
+from tests.made.runs import write_run
 
 GRID = {"friction": [0.3, 0.4, 0.6], "angle": [16, 17]}
 SIZE, SPEED = ChuteParameters().diameter, ChuteParameters().velocity_unit
@@ -35,6 +38,22 @@ def made(plot: Mapping, points: Sequence[MadePoint]) -> tuple[FigureSpec, Result
     return study.plots["p"], replace(
         found, dataset=root, boundaries=pd.DataFrame(columns=["figures"])
     )
+
+
+def courses(folder: Path, option: str, velocity: Sequence[float]) -> tuple[Path, Path]:
+    """Return study file and dataset of a plot of time series with an option, of made-up run files.
+
+    Flows at two frictions, with a ``velocity`` of each replicate.
+    """
+    path = folder / "own.yaml"
+    path.write_text(
+        "study: own\nseries: [{name: flows, system: chute, base: {replicates: 2},\n"
+        "  grid: {friction: [0.3, 0.4]}}]\n"
+        f"plots: [{{name: courses, kind: time_series, curves: friction, {option}}}]\n"
+    )
+    for point in load_study(path, folder).points.values():
+        write_run(folder / "own" / "runs", point.parameters, velocity=velocity)
+    return path, build(path, folder)
 
 
 def flows(**options) -> list[MadePoint]:

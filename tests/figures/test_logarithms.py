@@ -4,13 +4,11 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from sim.dataset.build import build
 from sim.figures.kind import load_kind
 from sim.figures.render import render
 from sim.study.load import load_study
-from tests.figures.made_plots import SIZE, drawn
+from tests.figures.made_plots import SIZE, courses, drawn
 from tests.made.results import made_point
-from tests.made.runs import write_run
 
 
 def notes(data) -> str:
@@ -72,18 +70,9 @@ def test_a_map_tells_what_has_no_colour_on_a_logarithmic_scale():
 
 
 def test_time_series_are_interrupted_where_they_are_not_above_zero(tmp_path):
-    study_path = tmp_path / "own.yaml"
-    study_path.write_text(
-        "study: own\nseries: [{name: flows, system: chute, base: {replicates: 2},\n"
-        "  grid: {friction: [0.3, 0.4]}}]\n"
-        "plots: [{name: courses, kind: time_series, curves: friction, log: [y]}]\n"
-    )
-    study = load_study(study_path, tmp_path)
-    for point in study.points.values():
-        write_run(tmp_path / "own" / "runs", point.parameters, velocity=[0.4, -0.5])
-    _, _, table, text = render(
-        study.plots["courses"], build(study_path, tmp_path), tmp_path / "figures"
-    )
+    path, dataset = courses(tmp_path, "log: [y]", velocity=[0.4, -0.5])
+    plot = load_study(path, tmp_path).plots["courses"]
+    _, _, table, text = render(plot, dataset, tmp_path / "figures")
     values = pd.read_csv(table).iloc[:, -1]
     lost = int((values <= 0).sum())
     assert f"not on a logarithmic axis: {lost} of {len(values):,} values." in text.read_text()

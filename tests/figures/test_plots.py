@@ -10,16 +10,14 @@ import pytest
 
 from sim.base.errors import InputError
 from sim.base.statistics import student_half_width
-from sim.dataset.build import build
 from sim.dataset.results import load_results
 from sim.figures.kind import load_kind
 from sim.figures.render import derived, render
 from sim.figures.ticks import set_ticks
 from sim.figures.units import scale_of, unit_of
 from sim.study.load import load_study
-from tests.figures.made_plots import GRID, SIZE, SPEED, drawn, flows
+from tests.figures.made_plots import GRID, SIZE, SPEED, courses, drawn, flows
 from tests.made.results import MadePoint, made_point
-from tests.made.runs import write_run
 
 
 def labels(axes) -> list[str]:
@@ -304,16 +302,7 @@ def test_what_no_run_knows_is_said():
 @pytest.fixture
 def run_study(tmp_path) -> tuple[Path, Path]:
     """Return study file and dataset of a study with time series, made of made-up run files."""
-    study_path = tmp_path / "own.yaml"
-    study_path.write_text(
-        "study: own\nseries: [{name: flows, system: chute, base: {replicates: 2},\n"
-        "  grid: {friction: [0.3, 0.4]}}]\n"
-        "plots: [{name: courses, kind: time_series, curves: friction, units: natural}]\n"
-    )
-    study = load_study(study_path, tmp_path)
-    for point in study.points.values():
-        write_run(tmp_path / "own" / "runs", point.parameters, velocity=[0.4, 0.5])
-    return study_path, build(study_path, tmp_path)
+    return courses(tmp_path, "units: natural", velocity=[0.4, 0.5])
 
 
 def test_time_series_are_read_from_run_files(run_study, tmp_path):
