@@ -12,6 +12,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, Literal
 
+import numpy as np
 import xarray as xr
 
 from sim.base.errors import InputError
@@ -35,6 +36,10 @@ from sim.study.refine import Sides
 
 #: How arrays are stored.
 COMPRESSION = {"zlib": True, "complevel": 4, "shuffle": True}
+
+#: Profiles have 14 binary digits, an error of 3e-5 of each value, far below that of any mean; run
+#: files have all digits. It takes a third off a dataset.
+ROUNDED = {"quantize_mode": "BitRound", "significant_digits": 14}
 
 
 def build(
@@ -175,10 +180,12 @@ def _write(temporary: Path, group: str | None, dataset: xr.Dataset, output: Path
 
 
 def _stored(values: xr.DataArray, group: str | None) -> dict[str, Any]:
-    """Return the netCDF encoding of a variable: compression, and characters for words."""
+    """Return the netCDF encoding of a variable: compression, characters for words, digits."""
     if values.ndim < 2 and group != RUNS:
         return {}
     if values.dtype.kind in "OUT":
         # As characters words are compressed, unlike strings.
         return COMPRESSION | {"dtype": "S1"}
+    if group in SYSTEMS and values.dtype == np.float32:
+        return COMPRESSION | ROUNDED
     return COMPRESSION

@@ -13,7 +13,7 @@ from sim.dataset.results import load_results
 from sim.parameters import BeltParameters, ChuteParameters, point_id
 from sim.study.load import load_study
 from tests.made.figures import make_built_study
-from tests.made.netcdf import store
+from tests.made.netcdf import ROUNDED, store
 from tests.made.runs import FAILURE, HEIGHTS, is_hurt, is_lost, made_velocity, make_study, write_run
 
 
@@ -163,7 +163,16 @@ def test_profiles_of_both_systems_lie_in_groups(made, built):
         assert values.shape == (point.parameters.replicates - lost, HEIGHTS)
         assert height == pytest.approx((np.arange(HEIGHTS) + 0.5) * 1e-3)
         velocities = row["velocity"].values[np.isfinite(row["velocity"].values)]
-        assert values.mean(axis=1) == pytest.approx(velocities)
+        assert values.mean(axis=1) == pytest.approx(velocities, rel=ROUNDED)
+
+
+def test_profiles_have_fourteen_binary_digits(built):
+    values = xr.load_dataset(built, group="chute").velocity_profile.values
+    mantissas = np.frexp(values[np.isfinite(values)])[0]
+    assert mantissas.size > 0
+    # The first of the digits is not stored, being a one.
+    assert np.all(mantissas * 2**15 % 1 == 0)
+    assert not np.all(mantissas * 2**13 % 1 == 0)
 
 
 def test_the_whole_file_opens_as_a_tree(built):

@@ -10,6 +10,9 @@ import xarray as xr
 
 from sim.base.files import seal
 
+#: How far a profile in a dataset is from that in the run file at most, relative.
+ROUNDED = 2.0**-15
+
 
 def store(dataset: xr.Dataset, path: Path, **options: Any) -> None:
     """Write a dataset with `xarray.Dataset.to_netcdf`."""
