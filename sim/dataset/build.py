@@ -104,6 +104,8 @@ def _finished(study: Study, folder: Path, output: Path) -> Study:
     """Return a study of those points, of all rounds so far, whose run files have all of them."""
     if output.exists():
         raise InputError.of_value("--finished", "", str(output), "a file that is not there yet")
+    if output.parent.resolve() == (folder / "runs").resolve():
+        raise InputError.of_value("--finished", "", str(output), "a file that is not among the runs")
     require_writable(output.parent, "--finished")
     points = dict(study.points)
     for key, parameters in known_points(study, folder).items():

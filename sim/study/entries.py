@@ -58,7 +58,8 @@ class Some(Strict):
             return str(said)
         others = [name for name, model in SYSTEMS.items() if key in model.model_fields]
         own = cls.parameters.model_fields["system"].default
-        return f"{key} is a parameter of the {others[0]}" if others and own not in others else ""
+        known = f"{key} is a parameter of the {' and the '.join(others)}"
+        return known if others and own not in others else ""
 
     def given(self) -> dict[str, Any]:
         """Return the values that the file sets here, numbers in canonical form."""

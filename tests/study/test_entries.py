@@ -26,7 +26,8 @@ def refused(**series) -> str:
         ),
         (
             {"grid": {"frequency": [3]}},
-            "grid.frequency: unknown key, got [3]; frequency is a parameter of the belt",
+            "grid.frequency: unknown key, got [3]; frequency is a parameter of the belt and the "
+            "conveyor",
         ),
         (
             {"friction": 3},
