@@ -105,7 +105,9 @@ def _finished(study: Study, folder: Path, output: Path) -> Study:
     if output.exists():
         raise InputError.of_value("--finished", "", str(output), "a file that is not there yet")
     if output.parent.resolve() == (folder / "runs").resolve():
-        raise InputError.of_value("--finished", "", str(output), "a file that is not among the runs")
+        raise InputError.of_value(
+            "--finished", "", str(output), "a file that is not among the runs"
+        )
     require_writable(output.parent, "--finished")
     points = dict(study.points)
     for key, parameters in known_points(study, folder).items():

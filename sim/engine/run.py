@@ -4,6 +4,7 @@ import logging
 import platform
 import shlex
 import sys
+from collections import Counter
 from datetime import UTC, datetime
 from functools import cache
 from pathlib import Path
@@ -154,7 +155,8 @@ def _together(parameters: Parameters, records: list[Record]) -> str:
     half_width, _ = mean_interval(
         velocities, np.array([each["velocity_half_width"] for each in scalars])
     )
-    regimes = ", ".join(dict.fromkeys(str(each["regime"]) for each in scalars))
+    counts = Counter(str(each["regime"]) for each in scalars).most_common()
+    regimes = ", ".join(f"{count} {regime}" if counts[1:] else regime for regime, count in counts)
     return (
         f"{name}: {_velocity(velocities.mean(), half_width)}, {regimes}; {len(records)} replicates"
     )

@@ -149,7 +149,7 @@ def _closing(status: StudyStatus) -> list[str]:
     lines = []
     about = "at most" if status.at_most else "about"
     if status.is_over:
-        lines.append(f"core time {duration(status.core_seconds)}")
+        lines.append(f"time of all runs {duration(status.core_seconds)}")
     elif status.left is None:
         time = duration(status.core_seconds_left)
         lines.append(f"nothing is running; core time left {about} {time}")

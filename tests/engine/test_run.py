@@ -1,8 +1,10 @@
 """One point -> one run file: contract, averages, replicates, failures, bits, exit codes."""
 
 import json
+import logging
 import subprocess
 import sys
+from collections import Counter
 
 import netCDF4
 import numpy as np
@@ -259,6 +261,16 @@ def test_command_line_gives_exit_code_three_or_none_if_the_failure_is_wanted(tmp
         [*command, "--record-failure", "--quiet"], cwd=ROOT, capture_output=True
     )
     assert recorded.returncode == 0
+
+
+def test_the_last_line_counts_the_regimes_of_the_replicates(tmp_path, caplog):
+    point = belt_point(beads=12, width=5, frequency=40, transient=1, average=12, replicates=6)
+    caplog.set_level(logging.INFO)
+    run_point(point, tmp_path / "run.nc", quiet=True)
+    counts = Counter(read(tmp_path / "run.nc")["regime"]).most_common()
+    assert sum(count for _, count in counts) == 6 and len(counts) > 1
+    told = ", ".join(f"{count} {regime}" for regime, count in counts)
+    assert caplog.messages[-2].endswith(f" m/s, {told}; 6 replicates")
 
 
 def test_a_run_file_of_the_same_point_is_kept_and_no_other(tmp_path, capsys):
