@@ -377,7 +377,7 @@ def test_what_has_finished_is_written_beside_nothing_else(study, tmp_path):
     assert not study.output.exists() and damaged.exists()
     with pytest.raises(InputError, match="a file that is not there yet"):
         build(study.path, study.results, finished=output)
-    with pytest.raises(InputError, match="a file not among the runs"):
+    with pytest.raises(InputError, match="a file that is not among the runs"):
         build(study.path, study.results, finished=study.runs / "half.nc")
 
 
