@@ -38,7 +38,7 @@ from sim.study.refine import Sides
 COMPRESSION = {"zlib": True, "complevel": 4, "shuffle": True}
 
 #: Profiles have 14 binary digits, an error of 3e-5 of each value, far below that of any mean; run
-#: files have all digits. It takes a third off a dataset.
+#: files have all digits. It takes a third off the profiles, a quarter off a dataset of belts.
 ROUNDED = {"quantize_mode": "BitRound", "significant_digits": 14}
 
 
