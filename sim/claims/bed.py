@@ -4,7 +4,12 @@ Profiles are arrays (H,) over slices of equal height, from the belt upwards; hei
 of the slices in m. ``number`` is the number density; shares of the beads count from below.
 """
 
+from math import nan
+
 import numpy as np
+
+#: Largest share of the beads of a mean that may be in slices without a value.
+UNVALUED = 0.01
 
 
 def beads_between(number: np.ndarray, low: float, high: float) -> np.ndarray:
@@ -14,10 +19,16 @@ def beads_between(number: np.ndarray, low: float, high: float) -> np.ndarray:
 
 
 def mean_between(values: np.ndarray, number: np.ndarray, low: float, high: float) -> float:
-    """Return the mean of a profile over the beads between two shares of them."""
+    """Return the mean of a profile over the beads between two shares of them.
+
+    A slice that few beads ever entered may have no value, as a variance has none from one sample:
+    it is left out. Not-a-number where more than `UNVALUED` of these beads are in such slices.
+    """
     weight = beads_between(number, low, high)
-    occupied = weight > 0
-    return float(np.average(values[occupied], weights=weight[occupied]))
+    valued = (weight > 0) & np.isfinite(values)
+    if weight[valued].sum() < (1 - UNVALUED) * weight.sum():
+        return nan
+    return float(np.average(values[valued], weights=weight[valued]))
 
 
 def spread(height: np.ndarray, number: np.ndarray) -> float:

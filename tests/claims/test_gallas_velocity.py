@@ -107,6 +107,17 @@ def test_the_surface_becomes_fluid_first():
         checks_of(g29, row((20,)))
 
 
+def test_a_few_stray_beads_above_the_surface_hide_no_temperature():
+    usual = published(frequency=20)
+    hot = temperature_profile(usual.parameters)(usual.height)
+    above = usual.profiles["number_density"] < 1e-3 * usual.profiles["number_density"].max()
+    points = row((18, 20), {20: {"fluctuation_temperature_profile": np.where(above, np.nan, hot)}})
+    assert verdict_of(g29, points) == REPRODUCED
+    lacking = np.where(usual.height > 13 * BEAD, np.nan, hot)
+    points = row((18, 20), {20: {"fluctuation_temperature_profile": lacking}})
+    assert verdict_of(g29, points) == INCONCLUSIVE
+
+
 def test_a_surface_that_is_hot_in_some_beds_alone_decides_nothing():
     usual = published(frequency=20)
     hot = temperature_profile(usual.parameters)(usual.height)
