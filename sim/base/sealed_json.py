@@ -9,9 +9,10 @@ CHECKSUM = "sha256"
 
 
 def as_sealed(mapping: dict[str, Any]) -> str:
-    """Write a mapping with its checksum as JSON."""
+    """Write a mapping with its checksum as JSON, a line for each key."""
     held = mapping | {CHECKSUM: _checksum(mapping)}
-    return json.dumps(held, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+    lines = (f"{_text(key)}: {_text(value)}" for key, value in held.items())
+    return "{\n" + ",\n".join(lines) + "\n}\n"
 
 
 def read_sealed(text: str) -> dict[str, Any]:
@@ -24,5 +25,8 @@ def read_sealed(text: str) -> dict[str, Any]:
 
 
 def _checksum(mapping: dict[str, Any]) -> str:
-    text = json.dumps(mapping, ensure_ascii=False, allow_nan=False)
-    return hashlib.sha256(text.encode()).hexdigest()
+    return hashlib.sha256(_text(mapping).encode()).hexdigest()
+
+
+def _text(value: Any) -> str:
+    return json.dumps(value, ensure_ascii=False, allow_nan=False)

@@ -16,7 +16,7 @@ from sim.parameters.own import own_observables
 #: Scalars per replicate that are words.
 WORDS = tuple(name for name, (unit, _) in SCALARS.items() if not unit)
 
-#: Profiles of which figures show the last sample beside the average.
+#: Profiles of which figures show the last sample beside the average, those of chutes.
 _SHOWN_LAST = ("velocity_profile", "packing_profile")
 
 #: Arrays over height that a dataset keeps.
@@ -30,6 +30,9 @@ OVER_HEIGHT = (
     *(name + AT_PHASE_0 for name in PHASED),
     *ASKED_FOR,
 )
+
+#: Those of them that a row has of chutes alone.
+OF_CHUTES = frozenset(name + INSTANTANEOUS for name in _SHOWN_LAST)
 
 #: Dimensions of what a row holds besides scalars.
 OF_PROFILES = (

@@ -13,7 +13,7 @@ from sim.dataset.results import load_results
 from sim.parameters import BeltParameters, ChuteParameters, point_id
 from sim.study.load import load_study
 from tests.made.figures import make_built_study
-from tests.made.netcdf import ROUNDED, store
+from tests.made.netcdf import ROUNDED, changing, store
 from tests.made.runs import FAILURE, HEIGHTS, is_hurt, is_lost, made_velocity, make_study, write_run
 
 
@@ -166,13 +166,26 @@ def test_profiles_of_both_systems_lie_in_groups(made, built):
         assert values.mean(axis=1) == pytest.approx(velocities, rel=ROUNDED)
 
 
-def test_profiles_have_fourteen_binary_digits(built):
+def test_profiles_have_eleven_binary_digits(built):
     values = xr.load_dataset(built, group="chute").velocity_profile.values
     mantissas = np.frexp(values[np.isfinite(values)])[0]
     assert mantissas.size > 0
     # The first of the digits is not stored, being a one.
-    assert np.all(mantissas * 2**15 % 1 == 0)
-    assert not np.all(mantissas * 2**13 % 1 == 0)
+    assert np.all(mantissas * 2**12 % 1 == 0)
+    assert not np.all(mantissas * 2**10 % 1 == 0)
+
+
+@pytest.mark.parametrize(
+    ("parameters", "is_kept"), [(ChuteParameters(), True), (BeltParameters(), False)]
+)
+def test_last_samples_are_kept_of_chutes_alone(parameters, is_kept, tmp_path):
+    write_run(tmp_path, parameters)
+    path = tmp_path / f"{point_id(parameters)}.nc"
+    last = "velocity_profile_instantaneous"
+    with changing(path) as file:
+        made = file["velocity_profile"]
+        file.createVariable(last, made.dtype, made.dimensions)[:] = made[:]
+    assert (last in read_run(path).values) == is_kept
 
 
 def test_the_whole_file_opens_as_a_tree(built):
