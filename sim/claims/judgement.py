@@ -107,24 +107,22 @@ class Judgement:
         )
         return Judgement(self.claim, variants, self.headline)
 
-    @property
-    def open(self) -> list[Check]:
-        """The checks that keep the headline verdict open and that more replicates would decide."""
+    def open(self, reading: str) -> list[Check]:
+        """Return the checks that keep a reading's verdict open and more replicates would decide."""
         return [
             check
-            for check in self._undecided
+            for check in self._undecided(reading)
             if isfinite(check.times) or not (check.known or check.withheld)
         ]
 
-    @property
-    def short(self) -> list[str]:
-        """The points that have been watched for too short a time for the headline verdict."""
-        return list(dict.fromkeys(point for check in self._undecided for point in check.short))
+    def short(self, reading: str) -> list[str]:
+        """Return the points watched for too short a time for the verdict under a reading."""
+        undecided = self._undecided(reading)
+        return list(dict.fromkeys(point for check in undecided for point in check.short))
 
-    @property
-    def _undecided(self) -> list[Check]:
-        """The checks on those parts of the headline verdict that are inconclusive."""
-        decide = (self.deciding(self.headline, part) for part in self._parts)
+    def _undecided(self, reading: str) -> list[Check]:
+        """Return the checks on those parts of a reading's verdict that are inconclusive."""
+        decide = (self.deciding(reading, part) for part in self._parts)
         parts = zip(decide, self._parts, strict=True)
         votes = [found.on(part) for found, part in parts if found]
         return [check for checks in votes if together(checks) == INCONCLUSIVE for check in checks]

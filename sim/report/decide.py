@@ -11,6 +11,8 @@ import xarray as xr
 
 from sim.base.errors import InputError
 from sim.claims.judge import judge
+from sim.claims.judgement import Judgement
+from sim.claims.readings import in_words
 from sim.dataset.agreement import require_agreement
 from sim.dataset.results import Results, load_results
 from sim.study.command import snakemake
@@ -117,15 +119,23 @@ def _offers(study: Study, results: Results) -> Iterator[Offer]:
 def _of_claims(study: Study, results: Results, wanted: list[str]) -> Iterator[Offer]:
     first = load_study(study.path, None).points
     for one in judge(results):
-        if one.claim.id in wanted or "all" in wanted:
+        for reading in _readings(study, one) if {one.claim.id, "all"} & {*wanted} else ():
             times: dict[str, float] = {}
-            for check in one.open:
+            for check in one.open(reading):
                 for point in check.points:
                     # Too few samples to tell how many it takes.
                     needed = check.times if check.known else MOST
                     times[point] = max(times.get(point, 1.0), needed)
-            yield from _offer(one.claim.id, times, study, results)
-            yield from _longer(one.claim.id, one.short, first, study, results)
+            name = one.claim.id + (f" ({reading})" if reading != one.headline else "")
+            yield from _offer(name, times, study, results)
+            yield from _longer(name, one.short(reading), first, study, results)
+
+
+def _readings(study: Study, judged: Judgement) -> list[str]:
+    """Return the headline reading, and those under which the study runs every series."""
+    system = judged.claim.system
+    under = (in_words(system, reading) for reading in study.readings.get(system, ()))
+    return list(dict.fromkeys([judged.headline, *under]))
 
 
 def _of_precision(study: Study, results: Results, precision: float) -> Iterator[Offer]:

@@ -162,7 +162,8 @@ class DecideFile(Strict):
 
     budget: Real = Field(description="core hours that all rounds may add", gt=0, le=1e6)
     claims: list[Annotated[str, Field(pattern=CLAIM)]] = optional(
-        "claims of the papers to be decided, as G3; [all] for all that the study tests",
+        "claims of the papers to be decided, as G3; [all] for all that the study tests; under each "
+        "of the study's readings",
         min_length=1,
     )
     precision: Real = optional(

@@ -1,6 +1,6 @@
 """What a study is: points, boundaries to be found, figures."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -81,6 +81,9 @@ class Study:
         Boundaries to be found.
     plots : mapping
         Its own plots, by name, as entries like those of the catalogue; they are among ``figures``.
+    readings : mapping
+        By system the readings of its paper under which every series is run, each as what differs
+        from the defaults.
     decide : DecideFile or None
         What is to be decided by more replicates; those bought so far are in the points' parameters.
     pages : bool
@@ -97,6 +100,7 @@ class Study:
     figures: dict[str, tuple[str, ...]]
     boundaries: tuple[Boundary, ...]
     plots: Mapping[str, FigureSpec] = field(default_factory=dict)
+    readings: Mapping[str, Sequence[Mapping[str, Any]]] = field(default_factory=dict)
     decide: DecideFile | None = None
     pages: bool = False
     plugins: tuple[Plugin, ...] = ()

@@ -1,11 +1,11 @@
 """Points of a study while they are collected: defaults to overrides, under every reading."""
 
-import itertools
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import product
 from typing import Any
 
-from sim.parameters import Parameters, parse_point
+from sim.parameters import SYSTEMS, Parameters, parse_point
 from sim.study.entries import BoundaryFile, SeriesFile
 from sim.study.file import StudyFile
 
@@ -74,9 +74,24 @@ def _bases(file: StudyFile, one: SeriesFile | BoundaryFile, path: str) -> Iterat
         yield replace(base, other=frozenset(other))
 
 
+def readings_of(file: StudyFile) -> dict[str, list[dict[str, Any]]]:
+    """Return by system the readings of every series, each as what differs from the defaults."""
+    found = {}
+    for system, model in SYSTEMS.items():
+        lists, usual = getattr(file.readings, system), model()
+        if lists:
+            given = lists.given()
+            every = (dict(zip(given, values, strict=True)) for values in product(*given.values()))
+            found[system] = [
+                {name: value for name, value in one.items() if value != getattr(usual, name)}
+                for one in every
+            ]
+    return found
+
+
 def _combinations(lists: dict[str, list[Any]]) -> Iterator[tuple[int, ...]]:
     """Yield the numbers of the values for every combination of some lists, the first ones first."""
-    yield from itertools.product(*(range(len(values)) for values in lists.values()))
+    yield from product(*(range(len(values)) for values in lists.values()))
 
 
 def finished(one: SeriesFile | BoundaryFile, draft: Draft, path: str, source: str) -> Parameters:

@@ -147,14 +147,21 @@ def test_a_workflow_that_fails_ends_the_rounds(made, monkeypatch):
     assert folder.replicates() == [3, 3]
 
 
+def judged(name: str, **by_reading: list[Check]) -> SimpleNamespace:
+    """Return a judgement on the chute with open checks by reading, in one word."""
+    return SimpleNamespace(
+        claim=SimpleNamespace(id=name, system="chute"),
+        headline="default",
+        open=lambda reading: by_reading.get(reading.rpartition(" ")[-1], []),
+        short=lambda reading: [],
+    )
+
+
 def test_open_claims_get_the_replicates_of_their_points(made, monkeypatch, capsys):
     folder = made("budget: 10, claims: [W9]")
     first = next(iter(folder.points))
     check = Check("x", 1.5, 0.6, 1.0, 9.0, points=(first,), samples=99)
-    judgements = [
-        SimpleNamespace(claim=SimpleNamespace(id=name), open=checks, short=[])
-        for name, checks in (("W8", [check]), ("W9", [check, check]))
-    ]
+    judgements = [judged("W8", default=[check]), judged("W9", default=[check, check])]
     monkeypatch.setattr(deciding, "judge", lambda results: judgements)
     assert 1 < check.times < 4
     folder.decide()
@@ -189,10 +196,28 @@ def test_what_has_too_few_samples_to_tell_gets_some(made, monkeypatch):
     folder = made("budget: 10, claims: [W9]")
     first, _ = folder.points
     check = Check("x", 1.5, inf, 1.0, 9.0, points=(first,), samples=3)
-    judgement = SimpleNamespace(claim=SimpleNamespace(id="W9"), open=[check], short=[])
-    monkeypatch.setattr(deciding, "judge", lambda results: [judgement])
+    monkeypatch.setattr(deciding, "judge", lambda results: [judged("W9", default=[check])])
     folder.decide()
     assert folder.replicates() == [12, 3]
+
+
+def test_a_claim_is_decided_under_each_reading_of_the_whole_study(made, monkeypatch, capsys):
+    folder = made("budget: 10, claims: [W9]")
+    first, second = folder.points
+    checks = {
+        name: [Check("x", 1.5, 0.6, 1.0, 9.0, points=(point,), samples=99)]
+        for name, point in (("after", first), ("reset", second))
+    }
+    monkeypatch.setattr(deciding, "judge", lambda results: [judged("W9", **checks)])
+    folder.decide()
+    assert "nothing is open" in capsys.readouterr().out
+    text = folder.path.read_text()
+    folder.path.write_text(text + "readings: {chute: {friction_cap: [before, after]}}\n")
+    assert load_study(folder.path, None).readings == {"chute": [{}, {"friction_cap": "after"}]}
+    folder.run()
+    folder.decide()
+    out = capsys.readouterr().out
+    assert out.startswith("W9 (friction_cap after): replicates of 1 point") and "reset" not in out
 
 
 def test_a_study_that_decides_nothing_says_so(made, capsys):
@@ -226,7 +251,8 @@ def test_a_damaged_list_of_what_was_bought_is_set_aside(damage, made, capsys):
 def test_runs_that_are_too_short_for_a_claim_get_longer(made, monkeypatch, capsys):
     folder = made("budget: 10, claims: [W9], longer: 3")
     first, _ = folder.points
-    judgement = SimpleNamespace(claim=SimpleNamespace(id="W9"), open=[], short=[first])
+    judgement = judged("W9")
+    judgement.short = lambda reading: [first]
     monkeypatch.setattr(deciding, "judge", lambda results: [judgement])
 
     def average() -> list[float]:
