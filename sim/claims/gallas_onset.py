@@ -5,7 +5,7 @@ amplitude along x, for good. The paper gives none; judges take it as ``least``.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from itertools import combinations
 from math import pi
@@ -45,10 +45,14 @@ SMALLER = {"a": (18, 1), "b": (0.8, 0.1)}
 
 @dataclass(frozen=True)
 class Onset:
-    """Frequency (Hz) at which transport begins, and the places that tell it, if any do."""
+    """Frequency (Hz) at which transport begins, and the places that tell it, if any do.
+
+    ``coarse`` where its interval is the step of the scan, not what beds differ by.
+    """
 
     frequency: UFloat
     places: tuple[Place, ...] = ()
+    coarse: bool = False
 
 
 def onset(evidence: Evidence, least: float, **where: Any) -> Onset:
@@ -74,7 +78,8 @@ def onset(evidence: Evidence, least: float, **where: Any) -> Onset:
 def _from_scan(evidence: Evidence, least: float, **where: Any) -> Onset:
     """Return where the mean over beds passes a share of the belt's velocity for good."""
     shares, line = _scan(evidence, **where)
-    return Onset(_joined(shares, partial(_begins, least=least)), tuple(line.values()))
+    frequency, coarse = _joined(shares, partial(_begins, least=least))
+    return Onset(frequency, tuple(line.values()), coarse)
 
 
 def _from_boundary(evidence: Evidence, **where: Any) -> Onset:
@@ -106,17 +111,20 @@ def _scan(evidence: Evidence, **where: Any) -> tuple[pd.DataFrame, dict[float, P
     return known, line
 
 
-def _joined(shares: pd.DataFrame, place: Callable[[pd.DataFrame], tuple[float, float]]) -> UFloat:
-    """Return a frequency of the mean over beds with its 95 % interval.
+def _joined(
+    shares: pd.DataFrame, place: Callable[[pd.DataFrame], tuple[float, float]]
+) -> tuple[UFloat, bool]:
+    """Return a frequency of the mean over beds with its 95 % interval, and whether a step gives it.
 
     ``place`` gives the frequency and the step of the scan there. How much it changes as each bed
-    is left out tells the interval (jackknife).
+    is left out tells the interval (jackknife), which is half a step at least.
     """
     value, step = place(shares)
     beds = len(shares)
     without = [place(shares.drop(bed))[0] for bed in shares.index]
     error = np.sqrt((beds - 1) * np.var(without))
-    return measured(value, float(max(student(beds - 1) * error, 0.5 * step)))
+    scatter = float(student(beds - 1) * error)
+    return measured(value, max(scatter, 0.5 * step)), scatter < 0.5 * step
 
 
 def _begins(shares: pd.DataFrame, least: float) -> tuple[float, float]:
@@ -147,7 +155,8 @@ def g3(evidence: Evidence, least: float) -> list[Check]:
 
 def _begins_within(evidence: Evidence, least: float, at: str, **where: Any) -> Check:
     found = onset(evidence, least, **where)
-    return within(f"onset at {at}", found.frequency, 15, 17, found.places, "Hz")
+    check = within(f"onset at {at}", found.frequency, 15, 17, found.places, "Hz")
+    return replace(check, coarse=found.coarse)
 
 
 def g4(evidence: Evidence, least: float) -> list[Check]:
@@ -158,7 +167,8 @@ def g4(evidence: Evidence, least: float) -> list[Check]:
         apart = found[one].frequency - found[other].frequency
         what = f"onset at (γ, γ_s) = {_pair(one)} less that at {_pair(other)}"
         places = (*found[one].places, *found[other].places)
-        checks.append(within(what, apart, -SAME, SAME, places, "Hz"))
+        check = within(what, apart, -SAME, SAME, places, "Hz")
+        checks.append(replace(check, coarse=found[one].coarse or found[other].coarse))
     return checks
 
 
@@ -191,7 +201,8 @@ def g6(evidence: Evidence, least: float) -> list[Check]:
     ):
         stated, margin = SMALLER[part]
         bounds = stated - margin, stated + margin
-        checks[part] = [within(what, value, *bounds, found.places, unit)]
+        check = within(what, value, *bounds, found.places, unit)
+        checks[part] = [replace(check, coarse=found.coarse)]
     return in_parts(**{part: lambda found=found: found for part, found in checks.items()})
 
 
@@ -205,7 +216,8 @@ def g7(evidence: Evidence, least: float) -> list[Check]:
     """The acceleration of the belt at the onset is about that of gravity."""
     found = onset(evidence, least)
     gamma = _gamma(found, evidence.at("belt", frequency=FLOWING))
-    return [within("Γ at the onset", gamma, 0.9, 1.15, found.places)]
+    check = within("Γ at the onset", gamma, 0.9, 1.15, found.places)
+    return [replace(check, coarse=found.coarse)]
 
 
 def g14(evidence: Evidence, least: float) -> list[Check]:
@@ -224,7 +236,8 @@ def g14(evidence: Evidence, least: float) -> list[Check]:
     small, usual = onset(evidence, least, **HALVED), onset(evidence, least)
     shift = small.frequency - usual.frequency
     both = (*small.places, *usual.places)
-    return [*checks, within("onset of the halved system less the whole", shift, -1, 1, both, "Hz")]
+    check = within("onset of the halved system less the whole", shift, -1, 1, both, "Hz")
+    return [*checks, replace(check, coarse=small.coarse or usual.coarse)]
 
 
 def g35(evidence: Evidence, least: float) -> list[Check]:
@@ -238,11 +251,12 @@ def g35(evidence: Evidence, least: float) -> list[Check]:
     up = onset(evidence, least)
     down = onset(evidence, least, prior_frequency=SWEPT_FROM)
     places, shift = (*up.places, *down.places), up.frequency - down.frequency
-    width = _joined(shares, _width)
+    width, _ = _joined(shares, _width)
     what = "width of the rise of V/(A_x ω) from 10 to 90 %, over its middle"
+    check = within("onset from rest less that from the flow", shift, -SAME, SAME, places, "Hz")
     return [
         below(what, width, SHARP, line.values()),
-        within("onset from rest less that from the flow", shift, -SAME, SAME, places, "Hz"),
+        replace(check, coarse=up.coarse or down.coarse),
     ]
 
 

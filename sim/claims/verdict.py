@@ -86,6 +86,8 @@ class Check:
         How often chance alone would be as clear that the claim holds, and that it fails.
     short : tuple of str
         Of the points those that have been watched for too short a time.
+    coarse : bool
+        Whether its interval is the step of a scan, which more replicates leave as it is.
     """
 
     what: str
@@ -102,6 +104,7 @@ class Check:
     withheld: str = ""
     tested: tuple[float, float] | None = None
     short: tuple[str, ...] = ()
+    coarse: bool = False
 
     @property
     def deciding(self) -> bool:
@@ -171,11 +174,13 @@ class Check:
     def times(self) -> float:
         """Times as many replicates that would decide it, were the value what it is now.
 
-        NaN where it is decided or waits for something else, infinite where the value lies on its
-        threshold. Bounds close in as one over the root of the replicates.
+        NaN where it is decided or waits for something else, infinite where no number would. Bounds
+        close in as one over the root of the replicates.
         """
         if self.verdict != INCONCLUSIVE or not self.known:
             return nan
+        if self.coarse:
+            return inf
         if self.tested is not None:
             clear = -float(ndtri(min(self.tested)))
             needed = (float(student(MANY, sides=1)) / clear) ** 2 if clear > 0 else inf
@@ -249,6 +254,8 @@ def plan(check: Check) -> str:
         return check.withheld
     if not check.known:
         return "more independent samples: longer runs or more replicates"
+    if check.coarse:
+        return "finer steps of the scan: its interval is half a step"
     if isnan(check.times) or check.times == inf:
         return "no number of replicates: the value lies on the threshold"
     return f"about {max(2, ceil(check.times))} times the replicates"

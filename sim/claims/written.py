@@ -110,7 +110,11 @@ def _variant(variant: Variant, one: Judgement) -> dict[str, Any]:
 
 
 def _check(check: Check) -> dict[str, Any]:
-    held = {name: value for name, value in asdict(check).items() if name not in ("tested", "short")}
+    held = {
+        name: value
+        for name, value in asdict(check).items()
+        if name not in ("tested", "short", "coarse")
+    }
     shown = {
         "bound": check.bound,
         "p_holds": _told(check, check.holding),
@@ -157,7 +161,7 @@ def as_table(judgements: list[Judgement]) -> pd.DataFrame:
                 values = {
                     name: value
                     for name, value in asdict(check).items()
-                    if name not in ("part", "points", "tested", "short")
+                    if name not in ("part", "points", "tested", "short", "coarse")
                 }
                 shown = {
                     "p holds": _told(check, check.holding),

@@ -8,7 +8,7 @@ import pytest
 from sim.claims import gallas_onset
 from sim.claims.evidence import Evidence
 from sim.claims.gallas_onset import onset
-from sim.claims.verdict import INCONCLUSIVE, NOT_REPRODUCED, REPRODUCED, Untestable
+from sim.claims.verdict import INCONCLUSIVE, NOT_REPRODUCED, REPRODUCED, Untestable, plan
 from tests.claims.judging import by_part
 from tests.made.paper_belt import checks_of, published, velocity, verdict_of
 from tests.made.results import made_boundary, made_results
@@ -171,6 +171,22 @@ def test_onset_at_three_angles():
     assert verdict_of(g3, angles(start=15.35)) == INCONCLUSIVE
     with pytest.raises(Untestable, match="vibration_angle 60"):
         checks_of(g3, [*scan(), *scan(vibration_angle=30)])
+
+
+def test_what_half_a_step_leaves_open_no_number_of_beds_decides():
+    beds = angles(start=15.35)
+    open_ones = [check for check in checks_of(g3, beds) if check.verdict == INCONCLUSIVE]
+    assert [check.what for check in open_ones] == ["onset at 30 degrees"]
+    assert open_ones[0].times == np.inf and "finer steps" in plan(open_ones[0])
+    scattered = {"velocity": [0, 0, 0, MOVING]}
+    wide = [
+        published(scattered, replicates=4, frequency=15.5, vibration_angle=30)
+        if point.parameters.frequency == 15.5 and point.parameters.vibration_angle == 30
+        else point
+        for point in beds
+    ]
+    unsure = [check for check in checks_of(g3, wide) if check.verdict == INCONCLUSIVE]
+    assert unsure and "replicates" in plan(unsure[0])
 
 
 def damped(last):
