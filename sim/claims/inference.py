@@ -1,7 +1,7 @@
 """Tests that have no interval: trends, ranks, shares of runs. Their statistics come from scipy."""
 
 from collections.abc import Iterable, Sequence
-from itertools import pairwise
+from itertools import combinations
 from math import inf, nan
 
 import numpy as np
@@ -42,13 +42,14 @@ def trend(
     rising : bool
         Which way the claim has it.
     monotone : bool
-        Whether the sentence says so of every step or stratum: then it also fails where one of them
-        surely goes the other way, as one of so many (Holm).
+        Whether the sentence says so of any two groups and of every stratum: then it also fails
+        where one of them surely goes the other way, as one of so many (Holm). Not of neighbours
+        alone: steps may be too small to show what several of them make.
     """
     sign = 1 if rising else -1
     up: list[float] = []
     down: list[float] = []
-    taus, sizes, steps = [], [], []
+    taus, sizes, pairs = [], [], []
     for groups in strata:
         values = sign * np.concatenate(groups)
         order = np.repeat(np.arange(len(groups)), [len(group) for group in groups])
@@ -56,10 +57,11 @@ def trend(
             chances.append(_rising(order, values, way))
         taus.append(stats.kendalltau(order, values).statistic)
         sizes.append(values.size)
-        steps += [superior(sign * low, sign * high) for low, high in pairwise(groups)]
+        if monotone:
+            pairs += [superior(sign * low, sign * high) for low, high in combinations(groups, 2)]
     against = [_combined(down, sizes)]
     if monotone:
-        against += [*(down if len(strata) > 1 else ()), *steps]
+        against += [*(down if len(strata) > 1 else ()), *pairs]
     tau = float(np.average(taus, weights=sizes))
     tested = _combined(up, sizes), least(against)
     # The thresholds are those of the statistic: a trend either way has another sign.

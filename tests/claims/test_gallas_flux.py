@@ -51,7 +51,7 @@ def test_a_dip_or_a_curve_are_not_the_claim(frequency, velocity):
 
 
 def test_a_dip_between_frequencies_10_hz_apart_is_one_of_the_fine_grid():
-    points = replaced(base(), {"velocity": 0.05}, frequency=25)
+    points = replaced(base(replicates=8), {"velocity": 0.05}, replicates=8, frequency=25)
     coarse, fine = checks_of(g1, points)[:2]
     assert (coarse.verdict, fine.verdict) == (REPRODUCED, NOT_REPRODUCED)
 

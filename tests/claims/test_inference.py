@@ -1,11 +1,13 @@
 """Tests without an interval: trends, ranks, shares of runs."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from scipy import stats
 
 from sim.claims.inference import outranks, share_above, share_of, superior, trend
-from sim.claims.verdict import INCONCLUSIVE, NOT_REPRODUCED, REPRODUCED
+from sim.claims.verdict import INCONCLUSIVE, NOT_REPRODUCED, REPRODUCED, RISK, least
 from tests.made.results import spread
 
 
@@ -50,6 +52,14 @@ def test_a_monotone_trend_has_no_step_the_other_way():
     assert trend("x", dip, monotone=True).verdict == NOT_REPRODUCED
     slight = [groups(1, 2, 1.98, 3, replicates=8)]
     assert trend("x", slight, monotone=True).verdict == REPRODUCED
+
+
+def test_a_dip_shows_however_fine_the_steps():
+    rise, steps = [0.5, 1.0, 1.5, 2.0], np.linspace(2.0, 1.75, 6)[1:]
+    fine = groups(*rise, *steps, 2.5, 3.0, replicates=8)
+    neighbours = [superior(low, high) for low, high in pairwise(fine)]
+    assert least(neighbours) > RISK
+    assert trend("x", [fine], monotone=True).verdict == NOT_REPRODUCED
 
 
 def test_strata_are_compared_within():
