@@ -175,13 +175,18 @@ def _longer(
 ) -> Iterator[Offer]:
     """Yield the offer to run points for longer, if the study may: what a run has of them grows.
 
+    Where runs end because their mean is known, before any limit, there are more of them instead.
     ``first`` are the points as the study file has them, without what was bought.
     """
     assert study.decide is not None, "asked of studies that decide something"
     amounts, hours = {}, 0.0
+    more: dict[str, float] = {}
     for point in filter(first.__contains__, short):
         now, own = study.points[point].parameters, first[point].parameters
         name = "limit" if now.protocol == "converged" else "average"
+        if name == "limit" and "limit" not in results.dataset["stopped"].sel(point=point).values:
+            more[point] = float(TIMES)
+            continue
         had, most = getattr(now, name), study.decide.longer * getattr(own, name)
         wanted = min(TIMES * had, most)
         if wanted > had:
@@ -190,6 +195,7 @@ def _longer(
             hours += share * float(_took(results.dataset, point).sum()) / 3600
     if amounts:
         yield Offer(question, amounts, hours)
+    yield from _offer(question, more, study, results)
 
 
 def _took(dataset: xr.Dataset, point: str) -> np.ndarray:

@@ -7,6 +7,7 @@ from math import inf
 from pathlib import Path
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 from sim.__main__ import main
@@ -19,6 +20,7 @@ from sim.report import decide as deciding
 from sim.study.entries import CLAIM
 from sim.study.extra_amounts import extra_amounts_file
 from sim.study.load import load_study
+from tests.made.netcdf import changing
 from tests.made.runs import write_run
 
 STUDY = """\
@@ -265,3 +267,28 @@ def test_runs_that_are_too_short_for_a_claim_get_longer(made, monkeypatch, capsy
         folder.run()
     assert "W9: longer runs of 1 point" in capsys.readouterr().out
     assert folder.replicates() == [3, 3]
+
+
+@pytest.mark.parametrize("ended", ["target", "limit"])
+def test_runs_that_end_before_their_limit_get_more_beside_them(ended, tmp_path, monkeypatch):
+    folder = Folder(tmp_path, "budget: 10, claims: [W9]")
+    text = folder.path.read_text()
+    folder.path.write_text(text.replace("replicates: 3", "replicates: 3, protocol: converged"))
+    write = write_run
+
+    def written(*arguments, **options):
+        path = write(*arguments, **options)
+        with changing(path) as file:
+            file["stopped"][:] = np.array([ended] * file["stopped"].size, object)
+        return path
+
+    monkeypatch.setattr("tests.report.test_decide.write_run", written)
+    folder.run()
+    first, _ = folder.points
+    judgement = judged("W9")
+    judgement.short = lambda reading: [first]
+    monkeypatch.setattr(deciding, "judge", lambda results: [judgement])
+    limit = next(iter(folder.points.values())).parameters.limit
+    folder.decide()
+    grown = next(iter(folder.points.values())).parameters
+    assert (grown.replicates, grown.limit) == ((6, limit) if ended == "target" else (3, 2 * limit))
