@@ -15,7 +15,7 @@ from sim.base.files import read_seal
 from sim.base.summary import read_summary
 from sim.dataset.measures import measures
 from sim.dataset.measures.belt import columns, over_cycle
-from sim.dataset.rows import OF_CHUTES, OVER_HEIGHT, SINGLE, WORDS, Rows, kept
+from sim.dataset.rows import SINGLE, WORDS, Rows, kept, over_height
 from sim.dataset.run_file import Replicate, RunFile
 from sim.engine.identity import numerics_of
 from sim.engine.observe.arrays import SNAPSHOTS
@@ -115,10 +115,8 @@ def _scalars(run: RunFile) -> dict[str, np.ndarray]:
 
 def _profiles(run: RunFile) -> dict[str, np.ndarray]:
     """Return profiles over height, along the belt and over its cycle, and where they lie."""
-    unseen = OF_CHUTES if run.attrs["system"] != "chute" else frozenset()
-    held = {
-        name: run[name] for name in ("height", *OVER_HEIGHT) if name in run and name not in unseen
-    }
+    names = ("height", *over_height(run.attrs["system"]))
+    held = {name: run[name] for name in names if name in run}
     held |= columns(run) | over_cycle(run)
     return {name: one.astype(np.float32 if name in SINGLE else float) for name, one in held.items()}
 

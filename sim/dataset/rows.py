@@ -10,13 +10,13 @@ import xarray as xr
 
 from sim.dataset.measures.belt import OVER_CYCLE
 from sim.engine.observe.arrays import AT_PHASE_0, INSTANTANEOUS, PHASED
-from sim.parameters.observables import ASKED_FOR, MEASURES, PROFILES, SCALARS
+from sim.parameters.observables import ASKED_FOR, LEFT_OUT, MEASURES, PROFILES, SCALARS
 from sim.parameters.own import own_observables
 
 #: Scalars per replicate that are words.
 WORDS = tuple(name for name, (unit, _) in SCALARS.items() if not unit)
 
-#: Profiles of which figures show the last sample beside the average, those of chutes.
+#: Profiles of which the figures of chutes show the last sample beside the average.
 _SHOWN_LAST = ("velocity_profile", "packing_profile")
 
 #: Arrays over height that a dataset keeps.
@@ -30,9 +30,6 @@ OVER_HEIGHT = (
     *(name + AT_PHASE_0 for name in PHASED),
     *ASKED_FOR,
 )
-
-#: Those of them that a row has of chutes alone.
-OF_CHUTES = frozenset(name + INSTANTANEOUS for name in _SHOWN_LAST)
 
 #: Dimensions of what a row holds besides scalars.
 OF_PROFILES = (
@@ -63,6 +60,12 @@ def kept() -> dict[str, tuple[str, str]]:
     own = {name: (one.unit, one.meaning) for name, one in own_observables().items()}
     numbers = {name: row for name, row in (SCALARS | MEASURES | own).items() if name not in WORDS}
     return numbers | {name: SCALARS[name] for name in WORDS}
+
+
+def over_height(system: str) -> list[str]:
+    """Return the names of the arrays over height that a row of a system keeps."""
+    last = () if system == "chute" else {name + INSTANTANEOUS for name in _SHOWN_LAST}
+    return [name for name in OVER_HEIGHT if name not in last and name not in LEFT_OUT[system]]
 
 
 def dimensions(name: str) -> tuple[str, ...]:

@@ -246,6 +246,13 @@ LACKING = {
     }.items()
 }
 
+#: By system, what run files have and datasets do without, since no figure and no claim looks at it.
+LEFT_OUT = {
+    "chute": frozenset[str](),
+    "belt": frozenset({"vertical_temperature_profile"}),
+    "conveyor": frozenset[str](),
+}
+
 #: Unit and long name of what a dataset has along the belt and over its cycle, and of where profiles
 #: lie.
 ALONG = {

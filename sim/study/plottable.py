@@ -8,6 +8,7 @@ from sim.parameters.observables import (
     ASKED_FOR,
     BELT_FORCES,
     LACKING,
+    LEFT_OUT,
     MEASURES,
     PROFILES,
     SCALARS,
@@ -111,4 +112,5 @@ def every_name() -> list[str]:
 
 def _own(system: str, rows: Mapping[str, tuple[str, str]]) -> dict[str, tuple[str, str]]:
     """Return the rows of what a system has."""
-    return {name: row for name, row in rows.items() if name not in LACKING.get(system, MEASURES)}
+    lacking = LACKING[system] | LEFT_OUT[system] if system in LACKING else MEASURES.keys()
+    return {name: row for name, row in rows.items() if name not in lacking}

@@ -22,7 +22,6 @@ REGIMES = [name for name, spec in FIGURES.items() if spec.regimes]
         ("quick", HEADLINES),
         ("paper", list(FIGURES)),
         ("regimes", REGIMES),
-        ("trial_belt", ["gallas_1a", "onset_acceleration"]),
     ],
 )
 def test_shipped_studies_feed_their_figures(name, figures, tmp_path):
