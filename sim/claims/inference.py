@@ -8,7 +8,7 @@ import numpy as np
 from scipy import stats
 
 from sim.claims.place import Place
-from sim.claims.verdict import Check, least
+from sim.claims.verdict import RISK, Check, least
 
 Groups = Sequence[np.ndarray]
 
@@ -63,7 +63,9 @@ def trend(
     if monotone:
         against += [*(down if len(strata) > 1 else ()), *pairs]
     tau = float(np.average(taus, weights=sizes))
-    tested = _combined(up, sizes), least(against)
+    fails = least(against)
+    # What surely falls somewhere does not rise, however clear the trend of all.
+    tested = (_combined(up, sizes) if fails > RISK else 1.0), fails
     # The thresholds are those of the statistic: a trend either way has another sign.
     return _tested(f"Kendall's τ of {what}", sign * tau, rising, tested, places)
 

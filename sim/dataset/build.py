@@ -35,7 +35,7 @@ from sim.study.load import Boundary, Study, as_member, load_study
 from sim.study.refine import Sides
 
 #: How arrays are stored.
-COMPRESSION = {"zlib": True, "complevel": 4, "shuffle": True}
+COMPRESSION = {"zlib": True, "complevel": 9, "shuffle": True}
 
 #: Profiles have 10 binary digits, an error of 5e-4 of each value, far below that of the mean of a
 #: replicate, and places of particles 14; run files have all digits.

@@ -59,7 +59,9 @@ def test_a_dip_shows_however_fine_the_steps():
     fine = groups(*rise, *steps, 2.5, 3.0, replicates=8)
     neighbours = [superior(low, high) for low, high in pairwise(fine)]
     assert least(neighbours) > RISK
-    assert trend("x", [fine], monotone=True).verdict == NOT_REPRODUCED
+    held = trend("x", [fine], monotone=True)
+    assert held.verdict == NOT_REPRODUCED
+    assert held.holding == 1
 
 
 def test_strata_are_compared_within():
