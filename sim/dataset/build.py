@@ -37,9 +37,9 @@ from sim.study.refine import Sides
 #: How arrays are stored.
 COMPRESSION = {"zlib": True, "complevel": 9, "shuffle": True}
 
-#: Profiles have 10 binary digits, an error of 5e-4 of each value, far below that of the mean of a
+#: Profiles have 9 binary digits, an error of 1e-3 of each value, far below that of the mean of a
 #: replicate, and places of particles 14; run files have all digits.
-PROFILES, PLACES = 10, 14
+PROFILES, PLACES = 9, 14
 
 
 def build(

@@ -14,6 +14,7 @@ from sim.report.gallery import beside
 from sim.report.integrity import require_intact
 from sim.report.page import render
 from sim.report.runs import adopted_datasets
+from sim.study.extra_amounts import extra_amounts_file
 from sim.study.load import Study, load_study
 
 #: Where published studies lie, beside the results of everybody's own.
@@ -51,9 +52,10 @@ def publish(
         When something is missing, damaged or not of the study as its file is now, when something
         else lies in the place, or when all published studies together would be too large.
     """
-    study = load_study(study_path, None)
+    study = load_study(study_path, results)
     folder = Path(results) / study.name
-    names = _published_files(study)
+    bought = [extra_amounts_file(folder).name] if extra_amounts_file(folder).is_file() else []
+    names = [*_published_files(study), *bought]
     _require_there(folder, names)
     _require_distinct(study.sources, names)
     output, temporary = target / study.name, target / f".{study.name}.part"

@@ -166,13 +166,13 @@ def test_profiles_of_both_systems_lie_in_groups(made, built):
         assert values.mean(axis=1) == pytest.approx(velocities, rel=ROUNDED)
 
 
-def test_profiles_have_ten_binary_digits(built):
+def test_profiles_have_nine_binary_digits(built):
     values = xr.load_dataset(built, group="chute").velocity_profile.values
     mantissas = np.frexp(values[np.isfinite(values)])[0]
     assert mantissas.size > 0
     # The first of the digits is not stored, being a one.
-    assert np.all(mantissas * 2**11 % 1 == 0)
-    assert not np.all(mantissas * 2**9 % 1 == 0)
+    assert np.all(mantissas * 2**10 % 1 == 0)
+    assert not np.all(mantissas * 2**8 % 1 == 0)
 
 
 @pytest.mark.parametrize(

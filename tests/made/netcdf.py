@@ -11,7 +11,7 @@ import xarray as xr
 from sim.base.files import seal
 
 #: How far a profile in a dataset is from that in the run file at most, relative.
-ROUNDED = 2.0**-11
+ROUNDED = 2.0**-10
 
 
 def store(dataset: xr.Dataset, path: Path, **options: Any) -> None:

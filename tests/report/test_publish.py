@@ -14,6 +14,7 @@ from sim.base.errors import InputError
 from sim.figures.drawn import DRAWN
 from sim.report import publish
 from sim.study.catalogue import FIGURES
+from sim.study.extra_amounts import ExtraAmounts, write_extra_amounts
 from sim.study.load import load_study
 from tests.made.figures import make_figures
 from tests.made.report import write_claims
@@ -61,6 +62,19 @@ def test_everything_a_reader_needs_is_there(finished, tmp_path):
     origin = json.loads((output / "provenance.json").read_text())
     assert origin["study"] == "made" and origin["points"] > 10 and origin["failed runs"] == 3
     assert origin["from"] <= origin["to"] and origin["core hours"] > 0
+
+
+def test_what_was_bought_to_decide_goes_with_it(finished, tmp_path):
+    study, results = finished
+    study.write_text(study.read_text() + "decide: {budget: 1, precision: 0.1}\n")
+    amounts = {
+        point.id: {"replicates": float(point.parameters.replicates)}
+        for point in load_study(study, results).points.values()
+    }
+    study.write_text(re.sub(r"replicates: \d+", "replicates: 1", study.read_text()))
+    write_extra_amounts(results / "made", ExtraAmounts(amounts, 0.0))
+    output = publish.publish(study, results, tmp_path / "published")
+    assert (output / "bought.json").is_file()
 
 
 def test_the_report_links_its_figures_and_holds_everything_else(finished, tmp_path):

@@ -123,8 +123,10 @@ for (const button of all("[data-toggle-all]")) {
 
 // A link to what is closed or filtered away shows it.
 function reveal() {
-  const target = document.getElementById(decodeURIComponent(location.hash.slice(1)));
-  if (!target) return;
+  const found = document.getElementById(decodeURIComponent(location.hash.slice(1)));
+  if (!found) return;
+  // The number of a run stands for its row.
+  const target = found.closest("td") ? found.closest("tr") : found;
   const form = target.closest("section")?.querySelector("form.filters");
   if (target.hidden) {
     form.reset();
