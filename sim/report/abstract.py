@@ -63,7 +63,7 @@ def _number(
         check
         for variant in claim["variants"]
         if variant["reading"] == claim["headline"] and not variant["control"]
-        if variant["protocol"] == claim["decided_by"]
+        if variant["protocol"] in claim["decided_by"].split(", ")
         for check in variant["checks"]
         if check["what"] == what
     ]
