@@ -226,7 +226,8 @@ def test_a_link_to_a_run_shows_it_whatever_is_filtered(page):
     page.locator("#runs select[name=regime]").select_option("failed")
     press(page, page.locator("#claim-W9 .opener"))
     link = page.locator("#evidence-W9 .links a").first
-    row = page.locator(f"[id='{link.get_attribute('href').removeprefix('#')}']")
+    number = page.locator(f"[id='{link.get_attribute('href').removeprefix('#')}']")
+    row = number.locator("xpath=..")
     expect(row).to_be_hidden()
     press(page, link)
     expect(row).to_be_in_viewport()
