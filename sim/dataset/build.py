@@ -38,8 +38,8 @@ from sim.study.refine import Sides
 COMPRESSION = {"zlib": True, "complevel": 9, "shuffle": True}
 
 #: Profiles have 9 binary digits, an error of 1e-3 of each value, far below that of the mean of a
-#: replicate, and places of particles 14; run files have all digits.
-PROFILES, PLACES = 9, 14
+#: replicate; run files have all digits.
+ROUNDED = {"quantize_mode": "BitRound", "significant_digits": 9}
 
 
 def build(
@@ -190,9 +190,6 @@ def _stored(values: xr.DataArray, group: str | None) -> dict[str, Any]:
     if values.dtype.kind in "OUT":
         # As characters words are compressed, unlike strings.
         return COMPRESSION | {"dtype": "S1"}
-    if values.dtype == np.float32:
-        return COMPRESSION | {
-            "quantize_mode": "BitRound",
-            "significant_digits": PROFILES if group in SYSTEMS else PLACES,
-        }
+    if group in SYSTEMS and values.dtype == np.float32:
+        return COMPRESSION | ROUNDED
     return COMPRESSION
