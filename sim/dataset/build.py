@@ -38,8 +38,8 @@ from sim.study.refine import Sides
 COMPRESSION = {"zlib": True, "complevel": 9, "shuffle": True}
 
 #: Profiles have 9 binary digits, an error of 1e-3 of each value, far below that of the mean of a
-#: replicate; run files have all digits.
-ROUNDED = {"quantize_mode": "BitRound", "significant_digits": 9}
+#: replicate, and places of particles 20; run files have all digits.
+PROFILES, PLACES = 9, 20
 
 
 def build(
@@ -190,6 +190,7 @@ def _stored(values: xr.DataArray, group: str | None) -> dict[str, Any]:
     if values.dtype.kind in "OUT":
         # As characters words are compressed, unlike strings.
         return COMPRESSION | {"dtype": "S1"}
-    if group in SYSTEMS and values.dtype == np.float32:
-        return COMPRESSION | ROUNDED
+    if values.dtype == np.float32:
+        digits = PROFILES if group in SYSTEMS else PLACES
+        return COMPRESSION | {"quantize_mode": "BitRound", "significant_digits": digits}
     return COMPRESSION
