@@ -155,8 +155,12 @@ def g3(evidence: Evidence, least: float) -> list[Check]:
 
 def _begins_within(evidence: Evidence, least: float, at: str, **where: Any) -> Check:
     found = onset(evidence, least, **where)
-    check = within(f"onset at {at}", found.frequency, 15, 17, found.places, "Hz")
-    return replace(check, coarse=found.coarse)
+    return _told(within(f"onset at {at}", found.frequency, 15, 17, found.places, "Hz"), found)
+
+
+def _told(check: Check, *onsets: Onset) -> Check:
+    """Return a check that says whether the step of a scan is the interval of an onset behind it."""
+    return replace(check, coarse=any(one.coarse for one in onsets))
 
 
 def g4(evidence: Evidence, least: float) -> list[Check]:
@@ -168,7 +172,7 @@ def g4(evidence: Evidence, least: float) -> list[Check]:
         what = f"onset at (γ, γ_s) = {_pair(one)} less that at {_pair(other)}"
         places = (*found[one].places, *found[other].places)
         check = within(what, apart, -SAME, SAME, places, "Hz")
-        checks.append(replace(check, coarse=found[one].coarse or found[other].coarse))
+        checks.append(_told(check, found[one], found[other]))
     return checks
 
 
@@ -201,8 +205,7 @@ def g6(evidence: Evidence, least: float) -> list[Check]:
     ):
         stated, margin = SMALLER[part]
         bounds = stated - margin, stated + margin
-        check = within(what, value, *bounds, found.places, unit)
-        checks[part] = [replace(check, coarse=found.coarse)]
+        checks[part] = [_told(within(what, value, *bounds, found.places, unit), found)]
     return in_parts(**{part: lambda found=found: found for part, found in checks.items()})
 
 
@@ -216,8 +219,7 @@ def g7(evidence: Evidence, least: float) -> list[Check]:
     """The acceleration of the belt at the onset is about that of gravity."""
     found = onset(evidence, least)
     gamma = _gamma(found, evidence.at("belt", frequency=FLOWING))
-    check = within("Γ at the onset", gamma, 0.9, 1.15, found.places)
-    return [replace(check, coarse=found.coarse)]
+    return [_told(within("Γ at the onset", gamma, 0.9, 1.15, found.places), found)]
 
 
 def g14(evidence: Evidence, least: float) -> list[Check]:
@@ -237,7 +239,7 @@ def g14(evidence: Evidence, least: float) -> list[Check]:
     shift = small.frequency - usual.frequency
     both = (*small.places, *usual.places)
     check = within("onset of the halved system less the whole", shift, -1, 1, both, "Hz")
-    return [*checks, replace(check, coarse=small.coarse or usual.coarse)]
+    return [*checks, _told(check, small, usual)]
 
 
 def g35(evidence: Evidence, least: float) -> list[Check]:
@@ -256,7 +258,7 @@ def g35(evidence: Evidence, least: float) -> list[Check]:
     check = within("onset from rest less that from the flow", shift, -SAME, SAME, places, "Hz")
     return [
         below(what, width, SHARP, line.values()),
-        replace(check, coarse=up.coarse or down.coarse),
+        _told(check, up, down),
     ]
 
 

@@ -19,6 +19,9 @@ from sim.dataset.agreement import require_agreement
 from sim.dataset.results import load_results
 from sim.study.load import load_study
 
+#: What a check has for those who judge and decide, not for readers.
+_UNTOLD = {"tested", "short", "coarse"}
+
 
 def build(study_path: str | Path, results: str | Path = "results") -> Path:
     """Write ``results/<study>/claims.json`` and ``claims.csv`` from the dataset of a study.
@@ -110,11 +113,7 @@ def _variant(variant: Variant, one: Judgement) -> dict[str, Any]:
 
 
 def _check(check: Check) -> dict[str, Any]:
-    held = {
-        name: value
-        for name, value in asdict(check).items()
-        if name not in ("tested", "short", "coarse")
-    }
+    held = {name: value for name, value in asdict(check).items() if name not in _UNTOLD}
     shown = {
         "bound": check.bound,
         "p_holds": _told(check, check.holding),
@@ -161,7 +160,7 @@ def as_table(judgements: list[Judgement]) -> pd.DataFrame:
                 values = {
                     name: value
                     for name, value in asdict(check).items()
-                    if name not in ("part", "points", "tested", "short", "coarse")
+                    if name not in {"part", "points"} | _UNTOLD
                 }
                 shown = {
                     "p holds": _told(check, check.holding),

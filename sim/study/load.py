@@ -18,7 +18,7 @@ from sim.study.figure_points import points_of_figures
 from sim.study.model import Boundary, Point, Study
 from sim.study.plots import plots_of, points_shown
 from sim.study.points import MAX_POINTS, as_member, collected, require_same
-from sim.study.series import readings_of
+from sim.study.series import every_reading
 
 __all__ = [
     "Boundary",
@@ -100,7 +100,7 @@ def parse_study(
         points=points,
         figures=figures,
         plots=plots,
-        readings=readings_of(file),
+        readings=every_reading(file),
         decide=file.decide,
         pages=file.pages,
         plugins=tuple(dict.fromkeys(used)),

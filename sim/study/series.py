@@ -74,7 +74,7 @@ def _bases(file: StudyFile, one: SeriesFile | BoundaryFile, path: str) -> Iterat
         yield replace(base, other=frozenset(other))
 
 
-def readings_of(file: StudyFile) -> dict[str, list[dict[str, Any]]]:
+def every_reading(file: StudyFile) -> dict[str, list[dict[str, Any]]]:
     """Return by system the readings of every series, each as what differs from the defaults."""
     found = {}
     for system, model in SYSTEMS.items():

@@ -126,7 +126,7 @@ function reveal() {
   const found = document.getElementById(decodeURIComponent(location.hash.slice(1)));
   if (!found) return;
   // The number of a run stands for its row.
-  const target = found.closest("td") ? found.closest("tr") : found;
+  const target = found.matches("td") ? found.parentElement : found;
   const form = target.closest("section")?.querySelector("form.filters");
   if (target.hidden) {
     form.reset();
