@@ -137,7 +137,8 @@ def as_table(judgements: list[Judgement]) -> pd.DataFrame:
     """Return one row per check, and one for each variant that is untestable.
 
     Verdicts on the claim, on the part that a check is of and by number are those at the headline
-    reading; ``verdict`` is that of the variant.
+    reading; ``verdict`` is that of the variant. The runs behind a check and the first criterion of
+    a claim stand in the JSON file alone.
     """
     rows = []
     for one in judgements:
@@ -147,7 +148,6 @@ def as_table(judgements: list[Judgement]) -> pd.DataFrame:
                 "claim": one.claim.id,
                 "title": one.claim.title,
                 "first verdict": first.verdict if first else "",
-                "first criterion": first.criterion if first else "",
                 "verdict on the claim": one.verdict,
                 "verdict by number": _by_number(one),
                 "protocol": variant.protocol,
@@ -165,7 +165,6 @@ def as_table(judgements: list[Judgement]) -> pd.DataFrame:
                 shown = {
                     "p holds": _told(check, check.holding),
                     "p fails": _told(check, check.failing),
-                    "points": " ".join(check.points),
                     "verdict on the check": check.verdict,
                     "what would decide it": plan(check),
                 }

@@ -277,7 +277,6 @@ def test_the_table_has_the_first_verdict_those_on_parts_and_those_by_number():
     others = {0.1: (of_part("a", FAILS), of_part("b", FAILS)), 0.15: checks}
     table = as_table([Judgement(claim, (Variant("published", DEFAULT, checks, others=others),))])
     assert set(table["first verdict"]) == {claim.first.verdict}
-    assert set(table["first criterion"]) == {claim.first.criterion}
     assert list(table["part"]) == ["a", "b"]
     assert list(table["verdict on the part"]) == [REPRODUCED, INCONCLUSIVE]
     by_number = f"0.1: {NOT_REPRODUCED}; 0.15: {IN_PART}"
