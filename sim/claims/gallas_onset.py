@@ -155,10 +155,10 @@ def g3(evidence: Evidence, least: float) -> list[Check]:
 
 def _begins_within(evidence: Evidence, least: float, at: str, **where: Any) -> Check:
     found = onset(evidence, least, **where)
-    return _told(within(f"onset at {at}", found.frequency, 15, 17, found.places, "Hz"), found)
+    return _scanned(within(f"onset at {at}", found.frequency, 15, 17, found.places, "Hz"), found)
 
 
-def _told(check: Check, *onsets: Onset) -> Check:
+def _scanned(check: Check, *onsets: Onset) -> Check:
     """Return a check that says whether the step of a scan is the interval of an onset behind it."""
     return replace(check, coarse=any(one.coarse for one in onsets))
 
@@ -172,7 +172,7 @@ def g4(evidence: Evidence, least: float) -> list[Check]:
         what = f"onset at (γ, γ_s) = {_pair(one)} less that at {_pair(other)}"
         places = (*found[one].places, *found[other].places)
         check = within(what, apart, -SAME, SAME, places, "Hz")
-        checks.append(_told(check, found[one], found[other]))
+        checks.append(_scanned(check, found[one], found[other]))
     return checks
 
 
@@ -205,7 +205,7 @@ def g6(evidence: Evidence, least: float) -> list[Check]:
     ):
         stated, margin = SMALLER[part]
         bounds = stated - margin, stated + margin
-        checks[part] = [_told(within(what, value, *bounds, found.places, unit), found)]
+        checks[part] = [_scanned(within(what, value, *bounds, found.places, unit), found)]
     return in_parts(**{part: lambda found=found: found for part, found in checks.items()})
 
 
@@ -219,7 +219,7 @@ def g7(evidence: Evidence, least: float) -> list[Check]:
     """The acceleration of the belt at the onset is about that of gravity."""
     found = onset(evidence, least)
     gamma = _gamma(found, evidence.at("belt", frequency=FLOWING))
-    return [_told(within("Γ at the onset", gamma, 0.9, 1.15, found.places), found)]
+    return [_scanned(within("Γ at the onset", gamma, 0.9, 1.15, found.places), found)]
 
 
 def g14(evidence: Evidence, least: float) -> list[Check]:
@@ -239,7 +239,7 @@ def g14(evidence: Evidence, least: float) -> list[Check]:
     shift = small.frequency - usual.frequency
     both = (*small.places, *usual.places)
     check = within("onset of the halved system less the whole", shift, -1, 1, both, "Hz")
-    return [*checks, _told(check, small, usual)]
+    return [*checks, _scanned(check, small, usual)]
 
 
 def g35(evidence: Evidence, least: float) -> list[Check]:
@@ -258,7 +258,7 @@ def g35(evidence: Evidence, least: float) -> list[Check]:
     check = within("onset from rest less that from the flow", shift, -SAME, SAME, places, "Hz")
     return [
         below(what, width, SHARP, line.values()),
-        _told(check, up, down),
+        _scanned(check, up, down),
     ]
 
 
