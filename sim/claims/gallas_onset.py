@@ -22,7 +22,7 @@ from sim.claims.lines import FLOWING, HALVED, MARKERS, NONE, along, replicated
 from sim.claims.place import Place, measured, quotient
 from sim.claims.verdict import Check, Untestable
 from sim.dataset.measures.belt import speed_along_x
-from sim.parameters.belt import LEAST_TRANSPORT
+from sim.parameters.belt import ONSET_TRANSPORT
 
 #: Pairs of damping and shear damping (g) whose onsets are compared.
 PAIRS = ((50, 50), *MARKERS, (10, 50))
@@ -60,11 +60,11 @@ def onset(evidence: Evidence, least: float, **where: Any) -> Onset:
 
     The interval of a scan is that of the mean over beds, not smaller than half a step; that of a
     boundary is endless unless it was looked for from two seeds. Boundaries are those of
-    `LEAST_TRANSPORT`.
+    `ONSET_TRANSPORT`.
     """
     found, missing = [], []
     sources: list[Callable[..., Onset]] = [partial(_from_scan, least=least)]
-    sources += [_from_boundary] if least == LEAST_TRANSPORT else []
+    sources += [_from_boundary] if least == ONSET_TRANSPORT else []
     for source in sources:
         try:
             found.append(source(evidence, **where))

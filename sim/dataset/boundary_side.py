@@ -10,6 +10,7 @@ from sim.base.damage import checked_read
 from sim.base.named import Named
 from sim.dataset.summary import summary_of
 from sim.parameters import BeltParameters, ConveyorParameters, Parameters, amounts, point_id
+from sim.parameters.belt import ONSET_TRANSPORT
 
 #: Systems whose boundary of ``transport`` may be asked for.
 Vibrated = BeltParameters | ConveyorParameters
@@ -95,7 +96,7 @@ def _of_regime(of: str, regime: str, moving: bool) -> str | None:
 
 def _transport(parameters: Vibrated, slowest: float, fastest: float) -> str | None:
     """Return the side that the whole 95 % interval of a mean velocity (m/s) is on."""
-    least = parameters.least_transport
+    least = ONSET_TRANSPORT * parameters.velocity_amplitude
     if fastest <= least:
         return "no transport"
     return "transport" if slowest > least else None

@@ -40,8 +40,10 @@ COUNTED = 0.95
 #: What the settling's step times 4.5 (γ + γ_s) is at most: within any corrector's stability.
 SETTLING_DAMPING = 2 / 3 * 0.15
 
-#: Share of the belt's velocity amplitude below which nothing is transported.
+#: Shares of the belt's velocity amplitude: below the first a bed counts as arrested, above the
+#: second as transported where boundaries are looked for. Between the two it creeps.
 LEAST_TRANSPORT = 0.02
+ONSET_TRANSPORT = 0.1
 
 #: Particle-steps per second on one core of a present-day server, and seconds of simulated time
 #: until a released bed is at rest.
@@ -423,16 +425,15 @@ class BeltParameters(Parameters):
         return 1.0 if keeps else math.sqrt(self.stiffness / STIFFNESS)
 
     @property
-    def least_transport(self) -> float:
-        """Velocity below which nothing is transported, m/s: 2 % of the belt's velocity amplitude.
+    def velocity_amplitude(self) -> float:
+        """Velocity amplitude that transport is measured by, m/s: that of the belt along x, A_x 2πf.
 
-        That along x, A_x 2πf, or of a vertical vibration A_z 2πf; an amplitude below 0.01 ⟨d⟩
-        counts as that.
+        Of a vertical vibration A_z 2πf; an amplitude below 0.01 ⟨d⟩ counts as that.
         """
         along = self.vibration_angle < 90
         slope = math.tan(math.radians(self.vibration_angle)) if along else 1.0
         amplitude = max(self.amplitude / slope or self.amplitude, 0.01) * self.diameter
-        return LEAST_TRANSPORT * amplitude * 2 * math.pi * self.frequency
+        return amplitude * 2 * math.pi * self.frequency
 
     @property
     def settling_step(self) -> float:

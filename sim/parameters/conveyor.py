@@ -5,7 +5,6 @@ from typing import Any, ClassVar, Literal, Self
 
 from pydantic import model_validator
 
-from sim.parameters.belt import LEAST_TRANSPORT
 from sim.parameters.common import Real, broken_rule, require_feasible_trajectory
 from sim.parameters.roles import declare
 from sim.parameters.spheres import SLIDING, SlidingDirection, SphereParameters
@@ -198,14 +197,14 @@ class ConveyorParameters(SphereParameters):
         )
 
     @property
-    def least_transport(self) -> float:
-        """Velocity below which nothing is transported, m/s: 2 % of the plane's largest along x.
+    def velocity_amplitude(self) -> float:
+        """Velocity that transport is measured by, m/s: the largest of the plane along x.
 
-        Of a plane that moves along z alone, 2 % of that; 0.01 σ is the least amplitude that counts.
+        Of a plane that moves along z alone, that; 0.01 σ is the least amplitude that counts.
         """
         along, normal = self.peak_velocity
         least = 0.02 * math.pi * self.frequency * self.diameter
-        return LEAST_TRANSPORT * max(along or normal, least)
+        return max(along or normal, least)
 
     @property
     def limits(self) -> dict[str, tuple[float, str]]:

@@ -44,7 +44,7 @@ _RESERVED = ("published",)
 #: Of the first system, in whose words the reference tells the keys of a boundary.
 _WHAT_CHANGES = (
     "what changes there: flow (arrested or not), acceleration (accelerating or not), transport "
-    "(belt: mean velocity beyond 2 % of the belt's or not)"
+    "(belt: mean velocity beyond 10 % of the belt's or not)"
 )
 
 #: Figures of a system that feeds none.

@@ -64,14 +64,14 @@ def test_failed_replicates_are_left_out(tmp_path):
     assert side_of_run(path, "flow", CHUTE) is None
 
 
-# Two per cent of the belt's velocity amplitude are 2.5 mm/s, the half width is 0.9 mm/s.
+# A tenth of the belt's velocity amplitude is 12.6 mm/s, the half width is 0.9 mm/s.
 @pytest.mark.parametrize(
     ("velocity", "side"),
     [
         ((0.03, 0.04), "transport"),
-        ((0.001, 0.0015), "no transport"),
+        ((0.001, 0.0115), "no transport"),
         ((-0.03, 0.001), "no transport"),
-        ((0.0022, 0.003), None),
+        ((0.012, 0.013), None),
         ((0.001, 0.03), None),
     ],
 )

@@ -24,6 +24,7 @@ from sim.engine.systems.bed_profiles import bed_profiles
 from sim.engine.systems.belt_start import initial_bed, vibration
 from sim.engine.systems.series import BELT_LEDGER, since_start
 from sim.parameters import BeltParameters
+from sim.parameters.belt import LEAST_TRANSPORT
 from sim.parameters.observables import BELT_FORCES, BELT_SERIES
 
 #: Skin of the neighbor list in mean diameters.
@@ -92,7 +93,8 @@ class Belt:
         self._take = Direct(bed_samples.sample_bed, kind)
         self._list = Direct(list_bed_contacts, kind)
         self._calls: bed_samples.Calls | None = None
-        self.scales = Scales(p.least_transport, acceleration=np.inf, drift=p.drift, target=p.target)
+        still = LEAST_TRANSPORT * p.velocity_amplitude
+        self.scales = Scales(still, acceleration=np.inf, drift=p.drift, target=p.target)
         self.mass = float(bed.mass.sum())
         self.period = p.samples_per_cycle
         self.slices = bed_profiles(p)

@@ -19,6 +19,7 @@ from sim.engine.systems.chute import Chute
 from sim.engine.systems.chute_start import Layer, initial_layer, initial_row
 from sim.engine.systems.series import CONVEYOR_LEDGER, since_start
 from sim.parameters import ConveyorParameters
+from sim.parameters.belt import LEAST_TRANSPORT
 from sim.parameters.chute import negligible_acceleration
 from sim.parameters.observables import CONVEYOR_SERIES
 
@@ -77,7 +78,8 @@ class Conveyor(Chute):
         p = self.parameters
         # Without a slope nothing accelerates for ever.
         negligible = negligible_acceleration(p.gravity, p.angle) if p.angle else inf
-        return Scales(p.least_transport, acceleration=negligible, drift=p.drift, target=p.target)
+        still = LEAST_TRANSPORT * p.velocity_amplitude
+        return Scales(still, acceleration=negligible, drift=p.drift, target=p.target)
 
     def take_over(self, other: Chute) -> None:
         """Go on with the particles of another flow, the plane in its initial phase.

@@ -276,7 +276,7 @@ DESCRIBED = (
             "Frequency f at which transport begins on the vibrating belt against the vertical "
             "amplitude A_z: intervals found by refinement. Dotted: the acceleration of the belt "
             "reaches that of gravity, Γ = 4π²f²A_z/g = 1. Transport is where the 95 % interval of "
-            "every bed's mean velocity lies above 2 % of the velocity amplitude of the belt along "
+            "every bed's mean velocity lies above 10 % of the velocity amplitude of the belt along "
             "x, no transport where it lies below."
         ),
         named=(
