@@ -91,7 +91,7 @@ def _scan(evidence: Evidence, **where: Any) -> tuple[pd.DataFrame, dict[float, P
     """Return V/(A_x ω) of every bed (row) at every frequency (column), and the places.
 
     Beds known at no more than half of the frequencies are left out: there are more beds where one
-    says little, and a bed may have failed. Places of a single bed were added by refinement.
+    says little, and a bed may have failed; then places of a single bed.
     """
     line = replicated(evidence.line("belt", "frequency", **where))
     table = pd.DataFrame(
@@ -104,11 +104,12 @@ def _scan(evidence: Evidence, **where: Any) -> tuple[pd.DataFrame, dict[float, P
             for frequency, place in line.items()
         }
     )
-    known = table[table.notna().sum(axis=1) > 0.5 * len(line)]
-    if len(line) < 2 or len(known) < 2:
+    known = table[table.count(axis=1) > 0.5 * len(line)]
+    known = known.loc[:, known.count() > 1]
+    if known.shape[1] < 2:
         settings = ", ".join(f"{name} {value}" for name, value in where.items())
         raise Untestable(f"no scan of the frequency with two beds {settings}".rstrip())
-    return known, line
+    return known, {frequency: line[frequency] for frequency in known}
 
 
 def _joined(
@@ -117,13 +118,14 @@ def _joined(
     """Return a frequency of the mean over beds with its 95 % interval, and whether a step gives it.
 
     ``place`` gives the frequency and the step of the scan there. How much it changes as each bed
-    is left out tells the interval (jackknife), which is half a step at least.
+    is left out tells the interval (jackknife), with the freedom of the frequency that has the
+    fewest; it is half a step at least.
     """
     value, step = place(shares)
     beds = len(shares)
     without = [place(shares.drop(bed))[0] for bed in shares.index]
     error = np.sqrt((beds - 1) * np.var(without))
-    scatter = float(student(beds - 1) * error)
+    scatter = float(student(shares.count().min() - 1) * error)
     return measured(value, max(scatter, 0.5 * step)), scatter < 0.5 * step
 
 

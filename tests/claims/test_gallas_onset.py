@@ -129,6 +129,15 @@ def test_single_beds_of_a_refinement_are_no_scan():
     assert found([*early(16), *refined]) == found(early(16))
 
 
+def test_few_beds_at_a_frequency_that_tells_it_widen_the_interval():
+    def half_width(beds):
+        near = published({"velocity": [0.01, 0.03] * (beds // 2)}, frequency=15.5, replicates=beds)
+        line = [near if each.parameters.frequency == 15.5 else each for each in early(16)]
+        return found(line)[1]
+
+    assert half_width(2) > 6 * half_width(4)
+
+
 def test_boundaries_are_those_of_the_headline():
     numbers = {claim.number.headline for claim in claims() if "transport" in str(claim.number)}
     assert numbers == {ONSET_TRANSPORT}
