@@ -121,7 +121,9 @@ class PlotFile(Strict):
         "parameter, or list of them, that tells curves apart",
         json_schema={"allowed": "a name, or a list of names"},
     )
-    panels: str = optional("parameter that tells panels apart")
+    panels: str = optional(
+        "parameter that tells panels apart", json_schema={"allowed": "the name of one parameter"}
+    )
     series: list[str] = optional(
         "series whose points are drawn (omitted: all of the system)", min_length=1
     )
@@ -142,7 +144,11 @@ class PlotFile(Strict):
         max_length=MOST_BESIDE,
         json_schema={"allowed": f"a list of at most {MOST_BESIDE} mappings with label and points"},
     )
-    log: list[Literal["x", "y", "colour"]] = Field([], description="axes that are logarithmic")
+    log: list[Literal["x", "y", "colour"]] = Field(
+        [],
+        description="axes that are logarithmic",
+        json_schema_extra={"allowed": "a list of 'x', 'y' or 'colour'"},
+    )
 
     @model_validator(mode="after")
     def _of_a_name_of_its_own(self) -> Self:
