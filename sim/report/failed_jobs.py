@@ -21,6 +21,10 @@ NO_NEWS = (
     "Execute ",
 )
 
+#: Seconds by which a file's time may be before the moment it was written: file systems keep ticks
+#: or whole seconds, and those of a cluster have clocks of their own.
+CLOCKS_DIFFER_BY = 2.0
+
 
 def is_news(record: logging.LogRecord) -> bool:
     """Return whether Snakemake says something that lines of points and failed jobs do not."""
@@ -39,7 +43,7 @@ class FailedJobs(logging.Handler):
     def __init__(self, write: Callable[[str], object]):
         super().__init__()
         self._write = write
-        self._since = time.time()
+        self._since = time.time() - CLOCKS_DIFFER_BY
 
     def emit(self, record: logging.LogRecord) -> None:
         """Write the line of a failed job; pass over what else the log says."""

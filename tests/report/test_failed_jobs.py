@@ -2,6 +2,7 @@
 
 import logging
 import os
+import time
 
 import pytest
 
@@ -67,6 +68,15 @@ def test_a_log_of_an_earlier_attempt_is_not_told(tmp_path, log, lines):
     os.utime(said, (0, 0))
     fail(log, said)
     assert lines == [f"claims: job failed: see {said}"]
+
+
+def test_a_log_whose_file_system_keeps_coarse_times_is_told(tmp_path, log, lines):
+    said = tmp_path / "dataset.log"
+    said.write_text("error: no space\n")
+    whole_seconds = int(time.time()) - 1
+    os.utime(said, (whole_seconds, whole_seconds))
+    fail(log, said)
+    assert lines == ["dataset: job failed: error: no space"]
 
 
 def test_no_empty_log_is_named(tmp_path, log, lines):
