@@ -195,6 +195,22 @@ def test_a_conveyor_has_a_law_and_a_motion_of_plugins(folder):
 
 
 @pytest.mark.parametrize(
+    ("motion", "name", "value"),
+    [("ellipse", "belt_lag", -90), ("saw", "running", -0.5), ("sunk", "below", -2.5)],
+)
+def test_a_parameter_of_a_plugin_may_be_negative(folder, motion, name, value):
+    (folder / "sunk.py").write_text(
+        "import sim\n\nsim.motion('sunk', make=lambda p: (), state=lambda motion, angle: (0, 0, 0),"
+        " parameters={'below': sim.parameter(-2, unit='1', description='depth', gt=-3, lt=0)})\n"
+    )
+    load_plugins("motions.py", "ellipse.py", "sunk.py")
+    point = parse_point({"system": "conveyor", "motion": motion, name: value}, "p")
+    assert getattr(point, name) == value
+    with pytest.raises(InputError, match=f"{name}: got -1e\\+99; allowed: "):
+        parse_point({"system": "conveyor", "motion": motion, name: -1e99}, "p")
+
+
+@pytest.mark.parametrize(
     ("values", "message"),
     [
         ({"motion": "ellips"}, "motion: got 'ellips'; allowed: "),

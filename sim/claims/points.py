@@ -7,6 +7,9 @@ import numpy as np
 
 from sim.dataset.results import Results
 from sim.parameters import SYSTEMS, default_of
+from sim.parameters.choices import named
+from sim.parameters.laws import LAW
+from sim.parameters.motions import MOTION
 from sim.parameters.roles import changing_start, numerical
 
 
@@ -35,10 +38,17 @@ class Rows:
         found = self.columns["system"] == system
         for name in names | (wanted.keys() - {free}):
             if name in wanted:
-                found = found & (self.columns[name] == wanted[name])
+                found = found & self._has(name, wanted[name])
             else:
                 found = found & self._is_usual(system, name)
         return np.flatnonzero(found)
+
+    def _has(self, name: str, value: Any) -> np.ndarray:
+        """Return whether each row has a value; that of a plug-in goes by its name without hash."""
+        values = self.columns[name]
+        if name in (LAW.name, MOTION.name):
+            return np.array([value in (one, named(one)) for one in values], bool)
+        return values == value
 
     def unusual_starts(self, system: str, rows: np.ndarray, where: Mapping[str, Any]) -> np.ndarray:
         """Return how many settings of the start of some rows differ from the paper's."""

@@ -2,8 +2,9 @@
 
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
 
-from annotated_types import Gt
+from annotated_types import Ge, Gt
 from pydantic import BaseModel, BeforeValidator, ConfigDict, model_validator
+from pydantic.fields import FieldInfo
 from pydantic_core import PydanticCustomError
 
 from sim.parameters.roles import declare
@@ -289,10 +290,9 @@ class Parameters(BaseModel):
     def _of_feasible_magnitude(self) -> Self:
         for name, field in type(self).model_fields.items():
             value = getattr(self, name)
-            positive = any(isinstance(bound, Gt) for bound in field.metadata)
-            if isinstance(value, float) and not (SMALLEST if positive else 0) <= value <= LARGEST:
-                allowed = f"a number in [{SMALLEST if positive else 0:g}, {LARGEST:g}]"
-                raise broken_rule(name, value, allowed)
+            least = _least_feasible(field)
+            if isinstance(value, float) and not least <= value <= LARGEST:
+                raise broken_rule(name, value, f"a number in [{least:g}, {LARGEST:g}]")
         return self
 
     @model_validator(mode="after")
@@ -315,6 +315,15 @@ class Parameters(BaseModel):
             allowed = f"at least transient + average = {shortest:g}"
             raise broken_rule("limit", self.limit, allowed)
         return self
+
+
+def _least_feasible(field: FieldInfo) -> float:
+    """Return the least value of a number: of a range above 0 the least magnitude."""
+    for bound in field.metadata:
+        if isinstance(bound, Ge | Gt):
+            least = float(bound.ge if isinstance(bound, Ge) else bound.gt)  # type: ignore[arg-type]
+            return SMALLEST if isinstance(bound, Gt) and least == 0 else least
+    return -LARGEST
 
 
 def require_feasible_trajectory(parameters: Parameters) -> None:

@@ -3,10 +3,13 @@
 import numpy as np
 import pytest
 
+from sim.base.plugins import load_plugins
 from sim.claims.checks import above
 from sim.claims.evidence import Evidence
 from sim.claims.place import joined
 from sim.claims.verdict import SIGMAS, Unbounded, Untestable
+from tests.made.plugins import forgotten
+from tests.made.processes import ROOT
 from tests.made.results import made_boundary, made_point, made_results
 
 
@@ -26,6 +29,21 @@ def test_what_is_not_named_has_the_papers_value():
         found.at("belt", frequency=40)
     with pytest.raises(Untestable, match="no published run of the belt at the paper's values"):
         evidence(belt(0.2, amplitude=1.5)).at("belt")
+
+
+def test_a_law_of_a_plugin_goes_by_its_name():
+    with forgotten():
+        load_plugins(ROOT / "docs" / "examples" / "hertz_mindlin.py")
+        found = evidence(
+            made_point("chute", {"velocity": 1.0}, depth=3),
+            made_point("chute", {"velocity": 2.0}, depth=3, law="hertz_mindlin"),
+        )
+        place = found.at("chute", depth=3, law="hertz_mindlin")
+        assert place.velocity.nominal_value == pytest.approx(2)
+        assert found.at("chute", depth=3, law=place["law"])["law"].startswith("hertz_mindlin.")
+        assert list(found.line("chute", "depth", law="hertz_mindlin")) == [3]
+        with pytest.raises(Untestable, match="law hertz_mind,"):
+            found.at("chute", depth=3, law="hertz_mind")
 
 
 def test_protocols_and_readings_are_kept_apart():
