@@ -17,6 +17,14 @@ _LEAKING = (
     "numerically unsound or its model makes energy"
 )
 
+#: By how much a run outlasts what is asked for beyond rounding.
+_ROUNDING = 1.001
+
+_LONGER = (
+    "runs longer than is asked for, as they were made when more was; their numbers are of all of "
+    "them"
+)
+
 #: The scalars that the ledger of a replicate is read from.
 _OF_LEDGER = (
     "energy_residual",
@@ -49,7 +57,11 @@ def missing_energy(replicate: Mapping[Any, SupportsFloat]) -> float:
 
 
 def caveat(
-    said: str, missing: Iterable[float], parameters: Parameters, overlaps: Iterable[float]
+    said: str,
+    missing: Iterable[float],
+    parameters: Parameters,
+    overlaps: Iterable[float],
+    lengths: Iterable[float],
 ) -> str:
     """Return all that is to be known before trusting a run, empty for a sound one.
 
@@ -62,10 +74,14 @@ def caveat(
         replicates; NaN where not known.
     parameters : Parameters
         Of the point.
+    lengths : iterable of float
+        Lengths of the replicates, s.
     """
     leaking = any(share > UNSOUND for share in missing)
     soft = (parameters.caveat_of(float(overlap)) for overlap in overlaps)
-    told = (said, _LEAKING if leaking else "", *soft)
+    longest = _ROUNDING * parameters.steps * parameters.time_step
+    longer = any(length > longest for length in lengths)
+    told = (said, _LEAKING if leaking else "", *soft, _LONGER if longer else "")
     return "; ".join(filter(None, dict.fromkeys(told)))
 
 
@@ -75,12 +91,14 @@ def caveat_of_run(run: Summary, parameters: Parameters) -> str:
     each = zip(run.scalars.get("max_overlap", ()), run.scalars.get("status", ()), strict=True)
     # What blew up is no flow.
     overlaps = [overlap for overlap, status in each if status == "completed"]
+    steps = zip(run.scalars.get("steps", ()), run.scalars.get("time_step_used", ()), strict=True)
+    lengths = [count * step for count, step in steps]
     if "energy_residual" not in run.scalars:
-        return caveat(said, (), parameters, overlaps)
+        return caveat(said, (), parameters, overlaps, lengths)
     shared = {"particles": parameters.particles, "mass": parameters.mass}
     columns = {name: run.scalars[name] for name in _OF_LEDGER if name in run.scalars}
     replicates = (
         dict(zip(columns, values, strict=True)) for values in zip(*columns.values(), strict=True)
     )
     missing = [missing_energy(shared | each) for each in replicates]
-    return caveat(said, missing, parameters, overlaps)
+    return caveat(said, missing, parameters, overlaps, lengths)

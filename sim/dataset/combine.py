@@ -59,6 +59,7 @@ def root(blocks: Sequence[Rows], study: Study) -> xr.Dataset:
         held["missing_energy"].values,
         [point.parameters for point in study.points.values()],
         held["max_overlap"].where(held["status"] == "completed").values,
+        (held["steps"] * held["time_step_used"]).values,
     )
     found = held.assign_coords(
         _labels(study, caveats, made["source_hash"])

@@ -7,15 +7,15 @@ import xarray as xr
 from sim.dataset.caveats import UNSOUND, caveat, caveat_of_run
 from sim.dataset.gather import read_run
 from sim.dataset.summary import summary_of
-from sim.parameters import BeltParameters, ChuteParameters
+from sim.parameters import BeltParameters, ChuteParameters, amounts
 from tests.made.netcdf import store
 from tests.made.runs import write_run
 
 PAPER = ChuteParameters()
 
 
-def told(said, missing, overlaps=()):
-    return caveat(said, missing, PAPER, overlaps)
+def told(said, missing, overlaps=(), lengths=()):
+    return caveat(said, missing, PAPER, overlaps, lengths)
 
 
 def test_one_replicate_that_leaks_is_enough():
@@ -32,7 +32,22 @@ def test_flows_that_overlap_beyond_the_contact_law_say_so_once():
     assert told("", [], [np.nan, 0.099]) == ""
     text = told("", [], [0.05, 0.11, 0.2])
     assert text.startswith("spheres overlap by more than 10 % of a diameter")
-    assert caveat("", [], BeltParameters(), [0.6]) == ""
+    assert caveat("", [], BeltParameters(), [0.6], []) == ""
+
+
+def test_runs_longer_than_is_asked_for_say_so():
+    asked = PAPER.steps * PAPER.time_step
+    assert told("", [], lengths=[asked, 0.2 * asked, np.nan]) == ""
+    assert told("", [], lengths=[asked, 1.1 * asked]).startswith("runs longer than is asked for")
+
+
+def test_a_study_that_asks_for_less_than_was_run_is_told_so(tmp_path):
+    """Of more replicates it takes the first, but of a longer run there is no part to take."""
+    held = ChuteParameters(average=40, replicates=2)
+    path = write_run(tmp_path, held, 0.5)
+    for asked, is_longer in ((held, False), (ChuteParameters(average=10, replicates=1), True)):
+        found = caveat_of_run(summary_of(path, amounts(asked)), asked)
+        assert found.startswith("runs longer") == is_longer
 
 
 def test_a_start_faster_than_the_contact_law_bears_is_known_before_any_run():
