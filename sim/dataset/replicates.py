@@ -133,20 +133,22 @@ def _regime(
     """Return the regime of a point from the mean ``slope`` of its replicates (all in m/s²).
 
     Those that came to rest and those that did not contradict each other, and so do replicates that
-    surely accelerate and others that surely do not, each as one of so many.
+    surely accelerate and others that surely do not, each as one of so many. What goes to the left
+    accelerates where its velocity falls.
     """
     rests = completed["regime"] == "arrested"
     if not rests.size:
         return "failed"
     if rests.any():
         return "arrested" if rests.all() else "mixed"
-    slopes = completed["acceleration"]
+    sign = -1.0 if completed["velocity"].mean() < 0.0 else 1.0
+    gain, gains = sign * slope, sign * completed["acceleration"]
     wider = student(MANY, rests.size) / student(MANY)
     own = wider * completed["acceleration_half_width"]
-    if (slopes - own > negligible).any() and (slopes + own < negligible).any():
+    if (gains - own > negligible).any() and (gains + own < negligible).any():
         return "mixed"
-    accelerates = slope - half_width > negligible
-    evident = accelerates and (slope > GAIN * over_window or slope > EVIDENT * half_width)
+    accelerates = gain - half_width > negligible
+    evident = accelerates and (gain > GAIN * over_window or gain > EVIDENT * half_width)
     few = np.nansum(completed["independent_samples"]) < TOO_FEW
     if few and not evident:
         return "undetermined"

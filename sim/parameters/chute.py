@@ -142,8 +142,10 @@ class ChuteParameters(SphereParameters):
 
     @model_validator(mode="after")
     def _of_resolved_motion(self) -> Self:
-        longest = max(self.sample_interval, self.transient + self.average) * self.time_unit
-        if not self.time_step <= longest:
+        if not self.average >= self.sample_interval:
+            allowed = f"at least sample_interval = {self.sample_interval:g}"
+            raise broken_rule("average", self.average, allowed)
+        if not self.time_step <= (self.transient + self.average) * self.time_unit:
             allowed = "a value that gives a time step shorter than the run"
             raise broken_rule("stiffness", self.stiffness, allowed)
         return self

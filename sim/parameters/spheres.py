@@ -26,6 +26,13 @@ _TOO_SOFT = (
     "larger stiffness cures it"
 )
 
+#: By which share of it the depth of whole particles may differ from the one asked for unsaid.
+COARSE = 0.01
+
+_COARSE = (
+    f"whole particles in the cell have a depth that differs by more than {100 * COARSE:g} % from "
+    "the one asked for; a wider cell cures it"
+)
 
 #: Skin of the neighbor list, in diameters, and how many neighbors of a sphere are usual in it.
 SKIN, USUAL_NEIGHBORS = 0.2, 8
@@ -413,10 +420,14 @@ class SphereParameters(Parameters):
     def _caveat_at(self, speed: float, what: str) -> str:
         """Say so when impacts at a speed (m/s) overlap by more than the contact law bears.
 
-        Spheres that meet head-on at a speed v overlap by v √(m/2K1).
+        Spheres that meet head-on at a speed v overlap by v √(m/2K1). And say so when no whole
+        number of particles has the depth.
         """
         overlap = speed * math.sqrt(0.5 * self.mass / self.stiffness) / self.diameter
-        return f"impacts at {what} {_TOO_SOFT}" if overlap > SMALL else ""
+        told = [f"impacts at {what} {_TOO_SOFT}"] if overlap > SMALL else []
+        if abs(self.particles - self.depth * self._area) > COARSE * self.depth * self._area:
+            told.append(_COARSE)
+        return "; ".join(told)
 
     @property
     def cores(self) -> int:

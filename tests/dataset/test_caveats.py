@@ -7,7 +7,7 @@ import xarray as xr
 from sim.dataset.caveats import UNSOUND, caveat, caveat_of_run
 from sim.dataset.gather import read_run
 from sim.dataset.summary import summary_of
-from sim.parameters import BeltParameters, ChuteParameters, amounts
+from sim.parameters import BeltParameters, ChuteParameters, ConveyorParameters, amounts
 from tests.made.netcdf import store
 from tests.made.runs import write_run
 
@@ -55,6 +55,15 @@ def test_a_start_faster_than_the_contact_law_bears_is_known_before_any_run():
     assert not ChuteParameters(initial_velocity=23.3).caveat
     assert "beyond the range" in ChuteParameters(initial_velocity=23.5).caveat
     assert not ChuteParameters(initial_velocity=70, stiffness=1000).caveat
+
+
+def test_a_depth_that_whole_particles_do_not_have_is_known_before_any_run():
+    """Of 0.45 · 4² = 7.2 spheres there are 7, and a row of 3 discs is not one of 2.9."""
+    assert ChuteParameters(depth=0.45, cell=4).caveat.startswith("whole particles in the cell")
+    assert not ChuteParameters(depth=0.4375, cell=4).caveat
+    assert ConveyorParameters(shape="disc", depth=0.97, cell=3).caveat
+    both = ChuteParameters(depth=0.45, cell=4, initial_velocity=50).caveat
+    assert both.startswith("impacts") and "; whole particles" in both
 
 
 @pytest.mark.parametrize("acceleration", [0.0, 5.0])

@@ -85,6 +85,8 @@ def test_slopes_of_different_states_do_not():
 )
 def test_the_regime_is_that_of_the_mean_slope(regimes, slopes, together):
     assert outcome(point(regimes, slopes=slopes))["regime"] == together
+    to_the_left = point(regimes, velocities=[-1.0] * len(regimes), slopes=-np.asarray(slopes))
+    assert outcome(to_the_left)["regime"] == together
 
 
 def test_a_trend_that_single_runs_leave_open_is_decided_by_many():

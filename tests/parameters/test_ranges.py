@@ -55,6 +55,7 @@ GALLAS = {
 
 
 REFUSED = [
+    ("chute", "average", 0.2, "at least sample_interval = 0.25"),
     ("chute", "depth", 0, "> 0"),
     ("chute", "depth", -1, "> 0"),
     ("chute", "friction", -0.1, ">= 0"),

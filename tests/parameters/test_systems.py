@@ -45,7 +45,7 @@ def test_lengths_of_a_belt_run_are_the_papers():
 
 
 def test_the_shortest_run_has_a_sample_and_the_smallest_cell_a_particle():
-    chute = ChuteParameters(depth=1e-6, transient=0, average=1e-6)
+    chute = ChuteParameters(depth=1e-6, transient=0, average=0.25)
     assert (chute.particles, chute.transient_samples, chute.average_samples) == (1, 0, 1)
 
 

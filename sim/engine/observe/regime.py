@@ -85,14 +85,16 @@ def analyse(velocity: np.ndarray, interval: float, scales: Scales, period: int =
     if len(cycles) < FEWEST:
         return Trend(average, trend, "undetermined", "short", float(len(cycles)))
     independent = _independent(cycles, scales)
-    change = trend.value * interval * period * len(cycles) / abs(average.value or np.inf)
-    regime = _regime(cycles, average, trend, scales, interval * period * len(cycles))
-    evident = regime == "accelerating" and (
-        change > GAIN or trend.value > EVIDENT * trend.half_width
-    )
+    # What goes to the left gains speed where its velocity falls.
+    gain = -trend.value if average.value < 0.0 else trend.value
+    window = interval * period * len(cycles)
+    change = gain * window / abs(average.value or np.inf)
+    negligible = min(scales.acceleration, scales.drift * abs(average.value) / window)
+    regime = _regime(cycles, gain, trend.half_width, negligible, scales.arrested)
+    evident = regime == "accelerating" and (change > GAIN or gain > EVIDENT * trend.half_width)
     if regime != "arrested" and 0.0 < independent < TOO_FEW and not evident:
         regime = "undetermined"
-    significant = abs(trend.value) > trend.half_width
+    significant = abs(gain) > trend.half_width
     if independent == 0.0:
         quality = "jammed"
     elif (
@@ -117,14 +119,13 @@ def _independent(cycles: np.ndarray, scales: Scales) -> float:
 
 
 def _regime(
-    cycles: np.ndarray, average: Interval, trend: Interval, scales: Scales, window: float
+    cycles: np.ndarray, gain: float, half_width: float, negligible: float, arrested: float
 ) -> str:
-    """Name the regime of a series of means over periods that spans a ``window`` (s)."""
-    if np.abs(cycles[len(cycles) // 2 :]).max() < scales.arrested:
+    """Name the regime of a series of means over periods whose speed has a slope ``gain``."""
+    if np.abs(cycles[len(cycles) // 2 :]).max() < arrested:
         return "arrested"
-    negligible = min(scales.acceleration, scales.drift * abs(average.value) / window)
-    if trend.value - trend.half_width > negligible:
+    if gain - half_width > negligible:
         return "accelerating"
-    if abs(trend.value) + trend.half_width < negligible:
+    if abs(gain) + half_width < negligible:
         return "steady"
     return "undetermined"

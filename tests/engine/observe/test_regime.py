@@ -41,6 +41,14 @@ def test_regime_of_a_series(values, scales, regime, quality):
     assert sum(trend.quality == quality for trend in found) >= 8
 
 
+@pytest.mark.parametrize("slope", [2.0, 0.06, 0.0002, -0.06])
+def test_a_flow_to_the_left_has_the_regime_of_its_mirror_image(slope):
+    there = series(slope=slope)
+    right, left = (analyse(values, INTERVAL, CHUTE) for values in (there, -there))
+    assert (left.regime, left.quality) == (right.regime, right.quality)
+    assert left.acceleration.value == pytest.approx(-right.acceleration.value)
+
+
 @pytest.mark.parametrize(
     ("samples", "mean", "count"),
     [
