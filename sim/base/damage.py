@@ -1,5 +1,6 @@
 """Reading what earlier commands have stored: a damaged file is named, set aside and made again."""
 
+import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -47,9 +48,11 @@ def checked_read(path: Path, kind: str, replaceable: bool, sealed: bool = False)
     DamagedError
         When it cannot be read.
     """
-    if not path.is_file():
+    if not os.path.lexists(path):
         raise InputError(f"{path}: no such {kind}; rerun the study to make it")
     try:
+        if not path.is_file():
+            raise ValueError("no file, or a link to none")
         if sealed and is_damaged(path):
             raise ValueError("its checksum is wrong or missing")
         yield
@@ -59,5 +62,5 @@ def checked_read(path: Path, kind: str, replaceable: bool, sealed: bool = False)
         message = f"{path}: damaged or not a {kind} ({error})"
         if replaceable:
             aside = set_aside(path).name
-            message += f"; now {aside}: rerun the study to make it again"
+            message += f"; now {aside}: rerun the study, which makes what is missing"
         raise DamagedError(message) from None

@@ -181,9 +181,10 @@ def _allowed(entry: ErrorDetails, owner: type[BaseModel]) -> str:
             return allowed_values(owner.model_fields[name])
         case "literal_error":
             return entry["ctx"]["expected"]
-        case "string_pattern_mismatch" if isinstance(entry["loc"][-1], int):
+        case "string_pattern_mismatch" | "string_type" if isinstance(entry["loc"][-1], int):
             (item,) = typing.get_args(owner.model_fields[name].annotation)
-            return allowed_values(*item.__metadata__)
+            for said in getattr(item, "__metadata__", ()):
+                return allowed_values(said)
     allowed = allowed_values(fields[name]) if name in fields else entry["msg"]
     return f"finite, {allowed}" if entry["type"] == "finite_number" else allowed
 

@@ -82,7 +82,7 @@ class Adopted:
         self._needed, self._is_shown = needs_run_file(study), shows_particles(study)
         self._held: dict[str, list[Held]] = defaultdict(list)
         for path in self.files:
-            with checked_read(path, "adopted dataset", replaceable=True):
+            with checked_read(path, "dataset that was adopted", replaceable=True):
                 for point, held in rows_of(path).items():
                     self._held[point].append(held)
 

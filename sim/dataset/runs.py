@@ -71,7 +71,7 @@ class Runs:
                 for point, held in sources.items()
                 if held and held.dataset == dataset
             }
-            with checked_read(dataset, "adopted dataset", replaceable=True):
+            with checked_read(dataset, "dataset that was adopted", replaceable=True):
                 self._add(adopted_rows(dataset, mine, self._is_shown))
         files = [
             (self._folder / f"{point}.nc", much, self._is_shown(point))

@@ -18,6 +18,7 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import LogLocator, NullFormatter
 
 from sim.dataset.results import Results
+from sim.figures.caption import points_text
 from sim.figures.data import FigureData, parameter_columns, varying
 from sim.figures.looks import Look, settings
 from sim.figures.quantity import Quantity, of_replicates
@@ -168,6 +169,11 @@ def above_zero(data: FigureData, axis: str, values: np.ndarray) -> np.ndarray:
 def lost_note(lost: int, what: str) -> list[str]:
     """Return what the caption says of so many ``what`` that a logarithmic axis has no place for."""
     return [f"Not above 0, and so not on a logarithmic axis: {lost} {what}."] if lost else []
+
+
+def without_note(count: int, what: str = "a value", mark: str = "Not drawn") -> list[str]:
+    """Return what the caption says of so many points that no run knows ``what`` of."""
+    return [f"{mark}: {points_text(count)} without {what}."] if count else []
 
 
 def width_of(shown: Panels) -> float:

@@ -37,6 +37,7 @@ from sim.figures.plot import (
     parameter_label,
     set_log,
     width_of,
+    without_note,
 )
 from sim.figures.quantity import Quantity, quantity_table
 from sim.figures.style import CurveStyle
@@ -179,7 +180,8 @@ def notes(data: FigureData) -> list[str]:
     spec, keys, quantities = data.spec, _keys(data), _placed(data)
     completed = data.rows[data.rows["completed"] > 0]
     shown = completed[_known(quantities)[completed.index]]
-    lost = int(_known(_quantities(data))[completed.index].sum()) - len(shown)
+    known = int(_known(_quantities(data))[completed.index].sum())
+    lost = known - len(shown)
     own = {
         axis: replace(one, value=one.value[shown.index], half_width=one.half_width[shown.index])
         for axis, one in quantities.items()
@@ -198,6 +200,7 @@ def notes(data: FigureData) -> list[str]:
         *(["Curves are drawn a little aside of each other."] if aside else []),
         *_notes_on_lines([described(spec.system, name) for name in along]),
         *(["Lines are interrupted at flows that accelerate."] if accelerating else []),
+        *without_note(len(completed) - known),
         *lost_note(lost, "points" if lost > 1 else "point"),
         *beside_notes(data),
     ]

@@ -26,6 +26,7 @@ from sim.figures.plot import (
     parameter_label,
     replicate_values,
     set_log,
+    without_note,
 )
 from sim.figures.style import PALE
 from sim.figures.units import unit_of
@@ -99,10 +100,14 @@ def table(data: FigureData) -> pd.DataFrame:
 def notes(data: FigureData) -> list[str]:
     """Return what the caption says of dots and bars."""
     one = numbers(data.spec.system)[data.spec.options["show"]]
-    values = np.concatenate([np.zeros(0), *replicate_values(data, one)])
+    found = replicate_values(data, one)
+    completed = data.rows["completed"] > 0
+    unknown = sum(not each.size for each, done in zip(found, completed, strict=True) if done)
+    values = np.concatenate([np.zeros(0), *found])
     lost = int(np.isnan(above_zero(data, "y", values)).sum())
     return [
         "A dot per completed replicate, spread sideways; bars: medians. x is not to scale.",
+        *without_note(unknown),
         *lost_note(lost, "replicates" if lost > 1 else "replicate"),
     ]
 

@@ -26,6 +26,7 @@ from sim.figures.plot import (
     parameter_label,
     set_log,
     width_of,
+    without_note,
 )
 from sim.figures.quantity import quantity_table
 from sim.figures.regimes import MARKS
@@ -122,8 +123,7 @@ def notes(data: FigureData) -> list[str]:
         return ["One marker per point.", *beside_notes(data)]
     unknown = len(data.rows) - len(_known(data))
     value = "a value above 0" if "colour" in data.spec.options["log"] else "a value"
-    without = [f"Open: {unknown} without {value}."] if unknown else []
-    return ["One square per point.", *without, *beside_notes(data)]
+    return ["One square per point.", *without_note(unknown, value, "Open"), *beside_notes(data)]
 
 
 KIND = Kind(draw, table=table, notes=notes)

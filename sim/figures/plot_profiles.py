@@ -27,6 +27,7 @@ from sim.figures.plot import (
     observable_label,
     panels,
     set_log,
+    without_note,
 )
 from sim.figures.plot_slices import ENOUGH, extent_sentence, slices, there
 from sim.figures.style import PALE
@@ -131,7 +132,9 @@ def notes(data: FigureData) -> list[str]:
     pale = f"of fewer than {ENOUGH}, each is a pale line"
     bands = "Bands: Student's 95 % interval of the mean over replicates"
     ends = extent_sentence(data, "Lines")
-    rest = [*_notes_on_logarithms(data), unsteady_sentence(data.rows), *beside_notes(data)]
+    unknown = sum(bool(each["mean"].isna().all()) for each in _each(data))
+    lacking = [*without_note(unknown, f"a value{there(data)}"), *_notes_on_logarithms(data)]
+    rest = [*lacking, unsteady_sentence(data.rows), *beside_notes(data)]
     if many:
         return [ends, f"{bands}; {pale}." if few else f"{bands}.", *rest]
     return [ends, *([f"Lines are means over replicates; {pale}."] if few else []), *rest]

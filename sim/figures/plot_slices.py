@@ -29,6 +29,7 @@ from sim.figures.plot import (
     panels,
     scale_of_point,
     set_log,
+    without_note,
 )
 from sim.figures.style import PALE, CurveStyle
 from sim.figures.units import unit_of
@@ -193,6 +194,7 @@ def notes(data: FigureData) -> list[str]:
         *([f"{bars}; {pale}." if few else f"{bars}."] if many else []),
         *([f"{pale[0].upper()}{pale[1:]}."] if few and not many else []),
         *(["Bars that end in a caret go on beyond the axes."] if cut else []),
+        *without_note(sum(every.empty for every, _ in found), f"a value{there(data)}"),
         *lost_note(lost, "slices"),
         unsteady_sentence(data.rows),
         *beside_notes(data),

@@ -304,7 +304,8 @@ class Parameters(BaseModel):
         longest = shortest if self.protocol == "published" else max(shortest, self.limit)
         steps = longest * self.time_unit / self.time_step
         if not steps <= MAX_STEPS or self.steps > MAX_STEPS:
-            key = "average" if longest == shortest else "limit"
+            longer = "transient" if self.transient > self.average else "average"
+            key = longer if longest == shortest else "limit"
             allowed = f"a run of at most {MAX_STEPS:.0e} time steps"
             raise broken_rule(key, getattr(self, key), allowed)
         if not steps / self.sample_steps <= MAX_SAMPLES:

@@ -12,6 +12,7 @@ from sim.base.files import require_writable
 from sim.base.program import program
 from sim.base.words import counted, duration
 from sim.dataset.adopted import Adopted
+from sim.dataset.starts import require_start_files
 from sim.parameters import complete
 from sim.study.cost import Estimate, estimate
 from sim.study.figure_points import left_out
@@ -33,6 +34,7 @@ _NONE: Mapping[str, str] = {}
 def show(study_path: Path, results: Path, format: str) -> str:
     """Return the points of a study as ``table`` or ``json``, after warnings on standard error."""
     study = load_study(study_path, None)
+    require_start_files(study)
     for warning in warnings(study, results):
         print(f"warning: {warning}", file=sys.stderr)
     points = {key: point.parameters for key, point in study.points.items()}

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from sim.base.errors import InputError
+from sim.base.files import require_writable
 from sim.dataset.agreement import require_agreement
 from sim.dataset.results import Results, load_results
 from sim.report.claims import read_claims
@@ -59,6 +60,7 @@ def publish(
     _require_there(folder, names)
     _require_distinct(study.sources, names)
     output, temporary = target / study.name, target / f".{study.name}.part"
+    require_writable(target, "--to")
     _require_replaceable(output, folder, target)
     found = load_results(folder / "dataset.nc")
     require_agreement(study, found, folder / "dataset.nc")
@@ -115,8 +117,11 @@ def _require_replaceable(output: Path, folder: Path, target: Path) -> None:
     own, place = folder.resolve(), output.resolve()
     apart = not (place.is_relative_to(own) or own.is_relative_to(place))
     published = not output.exists() or (output / PROVENANCE).is_file()
-    if not (apart and published):
-        allowed = f"a folder whose {output.name} is new or an earlier publication, not results"
+    # A link would be put aside in the place of what it leads to.
+    if output.is_symlink() or not (apart and published):
+        allowed = (
+            f"a folder whose {output.name} is new or an earlier publication, not results or a link"
+        )
         raise InputError.of_value("--to", "", str(target), allowed)
 
 

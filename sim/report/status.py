@@ -29,8 +29,9 @@ STATES = ("done", "failed", "adopted", "running", "interrupted", "waiting")
 #: Those that a point comes to.
 ENDED = STATES[:3]
 
-#: Names of run files; those that begin with a dot are states, progress and temporary files.
-RUN_FILE = re.compile(r"[^.].*\.nc")
+#: Names of run files, and of states and progress files, of which a point that was stopped midway
+#: may have nothing else.
+RUN_FILES = re.compile(r"([^.].*)\.nc|\.([^.].*)\.nc\.(?:state|progress)")
 
 #: Seconds by which the start of a process may seem later than it was: the kernel tells the time of
 #: its own start in whole seconds.
@@ -100,8 +101,8 @@ class StudyStatus:
     rounds_left : int
         Rounds of refinement whose points are not known yet, and in none of these times.
     orphans : tuple of str
-        Points no longer in the study that have run files. None as long as rounds are to come, which
-        may ask for any.
+        Points no longer in the study that have run files, or states of a run that was stopped. None
+        as long as rounds are to come, which may ask for any.
     budget : Budget, optional
         That of a study that decides something.
     """
@@ -180,8 +181,8 @@ def survey(study: Study, results: str | Path = "results") -> StudyStatus:
         key: _look(key, value, runs, present, adopted.get(key)) for key, value in parameters.items()
     }
     to_come = study.rounds - len(round_files(study, folder))
-    there = (name.removesuffix(".nc") for name in sorted(present) if RUN_FILE.fullmatch(name))
-    orphans = () if to_come else tuple(name for name in there if name not in points)
+    there = {found[1] or found[2] for name in present if (found := RUN_FILES.fullmatch(name))}
+    orphans = () if to_come else tuple(sorted(there - points.keys()))
     left = _left(points, parameters)
     budget = _budget(study.decide.budget, points, extra) if study.decide else None
     return StudyStatus(study.name, study.title, points, *left, to_come, orphans, budget)

@@ -153,6 +153,8 @@ class SeriesFile(_Family):
 #: A claim of the papers, all claims, or one of a plug-in.
 CLAIM = r"^(W([1-9]|1[0-9]|2[0-6])|G([1-9]|[12][0-9]|3[0-6])|all|[a-z][a-z0-9_]{0,39})$"
 
+ALLOWED_CLAIM = "W1 to W26, G1 to G36, all, or the name of a judge of a plug-in"
+
 #: Kind of what plug-ins add to the claims.
 JUDGE = "judge"
 
@@ -161,7 +163,9 @@ class DecideFile(Strict):
     """What is to be decided by more replicates and longer runs, added in rounds."""
 
     budget: Real = Field(description="core hours that all rounds may add", gt=0, le=1e6)
-    claims: list[Annotated[str, Field(pattern=CLAIM)]] = optional(
+    claims: list[
+        Annotated[str, Field(pattern=CLAIM, json_schema_extra={"allowed": ALLOWED_CLAIM})]
+    ] = optional(
         "claims of the papers to be decided, as G3; [all] for all that the study tests; under each "
         "of the study's readings",
         min_length=1,
@@ -182,8 +186,7 @@ class DecideFile(Strict):
         known = {*additions(JUDGE), "all"}
         for index, name in enumerate(self.claims or []):
             if name[0].islower() and name not in known:
-                allowed = "a claim of the papers as G3, all, or the name of a judge of a plug-in"
-                raise broken_rule(f"claims[{index}]", name, allowed)
+                raise broken_rule(f"claims[{index}]", name, ALLOWED_CLAIM)
         if self.claims is None and self.precision is None:
             raise broken_rule("claims", None, "claims, precision, or both")
         return self

@@ -64,7 +64,13 @@ class Models(NamedTuple):
 def _models_of(system: str) -> Models:
     """Make the models of the entries of a study file concrete with the parameters of a system."""
     model, first = SYSTEMS[system], next(iter(SYSTEMS))
-    numbers = [name for name, field in model.model_fields.items() if field.annotation is float]
+    # No boundary is along what no flow depends on: lengths of runs, how often samples are taken.
+    idle = roles.numerical(model) - set(roles.changing_start(model))
+    numbers = [
+        name
+        for name, field in model.model_fields.items()
+        if field.annotation is float and name not in idle
+    ]
     figures = [name for name, spec in FIGURES.items() if spec.system == system]
     some, lists = _given(Some, system), _given(Lists, system)
     readings = _given(Readings, system, roles.readings(model))

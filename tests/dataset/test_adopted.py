@@ -319,6 +319,17 @@ def test_the_command_ends_with_one_line_and_2(study, whole, capsys):
     assert "covers 6 of 6 points" in capsys.readouterr().out
 
 
+@pytest.mark.parametrize("kind", ["folder", "lost"])
+def test_what_is_no_file_is_set_aside_like_one_that_is_damaged(study, kind):
+    there = study.output.parent / "adopted" / "x.nc"
+    there.parent.mkdir(parents=True)
+    there.mkdir() if kind == "folder" else there.symlink_to("nowhere")
+    said = rf"x\.nc: damaged or not a dataset that .* \(no file, .*now {there.name}.damaged: rerun"
+    with pytest.raises(DamagedError, match=said):
+        adopted(study)
+    assert adopted(study) == set()
+
+
 def test_one_that_is_damaged_later_is_set_aside_and_its_points_are_run(study, whole):
     adopt(study.path, whole.output, study.results)
     (there,) = (study.output.parent / "adopted").iterdir()

@@ -65,7 +65,8 @@ def test_a_map_tells_what_has_no_colour_on_a_logarithmic_scale():
         )
     ]
     plot = {"kind": "map", "x": "friction", "y": "angle", "colour": "velocity"}
-    assert "Open: 1 without a value above 0." in notes(drawn(plot | {"log": ["colour"]}, points)[2])
+    _, _, logarithmic = drawn(plot | {"log": ["colour"]}, points)
+    assert "Open: 1 point without a value above 0." in notes(logarithmic)
     assert "Open" not in notes(drawn(plot, points)[2])
 
 

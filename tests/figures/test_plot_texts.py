@@ -65,11 +65,41 @@ def test_a_caption_tells_of_carets_and_of_points_where_they_are():
     assert "end in a caret" in caption_of(plot, points)
     figure, _, _ = drawn(plot, points)
     assert any(line.get_marker() in (CARETUP, CARETDOWN) for line in figure.axes[0].lines)
-    # Nothing is said of points that have no value, and of bars that no point has.
+    # No marker of points that have no value is explained, and no bar that no point has.
     unknown = {"shear_depth": np.full(1, np.nan), "acceleration": 2.0}
     known = {"shear_depth": 0.001}
     text = caption_of(plot, at_frictions(known, known, unknown, replicates=1))
     assert "arker" not in text and "Error bars" not in text
+
+
+UNKNOWN = {"velocity_error": np.full(3, np.nan)}
+
+
+@pytest.mark.parametrize(
+    ("plot", "points", "said"),
+    [
+        ({"x": "friction", "y": "velocity_error"}, at_frictions({}, UNKNOWN, UNKNOWN), "2 points"),
+        (
+            {"kind": "distribution", "x": "friction", "y": "velocity_error"},
+            at_frictions({}, UNKNOWN, UNKNOWN),
+            "2 points",
+        ),
+        (
+            {"kind": "profiles", "x": "velocity", "between": [100, 200]},
+            flows(),
+            "6 points without a value at these heights",
+        ),
+        (
+            {"kind": "profiles", "x": "velocity", "y": "packing", "between": [100, 200]},
+            flows(),
+            "6 points without a value at these heights",
+        ),
+    ],
+)
+def test_a_caption_counts_the_points_that_have_nothing_to_show(plot, points, said):
+    assert f"Not drawn: {said}" in caption_of(plot, points)
+    lost = {"status": "failed", "reason": "blown up", "velocity": np.nan}
+    assert "Not drawn" not in caption_of(plot, at_frictions(lost, lost, lost))
 
 
 def test_profiles_tell_of_bands_or_of_pale_lines():

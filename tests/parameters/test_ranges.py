@@ -89,6 +89,7 @@ REFUSED = [
     ("chute", "seed", -1, "an integer in [0"),
     ("chute", "average", 0, "> 0"),
     ("chute", "average", 1e12, "at most 1e+12 time steps"),
+    ("chute", "transient", 1e12, "at most 1e+12 time steps"),
     ("belt", "frequency", 0, "> 0"),
     ("belt", "vibration_angle", 0, "(0, 90]"),
     ("belt", "vibration_angle", 90.5, "(0, 90]"),

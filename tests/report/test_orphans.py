@@ -45,6 +45,20 @@ def test_orphans_are_removed_when_told_to(folder, capsys):
     assert capsys.readouterr().out == "none\n"
 
 
+def test_what_a_run_that_was_stopped_has_left_is_removed_too(tmp_path, capsys):
+    made = Folder(tmp_path)
+    kept, gone = made.ids[0], made.ids[1]
+    for key in (kept, gone):
+        made.say(key)
+        (made.runs / f".{key}.nc.state").write_bytes(bytes(1000))
+    folder = Folder(tmp_path, STUDY.replace("[1, 2, 3]", "[1, 3]"))
+    assert called(folder) == 0
+    assert capsys.readouterr().out.startswith(f"{gone}  0.0 MB\n1 run, ")
+    assert called(folder, "--remove") == 0
+    left = {f".{kept}.nc.state", f".{kept}.nc.progress"}
+    assert {path.name for path in folder.runs.iterdir()} == left
+
+
 def test_nothing_is_an_orphan_while_rounds_are_to_come(tmp_path, capsys):
     made = Folder(tmp_path)
     made.finish(made.ids[0])

@@ -104,7 +104,10 @@ def tree(folder: Path) -> dict[str, bytes]:
     return {str(path): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
 
 
-@pytest.mark.parametrize("place", ["results", "results/made", "results/link", "above", "other"])
+@pytest.mark.parametrize(
+    "place",
+    ["results", "results/made", "results/link", "above", "other", "file", "lost", "linked", "led"],
+)
 def test_only_what_was_published_is_replaced(finished, tmp_path, place, capsys):
     study, results = finished
     (results / "link").symlink_to(".")
@@ -116,6 +119,14 @@ def test_only_what_was_published_is_replaced(finished, tmp_path, place, capsys):
     elif place == "other":
         (tmp_path / "other" / "made").mkdir(parents=True)
         (tmp_path / "other" / "made" / "precious").write_text("text")
+    elif place == "file":
+        (tmp_path / place).write_text("text")
+    elif place == "lost":
+        (tmp_path / place).symlink_to("nowhere")
+    elif place in ("linked", "led"):
+        publish.publish(study, results, tmp_path / place)
+        (tmp_path / place / "made").rename(tmp_path / place / "elsewhere")
+        (tmp_path / place / "made").symlink_to("elsewhere" if place == "linked" else "nowhere")
     before = tree(tmp_path)
     options = ["publish", str(study), "--results", str(results), "--to", str(tmp_path / place)]
     assert main(options) == 2

@@ -49,6 +49,24 @@ def test_a_message_says_what_was_meant(series, message):
     assert refused(**series) == message
 
 
+@pytest.mark.parametrize(
+    ("others", "message"),
+    [
+        (
+            {"decide": {"budget": 1, "claims": ["ZZ"]}},
+            "decide.claims[0]: got 'ZZ'; allowed: W1 to W26, G1 to G36, all, or the name of a "
+            "judge of a plug-in",
+        ),
+        ({"parts": [1]}, "parts[0]: got 1; allowed: a file's name"),
+    ],
+)
+def test_a_message_on_an_entry_of_a_list_says_what_an_entry_may_be(others, message):
+    mapping = {"study": "s", "series": [{"name": "a", "system": "chute"}]} | others
+    with pytest.raises(InputError) as caught:
+        parse_study(mapping, "s.yaml", None)
+    assert str(caught.value) == f"s.yaml: {message}"
+
+
 def test_a_decimal_comma_within_braces_is_told(tmp_path: Path):
     path = tmp_path / "s.yaml"
     path.write_text("base: {friction: 0,3}\n")

@@ -28,6 +28,7 @@ from sim.engine.stored_run import holds, is_to_grow, planned_amounts
 from sim.engine.identity import numerics_mark
 from sim.dataset.adopted import Adopted
 from sim.dataset.rounds import read_round
+from sim.dataset.starts import require_start_files
 from sim.study.batches import batches
 from sim.study.load import DEFAULT_STUDY, estimate, load_study
 
@@ -248,6 +249,7 @@ try:
     # What keeps every run from starting is said at once, not in the log of the first.
     checkpoint_interval()
     STUDY = load_study(study_path())
+    require_start_files(STUDY)
     RESULTS = f"results/{STUDY.name}"
     ADOPTED = Adopted(STUDY, Path(RESULTS))
     SOURCES = ADOPTED.sources({key: one.parameters for key, one in STUDY.points.items()})
