@@ -11,6 +11,7 @@ from matplotlib.colors import LogNorm, Normalize
 from matplotlib.figure import Figure
 
 from sim.figures.beside import beside_notes, draw_beside, set_run_ticks, with_beside
+from sim.figures.caption import unsteady_sentence
 from sim.figures.configuration import COLOURS
 from sim.figures.data import FigureData, velocity_table
 from sim.figures.kind import Kind
@@ -123,7 +124,8 @@ def notes(data: FigureData) -> list[str]:
     unknown = len(data.rows) - len(_known(data))
     value = "a value above 0" if "colour" in data.spec.options["log"] else "a value"
     without = [f"Open: {unknown} without {value}."] if unknown else []
-    return ["One square per point.", *without, *beside_notes(data)]
+    unsteady = unsteady_sentence(data.rows)
+    return ["One square per point.", *without, unsteady, *beside_notes(data)]
 
 
 KIND = Kind(draw, table=table, notes=notes)

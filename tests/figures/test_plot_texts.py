@@ -15,6 +15,8 @@ from sim.base.errors import InputError
 from sim.base.plugins import load_plugins
 from sim.figures.caption import parameters_sentence
 from sim.figures.curves import _draw_points
+from sim.figures.data import figure_data
+from sim.figures.kind import load_kind
 from sim.figures.quantity import Quantity
 from sim.figures.render import derived
 from sim.figures.style import SETTINGS, CurveStyle
@@ -70,6 +72,28 @@ def test_a_caption_tells_of_carets_and_of_points_where_they_are():
     known = {"shear_depth": 0.001}
     text = caption_of(plot, at_frictions(known, known, unknown, replicates=1))
     assert "arker" not in text and "Error bars" not in text
+
+
+@pytest.mark.parametrize(
+    "plot",
+    [
+        {"kind": "map", "x": "friction", "y": "friction_plane", "colour": "velocity"},
+        {"kind": "distribution", "x": "friction", "y": "velocity"},
+        {"kind": "time_series", "curves": "friction"},
+        {"kind": "profiles", "curves": "friction"},
+    ],
+)
+def test_a_caption_tells_what_is_not_steady_where_no_marker_does(plot):
+    steady = {"regime": "steady"}
+    speeding = {"regime": "accelerating", "acceleration": 2.0}
+
+    def told(*points: Mapping) -> list[str]:
+        spec, results = made(plot, at_frictions(*points))
+        return load_kind(spec.kind).notes(figure_data(results, spec))
+
+    sentence = "Not shown to be steady, and drawn all the same: 2 points still accelerating."
+    assert sentence in told(steady, speeding, speeding)
+    assert "steady" not in " ".join(told(steady, steady, steady))
 
 
 def test_profiles_tell_of_bands_or_of_pale_lines():
