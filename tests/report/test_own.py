@@ -91,6 +91,10 @@ def test_claims_are_not_shown_where_no_figure_of_the_papers_is(page):
     assert {target[1:] for target in targets} <= ids
 
 
+def test_the_command_for_a_plot_names_the_study(page, study):
+    assert f"a plot of this study with --study {study[0]}." in " ".join(page.text.split())
+
+
 def test_plots_and_points_are_linked(page, study):
     points = load_study(*study).points
     shown = [one for one in page.all("tr") if "data-plot" in one]
