@@ -95,6 +95,11 @@ def test_the_command_for_a_plot_names_the_study(page, study):
     assert f"a plot of this study with --study {study[0]}." in " ".join(page.text.split())
 
 
+def test_what_ended_runs_and_what_a_steady_mean_may_lack_is_explained(page):
+    text = " ".join(page.text.split())
+    assert "A steady flow may be short" in text and "limit, as long as it may, before" in text
+
+
 def test_plots_and_points_are_linked(page, study):
     points = load_study(*study).points
     shown = [one for one in page.all("tr") if "data-plot" in one]
