@@ -15,6 +15,7 @@ import pytest
 import yaml
 
 from sim.__main__ import parse
+from sim.base.statistics import student_half_width
 from sim.parameters import parse_point
 from sim.study.load import load_study, parse_study
 from tests.made.figures import make_built_study
@@ -207,6 +208,10 @@ def test_what_the_pages_on_growth_and_data_show_runs(results):
     assert names["run"].average == 4 and names["before"].average == 2
     assert names["velocities"].shape[1] == len(names["heights"])
     assert set(names["belts"].system.values) == {"belt"}
+    own = [each[np.isfinite(each)] for each in names["each"].values]
+    wanted = [float(student_half_width(each)) for each in own]
+    np.testing.assert_allclose(names["half_width"].values, wanted)
+    assert {len(each) for each in own} > {0, 2}
 
 
 @pytest.mark.parametrize("page", ["README.md", "docs/tutorial.md"])

@@ -38,9 +38,8 @@ from sim.study.refine import Sides
 COMPRESSION = {"zlib": True, "complevel": 9, "shuffle": True}
 
 #: Profiles have 9 binary digits, an error of 1e-3 of each value, far below that of the mean of a
-#: replicate, states of particles 20, and the paths of animations, whose error is then below a
-#: fiftieth of a diameter after 600 of them, 14; run files have all digits.
-PROFILES, STATES, PATHS = 9, 20, 14
+#: replicate, and places of particles 20; run files have all digits.
+PROFILES, PLACES = 9, 20
 
 
 def build(
@@ -192,7 +191,6 @@ def _stored(values: xr.DataArray, group: str | None) -> dict[str, Any]:
         # As characters words are compressed, unlike strings.
         return COMPRESSION | {"dtype": "S1"}
     if values.dtype == np.float32:
-        of_states = PATHS if values.name == "path" else STATES
-        digits = PROFILES if group in SYSTEMS else of_states
+        digits = PROFILES if group in SYSTEMS else PLACES
         return COMPRESSION | {"quantize_mode": "BitRound", "significant_digits": digits}
     return COMPRESSION

@@ -118,8 +118,8 @@ def panels(data: FigureData) -> tuple[Figure, Panels]:
         figure = Figure(figsize=SINGLE, layout="constrained")
         return figure, [(figure.subplots(), rows)]
     values = sorted(set(rows[name]))
-    across = min(ACROSS, len(values))
-    down = -(-len(values) // across)
+    down = -(-len(values) // ACROSS)
+    across = -(-len(values) // down)
     size = (SEVERAL[0] * across + 0.6, SEVERAL[1] * down + 0.8)
     figure = Figure(figsize=size, layout="constrained")
     grid = figure.subplots(down, across, sharex=True, sharey=True, squeeze=False)

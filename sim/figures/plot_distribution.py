@@ -10,6 +10,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from sim.figures.caption import unsteady_sentence
 from sim.figures.data import FigureData
 from sim.figures.kind import Kind
 from sim.figures.plot import (
@@ -109,6 +110,7 @@ def notes(data: FigureData) -> list[str]:
         "A dot per completed replicate, spread sideways; bars: medians. x is not to scale.",
         *without_note(unknown),
         *lost_note(lost, "replicates" if lost > 1 else "replicate"),
+        unsteady_sentence(data.rows),
     ]
 
 

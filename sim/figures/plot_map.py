@@ -11,6 +11,7 @@ from matplotlib.colors import LogNorm, Normalize
 from matplotlib.figure import Figure
 
 from sim.figures.beside import beside_notes, draw_beside, set_run_ticks, with_beside
+from sim.figures.caption import unsteady_sentence
 from sim.figures.configuration import COLOURS
 from sim.figures.data import FigureData, velocity_table
 from sim.figures.kind import Kind
@@ -123,7 +124,8 @@ def notes(data: FigureData) -> list[str]:
         return ["One marker per point.", *beside_notes(data)]
     unknown = len(data.rows) - len(_known(data))
     value = "a value above 0" if "colour" in data.spec.options["log"] else "a value"
-    return ["One square per point.", *without_note(unknown, value, "Open"), *beside_notes(data)]
+    without = without_note(unknown, value, "Open")
+    return ["One square per point.", *without, unsteady_sentence(data.rows), *beside_notes(data)]
 
 
 KIND = Kind(draw, table=table, notes=notes)

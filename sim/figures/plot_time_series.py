@@ -14,6 +14,7 @@ from matplotlib.figure import Figure
 from sim.base.damage import checked_read
 from sim.base.errors import InputError
 from sim.dataset.run_file import RunFile
+from sim.figures.caption import unsteady_sentence
 from sim.figures.data import FigureData
 from sim.figures.kind import Kind
 from sim.figures.plot import (
@@ -137,6 +138,7 @@ def notes(data: FigureData) -> list[str]:
         f"A line per replicate, of at most {MOST} means over successive samples. Dotted: where "
         "averaging begins, in the mean over the replicates of a point.",
         *(_notes_on_logarithms(data) if data.spec.options["log"] else []),
+        unsteady_sentence(data.rows),
     ]
 
 

@@ -35,7 +35,8 @@ def entry(name: str, plots: Mapping[str, FigureSpec] | None = None) -> FigureSpe
     """
     known = {**FIGURES, **(plots or {})}
     if name not in known:
-        raise InputError.of_value("figure", "name", name, "one of " + ", ".join(known))
+        own = "" if plots is not None else "with --study STUDY.yaml a plot of that study; without, "
+        raise InputError.of_value("figure", "name", name, f"{own}one of {', '.join(known)}")
     return known[name]
 
 

@@ -43,7 +43,7 @@ def draw_several(
         For an unknown figure, a missing dataset, or one without points for a figure; of several
         problems all but the first are told on standard error.
     """
-    plots = load_study(study_path, None).plots if study_path else {}
+    plots = load_study(study_path, None).plots if study_path else None
     specs = {name: entry(name, plots) for name in names}
     drawn = read_drawn(out_folder) if code else {}
     wanted = [

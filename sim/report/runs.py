@@ -31,7 +31,8 @@ def run_rows(dataset: xr.Dataset, caveats: Sequence[str]) -> list[dict[str, Any]
         "samples": dataset["independent_samples"].sum("replicate", min_count=1).values,
     }
     held = {
-        name: dataset[name].values for name in ("point", "system", "series", "replicates", "caveat")
+        name: dataset[name].values
+        for name in ("point", "system", "protocol", "series", "replicates", "caveat")
     }
     for index, found in enumerate(outcomes(dataset)):
         caveat = str(held["caveat"][index])
@@ -40,6 +41,7 @@ def run_rows(dataset: xr.Dataset, caveats: Sequence[str]) -> list[dict[str, Any]
                 "number": index + 1,
                 "point": str(held["point"][index]),
                 "system": str(held["system"][index]),
+                "protocol": str(held["protocol"][index]),
                 "series": str(held["series"][index]).split(),
                 "replicates": int(held["replicates"][index]),
                 **{name: values[index].item() for name, values in table.items()},

@@ -30,7 +30,10 @@ def state_of(runs: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
         How many ``points`` there are, ``completed`` with at least one replicate, ``failed``,
         ``undetermined`` (or of replicates that contradict each other), and ``unsound``, whose
         energies do not add up; the ``worst`` of these, and the parameter that is the ``advice``.
+        ``longer`` are the amounts that make runs of undetermined points longer, and ``drifting`` is
+        how many of these points drift.
     """
+    undetermined = [run for run in runs if run["regime"] in OPEN]
     unsound = [run for run in runs if run["missing_energy"] > UNSOUND]
     worst = max(unsound, key=lambda run: run["missing_energy"], default=None)
     failed = sum(run["regime"] == "failed" for run in runs)
@@ -38,8 +41,17 @@ def state_of(runs: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
         "points": len(runs),
         "completed": len(runs) - failed,
         "failed": failed,
-        "undetermined": sum(run["regime"] in OPEN for run in runs),
+        "undetermined": len(undetermined),
+        "longer": sorted({_longer(run) for run in undetermined}),
+        "drifting": sum(run["quality"] == "drifting" for run in undetermined),
         "unsound": len(unsound),
         "worst": worst,
         "advice": SHORTER_STEPS[worst["system"]] if worst else "",
     }
+
+
+def _longer(run: Mapping[str, Any]) -> str:
+    """Return the amount that makes the runs of a point longer; what has been run is kept."""
+    if run["protocol"] == "published":
+        return "average"
+    return "limit" if "limit" in run["stopped"] else "target"

@@ -15,6 +15,8 @@ from sim.base.errors import InputError
 from sim.base.plugins import load_plugins
 from sim.figures.caption import parameters_sentence
 from sim.figures.curves import _draw_points
+from sim.figures.data import figure_data
+from sim.figures.kind import load_kind
 from sim.figures.quantity import Quantity
 from sim.figures.render import derived
 from sim.figures.style import SETTINGS, CurveStyle
@@ -100,6 +102,27 @@ def test_a_caption_counts_the_points_that_have_nothing_to_show(plot, points, sai
     assert f"Not drawn: {said}" in caption_of(plot, points)
     lost = {"status": "failed", "reason": "blown up", "velocity": np.nan}
     assert "Not drawn" not in caption_of(plot, at_frictions(lost, lost, lost))
+
+
+@pytest.mark.parametrize(
+    "plot",
+    [
+        {"kind": "map", "x": "friction", "y": "friction_plane", "colour": "velocity"},
+        {"kind": "distribution", "x": "friction", "y": "velocity"},
+        {"kind": "time_series", "curves": "friction"},
+    ],
+)
+def test_a_caption_tells_what_is_not_steady_where_no_marker_does(plot):
+    steady = {"regime": "steady"}
+    speeding = {"regime": "accelerating", "acceleration": 2.0}
+
+    def told(*points: Mapping) -> list[str]:
+        spec, results = made(plot, at_frictions(*points))
+        return load_kind(spec.kind).notes(figure_data(results, spec))
+
+    sentence = "Not shown to be steady, and drawn all the same: 2 points still accelerating."
+    assert sentence in told(steady, speeding, speeding)
+    assert "steady" not in " ".join(told(steady, steady, steady))
 
 
 def test_profiles_tell_of_bands_or_of_pale_lines():

@@ -120,6 +120,17 @@ def test_what_no_run_knows_leaves_an_empty_plot():
     assert axes.texts[0].get_text().startswith("no run has") and len(rows) == 3
 
 
+@pytest.mark.parametrize("number, shape", [(2, (1, 2)), (3, (1, 3)), (4, (2, 2)), (5, (2, 3))])
+def test_panels_fill_their_rows_evenly(number, shape):
+    points = [
+        made_point("chute", {"velocity": 1.0}, friction=friction, angle=15 + angle)
+        for friction in (0.3, 0.4)
+        for angle in range(number)
+    ]
+    figure, _, _ = drawn({"x": "friction", "panels": "angle"}, points)
+    assert figure.axes[0].get_gridspec().get_geometry() == shape
+
+
 def test_panels_share_their_curves_looks():
     points = [one for one in flows() if one.parameters.friction != 0.3]
     figure, _, _ = drawn({"x": "angle", "curves": "friction"}, points)

@@ -122,3 +122,12 @@ def test_an_unknown_figure_is_refused_before_any_is_drawn(dataset, folder):
     with pytest.raises(InputError, match="surprise"):
         draw_several(("gallas_6", "surprise"), dataset, folder)
     assert redrawn(before, folder) == set()
+
+
+def test_a_name_that_is_unknown_without_a_study_may_be_a_plot_of_one(dataset, folder, tmp_path):
+    with pytest.raises(InputError, match=r"got 'velocity'; allowed: with --study STUDY\.yaml a"):
+        draw_several(["velocity"], dataset, folder)
+    study = tmp_path / "own.yaml"
+    study.write_text("study: own\nseries: [{name: one, system: chute, cases: [{}]}]\n")
+    with pytest.raises(InputError, match=r"got 'velocity'; allowed: one of walton_1_1, "):
+        draw_several(["velocity"], dataset, folder, study_path=study)

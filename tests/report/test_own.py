@@ -9,6 +9,7 @@ import pytest
 from sim.claims.written import write
 from sim.dataset.build import build as build_dataset
 from sim.figures.several import draw_several
+from sim.parameters import ChuteParameters, amounts
 from sim.report.page import build
 from sim.report.publish import publish
 from sim.report.state import state_of
@@ -32,14 +33,18 @@ plots:
 
 
 def made(folder: Path, figures: str = "", judged: bool = True) -> tuple[Path, Path]:
-    """Make a study of one's own with one run that failed and one undetermined, up to its claims."""
+    """Make a study of one's own with a run that failed and one that slows, up to its claims."""
     study_path = folder / "own.yaml"
     study_path.write_text(STUDY.replace("FIGURES", figures))
     study, results = load_study(study_path, folder), folder
     for number, point in enumerate(study.points.values()):
-        regime = "undetermined" if number == 1 else "steady"
+        slows = {"acceleration": ("replicate", [-2.0])} if number == 1 else {}
         write_run(
-            results / "own" / "runs", point.parameters, regime=regime, failed=(0,) * (number == 0)
+            results / "own" / "runs",
+            point.parameters,
+            regime="undetermined" if slows else "steady",
+            failed=(0,) * (number == 0),
+            arrays=slows,
         )
     dataset = build_dataset(study_path, results)
     draw_several(
@@ -71,6 +76,7 @@ def test_the_state_and_the_plots_come_first(page):
     assert page.open == []
     text = " ".join(page.text.split())
     assert "3 of 4 points completed; 1 undetermined; 1 failed" in text
+    assert "Raise replicates, or raise average; what has been run is kept. 1 of them drifts" in text
     assert sections(page)[:4] == ["summary", "plots", "facts", "runs"]
     assert {one["id"] for one in page.all("figure")} == {"figure-velocity", "figure-map"}
     assert "<Where> it flows" in page.text and not page.all("where")
@@ -83,6 +89,15 @@ def test_claims_are_not_shown_where_no_figure_of_the_papers_is(page):
     targets = {one["href"] for one in page.all("a") if one.get("href", "").startswith("#")}
     ids = {attrs["id"] for _, attrs in page.elements if "id" in attrs}
     assert {target[1:] for target in targets} <= ids
+
+
+def test_the_command_for_a_plot_names_the_study(page, study):
+    assert f"a plot of this study with --study {study[0]}." in " ".join(page.text.split())
+
+
+def test_what_ended_runs_and_what_a_steady_mean_may_lack_is_explained(page):
+    text = " ".join(page.text.split())
+    assert "A steady flow may be short" in text and "limit, as long as it may, before" in text
 
 
 def test_plots_and_points_are_linked(page, study):
@@ -118,6 +133,23 @@ def test_what_is_unsound_is_told_with_what_to_do():
     assert (found["points"], found["completed"], found["unsound"]) == (4, 3, 2)
     assert found["worst"] is leaky and found["advice"] == "steps_per_cycle"
     assert state_of([usual])["worst"] is None
+
+
+@pytest.mark.parametrize(
+    "protocol, stopped, longer",
+    [
+        ("published", "length", "average"),
+        ("converged", "target, limit", "limit"),
+        ("converged", "target, accelerating", "target"),
+    ],
+)
+def test_advice_on_undetermined_points_keeps_what_has_been_run(protocol, stopped, longer):
+    usual = {"missing_energy": 1e-4, "system": "chute", "protocol": protocol, "stopped": stopped}
+    open_one = usual | {"regime": "undetermined", "quality": "short"}
+    found = state_of([open_one, open_one | {"regime": "mixed"}, usual | {"regime": "steady"}])
+    assert (found["undetermined"], found["longer"], found["drifting"]) == (2, [longer], 0)
+    assert longer in amounts(ChuteParameters(protocol=protocol))
+    assert state_of([open_one | {"quality": "drifting"}])["drifting"] == 1
 
 
 def test_the_report_links_the_pages_that_there_are(study, tmp_path):
