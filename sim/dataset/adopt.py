@@ -15,7 +15,7 @@ from sim.dataset.results import RUNS
 from sim.dataset.rounds import known_points
 from sim.engine.identity import NUMERICS
 from sim.parameters import amounts
-from sim.study.figure_points import needs_run_file, shows_particles
+from sim.study.figure_points import needs_run_file, particles_shown
 from sim.study.load import load_study
 
 #: Digits of the SHA-256 of a dataset that name it once it is adopted.
@@ -51,7 +51,7 @@ def adopt(study_path: Path, dataset_path: Path, results: Path) -> str:
     study = load_study(study_path, results)
     folder = results / study.name
     points = known_points(study, folder)
-    is_needed, is_shown = needs_run_file(study), shows_particles(study)
+    is_needed, shown = needs_run_file(study), particles_shown(study)
     with checked_read(dataset_path, "dataset", replaceable=False, sealed=True):
         content = read_regular(dataset_path)
         _require_origin(dataset_path)
@@ -59,9 +59,9 @@ def adopt(study_path: Path, dataset_path: Path, results: Path) -> str:
         wanted = {
             key: amounts(one)
             for key, one in points.items()
-            if key in held and held[key].answers(one, is_shown(key)) and not is_needed(key)
+            if key in held and held[key].answers(one, shown(key)) and not is_needed(key)
         }
-        adopted_rows(dataset_path, wanted, is_shown)
+        adopted_rows(dataset_path, wanted, shown)
     if not wanted:
         there = len(points.keys() & held.keys())
         raise InputError(

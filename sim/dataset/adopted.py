@@ -16,7 +16,8 @@ from sim.dataset.boundary_side import SCALARS
 from sim.engine.identity import NUMERICS
 from sim.engine.stored_run import holds
 from sim.parameters import Parameters, amounts, covers
-from sim.study.figure_points import needs_run_file, shows_particles
+from sim.study.catalogue import Shown
+from sim.study.figure_points import needs_run_file, particles_shown
 from sim.study.load import Study
 
 #: Folder of the adopted datasets of a study, beside its runs.
@@ -32,8 +33,8 @@ class Held(NamedTuple):
         The dataset.
     amounts : mapping
         How much of the point it holds.
-    has_state : bool
-        Whether it has the state of the particles.
+    particles : Shown
+        What it has of the particles.
     caveat : str
         What to know before trusting the point.
     scalars : mapping
@@ -43,17 +44,17 @@ class Held(NamedTuple):
 
     dataset: Path
     amounts: Mapping[str, float]
-    has_state: bool
+    particles: Shown
     caveat: str
     scalars: Mapping[str, np.ndarray]
 
-    def answers(self, parameters: Parameters, shown: bool) -> bool:
-        """Return whether this is enough of a point, ``shown`` or not particle by particle."""
+    def answers(self, parameters: Parameters, shown: Shown) -> bool:
+        """Return whether this is enough of a point of whose particles so much is ``shown``."""
         wanted = amounts(parameters)
         enough = wanted.keys() <= self.amounts.keys() and covers(self.amounts, wanted)
         # The state is that of the first replicate that completed.
-        is_there = self.has_state and "completed" in self.scalars_of(parameters)["status"]
-        return enough and (is_there or not shown)
+        is_there = "completed" in self.scalars_of(parameters)["status"]
+        return enough and ((is_there and self.particles >= shown) or not shown)
 
     def scalars_of(self, parameters: Parameters) -> dict[str, np.ndarray]:
         """Return the scalars of the replicates that are wanted of the point."""
@@ -79,7 +80,7 @@ class Adopted:
     def __init__(self, study: Study, folder: Path):
         self.files = sorted((folder / FOLDER).glob("*.nc"))
         self._runs = folder / "runs"
-        self._needed, self._is_shown = needs_run_file(study), shows_particles(study)
+        self._needed, self._shown = needs_run_file(study), particles_shown(study)
         self._held: dict[str, list[Held]] = defaultdict(list)
         for path in self.files:
             with checked_read(path, "dataset that was adopted", replaceable=True):
@@ -88,7 +89,7 @@ class Adopted:
 
     def source(self, point: str, parameters: Parameters) -> Held | None:
         """Return what a point is taken from, nothing where its run file is there or needed."""
-        shown = self._is_shown(point)
+        shown = self._shown(point)
         found = [held for held in self._held.get(point, ()) if held.answers(parameters, shown)]
         if not found or self._needed(point) or holds(self._runs / f"{point}.nc", parameters):
             return None
@@ -120,7 +121,7 @@ def rows_of(path: Path) -> dict[str, Held]:
 @cache
 def _rows_of(path: Path, changed: int, code: str) -> dict[str, Held]:
     """Read the rows once; ``changed`` (ns) tells one file of a name from the next."""
-    from sim.dataset.earlier import names_unknown
+    from sim.dataset.earlier import names_unknown, particles_held
     from sim.dataset.results import PARTICLES, RUNS
 
     if is_damaged(path):
@@ -137,7 +138,7 @@ def _rows_of(path: Path, changed: int, code: str) -> dict[str, Held]:
             point: Held(
                 dataset=path,
                 amounts={name: float(value) for name, value in loads(wanted).items()},
-                has_state=point in states,
+                particles=particles_held(states, point),
                 caveat=caveat,
                 scalars={name: values[row] for name, values in scalars.items()},
             )

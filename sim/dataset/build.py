@@ -23,6 +23,7 @@ from sim.dataset.boundary_side import side
 from sim.dataset.boundary_table import GROUP
 from sim.dataset.combine import profiles, root, runs
 from sim.dataset.earlier import keep
+from sim.dataset.gather import PATH
 from sim.dataset.results import PARTICLES, RUNS
 from sim.dataset.rounds import as_wanted, known_points, refined, sides_of
 from sim.dataset.rows import Rows, selected
@@ -30,7 +31,8 @@ from sim.dataset.runs import Runs
 from sim.dataset.units import in_natural_units, in_si_units
 from sim.engine.stored_run import current_status
 from sim.parameters import SYSTEMS, Parameters, point_id
-from sim.study.figure_points import are_of_particles, shows_particles
+from sim.study.catalogue import Shown
+from sim.study.figure_points import particles_in, particles_shown
 from sim.study.load import Boundary, Study, as_member, load_study
 from sim.study.refine import Sides
 
@@ -86,7 +88,7 @@ def build(
     if finished is not None:
         study = _finished(study, folder, finished)
     adopted = Adopted(study, folder)
-    held = Runs(folder, shows_particles(study), adopted, processes, scheduler)
+    held = Runs(folder, particles_shown(study), adopted, processes, scheduler)
     held.read({key: point.parameters for key, point in study.points.items()})
     found = _sides(study, held)
     study = refined(study, found)
@@ -160,8 +162,10 @@ def _groups(
             yield system, profiles(selected(blocks, set(own)), own, scalars.sizes["replicate"])
     states = {key: state for block in blocks for key, state in block.states.items()}
     for key, point in study.points.items():
-        if key in states and are_of_particles(point.figures):
+        if key in states and (shown := particles_in(point.figures)):
             state = states[key].drop_encoding()
+            if shown < Shown.PATH:
+                state = state.drop_vars(PATH, errors="ignore")
             # The library gives them back in an order of its own.
             state.attrs = dict(sorted(state.attrs.items()))
             yield f"{PARTICLES}/{key}", state

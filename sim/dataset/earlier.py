@@ -24,6 +24,7 @@ from sim.engine import identity
 from sim.engine.observe import arrays
 from sim.parameters.observables import LACKING
 from sim.parameters.own import OBSERVABLE, own_observables
+from sim.study.catalogue import Shown
 
 #: Second name of the last dataset of a study, which stays when the workflow, before it makes a new
 #: one or when it cannot, removes the first.
@@ -81,7 +82,14 @@ def keep(dataset: Path, folder: Path) -> None:
             shutil.copyfile(dataset, temporary)
 
 
-def earlier_rows(folder: Path, is_shown: Callable[[str], bool]) -> list[Rows]:
+def particles_held(states: Mapping[str, netCDF4.Dataset], point: str) -> Shown:
+    """Return what the groups of states in a dataset have of the particles of a point."""
+    if point not in states:
+        return Shown.NOTHING
+    return Shown.PATH if "path" in states[point].variables else Shown.STATE
+
+
+def earlier_rows(folder: Path, shown: Callable[[str], Shown]) -> list[Rows]:
     """Return the rows of an earlier dataset that reading their run files again would give.
 
     Parameters
@@ -89,8 +97,8 @@ def earlier_rows(folder: Path, is_shown: Callable[[str], bool]) -> list[Rows]:
     folder : Path
         Results of the study. Without an earlier dataset, or with one that is damaged or made by
         other code, there are no such rows.
-    is_shown : callable
-        Tells whether the state of the particles of a point must be there.
+    shown : callable
+        Tells what must be there of the particles of a point.
     """
     path, runs = folder / EARLIER, folder / "runs"
 
@@ -99,14 +107,14 @@ def earlier_rows(folder: Path, is_shown: Callable[[str], bool]) -> list[Rows]:
 
     try:
         if path.is_file() and not is_damaged(path):
-            return list(_rows(path, is_same, is_shown))
+            return list(_rows(path, is_same, shown))
     except UNREADABLE:
         pass
     return []
 
 
 def adopted_rows(
-    path: Path, wanted: Mapping[str, Mapping[str, float]], is_shown: Callable[[str], bool]
+    path: Path, wanted: Mapping[str, Mapping[str, float]], shown: Callable[[str], Shown]
 ) -> list[Rows]:
     """Return the rows of points in an adopted dataset, as if no more replicates had been run.
 
@@ -116,10 +124,10 @@ def adopted_rows(
         The dataset, which has all that is wanted; its name ends in the origin of the rows.
     wanted : mapping
         How much is wanted of each of these points, by id.
-    is_shown : callable
-        Tells whether the state of the particles of a point must be there.
+    shown : callable
+        Tells what must be there of the particles of a point.
     """
-    blocks = _rows(path, lambda point, *_: point in wanted, is_shown)
+    blocks = _rows(path, lambda point, *_: point in wanted, shown)
     return [_as_wanted(block, wanted, path.stem) for block in blocks]
 
 
@@ -139,14 +147,15 @@ def _as_wanted(block: Rows, wanted: Mapping[str, Mapping[str, float]], adopted: 
 
 
 def _rows(
-    path: Path, is_taken: Callable[[str, str, str], bool], is_shown: Callable[[str], bool]
+    path: Path, is_taken: Callable[[str, str, str], bool], shown: Callable[[str], Shown]
 ) -> Iterator[Rows]:
     """Yield the rows of a dataset that are taken, told by point, seal and code that has read it.
 
     What the present code does not know is left out.
     """
     with netCDF4.Dataset(path) as file:
-        states = set(file.groups[PARTICLES].groups) if PARTICLES in file.groups else set()
+        states = file.groups[PARTICLES].groups if PARTICLES in file.groups else {}
+        particles = {point: particles_held(states, point) for point in states}
     with ExitStack() as stack:
 
         def opened(group: str | None) -> xr.Dataset:
@@ -161,7 +170,8 @@ def _rows(
         origin = [name for name in words if name not in ("variables", "adopted")]
         table = table.assign(**{name: made[name].values for name in words})
         same = [
-            is_taken(point, seal, made.attrs["code"]) and (point in states or not is_shown(point))
+            is_taken(point, seal, made.attrs["code"])
+            and particles.get(point, Shown.NOTHING) >= shown(point)
             for point, seal in zip(table["point"], table["seal"], strict=True)
         ]
         for (system, variables), some in table[same].groupby(["system", "variables"], sort=False):
@@ -180,9 +190,7 @@ def _rows(
                 | {"adopted": [""] * len(points)},
                 values=values,
                 states={
-                    point: opened(f"{PARTICLES}/{point}").load()
-                    for point in points
-                    if is_shown(point)
+                    point: opened(f"{PARTICLES}/{point}").load() for point in points if shown(point)
                 },
             )
 

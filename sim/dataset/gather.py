@@ -28,8 +28,11 @@ ATTRIBUTES = {"point_id", "system", "engine_version", "source_hash", "versions",
 #: What no picture of particles shows.
 _UNSEEN = ("particle_spin", "orientation")
 
-#: What a picture of particles needs: last state and path.
-STATE = (*(name for name in SNAPSHOTS if name not in _UNSEEN), "path", "path_time")
+#: Their path after the last sample, which animations need.
+PATH = ("path", "path_time")
+
+#: What pictures of particles need: last state and path.
+STATE = (*(name for name in SNAPSHOTS if name not in _UNSEEN), *PATH)
 
 
 def read_run(path: Path, wanted: Mapping[str, float] | None = None, shown: bool = False) -> Rows:

@@ -12,6 +12,7 @@ from sim.dataset.gather import as_text
 from sim.dataset.rows import OF_PROFILES, Rows, selected
 from sim.dataset.side_by_side import read_files
 from sim.parameters import Parameters, amounts
+from sim.study.catalogue import Shown
 
 
 class Runs:
@@ -21,8 +22,8 @@ class Runs:
     ----------
     folder : Path
         Results of the study: its runs, and its earlier dataset if there is one.
-    is_shown : callable
-        Tells whether a figure shows the particles of a point.
+    shown : callable
+        Tells what figures show of the particles of a point.
     adopted : Adopted
         Tells which points are taken from adopted datasets.
     processes : int
@@ -34,16 +35,16 @@ class Runs:
     def __init__(
         self,
         folder: Path,
-        is_shown: Callable[[str], bool],
+        shown: Callable[[str], Shown],
         adopted: Adopted,
         processes: int = 1,
         scheduler: str | None = None,
     ):
-        self._folder, self._is_shown, self._adopted = folder / "runs", is_shown, adopted
+        self._folder, self._shown, self._adopted = folder / "runs", shown, adopted
         self._processes, self._scheduler = processes, scheduler
         self._blocks: list[Rows] = []
         self._places: dict[str, tuple[Rows, int]] = {}
-        self._add(earlier_rows(folder, is_shown))
+        self._add(earlier_rows(folder, shown))
 
     def _add(self, blocks: Iterable[Rows]) -> None:
         for block in blocks:
@@ -72,9 +73,9 @@ class Runs:
                 if held and held.dataset == dataset
             }
             with checked_read(dataset, "dataset that was adopted", replaceable=True):
-                self._add(adopted_rows(dataset, mine, self._is_shown))
+                self._add(adopted_rows(dataset, mine, self._shown))
         files = [
-            (self._folder / f"{point}.nc", much, self._is_shown(point))
+            (self._folder / f"{point}.nc", much, bool(self._shown(point)))
             for point, much in new.items()
             if not sources[point]
         ]

@@ -5,7 +5,7 @@ from typing import Any
 
 from sim.base.errors import InputError
 from sim.parameters import Parameters
-from sim.study.catalogue import FIGURES, FigureSpec
+from sim.study.catalogue import FIGURES, FigureSpec, Shown
 from sim.study.catalogue.spec import written
 from sim.study.file import StudyFile
 from sim.study.model import Point, Study
@@ -43,17 +43,17 @@ def points_of_figures(
     return figures
 
 
-def shows_particles(study: Study) -> Callable[[str], bool]:
-    """Return what tells of a point's id whether a figure shows it particle by particle."""
-    shown = {key for key, point in study.points.items() if are_of_particles(point.figures)}
+def particles_shown(study: Study) -> Callable[[str], Shown]:
+    """Return what tells of a point's id what figures show of its particles."""
+    shown = {key: particles_in(point.figures) for key, point in study.points.items()}
     # Which points of later rounds there are, and which figures they feed, is not known yet.
-    everything = any(are_of_particles(boundary.figures) for boundary in study.boundaries)
-    return lambda point: everything or point in shown
+    usual = particles_in(name for boundary in study.boundaries for name in boundary.figures)
+    return lambda point: max(usual, shown.get(point, usual))
 
 
-def are_of_particles(figures: Iterable[str]) -> bool:
-    """Return whether one of some figures shows its points particle by particle."""
-    return any(FIGURES[name].particles for name in figures)
+def particles_in(figures: Iterable[str]) -> Shown:
+    """Return what some figures show of the particles of their points."""
+    return max((FIGURES[name].particles for name in figures), default=Shown.NOTHING)
 
 
 def needs_run_file(study: Study) -> Callable[[str], bool]:

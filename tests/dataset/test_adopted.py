@@ -28,7 +28,7 @@ from sim.report.runs import adopted_datasets
 from sim.report.status import survey
 from sim.study.load import load_study
 from tests.made.folder import Folder
-from tests.made.mixed import SHOWN, Mixed, ids
+from tests.made.mixed import PATHS, SHOWN, Mixed, ids
 from tests.made.netcdf import changing, store
 from tests.made.plugins import forgotten
 from tests.made.processes import ROOT
@@ -58,7 +58,7 @@ def whole(tmp_path_factory) -> Mixed:
     study = Mixed(tmp_path_factory.mktemp("whole"))
     for number in range(6):
         study.write(number)
-    study.build(*range(6), shown=True)
+    study.build(*range(6), shown=PATHS)
     return study
 
 
@@ -68,7 +68,7 @@ def half(tmp_path_factory) -> Path:
     study = Mixed(tmp_path_factory.mktemp("half"))
     for number in HALF:
         study.write(number)
-    study.save(*range(6), shown=True)
+    study.save(*range(6), shown=PATHS)
     return build(study.path, study.results, finished=study.path.with_name("half.nc"))
 
 
@@ -76,7 +76,7 @@ def half(tmp_path_factory) -> Path:
 def study(tmp_path) -> Mixed:
     """The study in another folder, without any results."""
     study = Mixed(tmp_path)
-    study.save(*range(6), shown=True)
+    study.save(*range(6), shown=PATHS)
     return study
 
 
@@ -115,7 +115,7 @@ def test_a_dataset_of_adopted_points_alone_can_be_adopted(study, whole, tmp_path
     assert_same(output, whole.output)
     other = Mixed(tmp_path / "other")
     other.path.parent.mkdir()
-    other.save(*range(6), shown=True)
+    other.save(*range(6), shown=PATHS)
     adopt(other.path, output, other.results)
     assert len(adopted(other)) == 6
 

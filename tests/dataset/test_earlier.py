@@ -9,7 +9,7 @@ import xarray as xr
 
 from sim.base.files import seal
 from sim.dataset import earlier, gather, side_by_side
-from tests.made.mixed import POINTS, SHOWN, Mixed, ids
+from tests.made.mixed import PATHS, POINTS, SHOWN, STATES, Mixed, ids
 from tests.made.netcdf import store
 
 #: The points of which there is a dataset, by number.
@@ -79,16 +79,19 @@ def test_a_run_file_that_was_made_anew_is_read(study, read):
 
 
 def test_particles_are_kept_for_as_long_as_a_figure_shows_them(study, read):
-    hidden, shown = study.afresh(3, SHOWN), study.afresh(3, SHOWN, shown=True)
-    assert hidden != shown
-    read.clear()
-    assert study.build(3, SHOWN) == hidden
-    assert read == []
-    assert study.build(3, SHOWN, shown=True) == shown
-    assert read == ids(study, SHOWN)
-    read.clear()
-    assert study.build(3, SHOWN, shown=True) == shown
-    assert read == []
+    paths, states = (study.afresh(3, SHOWN, shown=figure) for figure in (PATHS, STATES))
+    hidden = study.afresh(3, SHOWN)
+    assert len({paths, states, hidden}) == 3
+    for figure, content, is_read in (
+        (STATES, states, True),
+        (PATHS, paths, True),
+        (PATHS, paths, False),
+        (STATES, states, False),
+        ("", hidden, False),
+    ):
+        read.clear()
+        assert study.build(3, SHOWN, shown=figure) == content
+        assert read == ids(study, SHOWN) * is_read
 
 
 def test_what_other_code_has_read_is_read_again(study, read, monkeypatch):

@@ -15,12 +15,12 @@ POINTS = [
     {"system": "chute", "depth": 5, "replicates": 3},
     {"system": "chute", "depth": 1, "friction": 0.5, "replicates": 2},
     {"system": "belt", "frequency": 30},
-    {"system": "belt", "frequency": 20, "replicates": 2},
+    {"system": "belt", "frequency": 80, "obstacle": 1.5, "replicates": 2},
     {"system": "belt", "frequency": 50, "width": 30, "replicates": 4},
 ]
 
-#: The number of a point that a figure shows particle by particle, and that figure.
-SHOWN, FIGURE = 4, "gallas_4c"
+#: The number of a point that figures show particle by particle: one on their way, one at rest.
+SHOWN, PATHS, STATES = 4, "gallas_7a", "gallas_7b"
 
 
 def arrays(parameters: Parameters) -> dict[str, object]:
@@ -37,6 +37,8 @@ def arrays(parameters: Parameters) -> dict[str, object]:
         made |= {"field_velocity": (dims, field), "field_density": (dims, field)}
         dims = ("replicate", "frame", "particle", "axis")
         made |= {"position": (dims, np.ones((count, 2, 3, 2))), "axis": ("axis", ["x", "z"])}
+        dims = ("replicate", "path_time", "particle", "axis")
+        made |= {"path": (dims, np.ones((count, 4, 3, 2))), "path_time": ("path_time", np.ones(4))}
     elif count == 2:
         made["transient_end"] = ("replicate", np.full(count, np.nan))
     return made
@@ -58,24 +60,24 @@ class Mixed:
             self.runs, point, velocity, failed=[0] * (number == 1), arrays=arrays(point)
         )
 
-    def save(self, *numbers: int, shown: bool = False) -> None:
+    def save(self, *numbers: int, shown: str = "") -> None:
         """Write the study file with points by their numbers, in their order."""
         series = ""
         for number in numbers:
             values = dict(POINTS[number])
-            figures = [FIGURE] * (shown and number == SHOWN)
+            figures = [shown] * (bool(shown) and number == SHOWN)
             series += (
                 f"  - {{name: s{number}, system: {values.pop('system')}, figures: {figures},"
                 f" cases: [{values}]}}\n"
             )
         self.path.write_text(f"study: made\nseries:\n{series}")
 
-    def build(self, *numbers: int, shown: bool = False) -> bytes:
+    def build(self, *numbers: int, shown: str = "") -> bytes:
         """Make the dataset of points by their numbers, in their order."""
         self.save(*numbers, shown=shown)
         return build(self.path, self.results).read_bytes()
 
-    def afresh(self, *numbers: int, shown: bool = False) -> bytes:
+    def afresh(self, *numbers: int, shown: str = "") -> bytes:
         """Make it from run files alone."""
         (self.output.parent / earlier.EARLIER).unlink(missing_ok=True)
         return self.build(*numbers, shown=shown)

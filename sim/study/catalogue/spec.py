@@ -2,14 +2,25 @@
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
+from enum import IntEnum
 from typing import Any
 
 from sim.parameters import NUMERICAL, Parameters
 
-#: Kinds of plot that show regimes and boundaries, that move, and that show particles.
+#: Kinds of plot that show regimes and boundaries, that move, and that show paths and last states of
+#: particles.
 _OF_REGIMES = frozenset({"regimes", "belt_onset", "plot_map"})
 _ANIMATED = frozenset({"chute_animation", "belt_animation"})
-_OF_PARTICLES = _ANIMATED | {"chute_row", "belt_paths", "belt_snapshots"}
+_OF_PATHS = _ANIMATED | {"belt_paths"}
+_OF_STATES = frozenset({"chute_row", "belt_snapshots"})
+
+
+class Shown(IntEnum):
+    """What is shown of the particles of a point, the later the more of them is kept."""
+
+    NOTHING = 0
+    STATE = 1
+    PATH = 2
 
 
 @dataclass(frozen=True)
@@ -70,9 +81,11 @@ class FigureSpec:
         return self.kind in _OF_REGIMES
 
     @property
-    def particles(self) -> bool:
-        """Whether it shows particles, whose states the dataset then keeps."""
-        return self.kind in _OF_PARTICLES
+    def particles(self) -> Shown:
+        """What it shows of the particles, which the dataset then keeps."""
+        if self.kind in _OF_PATHS:
+            return Shown.PATH
+        return Shown.STATE if self.kind in _OF_STATES else Shown.NOTHING
 
     @property
     def animated(self) -> bool:
