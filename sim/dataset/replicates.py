@@ -1,7 +1,6 @@
 """What the replicates of one point say together: mean velocity, trend, regime, quality.
 
-All of it comes from the replicates pooled, so more of them never make a point worse: what is noise
-in the slope of one averages out over many.
+All of it comes from the replicates pooled: what is noise in the slope of one averages out over many.
 """
 
 from collections.abc import Mapping
