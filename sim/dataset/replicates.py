@@ -1,6 +1,7 @@
 """What the replicates of one point say together: mean velocity, trend, regime, quality.
 
-All of it comes from the replicates pooled: what is noise in the slope of one averages out over many.
+All of it comes from the replicates pooled: what is noise in the slope of one averages out over
+many.
 """
 
 from collections.abc import Mapping
