@@ -15,7 +15,8 @@ from sim.figures.configuration import Scene
 from sim.figures.data import FigureData, split_curves
 from sim.figures.kind import Kind
 from sim.figures.style import COLOURS, DOTTED, PALE, literal, place_legend
-from sim.parameters import SYSTEMS
+from sim.parameters import SYSTEMS, default_of
+from sim.parameters.roles import changing_start
 from sim.parameters.words import PROTOCOLS, setting
 from sim.study.catalogue.limits import LARGEST_PORTION, SHARE
 
@@ -49,18 +50,28 @@ def _regimes(row: Mapping[str, Any]) -> str:
 
 
 def _flows(data: FigureData) -> list[tuple[str, dict[str, Any]]]:
-    """Return label and row of the points with a completed replicate, fixed lengths first."""
+    """Return label and row of the points with a completed replicate.
+
+    Those of fixed lengths come first, and of them those in the usual cell.
+    """
     rows = data.rows[data.rows["completed"] > 0]
-    flows = []
+    chute, flows = SYSTEMS["chute"], []
+    starts = [name for name in changing_start(chute) if rows[name].nunique() > 1]
     for names, points in split_curves(
-        rows, "point", ("protocol",), tuple(SYSTEMS["chute"].model_fields)
+        rows, "point", ("protocol", *starts), tuple(chute.model_fields)
     ):
         extra = "".join(
             f", {setting('chute', *item)}" for item in names.items() if item[0] != "protocol"
         )
         label = PROTOCOLS["chute"][names["protocol"]] + extra
         flows += [(label, row) for row in points.to_dict("records")]
-    return sorted(flows, key=lambda flow: flow[1]["protocol"] != "published")
+
+    def order(flow: tuple[str, dict[str, Any]]) -> tuple[bool, int]:
+        row = flow[1]
+        unusual = sum(row[name] != default_of(chute, name, row) for name in starts)
+        return row["protocol"] != "published", unusual
+
+    return sorted(flows, key=order)
 
 
 def draw(data: FigureData) -> Figure:

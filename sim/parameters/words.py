@@ -26,11 +26,18 @@ def quantity(system: str, name: str, values: Sequence[Any]) -> str:
     'f = 20, 50 Hz'
     >>> quantity("belt", "corrections", [2])
     'corrections = 2'
+    >>> quantity("chute", "stiffness", [1e4])
+    'K1 = 10,000 N/m'
     """
     row = field_info(SYSTEMS[system])[name]
-    numbers = ", ".join(f"{value:.4g}" for value in sorted(set(values)))
+    numbers = ", ".join(map(_number, sorted(set(values))))
     scale = "g" if row.scale == "g" else f" {row.scale}" if row.scale else ""
     return f"{row.symbol or name} = {numbers}{row.unit_text}{scale}"
+
+
+def _number(value: float) -> str:
+    """Write a number with four digits, without a power of ten below a million."""
+    return f"{value:.4g}" if abs(value) < 1e4 else f"{value:,.6g}"
 
 
 def setting(system: str, name: str, value: object) -> str:

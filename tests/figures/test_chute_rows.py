@@ -1,5 +1,7 @@
 """Walton's Figs. 1.1-1.6: profiles as the caption draws them, replicates, a configuration, data."""
 
+from dataclasses import replace
+
 import matplotlib as mpl
 import numpy as np
 import pandas as pd
@@ -83,6 +85,19 @@ def test_the_converged_protocol_lies_beside_the_published_one(results):
         "cumulative average, fixed length",
         "cumulative average, converged",
         "each replicate",
+    ]
+
+
+def test_flows_of_another_cell_come_behind_and_say_so(results):
+    data = fed("walton_1_3", results)
+    one = data.rows[data.rows["protocol"] == "published"]
+    rows = pd.concat([one.assign(cell=cell) for cell in (5.0, 10.0, 20.0)])
+    figure = chute_row.draw(replace(data, rows=rows))
+    labels = [line.get_label() for line in figure.axes[0].get_lines()]
+    assert [label.partition("fixed length, ")[2] for label in labels if "average" in label] == [
+        "L = 10 σ",
+        "L = 5 σ",
+        "L = 20 σ",
     ]
 
 
