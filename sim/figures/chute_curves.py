@@ -24,6 +24,9 @@ from sim.study.catalogue.limits import WIDEST_INTERVAL
 #: Room above the highest flow that does not accelerate, and above the markers at the edge.
 _HEADROOM, _EDGE = 1.05, 1.02
 
+#: Width of a range of velocities above the axes, as a share of them.
+_TEXT_WIDTH = 0.13
+
 #: Points of print between two curves.
 _PITCH = 2.4
 
@@ -112,13 +115,18 @@ def _ceiling(rows: pd.DataFrame, apart: pd.Series) -> float:
 
 def _name_off_scale(axes: Axes, rows: pd.DataFrame) -> None:
     """Write above the axes, where nothing strikes it, which velocities are off the scale."""
+    to_axes, lines = axes.transData + axes.transAxes.inverted(), list[float]()
     for depth, above in rows.groupby("depth"):
+        place = float(to_axes.transform((depth, 0.0))[0])
+        free = (line for line, last in enumerate(lines) if place - last >= _TEXT_WIDTH)
+        line = next(free, len(lines))
+        lines[line : line + 1] = [place]
         low, high = (f"{value:.2g}" for value in (above["velocity"].min(), above["velocity"].max()))
         axes.annotate(
             "↑ " + (low if low == high else f"{low} … {high}"),
             (depth, 1),
             xycoords=axes.get_xaxis_transform(),
-            xytext=(0, 2),
+            xytext=(0, 2 + 9 * line),
             textcoords="offset points",
             ha="center",
             fontsize=7.5,

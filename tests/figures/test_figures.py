@@ -10,8 +10,10 @@ import numpy as np
 import pandas as pd
 import pytest
 import xarray as xr
+from matplotlib.figure import Figure
 
 from sim.base.errors import InputError
+from sim.figures import chute_curves
 from sim.figures.style import DASH_DOT, LONE_BESIDE, SHORT_DASH
 from sim.study.load import load_study
 from tests.figures import drawing
@@ -144,6 +146,17 @@ def test_points_that_are_not_steady_have_open_markers(dataset_path):
     axes, rows = drawn("gallas_1a", dataset_path)
     assert (marked(axes, "open"), marked(axes, "filled")) == (3, 9)
     assert list(rows[rows["regime"] == "arrested"]["frequency"]) == [10, 10, 10]
+
+
+def test_velocities_off_the_scale_have_room_side_by_side_or_one_above_the_other():
+    axes = Figure().subplots()
+    axes.set(xscale="log", xlim=(0.4, 40))
+    depths = [0.5, 0.6, 0.7, 10, 20]
+    chute_curves._name_off_scale(axes, pd.DataFrame({"depth": depths, "velocity": 9.0}))
+    heights = [text.get_position()[1] for text in axes.texts]
+    low, middle, high = sorted(set(heights))
+    assert heights == [low, middle, high, low, low]
+    assert min(high - middle, middle - low) >= axes.texts[0].get_fontsize()
 
 
 def test_accelerating_flows_do_not_set_the_scale(dataset_path):
