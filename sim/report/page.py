@@ -25,7 +25,13 @@ from sim.report.claims import (
 )
 from sim.report.gallery import Address, data_uri, figure_entries, headline
 from sim.report.readings import reading_tables
-from sim.report.runs import adopted_datasets, boundary_rows, parameter_rows, run_rows
+from sim.report.runs import (
+    adopted_datasets,
+    boundary_rows,
+    parameter_rows,
+    run_rows,
+    varied_columns,
+)
 from sim.report.state import state_of
 from sim.report.templating import template
 from sim.study.load import Study, load_study
@@ -126,6 +132,7 @@ def render(
         checks=engine_checks(rows),
         state=state_of(runs),
         runs=runs,
+        varied=varied_columns(dataset) if order["own"] else [],
         parameters=parameter_rows(dataset),
         boundaries=boundary_rows(study, results.boundaries),
         energy_limit=CLOSED,

@@ -8,10 +8,14 @@ import xarray as xr
 
 from sim.dataset.replicates import outcomes
 from sim.dataset.results import Results
-from sim.parameters import SYSTEMS, Parameters, field_info
+from sim.parameters import SYSTEMS, Parameters, default_of, field_info
+from sim.parameters.roles import amounts
 from sim.parameters.words import setting
 from sim.report.numbers import finite, measured
 from sim.study.load import Study
+
+#: Most columns of parameters in the table of points.
+MOST_VARIED = 6
 
 
 def run_rows(dataset: xr.Dataset, caveats: Sequence[str]) -> list[dict[str, Any]]:
@@ -74,6 +78,31 @@ def boundary_rows(study: Study, found: pd.DataFrame) -> list[dict[str, Any]]:
         row["unit"] = _unit_text(row["unit"])
         row["tolerance"] = boundary.tolerance
     return rows
+
+
+def varied_columns(dataset: xr.Dataset) -> list[dict[str, Any]]:
+    """Return columns for the table of points: parameters that vary and follow from no others.
+
+    Lengths of runs are left out. ``texts`` are the values, one per point, empty where a point's
+    system has no such parameter.
+    """
+    columns: dict[str, dict[str, Any]] = {}
+    for system, model in SYSTEMS.items():
+        own = (dataset["system"] == system).values.nonzero()[0]
+        known = {name: dataset[name].values for name in model.model_fields if name in dataset}
+        rows = [{name: held[index] for name, held in known.items()} for index in own]
+        for name in known:
+            usual = (row[name] == default_of(model, name, row) for row in rows)
+            if name in amounts(model) or len({row[name] for row in rows}) < 2 or all(usual):
+                continue
+            declared, is_number = field_info(model)[name], known[name].dtype.kind == "f"
+            unit = declared.scale or _unit_text(declared.unit)
+            heading = f"{declared.symbol or name} ({unit})" if unit else declared.symbol or name
+            empty = {"heading": heading, "number": is_number, "texts": [""] * len(known[name])}
+            column = columns.setdefault(name, empty)
+            for index, row in zip(own, rows, strict=True):
+                column["texts"][index] = f"{row[name]:.6g}" if is_number else str(row[name])
+    return list(columns.values())[:MOST_VARIED]
 
 
 def parameter_rows(dataset: xr.Dataset) -> dict[str, list[dict[str, Any]]]:

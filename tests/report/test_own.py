@@ -110,6 +110,19 @@ def test_plots_and_points_are_linked(page, study):
     assert len(links) == len(points)
 
 
+def test_the_table_of_points_has_a_column_of_each_parameter_that_varies(study):
+    html = build(*study).read_text(encoding="utf-8")
+    table = html[html.index('<table id="runs-table"') :]
+    table = table[: table.index("</table>")]
+    heads = re.findall(r"<button[^>]*>([^<]*)</button>", table)
+    assert heads[:5] == ["No.", "Point", "n", "μ", "Regime"]
+    rows = re.findall(r'<tr id="run-.*?</tr>', table, re.DOTALL)
+    shown = [re.findall(r'<td class="number">([^<]*)</td>', row)[:2] for row in rows]
+    points = load_study(*study).points.values()
+    wanted = [(point.parameters.depth, point.parameters.friction) for point in points]
+    assert shown == [[f"{depth:g}", f"{friction:g}"] for depth, friction in wanted]
+
+
 def test_claims_follow_folded_where_figures_of_the_papers_are_fed(tmp_path):
     found = Page(build(*made(tmp_path, "walton_2")).read_text(encoding="utf-8"))
     assert sections(found)[:6] == ["summary", "plots", "facts", "runs", "figures", "claims"]
