@@ -16,8 +16,9 @@ DRIFT = 0.1
 #: Widths of the cell in diameters: the paper has 5 or 10, the widest is a control.
 WIDTHS = (5, 10, 20)
 
-#: Ages of flows that are compared, the largest over the smallest, that count as equal.
-EQUAL_AGE = 2.0
+#: Ages of flows that are compared, the largest over the smallest, that count as equal. Averaging
+#: begins with a sample, so that ages of 1,000 and 2,000 √(σ/g) are twice each other but for one.
+EQUAL_AGE, ONE_SAMPLE = 2.0, 0.01
 
 #: Cells of the depths at which flows differ in another parameter.
 CELLS = {1.24: 10, 2.5: 10, 5: 10, 10: 5, 20: 5, 40: 5}
@@ -103,7 +104,7 @@ def unlike(places: Sequence[Place], cells: bool = True) -> str:
     if len(widths) > 1:
         return f"cells of {' and '.join(f'{cell:g}' for cell in widths)} σ are compared"
     ages = sorted(age(place) for place in places)
-    if ages[-1] > EQUAL_AGE * ages[0]:
+    if ages[-1] > (1 + ONE_SAMPLE) * EQUAL_AGE * ages[0]:
         return f"flows of ages {ages[0]:.0f} and {ages[-1]:.0f} √(σ/g) are compared"
     return ""
 

@@ -260,6 +260,13 @@ def test_flows_of_other_ages_are_not_compared():
     assert "flows of ages 300 and 900" in checks[-1].withheld
 
 
+@pytest.mark.parametrize(("transient", "kept"), [(600.02, True), (607, False)])
+def test_ages_are_equal_within_a_sample(transient, kept):
+    aged = [*stiff()[:-1], *stiff(transient=transient)[-1:]]
+    checks = [check for check in checks_on(w21, aged) if check.part == "b" and check.deciding]
+    assert (not checks[-1].withheld) == kept
+
+
 def test_stiffer_spheres_are_shown_beside():
     plug = stiff()[4].profiles
     fast = flow(26, {"shear_depth": 3 * SIZE}, plug, depth=20, stiffness=10_000)
