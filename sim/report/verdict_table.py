@@ -13,9 +13,8 @@ _HEAD = """\
 
 Each claim of both papers with the verdict that the first criterion gave on the runs published
 first, the verdict that the present criterion gives on those published now, and why the two differ
-or why the criterion was restated. The belt's are the **fresh beds** of a second campaign, run after
-criteria, rules and readings had been restated; the chute's are still the runs of the first, on
-which this table shows what the rules change and what they do not.
+or why the criterion was restated. The present ones are of a second campaign on **fresh seeds**, run
+after criteria, rules and readings had been restated.
 Sentences, criteria and evidence: the reports
 ([Walton](../results/published/paper_walton/report.html),
 [Gallas](../results/published/paper_gallas/report.html)).
