@@ -287,7 +287,10 @@ def test_what_cannot_be_used_is_refused(study, whole, tmp_path):
     refused(study, path, "not a dataset (no study in it)")
     run = next(whole.runs.glob("*.nc"))
     refused(study, run, "not a dataset (no study in it)")
-    refused(study, ROOT / "results/published/paper_walton/dataset.nc", "how much of each point")
+    path.write_bytes(content)
+    with changing(path) as file:
+        file["runs"].renameVariable("wanted", "unknown")
+    refused(study, path, "how much of each point")
     path.write_bytes(content)
     with changing(path) as file:
         file.numerics = str(NUMERICS + 1)
