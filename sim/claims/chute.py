@@ -23,6 +23,9 @@ EQUAL_AGE, ONE_SAMPLE = 2.0, 0.01
 #: Cells of the depths at which flows differ in another parameter.
 CELLS = {1.24: 10, 2.5: 10, 5: 10, 10: 5, 20: 5, 40: 5}
 
+#: The deepest flows, and the stiffnesses (N/m) of the two base rows.
+DEEPEST, SOFT, STIFF = 40, 100, 1000
+
 
 def natural(place: Place) -> float:
     """Return √(gσ) of a place, m/s."""
@@ -43,6 +46,30 @@ def base(evidence: Evidence, least: float = 0.0) -> dict[float, Place]:
     """Return the flows of the base case by depth, from the ``least`` depth on."""
     line = evidence.line("chute", "depth")
     return {depth: place for depth, place in line.items() if depth >= least}
+
+
+def lasting(evidence: Evidence) -> Evidence:
+    """Return the base row whose deepest flow lasts longest without change, the softest at a tie.
+
+    Fast deep flows of the softest spheres overlap beyond the range of the contact law, so that
+    none may last; then those of ten times the stiffness are judged, where they were run.
+    """
+
+    def lasts(row: Evidence) -> float:
+        flows = repeated(row.line("chute", "transient", depth=DEEPEST, cell=CELLS[DEEPEST]))
+        return max((age(flow) for flow in flows.values() if not still_changing(flow)), default=0.0)
+
+    return max(evidence, evidence.under(stiffness=STIFF), key=lasts)
+
+
+def at_depth(place: Place) -> str:
+    """Return what tells a deep flow from others: its depth, and its stiffness if not the softest.
+
+    >>> at_depth({"depth": 40.0, "stiffness": 1000.0})
+    'n = 40, K1 = 1000 N/m'
+    """
+    stiffer = f", K1 = {place['stiffness']:g} N/m" if place["stiffness"] > SOFT else ""
+    return f"n = {place['depth']:g}{stiffer}"
 
 
 def steady(evidence: Evidence) -> dict[float, Place]:

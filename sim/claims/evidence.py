@@ -53,6 +53,10 @@ class Evidence:
         reading = {key: value for key, value in self.reading.items() if key != name}
         return Evidence(self._results, self.protocol, reading, self._points)
 
+    def under(self, **reading: Any) -> "Evidence":
+        """Return what the same protocol offers with these parameters besides its own reading."""
+        return Evidence(self._results, self.protocol, self.reading | reading, self._points)
+
     def at(self, system: str, **where: Any) -> Place:
         """Return the place with these parameters, all others at the paper's values.
 

@@ -6,7 +6,7 @@ from math import inf, nan, radians, tan
 import numpy as np
 
 from sim.claims.checks import below, beside, reported, within
-from sim.claims.chute import WIDTHS, base, driving, repeated, steady, still_changing
+from sim.claims.chute import DEEPEST, WIDTHS, base, driving, repeated, steady, still_changing
 from sim.claims.evidence import Evidence
 from sim.claims.inference import trend
 from sim.claims.place import Place, joined
@@ -14,8 +14,8 @@ from sim.claims.trends import pooled
 from sim.claims.verdict import Check, Untestable
 from sim.dataset.caveats import CLOSED
 
-#: Depths over which the velocity tends to rise, the deepest, and how many of them are enough.
-RISING, DEEPEST, ENOUGH = (1.24, 20), 40, 6
+#: Depths over which the velocity tends to rise, and how many of them are enough.
+RISING, ENOUGH = (1.24, 20), 6
 
 #: Least share of the dissipated power that both kinds of losses must have.
 BOTH = 0.05

@@ -6,7 +6,18 @@ from math import inf
 import numpy as np
 
 from sim.claims.checks import above, below, reported, withheld
-from sim.claims.chute import WIDTHS, age, base, of_settled, repeated, still_changing, unlike
+from sim.claims.chute import (
+    DEEPEST,
+    WIDTHS,
+    age,
+    at_depth,
+    base,
+    lasting,
+    of_settled,
+    repeated,
+    still_changing,
+    unlike,
+)
 from sim.claims.evidence import Evidence
 from sim.claims.inference import share_above, trend
 from sim.claims.place import Place, joined
@@ -23,7 +34,7 @@ MANY = 6
 
 #: Depths of each claim: all below 5 and 2.5, intermediate, with a plug, the deepest, and those over
 #: which the shear layer thins.
-SHALLOW, SHALLOWEST, MIDDLE, DEEP, DEEPEST = 5, 2.5, (3.5, 5, 10), (10, 20, 40), 40
+SHALLOW, SHALLOWEST, MIDDLE, DEEP = 5, 2.5, (3.5, 5, 10), (10, 20, 40)
 THINNING = (5, 10, 20, 40)
 
 #: What is more often so than not is often so.
@@ -128,7 +139,7 @@ def _densest_inner(rows: np.ndarray) -> np.ndarray:
 
 def w14(evidence: Evidence) -> list[Check]:
     """The deepest flow above and below its shear depth: packing, its spread, the difference."""
-    n, place = DEEPEST, _oldest(evidence, DEEPEST)
+    place = _oldest(lasting(evidence), DEEPEST)
 
     def variation(plug: np.ndarray, _: float) -> float:
         return plug.std(ddof=1) / plug.mean() if plug.size > 1 else np.nan
@@ -145,7 +156,7 @@ def w14(evidence: Evidence) -> list[Check]:
         ),
     ):
         values = place.each(_of_plug(place, function), *PROFILES)
-        check = against(f"{what}, n = {n:g}", joined(values), threshold, [place])
+        check = against(f"{what}, {at_depth(place)}", joined(values), threshold, [place])
         checks.append(of_most(check, place, values))
     young = f"averaged from {age(place):.0f} √(σ/g) on: runs of {OLD:,} and more"
     return withheld(of_settled(checks, [place]), young if age(place) < ROUNDED * OLD else "")
@@ -166,10 +177,11 @@ def w17(evidence: Evidence) -> list[Check]:
 
     The flows are those of one cell and one age.
     """
-    line = _thinning(evidence)
+    line = _thinning(lasting(evidence))
     if len(line) < 3:
         raise Untestable("no cell with three depths of 5, 10, 20 and 40 that have replicates")
-    places, over = list(line.values()), ", ".join(f"{n:g}" for n in line)
+    places, shallower = list(line.values()), [f"{n:g}" for n in line][:-1]
+    over = ", ".join([*shallower, at_depth(places[-1]).removeprefix("n = ")])
     depths = [place.values("shear_depth") for place in places]
     tops = [
         place.each(lambda z, packing: layers.surface(z, packing), PROFILES[1]) for place in places

@@ -8,7 +8,18 @@ from math import inf
 import numpy as np
 
 from sim.claims.checks import above, beside, in_parts, reported, withheld, within
-from sim.claims.chute import CELLS, of_settled, repeated, still_changing, unlike
+from sim.claims.chute import (
+    CELLS,
+    DEEPEST,
+    SOFT,
+    STIFF,
+    at_depth,
+    lasting,
+    of_settled,
+    repeated,
+    still_changing,
+    unlike,
+)
 from sim.claims.evidence import Evidence
 from sim.claims.inference import outranks, trend
 from sim.claims.place import Place, quotient
@@ -30,8 +41,8 @@ RESTITUTIONS, LOWEST = (0.7, 0.95), 0.6
 DYNAMIC, SLIGHT = 0.05, 0.005
 
 #: Depths that depend on the stiffness and those that do not, and stiffnesses that decide it.
-SENSITIVE: tuple[float, ...] = (20, 40)
-INSENSITIVE, SOFT, STIFF = (1.24, 2.5), 100, 1000
+SENSITIVE = (20, DEEPEST)
+INSENSITIVE = (1.24, 2.5)
 
 #: Heights in diameters of the layer immediately above the bottommost one.
 ABOVE_BOTTOM = (1, 2)
@@ -51,16 +62,18 @@ def w15(evidence: Evidence) -> list[Check]:
 
 
 def _crystals(evidence: Evidence) -> list[Check]:
-    deep = {n: evidence.at("chute", depth=n) for n in CRYSTALLINE}
+    row = lasting(evidence)
+    cells = [{} if row is evidence else {"cell": CELLS[n]} for n in CRYSTALLINE]
+    deep = [row.at("chute", depth=n, **cell) for n, cell in zip(CRYSTALLINE, cells, strict=True)]
     checks = []
-    for n, place in deep.items():
-        share = place.value("crystalline_share")
-        check = above(f"crystalline share of the plug, n = {n:g}", share, SHARE, [place])
+    for place in deep:
+        share, at = place.value("crystalline_share"), at_depth(place)
+        check = above(f"crystalline share of the plug, {at}", share, SHARE, [place])
         check = of_most(check, place, place.values("crystalline_share"))
-        reason = still_changing(place) or unlike([*deep.values()], cells=False)
+        reason = still_changing(place) or unlike(deep, cells=False)
         checks += withheld([check], reason)
         layered = place.value("layer_order")
-        checks.append(reported(f"amplitude of its layers, n = {n:g}", layered, [place]))
+        checks.append(reported(f"amplitude of its layers, {at}", layered, [place]))
     return checks
 
 
@@ -191,8 +204,18 @@ def w21(evidence: Evidence, equal: float) -> list[Check]:
     shear depth of deep ones not (b)."""
     return in_parts(
         a=lambda: chain.from_iterable(_insensitive(evidence, n, equal) for n in INSENSITIVE),
-        b=lambda: chain.from_iterable(_sensitive(evidence, n) for n in SENSITIVE),
+        b=lambda: chain.from_iterable(_sensitive(evidence, n) for n in _comparable(evidence)),
     )
+
+
+def _comparable(evidence: Evidence) -> list[float]:
+    """Return the sensitive depths, without the deepest where no flow of the softest lasts there.
+
+    Then there is nothing to compare at that depth, whatever is run.
+    """
+    softest = evidence.line("chute", "stiffness", depth=DEEPEST).get(SOFT)
+    lasts = softest is not None and softest.regime != "accelerating"
+    return [n for n in SENSITIVE if n != DEEPEST or lasts]
 
 
 def _insensitive(evidence: Evidence, depth: float, equal: float) -> list[Check]:
@@ -226,7 +249,7 @@ def _sensitive(evidence: Evidence, depth: float) -> list[Check]:
 def w22(evidence: Evidence) -> list[Check]:
     """Vertical granular temperature of the layer above the bottommost, stiffer above softest."""
     checks = []
-    for n in SENSITIVE:
+    for n in _comparable(evidence):
         for stiffness, soft, stiff in _stiffer(evidence, n):
             what = f"share of pairs more agitated with {stiffness:g} N/m than {SOFT} N/m, n = {n:g}"
             first, second = (_agitation(place) for place in (stiff, soft))

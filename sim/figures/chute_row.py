@@ -56,7 +56,8 @@ def _flows(data: FigureData) -> list[tuple[str, dict[str, Any]]]:
     """
     rows = data.rows[data.rows["completed"] > 0]
     chute, flows = SYSTEMS["chute"], []
-    starts = [name for name in changing_start(chute) if rows[name].nunique() > 1]
+    varied = (*changing_start(chute), "stiffness")
+    starts = [name for name in dict.fromkeys(varied) if rows[name].nunique() > 1]
     for names, points in split_curves(
         rows, "point", ("protocol", *starts), tuple(chute.model_fields)
     ):

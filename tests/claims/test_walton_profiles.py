@@ -240,6 +240,15 @@ def test_an_age_may_be_rounded_to_whole_samples_and_the_oldest_flow_counts():
     assert verdict_on(w14, [*block(transient=300, replicates=9), *old]) == REPRODUCED
 
 
+def test_a_block_of_stiffer_spheres_counts_where_the_softest_does_not_last():
+    loose = block(plug=0.58, stiffness=1000)
+    assert verdict_on(w14, [*block(), *loose]) == REPRODUCED
+    running = block(scalars={"acceleration": np.full(5, 0.1 * SLOPE)})
+    assert next(check.what for check in checks_on(w14, [*running, *loose])).endswith("1000 N/m")
+    assert verdict_on(w14, [*running, *loose]) == NOT_REPRODUCED
+    assert verdict_on(w14, loose) == NOT_REPRODUCED
+
+
 def with_depths(*depths, scatter=SCATTER, **options):
     """Flows at four depths in cells of 5 diameters."""
     return [
@@ -255,6 +264,12 @@ def test_shear_depth_falls_with_the_depth():
     thickness, fraction = checks_on(w17, with_depths(2, 2.2, 2.4, 2.6))
     assert (thickness.verdict, fraction.verdict) == (NOT_REPRODUCED, REPRODUCED)
     assert verdict_on(w17, with_depths(3, 2.9, 3.1, 2.8, scatter=0.5)) == INCONCLUSIVE
+
+
+def test_shear_depths_of_stiffer_spheres_count_where_the_softest_do_not_last():
+    hard = with_depths(3, 4, 9, 30, stiffness=1000)
+    assert verdict_on(w17, [*with_depths(3.2, 3, 2, 1.5), *hard]) == REPRODUCED
+    assert verdict_on(w17, [*with_depths(3.2, 3, 2, 1.5)[:3], *hard]) == NOT_REPRODUCED
 
 
 def test_flows_of_unlike_cells_ages_or_too_few_depths_are_not_compared():

@@ -293,9 +293,27 @@ def runaway(points, number: int):
         (w20, soft(), 2, "b"),
         (w21, stiff(), 1, "a"),
         (w21, stiff(), 4, "b"),
-        (w22, stiff(), 6, ""),
+        (w22, stiff(), 4, ""),
     ],
 )
 def test_flows_that_have_not_settled_decide_nothing(judge, points, number, part):
     assert parts(judge, points)[part] == REPRODUCED
     assert parts(judge, runaway(points, number))[part] == INCONCLUSIVE
+
+
+@pytest.mark.parametrize(("judge", "part"), [(w21, "b"), (w22, "")])
+def test_where_no_soft_flow_lasts_at_the_deepest_the_next_depth_decides(judge, part):
+    assert parts(judge, runaway(stiff(), 6))[part] == REPRODUCED
+    gone = [*stiff()[:6], *stiff()[7:]]
+    assert parts(judge, gone)[part] == REPRODUCED
+    contrary = [*stiff(slower=1.5, hotter=0.5)[:6], *stiff()[7:]]
+    assert parts(judge, contrary)[part] == NOT_REPRODUCED
+
+
+def test_crystals_of_stiffer_spheres_count_where_no_soft_flow_lasts():
+    hard = [ordered_flow(0.3, depth=n, cell=5, stiffness=1000) for n in (10, 20, 40)]
+    assert parts(w15, [*crystals(), *hard])["a"] == REPRODUCED
+    found = checks_on(w15, [*runaway(crystals(), 2), *hard])
+    told = [check.what for check in found if check.part == "a" and check.deciding]
+    assert told[-1] == "crystalline share of the plug, n = 40, K1 = 1000 N/m"
+    assert by_part(found)["a"] == NOT_REPRODUCED
