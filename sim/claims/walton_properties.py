@@ -28,7 +28,7 @@ from sim.claims.verdict import Check, Untestable
 from sim.dataset.measures import layers
 
 #: Depths with crystals, and the least share of crystalline spheres there.
-CRYSTALLINE, SHARE = (10, 20, 40), 0.5
+CRYSTALLINE, SHARE = (10, 20, DEEPEST), 0.5
 
 #: Depth and cell of the controls, the spread of diameters, and the wide cell.
 CONTROLLED, SPREAD, WIDE = {"depth": 10, "cell": 5}, 0.1, 20
@@ -63,8 +63,7 @@ def w15(evidence: Evidence) -> list[Check]:
 
 def _crystals(evidence: Evidence) -> list[Check]:
     row = lasting(evidence)
-    cells = [{} if row is evidence else {"cell": CELLS[n]} for n in CRYSTALLINE]
-    deep = [row.at("chute", depth=n, **cell) for n, cell in zip(CRYSTALLINE, cells, strict=True)]
+    deep = [(row if n == DEEPEST else evidence).at("chute", depth=n) for n in CRYSTALLINE]
     checks = []
     for place in deep:
         share, at = place.value("crystalline_share"), at_depth(place)
