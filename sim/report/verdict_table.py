@@ -14,7 +14,9 @@ _HEAD = """\
 Each claim of both papers with the verdict that the first criterion gave on the runs published
 first, the verdict that the present criterion gives on those published now, and why the two differ
 or why the criterion was restated. The present ones are of a second campaign on **fresh seeds**, run
-after criteria, rules and readings had been restated.
+after criteria, rules and readings had been restated, but for one rule that was made when it was
+seen that no flow of the softest spheres lasts at depth 40: those of 1,000 N/m are judged there
+(W14, a part of W15, W17; W21 and W22 then compare depth 20 alone).
 Sentences, criteria and evidence: the reports
 ([Walton](../results/published/paper_walton/report.html),
 [Gallas](../results/published/paper_gallas/report.html)).
