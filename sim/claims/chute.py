@@ -62,14 +62,22 @@ def lasting(evidence: Evidence) -> Evidence:
     return max(evidence, evidence.under(stiffness=STIFF), key=lasts)
 
 
+def stiffer(place: Place) -> str:
+    """Return what tells a flow from those of the softest spheres, empty for one of these.
+
+    >>> stiffer({"stiffness": 1000.0})
+    ', K1 = 1000 N/m'
+    """
+    return f", K1 = {place['stiffness']:g} N/m" if place["stiffness"] > SOFT else ""
+
+
 def at_depth(place: Place) -> str:
     """Return what tells a deep flow from others: its depth, and its stiffness if not the softest.
 
     >>> at_depth({"depth": 40.0, "stiffness": 1000.0})
     'n = 40, K1 = 1000 N/m'
     """
-    stiffer = f", K1 = {place['stiffness']:g} N/m" if place["stiffness"] > SOFT else ""
-    return f"n = {place['depth']:g}{stiffer}"
+    return f"n = {place['depth']:g}{stiffer(place)}"
 
 
 def steady(evidence: Evidence) -> dict[float, Place]:

@@ -15,6 +15,7 @@ from sim.claims.chute import (
     lasting,
     of_settled,
     repeated,
+    stiffer,
     still_changing,
     unlike,
 )
@@ -34,8 +35,8 @@ MANY = 6
 
 #: Depths of each claim: all below 5 and 2.5, intermediate, with a plug, the deepest, and those over
 #: which the shear layer thins.
-SHALLOW, SHALLOWEST, MIDDLE, DEEP = 5, 2.5, (3.5, 5, 10), (10, 20, 40)
-THINNING = (5, 10, 20, 40)
+SHALLOW, SHALLOWEST, MIDDLE, DEEP = 5, 2.5, (3.5, 5, 10), (10, 20, DEEPEST)
+THINNING = (5, 10, 20, DEEPEST)
 
 #: What is more often so than not is often so.
 OFTEN = 0.5
@@ -180,8 +181,8 @@ def w17(evidence: Evidence) -> list[Check]:
     line = _thinning(lasting(evidence))
     if len(line) < 3:
         raise Untestable("no cell with three depths of 5, 10, 20 and 40 that have replicates")
-    places, shallower = list(line.values()), [f"{n:g}" for n in line][:-1]
-    over = ", ".join([*shallower, at_depth(places[-1]).removeprefix("n = ")])
+    places = list(line.values())
+    over = ", ".join(f"{n:g}" for n in line) + stiffer(places[-1])
     depths = [place.values("shear_depth") for place in places]
     tops = [
         place.each(lambda z, packing: layers.surface(z, packing), PROFILES[1]) for place in places

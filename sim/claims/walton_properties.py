@@ -175,7 +175,7 @@ def _shallow_overlap(evidence: Evidence, depth: float, order: float) -> list[Che
 
 
 def _deep_overlap(evidence: Evidence, order: float) -> list[Check]:
-    place = evidence.at("chute", depth=40, stiffness=SOFT)
+    place = evidence.at("chute", depth=DEEPEST, stiffness=SOFT)
     bounds = DYNAMIC / order, DYNAMIC * order
     check = _overlap("99.9th percentile of the overlaps", place, "overlap_999", bounds)
     check = of_most(check, place, 100 * place.values("overlap_999"))
@@ -184,7 +184,7 @@ def _deep_overlap(evidence: Evidence, order: float) -> list[Check]:
 
 
 def _static_overlap(evidence: Evidence, order: float) -> list[Check]:
-    place = evidence.at("chute", depth=40, stiffness=SOFT, angle=0)
+    place = evidence.at("chute", depth=DEEPEST, stiffness=SOFT, angle=0)
     bounds = SLIGHT / order, SLIGHT * order
     check = _overlap("mean overlap of the base contacts at rest", place, "base_overlap", bounds)
     moves = "" if place.regime == "arrested" else "the bed on the level plane is not at rest"

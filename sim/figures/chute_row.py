@@ -56,10 +56,10 @@ def _flows(data: FigureData) -> list[tuple[str, dict[str, Any]]]:
     """
     rows = data.rows[data.rows["completed"] > 0]
     chute, flows = SYSTEMS["chute"], []
-    varied = (*changing_start(chute), "stiffness")
-    starts = [name for name in dict.fromkeys(varied) if rows[name].nunique() > 1]
+    told = (*changing_start(chute), "stiffness")
+    varied = [name for name in told if rows[name].nunique() > 1]
     for names, points in split_curves(
-        rows, "point", ("protocol", *starts), tuple(chute.model_fields)
+        rows, "point", ("protocol", *varied), tuple(chute.model_fields)
     ):
         extra = "".join(
             f", {setting('chute', *item)}" for item in names.items() if item[0] != "protocol"
@@ -69,7 +69,7 @@ def _flows(data: FigureData) -> list[tuple[str, dict[str, Any]]]:
 
     def order(flow: tuple[str, dict[str, Any]]) -> tuple[bool, int]:
         row = flow[1]
-        unusual = sum(row[name] != default_of(chute, name, row) for name in starts)
+        unusual = sum(row[name] != default_of(chute, name, row) for name in varied)
         return row["protocol"] != "published", unusual
 
     return sorted(flows, key=order)
