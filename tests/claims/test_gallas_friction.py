@@ -134,6 +134,9 @@ def test_shear_friction_matters_at_small_velocities():
     slow = line([0.1, 0.1, 0.1], values, frequencies=(20,))
     fast = line([0.2, 0.25, 0.3], values, frequencies=(80,))
     assert verdict_of(g36, slow + fast) == NOT_REPRODUCED
+    # A fast flow that γ_s slows is changed as well.
+    falling = line([0.3, 0.25, 0.2], values, frequencies=(80,))
+    assert verdict_of(g36, slow + falling) == NOT_REPRODUCED
     assert verdict_of(g36, line(values=values, frequencies=(20, 80), scatter=0.1)) == INCONCLUSIVE
     with pytest.raises(Untestable, match="frequency 80"):
         checks_of(g36, line(values=values, frequencies=(20,)))

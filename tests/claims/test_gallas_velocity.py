@@ -144,6 +144,14 @@ def test_density_waves_at_the_start(early, scatter, verdict):
     assert verdict_of(g30, waves(early, scatter=scatter)) == verdict
 
 
+def test_density_waves_count_the_first_cycles_of_all_beds():
+    few = waves(1.6, scatter=0.01, replicates=4, protocol="converged")
+    assert verdict_of(g30, few, protocol="converged") == NOT_REPRODUCED
+    # The published beds begin as the converged ones do, and there are more of them.
+    many = waves(1.6 + np.r_[np.zeros(4), np.full(8, 1.2)], scatter=0, replicates=12)
+    assert verdict_of(g30, [*few, *many], protocol="converged") == REPRODUCED
+
+
 def test_density_waves_need_both_beds():
     with pytest.raises(Untestable, match="vibration_angle 30"):
         checks_of(g30, waves(4.0)[:1])
