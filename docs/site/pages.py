@@ -5,9 +5,9 @@ from collections.abc import Iterable, Mapping, Sequence
 from functools import partial
 
 from sim.__main__ import COMMANDS, parser
-from sim.engine.observe import arrays
-from sim.parameters import SYSTEMS, observables
-from sim.parameters.observables import BELT_FORCES, PROFILES
+from sim.parameters import SYSTEMS
+from sim.parameters.variables import Variable
+from sim.parameters.variables import variables as of_kind
 
 #: Characters of a line of help, whatever the terminal.
 HELP = partial(argparse.HelpFormatter, width=90)
@@ -31,8 +31,6 @@ DIMENSIONS = """\
 | `overlap_bin` | intervals of overlaps; `overlap_edges` are their edges |
 """
 
-
-PATH = {"path": ("m", "position, not wrapped into the cell", ("path_time", "particle", "axis"))}
 
 #: What follows from the parameters of a point, besides `limits`.
 DERIVED = {
@@ -69,26 +67,22 @@ def variables() -> str:
         "All parameters of the point are scalars of the same names"
         " ([study files](studies.md#reference)), and there is what follows from them:",
         *_section("Of the point", "", DERIVED | _limits()),
-        *_section("Scalars", "(replicate)", observables.SCALARS),
-        *_section("Time series of a chute", "(replicate, time)", observables.CHUTE_SERIES),
-        *_section("Time series of a belt", "(replicate, time)", observables.BELT_SERIES),
-        *_section("Time series of a conveyor", "(replicate, time)", observables.CONVEYOR_SERIES),
-        *_section("Where `belt_forces` is set", "(replicate, time)", BELT_FORCES),
-        *_section("Profiles", "(replicate, height)", PROFILES),
-        "Those with `_instantaneous` behind their names are of the last sample alone.",
-        *_shaped("Particles", arrays.SNAPSHOTS),
-        *_shaped("Path of the particles once the run is over", PATH),
-        *_shaped("Trajectory, where `trajectory` is set", _frames()),
-        *_shaped("Tables, each where the system or a parameter asks for it", arrays.TABLES),
+        *_listed("Scalars", of_kind("scalar")),
+        *(
+            line
+            for system in SYSTEMS
+            for line in _listed(f"Time series of a {system}", of_kind("series", system=system))
+        ),
+        *_listed("Profiles", of_kind("profile")),
+        *_listed("Particles", of_kind("particle")),
+        *_listed("Trajectory", of_kind("trajectory")),
+        *_listed("Tables", of_kind("table")),
         "## In a dataset",
         "All scalars of run files, over `(point, replicate)`; all parameters over `(point)`, as"
         " coordinates; and",
-        *_section("Of points", "(point)", observables.OF_POINTS),
-        *_section("Measures of all", "(point, replicate)", observables.ENERGY_MEASURES),
-        *_section("Measures of a chute", "(point, replicate)", observables.CHUTE_MEASURES),
-        *_section("Measures of a belt", "(point, replicate)", observables.BELT_MEASURES),
-        *_section("Measures of a conveyor", "(point, replicate)", observables.CONVEYOR_MEASURES),
-        *_section("Groups of the systems, besides the profiles", "", observables.ALONG),
+        *_listed("Of points", of_kind("point")),
+        *_listed("Measures, over `(point, replicate)`", of_kind("measure")),
+        *_listed("Groups of the systems, besides the profiles", of_kind("group")),
     ]
     return "\n\n".join(parts) + "\n"
 
@@ -98,26 +92,28 @@ def _limits() -> dict[str, tuple[str, str]]:
     return {name: ("m s-2", text) for each in limits for name, (_, text) in each.items()}
 
 
-def _frames() -> dict[str, tuple[str, str, tuple[str, ...]]]:
-    told = arrays.SNAPSHOTS | arrays.OF_CONTACTS
-    return {
-        name: (*told[source][:2], ("trajectory_time", *told[source][2][1:]))
-        for name, source in arrays.FRAMES.items()
-    }
-
-
 def _section(title: str, shape: str, held: Mapping[str, tuple[str, str]]) -> list[str]:
     heading = f"### {title}" + (f", `{shape}`" if shape else "")
     rows = [(f"`{name}`", unit, meaning) for name, (unit, meaning) in held.items()]
     return [heading, _table(("variable", "unit", "meaning"), rows)]
 
 
-def _shaped(title: str, held: Mapping[str, tuple[str, str, tuple[str, ...]]]) -> list[str]:
-    rows = [
-        (f"`{name}`", f"`({', '.join(('replicate', *dimensions))})`", unit, meaning)
-        for name, (unit, meaning, dimensions) in held.items()
-    ]
-    return [f"### {title}", _table(("variable", "shape", "unit", "meaning"), rows)]
+def _listed(title: str, rows: Mapping[str, Variable]) -> list[str]:
+    """Return variables of the table; columns that say the same for all are in the heading."""
+    shapes = {name: f"({', '.join(row.dims)})" for name, row in rows.items()}
+    columns = {
+        "variable": [f"`{name}`" for name in rows],
+        "shape": [f"`{shape}`" for shape in shapes.values()],
+        "unit": [row.unit for row in rows.values()],
+        "meaning": [row.attributes["long_name"] for row in rows.values()],
+        "systems": [", ".join(row.systems) for row in rows.values()],
+        "where": [f"`{row.asked_by}`" if row.asked_by else "" for row in rows.values()],
+    }
+    same = {name for name in ("shape", "systems", "where") if len(set(columns[name])) == 1}
+    shape = columns["shape"][0]
+    heading = f"### {title}" + (f", {shape}" if "shape" in same and "over" not in title else "")
+    columns = {name: cells for name, cells in columns.items() if name not in same}
+    return [heading, _table(tuple(columns), list(zip(*columns.values(), strict=True)))]
 
 
 def _table(headings: Sequence[str], rows: Iterable[Sequence[str]]) -> str:

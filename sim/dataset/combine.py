@@ -11,17 +11,17 @@ from sim.dataset.caveats import caveat
 from sim.dataset.earlier import names_read, reading_code
 from sim.dataset.replicates import outcomes
 from sim.dataset.rows import (
+    ARRAYS,
     OF_PROFILES,
     Rows,
-    kept,
     lined_up,
     origins,
     points_of,
+    row_scalars,
     sizes_of,
 )
-from sim.engine.observe.arrays import described
 from sim.parameters import SYSTEMS, complete, field_info
-from sim.parameters.observables import ALONG, OF_POINTS
+from sim.parameters.variables import variables
 from sim.study.load import Point, Study
 
 _REPLICATE = {"units": "1", "long_name": "number of the replicate"}
@@ -49,7 +49,7 @@ def root(blocks: Sequence[Rows], study: Study) -> xr.Dataset:
     held = xr.Dataset(
         {
             name: (("point", "replicate"), lined_up(blocks, name, sizes)[order], _described(name))
-            for name in kept()
+            for name in row_scalars()
             if any(name in block.values for block in blocks)
         }
     )
@@ -80,7 +80,7 @@ def profiles(blocks: Sequence[Rows], points: Sequence[str], replicates: int) -> 
     """
     order, sizes = _order(blocks, points), sizes_of(blocks) | {"replicate": replicates}
     held = {
-        name: (("run", *dimensions), lined_up(blocks, name, sizes)[order], _told(name))
+        name: (("run", *dimensions), lined_up(blocks, name, sizes)[order], ARRAYS[name].attributes)
         for name, dimensions in OF_PROFILES.items()
         if any(name in block.values for block in blocks)
     }
@@ -104,19 +104,13 @@ def _order(blocks: Iterable[Rows], points: Iterable[str]) -> np.ndarray:
     return np.array([rows[point] for point in points])
 
 
-def _told(name: str) -> dict[str, str]:
-    unit, long_name = ALONG[name] if name in ALONG else described(name)
-    return {"units": unit, "long_name": long_name}
-
-
 def ids(points: Sequence[Point]) -> Any:
     """Return the coordinate ``point``."""
     return "point", [point.id for point in points], {"long_name": "point id"}
 
 
 def _described(name: str) -> dict[str, str]:
-    unit, long_name = OF_POINTS[name] if name in OF_POINTS else kept()[name]
-    return ({"units": unit} if unit else {}) | {"long_name": long_name}
+    return (variables("point") | row_scalars())[name].attributes
 
 
 def _together(found: xr.Dataset) -> dict[str, Any]:

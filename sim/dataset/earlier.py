@@ -19,11 +19,10 @@ from sim.base.files import is_damaged, read_seal, replacing
 from sim.base.rooms import files_hash, room_hash
 from sim.dataset.gather import STATE, as_text
 from sim.dataset.results import PARTICLES, RUNS
-from sim.dataset.rows import OF_PROFILES, WORDS, Rows, dimensions, kept
+from sim.dataset.rows import OF_PROFILES, WORDS, Rows, dimensions, row_arrays, row_scalars
 from sim.engine import identity
-from sim.engine.observe import arrays
-from sim.parameters.observables import LACKING
 from sim.parameters.own import OBSERVABLE, own_observables
+from sim.parameters.variables import ALL
 from sim.study.catalogue import Shown
 
 #: Second name of the last dataset of a study, which stays when the workflow, before it makes a new
@@ -42,35 +41,35 @@ def reading_code() -> str:
 @cache
 def _own_code() -> str:
     package = Path(__file__).parents[1]
-    names = (Path(module.__file__ or "") for module in (identity, arrays))
+    names = [Path(identity.__file__)]
     return f"{room_hash(package, 'dataset')} {files_hash(names)}"
 
 
-def names_read() -> set[str]:
-    """Return the names of all that the present code would keep of run files that have it.
+def names_read(system: str | None = None) -> set[str]:
+    """Return the names of all variables that this code reads from run files of a system, or of all.
 
-    Of observables of plug-ins also name and hash.
+    Those of an observable of a plug-in are its name, and its name with the hash of the plug-in.
     """
-    return {*kept(), *OF_PROFILES, *STATE, *codes(OBSERVABLE).split()}
+    own = own_observables(system)
+    coded = (code for code in codes(OBSERVABLE).split() if code.rpartition(".")[0] in own)
+    return {*row_scalars(system), *row_arrays(system), *STATE, *coded}
 
 
 def names_unknown(made: Any, system: str) -> list[str]:
-    """Return what the code that has made a dataset did not know of all that the present one keeps.
+    """Return the variables that this code reads and that the writer of a dataset did not know.
 
     Parameters
     ----------
     made : netCDF4.Dataset
         Its group `RUNS`.
     system : str
-        Whose runs it is kept of.
+        The system whose runs it is of.
     """
     known = made.getncattr("reads") if "reads" in made.ncattrs() else ""
-    if system not in LACKING:
+    if system not in ALL:
         # One that a later version has.
         return [system]
-    others = {name for name in own_observables() if name not in own_observables(system)}
-    coded = {code for code in codes(OBSERVABLE).split() if code.rpartition(".")[0] in others}
-    return sorted(names_read() - set(known.split()) - LACKING[system] - others - coded)
+    return sorted(names_read(system) - set(known.split()))
 
 
 def keep(dataset: Path, folder: Path) -> None:

@@ -15,12 +15,11 @@ from sim.base.files import read_seal
 from sim.base.summary import read_summary
 from sim.dataset.measures import measures
 from sim.dataset.measures.belt import columns, over_cycle
-from sim.dataset.rows import SINGLE, WORDS, Rows, kept, over_height
+from sim.dataset.rows import SINGLE, WORDS, Rows, row_arrays, row_scalars
 from sim.dataset.run_file import Replicate, RunFile
 from sim.engine.identity import numerics_of
-from sim.engine.observe.arrays import SNAPSHOTS
 from sim.engine.stored_run import held_amounts
-from sim.parameters.observables import SCALARS
+from sim.parameters.variables import SCALARS, variables
 
 #: Without these attributes a file is no run file.
 ATTRIBUTES = {"point_id", "system", "engine_version", "source_hash", "versions", "created"}
@@ -32,7 +31,7 @@ _UNSEEN = ("particle_spin", "orientation")
 PATH = ("path", "path_time")
 
 #: What pictures of particles need: last state and path.
-STATE = (*(name for name in SNAPSHOTS if name not in _UNSEEN), *PATH)
+STATE = (*(name for name in variables("particle") if name not in _UNSEEN), *PATH)
 
 
 def read_run(path: Path, wanted: Mapping[str, float] | None = None, shown: bool = False) -> Rows:
@@ -112,14 +111,13 @@ def _listed(much: Mapping[str, float]) -> str:
 def _scalars(run: RunFile) -> dict[str, np.ndarray]:
     """Return scalars and measures, each over replicates."""
     held = {name: run[name] for name in SCALARS if name in run} | measures(run)
-    known = [name for name in kept() if name in held]
+    known = [name for name in row_scalars() if name in held]
     return {name: held[name].astype(object if name in WORDS else float) for name in known}
 
 
 def _profiles(run: RunFile) -> dict[str, np.ndarray]:
     """Return profiles over height, along the belt and over its cycle, and where they lie."""
-    names = ("height", *over_height(run.attrs["system"]))
-    held = {name: run[name] for name in names if name in run}
+    held = {name: run[name] for name in row_arrays(run.attrs["system"]) if name in run}
     held |= columns(run) | over_cycle(run)
     return {name: one.astype(np.float32 if name in SINGLE else float) for name, one in held.items()}
 

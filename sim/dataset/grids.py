@@ -15,7 +15,7 @@
 
 import numpy as np
 
-from sim.engine.observe.arrays import AT_PHASE_0
+from sim.parameters.variables import AT_PHASE_0
 
 GRIDS = ("centres", "edges", "points", "slices")
 

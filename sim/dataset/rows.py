@@ -8,38 +8,20 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from sim.dataset.measures.belt import OVER_CYCLE
-from sim.engine.observe.arrays import AT_PHASE_0, INSTANTANEOUS, PHASED
-from sim.parameters.observables import ASKED_FOR, LEFT_OUT, MEASURES, PROFILES, SCALARS
 from sim.parameters.own import own_observables
+from sim.parameters.variables import SCALARS, Variable, variables
 
 #: Scalars per replicate that are words.
-WORDS = tuple(name for name, (unit, _) in SCALARS.items() if not unit)
+WORDS = tuple(name for name, row in SCALARS.items() if not row.unit)
 
-#: Profiles of which the figures of chutes show the last sample beside the average.
-_SHOWN_LAST = ("velocity_profile", "packing_profile")
+#: Arrays besides scalars that a row may hold: profiles over the height, and those of its group.
+ARRAYS = {n: row for n, row in variables("group", "profile").items() if row.in_datasets}
 
-#: Arrays over height that a dataset keeps.
-OVER_HEIGHT = (
-    *(
-        one
-        for name in PROFILES
-        for one in (name, name + INSTANTANEOUS)
-        if one in PROFILES or name in _SHOWN_LAST
-    ),
-    *(name + AT_PHASE_0 for name in PHASED),
-    *ASKED_FOR,
-)
-
-#: Dimensions of what a row holds besides scalars.
-OF_PROFILES = (
-    {"height": ("slice",)}
-    | dict.fromkeys(OVER_HEIGHT, ("replicate", "slice"))
-    | dict.fromkeys(("column_velocity", "column_density"), ("replicate", "square"))
-    | {"column": ("square",)}
-    | dict.fromkeys(OVER_CYCLE, ("replicate", "moment"))
-    | {"cycle_phase": ("moment",)}
-)
+#: Their dimensions: heights differ between points, so that in a dataset they are over slices.
+OF_PROFILES = {
+    name: tuple("slice" if dimension == "height" else dimension for dimension in row.dims)
+    for name, row in ARRAYS.items()
+}
 
 #: What is held in single precision: seven digits, of which statistics know three.
 SINGLE = OF_PROFILES.keys() - {"height"}
@@ -51,21 +33,19 @@ CENTRES = {"slice": "height", "square": "column", "moment": "cycle_phase"}
 _LENGTHS = {"replicate": "status"} | CENTRES
 
 
-def kept() -> dict[str, tuple[str, str]]:
-    """Return unit and long name of the scalars per replicate that a row may hold, words last.
+def row_scalars(system: str | None = None) -> dict[str, Variable]:
+    """Return the scalars per replicate that rows of a system, or of all, may hold, words last.
 
-    They are those of run files, measures, and observables of plug-ins. A system without one of the
-    numbers gets NaN.
+    They are those of run files, measures, and observables of plug-ins.
     """
-    own = {name: (one.unit, one.meaning) for name, one in own_observables().items()}
-    numbers = {name: row for name, row in (SCALARS | MEASURES | own).items() if name not in WORDS}
-    return numbers | {name: SCALARS[name] for name in WORDS}
+    own = {name: one.variable for name, one in own_observables(system).items()}
+    rows = variables("scalar", "measure", system=system) | own
+    return dict(sorted(rows.items(), key=lambda row: row[0] in WORDS))
 
 
-def over_height(system: str) -> list[str]:
-    """Return the names of the arrays over height that a row of a system keeps."""
-    last = () if system == "chute" else {name + INSTANTANEOUS for name in _SHOWN_LAST}
-    return [name for name in OVER_HEIGHT if name not in last and name not in LEFT_OUT[system]]
+def row_arrays(system: str | None = None) -> list[str]:
+    """Return the names of the arrays that rows of a system, or of all, may hold."""
+    return [name for name, row in ARRAYS.items() if system in (None, *row.in_datasets)]
 
 
 def dimensions(name: str) -> tuple[str, ...]:

@@ -10,7 +10,7 @@ from sim.base.files import is_damaged
 from sim.base.summary import read_summary
 from sim.dataset.run_file import RunFile
 from sim.engine.stored_run import stage_of
-from sim.parameters.observables import SCALARS
+from sim.parameters.variables import SCALARS
 
 
 class Summary(NamedTuple):

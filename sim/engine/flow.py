@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING, Any, Self
 import numpy as np
 
 from sim.base.errors import InputError
-from sim.engine.observe.arrays import SNAPSHOTS
 from sim.engine.origin import origin_of
 from sim.engine.progress import bar
 from sim.engine.systems import build
 from sim.parameters import point_id, point_in_python
 from sim.parameters.common import MAX_SAMPLES
+from sim.parameters.variables import variables
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -156,9 +156,9 @@ class Flow:
                 name: (
                     "time",
                     np.concatenate([np.empty(0), *(taken[name] for taken in self._taken)]),
-                    {"units": unit, "long_name": long_name},
+                    variable.attributes,
                 )
-                for name, (unit, long_name) in self._system.series.items()
+                for name, variable in self._system.series.items()
             },
             coords={"time": ("time", time, meant)},
         )
@@ -170,10 +170,10 @@ class Flow:
 
         found = {}
         for name, values in self._system.snapshot().items():
-            unit, long_name, dimensions = SNAPSHOTS[name]
             if values.size:
-                names = [dimension for dimension in dimensions if dimension != "frame"]
-                found[name] = names, values, {"units": unit, "long_name": long_name}
+                row = variables("particle")[name]
+                dims = [one for one in row.dims if one not in ("replicate", "frame")]
+                found[name] = dims, values, row.attributes
         time = (), self.time, {"units": "s", "long_name": "time since the start"}
         return xr.Dataset(found, {"axis": list(self._system.axes), "time": time})
 

@@ -8,12 +8,11 @@ import netCDF4
 import numpy as np
 
 from sim.base.files import is_damaged
-from sim.engine.observe.arrays import FRAMES, SNAPSHOTS, TABLES
 from sim.engine.observe.recorder import Record
 from sim.engine.observe.run_file import Stage
 from sim.engine.stored_run import attributes, groups, held_amounts, is_of
 from sim.parameters import Parameters, amounts
-from sim.parameters.observables import SCALARS
+from sim.parameters.variables import SCALARS, variables
 
 
 def read_stages(path: Path, parameters: Parameters) -> list[Stage]:
@@ -48,16 +47,16 @@ def _record(group: netCDF4.Dataset, index: int) -> Record:
         values = variable[index]
         if name in SCALARS:
             record.scalars[name] = str(values) if variable.dtype is str else values.item()
-        elif name in SNAPSHOTS:
+        elif name in variables("particle"):
             record.snapshots[name] = list(values) if "frame" in dimensions else [values]
-        elif name in TABLES:
-            record.tables[name] = values
-        elif name in FRAMES:
+        elif dimensions[1:2] == ("trajectory_time",):
             record.frames[name] = values
         elif name == "path":
             record.path = None if np.isnan(values).all() else values
         elif dimensions == ("replicate", "time"):
             record.series[name] = values
-        else:
+        elif dimensions == ("replicate", "height") and not variables("profile")[name].asked_by:
             record.profiles[name] = values
+        else:
+            record.tables[name] = values
     return record

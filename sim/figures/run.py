@@ -14,7 +14,7 @@ from sim.figures.run_particles import picture
 from sim.figures.style import COLOURS, LEVEL, SETTINGS
 from sim.figures.units import headed
 from sim.parameters import Parameters
-from sim.parameters.observables import PROFILES
+from sim.parameters.variables import variables
 from sim.study.catalogue.limits import SHARE
 
 #: Inches of a picture's width and height.
@@ -87,7 +87,7 @@ def _profiles(run: RunFile, parameters: Parameters, completed: np.ndarray) -> Fi
     for axes, name in zip(panels, names, strict=True):
         for number in completed:
             axes.plot(np.asarray(run[name])[number][:top], height[:top], **_look(number))
-        unit, meaning = PROFILES[name]
-        axes.set_xlabel(headed(meaning, "m/s" if unit == "m s-1" else ""))
+        row = variables("profile")[name]
+        axes.set_xlabel(headed(row.meaning, "m/s" if row.unit == "m s-1" else ""))
     panels[0].set_ylabel(headed("height", "diameters"))
     return figure

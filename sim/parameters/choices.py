@@ -18,8 +18,8 @@ from sim.base.additions import NAME, Refused, add, additions
 from sim.base.declared import require_function, require_line, require_number
 from sim.base.errors import in_short
 from sim.parameters.common import Parameters, Real, broken_rule
-from sim.parameters.observables import ASKED_FOR, MEASURES, PROFILES, SCALARS, SERIES
 from sim.parameters.roles import Declaration, Role, declare
+from sim.parameters.variables import reserved_names
 
 _RANGE = {"gt": operator.gt, "ge": operator.ge, "lt": operator.lt, "le": operator.le}
 
@@ -127,8 +127,7 @@ class Choice:
         """Refuse the name of a parameter that others have; ``what`` declares it."""
         if not (isinstance(name, str) and re.fullmatch(NAME, name)) or iskeyword(name):
             raise Refused(f"{what}: parameter {name!r}: a name has letters a-z, digits and _")
-        observed = (SCALARS, MEASURES, PROFILES, ASKED_FOR, *SERIES.values())
-        taken = {*dir(WithOwn), *WithOwn.__class_vars__, *_ELSEWHERE}.union(*observed)
+        taken = {*dir(WithOwn), *WithOwn.__class_vars__, *_ELSEWHERE} | reserved_names()
         if name in taken.union(*((*dir(one), *one.model_fields) for one in self.models)):
             raise Refused(f"{what}: parameter {name}: Talus has one of this name")
         for kind in ("law", "motion"):

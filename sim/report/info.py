@@ -7,7 +7,7 @@ import netCDF4
 
 from sim.engine.stored_run import opened, parameters_of
 from sim.parameters import Parameters, as_yaml, complete, field_info
-from sim.parameters.observables import SCALARS
+from sim.parameters.variables import SCALARS
 
 _PER_REPLICATE = tuple(name for name in SCALARS if name != "replicate_seed")
 _PROVENANCE = (

@@ -21,7 +21,6 @@ from sim.dataset.build import build
 from sim.dataset.results import load_results
 from sim.dataset.rounds import write_round
 from sim.engine.identity import NUMERICS
-from sim.parameters.observables import LACKING
 from sim.report.points import as_table, show
 from sim.report.publish import provenance
 from sim.report.runs import adopted_datasets
@@ -213,12 +212,14 @@ def test_what_other_code_has_read_is_taken_if_it_knew_all_names(study, whole, mo
     assert len(adopted(study)) == 6
     build(study.path, study.results)
     xr.testing.assert_identical(xr.load_dataset(study.output), xr.load_dataset(whole.output))
-    names = earlier.names_read()
-    monkeypatch.setattr(earlier, "names_read", lambda: names | {"new_measure"})
+    names = earlier.names_read
+    monkeypatch.setattr(earlier, "names_read", lambda *system: names(*system) | {"new_measure"})
     monkeypatch.setattr(earlier, "_own_code", lambda: "another")
     assert adopted(study) == set()
-    belt = LACKING["belt"] | {"new_measure"}
-    monkeypatch.setattr(earlier, "LACKING", LACKING | {"belt": belt})
+    of_chutes = {"chute": {"new_measure"}}
+    monkeypatch.setattr(
+        earlier, "names_read", lambda *system: names(*system) | of_chutes.get(*system, set())
+    )
     monkeypatch.setattr(earlier, "_own_code", lambda: "a third")
     assert adopted(study) == set(ids(study, 3, 4, 5))
     monkeypatch.setattr(adopt_module, "names_unknown", lambda made, system: ["new_measure"])

@@ -7,9 +7,8 @@ import xarray as xr
 from sim.dataset.combine import profiles
 from sim.dataset.gather import STATE
 from sim.dataset.measures.belt import columns
-from sim.dataset.rows import OVER_HEIGHT, Rows
-from sim.engine.observe.arrays import AT_PHASE_0, PHASED, SNAPSHOTS
-from sim.parameters.observables import ASKED_FOR, PROFILES
+from sim.dataset.rows import Rows
+from sim.parameters.variables import variables
 
 
 def run(name, width, slices, replicates):
@@ -45,6 +44,10 @@ def test_belts_of_different_lengths_are_filled_up():
 
 
 def test_every_profile_and_what_pictures_show_of_particles_is_kept():
-    assert set(PROFILES) < set(OVER_HEIGHT)
-    assert {name + AT_PHASE_0 for name in PHASED} | set(ASKED_FOR) < set(OVER_HEIGHT)
-    assert set(SNAPSHOTS) - set(STATE) == {"particle_spin", "orientation"}
+    rows = variables("profile").values()
+    unread = {row.name for row in rows if not row.in_datasets}
+    parts = ("number_density", "granular_temperature_profile", "vertical_temperature_profile")
+    assert {name for name in unread if not name.endswith("_history")} == {
+        f"{name}_instantaneous" for name in parts
+    }
+    assert variables("particle").keys() - set(STATE) == {"particle_spin", "orientation"}

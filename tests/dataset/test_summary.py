@@ -7,7 +7,7 @@ import pytest
 from sim.dataset.boundary_side import side_of_run
 from sim.dataset.summary import summary_of
 from sim.engine.run import run_point
-from sim.parameters.observables import SCALARS
+from sim.parameters.variables import SCALARS
 from tests.engine_motion.points import belt_point
 from tests.made.folder import Folder
 from tests.made.netcdf import changing

@@ -75,7 +75,7 @@ def made_point(
     ----------
     system : {'chute', 'belt'}
     scalars : mapping, optional
-        SI values by name of anything in `sim.parameters.observables.SCALARS` or of measures: one
+        SI values by name of anything in `sim.parameters.variables.SCALARS` or of measures: one
         number (replicates then scatter about it), one per replicate, or a word.
     profiles : mapping, optional
         By name: a function of the heights (m), whose values then scatter over replicates as a

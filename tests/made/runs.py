@@ -14,7 +14,7 @@ from sim.dataset.rounds import added_points
 from sim.engine.identity import NUMERICS
 from sim.engine.observe.force_balance import base_forces
 from sim.parameters import Parameters, amounts, canonical, field_info, point_id
-from sim.parameters.observables import SCALARS
+from sim.parameters.variables import SCALARS
 from sim.study.load import load_study
 from tests.made.once import once
 

@@ -5,8 +5,8 @@ import numpy as np
 from sim.base.additions import blamed
 from sim.dataset.measures import belt, chute, conveyor, energy
 from sim.dataset.run_file import Replicate, RunFile
-from sim.parameters.observables import ENERGY_MEASURES, MEASURES_OF
 from sim.parameters.own import OBSERVABLE, OwnObservable, own_observables
+from sim.parameters.variables import variables
 
 _OF_SYSTEM = {"chute": chute, "belt": belt, "conveyor": conveyor}
 
@@ -18,7 +18,7 @@ def measures(run: RunFile) -> dict[str, np.ndarray]:
     """
     name, status = run.attrs["system"], run["status"]
     system, own = _OF_SYSTEM[name], own_observables(name)
-    names = (*ENERGY_MEASURES, *MEASURES_OF[name], *own)
+    names = (*variables("measure", system=name), *own)
     table = {name: np.full(len(status), np.nan) for name in names}
     point = run.attrs["point_id"]
     for index in np.flatnonzero(status == "completed"):

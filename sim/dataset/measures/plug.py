@@ -12,10 +12,9 @@ from typing import Any
 import numpy as np
 
 from sim.dataset.measures import layers
-from sim.engine.observe.arrays import HISTORY
-from sim.parameters.observables import PLUG_STATES
+from sim.parameters.variables import HISTORY, PLUG_STATES
 
-STATES = tuple(PLUG_STATES)
+STATES = PLUG_STATES
 
 #: Contacts per sphere from which a plug is locked: agitated ones have about 1, locked ones 2.7 or
 #: more.

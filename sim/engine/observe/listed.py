@@ -10,7 +10,7 @@ class Listed(NamedTuple):
 
     The first rows of ``pair`` (K, 2) hold the numbers of both partners, those of ``force`` (K, D)
     the force on the first (N); the others are not-a-number. What plane, belt and obstacle are
-    called, `sim.engine.observe.arrays.OF_CONTACTS` says. Contacts beyond K are counted alone.
+    called, `sim.parameters.variables` says. Contacts beyond K are counted alone.
     """
 
     number: np.ndarray

@@ -8,12 +8,12 @@ import numpy as np
 
 from sim.engine.flatten import FlatState, flattened, part_at
 from sim.engine.observe import stopping
-from sim.engine.observe.arrays import HISTORY, INSTANTANEOUS
 from sim.engine.observe.blocks import MOST, ProfileBlocks
 from sim.engine.observe.force_balance import base_forces
 from sim.engine.observe.regime import FAILED, Trend, analyse
 from sim.engine.observe.system import OnSlope, Samples, System
 from sim.engine.observe.trajectory import Trajectory
+from sim.parameters.variables import HISTORY, INSTANTANEOUS
 
 
 @dataclass

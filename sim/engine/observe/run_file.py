@@ -10,10 +10,9 @@ import numpy as np
 
 from sim.base.files import replacing, seal
 from sim.base.summary import append_summary
-from sim.engine.observe.arrays import FRAMES, OF_CONTACTS, SNAPSHOTS, TABLES, described
 from sim.engine.observe.recorder import Record
 from sim.parameters import Parameters, amounts, canonical, field_info, in_si
-from sim.parameters.observables import SCALARS
+from sim.parameters.variables import SCALARS, Variable, variables
 
 #: How numbers are stored: compressed, and with a checksum of every chunk.
 FILTERS = {"zlib": True, "complevel": 1, "shuffle": True, "fletcher32": True}
@@ -21,29 +20,19 @@ FILTERS = {"zlib": True, "complevel": 1, "shuffle": True, "fletcher32": True}
 #: Bytes of a chunk of a trajectory, in which there is at least one frame.
 CHUNK = 2**20
 
-#: How a value of a series stands for its sample interval (CF); the others are instantaneous.
-CELL_METHODS = {
-    "mean_velocity": "time: mean",
-    "mass_flux": "time: mean",
-    "contact_number": "time: mean",
-    "base_normal_force": "time: mean",
-    "base_shear_force": "time: mean",
-    "largest_overlap": "time: maximum",
-}
-
 
 @dataclass(frozen=True)
 class Layout:
     """What the replicates of a run have in common.
 
     ``interval`` (s) between samples, ``height`` (H,) centres of the slices (m),
-    ``series`` name -> (unit, long name), ``axes`` names of the directions, ``coordinates`` of
+    ``series`` by name, ``axes`` names of the directions, ``coordinates`` of
     tables and path name -> (unit, long name, values).
     """
 
     interval: float
     height: np.ndarray
-    series: dict[str, tuple[str, str]]
+    series: dict[str, Variable]
     axes: tuple[str, ...]
     coordinates: dict[str, tuple[str, str, np.ndarray]]
 
@@ -136,7 +125,7 @@ def _put(
     name: str,
     dimensions: tuple[str, ...],
     values: Any,
-    unit: str = "",
+    units: str = "",
     long_name: str = "",
 ) -> Any:
     """Define one variable; texts and numbers alike."""
@@ -146,12 +135,24 @@ def _put(
     kind: Any = str if text else "i8" if whole else "f4" if single else "f8"
     options: dict[str, Any] = {} if text or not dimensions else FILTERS
     variable = file.group.createVariable(name, kind, dimensions, **options)
-    if unit:
-        variable.units = unit
+    if units:
+        variable.units = units
     if long_name:
         variable.long_name = long_name
     file.waiting.append((variable, ..., values.astype(object) if text else values))
     return variable
+
+
+def _put_variable(file: _GroupWriter, row: Variable, values: Any) -> Any:
+    """Define a variable of the table."""
+    return _put(file, row.name, row.dims, values, **row.attributes)
+
+
+def _add_dimensions(file: _GroupWriter, names: Sequence[str], sizes: Sequence[int]) -> None:
+    """Define those of some dimensions that the group has not yet."""
+    for name, size in zip(names, sizes, strict=True):
+        if name not in file.group.dimensions:
+            file.group.createDimension(name, size)
 
 
 def _put_labels(file: _GroupWriter, name: str, labels: Sequence[str], long_name: str) -> None:
@@ -220,20 +221,16 @@ def _samples(records: list[Record]) -> int:
 
 def _write_tables(file: _GroupWriter, records: list[Record]) -> None:
     """Write tables, and the paths in single precision: they serve pictures and mean paths."""
+    arrays = variables("profile", "table")
     for name, values in records[0].tables.items():
-        unit, long_name, dimensions = TABLES[name]
-        for dimension, size in zip(dimensions, values.shape, strict=True):
-            if dimension not in file.group.dimensions:
-                file.group.createDimension(dimension, size)
+        _add_dimensions(file, arrays[name].dims[1:], values.shape)
         stacked = np.stack([record.tables[name] for record in records])
-        _put(file, name, ("replicate", *dimensions), stacked, unit, long_name)
+        _put_variable(file, arrays[name], stacked)
     traced = [record.path for record in records if record.path is not None]
     if traced:
         blank = np.full_like(traced[0], np.nan)
         paths = [blank if record.path is None else record.path for record in records]
-        dimensions = ("replicate", "path_time", "particle", "axis")
-        long_name = "position after the last sample, not wrapped into the cell"
-        _put(file, "path", dimensions, np.array(paths, np.float32), "m", long_name)
+        _put_variable(file, arrays["path"], np.array(paths, np.float32))
 
 
 def _write_trajectory(file: _GroupWriter, stage: Stage, layout: Layout) -> None:
@@ -246,45 +243,37 @@ def _write_trajectory(file: _GroupWriter, stage: Stage, layout: Layout) -> None:
     time = every * layout.interval * np.arange(1, count + 1)
     meant = "time of the frame of the trajectory, since the start"
     _put(file, "trajectory_time", ("trajectory_time",), time, "s", meant)
-    for name, source in FRAMES.items():
+    for name, row in variables("trajectory").items():
         held = {k: one.frames[name] for k, one in enumerate(records) if name in one.frames}
         if not held:
             continue
         frame = next(iter(held.values()))[0]
-        unit, long_name, (_, *each) = (SNAPSHOTS | OF_CONTACTS)[source]
-        for dimension, size in zip(each, frame.shape, strict=True):
-            if dimension not in file.group.dimensions:
-                file.group.createDimension(dimension, size)
-        dimensions = ("replicate", "trajectory_time", *each)
+        _add_dimensions(file, row.dims[2:], frame.shape)
         chunk = (1, max(1, min(count, CHUNK // frame.nbytes)), *frame.shape)
         options: dict[str, Any] = FILTERS | {"chunksizes": chunk, "fill_value": np.nan}
-        variable: Any = file.group.createVariable(name, "f4", dimensions, **options)
-        variable.units = unit
-        variable.long_name = f"{long_name}, at each frame of the trajectory"
+        variable: Any = file.group.createVariable(name, "f4", row.dims, **options)
+        variable.setncatts(row.attributes)
         for k, frames in held.items():
             file.waiting.append((variable, np.s_[k, : len(frames)], frames))
 
 
 def _write_records(file: _GroupWriter, records: list[Record], layout: Layout) -> None:
-    for name, (unit, long_name) in layout.series.items():
+    for name, series in layout.series.items():
         values = np.full((len(records), _samples(records)), np.nan)
         for row, record in zip(values, records, strict=True):
             row[: len(record.series[name])] = record.series[name]
-        variable = _put(file, name, ("replicate", "time"), values, unit, long_name)
-        variable.cell_methods = CELL_METHODS.get(name, "time: point")
+        _put_variable(file, series, values).cell_methods = series.cell_method
+    profiles = variables("profile")
     for name in records[0].profiles:
         values = np.stack([record.profiles[name] for record in records])
-        _put(file, name, ("replicate", "height"), values, *described(name))
+        _put_variable(file, profiles[name], values)
     _write_tables(file, records)
+    particles = variables("particle")
     for name, frames in records[0].snapshots.items():
-        unit, long_name, dimensions = SNAPSHOTS[name]
-        if not frames[0].size:
-            continue
-        both = [
-            r.snapshots[name] if dimensions[0] == "frame" else r.snapshots[name][0] for r in records
-        ]
-        _put(file, name, ("replicate", *dimensions), np.array(both), unit, long_name)
+        states = slice(None) if "frame" in particles[name].dims else 0
+        if frames[0].size:
+            values = np.array([record.snapshots[name][states] for record in records])
+            _put_variable(file, particles[name], values)
     for name in records[0].scalars:
-        unit, long_name = SCALARS[name]
         values = np.array([record.scalars[name] for record in records])
-        _put(file, name, ("replicate",), values, unit, long_name)
+        _put_variable(file, SCALARS[name], values)

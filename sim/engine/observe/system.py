@@ -10,6 +10,7 @@ from sim.engine.observe.listed import Listed
 from sim.engine.observe.regime import Scales
 from sim.engine.observe.sums import Sums
 from sim.parameters import Parameters
+from sim.parameters.variables import Variable
 
 
 class Samples(NamedTuple):
@@ -35,7 +36,7 @@ class System(Protocol):
     """One replicate in motion: what ``sim.engine.run`` needs of a system.
 
     ``parameters`` are those of the point, ``time_step`` (s) is theirs or a fraction of it;
-    ``series`` maps the names of the time series to (unit, long name), and ``ledger`` tells which of
+    ``series`` maps the names of the time series to what they are, and ``ledger`` tells which of
     them add up to the energy; ``axes`` names the directions; ``profile_height`` (H,) are the
     centres of the profiles' slices (m); ``loop_time`` (s) processor time in the compiled loop over
     time steps; ``scales`` and ``period`` (samples) serve the analysis of
@@ -49,7 +50,7 @@ class System(Protocol):
 
     parameters: Parameters
     time_step: float
-    series: dict[str, tuple[str, str]]
+    series: dict[str, Variable]
     ledger: Ledger
     axes: tuple[str, ...]
     mass: float

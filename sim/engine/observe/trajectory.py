@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 
 from sim.engine.dynamics.status import BlowUp
-from sim.engine.observe.arrays import FRAMES
 from sim.engine.observe.system import System
+from sim.parameters.variables import variables
 
 
 class Trajectory:
@@ -33,9 +33,9 @@ class Trajectory:
             state = system.snapshot()
             if self._contacts:
                 state |= self._of_contacts(system)
-            for name, source in FRAMES.items():
-                if source in state:
-                    frame = np.array(state[source], np.float32)
+            for name, row in variables("trajectory").items():
+                if row.of in state:
+                    frame = np.array(state[row.of], np.float32)
                     self._frames.setdefault(name, []).append(frame)
 
     def _of_contacts(self, system: System) -> dict[str, np.ndarray]:

@@ -5,10 +5,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from sim.engine.observe.arrays import AT_PHASE_0, PHASED
 from sim.engine.observe.profiles import Profile, empty_profile
 from sim.engine.observe.sums import Sums, chosen_of
 from sim.parameters import BeltParameters
+from sim.parameters.variables import AT_PHASE_0, parts
 
 #: Height of the profiles in mean diameters.
 HEIGHT = 80
@@ -81,7 +81,7 @@ class BedProfiles(NamedTuple):
         found = {}
         if self.at_phase_0:
             profiles = self.profiles(*phased[:2])
-            found = {name + AT_PHASE_0: profiles[name] for name in PHASED}
+            found = {name: profiles[mean] for name, mean in parts(AT_PHASE_0, "belt").items()}
         if self.phases:
             found["fluctuation_temperature_profile"] = _fluctuation(centres, phased[-1])
         return found

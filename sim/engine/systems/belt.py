@@ -25,7 +25,7 @@ from sim.engine.systems.belt_start import initial_bed, vibration
 from sim.engine.systems.series import BELT_LEDGER, since_start
 from sim.parameters import BeltParameters
 from sim.parameters.belt import LEAST_TRANSPORT
-from sim.parameters.observables import BELT_FORCES, BELT_SERIES
+from sim.parameters.variables import recorded_by
 
 #: Skin of the neighbor list in mean diameters.
 SKIN = 0.3
@@ -58,7 +58,7 @@ class Belt:
     def __init__(self, parameters: BeltParameters, replicate: int, substeps: int = 1):
         self.parameters = p = parameters
         self.pause, self.stage = no_pause, FALLING
-        self.series = BELT_SERIES | (BELT_FORCES if p.belt_forces else {})
+        self.series = recorded_by(p, "series")
         self.time_step = p.time_step / substeps
         self.settling_step = p.settling_step / substeps
         self.steps_per_cycle = p.steps_per_cycle * substeps

@@ -23,7 +23,6 @@ from sim.engine.dynamics.spheres import (
 )
 from sim.engine.dynamics.status import LIST_FULL, BlowUp, outcome
 from sim.engine.dynamics.team import Team
-from sim.engine.observe.arrays import FOLLOWED
 from sim.engine.observe.contacts import (
     Carried,
     Sampling,
@@ -43,8 +42,8 @@ from sim.engine.systems.flow_profiles import FlowProfiles
 from sim.engine.systems.series import CHUTE_LEDGER, since_start
 from sim.engine.systems.sharing import Thread
 from sim.parameters.chute import negligible_acceleration
-from sim.parameters.observables import CHUTE_SERIES
 from sim.parameters.spheres import SKIN, SphereParameters
+from sim.parameters.variables import HISTORY, parts, recorded_by
 
 #: Particle-steps from one pause to the next, at most: some tenths of a second.
 MOST_WORK = 4_000_000
@@ -70,7 +69,6 @@ class _Kernels:
 class Chute:
     """One replicate of a chute flow in motion."""
 
-    series = CHUTE_SERIES
     ledger = CHUTE_LEDGER
     axes = ("x", "y", "z")
     moving: tuple[str, ...] = (
@@ -85,6 +83,7 @@ class Chute:
     def __init__(self, parameters: SphereParameters, replicate: int, substeps: int = 1):
         self.parameters = p = parameters
         self.pause, self.stage = no_pause, ""
+        self.series = recorded_by(p, "series")
         self.substeps = substeps
         self.time_step = p.time_step / substeps
         self.sample_steps = p.sample_steps * substeps
@@ -118,7 +117,7 @@ class Chute:
         self.weight = (self.mass * self.gravity[0], -self.mass * self.gravity[2])
         self.period = 1
         self.profile_height = self.slices.height()
-        self.followed = FOLLOWED if p.stress_profiles else ()
+        self.followed = tuple(parts(HISTORY, p.system).values()) if p.stress_profiles else ()
         self._stretch = max(1, int(MOST_WORK // max(number, p.effective_particles)))
         self.loop_time, self._call = 0.0, _Kernels(self.laws, self.drive)
         self.travelled, self.lost, self.work_done = 0.0, 0.0, 0.0

@@ -21,7 +21,6 @@ from sim.engine.systems.series import CONVEYOR_LEDGER, since_start
 from sim.parameters import ConveyorParameters
 from sim.parameters.belt import LEAST_TRANSPORT
 from sim.parameters.chute import negligible_acceleration
-from sim.parameters.observables import CONVEYOR_SERIES
 
 #: Moment of inertia of a disc over m r².
 DISC = 0.5
@@ -37,7 +36,6 @@ class Conveyor(Chute):
     energies are those of the laboratory.
     """
 
-    series = CONVEYOR_SERIES
     ledger = CONVEYOR_LEDGER
     moving = (*Chute.moving, "drive", "plane_work")
     path_interval = 1 / 40

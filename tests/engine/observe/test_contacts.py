@@ -18,7 +18,7 @@ from sim.engine.observe.rheology import inertial_number, shear_rate, stress_rati
 from sim.engine.observe.sums import plus
 from sim.engine.systems import build, leap_frog
 from sim.engine.systems.leap_frog import FlowContacts
-from sim.parameters.observables import ASKED_FOR
+from sim.parameters.variables import variables
 from tests.engine.dynamics.test_chute_reference import SPEED, dense_state, laws
 from tests.engine.reference import chute as slow
 from tests.engine_motion.helpers import MASS, RADIUS
@@ -291,6 +291,8 @@ def test_profiles_that_are_asked_for_change_no_motion():
         with_them, without = asked.sample(3, profiles=True), usual.sample(3, profiles=True)
         assert with_them.first() == without.first()
     assert np.array_equal(asked.spheres.position, usual.spheres.position)
-    kept = set(ASKED_FOR) - {"fluctuation_temperature_profile"}
-    assert kept < set(asked.tables(sums_of(asked)))
-    assert not set(ASKED_FOR) & set(usual.tables(sums_of(usual)))
+    rows = variables("profile", system="chute").values()
+    stresses = {row.name for row in rows if row.asked_by == "stress_profiles" and not row.of}
+    assert len(stresses) == 16
+    assert stresses < set(asked.tables(sums_of(asked)))
+    assert not stresses & set(usual.tables(sums_of(usual)))

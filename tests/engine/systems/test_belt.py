@@ -5,10 +5,10 @@ import pandas as pd
 import pytest
 
 from sim.engine.dynamics.status import BlowUp
-from sim.engine.observe.arrays import AT_PHASE_0, PHASED
 from sim.engine.observe.sums import plus
 from sim.engine.systems import build
 from sim.parameters import parse_point
+from sim.parameters.variables import AT_PHASE_0, parts
 from tests.engine_motion.points import belt_point, series_of, sums_of
 
 SMALL = {"beads": 40, "width": 8}
@@ -162,11 +162,11 @@ def test_profiles_of_the_start_of_the_cycle_are_those_of_one_sample_in_twenty(ph
         if number % 20 == begins:
             started.append(system.profiles(sums))
     tables, profiles = system.tables(total), system.profiles(total)
-    for name in PHASED:
+    for phased, name in parts(AT_PHASE_0, "belt").items():
         mean = np.mean([each[name] for each in started], axis=0)
         if name != "velocity_profile":
-            assert tables[name + AT_PHASE_0] == pytest.approx(mean)
-        assert not np.array_equal(tables[name + AT_PHASE_0], profiles[name], equal_nan=True)
+            assert tables[phased] == pytest.approx(mean)
+        assert not np.array_equal(tables[phased], profiles[name], equal_nan=True)
     assert profiles["number_density"].sum() == pytest.approx(np.sum(mean))
 
 
@@ -225,7 +225,7 @@ def test_the_temperature_about_the_mean_motion_of_each_phase_is_that_of_all_bead
 
 def test_profiles_of_the_start_of_the_cycle_are_kept_where_they_are_asked_for():
     system = settled()
-    assert not {name + AT_PHASE_0 for name in PHASED} & set(system.tables(sums_of(system)))
+    assert not set(parts(AT_PHASE_0, "belt")) & set(system.tables(sums_of(system)))
 
 
 @pytest.mark.parametrize("beads", [1, 2, 5])
