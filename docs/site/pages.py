@@ -1,4 +1,4 @@
-"""Pages of the site that are made from the code: commands, and variables of files."""
+"""Pages of the site that are generated from the code: commands, and variables of files."""
 
 import argparse
 from collections.abc import Iterable, Mapping, Sequence
@@ -9,10 +9,10 @@ from sim.engine.observe import arrays
 from sim.parameters import SYSTEMS, observables
 from sim.parameters.observables import BELT_FORCES, PROFILES
 
-#: Characters of a line of help, whatever the terminal.
+#: Formatter of help with lines of 90 characters, independent of the terminal.
 HELP = partial(argparse.HelpFormatter, width=90)
 
-#: Dimensions of what a run file holds.
+#: Table of the dimensions of run files.
 DIMENSIONS = """\
 | dimension | size |
 | --- | --- |
@@ -34,7 +34,7 @@ DIMENSIONS = """\
 
 PATH = {"path": ("m", "position, not wrapped into the cell", ("path_time", "particle", "axis"))}
 
-#: What follows from the parameters of a point, besides `limits`.
+#: Variables derived from the parameters of a point, besides `limits`.
 DERIVED = {
     "particles": ("1", "number of particles"),
     "time_step": ("s", "time step"),
@@ -43,8 +43,10 @@ DERIVED = {
 
 def commands() -> str:
     """Return the reference of the command line."""
-    found = parser("talus")
-    (held,) = (a for a in found._actions if isinstance(a, argparse._SubParsersAction))
+    talus_parser = parser("talus")
+    (subcommands,) = (
+        action for action in talus_parser._actions if isinstance(action, argparse._SubParsersAction)
+    )
     parts = [
         "# Commands",
         "`talus COMMAND` where the package is installed, `python -m sim COMMAND` in the repository."
@@ -52,9 +54,9 @@ def commands() -> str:
         " up), 130 and 143 (ended by a signal).",
         _table(("command", ""), [(f"[`{n}`](#{n})", text) for n, (_, text) in COMMANDS.items()]),
     ]
-    for name, one in held.choices.items():
-        one.formatter_class = HELP
-        parts += [f"## {name}", f"```text\n{one.format_help().rstrip()}\n```"]
+    for name, subparser in subcommands.choices.items():
+        subparser.formatter_class = HELP
+        parts += [f"## {name}", f"```text\n{subparser.format_help().rstrip()}\n```"]
     return "\n\n".join(parts) + "\n"
 
 
@@ -95,27 +97,31 @@ def variables() -> str:
 
 def _limits() -> dict[str, tuple[str, str]]:
     limits = [model().limits for model in SYSTEMS.values()]
-    return {name: ("m s-2", text) for each in limits for name, (_, text) in each.items()}
+    return {
+        name: ("m s-2", text)
+        for system_limits in limits
+        for name, (_, text) in system_limits.items()
+    }
 
 
 def _frames() -> dict[str, tuple[str, str, tuple[str, ...]]]:
-    told = arrays.SNAPSHOTS | arrays.OF_CONTACTS
+    variables = arrays.SNAPSHOTS | arrays.OF_CONTACTS
     return {
-        name: (*told[source][:2], ("trajectory_time", *told[source][2][1:]))
+        name: (*variables[source][:2], ("trajectory_time", *variables[source][2][1:]))
         for name, source in arrays.FRAMES.items()
     }
 
 
-def _section(title: str, shape: str, held: Mapping[str, tuple[str, str]]) -> list[str]:
+def _section(title: str, shape: str, variables: Mapping[str, tuple[str, str]]) -> list[str]:
     heading = f"### {title}" + (f", `{shape}`" if shape else "")
-    rows = [(f"`{name}`", unit, meaning) for name, (unit, meaning) in held.items()]
+    rows = [(f"`{name}`", unit, meaning) for name, (unit, meaning) in variables.items()]
     return [heading, _table(("variable", "unit", "meaning"), rows)]
 
 
-def _shaped(title: str, held: Mapping[str, tuple[str, str, tuple[str, ...]]]) -> list[str]:
+def _shaped(title: str, variables: Mapping[str, tuple[str, str, tuple[str, ...]]]) -> list[str]:
     rows = [
         (f"`{name}`", f"`({', '.join(('replicate', *dimensions))})`", unit, meaning)
-        for name, (unit, meaning, dimensions) in held.items()
+        for name, (unit, meaning, dimensions) in variables.items()
     ]
     return [f"### {title}", _table(("variable", "shape", "unit", "meaning"), rows)]
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from sim.base.additions import add, additions
-from sim.base.declared import require_function, require_line, require_one_of
+from sim.base.require import require_function, require_line, require_one_of
 from sim.parameters.observables import ASKED_FOR, MEASURES, PROFILES, SCALARS, SERIES
 from sim.parameters.points import SYSTEMS
 
