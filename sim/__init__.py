@@ -1,7 +1,7 @@
-"""Talus: granular flow down a chute and on a vibrating belt, from a study file to a report.
+"""Talus: granular flow on a chute, belt or vibrating plane, from a study file to a report.
 
-In Python: `simulate` runs one point, `Flow` is one that is looked at on its way, `points` are those
-of a study, and `load` gives what a study has found (docs/api.md). Plug-ins extend it by
+In Python: `simulate` runs one point, `Flow` runs one step by step, `points` lists the points of a
+study, and `load` reads the results of a study (docs/api.md). Plug-ins extend it by
 `law`, `motion`, `observable`, `plot_kind`, `judge` (docs/extending.md).
 """
 
@@ -42,7 +42,7 @@ __all__ = [
     "simulate",
 ]
 
-#: Name -> where it is, to be imported when it is first asked for: the engine takes half a second.
+#: Name -> module and object, imported on first use: the engine takes half a second.
 _PLACES = {
     "BlowUp": "sim.engine.dynamics.status:BlowUp",
     "Flow": "sim.engine.flow:Flow",
@@ -62,8 +62,8 @@ _PLACES = {
 def __getattr__(name: str) -> Any:
     if name not in _PLACES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    found = globals()[name] = resolve_name(_PLACES[name])
-    return found
+    value = globals()[name] = resolve_name(_PLACES[name])
+    return value
 
 
 def __dir__() -> list[str]:

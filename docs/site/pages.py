@@ -1,4 +1,4 @@
-"""Pages of the site that are made from the code: commands, and variables of files."""
+"""Pages of the site that are generated from the code: commands, and variables of files."""
 
 import argparse
 from collections.abc import Iterable, Mapping, Sequence
@@ -6,13 +6,12 @@ from functools import partial
 
 from sim.__main__ import COMMANDS, parser
 from sim.parameters import SYSTEMS
-from sim.parameters.variables import Variable
-from sim.parameters.variables import variables as of_kind
+from sim.parameters.variables import Variable, variables_of
 
-#: Characters of a line of help, whatever the terminal.
+#: Formatter of help with lines of 90 characters, independent of the terminal.
 HELP = partial(argparse.HelpFormatter, width=90)
 
-#: Dimensions of what a run file holds.
+#: Table of the dimensions of run files.
 DIMENSIONS = """\
 | dimension | size |
 | --- | --- |
@@ -32,7 +31,7 @@ DIMENSIONS = """\
 """
 
 
-#: What follows from the parameters of a point, besides `limits`.
+#: Variables derived from the parameters of a point, besides `limits`.
 DERIVED = {
     "particles": ("1", "number of particles"),
     "time_step": ("s", "time step"),
@@ -41,8 +40,10 @@ DERIVED = {
 
 def commands() -> str:
     """Return the reference of the command line."""
-    found = parser("talus")
-    (held,) = (a for a in found._actions if isinstance(a, argparse._SubParsersAction))
+    talus_parser = parser("talus")
+    (subcommands,) = (
+        action for action in talus_parser._actions if isinstance(action, argparse._SubParsersAction)
+    )
     parts = [
         "# Commands",
         "`talus COMMAND` where the package is installed, `python -m sim COMMAND` in the repository."
@@ -50,9 +51,9 @@ def commands() -> str:
         " up), 130 and 143 (ended by a signal).",
         _table(("command", ""), [(f"[`{n}`](#{n})", text) for n, (_, text) in COMMANDS.items()]),
     ]
-    for name, one in held.choices.items():
-        one.formatter_class = HELP
-        parts += [f"## {name}", f"```text\n{one.format_help().rstrip()}\n```"]
+    for name, subparser in subcommands.choices.items():
+        subparser.formatter_class = HELP
+        parts += [f"## {name}", f"```text\n{subparser.format_help().rstrip()}\n```"]
     return "\n\n".join(parts) + "\n"
 
 
@@ -67,34 +68,38 @@ def variables() -> str:
         "All parameters of the point are scalars of the same names"
         " ([study files](studies.md#reference)), and there is what follows from them:",
         *_section("Of the point", "", DERIVED | _limits()),
-        *_listed("Scalars", of_kind("scalar")),
+        *_listed("Scalars", variables_of("scalar")),
         *(
             line
             for system in SYSTEMS
-            for line in _listed(f"Time series of a {system}", of_kind("series", system=system))
+            for line in _listed(f"Time series of a {system}", variables_of("series", system=system))
         ),
-        *_listed("Profiles", of_kind("profile")),
-        *_listed("Particles", of_kind("particle")),
-        *_listed("Trajectory", of_kind("trajectory")),
-        *_listed("Tables", of_kind("table")),
+        *_listed("Profiles", variables_of("profile")),
+        *_listed("Particles", variables_of("particle")),
+        *_listed("Trajectory", variables_of("trajectory")),
+        *_listed("Tables", variables_of("table")),
         "## In a dataset",
         "All scalars of run files, over `(point, replicate)`; all parameters over `(point)`, as"
         " coordinates; and",
-        *_listed("Of points", of_kind("point")),
-        *_listed("Measures, over `(point, replicate)`", of_kind("measure")),
-        *_listed("Groups of the systems, besides the profiles", of_kind("group")),
+        *_listed("Of points", variables_of("point")),
+        *_listed("Measures, over `(point, replicate)`", variables_of("measure")),
+        *_listed("Groups of the systems, besides the profiles", variables_of("group")),
     ]
     return "\n\n".join(parts) + "\n"
 
 
 def _limits() -> dict[str, tuple[str, str]]:
     limits = [model().limits for model in SYSTEMS.values()]
-    return {name: ("m s-2", text) for each in limits for name, (_, text) in each.items()}
+    return {
+        name: ("m s-2", text)
+        for system_limits in limits
+        for name, (_, text) in system_limits.items()
+    }
 
 
-def _section(title: str, shape: str, held: Mapping[str, tuple[str, str]]) -> list[str]:
+def _section(title: str, shape: str, variables: Mapping[str, tuple[str, str]]) -> list[str]:
     heading = f"### {title}" + (f", `{shape}`" if shape else "")
-    rows = [(f"`{name}`", unit, meaning) for name, (unit, meaning) in held.items()]
+    rows = [(f"`{name}`", unit, meaning) for name, (unit, meaning) in variables.items()]
     return [heading, _table(("variable", "unit", "meaning"), rows)]
 
 

@@ -18,7 +18,7 @@ class PrintCompletion(argparse.Action):
         values: str | Sequence[Any] | None,
         option_string: str | None = None,
     ) -> None:
-        # Every command would wait for it.
+        # Imported here, as every command would wait for the import.
         import shtab
 
         parser.prog = "talus"
@@ -28,7 +28,7 @@ class PrintCompletion(argparse.Action):
 
 
 def _complete_files(parser: argparse.ArgumentParser) -> None:
-    """Have names of files completed where a parser, or one of a command, takes a path."""
+    """Complete file names for all path arguments of a parser and of its commands."""
     import shtab
 
     for action in parser._actions:

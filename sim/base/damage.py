@@ -1,4 +1,4 @@
-"""Reading what earlier commands have stored: a damaged file is named, set aside and made again."""
+"""Reading of stored files: the error names a damaged file, which is renamed and made again."""
 
 import os
 from collections.abc import Iterator
@@ -9,7 +9,7 @@ from xml.etree.ElementTree import ParseError
 from sim.base.errors import InputError
 from sim.base.files import is_damaged, set_aside
 
-#: What libraries raise on files with a hole or a flipped bit.
+#: Errors that libraries raise on files with a hole or a flipped bit.
 UNREADABLE = (
     OSError,
     RuntimeError,
@@ -23,23 +23,23 @@ UNREADABLE = (
 
 
 class DamagedError(InputError):
-    """A stored file cannot be read; the message says where it is now."""
+    """A stored file cannot be read; the message gives its new name, if it was renamed."""
 
 
 @contextmanager
 def checked_read(path: Path, kind: str, replaceable: bool, sealed: bool = False) -> Iterator[None]:
-    """Read a file in a block; whatever goes wrong there becomes one line.
+    """Turn any error of a block that reads a file into an `InputError` of one line.
 
     Parameters
     ----------
     path : Path
         The file.
     kind : str
-        What it should be, for messages.
+        Kind of file expected, for messages.
     replaceable : bool
         Rename an unreadable file to ``<name>.damaged``, so that the workflow makes it again.
     sealed : bool
-        It was written with a checksum at its end, which is looked at first.
+        Check the checksum at its end first.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Folders that nobody else can write, for what is run or believed because it lies there."""
+"""Folders that nobody else can write, for files that are run or trusted because of their place."""
 
 import os
 import stat
@@ -6,44 +6,44 @@ import tempfile
 from pathlib import Path
 
 
-class Unfit(Exception):
-    """A folder is not one's own alone; the message says why."""
+class NotPrivateError(Exception):
+    """Others can write or replace a folder; the message says why."""
 
 
 def private_folder(path: Path) -> Path:
     """Make a folder, if need be, and return it if nobody else can write or replace it.
 
-    Raises `Unfit` where somebody could, ``OSError`` where it takes no files.
+    Raises `NotPrivateError` where somebody could, ``OSError`` where files cannot be created.
     """
     path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
     if _others_may_write(above := path.parent.stat()) and not above.st_mode & stat.S_ISVTX:
-        raise Unfit(f"others can write {path.parent}")
+        raise NotPrivateError(f"others can write {path.parent}")
     path.mkdir(mode=0o700, exist_ok=True)
-    found = path.lstat()
-    if not stat.S_ISDIR(found.st_mode):
-        raise Unfit(f"{path} is a link or no folder")
-    if found.st_uid != os.geteuid():
-        raise Unfit(f"{path} belongs to user {found.st_uid}")
-    if _others_may_write(found):
-        raise Unfit(f"others can write {path}")
+    status = path.lstat()
+    if not stat.S_ISDIR(status.st_mode):
+        raise NotPrivateError(f"{path} is a link or no folder")
+    if status.st_uid != os.geteuid():
+        raise NotPrivateError(f"{path} belongs to user {status.st_uid}")
+    if _others_may_write(status):
+        raise NotPrivateError(f"others can write {path}")
     with tempfile.TemporaryFile(dir=path) as file:
         file.write(b"\0" * 4096)
     return path
 
 
-def caches() -> Path:
-    """Return the folder of the user's caches; raise ``RuntimeError`` where there is no home."""
-    if named := os.environ.get("XDG_CACHE_HOME"):
-        return Path(named)
+def cache_folder() -> Path:
+    """Return the user's cache folder; raise ``RuntimeError`` without a home."""
+    if folder := os.environ.get("XDG_CACHE_HOME"):
+        return Path(folder)
     if os.environ.get("HOME") == "":
         raise RuntimeError("HOME is empty")
     return Path.home() / ".cache"
 
 
-def own_temporary() -> Path:
-    """Return the name of this user's folder under the system's temporary one."""
+def user_temporary_folder() -> Path:
+    """Return the path of this user's folder within the system's temporary folder."""
     return Path(tempfile.gettempdir()) / f"talus-{os.geteuid()}"
 
 
-def _others_may_write(found: os.stat_result) -> bool:
-    return bool(found.st_mode & (stat.S_IWGRP | stat.S_IWOTH))
+def _others_may_write(status: os.stat_result) -> bool:
+    return bool(status.st_mode & (stat.S_IWGRP | stat.S_IWOTH))

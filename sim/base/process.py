@@ -1,4 +1,4 @@
-"""What the code of others may have changed of this process, put back."""
+"""Restoring the state of this process after foreign code has run."""
 
 import os
 import sys
@@ -9,11 +9,11 @@ from pathlib import Path
 
 
 @contextmanager
-def process_kept() -> Iterator[None]:
-    """Put back after a block what Talus relies on in this process.
+def restore_process() -> Iterator[None]:
+    """Restore after a block the state of this process that Talus relies on.
 
-    That is the working directory, the mask of new files' permissions, where modules are found, how
-    deep calls may be nested, and which warnings are errors.
+    That is the working directory, the umask, ``sys.path``, the recursion limit and the filters of
+    warnings. Filters that ignore warnings are kept.
     """
     folder, mask = Path.cwd(), os.umask(0)
     os.umask(mask)
@@ -26,10 +26,12 @@ def process_kept() -> Iterator[None]:
                 yield
             finally:
                 ignored = [
-                    one for one in warnings.filters if one[0] == "ignore" and one not in before
+                    entry
+                    for entry in warnings.filters
+                    if entry[0] == "ignore" and entry not in before
                 ]
     finally:
-        # Libraries that the block has imported know which warnings of theirs mean nothing.
+        # Libraries imported in the block ignore their own harmless warnings; that stays.
         warnings.filters = [*ignored, *warnings.filters]
         sys.setrecursionlimit(depth)
         sys.path[:] = path

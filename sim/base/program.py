@@ -1,4 +1,4 @@
-"""What the program is called, for usage and messages, and its version."""
+"""Name of the program, for usage and messages, and its version."""
 
 import sys
 from pathlib import Path
@@ -7,5 +7,5 @@ __version__ = "0.1.0"
 
 
 def program() -> str:
-    """Return how this process was called: by the installed command or as a module."""
+    """Return the command that started this process: ``talus`` or ``python -m sim``."""
     return "talus" if Path(sys.argv[0]).stem == "talus" else "python -m sim"

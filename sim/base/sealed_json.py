@@ -1,27 +1,27 @@
-"""JSON that says by a checksum whether it is as it was written."""
+"""JSON with a checksum, which shows any later change."""
 
 import hashlib
 import json
 from typing import Any
 
-#: The key of the checksum, that of all the other keys and values.
+#: Key of the checksum, which covers all other keys and values.
 CHECKSUM = "sha256"
 
 
-def as_sealed(mapping: dict[str, Any]) -> str:
-    """Write a mapping with its checksum as JSON, a line for each key."""
-    held = mapping | {CHECKSUM: _checksum(mapping)}
-    lines = (f"{_text(key)}: {_text(value)}" for key, value in held.items())
+def to_sealed_json(mapping: dict[str, Any]) -> str:
+    """Return a mapping with its checksum as JSON, a line for each key."""
+    sealed = mapping | {CHECKSUM: _checksum(mapping)}
+    lines = (f"{_text(key)}: {_text(value)}" for key, value in sealed.items())
     return "{\n" + ",\n".join(lines) + "\n}\n"
 
 
-def read_sealed(text: str) -> dict[str, Any]:
-    """Return the mapping that was written; raise ``ValueError`` when it has changed since."""
-    held = json.loads(text)
-    told = held.pop(CHECKSUM, "")
-    if _checksum(held) != told:
+def parse_sealed_json(text: str) -> dict[str, Any]:
+    """Return the mapping in a text of `to_sealed_json`; raise ``ValueError`` if it has changed."""
+    mapping = json.loads(text)
+    checksum = mapping.pop(CHECKSUM, "")
+    if _checksum(mapping) != checksum:
         raise ValueError("the checksum is wrong")
-    return held
+    return mapping
 
 
 def _checksum(mapping: dict[str, Any]) -> str:

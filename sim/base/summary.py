@@ -1,7 +1,6 @@
-"""A line of JSON near the end of a file, which tells what is in it to those who do not open it.
+"""Summary of a file: a line of JSON near its end, which is read without opening the file.
 
-It stands behind the end that the file itself declares, as the seal behind it does, see
-`sim.base.files`.
+It follows the end that the file declares, and the seal follows it, see `sim.base.files`.
 """
 
 import json
@@ -13,24 +12,24 @@ from zlib import crc32
 
 from sim.base.files import SEAL, open_regular
 
-#: The end of a summary: its length in bytes and its checksum.
+#: Ending of a summary: its length in bytes and its checksum.
 _END = b"\nsummary %012d %08x"
 
-#: Bytes of that and of a seal.
+#: Bytes of this ending and of a seal.
 _ENDING, _SEAL = len(_END % (0, 0)), len(SEAL % bytes(64))
 
 
 def append_summary(path: Path, summary: Mapping[str, Any]) -> None:
-    """Append a summary, plain values or numbers of numpy, to a file that is to be sealed."""
+    """Append a summary of plain values or numbers of NumPy to a file that will be sealed."""
     text = json.dumps(summary, separators=(",", ":"), default=lambda number: number.item()).encode()
     with path.open("ab") as file:
         file.write(b"\n" + text + _END % (len(text), crc32(text)))
 
 
 def read_summary(path: Path) -> dict[str, Any] | None:
-    """Return the summary of a sealed file, None where it has none or that is damaged.
+    """Return the summary of a sealed file, None where it is missing or damaged.
 
-    The rest of the file is not read, so it is not known to be whole.
+    The rest of the file is not read and may be damaged.
     """
     with open_regular(path) as file:
         end = file.seek(0, os.SEEK_END) - _ENDING - _SEAL

@@ -1,4 +1,4 @@
-"""Parameters that have been added since a dataset was made, and those that nobody knows here."""
+"""Parameters that were added after a dataset was made, and options of unknown plug-ins."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -7,12 +7,12 @@ import numpy as np
 import xarray as xr
 
 from sim.base.errors import InputError
-from sim.parameters import SYSTEMS, unsaid
+from sim.parameters import SYSTEMS, defaults_of_added
 from sim.parameters.choices import own
 
 
-def with_added(columns: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
-    """Return the columns of all added parameters, with their defaults where rows have no value.
+def added_columns(columns: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """Return the columns of all added parameters, with the default where a row has no value.
 
     Parameters
     ----------
@@ -20,26 +20,26 @@ def with_added(columns: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
         Arrays over rows: ``system`` and parameters, NaN or ``""`` where a row has none.
     """
     systems = np.asarray(columns["system"])
-    found: dict[str, np.ndarray] = {}
+    filled: dict[str, np.ndarray] = {}
     for system in sorted(set(systems) & SYSTEMS.keys()):
-        for name, default in unsaid(system).items():
-            word = isinstance(default, str)
-            kind, none = (object, "") if word else (float, np.nan)
-            values = found.get(name, columns.get(name, np.full(len(systems), none, kind)))
-            blank = values == "" if word else np.isnan(values)
-            found[name] = np.where((systems == system) & blank, default, values)
-    return found
+        for name, default in defaults_of_added(system).items():
+            is_text = isinstance(default, str)
+            kind, none = (object, "") if is_text else (float, np.nan)
+            values = filled.get(name, columns.get(name, np.full(len(systems), none, kind)))
+            blank = values == "" if is_text else np.isnan(values)
+            filled[name] = np.where((systems == system) & blank, default, values)
+    return filled
 
 
-def require_known_options(held: xr.Dataset, path: Path) -> None:
-    """Refuse points whose laws or motions have parameters that nothing is known of.
+def require_known_options(dataset: xr.Dataset, path: Path) -> None:
+    """Refuse points with laws or motions of plug-ins that are not loaded.
 
-    Two that differ in such a one would be taken for the same.
+    Their parameters are not known, so two points that differ in one would be taken for the same.
     """
     for choice in ("law", "motion"):
         loaded = own(choice)
-        for name in map(str, held[choice].values if choice in held.coords else ()):
-            # Names of plug-ins' options end in their hashes.
+        for name in map(str, dataset[choice].values if choice in dataset.coords else ()):
+            # The name of an option of a plug-in ends in its hash.
             if "." in name and name not in loaded:
                 allowed = "one of Talus, or of a plug-in that TALUS_PLUGINS names"
                 raise InputError.of_value(str(path), choice, name, allowed)

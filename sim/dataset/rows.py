@@ -9,13 +9,13 @@ import pandas as pd
 import xarray as xr
 
 from sim.parameters.own import own_observables
-from sim.parameters.variables import SCALARS, Variable, variables
+from sim.parameters.variables import SCALARS, Variable, variables_of
 
 #: Scalars per replicate that are words.
 WORDS = tuple(name for name, row in SCALARS.items() if not row.unit)
 
 #: Arrays besides scalars that a row may hold: profiles over the height, and those of its group.
-ARRAYS = {n: row for n, row in variables("group", "profile").items() if row.in_datasets}
+ARRAYS = {n: row for n, row in variables_of("group", "profile").items() if row.in_datasets}
 
 #: Their dimensions: heights differ between points, so that in a dataset they are over slices.
 OF_PROFILES = {
@@ -39,7 +39,7 @@ def row_scalars(system: str | None = None) -> dict[str, Variable]:
     They are those of run files, measures, and observables of plug-ins.
     """
     own = {name: one.variable for name, one in own_observables(system).items()}
-    rows = variables("scalar", "measure", system=system) | own
+    rows = variables_of("scalar", "measure", system=system) | own
     return dict(sorted(rows.items(), key=lambda row: row[0] in WORDS))
 
 

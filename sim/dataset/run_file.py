@@ -1,4 +1,4 @@
-"""A run file as arrays by name, each read when it is first asked for."""
+"""A run file as a mapping from name to array, where each array is read at its first access."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 import netCDF4
 import numpy as np
 
-from sim.engine.stored_run import answering
+from sim.engine.stored_run import find_group
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -17,39 +17,48 @@ _ENCODING = ("_FillValue", "_Encoding")
 
 
 class RunFile(Mapping[str, np.ndarray]):
-    """An open run file as if no more had been run than is wanted; ``attrs`` are its attributes.
+    """An open run file, limited to some amounts; ``attrs`` are its global attributes.
 
-    Where it holds less, all that there is, and ``is_enough`` is false. ``known`` are the scalars of
-    its longest run as its end tells them, which spare reading a third of what a dataset keeps.
+    A file that holds less gives all it has, and ``is_enough`` is false.
 
-    xarray takes a twentieth of a second to find out about the hundred variables of a run, of which
-    a dataset keeps a part.
+    This does without xarray, which takes a twentieth of a second to look at the hundred variables
+    of a run. A dataset stores only some of them.
+
+    Parameters
+    ----------
+    file : netCDF4.Dataset
+        The run file.
+    amounts : mapping, optional
+        The amounts to read, see `sim.parameters.amounts`; everything if omitted.
+    summary_scalars : mapping, optional
+        Scalars of the longest run, from the summary at the end of the file. They spare reading a
+        third of what a dataset stores.
     """
 
     def __init__(
         self,
         file: netCDF4.Dataset,
-        wanted: Mapping[str, float] | None = None,
-        known: Mapping[str, Sequence[Any]] | None = None,
+        amounts: Mapping[str, float] | None = None,
+        summary_scalars: Mapping[str, Sequence[Any]] | None = None,
     ):
         file.set_auto_mask(False)
-        found = answering(file, wanted) if wanted else file
-        self.is_enough, group = found is not None, found or file
-        self._first = slice(int(wanted["replicates"]) if wanted else None)
+        stage = find_group(file, amounts) if amounts else file
+        self.is_enough, group = stage is not None, stage or file
+        self._replicates = slice(int(amounts["replicates"]) if amounts else None)
         self._variables = {**file.variables, **group.variables}
-        told = known if known and group is file else {}
-        self._read = {name: np.array(values)[self._first] for name, values in told.items()}
+        scalars = summary_scalars if summary_scalars and group is file else {}
+        self._cache = {name: np.array(values)[self._replicates] for name, values in scalars.items()}
         self.attrs = {name: file.getncattr(name) for name in file.ncattrs()}
 
     def __getitem__(self, name: str) -> np.ndarray:
-        if name not in self._read:
-            held = self._variables[name]
-            several = held.dimensions[:1] == ("replicate",)
-            values = np.asarray(held[self._first] if several else held[...])
-            # Whoever works on them in place would change what others read.
+        if name not in self._cache:
+            variable = self._variables[name]
+            has_replicates = variable.dimensions[:1] == ("replicate",)
+            values = np.asarray(variable[self._replicates] if has_replicates else variable[...])
+            # The array is shared: a change in place would change what other callers read.
             values.flags.writeable = False
-            self._read[name] = values
-        return self._read[name]
+            self._cache[name] = values
+        return self._cache[name]
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._variables)
@@ -60,26 +69,26 @@ class RunFile(Mapping[str, np.ndarray]):
     def __contains__(self, name: object) -> bool:
         return name in self._variables
 
-    def part(self, name: str, place: Any) -> np.ndarray:
-        """Return what stands at a place of a variable of all replicates; no more is read."""
-        return np.asarray(self._variables[name][place])
+    def read_slice(self, name: str, index: Any) -> np.ndarray:
+        """Read one slice of a variable, over all its replicates, without loading the rest."""
+        return np.asarray(self._variables[name][index])
 
     def dims(self, name: str) -> tuple[str, ...]:
-        """Return the names of the dimensions of a variable, those of letters left out."""
+        """Return the names of the dimensions of a variable, without those of letters."""
         return self._variables[name].dimensions[: self[name].ndim]
 
     def variable(self, name: str) -> "xr.Variable":
         """Return a variable with its dimensions and attributes."""
-        # Not for those who want numbers alone: it takes a third of a second to import.
+        # Imported here, because it takes a third of a second and most callers need numbers only.
         import xarray as xr
 
-        held = self._variables[name]
-        attrs = {key: held.getncattr(key) for key in held.ncattrs() if key not in _ENCODING}
+        stored = self._variables[name]
+        attrs = {key: stored.getncattr(key) for key in stored.ncattrs() if key not in _ENCODING}
         return xr.Variable(self.dims(name), self[name], attrs)
 
 
 class Replicate(Mapping[str, Any]):
-    """What a run file holds of one replicate and of all of them, by name."""
+    """The arrays of one replicate of a run file, and those that all replicates share, by name."""
 
     def __init__(self, run: RunFile, index: int):
         self._run, self._index = run, index

@@ -1,4 +1,4 @@
-"""The runs of a study, each read once: from an earlier or adopted dataset or from its file."""
+"""The runs of a study, each read once: from an earlier or adopted dataset, or its run file."""
 
 from collections.abc import Callable, Collection, Iterable, Mapping
 from pathlib import Path
@@ -6,9 +6,9 @@ from pathlib import Path
 import numpy as np
 
 from sim.base.damage import checked_read
-from sim.dataset.adopted import Adopted
+from sim.dataset.adopted import AdoptedPoints
 from sim.dataset.earlier import adopted_rows, earlier_rows
-from sim.dataset.gather import as_text
+from sim.dataset.gather import amounts_text
 from sim.dataset.rows import OF_PROFILES, Rows, selected
 from sim.dataset.side_by_side import read_files
 from sim.parameters import Parameters, amounts
@@ -22,77 +22,82 @@ class Runs:
     ----------
     folder : Path
         Results of the study: its runs, and its earlier dataset if there is one.
-    shown : callable
-        Tells what figures show of the particles of a point.
-    adopted : Adopted
-        Tells which points are taken from adopted datasets.
+    particle_need : callable
+        Returns how much figures need of the particles of a point, by its id.
+    adopted : AdoptedPoints
+        The points that are in adopted datasets.
     processes : int
-        How many read run files side by side.
+        Number of processes that read run files in parallel.
     scheduler : str, optional
-        Address of the dask scheduler whose workers read them instead.
+        Address of a dask scheduler whose workers read them instead.
     """
 
     def __init__(
         self,
         folder: Path,
-        shown: Callable[[str], Shown],
-        adopted: Adopted,
+        particle_need: Callable[[str], Shown],
+        adopted: AdoptedPoints,
         processes: int = 1,
         scheduler: str | None = None,
     ):
-        self._folder, self._shown, self._adopted = folder / "runs", shown, adopted
+        self._folder, self._particle_need = folder / "runs", particle_need
+        self._adopted = adopted
         self._processes, self._scheduler = processes, scheduler
         self._blocks: list[Rows] = []
-        self._places: dict[str, tuple[Rows, int]] = {}
-        self._add(earlier_rows(folder, shown))
+        self._rows: dict[str, tuple[Rows, int]] = {}
+        self._add(earlier_rows(folder, particle_need))
 
     def _add(self, blocks: Iterable[Rows]) -> None:
         for block in blocks:
             self._blocks.append(block)
-            self._places |= {point: (block, row) for row, point in enumerate(block.points)}
+            self._rows |= {point: (block, row) for row, point in enumerate(block.points)}
 
     def read(self, points: Mapping[str, Parameters]) -> None:
-        """Read the runs of points that are not known yet, or of which other amounts are.
+        """Read the runs of points that have not been read yet, or were read with other amounts.
 
         Raises
         ------
         InputError
             When a run file is missing or damaged, see `read_files`.
         """
-        wanted = {point: amounts(parameters) for point, parameters in points.items()}
-        new = {point: much for point, much in wanted.items() if not self._is_known(point, much)}
-        if self._places.keys() & new:
-            known = selected(self._blocks, self._places.keys() - new)
-            self._blocks, self._places = [], {}
-            self._add(known)
+        amounts_by_point = {point: amounts(parameters) for point, parameters in points.items()}
+        new = {
+            point: point_amounts
+            for point, point_amounts in amounts_by_point.items()
+            if not self._is_read(point, point_amounts)
+        }
+        if self._rows.keys() & new:
+            blocks = selected(self._blocks, self._rows.keys() - new)
+            self._blocks, self._rows = [], {}
+            self._add(blocks)
         sources = {point: self._adopted.source(point, points[point]) for point in new}
-        for dataset in sorted({held.dataset for held in sources.values() if held}):
-            mine = {
+        for dataset in sorted({source.dataset for source in sources.values() if source}):
+            members = {
                 point: new[point]
-                for point, held in sources.items()
-                if held and held.dataset == dataset
+                for point, source in sources.items()
+                if source and source.dataset == dataset
             }
             with checked_read(dataset, "dataset that was adopted", replaceable=True):
-                self._add(adopted_rows(dataset, mine, self._shown))
+                self._add(adopted_rows(dataset, members, self._particle_need))
         files = [
-            (self._folder / f"{point}.nc", much, bool(self._shown(point)))
-            for point, much in new.items()
+            (self._folder / f"{point}.nc", point_amounts, bool(self._particle_need(point)))
+            for point, point_amounts in new.items()
             if not sources[point]
         ]
         self._add(read_files(files, self._processes, self._scheduler))
 
-    def _is_known(self, point: str, wanted: Mapping[str, float]) -> bool:
-        if point not in self._places:
+    def _is_read(self, point: str, point_amounts: Mapping[str, float]) -> bool:
+        if point not in self._rows:
             return False
-        block, row = self._places[point]
-        return block.origin["wanted"][row] == as_text(wanted)
+        block, row = self._rows[point]
+        return block.origin["wanted"][row] == amounts_text(point_amounts)
 
     def scalars(self, point: str) -> dict[str, np.ndarray]:
-        """Return the scalars of a run that was read; replicates that it has not are empty."""
-        block, row = self._places[point]
-        values = block.values.items()
-        return {name: held[row] for name, held in values if name not in OF_PROFILES}
+        """Return the scalars of a run that has been read; replicates beyond its own are empty."""
+        block, row = self._rows[point]
+        arrays = block.values.items()
+        return {name: array[row] for name, array in arrays if name not in OF_PROFILES}
 
     def rows(self, points: Collection[str]) -> list[Rows]:
-        """Return the rows of points that were read."""
+        """Return the rows of points that have been read."""
         return selected(self._blocks, points)

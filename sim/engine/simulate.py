@@ -1,28 +1,28 @@
-"""A point given in Python, run without files, as a dataset."""
+"""Run a point from Python, without files, and get its data as a dataset."""
 
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
 from sim.engine.run import run_point
-from sim.parameters import point_in_python
+from sim.parameters import parse_python_point
 
 if TYPE_CHECKING:
     import xarray as xr
 
 
 def simulate(system: str = "chute", *, progress: bool = True, **parameters: Any) -> "xr.Dataset":
-    """Run a point and return what its run file holds; nothing stays on the disk.
+    """Run a point and return the content of its run file; nothing stays on the disk.
 
     Parameters
     ----------
     system : str
-        ``"chute"`` or ``"belt"``.
+        ``"chute"``, ``"belt"`` or ``"conveyor"``.
     progress : bool
         Show a bar, on terminals and in notebooks.
     **parameters
-        Parameters of the system by name, in the units of a study file; those left out have the
-        value of the paper.
+        Parameters of the system by name, in the units of a study file; parameters that are omitted
+        have the value of the paper.
 
     Returns
     -------
@@ -30,7 +30,7 @@ def simulate(system: str = "chute", *, progress: bool = True, **parameters: Any)
         Time series over ``(replicate, time)``, profiles over ``(replicate, height)``, first and
         last state of the particles, scalars over ``replicate``, and the parameters, each with
         ``units`` (SI) and ``long_name``. The attribute ``status`` is ``"failed"`` where a replicate
-        blew up twice, and ``reason`` says why.
+        blew up twice; ``reason`` gives the cause.
 
     Raises
     ------
@@ -45,14 +45,14 @@ def simulate(system: str = "chute", *, progress: bool = True, **parameters: Any)
     >>> bool(abs(run.velocity[0]) < 1)
     True
     """
-    # Only here: half a second, which a run of the workflow does without.
+    # Imported late: it takes half a second, which runs of the workflow do not need.
     import xarray as xr
 
-    point = point_in_python("simulate", system, parameters)
+    point = parse_python_point("simulate", system, parameters)
     with TemporaryDirectory(prefix="talus-") as folder:
         output = Path(folder) / "run.nc"
         run_point(point, output, quiet=not progress, record_failure=True)
         run = xr.load_dataset(output, engine="netcdf4")
-    given = "".join(f", {name}={value!r}" for name, value in parameters.items())
-    command = f"sim.simulate({system!r}{given})"
+    arguments = "".join(f", {name}={value!r}" for name, value in parameters.items())
+    command = f"sim.simulate({system!r}{arguments})"
     return run.assign_attrs(command=command, history=f"{run.attrs['created']}: {command}")

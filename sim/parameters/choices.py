@@ -14,9 +14,9 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import BeforeValidator, Field, create_model, model_validator
 
-from sim.base.additions import NAME, Refused, add, additions
-from sim.base.declared import require_function, require_line, require_number
+from sim.base.additions import NAME, AdditionError, add, additions
 from sim.base.errors import in_short
+from sim.base.require import require_function, require_line, require_number
 from sim.parameters.common import Parameters, Real, broken_rule
 from sim.parameters.roles import Declaration, Role, declare
 from sim.parameters.variables import reserved_names
@@ -44,11 +44,11 @@ def parameter(
         Any of ``gt``, ``ge``, ``lt``, ``le``.
     """
     if unknown := interval.keys() - _RANGE.keys():
-        raise Refused(f"parameter: no {sorted(unknown)[0]}; a range has gt, ge, lt, le")
+        raise AdditionError(f"parameter: no {sorted(unknown)[0]}; a range has gt, ge, lt, le")
     for what, value in ({"default": default} | interval).items():
         require_number(f"parameter: {what}", value)
     if not all(_RANGE[name](default, bound) for name, bound in interval.items()):
-        raise Refused(f"parameter: default {default:g} is outside its own range")
+        raise AdditionError(f"parameter: default {default:g} is outside its own range")
     for what, text in (("unit", unit), ("description", description)):
         require_line(f"parameter: {what}", text)
     require_line("parameter: symbol", symbol, empty=True)
@@ -107,7 +107,7 @@ class Choice:
 
         Raises
         ------
-        Refused
+        AdditionError
             When its functions are none, or its parameters not those that `parameter` makes.
         """
         what, parameters = f"{self.name} {name}", option.parameters
@@ -115,25 +115,25 @@ class Choice:
             require_function(f"{what}: {key}", getattr(option, key), number)
         if not isinstance(parameters, Mapping):
             allowed = "a mapping of names to what sim.parameter makes"
-            raise Refused(f"{what}: parameters is {allowed}: got {in_short(parameters)}")
+            raise AdditionError(f"{what}: parameters is {allowed}: got {in_short(parameters)}")
         for key, one in parameters.items():
             self._require_free(what, key)
             if not isinstance(getattr(one, "json_schema_extra", None), Declaration):
                 allowed = "what sim.parameter makes"
-                raise Refused(f"{what}: parameters.{key} is {allowed}: got {in_short(one)}")
+                raise AdditionError(f"{what}: parameters.{key} is {allowed}: got {in_short(one)}")
         add(self.name, name, replace(option, parameters=dict(parameters)), self.usual)
 
     def _require_free(self, what: str, name: Any) -> None:
         """Refuse the name of a parameter that others have; ``what`` declares it."""
         if not (isinstance(name, str) and re.fullmatch(NAME, name)) or iskeyword(name):
-            raise Refused(f"{what}: parameter {name!r}: a name has letters a-z, digits and _")
+            raise AdditionError(f"{what}: parameter {name!r}: a name has letters a-z, digits and _")
         taken = {*dir(WithOwn), *WithOwn.__class_vars__, *_ELSEWHERE} | reserved_names()
         if name in taken.union(*((*dir(one), *one.model_fields) for one in self.models)):
-            raise Refused(f"{what}: parameter {name}: Talus has one of this name")
+            raise AdditionError(f"{what}: parameter {name}: Talus has one of this name")
         for kind in ("law", "motion"):
             for other, one in own(kind).items():
                 if name in one.parameters:
-                    raise Refused(f"{what}: parameter {name}: {kind} {named(other)} has it")
+                    raise AdditionError(f"{what}: parameter {name}: {kind} {named(other)} has it")
 
     def is_own(self, option: str) -> bool:
         """Return whether an option is that of a plug-in, be it loaded or not."""
@@ -189,14 +189,14 @@ def _extended(
     fields: dict[str, Any] = {
         name: (field.annotation, field) for name, field in usual.model_fields.items()
     }
-    kept, offered = [*base.kept], {choice: own(choice.name) for choice, _ in offers}
+    kept, offered = [*base.fixed_parameters], {choice: own(choice.name) for choice, _ in offers}
     for choice, options in offers:
         fields[choice.name] = _field(base, choice, options)
         for one in offered[choice].values():
             fields |= {name: (Real, field) for name, field in one.parameters.items()}
             kept += one.parameters if choice.kept else ()
     made: Any = create_model(usual.__name__, __base__=base, **fields)
-    made.kept, made.offered = tuple(kept), offered
+    made.fixed_parameters, made.offered = tuple(kept), offered
     return made
 
 

@@ -5,8 +5,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar, get_args
 
-from sim.base.additions import blamed
-from sim.base.declared import require_count
+from sim.base.additions import attribute_errors_to
+from sim.base.require import require_count
 from sim.parameters.choices import Choice, OwnOption, WithOwn, named
 from sim.parameters.chute import ChuteParameters
 from sim.parameters.conveyor import ConveyorParameters
@@ -90,7 +90,7 @@ class WithOwnLaws(WithOwn, SphereParameters):
         one = self.own_option(LAW)
         if one is None:
             return super().collision_time
-        with blamed(LAW.name, named(self.law)):
+        with attribute_errors_to(LAW.name, named(self.law)):
             time = float(one.collision_time(self))
             if not 0 < time < math.inf:
                 raise ValueError(f"a collision takes {time} s")

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from sim.base.additions import add, additions
-from sim.base.declared import require_function, require_line, require_one_of
+from sim.base.require import require_function, require_line, require_one_of
 from sim.parameters.points import SYSTEMS
 from sim.parameters.variables import Variable, observed, reserved_names
 

@@ -134,7 +134,7 @@ def observed(name: str, unit: str, meaning: str, system: str) -> Variable:
     return _variable(systems=system, **texts, **usual)
 
 
-def variables(*kinds: str, system: str | None = None) -> dict[str, Variable]:
+def variables_of(*kinds: str, system: str | None = None) -> dict[str, Variable]:
     """Return the variables of some kinds by name, of one system or of all, in the table's order.
 
     Time series of several systems may share a name: ask for those of one system.
@@ -150,19 +150,19 @@ def recorded_by(parameters: Any, *kinds: str) -> dict[str, Variable]:
     """Return the variables of some kinds that runs of a point record: those that it asks for."""
     return {
         name: one
-        for name, one in variables(*kinds, system=parameters.system).items()
+        for name, one in variables_of(*kinds, system=parameters.system).items()
         if not one.asked_by or getattr(parameters, one.asked_by)
     }
 
 
 def parts(ending: str, system: str) -> dict[str, str]:
     """Return the profiles of a system whose name has an ending: name -> that of the average."""
-    profiles = variables("profile", system=system).values()
+    profiles = variables_of("profile", system=system).values()
     return {one.name: one.of for one in profiles if one.name.endswith(ending)}
 
 
 #: Scalars of each replicate in a run file.
-SCALARS = variables("scalar")
+SCALARS = variables_of("scalar")
 
 
 def reserved_names() -> set[str]:

@@ -1,4 +1,4 @@
-"""A line for each job that has failed, of which Snakemake writes a page or, kept quiet, nothing."""
+"""A line per failed job; Snakemake itself writes a page or, when quiet, nothing."""
 
 import logging
 import time
@@ -6,14 +6,14 @@ from collections.abc import Callable, Sequence
 from contextlib import suppress
 from pathlib import Path
 
-#: The event of Snakemake's log that tells of a failed job.
+#: The event of a failed job in Snakemake's log.
 EVENT = "job_error"
 
-#: How sentences begin that tell nothing, in what Snakemake says of a failed job of a cluster.
+#: Beginnings of uninformative sentences in Snakemake's messages on failed jobs of a cluster.
 ADVICE = ("Detailed failure reason unavailable", "For further error details")
 
-#: How it begins what Snakemake says of each output of a failed job of which there is no backup, of
-#: its whole command, and of each turn of its scheduler.
+#: Beginnings of Snakemake's messages on outputs of failed jobs without a backup, on the whole
+#: command of a job, and on turns of the scheduler.
 NO_NEWS = (
     "Cannot restore ",
     "RuleException:\nCalledProcessError ",
@@ -21,23 +21,23 @@ NO_NEWS = (
     "Execute ",
 )
 
-#: Seconds by which a file's time may be before the moment it was written: file systems keep ticks
-#: or whole seconds, and those of a cluster have clocks of their own.
+#: Seconds by which the time of a file may precede its writing: file systems store ticks or whole
+#: seconds, and those of a cluster have their own clocks.
 CLOCKS_DIFFER_BY = 2.0
 
 
 def is_news(record: logging.LogRecord) -> bool:
-    """Return whether Snakemake says something that lines of points and failed jobs do not."""
+    """Return whether a message of Snakemake adds to the lines of points and failed jobs."""
     return not record.getMessage().startswith(NO_NEWS)
 
 
 class FailedJobs(logging.Handler):
-    """Hears Snakemake's log and writes a line for each job that fails.
+    """Log handler that writes a line for each failed job of Snakemake.
 
     Parameters
     ----------
     write : callable
-        Is given each line.
+        Called with each line.
     """
 
     def __init__(self, write: Callable[[str], object]):
@@ -46,21 +46,21 @@ class FailedJobs(logging.Handler):
         self._since = time.time() - CLOCKS_DIFFER_BY
 
     def emit(self, record: logging.LogRecord) -> None:
-        """Write the line of a failed job; pass over what else the log says."""
-        said = record.__dict__
-        if said.get("event") == EVENT:
-            logs = [Path(path) for path in said["log"]]
-            name = logs[0].stem if logs else said["rule_name"]
-            message = (said["rule_msg"] or "").partition("\n")[0]
-            for words in ADVICE:
-                message = message.partition(words)[0].rstrip(". ")
+        """Write the line of a failed job; ignore other records."""
+        fields = record.__dict__
+        if fields.get("event") == EVENT:
+            logs = [Path(path) for path in fields["log"]]
+            name = logs[0].stem if logs else fields["rule_name"]
+            message = (fields["rule_msg"] or "").partition("\n")[0]
+            for advice in ADVICE:
+                message = message.partition(advice)[0].rstrip(". ")
             parts = (name, "job failed", message, self._last_line(logs))
             self._write(": ".join(filter(None, parts)))
 
     def _last_line(self, logs: Sequence[Path]) -> str:
-        """Return the last line of the first log, if it is of this workflow, or which to look at."""
+        """Return the last line of the first log if this workflow wrote it, else which to see."""
         with suppress(OSError, IndexError):
             if logs[0].stat().st_mtime >= self._since:
                 return logs[0].read_text(encoding="utf-8", errors="replace").splitlines()[-1]
-        # What could not be submitted again has the empty log of its first attempt.
+        # A job that could not be resubmitted has the empty log of its first attempt.
         return "".join(f"see {path}" for path in logs[-1:] if path.exists() and path.stat().st_size)

@@ -1,36 +1,36 @@
-"""Whether figures, tables and verdicts of a study are intact and those of its dataset."""
+"""Check that figures, tables and verdicts of a study are intact and match its dataset."""
 
 from pathlib import Path
 
 from sim.base.damage import checked_read
-from sim.dataset.boundaries import as_csv
+from sim.dataset.boundaries import format_csv
 from sim.dataset.results import Results
-from sim.figures.drawn import require_unchanged
-from sim.figures.render import derived
+from sim.figures.figure_records import require_unchanged
+from sim.figures.render import derive_texts
 from sim.report.claims import read_claims, require_table
 from sim.study.load import Study
 
 
 def require_intact(study: Study, results: Results, folder: Path) -> None:
-    """Refuse figures, tables and verdicts that have changed or are not those of the dataset.
+    """Raise an error unless figures, tables and verdicts are unchanged and match the dataset.
 
-    What can be derived from the dataset in little time is derived again: the data and the captions
-    of figures, and the table of boundaries.
+    The data and captions of figures and the table of boundaries are derived again from the dataset,
+    which takes little time.
 
     Raises
     ------
     InputError
         Where a file is missing.
     DamagedError
-        Naming the first file that is not as it should be, which is set aside.
+        For the first file that differs; it is set aside.
     """
     require_unchanged(study.entries.values(), folder / "figures")
     for name, spec in study.entries.items():
-        data, caption = derived(spec, results)
+        data, caption = derive_texts(spec, results)
         _require_text(folder / f"figures/{name}.csv", data, "table of a figure")
         _require_text(folder / f"figures/{name}.caption.txt", caption, "caption")
     if study.boundaries:
-        _require_text(folder / "boundaries.csv", as_csv(study, results.boundaries), "table")
+        _require_text(folder / "boundaries.csv", format_csv(study, results.boundaries), "table")
     require_table(folder)
     _require_points(folder / "claims.json", set(results.dataset["point"].values.tolist()))
 
@@ -42,9 +42,11 @@ def _require_text(path: Path, expected: str, kind: str) -> None:
 
 
 def _require_points(path: Path, points: set[str]) -> None:
-    """Refuse verdicts on other points than those of the dataset."""
+    """Raise an error where verdicts rest on points that the dataset lacks."""
     variants = [variant for claim in read_claims(path) for variant in claim["variants"]]
-    judged = {point for one in variants for check in one["checks"] for point in check["points"]}
+    judged = {
+        point for variant in variants for check in variant["checks"] for point in check["points"]
+    }
     with checked_read(path, "table of verdicts", replaceable=True):
         if not points.issuperset(judged):
             raise ValueError("verdicts on points that the dataset has not")

@@ -1,12 +1,12 @@
-"""How a study stands: what its points came to, and what to do about those that came to nothing."""
+"""The state of a study: results of its points, and advice on undecided or unsound ones."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from sim.dataset.caveats import UNSOUND
+from sim.dataset.caveats import UNSOUND_SHARE
 
-#: Regimes that say that runs are too short to tell, or contradict each other.
-OPEN = ("undetermined", "mixed")
+#: Regimes of points whose runs are too short to decide, or contradict each other.
+OPEN_REGIMES = ("undetermined", "mixed")
 
 #: The parameter that makes time steps shorter, by system.
 SHORTER_STEPS = {
@@ -17,7 +17,7 @@ SHORTER_STEPS = {
 
 
 def state_of(runs: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
-    """Return what the points of a study came to.
+    """Return counts of the points of a study by result, and advice.
 
     Parameters
     ----------
@@ -27,14 +27,14 @@ def state_of(runs: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     Returns
     -------
     dict
-        How many ``points`` there are, ``completed`` with at least one replicate, ``failed``,
-        ``undetermined`` (or of replicates that contradict each other), and ``unsound``, whose
-        energies do not add up; the ``worst`` of these, and the parameter that is the ``advice``.
-        ``longer`` are the amounts that make runs of undetermined points longer, and ``drifting`` is
-        how many of these points drift.
+        Numbers of ``points``: all, ``completed`` with at least one replicate, ``failed``,
+        ``undetermined`` (or with replicates that contradict each other), and ``unsound``, whose
+        energies do not add up. ``worst`` is the row of the worst unsound point, and ``advice`` the
+        parameter that improves it. ``longer`` are the amounts that make runs of undetermined points
+        longer, and ``drifting`` is the number of these points that drift.
     """
-    undetermined = [run for run in runs if run["regime"] in OPEN]
-    unsound = [run for run in runs if run["missing_energy"] > UNSOUND]
+    undetermined = [run for run in runs if run["regime"] in OPEN_REGIMES]
+    unsound = [run for run in runs if run["missing_energy"] > UNSOUND_SHARE]
     worst = max(unsound, key=lambda run: run["missing_energy"], default=None)
     failed = sum(run["regime"] == "failed" for run in runs)
     return {
@@ -42,7 +42,7 @@ def state_of(runs: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
         "completed": len(runs) - failed,
         "failed": failed,
         "undetermined": len(undetermined),
-        "longer": sorted({_longer(run) for run in undetermined}),
+        "longer": sorted({_amount_to_raise(run) for run in undetermined}),
         "drifting": sum(run["quality"] == "drifting" for run in undetermined),
         "unsound": len(unsound),
         "worst": worst,
@@ -50,8 +50,8 @@ def state_of(runs: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     }
 
 
-def _longer(run: Mapping[str, Any]) -> str:
-    """Return the amount that makes the runs of a point longer; what has been run is kept."""
+def _amount_to_raise(run: Mapping[str, Any]) -> str:
+    """Return the amount that makes the runs of a point longer, so that stored runs are kept."""
     if run["protocol"] == "published":
         return "average"
     return "limit" if "limit" in run["stopped"] else "target"

@@ -12,9 +12,9 @@ TEMPLATES = Path(__file__).parent / "templates"
 
 
 def template(name: str) -> jinja2.Template:
-    """Return a template of a page, which refuses names that it is not given.
+    """Return a template of a page; undefined names raise an error.
 
-    What is put into HTML is escaped, into Markdown it is not.
+    Values are escaped in HTML, but not in Markdown.
     """
     environment = jinja2.Environment(
         loader=jinja2.FileSystemLoader(TEMPLATES),

@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 
 from sim.parameters import SYSTEMS
 from sim.parameters.own import own_observables
-from sim.parameters.variables import Variable, plotted_name, variables
+from sim.parameters.variables import Variable, plotted_name, variables_of
 
 
 @dataclass(frozen=True)
@@ -35,7 +35,7 @@ class Observable:
 
 def numbers(system: str) -> dict[str, Observable]:
     """Return the numbers per replicate: scalars, measures, means of profiles, plug-ins'."""
-    rows = variables("scalar", "measure", system=system)
+    rows = variables_of("scalar", "measure", system=system)
     scalars = {name: _observable(name, row) for name, row in rows.items() if row.unit}
     means = {
         name: replace(one, meaning=f"{one.meaning}, mean of all particles", is_mean=True)
@@ -50,14 +50,14 @@ def profiles(system: str) -> dict[str, Observable]:
     """Return the profiles over the height that datasets keep, averages of the window."""
     return {
         (name := plotted_name(source)): _observable(name, row)
-        for source, row in variables("profile", system=system).items()
+        for source, row in variables_of("profile", system=system).items()
         if system in row.in_datasets and not row.of
     }
 
 
 def series(system: str) -> dict[str, Observable]:
     """Return the time series of run files."""
-    rows = variables("series", system=system)
+    rows = variables_of("series", system=system)
     return {(name := plotted_name(source)): _observable(name, row) for source, row in rows.items()}
 
 

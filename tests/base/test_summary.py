@@ -1,4 +1,4 @@
-"""Summaries near the end of files, told by those who do not read the rest."""
+"""Summaries near the end of files, read without the rest of the file."""
 
 from math import inf, nan
 

@@ -1,34 +1,34 @@
-"""Datasets from before some parameters were added have all of them when they are read."""
+"""Datasets older than some parameters have all parameters when they are read."""
 
 import numpy as np
 import pytest
 import xarray as xr
 
-from sim.dataset.added import with_added
+from sim.dataset.added import added_columns
 from sim.dataset.results import load_results
-from sim.parameters import SYSTEMS, unsaid
+from sim.parameters import SYSTEMS, defaults_of_added
 from tests.test_published import STUDIES
 
 
 def test_rows_without_a_value_get_the_default_of_their_system():
-    found = with_added(
+    columns = added_columns(
         {
             "system": np.array(["belt", "chute", "belt"], object),
             "slice_height": np.array([np.nan, 0.25, 0.5]),
             "ghost_mass": np.array(["", "", "mean"], object),
         }
     )
-    assert found["slice_height"].tolist() == [1.0, 0.25, 0.5]
-    assert found["ghost_mass"].tolist() == ["infinite", "", "mean"]
-    assert found["corrector_order"][[0, 2]].tolist() == [5.0, 5.0]
-    assert np.isnan(found["corrector_order"][1])
+    assert columns["slice_height"].tolist() == [1.0, 0.25, 0.5]
+    assert columns["ghost_mass"].tolist() == ["infinite", "", "mean"]
+    assert columns["corrector_order"][[0, 2]].tolist() == [5.0, 5.0]
+    assert np.isnan(columns["corrector_order"][1])
 
 
 @pytest.mark.parametrize("system", SYSTEMS)
 def test_rows_of_one_system_from_before_all_get_its_own_defaults_alone(system):
-    found = with_added({"system": np.array([system] * 2)})
-    assert {name: values.tolist() for name, values in found.items()} == {
-        name: [default] * 2 for name, default in unsaid(system).items()
+    columns = added_columns({"system": np.array([system] * 2)})
+    assert {name: values.tolist() for name, values in columns.items()} == {
+        name: [default] * 2 for name, default in defaults_of_added(system).items()
     }
 
 
@@ -39,6 +39,6 @@ def test_what_is_published_has_every_parameter_of_today():
         dataset = load_results(study / "dataset.nc").dataset
         for system in set(dataset["system"].values):
             assert set(SYSTEMS[system].model_fields) <= set(dataset.coords)
-            for name, default in unsaid(system).items():
+            for name, default in defaults_of_added(system).items():
                 if name not in before:
                     assert (dataset[name].values == default).all()

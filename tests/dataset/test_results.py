@@ -1,4 +1,4 @@
-"""Results of a study: groups are read when they are asked for, once, and files are closed."""
+"""Results of a study: groups are read once, at first access, and files are closed."""
 
 from pathlib import Path
 
@@ -26,35 +26,35 @@ def dataset(tmp_path) -> Path:
 
 
 @pytest.fixture
-def read(monkeypatch) -> list[str | None]:
+def groups_read(monkeypatch) -> list[str | None]:
     """Return the groups in the order in which they were read."""
-    groups, load = [], results._loaded
+    groups, load = [], results._load_group
 
-    def recorded(path: Path, group: str | None) -> xr.Dataset:
+    def record(path: Path, group: str | None) -> xr.Dataset:
         groups.append(group)
         return load(path, group)
 
-    monkeypatch.setattr(results, "_loaded", recorded)
+    monkeypatch.setattr(results, "_load_group", record)
     return groups
 
 
-def test_profiles_and_particles_are_read_when_they_are_asked_for_and_once(dataset, read):
-    found = load_results(dataset)
-    assert (list(found.states), list(found.profiles)) == (["a", "b"], ["belt"])
-    assert "a" in found.states
-    assert "c" not in found.states
-    assert read == [None]
-    assert found.particles("b") is found.particles("b")
-    assert list(found.profiles["belt"]["x"]) == [1, 2]
-    assert read == [None, "states/b", "belt"]
+def test_profiles_and_particles_are_read_when_they_are_asked_for_and_once(dataset, groups_read):
+    study_results = load_results(dataset)
+    assert (list(study_results.states), list(study_results.profiles)) == (["a", "b"], ["belt"])
+    assert "a" in study_results.states
+    assert "c" not in study_results.states
+    assert groups_read == [None]
+    assert study_results.particles("b") is study_results.particles("b")
+    assert list(study_results.profiles["belt"]["x"]) == [1, 2]
+    assert groups_read == [None, "states/b", "belt"]
 
 
 def test_a_point_or_a_group_that_is_not_there_is_refused(dataset):
-    found = load_results(dataset)
+    study_results = load_results(dataset)
     with pytest.raises(InputError, match=r"^c: no particles in the dataset$"):
-        found.particles("c")
+        study_results.particles("c")
     with pytest.raises(KeyError):
-        found.profiles["chute"]
+        study_results.profiles["chute"]
 
 
 def test_a_system_that_is_none_is_refused(dataset):
@@ -63,14 +63,14 @@ def test_a_system_that_is_none_is_refused(dataset):
 
 
 def test_a_dataset_that_is_gone_when_its_particles_are_asked_for_is_named(dataset):
-    found = load_results(dataset)
+    study_results = load_results(dataset)
     dataset.unlink()
     with pytest.raises(InputError, match=r"dataset\.nc: no such dataset"):
-        found.particles("a")
+        study_results.particles("a")
 
 
 def test_a_dataset_can_be_written_again_once_it_is_read(dataset):
-    found = load_results(dataset)
-    found.particles("a")
+    study_results = load_results(dataset)
+    study_results.particles("a")
     store(xr.Dataset({"x": ("i", [3.0, 4.0])}), dataset, mode="a", group="states/b")
-    assert list(found.particles("b")["x"]) == [3, 4]
+    assert list(study_results.particles("b")["x"]) == [3, 4]

@@ -1,4 +1,4 @@
-"""Run files that points start from are looked at before a single job is."""
+"""Run files that points start from are checked before any job runs."""
 
 from pathlib import Path
 

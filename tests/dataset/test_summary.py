@@ -1,4 +1,4 @@
-"""What a run says of itself, from the end of its file and from the file."""
+"""The summary of a run, from the end of its file and from the whole file."""
 
 import netCDF4
 import numpy as np
@@ -10,7 +10,7 @@ from sim.engine.run import run_point
 from sim.parameters.variables import SCALARS
 from tests.engine_motion.points import belt_point
 from tests.made.folder import Folder
-from tests.made.netcdf import changing
+from tests.made.netcdf import edit_file
 
 POINT = belt_point(beads=20, width=5, transient=1, average=3, replicates=2)
 
@@ -23,16 +23,16 @@ def path(tmp_path_factory):
 
 
 def test_the_end_of_a_file_tells_what_opening_it_does(path, tmp_path):
-    told = summary_of(path)
+    summary = summary_of(path)
     other = tmp_path / "run.nc"
     other.write_bytes(path.read_bytes())
-    with changing(other) as file:
+    with edit_file(other) as file:
         file.comment = "now its end says nothing"
-    read = summary_of(other)
-    assert told.attrs | {"comment": read.attrs["comment"]} == read.attrs
-    assert told.scalars.keys() == read.scalars.keys() <= SCALARS.keys()
-    for name, values in told.scalars.items():
-        np.testing.assert_array_equal(values, read.scalars[name])
+    reopened = summary_of(other)
+    assert summary.attrs | {"comment": reopened.attrs["comment"]} == reopened.attrs
+    assert summary.scalars.keys() == reopened.scalars.keys() <= SCALARS.keys()
+    for name, values in summary.scalars.items():
+        np.testing.assert_array_equal(values, reopened.scalars[name])
 
 
 def test_run_files_are_not_opened_to_see_how_they_ended(tmp_path, monkeypatch):

@@ -37,7 +37,7 @@ def test_each_point_that_finishes_is_told_once_with_its_result(study, tmp_path, 
     watch.end()
     said = capsys.readouterr().err.splitlines()
     assert sorted(said) == sorted([f"{failing}: failed: an overlap", f"{flowing}: velocity 2 m/s"])
-    assert watch._state() == "1 running, 1 failed"
+    assert watch._state_text() == "1 running, 1 failed"
 
 
 def test_a_point_without_a_log_is_told_too(study, tmp_path, capsys):
@@ -56,7 +56,7 @@ def test_of_many_points_failures_are_told_and_how_far_the_study_is(tmp_path, cap
     watch = Watch(study, tmp_path)
     failing, *others = study.points
     finish(tmp_path, failing, "failed: an overlap")
-    watch._tell()
+    watch._report()
     for name in others[:9]:
         finish(tmp_path, name, "velocity 1 m/s")
     watch.end()
@@ -67,7 +67,7 @@ def test_of_many_points_failures_are_told_and_how_far_the_study_is(tmp_path, cap
 
 def test_the_time_left_follows_from_what_is_done(study, tmp_path):
     watch = Watch(study, tmp_path)
-    assert "left" not in watch._state()
+    assert "left" not in watch._state_text()
     finish(tmp_path, next(iter(study.points)), "velocity 1 m/s")
     watch.end()
-    assert "left" in watch._state()
+    assert "left" in watch._state_text()

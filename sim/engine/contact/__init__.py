@@ -16,8 +16,8 @@ from sim.parameters.spheres import SphereParameters
 
 
 class Partners(NamedTuple):
-    """What a law may know of two partners: ``friction`` μ, ``reduced_mass`` (kg), and the
-    ``time_step`` (s) of the loop that asks it."""
+    """Properties of two partners that a law may use: ``friction`` μ, ``reduced_mass`` (kg), and
+    the ``time_step`` (s) of the loop over steps."""
 
     friction: float
     reduced_mass: float
@@ -28,7 +28,7 @@ def law_of(parameters: SphereParameters, partners: Partners) -> NamedTuple:
     """Return the law that a point names, for one kind of partners."""
     if LAW.is_own(parameters.law):
         from sim.engine.contact.own import add_law
-        from sim.engine.plugged import made
+        from sim.engine.plugin_types import make_numbers
 
-        return made(LAW, parameters.law, add_law, parameters, partners)
+        return make_numbers(LAW, parameters.law, add_law, parameters, partners)
     return import_module(f"{__name__}.{parameters.law}").from_parameters(parameters, partners)

@@ -1,8 +1,8 @@
 """Gallas' drag between rotating particles: a spring, and drags in normal and shear direction.
 
-F_N = K α + 2ζ √(K m*) dα/dt, whose ζ gives the restitution e, and a shear force γ_s m* v_t against
-the slip velocity v_t, without a limit and without a memory (Gallas, Herrmann and Sokołowski, Eqs.
-2-4, with the reduced mass of the partners for both drags).
+The normal force is F_N = K α + 2ζ √(K m*) dα/dt, with the ζ that gives the restitution e. The shear
+force γ_s m* v_t acts against the slip velocity v_t and has neither a limit nor a memory (Gallas,
+Herrmann and Sokołowski, Eqs. 2-4, with the reduced mass of the partners in both drags).
 """
 
 from math import sqrt
@@ -30,17 +30,22 @@ def from_parameters(p: SphereParameters, partners: Partners) -> Drag:
 
 
 def force(law, overlap, approach, slip, tangential, memory, radius, mass):
-    """Return what `sim.parameters.laws.law` says of a law's force."""
+    """Return normal force, shear force, numbers to remember and loss, as `law` defines them.
+
+    See `sim.parameters.laws.law`. The numbers are the drag (N), and 1 as the contact has begun.
+    """
     drag = law.damping * sqrt(mass) * approach
     shear = law.shear * mass
-    along = (shear * slip[0], shear * slip[1], shear * slip[2])
-    # Drags set in at once and end at once; what their first step has too much makes up for what is
-    # missing behind their last.
-    begun = memory[1] == 0.0
-    lost = 0.5 * ((drag if begun else memory[0]) + drag) * approach
-    if begun:
-        lost += 0.5 * (along[0] * slip[0] + along[1] * slip[1] + along[2] * slip[2])
-    return law.stiffness * overlap + drag, along, (drag, 1.0), lost
+    shear_force = (shear * slip[0], shear * slip[1], shear * slip[2])
+    # Drags start and end abruptly: the excess of their first step makes up for the part that is
+    # missing after their last.
+    is_new = memory[1] == 0.0
+    loss = 0.5 * ((drag if is_new else memory[0]) + drag) * approach
+    if is_new:
+        loss += 0.5 * (
+            shear_force[0] * slip[0] + shear_force[1] * slip[1] + shear_force[2] * slip[2]
+        )
+    return law.stiffness * overlap + drag, shear_force, (drag, 1.0), loss
 
 
 def energy(law, overlap, tangential, memory, radius, mass):
@@ -48,4 +53,4 @@ def energy(law, overlap, tangential, memory, radius, mass):
     return 0.5 * law.stiffness * overlap * overlap, 0.0
 
 
-add_functions(Drag, force, energy, kept=2)
+add_functions(Drag, force, energy, own_numbers=2)

@@ -1,7 +1,7 @@
-"""Hertz's normal force, Mindlin's tangential stiffness, a dashpot that gives one restitution.
+"""Hertz's normal force, Mindlin's tangential stiffness, a dashpot with a constant restitution.
 
-With the normal stiffness S = 2 E* √(R* α): F_N = (2/3) S α + 2 √(5/6) β √(S m*) dα/dt, where
-β = -ln e/√(π² + ln² e) makes the restitution e at every velocity and size (Tsuji, Tanaka and
+With the normal stiffness S = 2 E* √(R* α): F_N = (2/3) S α + 2 √(5/6) β √(S m*) dα/dt. With
+β = -ln e/√(π² + ln² e) the restitution is e at every velocity and size (Tsuji, Tanaka and
 Ishida, Powder Technol. 71 (1992) 239). The tangential stiffness is a constant share of S, 2(1 - ν)
 /(2 - ν) of spheres with Poisson's ratio ν (Mindlin, J. Appl. Mech. 16 (1949) 259), and its force is
 cut to μ |F_N|.
@@ -27,8 +27,8 @@ class Hertz(NamedTuple):
 
 def from_parameters(p: SphereParameters, partners: Partners) -> Hertz:
     """Return the law of a point for one kind of partners; plane and spheres are of one material."""
-    lost = -log(p.restitution)
-    damping = 2.0 * sqrt(5.0 / 6.0) * lost / sqrt(pi**2 + lost**2)
+    decay = -log(p.restitution)
+    damping = 2.0 * sqrt(5.0 / 6.0) * decay / sqrt(pi**2 + decay**2)
     return Hertz(
         p.effective_modulus,
         float(p.tangential_ratio),
@@ -38,7 +38,10 @@ def from_parameters(p: SphereParameters, partners: Partners) -> Hertz:
 
 
 def force(law, overlap, approach, slip, tangential, memory, radius, mass):
-    """Return what `sim.parameters.laws.law` says of a law's force."""
+    """Return normal and tangential force, the drag to remember and the loss, as `law` defines them.
+
+    See `sim.parameters.laws.law`.
+    """
     stiffness = 2.0 * law.modulus * sqrt(radius * max(overlap, 0.0))
     drag = law.damping * sqrt(stiffness * mass) * approach
     normal = 2.0 / 3.0 * stiffness * overlap + drag
@@ -49,8 +52,8 @@ def force(law, overlap, approach, slip, tangential, memory, radius, mass):
     size = sqrt(tx * tx + ty * ty + tz * tz)
     limit = law.friction * abs(normal)
     scale = limit / size if size > limit else 1.0
-    lost = 0.5 * (memory[0] + drag) * approach
-    return normal, (tx * scale, ty * scale, tz * scale), (drag,), lost
+    loss = 0.5 * (memory[0] + drag) * approach
+    return normal, (tx * scale, ty * scale, tz * scale), (drag,), loss
 
 
 def energy(law, overlap, tangential, memory, radius, mass):
@@ -58,8 +61,8 @@ def energy(law, overlap, tangential, memory, radius, mass):
     stiffness = 2.0 * law.modulus * sqrt(radius * max(overlap, 0.0))
     square = tangential[0] ** 2 + tangential[1] ** 2 + tangential[2] ** 2
     spring = law.tangential * stiffness
-    pressed = 4.0 / 15.0 * stiffness * overlap * overlap
-    return pressed, 0.5 * square / spring if spring > 0.0 else 0.0
+    normal = 4.0 / 15.0 * stiffness * overlap * overlap
+    return normal, 0.5 * square / spring if spring > 0.0 else 0.0
 
 
-add_functions(Hertz, force, energy, kept=1)
+add_functions(Hertz, force, energy, own_numbers=1)

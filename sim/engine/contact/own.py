@@ -1,7 +1,7 @@
-"""Contact laws that are plain functions of two partners, those of plug-ins among them.
+"""Contact laws that are plain functions of two partners; plug-ins add theirs here.
 
-Between two partners such a law is held together with what it may know of them (`Between`); laws
-that need neither radius nor mass stay as they are and cost nothing more.
+For each contact such a law is bundled with radius and mass of its partners (`PartnerLaw`). Laws
+that need neither are used as they are, at no extra cost.
 """
 
 from typing import NamedTuple
@@ -9,63 +9,65 @@ from typing import NamedTuple
 from numba.core.types import BaseTuple, Float
 
 from sim.engine.compile import implements, inlined
-from sim.engine.contact.friction import blank, contact_force, remembers, stored_energy
+from sim.engine.contact.friction import blank_memory, contact_force, declare_memory, stored_energy
 from sim.engine.contact.roots import SMALLEST, inverse_square_root
 from sim.engine.contact.tangential import friction_direction, work_against
-from sim.engine.plugged import adopt, refused, require_numbers
+from sim.engine.plugin_types import adopt_type, require_numbers, typing_error
 
-#: Types of the laws that are such functions.
+#: Types of the laws that are plain functions.
 _functional: set[type] = set()
 
 
-class Between(NamedTuple):
-    """Such a law between two partners: with their reduced ``radius`` (m) and ``mass`` (kg)."""
+class PartnerLaw(NamedTuple):
+    """A law of plain functions with reduced ``radius`` (m) and ``mass`` (kg) of two partners."""
 
     law: NamedTuple
     radius: float
     mass: float
 
 
-def between(law, spheres, pairs, p):
-    """Return a law as it is between the spheres of pair p of a list."""
+def law_between(law, spheres, pairs, p):
+    """Return a law for the two spheres of pair p of a list."""
     raise NotImplementedError
 
 
-def on_plane(law, spheres, i):
-    """Return a law as it is between sphere i and the plane."""
+def law_on_plane(law, spheres, i):
+    """Return a law for sphere i and the plane."""
     raise NotImplementedError
 
 
-@implements(between)
-def _between(law, spheres, pairs, p):
+@implements(law_between)
+def _law_between(law, spheres, pairs, p):
     if law.instance_class not in _functional:
         return lambda law, spheres, pairs, p: law
 
     def body(law, spheres, pairs, p):
         i, j = pairs.first[p], pairs.second[p]
-        radii = spheres.radius[i] * spheres.radius[j] / (spheres.radius[i] + spheres.radius[j])
-        # Of one that is fixed in space the inverse is 0; two of them have no contact that counts.
+        reduced_radius = (
+            spheres.radius[i] * spheres.radius[j] / (spheres.radius[i] + spheres.radius[j])
+        )
+        # A fixed sphere has an inverse mass of 0; a contact of two fixed spheres does not count.
         inverse = spheres.inverse_mass[i] + spheres.inverse_mass[j]
-        return Between(law, radii, 1.0 / inverse if inverse > 0.0 else 0.0)
+        return PartnerLaw(law, reduced_radius, 1.0 / inverse if inverse > 0.0 else 0.0)
 
     return body
 
 
-@implements(on_plane)
-def _on_plane(law, spheres, i):
+@implements(law_on_plane)
+def _law_on_plane(law, spheres, i):
     if law.instance_class not in _functional:
         return lambda law, spheres, i: law
-    return lambda law, spheres, i: Between(law, spheres.radius[i], spheres.mass[i])
+    return lambda law, spheres, i: PartnerLaw(law, spheres.radius[i], spheres.mass[i])
 
 
-@implements(blank)
-def _blank(law):
-    return (lambda law: blank(law.law)) if law.instance_class is Between else None
+@implements(blank_memory)
+def _blank_memory(law):
+    return (lambda law: blank_memory(law.law)) if law.instance_class is PartnerLaw else None
 
 
 @inlined
-def turned(normal, tangential):
-    """Return a tangential force turned into the present tangent plane, its magnitude kept."""
+def turn_into_plane(normal, tangential):
+    """Return a tangential force turned into the present tangent plane, with its magnitude."""
     ux, uy, uz = friction_direction(normal, tangential)
     square = tangential[0] ** 2 + tangential[1] ** 2 + tangential[2] ** 2
     magnitude = square * inverse_square_root(square) if square > SMALLEST else 0.0
@@ -73,44 +75,51 @@ def turned(normal, tangential):
 
 
 def force_of(law, overlap, approach, slip, tangential, memory, radius, mass):
-    """Return what the function ``force`` of a law does, see `sim.parameters.laws.law`."""
+    """Return the result of a law's function ``force``, see `sim.parameters.laws.law`."""
     raise NotImplementedError
 
 
-def given_by(law, returned):
-    """Return what ``force`` of a law gives, of which it keeps as many numbers as it said."""
+def checked_force(law, returned):
+    """Return the result of a law's ``force``; refuse other types or numbers when compiled."""
     raise NotImplementedError
 
 
-def energies_of(law, returned):
-    """Return the energies that ``energy`` of a law gives."""
+def checked_energy(law, returned):
+    """Return the result of a law's ``energy``; refuse other types when compiled."""
     raise NotImplementedError
 
 
 def energy_of(law, overlap, tangential, memory, radius, mass):
-    """Return what the function ``energy`` of a law does."""
+    """Return the result of a law's function ``energy``, see `sim.parameters.laws.law`."""
     raise NotImplementedError
 
 
 @implements(contact_force)
 def _contact_force(law, overlap, approach, normal, slip, memory):
-    if law.instance_class is not Between:
+    if law.instance_class is not PartnerLaw:
         return None
 
     def body(law, overlap, approach, normal, slip, memory):
-        before, kept = memory[:3], memory[3:]
-        force, tangential, kept, lost = force_of(
-            law.law, overlap, approach, slip, turned(normal, before), kept, law.radius, law.mass
+        before, numbers = memory[:3], memory[3:]
+        force, tangential, numbers, loss = force_of(
+            law.law,
+            overlap,
+            approach,
+            slip,
+            turn_into_plane(normal, before),
+            numbers,
+            law.radius,
+            law.mass,
         )
         work = work_against(before, tangential, slip)
-        return force, tangential, (*tangential, *kept), (lost, work)
+        return force, tangential, (*tangential, *numbers), (loss, work)
 
     return body
 
 
 @implements(stored_energy)
 def _stored_energy(law, overlap, memory):
-    if law.instance_class is not Between:
+    if law.instance_class is not PartnerLaw:
         return None
     return lambda law, overlap, memory: energy_of(
         law.law, overlap, memory[:3], memory[3:], law.radius, law.mass
@@ -118,17 +127,19 @@ def _stored_energy(law, overlap, memory):
 
 
 def add_law(kind, law):
-    """Make a type of parameters known as a law, with the functions of a plug-in for it."""
-    if adopt(kind):
+    """Register a type of parameters as a law, with the functions of a plug-in."""
+    if adopt_type(kind):
         add_functions(kind, law.force, law.energy, law.remembers)
 
 
-def add_functions(kind, force, energy, kept):
-    """Make a type of parameters known as a law with these functions, which keeps such a number of
-    numbers of its own."""
+def add_functions(kind, force, energy, own_numbers):
+    """Register a type of parameters as a law with these functions.
+
+    It remembers ``own_numbers`` besides the tangential force.
+    """
     own_force, own_energy = inlined(force), inlined(energy)
     _functional.add(kind)
-    remembers(kind, kept)
+    declare_memory(kind, own_numbers)
 
     @implements(force_of)
     def _force(law, overlap, approach, slip, tangential, memory, radius, mass):
@@ -136,28 +147,30 @@ def add_functions(kind, force, energy, kept):
             return None
 
         def body(law, overlap, approach, slip, tangential, memory, radius, mass):
-            return given_by(
+            return checked_force(
                 law, own_force(law, overlap, approach, slip, tangential, memory, radius, mass)
             )
 
         return body
 
-    @implements(given_by)
-    def _given(law, returned):
+    @implements(checked_force)
+    def _checked_force(law, returned):
         if law.instance_class is not kind:
             return None
         if not (isinstance(returned, BaseTuple) and len(returned) == 4):
-            said = "what force returns is no tuple of normal force, tangential force, numbers to "
-            raise refused(force, f"{said}remember and energy: got {returned}")
-        normal, along, numbers, lost = returned
-        require_numbers(force, "normal force and energy that force returns", (normal, lost), 2)
-        require_numbers(force, "the tangential force that force returns", along, 3, Float)
-        said = f"what force gives to remember, {kept} as remembers says,"
-        require_numbers(force, said, numbers, kept, Float)
+            message = (
+                "what force returns is no tuple of normal force, tangential force, numbers to "
+            )
+            raise typing_error(force, f"{message}remember and energy: got {returned}")
+        normal, tangential, numbers, loss = returned
+        require_numbers(force, "normal force and energy that force returns", (normal, loss), 2)
+        require_numbers(force, "the tangential force that force returns", tangential, 3, Float)
+        subject = f"what force gives to remember, {own_numbers} as remembers says,"
+        require_numbers(force, subject, numbers, own_numbers, Float)
         return lambda law, returned: returned
 
-    @implements(energies_of)
-    def _energies(law, returned):
+    @implements(checked_energy)
+    def _checked_energy(law, returned):
         if law.instance_class is not kind:
             return None
         require_numbers(energy, "what energy returns", returned, 2)
@@ -167,6 +180,6 @@ def add_functions(kind, force, energy, kept):
     def _energy(law, overlap, tangential, memory, radius, mass):
         if law.instance_class is not kind:
             return None
-        return lambda law, overlap, tangential, memory, radius, mass: energies_of(
+        return lambda law, overlap, tangential, memory, radius, mass: checked_energy(
             law, own_energy(law, overlap, tangential, memory, radius, mass)
         )

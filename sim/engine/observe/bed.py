@@ -1,4 +1,4 @@
-"""Energy and place of the beads of a belt at one moment."""
+"""Energy and position of the beads of a belt at one moment."""
 
 import numpy as np
 
@@ -8,16 +8,16 @@ from sim.engine.observe.rounding import REAL, total
 
 @exact
 def bed_energies(taylor, mass, time_step, amplitude):
-    """Return what a sample says of the state of all beads.
+    """Return kinetic energy, height and share near the belt of all beads at one moment.
 
     Parameters
     ----------
     taylor : (6, 2, N) array
-        Taylor terms of their positions, see ``Disks``.
+        Taylor terms of the positions, see ``Disks``.
     mass : (N,) array
-        Their masses (kg).
+        Masses of the beads (kg).
     time_step : float
-        That of the Taylor terms (s).
+        Time step of the Taylor terms (s).
     amplitude : float
         Vertical amplitude of the belt (m).
 

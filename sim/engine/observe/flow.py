@@ -8,14 +8,14 @@ from sim.engine.observe.rounding import REAL, total
 
 @exact
 def flow_energies(position, velocity, rim, mass):
-    """Return what a sample says of the state of all spheres.
+    """Return kinetic energies and height of all spheres at one moment.
 
     Parameters
     ----------
     position, velocity, rim : (3, N) arrays
         See ``Spheres`` (m, m/s).
     mass : (N,) array
-        Their masses (kg).
+        Masses of the spheres (kg).
 
     Returns
     -------

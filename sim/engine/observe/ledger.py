@@ -1,14 +1,14 @@
-"""Which of a system's time series add up to its energy."""
+"""The energy ledger of a system: the time series whose sum is its energy."""
 
 from typing import NamedTuple
 
 
 class Ledger(NamedTuple):
-    """The energy ledger of a system; values name time series (J).
+    """The energy ledger of a system; its names are those of time series (J).
 
-    ``terms`` name -> sign: their signed sum is constant. ``turnover`` names those, sums since the
-    start, whose change measures how much energy has passed through. ``powers`` name of a sum since
-    the start -> name of the scalar that holds its mean rate (W).
+    ``terms`` name -> sign: the signed sum of these series is constant. ``turnover`` names sums
+    since the start whose change measures the energy that has passed through. ``powers`` name of a
+    sum since the start -> name of the scalar with its mean rate (W).
     """
 
     terms: dict[str, int]

@@ -1,17 +1,17 @@
 """The local rheology of a sheared flow from its profiles over the height, arrays (H,).
 
-Stress ratio and inertial number are those of GDR MiDi, Eur. Phys. J. E 14 (2004) 341: of a rheology
-that is local the first is a function of the second alone.
+Stress ratio and inertial number are those of GDR MiDi, Eur. Phys. J. E 14 (2004) 341. In a local
+rheology the stress ratio is a function of the inertial number alone.
 """
 
 import numpy as np
 
 
 def shear_rate(velocity: np.ndarray, slice_height: float, diameter: float) -> np.ndarray:
-    """Return du/dz (1/s) over a diameter about each slice of a height (m).
+    """Return du/dz (1/s) over one diameter about each slice of height ``slice_height`` (m).
 
-    Particles of one layer move as one, so over less it would be that of their layers. It is
-    not-a-number within half a diameter of where there is no velocity (m/s).
+    Particles of one layer move together, so a shorter distance would resolve the layers. The rate
+    is not-a-number within half a diameter of slices without velocity (m/s).
     """
     half = max(1, round(0.5 * diameter / slice_height))
     rate = np.full(velocity.shape, np.nan)

@@ -1,19 +1,19 @@
-"""Run-length control: when a run of the converged protocol has shown enough."""
+"""Run-length control: decides when a run of the converged protocol may end."""
 
 import numpy as np
 
 from sim.engine.observe.estimate import cycle_means, slope, transient_end
 from sim.engine.observe.regime import Scales, Trend, analyse
 
-#: A run is looked at when it is this many times as long as the last time, and ends when two looks
-#: in a row give the same reason. Looks are few, since each is a chance to stop by accident.
+#: Ratio of the lengths of a run at successive looks, at which it is analysed. It ends when two
+#: looks in a row give the same reason. Looks are few, because each is a chance to stop by accident.
 GROWTH = 1.35
 
-#: An acceleration that has not fallen below this share of what it was in the first half of the
-#: window is not the last part of a transient.
-LASTING = 0.85
+#: An acceleration is not the end of a transient if it stays above this share of its value in the
+#: first half of the window.
+LASTING_SHARE = 0.85
 
-#: Reasons to stop. The last is that of the published protocol.
+#: Reasons to end a run. The last one is for the published protocol.
 TARGET, ARRESTED, ACCELERATING, LIMIT, LENGTH = (
     "target",
     "arrested",
@@ -23,8 +23,8 @@ TARGET, ARRESTED, ACCELERATING, LIMIT, LENGTH = (
 )
 
 
-def looks(shortest: int, longest: int) -> list[int]:
-    """Return the lengths (samples) at which a run is looked at; the last one is the longest."""
+def look_lengths(shortest: int, longest: int) -> list[int]:
+    """Return the lengths (samples) at which a run is analysed; the last one is its full length."""
     lengths, length = [], float(shortest)
     while length < longest:
         lengths.append(int(length))
@@ -33,20 +33,20 @@ def looks(shortest: int, longest: int) -> list[int]:
 
 
 def window_start(velocity: np.ndarray, period: int, least: int = 0) -> int:
-    """Return how many samples of a velocity series to leave out as its transient.
+    """Return the number of samples of a velocity series to omit as transient.
 
-    At least ``least``, which the user knows or the paper says; whole periods remain.
+    It is at least ``least``, which comes from the user or the paper; whole periods remain.
     """
     cycles = cycle_means(velocity, period)
-    kept = (len(cycles) - transient_end(cycles)) * period
-    start = max(least, len(velocity) - kept, 0)
+    length = (len(cycles) - transient_end(cycles)) * period
+    start = max(least, len(velocity) - length, 0)
     return start + (len(velocity) - start) % period if len(velocity) - start >= period else start
 
 
 def verdict(
     velocity: np.ndarray, interval: float, scales: Scales, period: int, least: int
 ) -> tuple[int, Trend, str]:
-    """Return where the window of a run starts (samples), its trend and why to stop, or ``""``.
+    """Return start of the window (samples), its trend, and the reason to end the run or ``""``.
 
     Parameters
     ----------
@@ -55,7 +55,7 @@ def verdict(
     interval, scales, period
         As for `sim.engine.observe.regime.analyse`.
     least : int
-        Samples that are transient in any case.
+        Smallest number of samples of the transient.
     """
     start = window_start(velocity, period, least)
     window = velocity[start:]
@@ -63,19 +63,19 @@ def verdict(
     reason = ""
     if trend.regime == "arrested":
         reason = ARRESTED
-    elif trend.regime == "accelerating" and _lasts(window, interval, period):
+    elif trend.regime == "accelerating" and _is_lasting(window, interval, period):
         reason = ACCELERATING
     elif trend.regime == "steady" and trend.quality == "reliable":
-        enough = trend.velocity.half_width <= scales.target * abs(trend.velocity.value)
-        reason = TARGET if enough else ""
+        is_precise = trend.velocity.half_width <= scales.target * abs(trend.velocity.value)
+        reason = TARGET if is_precise else ""
     return start, trend, reason
 
 
-def _lasts(window: np.ndarray, interval: float, period: int) -> bool:
-    """Return whether the second half of a window accelerates as much as the first."""
+def _is_lasting(window: np.ndarray, interval: float, period: int) -> bool:
+    """True where the acceleration in the second half of a window is about that in the first."""
     cycles = cycle_means(window, period)
     early, late = np.array_split(cycles, 2)
     before, after = (slope(part, interval * period) for part in (early, late))
-    uncertain = np.hypot(after.half_width, LASTING * before.half_width)
-    lasting = after.value - LASTING * before.value > uncertain
-    return bool(lasting and before.value > before.half_width)
+    half_width = np.hypot(after.half_width, LASTING_SHARE * before.half_width)
+    is_lasting = after.value - LASTING_SHARE * before.value > half_width
+    return bool(is_lasting and before.value > before.half_width)

@@ -1,4 +1,4 @@
-"""Sums over samples: named tuples of arrays, of whichever kind, that can be added up."""
+"""Sums over samples: named tuples of arrays, of any type, that can be added."""
 
 from collections.abc import Iterable
 from typing import Any, NamedTuple, TypeVar
@@ -7,45 +7,45 @@ import numpy as np
 
 from sim.engine.compile import exact
 
-#: What one sample, or several together, have added to each of several sums.
+#: Several sums of different types, over one sample or more.
 Sums = tuple[NamedTuple, ...]
 
 _Kind = TypeVar("_Kind", bound=NamedTuple)
 
 
-def plus(one: _Kind, other: _Kind) -> _Kind:
-    """Return the sums of both."""
-    return type(one)(*(mine + theirs for mine, theirs in zip(one, other, strict=True)))
+def add_sums(first: _Kind, second: _Kind) -> _Kind:
+    """Return the sum of two sums, array by array."""
+    return type(first)(*(a + b for a, b in zip(first, second, strict=True)))
 
 
-def stacked(samples: int, one: _Kind) -> _Kind:
-    """Return sums of zero of several samples, a first axis along which they lie."""
-    parts: Iterable[Any] = one
-    kind: Any = type(one)
+def zero_samples(samples: int, template: _Kind) -> _Kind:
+    """Return sums of zero like ``template``, with a first axis over the samples."""
+    parts: Iterable[Any] = template
+    kind: Any = type(template)
     return kind(*(np.zeros((samples, *part.shape)) for part in parts))
 
 
-def first_of(several: _Kind, samples: int) -> _Kind:
-    """Return the sums of the first of several samples."""
-    return type(several)(*(part[:samples] for part in several))
+def first_samples(sums: _Kind, samples: int) -> _Kind:
+    """Return the sums of the first ``samples`` samples."""
+    return type(sums)(*(part[:samples] for part in sums))
 
 
-def copied(several: _Kind, number: int) -> _Kind:
-    """Return the sums of one of several samples in arrays of their own."""
-    return type(several)(*(part[number].copy() for part in several))
+def copy_sample(sums: _Kind, number: int) -> _Kind:
+    """Return a copy of the sums of sample ``number``."""
+    return type(sums)(*(part[number].copy() for part in sums))
 
 
-def chosen_of(several: _Kind, chosen: np.ndarray) -> _Kind:
-    """Return the sums of several samples, zero where a sample is not among those chosen (K,)."""
-    parts: Iterable[Any] = several
-    kind: Any = type(several)
-    return kind(*(part * chosen.reshape(-1, *[1] * (part.ndim - 1)) for part in parts))
+def mask_samples(sums: _Kind, mask: np.ndarray) -> _Kind:
+    """Return the sums by sample, set to zero where ``mask`` (K,) is false."""
+    parts: Iterable[Any] = sums
+    kind: Any = type(sums)
+    return kind(*(part * mask.reshape(-1, *[1] * (part.ndim - 1)) for part in parts))
 
 
-def add_samples(total: NamedTuple, several: NamedTuple, first: int, last: int) -> None:
-    """Add the sums of samples ``first``..``last`` of several, one after the other."""
-    for mine, theirs in zip(total, several, strict=True):
-        _add_rows(mine.reshape(-1), theirs.reshape(len(theirs), -1), first, last)
+def add_samples(total: NamedTuple, sums: NamedTuple, first: int, last: int) -> None:
+    """Add the sums of samples ``first`` to ``last`` - 1 to a total, one after the other."""
+    for target, source in zip(total, sums, strict=True):
+        _add_rows(target.reshape(-1), source.reshape(len(source), -1), first, last)
 
 
 @exact

@@ -21,14 +21,14 @@ def impact(law, point, speed, radii, slide=0.0):
     return SphereMotion(apart + PLACE, velocity, law=law, time_step=step, radius=radii, mass=mass)
 
 
-def parted(motion, steps=20_000):
+def run_until_parted(motion, steps=20_000):
     """Run a pair until its particles have met and parted."""
-    met = False
+    has_met = False
     for _ in range(steps // 20):
         touching = motion.run(20).contacts()[0].size
-        if met and not touching:
+        if has_met and not touching:
             return motion
-        met = met or touching
+        has_met = has_met or touching
     raise AssertionError("still in contact")
 
 
@@ -38,10 +38,10 @@ def parted(motion, steps=20_000):
 @pytest.mark.parametrize("law", ["hertz", "drag"])
 def test_the_restitution_is_the_same_at_every_speed_and_size(law, restitution, speed, radii):
     point = ChuteParameters(law=law, restitution=restitution, steps_per_collision=400)
-    made = {"hertz": hertz, "drag": drag}[law].from_parameters(
+    contact_law = {"hertz": hertz, "drag": drag}[law].from_parameters(
         point, Partners(0.4, 0.5 * point.mass, point.time_step)
     )
-    motion = parted(impact(made, point, speed, radii))
+    motion = run_until_parted(impact(contact_law, point, speed, radii))
     parting = motion.velocity[1, 0] - motion.velocity[0, 0]
     assert parting / speed == pytest.approx(restitution, abs=0.01)
 
@@ -52,14 +52,14 @@ def test_hertz_collides_as_long_and_as_deep_as_the_exact_solution():
     law = hertz.from_parameters(point, Partners(0.4, 0.5 * point.mass, point.time_step))
     mass, radius, modulus = point.mass / 2, point.diameter / 4, point.effective_modulus
     deepest = (15 * mass * speed**2 / (16 * radius**0.5 * modulus)) ** 0.4
-    lasting = 2.94327 * deepest / speed
+    duration = 2.94327 * deepest / speed
     motion, steps, overlap = impact(law, point, speed, RADII["equal"]).run(2), 0, 0.0
     while motion.contacts()[0].size:
         motion.run(1)
         steps += 1
         apart = motion.position[1, 0] - motion.position[0, 0]
         overlap = max(overlap, point.diameter - apart)
-    assert steps * point.time_step == pytest.approx(lasting, rel=5e-3)
+    assert steps * point.time_step == pytest.approx(duration, rel=5e-3)
     assert overlap == pytest.approx(deepest, rel=2e-3)
 
 
@@ -82,9 +82,9 @@ def test_hertz_slides_at_the_friction_limit():
     point = ChuteParameters(law="hertz", restitution=0.8, steps_per_collision=400)
     law = hertz.from_parameters(point, Partners(0.3, 0.5 * point.mass, point.time_step))
     # So slow that the pair hardly turns while it touches.
-    motion = parted(impact(law, point, 0.001, RADII["equal"], slide=0.003))
-    lost = 0.003 - slip_of(motion, point)
-    assert lost == pytest.approx(3.5 * 1.8 * 0.3 * 0.001, rel=0.02)
+    motion = run_until_parted(impact(law, point, 0.001, RADII["equal"], slide=0.003))
+    loss = 0.003 - slip_of(motion, point)
+    assert loss == pytest.approx(3.5 * 1.8 * 0.3 * 0.001, rel=0.02)
 
 
 def test_the_shear_drag_stops_a_slip_exponentially():
@@ -95,6 +95,6 @@ def test_the_shear_drag_stops_a_slip_exponentially():
     while not steps or motion.contacts()[0].size:
         motion.run(1)
         steps += 1
-    lasting = (steps - 1) * point.time_step
+    duration = (steps - 1) * point.time_step
     rate = 3.5 * 20 * point.gravity
-    assert slip_of(motion, point) == pytest.approx(0.001 * np.exp(-rate * lasting), rel=0.01)
+    assert slip_of(motion, point) == pytest.approx(0.001 * np.exp(-rate * duration), rel=0.01)

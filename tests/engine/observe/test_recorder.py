@@ -5,12 +5,12 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from sim.engine.observe.blocks import MOST
+from sim.engine.observe.blocks import MAX_BLOCKS
 from sim.engine.observe.ledger import Ledger
 from sim.engine.observe.profiles import empty_profile
 from sim.engine.observe.recorder import Recorder
 from sim.engine.observe.regime import Scales
-from sim.engine.observe.sums import stacked
+from sim.engine.observe.sums import zero_samples
 from sim.engine.observe.system import Samples
 
 #: Samples of 0.1 s: 4 of transient and 12 to average, or up to 64 of the converged protocol.
@@ -45,7 +45,7 @@ class Ramp:
     scales = Scales(arrested=1e-3, acceleration=0.1, drift=0.1, target=0.02)
     period = 1
     most = 3
-    followed = ()
+    history_profiles = ()
 
     def __init__(self, parameters, velocity=float):
         self.parameters, self.velocity, self.number = parameters, velocity, 0
@@ -53,11 +53,11 @@ class Ramp:
     def sample(self, most, profiles):
         first = self.number
         rows = [self.row() for _ in range(min(most, self.most))]
-        several = stacked(len(rows), empty_profile(1, 3))
-        several.samples[:], several.weight[:] = 1.0, 2.0
-        several.moved[:, 0] = 2.0 * np.arange(first + 1, self.number + 1)
+        sums = zero_samples(len(rows), empty_profile(1, 3))
+        sums.samples[:], sums.weight[:] = 1.0, 2.0
+        sums.moved[:, 0] = 2.0 * np.arange(first + 1, self.number + 1)
         values = {name: [row[name] for row in rows] for name in self.series}
-        return Samples(values, (several,) if profiles else None)
+        return Samples(values, (sums,) if profiles else None)
 
     def row(self):
         self.number += 1
@@ -89,34 +89,34 @@ class Ramp:
         return {"position": np.full((1, 3), float(self.number))}
 
 
-def recorded(samples: int = 1000, failure: str = "", parameters=PUBLISHED, velocity=float):
+def record_ramp(samples: int = 1000, failure: str = "", parameters=PUBLISHED, velocity=float):
     """The record of a ramp (or another velocity) of as many samples, or until its protocol ends."""
     system = Ramp(parameters, velocity)
     recorder = Recorder(system)
     recorder.take_snapshot()
-    while recorder.taken < samples and not recorder.stopped:
-        most, profiles = recorder.due()
-        recorder.take(system.sample(min(most, samples - recorder.taken), profiles))
+    while recorder.sample_count < samples and not recorder.stop_reason:
+        most, profiles = recorder.next_samples()
+        recorder.take(system.sample(min(most, samples - recorder.sample_count), profiles))
     recorder.take_snapshot()
     return recorder.finish(failure)
 
 
 def test_the_course_of_profiles_is_told_block_by_block_where_it_is_asked_for(monkeypatch):
     """Twelve samples of the window, one to a block; before them there are no profiles."""
-    assert "block_end" not in recorded().tables
-    monkeypatch.setattr(Ramp, "followed", ("velocity_profile",))
-    tables = recorded().tables
+    assert "block_end" not in record_ramp().tables
+    monkeypatch.setattr(Ramp, "history_profiles", ("velocity_profile",))
+    tables = record_ramp().tables
     end, course = tables["block_end"], tables["velocity_profile_history"]
-    assert end.shape == (MOST,) and course.shape == (MOST, 1)
+    assert end.shape == (MAX_BLOCKS,) and course.shape == (MAX_BLOCKS, 1)
     assert end[:12] == pytest.approx(0.1 * np.arange(5, 17))
     assert course[:12, 0].tolist() == list(range(5, 17))
     assert np.isnan(end[12:]).all() and np.isnan(course[12:]).all()
-    failed = recorded(samples=2, failure="an overlap").tables
+    failed = record_ramp(samples=2, failure="an overlap").tables
     assert np.isnan(failed["block_end"]).all()
 
 
 def test_averages_are_over_the_window_and_extremes_over_the_whole_run():
-    record = recorded()
+    record = record_ramp()
     scalars = record.scalars
     assert np.array_equal(record.series["mean_velocity"], np.arange(1.0, 17.0))
     assert scalars["velocity"] == 10.5
@@ -132,18 +132,18 @@ def test_averages_are_over_the_window_and_extremes_over_the_whole_run():
 
 def test_the_ledger_says_what_it_lacks_and_where_the_power_goes():
     """Of 1.02 J lost per sample the kinetic energy knows 1."""
-    scalars = recorded().scalars
+    scalars = record_ramp().scalars
     assert scalars["energy_residual"] == pytest.approx(0.02 / 1.02)
     assert scalars["normal_power"] == pytest.approx(10.2)
 
 
 def test_the_momentum_budget_is_that_of_the_window():
     """A mass of 2 kg that gains 10 m/s each second under a drag of 4 N: 24 N."""
-    assert recorded().scalars["momentum_budget"] == pytest.approx(24.0)
+    assert record_ramp().scalars["momentum_budget"] == pytest.approx(24.0)
 
 
 def test_profiles_are_cumulative_over_the_window_and_of_the_last_sample():
-    record = recorded()
+    record = record_ramp()
     assert record.profiles["velocity_profile"] == pytest.approx([10.5])
     assert record.profiles["velocity_profile_instantaneous"] == pytest.approx([16.0])
     assert record.profiles["packing_profile"] == pytest.approx([2.0])
@@ -152,7 +152,7 @@ def test_profiles_are_cumulative_over_the_window_and_of_the_last_sample():
 def test_a_converged_run_goes_on_until_its_mean_is_known():
     noise = 1e-3 * np.random.default_rng(0).normal(size=257)
     parameters = SimpleNamespace(**vars(CONVERGED) | {"longest_samples": 256})
-    record = recorded(
+    record = record_ramp(
         parameters=parameters, velocity=lambda number: 100.0 * 0.5**number + 1.0 + noise[number]
     )
     length = record.series["mean_velocity"].size
@@ -166,20 +166,20 @@ def test_a_converged_run_goes_on_until_its_mean_is_known():
 
 def test_a_converged_run_ends_at_its_limit():
     noise = np.random.default_rng(1).normal(size=65)
-    record = recorded(parameters=CONVERGED, velocity=lambda number: 1.0 + noise[number])
+    record = record_ramp(parameters=CONVERGED, velocity=lambda number: 1.0 + noise[number])
     assert record.series["mean_velocity"].size == 64
     assert record.scalars["stopped"] == "limit"
 
 
 def test_snapshots_are_the_first_and_the_last_state():
-    first, last = recorded().snapshots["position"]
+    first, last = record_ramp().snapshots["position"]
     assert (first[0, 0], last[0, 0]) == (0.0, 16.0)
 
 
 @pytest.mark.filterwarnings("error")
 @pytest.mark.parametrize("samples", [0, 3, 7])
 def test_a_failure_keeps_what_was_measured_and_claims_no_average(samples):
-    record = recorded(samples, failure="burst")
+    record = record_ramp(samples, failure="burst")
     velocity = record.series["mean_velocity"]
     assert np.array_equal(velocity[:samples], np.arange(1.0, samples + 1))
     assert np.isnan(velocity[samples:]).all()

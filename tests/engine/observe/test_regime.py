@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from sim.engine.observe.regime import INDEPENDENT, Scales, analyse
+from sim.engine.observe.regime import RELIABLE_SAMPLES, Scales, analyse
 from tests.engine_motion.series import correlated, with_drift
 
 INTERVAL, DRIFT = 0.01, 0.1
@@ -86,7 +86,7 @@ def test_without_a_drift_long_series_are_steady():
 def test_slow_correlations_are_short_of_independent_samples():
     noisy = 40.0 + correlated(np.random.default_rng(4), 400, 60)
     found = analyse(noisy, 1.0, Scales(1e-3, np.inf, 10.0, 0.02))
-    assert found.independent < INDEPENDENT
+    assert found.independent < RELIABLE_SAMPLES
     assert (found.regime, found.quality) == ("steady", "short")
 
 

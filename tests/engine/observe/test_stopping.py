@@ -15,7 +15,7 @@ def scales(target: float = 0.02) -> Scales:
 def run_to_the_end(velocity, shortest, target=0.02):
     """Look at a series as a run would; return length, window start, trend and reason."""
     before = ""
-    for length in stopping.looks(shortest, len(velocity)):
+    for length in stopping.look_lengths(shortest, len(velocity)):
         start, trend, reason = stopping.verdict(velocity[:length], 1.0, scales(target), 1, 0)
         if reason and reason in (before, stopping.ARRESTED):
             return length, start, trend, reason
@@ -24,8 +24,8 @@ def run_to_the_end(velocity, shortest, target=0.02):
 
 
 def test_looks_are_few_and_end_at_the_limit():
-    assert stopping.looks(100, 500) == [100, 135, 182, 246, 332, 448, 500]
-    assert stopping.looks(100, 100) == [100]
+    assert stopping.look_lengths(100, 500) == [100, 135, 182, 246, 332, 448, 500]
+    assert stopping.look_lengths(100, 100) == [100]
 
 
 def test_a_run_stops_when_its_mean_is_known_well_enough():
