@@ -26,7 +26,7 @@ from sim.dataset.earlier import keep_dataset
 from sim.dataset.gather import PATH_VARIABLES
 from sim.dataset.results import PARTICLES, RUNS
 from sim.dataset.rounds import add_rounds, find_sides, known_points, with_study_amounts
-from sim.dataset.rows import Rows, selected
+from sim.dataset.rows import Rows, select_rows
 from sim.dataset.runs import Runs
 from sim.dataset.units import natural_velocities, si_parameters
 from sim.engine.stored_run import current_status
@@ -164,7 +164,7 @@ def _groups(
         if members:
             yield (
                 system,
-                profiles(selected(blocks, set(members)), members, scalars.sizes["replicate"]),
+                profiles(select_rows(blocks, set(members)), members, scalars.sizes["replicate"]),
             )
     states = {key: state for block in blocks for key, state in block.states.items()}
     for key, point in study.points.items():

@@ -14,11 +14,11 @@ from sim.dataset.rows import (
     ARRAYS,
     OF_PROFILES,
     Rows,
-    lined_up,
-    origins,
-    points_of,
+    align_rows,
+    origin_table,
+    row_points,
     row_scalars,
-    sizes_of,
+    largest_sizes,
 )
 from sim.parameters import SYSTEMS, complete_values, field_info
 from sim.parameters.variables import variables_of
@@ -44,13 +44,13 @@ def root(blocks: Sequence[Rows], study: Study) -> xr.Dataset:
         replicates than another. Every parameter of the systems of the study is a coordinate over
         ``point``, NaN or ``""`` where the point's system does not have it.
     """
-    order, sizes = _row_order(blocks, study.points), sizes_of(blocks)
-    origin = origins(blocks).iloc[order]
+    order, sizes = _row_order(blocks, study.points), largest_sizes(blocks)
+    origin = origin_table(blocks).iloc[order]
     scalars = xr.Dataset(
         {
             name: (
                 ("point", "replicate"),
-                lined_up(blocks, name, sizes)[order],
+                align_rows(blocks, name, sizes)[order],
                 _attributes_of(name),
             )
             for name in row_scalars()
@@ -83,9 +83,13 @@ def profiles(blocks: Sequence[Rows], points: Sequence[str], replicates: int) -> 
     squares. Profiles over the cycle of the belt are over (run, replicate, moment), and
     ``cycle_phase`` (run, moment) holds the phases.
     """
-    order, sizes = _row_order(blocks, points), sizes_of(blocks) | {"replicate": replicates}
+    order, sizes = _row_order(blocks, points), largest_sizes(blocks) | {"replicate": replicates}
     variables = {
-        name: (("run", *dimensions), lined_up(blocks, name, sizes)[order], ARRAYS[name].attributes)
+        name: (
+            ("run", *dimensions),
+            align_rows(blocks, name, sizes)[order],
+            ARRAYS[name].attributes,
+        )
         for name, dimensions in OF_PROFILES.items()
         if any(name in block.values for block in blocks)
     }
@@ -97,7 +101,7 @@ def runs(blocks: Sequence[Rows], points: Iterable[str]) -> xr.Dataset:
 
     Attribute ``reads`` has the names of all variables that a row has if its run file has them.
     """
-    origin = origins(blocks).iloc[_row_order(blocks, points)]
+    origin = origin_table(blocks).iloc[_row_order(blocks, points)]
     columns = {name: ("point", origin[name].to_numpy(object)) for name in origin}
     reads = " ".join(sorted(stored_names()))
     return xr.Dataset(columns, attrs={"code": reader_hash(), "reads": reads})
@@ -105,7 +109,7 @@ def runs(blocks: Sequence[Rows], points: Iterable[str]) -> xr.Dataset:
 
 def _row_order(blocks: Iterable[Rows], points: Iterable[str]) -> np.ndarray:
     """Return the row numbers of points, in the order of the points."""
-    rows = {point: row for row, point in enumerate(points_of(blocks))}
+    rows = {point: row for row, point in enumerate(row_points(blocks))}
     return np.array([rows[point] for point in points])
 
 

@@ -9,7 +9,7 @@ from sim.base.damage import checked_read
 from sim.dataset.adopted import AdoptedPoints
 from sim.dataset.earlier import adopted_rows, earlier_rows
 from sim.dataset.gather import amounts_text
-from sim.dataset.rows import OF_PROFILES, Rows, selected
+from sim.dataset.rows import OF_PROFILES, Rows, select_rows
 from sim.dataset.side_by_side import read_files
 from sim.parameters import Parameters, amounts
 from sim.study.catalogue import Shown
@@ -67,7 +67,7 @@ class Runs:
             if not self._is_read(point, point_amounts)
         }
         if self._rows.keys() & new:
-            blocks = selected(self._blocks, self._rows.keys() - new)
+            blocks = select_rows(self._blocks, self._rows.keys() - new)
             self._blocks, self._rows = [], {}
             self._add(blocks)
         sources = {point: self._adopted.source(point, points[point]) for point in new}
@@ -100,4 +100,4 @@ class Runs:
 
     def rows(self, points: Collection[str]) -> list[Rows]:
         """Return the rows of points that have been read."""
-        return selected(self._blocks, points)
+        return select_rows(self._blocks, points)

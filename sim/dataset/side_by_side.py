@@ -15,7 +15,7 @@ from sim.base.errors import InputError
 from sim.base.plugins import load, places
 from sim.dataset.earlier import reader_hash
 from sim.dataset.gather import read_run
-from sim.dataset.rows import Rows, merged
+from sim.dataset.rows import Rows, merge_rows
 
 #: Most run files that are read before their rows are handed over.
 BATCH = 40
@@ -98,7 +98,7 @@ def read_batch(files: Sequence[File]) -> Batch:
                 rows.append(read_run(path, amounts, has_state))
             except InputError as error:
                 problems.append(str(error))
-    return Batch(merged(rows), problems)
+    return Batch(merge_rows(rows), problems)
 
 
 @contextmanager

@@ -11,7 +11,7 @@ import pytest
 
 from sim.base.errors import InputError
 from sim.dataset import side_by_side
-from sim.dataset.rows import Rows, merged
+from sim.dataset.rows import Rows, merge_rows
 from sim.dataset.side_by_side import File, read_files
 from sim.parameters import amounts, parse_point
 from tests.made.processes import ROOT, wait_until
@@ -39,7 +39,7 @@ def small_batches(monkeypatch) -> None:
 
 
 def assert_equal(rows: list[Rows], expected: list[Rows]) -> None:
-    for one, other in zip(merged(rows), merged(expected), strict=True):
+    for one, other in zip(merge_rows(rows), merge_rows(expected), strict=True):
         assert (one.points, one.origin) == (other.points, other.origin)
         assert list(one.values) == list(other.values)
         for name, values in one.values.items():
