@@ -32,6 +32,7 @@ def run_experiment(claim: Claim, reading: Mapping[str, Any]) -> tuple[Check, ...
     """
     identity = {
         "judge": claim.judge,
+        "bounds": claim.bounds,
         "reading": dict(reading),
         "sources": source_hash(SOURCES),
         "libraries": library_versions(),
@@ -40,7 +41,7 @@ def run_experiment(claim: Claim, reading: Mapping[str, Any]) -> tuple[Check, ...
     path = cache_directory(with_plugins=False) / f"{claim.id}-{name}.json"
     checks = _read(path, identity)
     if checks is None:
-        checks = tuple(claim.judge_function()(reading))
+        checks = tuple(claim.judge_function()(reading, **claim.bounds))
         _write(path, identity, checks)
     return checks
 

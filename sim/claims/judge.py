@@ -84,7 +84,7 @@ def _variants(
 def _judge_under(claim: Claim, evidence: Evidence, reading: str, control: str) -> Variant:
     number = claim.number
     try:
-        checks = _run_judge(claim, evidence, (number.headline,) if number else ())
+        checks = _run_judge(claim, evidence)
     except Untestable as error:
         return Variant(evidence.protocol, reading, reason=str(error), control=control)
     except ZeroDivisionError:
@@ -97,7 +97,7 @@ def _judge_under(claim: Claim, evidence: Evidence, reading: str, control: str) -
     checks_by_number = {}
     for value in number.values if number else ():
         try:
-            checks_by_number[value] = _run_judge(claim, evidence, (value,))
+            checks_by_number[value] = _run_judge(claim, evidence, value)
         except (Untestable, ZeroDivisionError):
             continue
     return Variant(
@@ -105,8 +105,10 @@ def _judge_under(claim: Claim, evidence: Evidence, reading: str, control: str) -
     )
 
 
-def _run_judge(claim: Claim, evidence: Evidence, number: tuple[float, ...]) -> tuple[Check, ...]:
-    checks = tuple(claim.judge_function()(evidence, *number))
+def _run_judge(
+    claim: Claim, evidence: Evidence, number: float | None = None
+) -> tuple[Check, ...]:
+    checks = tuple(claim.judge_function()(evidence, **claim.bounds_at(number)))
     if not checks:
         raise ValueError(f"{claim.id}: the judge checked nothing")
     unknown_parts = {check.part for check in checks if check.has_vote} - set(claim.parts or ("",))

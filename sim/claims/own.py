@@ -101,7 +101,12 @@ def judge(
     words: dict[str, Any] = {"title": title, "statement": statement, "criterion": criterion}
     for key, text in (words | {"reason": reason, "needs": needs}).items():
         require_line(f"judge {name}: {key}", text, empty=key not in words, longest=MAX_TEXT)
-    claim = OwnClaim(id=name, reason=reason, needs=needs, own_system=system, **words)
+    words |= {
+        # Braces in the words of a plug-in name no bounds.
+        key: text.replace("{", "{{").replace("}", "}}")
+        for key, text in (("criterion", criterion), ("reason", reason))
+    }
+    claim = OwnClaim(id=name, needs=needs, own_system=system, **words)
 
     def register(function: JudgeFunction) -> JudgeFunction:
         require_function(f"judge {name}", function, takes=1)

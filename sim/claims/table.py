@@ -12,6 +12,7 @@ from pydantic_core import PydanticCustomError
 from sim.base.errors import InputError
 from sim.base.messages import input_error
 from sim.base.yaml import read_yaml
+from sim.claims.criterion import Bound, fill
 from sim.study.catalogue import FIGURES
 
 #: In place of a paper, for claims of plug-ins.
@@ -33,10 +34,11 @@ class First(BaseModel):
 
 
 class Number(BaseModel):
-    """A number that a criterion needs and the paper does not give."""
+    """A bound of a criterion that the paper does not give."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
 
+    bound: str = Field(exclude=True, description="its name in the criterion and for the judge")
     what: str = Field(min_length=1, description="the number in words")
     values: list[float] = Field(min_length=2, description="those under which it is judged")
     headline: float = Field(description="the one that gives the verdict")
@@ -58,7 +60,8 @@ class Claim(BaseModel):
     title: str = Field(min_length=1, description="a few words")
     statement: str = Field(min_length=1, description="what the paper says, in other words")
     place: str = Field(min_length=1, description="section or figure of the paper")
-    criterion: str = Field(min_length=1, description="when it holds")
+    criterion: str = Field(min_length=1, description="when it holds, filled from the bounds")
+    bounds: dict[str, Bound] = Field({}, exclude=True, description="numbers of the criterion")
     reason: str = Field(min_length=1, description="why the criterion is what it is")
     needs: str = Field(description="runs that decide it")
     kind: Literal["model", "flow"] = Field("flow", description="judged by itself or from runs")
@@ -68,6 +71,25 @@ class Claim(BaseModel):
     parts: dict[str, str] = Field({}, description="what it says, where that is several things")
     contradiction: str = Field("", description="why its parts cannot both hold")
     number: Number | None = Field(None, description="what the paper does not give")
+
+    @model_validator(mode="after")
+    def _has_bounds_of_texts(self) -> Self:
+        try:
+            self.texts()
+        except ValueError as error:
+            raise PydanticCustomError("bounds", "{error}", {"error": str(error)}) from None
+        return self
+
+    def texts(self) -> dict[str, str]:
+        """Return ``criterion`` and ``reason``, filled from the bounds at the headline number."""
+        bounds = self.bounds_at()
+        return {"criterion": fill(self.criterion, bounds), "reason": fill(self.reason, bounds)}
+
+    def bounds_at(self, number: float | None = None) -> dict[str, Bound]:
+        """Return the arguments of the judge, with a value of the number or its headline."""
+        if self.number is None:
+            return self.bounds
+        return self.bounds | {self.number.bound: self.number.headline if number is None else number}
 
     @property
     def paper(self) -> str:
@@ -80,7 +102,7 @@ class Claim(BaseModel):
         return {"W": "chute", "G": "belt"}[self.id[0]]
 
     def judge_function(self) -> Callable:
-        """Return the judge: a function of the evidence and, if the claim has one, of a number."""
+        """Return the judge: a function of the evidence and, by their names, of the bounds."""
         module, name = self.judge.split(".")
         return getattr(importlib.import_module(f"sim.claims.{module}"), name)
 

@@ -67,7 +67,7 @@ def as_mapping(judgements: list[Judgement], study: str) -> dict[str, Any]:
         "study": study,
         "claims": [
             {
-                **judgement.claim.model_dump(exclude={"judge"}),
+                **judgement.claim.model_dump(exclude={"judge"}) | judgement.claim.texts(),
                 "paper": judgement.claim.paper,
                 "system": judgement.claim.system,
                 "verdict": judgement.verdict,

@@ -154,7 +154,7 @@ def test_a_claim_that_says_two_things_may_hold_in_part(converged, published, ver
 
 
 def test_a_verdict_is_told_as_a_function_of_a_number_that_is_ours():
-    number = Number(what="weak", values=[0.1, 0.15], headline=0.15)
+    number = Number(bound="margin", what="weak", values=[0.1, 0.15], headline=0.15)
     claim = claims()[0].model_copy(update={"number": number})
     variant = Variant(
         "published", DEFAULT, (HOLDS,), checks_by_number={0.1: (FAILS,), 0.15: (HOLDS,)}
@@ -165,7 +165,7 @@ def test_a_verdict_is_told_as_a_function_of_a_number_that_is_ours():
     assert [row["verdict"] for row in document["by_number"]] == [NOT_REPRODUCED, REPRODUCED]
     assert document["by_number"][0]["checks"][0]["what"] == "y"
     with pytest.raises(ValueError, match="headline"):
-        Number(what="weak", values=[0.1, 0.2], headline=0.15)
+        Number(bound="margin", what="weak", values=[0.1, 0.2], headline=0.15)
 
 
 def test_readings_are_what_points_have_beyond_the_defaults():
@@ -284,7 +284,7 @@ def test_what_is_written_is_plain_json_and_one_row_per_check():
 
 
 def test_the_table_has_the_first_verdict_those_on_parts_and_those_by_number():
-    number = Number(what="weak", values=[0.1, 0.15], headline=0.15)
+    number = Number(bound="margin", what="weak", values=[0.1, 0.15], headline=0.15)
     parts = {"a": "one thing", "b": "another"}
     claim = claims()[0].model_copy(update={"number": number, "parts": parts})
     checks = on_part("a", HOLDS), on_part("b", OPEN)

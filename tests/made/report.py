@@ -96,7 +96,7 @@ def made_claims(points: list[str]) -> list[Judgement]:
             _claim(
                 "G13",
                 "Stiffness hardly matters",
-                number=Number(what="weak", values=[0.1, 0.15], headline=0.15),
+                number=Number(bound="margin", what="weak", values=[0.1, 0.15], headline=0.15),
             ),
             (
                 Variant(
