@@ -41,7 +41,7 @@ def _join(items: Sequence[Any], spec: str) -> str:
     return ", ".join(texts)
 
 
-def fill(text: str, bounds: Mapping[str, Bound]) -> str:
+def fill(text: str, bounds: Mapping[str, Any]) -> str:
     """Return a text with its bounds filled in.
 
     >>> fill("{share:percent} % at {angles:and} degrees", {"share": 0.1, "angles": [30, 45, 60]})

@@ -11,29 +11,42 @@ from sim.claims.bed import half_height, height_spread, layer_width, peak_density
 from sim.claims.checks import above, below, reported, within
 from sim.claims.evidence import Evidence
 from sim.claims.inference import trend
-from sim.claims.lines import MIN_FLOW_FREQUENCY, common_beds, complete_line, select_replicated
+from sim.claims.lines import common_beds, complete_line, select_replicated
 from sim.claims.place import Place, quotient, replicate_mean, with_interval
 from sim.claims.trends import mean_of_others
 from sim.claims.verdict import SIGMAS, Check, Untestable
 
 DENSITY = "number_density"
 
-#: Frequencies (Hz) of Fig. 2a.
-FREQUENCIES = (10, 20, 60, 80)
+#: Damping and shear damping (g).
+Pair = tuple[float, float]
+
+#: Frequencies (Hz) that are needed of a bed that flows.
+FLOWING = (20, 60, 80)
 
 
-def g15(evidence: Evidence) -> list[Check]:
-    """At 10 Hz each slice from 2 to 8 ⟨d⟩ is within 10 % of their mean; the plateau ends at 9 ⟨d⟩.
+def g15(
+    evidence: Evidence,
+    *,
+    frequency: float,
+    low: float,
+    high: float,
+    max_deviation: float,
+    end: float,
+    margin: float,
+) -> list[Check]:
+    """Slices between two heights (⟨d⟩) deviate little from their mean; the plateau ends above.
 
-    The fit is a plateau with a linear fall to zero; the plateau ends where the fall begins.
+    It ends at ``end``, within ``margin`` (both ⟨d⟩). The fit is a plateau with a linear fall to
+    zero; the plateau ends where the fall begins.
     """
-    place = evidence.at("belt", frequency=10)
+    place = evidence.at("belt", frequency=frequency)
     diameter = place["diameter"]
     density, height = place.profile(DENSITY)
-    inside = (height > 2 * diameter) & (height < 8 * diameter)
+    inside = (height > low * diameter) & (height < high * diameter)
     plateau = density[:, inside]
     deviation = plateau / plateau.mean(axis=1, keepdims=True) - 1
-    end = place.measure(plateau_end(diameter), DENSITY, grid="slices") / diameter
+    measured_end = place.measure(plateau_end(diameter), DENSITY, grid="slices") / diameter
     top = place.measure(half_height, DENSITY) / diameter
     beads = place.measure(lambda height, number: number.sum() * (height[1] - height[0]), DENSITY)
     expected = place["beads"] / (place["width"] * diameter)
@@ -41,16 +54,17 @@ def g15(evidence: Evidence) -> list[Check]:
         within(
             f"deviation of ρ from its plateau at {z / diameter:g}⟨d⟩",
             replicate_mean(column),
-            -0.1,
-            0.1,
+            -max_deviation,
+            max_deviation,
             (place,),
         )
         for z, column in zip(height[inside], deviation.T, strict=True)
     ]
     thick = float(np.diff(place.profile(DENSITY, "slices")[1][:2])[0]) / diameter
+    quantity, bounds = f"end of the plateau, slices of {thick:g}⟨d⟩", (end - margin, end + margin)
     return [
         *slices,
-        within(f"end of the plateau, slices of {thick:g}⟨d⟩", end, 8, 10, (place,), "⟨d⟩"),
+        within(quantity, measured_end, *bounds, (place,), "⟨d⟩"),
         reported("height at which ρ is half of its plateau", top, (place,), "⟨d⟩"),
         reported("∫ρ dz over N/L", beads / expected, (place,)),
     ]
@@ -79,16 +93,15 @@ def plateau_end(diameter: float) -> Callable[[np.ndarray, np.ndarray], float]:
     return measure
 
 
-def g16(evidence: Evidence) -> list[Check]:
-    """The slice at the belt has less than 30 % of the largest density, where the bed flows.
+def g16(evidence: Evidence, *, max_ratio: float, lowest: float) -> list[Check]:
+    """The slice at the belt has less than ``max_ratio`` times the largest density.
 
-    This is tested in the time mean and, where it was recorded, at the beginning of the cycle.
+    The frequencies are those from ``lowest`` (Hz) on. This is tested in the time mean and, where
+    it was recorded, at the beginning of the cycle.
     """
     line = select_replicated(evidence.line("belt", "frequency"))
-    flowing = {
-        frequency: place for frequency, place in line.items() if frequency >= MIN_FLOW_FREQUENCY
-    }
-    if not set(FREQUENCIES[1:]) <= set(flowing):
+    flowing = {frequency: place for frequency, place in line.items() if frequency >= lowest}
+    if not set(FLOWING) <= set(flowing):
         raise Untestable("no runs at 20, 60 and 80 Hz with several beds")
     checks = []
     for frequency, place in flowing.items():
@@ -100,7 +113,7 @@ def g16(evidence: Evidence) -> list[Check]:
                     raise
                 continue
             quantity = f"ρ at the belt over the largest, {frequency:g} Hz, {phase_label}"
-            checks.append(below(quantity, share, 0.3, (place,)))
+            checks.append(below(quantity, share, max_ratio, (place,)))
     return checks
 
 
@@ -109,9 +122,9 @@ def belt_density_ratio(_: np.ndarray, number: np.ndarray) -> float:
     return float(number[0] / number.max())
 
 
-def g17(evidence: Evidence) -> list[Check]:
-    """Over 10, 20, 60 and 80 Hz the largest density falls and the layer widens."""
-    line = complete_line(evidence, "frequency", FREQUENCIES)
+def g17(evidence: Evidence, *, frequencies: Sequence[float]) -> list[Check]:
+    """Over the frequencies (Hz) the largest density falls and the layer widens."""
+    line = complete_line(evidence, "frequency", frequencies)
     places, values = list(line.values()), ", ".join(f"{f:g}" for f in line)
     checks = []
     for quantity, measure, is_rising in (
@@ -146,17 +159,24 @@ def check_wider(wide: Place, narrow: Place, comparison: str) -> list[Check]:
     return checks
 
 
-def g18(evidence: Evidence, empty_density: float) -> list[Check]:
-    """Above 1.5 heights of the bed at 10 Hz there are beads at 60 and 80 Hz, and none at 10 Hz.
+def g18(
+    evidence: Evidence,
+    *,
+    empty_density: float,
+    heights: float,
+    still: float,
+    fluid: Sequence[float],
+) -> list[Check]:
+    """Above some heights of the still bed there are beads at fluid frequencies (Hz), else none.
 
     None means a density below ``empty_density`` (⟨d⟩⁻²), in the first slice that is wholly above.
     """
-    bed, *fluid = complete_line(evidence, "frequency", (10, 60, 80)).values()
-    top = 1.5 * bed.measure(half_height, DENSITY).nominal_value
+    bed, *beds = complete_line(evidence, "frequency", (still, *fluid)).values()
+    top = heights * bed.measure(half_height, DENSITY).nominal_value
     checks = []
-    for place in (bed, *fluid):
+    for place in (bed, *beds):
         density = place.measure(_density_above(top), DENSITY) * place["diameter"] ** 2
-        quantity = f"ρ⟨d⟩² above 1.5 bed heights, {place['frequency']:g} Hz"
+        quantity = f"ρ⟨d⟩² above {heights} bed heights, {place['frequency']:g} Hz"
         checks.append(
             (below if place is bed else above)(quantity, density, empty_density, (place,))
         )
@@ -173,19 +193,19 @@ def _density_above(top: float) -> Callable[[np.ndarray, np.ndarray], float]:
     return measure
 
 
-def g19(evidence: Evidence) -> list[Check]:
-    """Densities at four angles differ by less than those of two beds at one angle do.
+def g19(evidence: Evidence, *, frequency: float, angles: Sequence[float]) -> list[Check]:
+    """Densities at several angles differ by less than those of two beds at one angle do.
 
     All beds but one select the largest difference, see `largest_difference`. The scatter of one bed
     is a mean over all slices, over beds and angles.
     """
-    places = list(
-        complete_line(evidence, "vibration_angle", (30, 45, 60, 90), frequency=60).values()
-    )
+    line = complete_line(evidence, "vibration_angle", angles, frequency=frequency)
+    places = list(line.values())
     profiles = [place.profile(DENSITY)[0] for place in places]
     shared = common_beds(places)
     if len(shared[0]) < 3:
-        raise Untestable("fewer than three beds that are known at 60 Hz and 30, 45, 60, 90 degrees")
+        where = f"{frequency} Hz and {', '.join(map(str, angles))} degrees"
+        raise Untestable(f"fewer than three beds that are known at {where}")
     density = np.array([profile[beds] for profile, beds in zip(profiles, shared, strict=True)])
     mean = density.mean(axis=1)
     dense = mean.mean(axis=0) > 0.01 * mean.max()
@@ -218,33 +238,44 @@ def largest_difference(density: np.ndarray) -> UFloat:
     return replicate_mean(np.array(differences))
 
 
-def g20(evidence: Evidence) -> list[Check]:
-    """At 80 Hz less friction widens the layer; the number of beads below 2⟨d⟩ stays within 10 %."""
-    pairs = ((10, 10), (0, 50), (50, 50), (50, 100))
-    places_by_pair = {
-        pair: evidence.at("belt", frequency=80, damping=pair[0], shear_damping=pair[1])
-        for pair in pairs
-    }
+def g20(
+    evidence: Evidence,
+    *,
+    frequency: float,
+    loose: Pair,
+    shearing: Pair,
+    usual: Pair,
+    firm: Pair,
+    height: float,
+    max_change: float,
+) -> list[Check]:
+    """Less friction widens the layer; the number of beads below ``height`` (⟨d⟩) hardly changes.
+
+    Pairs are damping and shear damping (g).
+    """
+    flows = [
+        evidence.at("belt", frequency=frequency, damping=damping, shear_damping=shear)
+        for damping, shear in (loose, shearing, usual, firm)
+    ]
+    at_loose, at_shearing, at_usual, at_firm = flows
     checks = []
-    for less, more in (((10, 10), (50, 50)), ((10, 10), (50, 100)), ((0, 50), (50, 100))):
-        checks += check_wider(
-            places_by_pair[less],
-            places_by_pair[more],
-            f"at {_pair_label(less)} less {_pair_label(more)}",
-        )
-    firm = places_by_pair[50, 100]
-    for pair in pairs[:2]:
-        change = density_near_belt(places_by_pair[pair]) / density_near_belt(firm) - 1
-        quantity = f"beads below 2⟨d⟩ at {_pair_label(pair)} over {_pair_label((50, 100))}, less 1"
-        checks.append(within(quantity, change, -0.1, 0.1, (places_by_pair[pair], firm)))
+    for wide, narrow in ((at_loose, at_usual), (at_loose, at_firm), (at_shearing, at_firm)):
+        label = f"at {_pair_label(wide)} less {_pair_label(narrow)}"
+        checks += check_wider(wide, narrow, label)
+    for place in (at_loose, at_shearing):
+        change = density_near_belt(place, height) / density_near_belt(at_firm, height) - 1
+        pair = f"{_pair_label(place)} over {_pair_label(at_firm)}"
+        quantity = f"beads below {height}⟨d⟩ at {pair}, less 1"
+        checks.append(within(quantity, change, -max_change, max_change, (place, at_firm)))
     return checks
 
 
-def density_near_belt(place: Place) -> UFloat:
-    """Return the number of beads per area (m⁻²) in the slices below 2⟨d⟩."""
-    top = 2 * place["diameter"]
-    return place.measure(lambda height, number: number[height < top].mean(), DENSITY)
+def density_near_belt(place: Place, height: float) -> UFloat:
+    """Return the number of beads per area (m⁻²) in the slices below ``height`` (⟨d⟩)."""
+    top = height * place["diameter"]
+    return place.measure(lambda z, number: number[z < top].mean(), DENSITY)
 
 
-def _pair_label(pair: Sequence[float]) -> str:
-    return "({:g}g, {:g}g)".format(*pair)
+def _pair_label(place: Place) -> str:
+    """Return the damping and shear damping of a place."""
+    return f"({place['damping']:g}g, {place['shear_damping']:g}g)"

@@ -12,39 +12,56 @@ from sim.claims.place import Place, quotient
 from sim.claims.verdict import Check, Untestable
 
 
-def g9(evidence: Evidence, min_share: float) -> list[Check]:
-    """More than ``min_share`` of the rise with γ_s is complete at 10g; beyond it V rises gently."""
+def g9(
+    evidence: Evidence,
+    *,
+    min_share: float,
+    knee: float,
+    most: float,
+    max_slope: float,
+    frequencies: Sequence[float],
+    max_drift: float,
+    cycles: int,
+) -> list[Check]:
+    """More than ``min_share`` of the rise with γ_s up to ``most`` (g) is complete at ``knee``.
+
+    Beyond the knee V rises gently: its elasticity is below ``max_slope``.
+    """
     checks = []
-    for frequency in (20, 50):
-        line = complete_line(evidence, "shear_damping", (0, 10, 20, 50, 100), frequency=frequency)
-        gentle = {value: place for value, place in line.items() if value >= 10}
+    for frequency in frequencies:
+        steps = (0, knee, 20, 50, most)
+        line = complete_line(evidence, "shear_damping", steps, frequency=frequency)
+        gentle = {value: place for value, place in line.items() if value >= knee}
         start = line[0].velocity
-        share = (line[10].velocity - start) / (line[100].velocity - start)
-        quantity = f"[V(10g) - V(0)]/[V(100g) - V(0)] at {frequency} Hz"
-        rise = f"d ln V/d ln γ_s, 10g to 100g, at {frequency} Hz"
+        share = (line[knee].velocity - start) / (line[most].velocity - start)
+        quantity = f"[V({knee}g) - V(0)]/[V({most}g) - V(0)] at {frequency} Hz"
+        rise = f"d ln V/d ln γ_s, {knee}g to {most}g, at {frequency} Hz"
         pair = [
-            above(quantity, share, min_share, (line[0], line[10], line[100])),
-            within(rise, elasticity(gentle), 0, 0.2, gentle.values()),
+            above(quantity, share, min_share, (line[0], line[knee], line[most])),
+            within(rise, elasticity(gentle), 0, max_slope, gentle.values()),
         ]
-        reasons = filter(None, (reason_drifting(place) for place in gentle.values()))
-        checks += withhold(pair, "; ".join(reasons))
+        reasons = [reason_drifting(place, max_drift, cycles) for place in gentle.values()]
+        checks += withhold(pair, "; ".join(filter(None, reasons)))
     return checks
 
 
-def g10(evidence: Evidence, max_ratio: float) -> list[Check]:
-    """Without shear friction |V| is below ``max_ratio`` times V at 50g."""
+def g10(
+    evidence: Evidence, *, max_ratio: float, usual: float, frequencies: Sequence[float]
+) -> list[Check]:
+    """Without shear friction |V| is below ``max_ratio`` times V at the usual one (g)."""
     checks = []
-    for frequency in (20, 50):
-        still = evidence.at("belt", frequency=frequency, shear_damping=0)
-        usual = evidence.at("belt", frequency=frequency)
-        ratio = quotient(still.velocity, usual.velocity)
-        quantity = f"V(γ_s = 0)/V(50g) at {frequency} Hz"
-        checks.append(within(quantity, ratio, -max_ratio, max_ratio, (still, usual)))
+    for frequency in frequencies:
+        places = [
+            evidence.at("belt", frequency=frequency, shear_damping=shear) for shear in (0, usual)
+        ]
+        ratio = quotient(*(place.velocity for place in places))
+        quantity = f"V(γ_s = 0)/V({usual}g) at {frequency} Hz"
+        checks.append(within(quantity, ratio, -max_ratio, max_ratio, places))
     return checks
 
 
-def g11(evidence: Evidence, min_ratio: float) -> list[Check]:
-    """The relative scatter over beds below γ_s = g is more than ``min_ratio`` times that at 50g.
+def g11(evidence: Evidence, *, min_ratio: float, usual: float) -> list[Check]:
+    """The relative scatter over beds below γ_s = g exceeds ``min_ratio`` times the usual one.
 
     Variances of 20 and 50 Hz are pooled. Their ratio is judged by its logarithm, with the standard
     deviation of Fisher's z.
@@ -55,15 +72,15 @@ def g11(evidence: Evidence, min_ratio: float) -> list[Check]:
         for shear, place in evidence.line("belt", "shear_damping", frequency=frequency).items()
         if 0 < shear < 1
     ]
-    usual = [evidence.at("belt", frequency=frequency) for frequency in (20, 50)]
+    firm = [evidence.at("belt", frequency=f, shear_damping=usual) for f in (20, 50)]
     (scatter, freedom), (usual_scatter, usual_freedom) = map(
-        relative_scatter, (weakly_damped, usual)
+        relative_scatter, (weakly_damped, firm)
     )
     if not (scatter > 0 and usual_scatter > 0):
-        raise Untestable("no scatter over several beds at γ_s < g, or none at 50g")
+        raise Untestable(f"no scatter over several beds at γ_s < g, or none at {usual}g")
     ratio = ufloat(log(scatter / usual_scatter), sqrt(0.5 / freedom + 0.5 / usual_freedom))
-    quantity = "ln of the relative scatter of V at γ_s < g over that at 50g"
-    return [above(quantity, ratio, log(min_ratio), (*weakly_damped, *usual))]
+    quantity = f"ln of the relative scatter of V at γ_s < g over that at {usual}g"
+    return [above(quantity, ratio, log(min_ratio), (*weakly_damped, *firm))]
 
 
 def relative_scatter(places: Sequence[Place]) -> tuple[float, float]:
@@ -75,35 +92,51 @@ def relative_scatter(places: Sequence[Place]) -> tuple[float, float]:
     return (sqrt(squares / freedom), freedom) if freedom else (nan, nan)
 
 
-def g12(evidence: Evidence, max_change: float) -> list[Check]:
-    """From γ_s = 50g to 100g the velocity at 80 Hz changes by less than ``max_change``."""
-    places = evidence.at("belt", frequency=80, shear_damping=100), evidence.at("belt", frequency=80)
-    change = quotient(places[0].velocity, places[1].velocity) - 1
-    return [within("V(100g)/V(50g) - 1 at 80 Hz", change, -max_change, max_change, places)]
+def g12(
+    evidence: Evidence, *, max_change: float, strong: float, usual: float, frequency: float
+) -> list[Check]:
+    """From the usual to a strong γ_s (g) the velocity changes by less than ``max_change``."""
+    places = [
+        evidence.at("belt", frequency=frequency, shear_damping=shear) for shear in (strong, usual)
+    ]
+    change = quotient(*(place.velocity for place in places)) - 1
+    quantity = f"V({strong}g)/V({usual}g) - 1 at {frequency} Hz"
+    return [within(quantity, change, -max_change, max_change, places)]
 
 
-def g36(evidence: Evidence, min_ratio: float) -> list[Check]:
-    """γ_s changes V at 20 Hz more than ``min_ratio`` times as much as at 80 Hz, from 20g to 100g.
+def g36(
+    evidence: Evidence,
+    *,
+    min_ratio: float,
+    friction: tuple[float, float],
+    slow: float,
+    fast: float,
+    max_drift: float,
+    cycles: int,
+) -> list[Check]:
+    """γ_s changes V more than ``min_ratio`` times as much at a slow as at a fast frequency (Hz).
 
-    Both changes are relative and count by their absolute values: V may fall. Both elasticities with
-    their signs, and the rise of V at small γ_s, are reported.
+    ``friction`` are the ends (g) between which γ_s changes. Both changes of V are relative and
+    count by their absolute values: V may fall. Both elasticities with their signs, and the rise of
+    V at small γ_s, are reported.
     """
+    low, high = friction
     lines = {
-        frequency: complete_line(evidence, "shear_damping", (20, 50, 100), frequency=frequency)
-        for frequency in (20, 80)
+        frequency: complete_line(evidence, "shear_damping", (low, 50, high), frequency=frequency)
+        for frequency in (slow, fast)
     }
     slopes = {frequency: elasticity(line) for frequency, line in lines.items()}
     places = [place for line in lines.values() for place in line.values()]
-    excess = abs(slopes[20]) - min_ratio * abs(slopes[80])
-    quantity = f"|d ln V/d ln γ_s| at 20 Hz less {min_ratio:g} times that at 80 Hz"
+    excess = abs(slopes[slow]) - min_ratio * abs(slopes[fast])
+    quantity = f"|d ln V/d ln γ_s| at {slow} Hz less {min_ratio:g} times that at {fast} Hz"
     checks = [above(quantity, excess, 0, places)]
     for frequency, line in lines.items():
-        quantity = f"d ln V/d ln γ_s, 20g to 100g, at {frequency} Hz"
+        quantity = f"d ln V/d ln γ_s, {low}g to {high}g, at {frequency} Hz"
         checks.append(reported(quantity, slopes[frequency], line.values()))
-    slow = evidence.line("belt", "shear_damping", frequency=50)
-    small = {shear: place for shear, place in slow.items() if 0.5 <= shear <= 10}
+    weak = evidence.line("belt", "shear_damping", frequency=50)
+    small = {shear: place for shear, place in weak.items() if 0.5 <= shear <= 10}
     if len(small) > 2:
         quantity = f"d ln V/d ln γ_s, {min(small):g}g to {max(small):g}g, at 50 Hz"
         checks.append(reported(quantity, elasticity(small), small.values()))
-    reasons = dict.fromkeys(filter(None, map(reason_drifting, places)))
-    return withhold(checks, "; ".join(reasons))
+    reasons = dict.fromkeys(reason_drifting(place, max_drift, cycles) for place in places)
+    return withhold(checks, "; ".join(filter(None, reasons)))

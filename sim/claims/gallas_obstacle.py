@@ -1,5 +1,7 @@
 """Judges of Gallas' claims about the fixed obstacle."""
 
+from collections.abc import Sequence
+
 import numpy as np
 from uncertainties import UFloat
 
@@ -10,24 +12,32 @@ from sim.claims.place import Place, quotient, replicate_mean
 from sim.claims.verdict import Check
 from sim.dataset.measures.belt import FAR_DISTANCE
 
-#: Frequencies (Hz) of Fig. 6.
-FREQUENCIES = (20, 80)
 
-
-def g31(evidence: Evidence) -> list[Check]:
-    """Each larger obstacle slows the flow further, and one of half a bead takes 30 % of V."""
+def g31(
+    evidence: Evidence,
+    *,
+    obstacles: Sequence[float],
+    frequencies: Sequence[float],
+    max_ratio: float,
+) -> list[Check]:
+    """Each larger obstacle (⟨d⟩) slows the flow further, and the smallest to ``max_ratio`` of V."""
     checks = []
-    for frequency in FREQUENCIES:
-        line = complete_line(evidence, "obstacle", (0, 0.5, 1.5, 2.5), frequency=frequency)
+    for frequency in frequencies:
+        line = complete_line(evidence, "obstacle", obstacles, frequency=frequency)
         checks.append(velocity_trend(line, f"d_o (⟨d⟩), {frequency} Hz,", rising=False))
-        ratio = quotient(line[0.5].velocity, line[0].velocity)
-        places = line[0.5], line[0]
-        checks.append(below(f"V(d_o = 0.5⟨d⟩)/V(0) at {frequency} Hz", ratio, 0.7, places))
+        free, small = obstacles[:2]
+        places = line[small], line[free]
+        ratio = quotient(*(place.velocity for place in places))
+        quantity = f"V(d_o = {small}⟨d⟩)/V({free}) at {frequency} Hz"
+        checks.append(below(quantity, ratio, max_ratio, places))
     return checks
 
 
-def g33(evidence: Evidence, max_share: float) -> list[Check]:
-    """At 80 Hz less than ``max_share`` of the beads is where the mean flow runs backwards."""
+def g33(
+    evidence: Evidence, *, max_share: float, obstacles: Sequence[float], frequency: float
+) -> list[Check]:
+    """Less than ``max_share`` of the beads is where the mean flow runs backwards."""
+    line = complete_line(evidence, "obstacle", obstacles, frequency=frequency)
     return [
         below(
             f"share of the beads where the mean flow runs backwards, d_o = {size:g}⟨d⟩",
@@ -35,18 +45,18 @@ def g33(evidence: Evidence, max_share: float) -> list[Check]:
             max_share,
             (place,),
         )
-        for size, place in complete_line(evidence, "obstacle", (1.5, 2.5), frequency=80).items()
+        for size, place in line.items()
     ]
 
 
-def g34(evidence: Evidence, min_share: float) -> list[Check]:
+def g34(evidence: Evidence, *, min_share: float, frequencies: Sequence[float]) -> list[Check]:
     """Far from an obstacle paths change their shape by ``min_share`` or more of the overall change.
 
     The shape is the height over the drift. The share of the slow-down there is reported: the flux
     is the same through all columns.
     """
     checks = []
-    for frequency in FREQUENCIES:
+    for frequency in frequencies:
         places = (
             evidence.at("belt", frequency=frequency),
             evidence.at("belt", frequency=frequency, obstacle=1.5),

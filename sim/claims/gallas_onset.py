@@ -4,7 +4,7 @@ Transport begins where the mean velocity of the beds exceeds a share of the belt
 amplitude along x and stays above it. The paper gives no share; judges take it as ``threshold``.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import combinations
@@ -20,9 +20,7 @@ from sim.claims.checks import below, judge_parts, within
 from sim.claims.evidence import Evidence
 from sim.claims.lines import (
     HALF_SYSTEM,
-    MARKERS,
     MIN_FLOW_FREQUENCY,
-    NO_FLOW,
     complete_line,
     select_replicated,
 )
@@ -31,23 +29,8 @@ from sim.claims.verdict import Check, Untestable
 from sim.dataset.measures.belt import speed_along_x
 from sim.parameters.belt import ONSET_TRANSPORT
 
-#: Pairs of damping and shear damping (g) whose onsets are compared.
-PAIRS = ((50, 50), *MARKERS, (10, 50))
-
 #: Largest step (Hz) of a scan from which an onset is read.
 FINE_STEP = 1.0
-
-#: Largest difference (Hz) of onsets that count as equal.
-SAME_ONSET = 1.0
-
-#: Frequency (Hz) at which the downward sweep begins, well within the flow.
-SWEEP_START = 25
-
-#: Ends of the rise, relative to the maximum, and its largest width relative to its middle.
-RISE, SHARP = (0.1, 0.9), 0.3
-
-#: Onset (Hz) and Γ there that the paper states for half the amplitude, with the margin of each.
-HALF_AMPLITUDE = {"a": (18, 1), "b": (0.8, 0.1)}
 
 
 @dataclass(frozen=True)
@@ -156,20 +139,21 @@ def _onset_frequency(shares: pd.DataFrame, threshold: float) -> tuple[float, flo
     ), float(high - low)
 
 
-def g3(evidence: Evidence, threshold: float) -> list[Check]:
-    """The onset lies between 15 and 17 Hz at each of three angles."""
-    return [
-        _check_onset(evidence, threshold, f"{angle} degrees", vibration_angle=angle)
-        for angle in (30, 45, 60)
-    ]
+def g3(
+    evidence: Evidence, *, threshold: float, low: float, high: float, angles: Sequence[float]
+) -> list[Check]:
+    """The onset lies between two frequencies (Hz) at each angle."""
+    checks = []
+    for angle in angles:
+        onset = find_onset(evidence, threshold, vibration_angle=angle)
+        checks.append(_check_onset(onset, f"{angle} degrees", low, high))
+    return checks
 
 
-def _check_onset(evidence: Evidence, threshold: float, label: str, **where: Any) -> Check:
-    """Return the check that the onset lies between 15 and 17 Hz."""
-    onset = find_onset(evidence, threshold, **where)
-    return _mark_coarse(
-        within(f"onset at {label}", onset.frequency, 15, 17, onset.places, "Hz"), onset
-    )
+def _check_onset(onset: Onset, label: str, low: float, high: float) -> Check:
+    """Return the check that an onset lies between two frequencies (Hz)."""
+    check = within(f"onset at {label}", onset.frequency, low, high, onset.places, "Hz")
+    return _mark_coarse(check, onset)
 
 
 def _mark_coarse(check: Check, *onsets: Onset) -> Check:
@@ -177,18 +161,27 @@ def _mark_coarse(check: Check, *onsets: Onset) -> Check:
     return replace(check, coarse=any(onset.coarse for onset in onsets))
 
 
-def g4(evidence: Evidence, threshold: float) -> list[Check]:
-    """Any two of five onsets at different damping are less than 1 Hz apart."""
+def g4(
+    evidence: Evidence,
+    *,
+    threshold: float,
+    pairs: Sequence[tuple[float, float]],
+    max_difference: float,
+) -> list[Check]:
+    """Any two onsets at different damping are less than ``max_difference`` (Hz) apart.
+
+    ``pairs`` are damping and shear damping (g).
+    """
     onsets = {
-        pair: find_onset(evidence, threshold, damping=pair[0], shear_damping=pair[1])
-        for pair in PAIRS
+        (damping, shear): find_onset(evidence, threshold, damping=damping, shear_damping=shear)
+        for damping, shear in pairs
     }
     checks = []
     for first, second in combinations(onsets, 2):
         difference = onsets[first].frequency - onsets[second].frequency
         quantity = f"onset at (γ, γ_s) = {_pair_label(first)} less that at {_pair_label(second)}"
         places = (*onsets[first].places, *onsets[second].places)
-        check = within(quantity, difference, -SAME_ONSET, SAME_ONSET, places, "Hz")
+        check = within(quantity, difference, -max_difference, max_difference, places, "Hz")
         checks.append(_mark_coarse(check, onsets[first], onsets[second]))
     return checks
 
@@ -197,33 +190,55 @@ def _pair_label(pair: tuple[float, float]) -> str:
     return "({:g}g, {:g}g)".format(*pair)
 
 
-def g5(evidence: Evidence, threshold: float) -> list[Check]:
-    """At A_z = 1.5⟨d⟩ the onset is that of ⟨d⟩ (a), and nothing moves at 15 Hz (b)."""
+def g5(
+    evidence: Evidence,
+    *,
+    threshold: float,
+    low: float,
+    high: float,
+    frequencies: tuple[float, float],
+    max_ratio: float,
+) -> list[Check]:
+    """At A_z = 1.5⟨d⟩ the onset is that of ⟨d⟩ (a), and nothing moves at 15 Hz (b).
+
+    V at the first of two frequencies (Hz) is below ``max_ratio`` times V at the second.
+    """
+
+    def begins() -> list[Check]:
+        onset = find_onset(evidence, threshold, amplitude=1.5)
+        return [_check_onset(onset, "A_z = 1.5⟨d⟩", low, high)]
+
+    def rests() -> list[Check]:
+        still, flowing = complete_line(evidence, "frequency", frequencies, amplitude=1.5).values()
+        ratio = quotient(still.velocity, flowing.velocity)
+        quantity = "V({} Hz)/V({} Hz) at A_z = 1.5⟨d⟩".format(*frequencies)
+        return [within(quantity, ratio, -max_ratio, max_ratio, (still, flowing))]
+
+    return judge_parts(a=begins, b=rests)
+
+
+def g6(
+    evidence: Evidence,
+    *,
+    threshold: float,
+    low: float,
+    high: float,
+    min_gamma: float,
+    max_gamma: float,
+) -> list[Check]:
+    """At A_z = 0.5⟨d⟩ the onset is at 18 Hz (a), and Γ there is 0.8 (b), both within margins."""
+    onset = find_onset(evidence, threshold, amplitude=0.5)
+    place = evidence.at("belt", frequency=MIN_FLOW_FREQUENCY, amplitude=0.5)
     return judge_parts(
-        a=lambda: [_check_onset(evidence, threshold, "A_z = 1.5⟨d⟩", amplitude=1.5)],
-        b=lambda: _check_rest(evidence),
+        a=lambda: [_check_onset(onset, "A_z = 0.5⟨d⟩", low, high)],
+        b=lambda: [_check_gamma(onset, place, ", A_z = 0.5⟨d⟩", min_gamma, max_gamma)],
     )
 
 
-def _check_rest(evidence: Evidence) -> list[Check]:
-    still, flowing = complete_line(evidence, "frequency", (15, 20), amplitude=1.5).values()
-    ratio = quotient(still.velocity, flowing.velocity)
-    return [within("V(15 Hz)/V(20 Hz) at A_z = 1.5⟨d⟩", ratio, -NO_FLOW, NO_FLOW, (still, flowing))]
-
-
-def g6(evidence: Evidence, threshold: float) -> list[Check]:
-    """At A_z = 0.5⟨d⟩ the onset is at 18 Hz (a), and Γ there is 0.8 (b)."""
-    onset = find_onset(evidence, threshold, amplitude=0.5)
-    place = evidence.at("belt", frequency=MIN_FLOW_FREQUENCY, amplitude=0.5)
-    checks = {}
-    for part, quantity, value, unit in (
-        ("a", "onset at A_z = 0.5⟨d⟩", onset.frequency, "Hz"),
-        ("b", "Γ at the onset, A_z = 0.5⟨d⟩", _gamma(onset, place), ""),
-    ):
-        stated, margin = HALF_AMPLITUDE[part]
-        bounds = stated - margin, stated + margin
-        checks[part] = [_mark_coarse(within(quantity, value, *bounds, onset.places, unit), onset)]
-    return judge_parts(**{part: lambda votes=votes: votes for part, votes in checks.items()})
+def _check_gamma(onset: Onset, place: Place, label: str, low: float, high: float) -> Check:
+    """Return the check that Γ at an onset lies between two bounds."""
+    quantity = f"Γ at the onset{label}"
+    return _mark_coarse(within(quantity, _gamma(onset, place), low, high, onset.places), onset)
 
 
 def _gamma(onset: Onset, place: Place) -> UFloat:
@@ -232,62 +247,72 @@ def _gamma(onset: Onset, place: Place) -> UFloat:
     return (2 * pi * onset.frequency) ** 2 * lift
 
 
-def g7(evidence: Evidence, threshold: float) -> list[Check]:
+def g7(evidence: Evidence, *, threshold: float, low: float, high: float) -> list[Check]:
     """The acceleration of the belt at the onset is about that of gravity."""
     onset = find_onset(evidence, threshold)
-    gamma = _gamma(onset, evidence.at("belt", frequency=MIN_FLOW_FREQUENCY))
-    return [_mark_coarse(within("Γ at the onset", gamma, 0.9, 1.15, onset.places), onset)]
+    place = evidence.at("belt", frequency=MIN_FLOW_FREQUENCY)
+    return [_check_gamma(onset, place, "", low, high)]
 
 
-def g14(evidence: Evidence, threshold: float) -> list[Check]:
-    """Half the beads on half the belt: same velocity within 10 %, same onset within 1 Hz."""
+def g14(
+    evidence: Evidence, *, threshold: float, max_change: float, lowest: float, max_shift: float
+) -> list[Check]:
+    """Half the beads on half the belt: same velocity from ``lowest`` (Hz) on, same onset.
+
+    V changes by less than ``max_change``, relative to V, and the onset by ``max_shift`` (Hz).
+    """
     halved = select_replicated(evidence.line("belt", "frequency", **HALF_SYSTEM))
     whole = select_replicated(evidence.line("belt", "frequency"))
-    shared = [
-        frequency
-        for frequency in sorted(set(halved) & set(whole))
-        if frequency >= MIN_FLOW_FREQUENCY
-    ]
+    shared = [frequency for frequency in sorted(set(halved) & set(whole)) if frequency >= lowest]
     if not shared:
-        raise Untestable("no frequency from 20 Hz on with 100 beads on a width of 10")
+        raise Untestable(f"no frequency from {lowest} Hz on with 100 beads on a width of 10")
     checks = []
     for frequency in shared:
         places = halved[frequency], whole[frequency]
         change = quotient(places[0].velocity, places[1].velocity) - 1
         quantity = f"V of the halved system over the whole, less 1, {frequency:g} Hz"
-        checks.append(within(quantity, change, -0.1, 0.1, places))
+        checks.append(within(quantity, change, -max_change, max_change, places))
     small, usual = find_onset(evidence, threshold, **HALF_SYSTEM), find_onset(evidence, threshold)
     shift = small.frequency - usual.frequency
     both = (*small.places, *usual.places)
-    check = within("onset of the halved system less the whole", shift, -1, 1, both, "Hz")
+    quantity = "onset of the halved system less the whole"
+    check = within(quantity, shift, -max_shift, max_shift, both, "Hz")
     return [*checks, _mark_coarse(check, small, usual)]
 
 
-def g35(evidence: Evidence, threshold: float) -> list[Check]:
-    """V/(A_x ω) rises from a tenth to nine tenths of its maximum within 30 % of the middle.
+def g35(
+    evidence: Evidence,
+    *,
+    threshold: float,
+    rise: tuple[float, float],
+    max_width: float,
+    sweep_start: float,
+    max_shift: float,
+) -> list[Check]:
+    """V/(A_x ω) rises between two shares of its maximum within ``max_width`` of the middle.
 
-    The onset must be the same from rest and coming down from a flow at 25 Hz.
+    The onset from rest and that coming down from a flow at ``sweep_start`` (Hz) must be less than
+    ``max_shift`` (Hz) apart.
     """
     shares, line = _scan(evidence)
     if not {15, 16, 18, 20} <= set(line):
         raise Untestable("no scan of the frequency with 15, 16, 18 and 20 Hz")
     up = find_onset(evidence, threshold)
-    down = find_onset(evidence, threshold, prior_frequency=SWEEP_START)
+    down = find_onset(evidence, threshold, prior_frequency=sweep_start)
     places, shift = (*up.places, *down.places), up.frequency - down.frequency
-    width, _ = _jackknife(shares, _rise_width)
-    quantity = "width of the rise of V/(A_x ω) from 10 to 90 %, over its middle"
-    check = within(
-        "onset from rest less that from the flow", shift, -SAME_ONSET, SAME_ONSET, places, "Hz"
-    )
+    width, _ = _jackknife(shares, partial(_rise_width, rise=rise))
+    low, high = (100 * share for share in rise)
+    quantity = f"width of the rise of V/(A_x ω) from {low:g} to {high:g} %, over its middle"
+    sweep = "onset from rest less that from the flow"
     return [
-        below(quantity, width, SHARP, line.values()),
-        _mark_coarse(check, up, down),
+        below(quantity, width, max_width, line.values()),
+        _mark_coarse(within(sweep, shift, -max_shift, max_shift, places, "Hz"), up, down),
     ]
 
 
-def _rise_width(shares: pd.DataFrame) -> tuple[float, float]:
+def _rise_width(shares: pd.DataFrame, rise: tuple[float, float]) -> tuple[float, float]:
     """Return the width of the rise over its middle, and a step of zero."""
-    low, high = (_crossing_frequency(shares, fraction) for fraction in RISE)
+    low, high = (_crossing_frequency(shares, fraction) for fraction in rise)
     return (high - low) / (0.5 * (high + low)), 0.0
 
 

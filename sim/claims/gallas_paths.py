@@ -1,5 +1,6 @@
 """Judges of Gallas' claims about the paths of the beads over one cycle."""
 
+from collections.abc import Sequence
 from math import pi, sqrt
 
 import numpy as np
@@ -12,20 +13,8 @@ from sim.claims.lines import complete_line
 from sim.claims.place import Place
 from sim.claims.verdict import Check, Untestable
 
-#: Diameter (⟨d⟩) of the obstacle of Fig. 7.
-OBSTACLE = 1.5
-
-#: A closed path has a drift below this share of its long axis, or of its height.
-MAX_CLOSED_DRIFT = 0.1
-
 #: Length of the axis of an ellipse over the rms extent along it.
 AXIS_OVER_RMS = 2 * sqrt(2)
-
-#: Least ratio of short to long axis of a path that differs from a line.
-MIN_AXIS_RATIO = 0.05
-
-#: Tilt (degrees) from which a path counts as vertical.
-MIN_STEEP_TILT = 75
 
 
 def height_over_drift(place: Place) -> UFloat:
@@ -38,9 +27,9 @@ def tilt(place: Place) -> UFloat:
     return place.value("path_tilt") * (180 / pi)
 
 
-def check_steep(place: Place, quantity: str) -> Check:
-    """Return the check that the mean path is nearly vertical."""
-    return within(quantity, tilt(place), MIN_STEEP_TILT, 180 - MIN_STEEP_TILT, (place,), "degree")
+def check_steep(place: Place, quantity: str, min_tilt: float) -> Check:
+    """Return the check that the mean path is tilted by ``min_tilt`` (degrees) either way."""
+    return within(quantity, tilt(place), min_tilt, 180 - min_tilt, (place,), "degree")
 
 
 def check_more_tilted(steeper: Place, flatter: Place, quantity: str) -> Check:
@@ -48,84 +37,113 @@ def check_more_tilted(steeper: Place, flatter: Place, quantity: str) -> Check:
     return above(quantity, tilt(steeper) - tilt(flatter), 0, (steeper, flatter), "degree")
 
 
-def g24(evidence: Evidence) -> list[Check]:
+def g24(
+    evidence: Evidence,
+    *,
+    slow: float,
+    max_drift: float,
+    min_axis_ratio: float,
+    angles: tuple[float, float],
+    min_tilt: float,
+    frequencies: tuple[float, float],
+) -> list[Check]:
     """Fig. 4, from drift, axes, tilt and height of the paths.
 
-    At 10 Hz paths are ellipses (a), upright where shear friction is small (b). They are sinusoids
-    at 20 Hz and a stream at 80 Hz (c), and go up and down without shear friction (d).
+    At a slow frequency (Hz) paths are ellipses (a), upright where shear friction is small (b). They
+    are sinusoids at the first of two frequencies and a stream at the second (c), and go up and down
+    without shear friction (d). A closed path drifts by less than ``max_drift`` of its long axis or
+    height, and is no line from ``min_axis_ratio`` on.
     """
     return judge_parts(
-        a=lambda: _ellipses(evidence),
-        b=lambda: _upright(evidence),
-        c=lambda: _sinusoids(evidence),
-        d=lambda: _up_and_down(evidence),
+        a=lambda: _ellipses(evidence, slow, angles, max_drift, min_axis_ratio),
+        b=lambda: _upright(evidence, slow, min_tilt),
+        c=lambda: _sinusoids(evidence, frequencies),
+        d=lambda: _up_and_down(evidence, max_drift, min_tilt),
     )
 
 
-def _ellipses(evidence: Evidence) -> list[Check]:
+def _ellipses(
+    evidence: Evidence,
+    frequency: float,
+    angles: tuple[float, float],
+    max_drift: float,
+    min_axis_ratio: float,
+) -> list[Check]:
     """Check for closed paths (drift over long axis), no lines, tilted with the vibration."""
-    line = complete_line(evidence, "vibration_angle", (45, 60), frequency=10)
+    line = complete_line(evidence, "vibration_angle", angles, frequency=frequency)
     ellipse, steeper = line.values()
+    usual, steep = angles
+    tilted = f"tilt at {steep} less that at {usual} degrees, {frequency} Hz"
     closed = ellipse.value("path_drift") / (AXIS_OVER_RMS * ellipse.value("path_major"))
     axes = ellipse.value("path_minor") / ellipse.value("path_major")
     return [
-        below("drift per cycle over the long axis, 10 Hz", closed, MAX_CLOSED_DRIFT, (ellipse,)),
-        above("short over long axis, 10 Hz", axes, MIN_AXIS_RATIO, (ellipse,)),
-        check_more_tilted(steeper, ellipse, "tilt at 60 less that at 45 degrees, 10 Hz"),
+        below(f"drift per cycle over the long axis, {frequency} Hz", closed, max_drift, (ellipse,)),
+        above(f"short over long axis, {frequency} Hz", axes, min_axis_ratio, (ellipse,)),
+        check_more_tilted(steeper, ellipse, tilted),
     ]
 
 
-def _upright(evidence: Evidence) -> list[Check]:
-    ellipse = evidence.at("belt", frequency=10)
-    sliding = evidence.at("belt", frequency=10, shear_damping=1)
+def _upright(evidence: Evidence, frequency: float, min_tilt: float) -> list[Check]:
+    ellipse = evidence.at("belt", frequency=frequency)
+    sliding = evidence.at("belt", frequency=frequency, shear_damping=1)
+    more_tilted = f"tilt at γ_s = g less that at 50g, {frequency} Hz"
     return [
-        check_more_tilted(sliding, ellipse, "tilt at γ_s = g less that at 50g, 10 Hz"),
-        check_steep(sliding, "tilt at γ_s = g, 10 Hz"),
+        check_more_tilted(sliding, ellipse, more_tilted),
+        check_steep(sliding, f"tilt at γ_s = g, {frequency} Hz", min_tilt),
     ]
 
 
-def _sinusoids(evidence: Evidence) -> list[Check]:
+def _sinusoids(evidence: Evidence, frequencies: tuple[float, float]) -> list[Check]:
     """Check for paths that drift, and are higher for their drift than those of the stream."""
-    sinusoid, stream = complete_line(evidence, "frequency", (20, 80)).values()
+    sinusoid, stream = complete_line(evidence, "frequency", frequencies).values()
     drift = sinusoid.value("path_drift") * 1e3
     flatter = height_over_drift(sinusoid) - height_over_drift(stream)
-    quantity = "height of the paths over their drift, 20 Hz less 80 Hz"
+    quantity = "height of the paths over their drift, {} Hz less {} Hz".format(*frequencies)
     return [
-        above("drift per cycle, 20 Hz", drift, 0, (sinusoid,), "mm"),
+        above(f"drift per cycle, {frequencies[0]} Hz", drift, 0, (sinusoid,), "mm"),
         above(quantity, flatter, 0, (sinusoid, stream)),
     ]
 
 
-def _up_and_down(evidence: Evidence) -> list[Check]:
+def _up_and_down(evidence: Evidence, max_drift: float, min_tilt: float) -> list[Check]:
     place = evidence.at("belt", frequency=80, shear_damping=0)
     drift = place.value("path_drift") / place.value("path_vertical")
     return [
-        below(
-            "drift per cycle over the rms height, γ_s = 0, 80 Hz", drift, MAX_CLOSED_DRIFT, (place,)
-        ),
-        check_steep(place, "tilt at γ_s = 0, 80 Hz"),
+        below("drift per cycle over the rms height, γ_s = 0, 80 Hz", drift, max_drift, (place,)),
+        check_steep(place, "tilt at γ_s = 0, 80 Hz", min_tilt),
     ]
 
 
-def g25(evidence: Evidence) -> list[Check]:
-    """At 80 Hz paths are lower for their drift at smaller angles (a) and with more friction (b)."""
-    return judge_parts(a=lambda: _flatter_angles(evidence), b=lambda: _flatter_friction(evidence))
+def g25(
+    evidence: Evidence,
+    *,
+    frequency: float,
+    angles: Sequence[float],
+    loose: tuple[float, float],
+    usual: tuple[float, float],
+) -> list[Check]:
+    """Paths are lower for their drift at smaller angles (a) and with more friction (b).
 
+    ``loose`` and ``usual`` are damping and shear damping (g).
+    """
 
-def _flatter_angles(evidence: Evidence) -> list[Check]:
-    line = complete_line(evidence, "vibration_angle", (30, 45, 60), frequency=80)
-    groups = [_heights_over_drift(place) for place in line.values()]
-    quantity = "height of the paths over their drift, over α = 30, 45, 60 degrees"
-    return [trend(quantity, [groups], line.values())]
+    def at_angles() -> list[Check]:
+        line = complete_line(evidence, "vibration_angle", angles, frequency=frequency)
+        groups = [_heights_over_drift(place) for place in line.values()]
+        values = ", ".join(map(str, angles))
+        quantity = f"height of the paths over their drift, over α = {values} degrees"
+        return [trend(quantity, [groups], line.values())]
 
+    def with_friction() -> list[Check]:
+        places = [
+            evidence.at("belt", frequency=frequency, damping=damping, shear_damping=shear)
+            for damping, shear in (loose, usual)
+        ]
+        quantity = f"share of pairs higher for their drift with {loose[0]}g than with {usual[0]}g"
+        first, second = map(_heights_over_drift, places)
+        return [outranks(quantity, first, second, places)]
 
-def _flatter_friction(evidence: Evidence) -> list[Check]:
-    loose = evidence.at("belt", frequency=80, damping=10, shear_damping=10)
-    usual = evidence.at("belt", frequency=80)
-    quantity = "share of pairs higher for their drift with 10g than with 50g"
-    return [
-        outranks(quantity, _heights_over_drift(loose), _heights_over_drift(usual), (loose, usual))
-    ]
+    return judge_parts(a=at_angles, b=with_friction)
 
 
 def _heights_over_drift(place: Place) -> np.ndarray:
@@ -133,25 +151,26 @@ def _heights_over_drift(place: Place) -> np.ndarray:
     return place.values("path_vertical") / place.values("path_drift")
 
 
-def g32(evidence: Evidence) -> list[Check]:
-    """Behind an obstacle the paths at 80 Hz are nearer to those at 20 Hz than to those at 80 Hz.
+def g32(evidence: Evidence, *, fast: float, slow: float, obstacle: float) -> list[Check]:
+    """Behind an obstacle (⟨d⟩) paths at a fast frequency (Hz) are nearer to those at a slow one.
 
-    The distance is measured in ln(height over drift): 0 is 80 Hz without obstacle, 1 is 20 Hz. The
+    The distance is measured in ln(height over drift): 0 is fast without obstacle, 1 is slow. The
     height alone is not the shape of a path, so it is reported only.
     """
     places = (
-        evidence.at("belt", frequency=80, obstacle=OBSTACLE),
-        evidence.at("belt", frequency=80),
-        evidence.at("belt", frequency=20),
+        evidence.at("belt", frequency=fast, obstacle=obstacle),
+        evidence.at("belt", frequency=fast),
+        evidence.at("belt", frequency=slow),
     )
     if not all(height_over_drift(place).nominal_value > 0 for place in places):
-        raise Untestable("a bed drifts backwards at 20 or 80 Hz, or behind the obstacle")
-    blocked, fast, slow = (umath.log(height_over_drift(place)) for place in places)
-    change = (blocked - fast) / (slow - fast)
-    quantity = "height over drift of the paths on the way from 80 to 20 Hz"
+        raise Untestable(f"a bed drifts backwards at {slow} or {fast} Hz, or behind the obstacle")
+    shapes = [umath.log(height_over_drift(place)) for place in places]
     heights = [umath.log(place.value("path_vertical")) for place in places]
-    taller = (heights[0] - heights[1]) / (heights[2] - heights[1])
+    change, taller = (
+        (blocked - free) / (other - free) for blocked, free, other in (shapes, heights)
+    )
+    way = f"of the paths on the way from {fast} to {slow} Hz"
     return [
-        above(quantity, change, 0.5, places),
-        reported("height alone of the paths on the way from 80 to 20 Hz", taller, places),
+        above(f"height over drift {way}", change, 0.5, places),
+        reported(f"height alone {way}", taller, places),
     ]

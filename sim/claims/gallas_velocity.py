@@ -1,6 +1,6 @@
 """Judges of Gallas' claims about velocity and agitation over height, and about density waves."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from typing import Any
 
@@ -15,66 +15,90 @@ from sim.claims.lines import complete_line
 from sim.claims.place import Place, replicate_mean
 from sim.claims.trends import mean_of_others
 from sim.claims.verdict import Check, Untestable
+from sim.dataset.measures.belt import EARLY_CYCLES
 
 PROFILES = ("velocity_profile", "number_density")
 
-#: Cumulative shares of the beads, from below, of the middle of the bed and its two ends.
-MIDDLE, LOWEST, HIGHEST = (0.2, 0.8), (0.0, 0.05), (0.95, 1.0)
+#: Share of the beads in the middle of the bed, where a claim gives none.
+MIDDLE = 0.6
 
-#: Damping (g) of the dashed line of Fig. 3c, at which beds take longest to relax.
-RELAXING = {"damping": 10, "shear_damping": 10}
-
-#: Angles of vibration (degrees) of Fig. 3b.
-ANGLES = (30, 45, 60, 90)
+#: Damping (g) at which the lag of the highest beads is reported.
+USUAL_DAMPING = 50
 
 #: Two of ten layers at the top, and two in the middle.
 TOP_LAYERS, MIDDLE_LAYERS = (0.8, 1.0), (0.4, 0.6)
 
 
-def relative_velocity(place: Place, shares: tuple[float, float]) -> UFloat:
+def relative_velocity(place: Place, shares: tuple[float, float], middle: float) -> UFloat:
     """Return the mean velocity of the beads between two shares over that of the middle."""
 
     def measure(_: np.ndarray, velocity: np.ndarray, number: np.ndarray) -> float:
-        middle = mean_between(velocity, number, *MIDDLE)
-        return mean_between(velocity, number, *shares) / middle
+        usual = mean_between(velocity, number, *middle_shares(middle))
+        return mean_between(velocity, number, *shares) / usual
 
     return place.measure(measure, *PROFILES)
 
 
-def g21(evidence: Evidence) -> list[Check]:
-    """A plateau (a), slower beads at the belt (b), and at the top in runs not yet relaxed (c)."""
-    line = complete_line(evidence, "frequency", (20, 60, 80))
-    return judge_parts(
-        a=lambda: [
-            below(f"spread of v_x in the middle, {f} Hz", plateau(place), 0.1, (place,))
+def middle_shares(middle: float) -> tuple[float, float]:
+    """Return the cumulative shares of the beads, from below, between which the middle lies."""
+    return 0.5 - 0.5 * middle, 0.5 + 0.5 * middle
+
+
+def g21(
+    evidence: Evidence,
+    *,
+    frequencies: Sequence[float],
+    middle: float,
+    max_spread: float,
+    end: float,
+    frequency: float,
+    damping: float,
+) -> list[Check]:
+    """A plateau (a), slower beads at the belt (b), and at the top in runs not yet relaxed (c).
+
+    The plateau is that of the share ``middle`` of the beads, and ``end`` is the share at either
+    end. Those at the top are looked at with one damping (g) in runs of the published length.
+    """
+    line = complete_line(evidence, "frequency", frequencies)
+
+    def has_plateau() -> list[Check]:
+        return [
+            below(
+                f"spread of v_x in the middle, {f} Hz", plateau(place, middle), max_spread, (place,)
+            )
             for f, place in line.items()
-        ],
-        b=lambda: [
-            below(_end_label(f, "lowest"), relative_velocity(place, LOWEST), 1, (place,))
+        ]
+
+    def dips_at_belt() -> list[Check]:
+        return [
+            below(
+                _end_label("lowest", end, f), relative_velocity(place, (0, end), middle), 1, [place]
+            )
             for f, place in line.items()
-        ],
-        c=lambda: _check_top_lag(evidence),
-    )
+        ]
+
+    def lags_at_top() -> list[Check]:
+        where = {"frequency": frequency, "damping": damping, "shear_damping": damping}
+        place = evidence.at("belt", **where, protocol="published", initial_velocity=0)
+        label = _end_label("highest", end, frequency)
+        quantity = f"{label}, γ = γ_s = {damping}g, published lengths"
+        return [below(quantity, relative_velocity(place, (1 - end, 1), middle), 1, [place])]
+
+    return judge_parts(a=has_plateau, b=dips_at_belt, c=lags_at_top)
 
 
-def _end_label(frequency: float, end: str) -> str:
-    return f"v_x of the {end} 5 % of the beads over the middle, {frequency} Hz"
+def _end_label(name: str, share: float, frequency: float) -> str:
+    return f"v_x of the {name} {100 * share:g} % of the beads over the middle, {frequency} Hz"
 
 
-def _check_top_lag(evidence: Evidence) -> list[Check]:
-    """Check the paper's case without relaxation: 80 Hz with 10g, runs of the published length."""
-    place = evidence.at("belt", frequency=80, **RELAXING, protocol="published", initial_velocity=0)
-    quantity = f"{_end_label(80, 'highest')}, γ = γ_s = 10g, published lengths"
-    return [below(quantity, relative_velocity(place, HIGHEST), 1, (place,))]
-
-
-def plateau(place: Place) -> UFloat:
+def plateau(place: Place, share: float) -> UFloat:
     """Return the spread of the velocity over the slices of the middle, relative to their mean.
 
-    All other beds select the fastest and the slowest slice, see `mean_of_others`.
+    ``share`` is that of the beads in the middle. All other beds select the fastest and the slowest
+    slice, see `mean_of_others`.
     """
     (velocity, _), (number, _) = (place.profile(name) for name in PROFILES)
-    middle = beads_between(number.mean(axis=0), *MIDDLE) > 0
+    middle = beads_between(number.mean(axis=0), *middle_shares(share)) > 0
     relative = velocity[:, middle] / velocity[:, middle].mean(axis=1, keepdims=True)
     others, beds = mean_of_others(relative), np.arange(len(relative))
     return replicate_mean(
@@ -82,36 +106,35 @@ def plateau(place: Place) -> UFloat:
     )
 
 
-def g22(evidence: Evidence) -> list[Check]:
-    """Started fast, the highest 5 % of the beads differ from the middle by less than 5 %.
+def g22(
+    evidence: Evidence, *, frequency: float, damping: float, end: float, max_lag: float
+) -> list[Check]:
+    """Started fast, the highest beads differ from the middle by less than ``max_lag``.
 
     Started at rest, they lag less in the longer runs of the converged protocol than in published
-    ones. The case is 80 Hz with the damping of the dashed line in Fig. 3c; the usual damping is
-    reported.
+    ones. ``end`` is the share of the beads that are the highest. The damping (g) is that of the
+    dashed line in Fig. 3c; the usual one is reported.
     """
-    checks = []
-    for damping in (10, 50):
-        where = {"frequency": 80, "damping": damping, "shear_damping": damping}
-        try:
-            relaxation = _check_relaxation(evidence, damping, where)
-        except Untestable:
-            if damping == 10:
-                raise
-            continue
-        checks += relaxation if damping == 10 else remove_votes(relaxation)
+    where = {"frequency": frequency, "damping": damping, "shear_damping": damping}
+    checks = _check_relaxation(evidence, end, max_lag, where)
+    with suppress(Untestable):
+        usual = where | {"damping": USUAL_DAMPING, "shear_damping": USUAL_DAMPING}
+        checks += remove_votes(_check_relaxation(evidence, end, max_lag, usual))
     return checks
 
 
-def _check_relaxation(evidence: Evidence, damping: float, where: dict[str, int]) -> list[Check]:
+def _check_relaxation(
+    evidence: Evidence, end: float, max_lag: float, where: dict[str, float]
+) -> list[Check]:
     fast = fastest_start(evidence, **where)
-    quantity = f"lag of the highest 5 % of the beads at γ = γ_s = {damping}g"
+    quantity = f"lag of the highest {100 * end:g} % of the beads at γ = γ_s = {where['damping']}g"
     short, long = (
         evidence.at("belt", **where, initial_velocity=0, protocol=protocol)
         for protocol in ("published", "converged")
     )
-    gain = lag(short) - lag(long)
+    gain = lag(short, end) - lag(long, end)
     return [
-        within(f"{quantity}, started fast", lag(fast), -0.05, 0.05, (fast,)),
+        within(f"{quantity}, started fast", lag(fast, end), -max_lag, max_lag, (fast,)),
         above(f"{quantity}, published less converged", gain, 0, (short, long)),
     ]
 
@@ -128,21 +151,27 @@ def fastest_start(evidence: Evidence, **where: float) -> Place:
     raise Untestable(f"no run started faster than it ends, at {where}")
 
 
-def lag(place: Place) -> UFloat:
-    """Return the relative lag of the highest 5 % of the beads behind the middle."""
-    return 1 - relative_velocity(place, HIGHEST)
+def lag(place: Place, end: float) -> UFloat:
+    """Return the relative lag of the highest beads, a share of them, behind the middle."""
+    return 1 - relative_velocity(place, (1 - end, 1), MIDDLE)
 
 
-def g23(evidence: Evidence) -> list[Check]:
-    """The velocity of the middle rises over 10, 20, 60, 80 Hz and falls over 30 to 90 degrees."""
+def g23(
+    evidence: Evidence, *, middle: float, frequencies: Sequence[float], angles: Sequence[float]
+) -> list[Check]:
+    """The velocity of the middle rises over the frequencies (Hz) and falls over the angles."""
     lines = (
-        ("f (Hz)", True, complete_line(evidence, "frequency", (10, 20, 60, 80))),
+        ("f (Hz)", True, complete_line(evidence, "frequency", frequencies)),
         (
             "α (degrees), 60 Hz,",
             False,
-            complete_line(evidence, "vibration_angle", ANGLES, frequency=60),
+            complete_line(evidence, "vibration_angle", angles, frequency=60),
         ),
     )
+
+    def middle_velocity(_: np.ndarray, velocity: np.ndarray, number: np.ndarray) -> float:
+        return mean_between(velocity, number, *middle_shares(middle))
+
     checks = []
     for name, is_rising, line in lines:
         groups = [place.measure_replicates(middle_velocity, *PROFILES) for place in line.values()]
@@ -152,13 +181,8 @@ def g23(evidence: Evidence) -> list[Check]:
     return checks
 
 
-def middle_velocity(_: np.ndarray, velocity: np.ndarray, number: np.ndarray) -> float:
-    """Return the mean velocity (m/s) of the beads in the middle of the bed."""
-    return mean_between(velocity, number, *MIDDLE)
-
-
-def g29(evidence: Evidence) -> list[Check]:
-    """Just above the onset the two top layers are twice as agitated as two in the middle.
+def g29(evidence: Evidence, *, min_ratio: float, frequencies: Sequence[float]) -> list[Check]:
+    """The two top layers are ``min_ratio`` times as agitated as two in the middle.
 
     The temperature is taken about the mean motion at each phase of the cycle.
     """
@@ -174,21 +198,21 @@ def g29(evidence: Evidence) -> list[Check]:
         above(
             f"granular temperature of the top two layers over the middle, {frequency} Hz",
             place.measure(measure, *names),
-            2,
+            min_ratio,
             (place,),
         )
-        for frequency, place in complete_line(evidence, "frequency", (18, 20)).items()
+        for frequency, place in complete_line(evidence, "frequency", frequencies).items()
     ]
 
 
-def g30(evidence: Evidence) -> list[Check]:
-    """Long density waves carry more power in the first 10 cycles than in the averaging window.
+def g30(evidence: Evidence, *, frequency: float) -> list[Check]:
+    """Long density waves carry more power in the first cycles than in the averaging window.
 
-    At 40 Hz, with the parameters of Fig. 5b and with the usual ones.
+    This is tested at one frequency (Hz), with the parameters of Fig. 5b and with the usual ones.
     """
     settings: tuple[dict[str, Any], ...] = (
-        {"frequency": 40, "vibration_angle": 30, "damping": 10, "shear_damping": 10},
-        {"frequency": 40},
+        {"frequency": frequency, "vibration_angle": 30, "damping": 10, "shear_damping": 10},
+        {"frequency": frequency},
     )
     checks = []
     for where in settings:
@@ -196,7 +220,7 @@ def g30(evidence: Evidence) -> list[Check]:
         early, places = early_wave_power(evidence, place, where)
         gain = early - place.value("wave_power")
         label = f"γ = γ_s = {place['damping']:g}g"
-        quantity = f"power of density waves, first 10 cycles less steady, {label}"
+        quantity = f"power of density waves, first {EARLY_CYCLES} cycles less steady, {label}"
         checks.append(above(quantity, gain, 0, places))
     return checks
 
@@ -204,7 +228,7 @@ def g30(evidence: Evidence) -> list[Check]:
 def early_wave_power(
     evidence: Evidence, place: Place, where: Mapping[str, Any]
 ) -> tuple[UFloat, list[Place]]:
-    """Return the power of density waves in the first 10 cycles, and the places of the beds.
+    """Return the power of density waves in the first cycles, and the places of the beds.
 
     The protocol sets how long a bed runs, not how it begins. So beds of the published protocol that
     the converged one lacks count as well.

@@ -105,9 +105,7 @@ def _judge_under(claim: Claim, evidence: Evidence, reading: str, control: str) -
     )
 
 
-def _run_judge(
-    claim: Claim, evidence: Evidence, number: float | None = None
-) -> tuple[Check, ...]:
+def _run_judge(claim: Claim, evidence: Evidence, number: float | None = None) -> tuple[Check, ...]:
     checks = tuple(claim.judge_function()(evidence, **claim.bounds_at(number)))
     if not checks:
         raise ValueError(f"{claim.id}: the judge checked nothing")

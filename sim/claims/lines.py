@@ -16,17 +16,11 @@ from sim.claims.verdict import LONGER_RUNS, SIGMAS, Check
 #: Lowest frequency (Hz) at which the bed certainly flows.
 MIN_FLOW_FREQUENCY = 20.0
 
-#: A velocity below this share of V(20 Hz) counts as zero.
-NO_FLOW = 0.02
-
 #: Pairs of damping and shear damping (g) drawn as markers in Fig. 1b.
 MARKERS = ((0, 50), (10, 10), (50, 100))
 
 #: The system of half the size.
 HALF_SYSTEM = {"beads": 100, "width": 10}
-
-#: Cycles over which a drift is measured, and its largest value, relative to V, if converged.
-CYCLES, MAX_DRIFT = 100, 0.02
 
 
 def complete_line(
@@ -90,15 +84,18 @@ def velocity_order(
     return trend(text, strata, places, rising=False)
 
 
-def reason_drifting(place: Place) -> str:
-    """Return why V may not have converged: it may drift by 2 % in 100 cycles. Empty if not."""
-    cycles = place.window * place["frequency"]
-    drift = place.velocity_change / place.velocity.nominal_value * CYCLES / cycles
+def reason_drifting(place: Place, max_drift: float, cycles: int) -> str:
+    """Return why V may not have converged: it may drift, relative to V, in so many cycles.
+
+    Empty if the drift is surely below ``max_drift``.
+    """
+    averaged = place.window * place["frequency"]
+    drift = place.velocity_change / place.velocity.nominal_value * cycles / averaged
     largest = abs(drift.nominal_value) + SIGMAS * drift.std_dev
-    if largest < MAX_DRIFT:
+    if largest < max_drift:
         return ""
     return (
-        f"V changes by {abs(drift.nominal_value):.1%}, or up to {largest:.1%}, in {CYCLES} "
+        f"V changes by {abs(drift.nominal_value):.1%}, or up to {largest:.1%}, in {cycles} "
         f"cycles at γ_s = {place['shear_damping']:g}g: {LONGER_RUNS} or more beds"
     )
 

@@ -7,9 +7,8 @@ from tests.made.results import headline_bounds, made_results
 
 def checks_on(judge, points, boundaries=()) -> list:
     """Return the checks of a judge on points of the published protocol."""
-    return judge(
-        Evidence(made_results(*points, boundaries=boundaries), "published"), **headline_bounds(judge)
-    )
+    results = made_results(*points, boundaries=boundaries)
+    return judge(Evidence(results, "published"), **headline_bounds(judge))
 
 
 def verdict_on(judge, points, boundaries=()) -> str:

@@ -26,7 +26,7 @@ from sim.claims.verdict import (
     Untestable,
 )
 from tests.made.paper_belt import BEAD, checks_of, density, paper_point, verdict_of
-from tests.made.results import made_results
+from tests.made.results import headline_bounds, made_results
 
 FREQUENCIES = (10, 20, 60, 80)
 PAIRS = ((10, 10), (0, 50), (50, 50), (50, 100))
@@ -86,7 +86,7 @@ def test_grids_of_cells_and_of_points_count_other_beads():
         *(paper_point(frequency=f, profiles=profiles, **thin) for f in (20, 60, 80))
     )
     for grid, share in (("centres", 1.0), ("points", 0.0)):
-        checks = g16(Evidence(replace(results, grid=grid), "published"))
+        checks = g16(Evidence(replace(results, grid=grid), "published"), **headline_bounds(g16))
         assert [check.value for check in checks] == pytest.approx([share] * 3 * 2)
     with pytest.raises(InputError, match="grid: got 'centers'; allowed: one of centres, "):
         results.profile(results.dataset.point.values[0], "number_density", "centers")

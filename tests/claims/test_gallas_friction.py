@@ -1,15 +1,10 @@
 """Judges of claims about the shear friction coefficient."""
 
-from functools import partial
-
 import pytest
 
-from sim.claims.gallas_friction import g9, g10, g11, g36
-from sim.claims.gallas_friction import g12 as judge_g12
+from sim.claims.gallas_friction import g9, g10, g11, g12, g36
 from sim.claims.verdict import INCONCLUSIVE, NOT_REPRODUCED, REPRODUCED, Untestable
 from tests.made.paper_belt import checks_of, paper_point, verdict_of
-
-g12 = partial(judge_g12, max_change=0.15)
 
 SHEAR = (0, 10, 20, 50, 100)
 

@@ -1,13 +1,10 @@
 """Judges of claims about the onset of transport, from boundaries and from scans."""
 
-from functools import partial
-
 import numpy as np
 import pytest
 
-from sim.claims import gallas_onset
 from sim.claims.evidence import Evidence
-from sim.claims.gallas_onset import find_onset
+from sim.claims.gallas_onset import find_onset, g3, g4, g5, g6, g7, g35
 from sim.claims.table import claims
 from sim.claims.verdict import INCONCLUSIVE, NOT_REPRODUCED, REPRODUCED, Untestable, plan
 from sim.parameters.belt import ONSET_TRANSPORT
@@ -17,11 +14,6 @@ from tests.made.results import made_boundary, made_results
 
 #: The share of A_x ω that counts as transport, that of boundaries.
 LEAST = ONSET_TRANSPORT
-
-g3, g4, g5, g6, g7, g35 = (
-    partial(getattr(gallas_onset, name), threshold=LEAST)
-    for name in ("g3", "g4", "g5", "g6", "g7", "g35")
-)
 
 SCAN = (14, 15, 15.5, 16, 16.5, 17, 18, 20)
 FINE = (*SCAN[:-1], 18.5, 19, 19.5, 20)

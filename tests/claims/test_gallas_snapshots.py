@@ -5,13 +5,9 @@ from math import nan
 
 import pytest
 
-from sim.claims.gallas_snapshots import g26 as judge_g26
-from sim.claims.gallas_snapshots import g27 as judge_g27
-from sim.claims.gallas_snapshots import g28
+from sim.claims.gallas_snapshots import g26, g27, g28
 from sim.claims.verdict import INCONCLUSIVE, NOT_REPRODUCED, REPRODUCED, Untestable
 from tests.made.paper_belt import BEAD, checks_of, paper_point, verdict_of
-
-g26, g27 = partial(judge_g26, max_occupancy=0.03), partial(judge_g27, max_occupancy=0.03)
 
 LOOSE = {"frequency": 40, "vibration_angle": 30, "damping": 10, "shear_damping": 10}
 PANELS = {"a": {"frequency": 10, "vibration_angle": 60}, "b": LOOSE, "c": {"frequency": 100}}
@@ -86,7 +82,7 @@ def test_a_void_is_one_at_the_beginning_of_the_cycle_too():
 
 def test_what_makes_a_void_is_a_number_of_ours():
     points = occupied(0.1, 0.025, 0.001)
-    assert verdict_of(partial(judge_g27, max_occupancy=0.02), points) == NOT_REPRODUCED
+    assert verdict_of(partial(g27, max_occupancy=0.02), points) == NOT_REPRODUCED
 
 
 def test_a_void_needs_all_frequencies():
