@@ -23,8 +23,8 @@ EQUAL_AGE, ONE_SAMPLE = 2.0, 0.01
 #: Cell by depth, for flows that differ in another parameter.
 CELLS = {1.24: 10, 2.5: 10, 5: 10, 10: 5, 20: 5, 40: 5}
 
-#: The deepest flows, and the stiffnesses (N/m) of the two base rows.
-DEEPEST, SOFT, STIFF = 40, 100, 1000
+#: Stiffness (N/m) of the softest spheres, which are those of the base case.
+SOFT = 100
 
 
 def natural_speed(place: Place) -> float:
@@ -48,23 +48,21 @@ def base_flows(evidence: Evidence, min_depth: float = 0.0) -> dict[float, Place]
     return {depth: place for depth, place in line.items() if depth >= min_depth}
 
 
-def longest_lasting_row(evidence: Evidence) -> Evidence:
-    """Return the base row whose deepest flow has the oldest window without change.
+def longest_lasting_row(evidence: Evidence, depth: float, stiffness: float) -> Evidence:
+    """Return the base row whose flow of a depth has the oldest window without change.
 
     At a tie it is the row of the softest spheres. Fast deep flows of the softest spheres overlap
-    beyond the range of the contact law, so none of them may last. Then the flows of ten times the
-    stiffness are judged, where they were run.
+    beyond the range of the contact law, so none of them may last. Then the flows of a larger
+    ``stiffness`` (N/m) are judged, where they were run.
     """
 
     def latest_age(row: Evidence) -> float:
-        flows = select_replicated(
-            row.line("chute", "transient", depth=DEEPEST, cell=CELLS[DEEPEST])
-        )
+        flows = select_replicated(row.line("chute", "transient", depth=depth, cell=CELLS[depth]))
         return max(
             (age(flow) for flow in flows.values() if not reason_unrankable(flow)), default=0.0
         )
 
-    return max(evidence, evidence.with_reading(stiffness=STIFF), key=latest_age)
+    return max(evidence, evidence.with_reading(stiffness=stiffness), key=latest_age)
 
 
 def stiffness_suffix(place: Place) -> str:

@@ -7,7 +7,6 @@ import numpy as np
 
 from sim.claims.checks import below, remove_votes, reported, within
 from sim.claims.chute import (
-    DEEPEST,
     WIDTHS,
     base_flows,
     driving_acceleration,
@@ -20,20 +19,15 @@ from sim.claims.inference import trend
 from sim.claims.place import Place, replicate_mean
 from sim.claims.trends import pooled_checks
 from sim.claims.verdict import Check, Untestable
-from sim.dataset.caveats import CLOSED_SHARE
 
-#: Ends of the depths over which the velocity tends to rise, and the least number of them.
-RISING_DEPTHS, MIN_DEPTHS = (1.24, 20), 6
+#: Least number of depths over which the velocity tends to rise.
+MIN_DEPTHS = 6
 
-#: Least share of the dissipated power for each of the two kinds of losses.
-MIN_LOSS_SHARE = 0.05
-
-#: Largest deviations of shear/normal from tan θ, of the normal force from N m g cos θ, and of the
-#: dissipated power from N m g V sin θ.
-RATIO, NORMAL, POWER = 0.005, 0.002, 0.02
+#: Deviation of the dissipated power from N m g V sin θ that is shown as a threshold.
+POWER = 0.02
 
 
-def w5(evidence: Evidence) -> list[Check]:
+def w5(evidence: Evidence, *, max_missing: float) -> list[Check]:
     """Largest missing energy of all replicates of all flows along any parameter of the paper.
 
     Points where a replicate has no ledger leave the claim open.
@@ -52,31 +46,32 @@ def w5(evidence: Evidence) -> list[Check]:
         raise Untestable(f"no {evidence.protocol} flow with a ledger")
     worst = max(largest, key=largest.__getitem__)
     quantity = f"largest share of the energy that a ledger lacks, {len(largest)} points"
-    checks = [below(quantity, largest[worst], CLOSED_SHARE, [places[worst]])]
+    checks = [below(quantity, largest[worst], max_missing, [places[worst]])]
     unknown = [
         places[key] for key, values in missing_energy.items() if not np.isfinite(values).all()
     ]
     if unknown:
         quantity = f"share of the energy where a replicate has no ledger, {len(unknown)} points"
-        checks.append(below(quantity, nan, CLOSED_SHARE, unknown))
+        checks.append(below(quantity, nan, max_missing, unknown))
     # A ledger is exact bookkeeping: it needs no independent samples.
     return [replace(check, samples=inf) for check in checks]
 
 
-def w9(evidence: Evidence) -> list[Check]:
-    """Trend of V over the depths, within each width of the cell.
+def w9(evidence: Evidence, *, depths: tuple[float, float], deepest: float) -> list[Check]:
+    """Trend of V from one depth to another, within each width of the cell.
 
     The deepest flow drifts, so it enters with a bound: the lowest velocity of any of its windows.
     """
     strata: list[list[np.ndarray]] = []
     places: list[Place] = []
-    depths: set[float] = set()
+    ranked: set[float] = set()
+    low, high = depths
     for cell in WIDTHS:
         line = select_replicated(evidence.line("chute", "depth", cell=cell))
-        flows = {n: place for n, place in line.items() if RISING_DEPTHS[0] <= n <= RISING_DEPTHS[1]}
+        flows = {n: place for n, place in line.items() if low <= n <= high}
         flows = {n: place for n, place in flows.items() if not reason_unrankable(place)}
         groups = [place.values("velocity") for place in flows.values()]
-        windows = evidence.line("chute", "transient", depth=DEEPEST, cell=cell)
+        windows = evidence.line("chute", "transient", depth=deepest, cell=cell)
         if windows:
             groups.append(
                 np.array([min(window.values("velocity").min() for window in windows.values())])
@@ -84,13 +79,15 @@ def w9(evidence: Evidence) -> list[Check]:
         if len(groups) > 1:
             strata.append(groups)
             places += flows.values()
-            depths |= flows.keys()
-    if len(depths) < MIN_DEPTHS or max(depths, default=0) < RISING_DEPTHS[1]:
-        raise Untestable("fewer than six depths from 1.24 to 20 whose flow does not accelerate")
-    return [trend(f"V and n, {len(depths)} depths", strata, places)]
+            ranked |= flows.keys()
+    if len(ranked) < MIN_DEPTHS or max(ranked, default=0) < high:
+        raise Untestable(
+            f"fewer than six depths from {low} to {high} whose flow does not accelerate"
+        )
+    return [trend(f"V and n, {len(ranked)} depths", strata, places)]
 
 
-def w24(evidence: Evidence) -> list[Check]:
+def w24(evidence: Evidence, *, min_share: float) -> list[Check]:
     """Share of friction in the losses of steady flows; their sum over N m g V sin θ has no vote."""
     flows = select_replicated(steady_flows(evidence))
     if not flows:
@@ -113,8 +110,8 @@ def w24(evidence: Evidence) -> list[Check]:
             within(
                 f"share of friction in the losses, {label}",
                 share,
-                MIN_LOSS_SHARE,
-                1 - MIN_LOSS_SHARE,
+                min_share,
+                1 - min_share,
                 [place],
             )
         )
@@ -124,7 +121,7 @@ def w24(evidence: Evidence) -> list[Check]:
     return checks
 
 
-def w26(evidence: Evidence) -> list[Check]:
+def w26(evidence: Evidence, *, max_ratio_error: float, max_normal_error: float) -> list[Check]:
     """Base forces of the steady flows against their weight, pooled over the flows.
 
     A single flow is known to half a percent at best, so it counts only where it clearly deviates.
@@ -138,6 +135,6 @@ def w26(evidence: Evidence) -> list[Check]:
         ratios.append(shear / normal / tan(angle) - 1)
         pressures.append(normal / (weight * np.cos(angle)) - 1)
     return [
-        *pooled_checks("shear/normal over tan θ, less 1", flows, ratios, -RATIO, RATIO),
-        *pooled_checks("normal over N m g cos θ, less 1", flows, pressures, -NORMAL, NORMAL),
+        *pooled_checks("shear/normal over tan θ, less 1", flows, ratios, max_ratio_error),
+        *pooled_checks("normal over N m g cos θ, less 1", flows, pressures, max_normal_error),
     ]

@@ -1,6 +1,6 @@
 """Judges of Walton's claims about the model: small experiments that need no study."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from itertools import pairwise
 from typing import Any
 
@@ -19,7 +19,6 @@ from sim.parameters import ChuteParameters
 #: Speeds of the impacts (m/s), and numbers of steps from their start to the contact.
 SPEEDS = np.geomspace(1e-3, 1.0, 8)
 PHASES = np.array([0.1, 0.3, 0.6, 0.9])
-RESTITUTIONS = (0.5, 0.7, 0.85, 0.95)
 
 #: Distance of impact sites in diameters, and their number in a row.
 SPACING, WIDTH = 4.0, 6
@@ -27,17 +26,13 @@ SPACING, WIDTH = 4.0, 6
 #: Exponents of the tangential stiffness; the law softens with all of them.
 EXPONENTS = (1 / 3, 1.0, 2.0)
 
-#: Overlap (m) of single contacts, steps of a leg of a loop, and T/μF_N at its ends.
-OVERLAP, LEG, PEAK = 1e-5, 20_000, 0.9
+#: Overlap (m) of single contacts, steps of a leg of a loop, and small slips over μF_N/K0.
+OVERLAP, LEG, SLIP = 1e-5, 20_000, 1e-3
 
-#: Number of random paths. For each kind of normal force: steps of a path and swing of ln F_N. Where
-#: the force falls, the engine also cuts the friction before the slip; the error of that is of first
-#: order in the step.
-PATHS = 100
+#: For each kind of normal force: steps of a random path and swing of ln F_N. Where the force falls,
+#: the engine also cuts the friction before the slip; the error of that is of first order in the
+#: step.
 FORCES = (("constant", 2000, 0.0), ("varying", 24_000, 0.7))
-
-#: Largest negligible error, and largest change of the stiffness from step to step.
-NEGLIGIBLE, SMOOTH = 1e-3, 5e-3
 
 #: Samples of the two flows that are compared bit by bit.
 SAMPLES = 40
@@ -50,57 +45,73 @@ Reading = Mapping[str, Any]
 NO_READING: Reading = {}
 
 
-def w1(reading: Reading = NO_READING, change: Change | None = None) -> list[Check]:
+def w1(
+    reading: Reading = NO_READING,
+    change: Change | None = None,
+    *,
+    max_error: float,
+    restitutions: Sequence[float],
+) -> list[Check]:
     """Impacts of pairs and on the plane at three decades of speed: error and trend of e.
 
-    ``reading`` holds parameters of the law that differ from their defaults, as for all judges of
-    this module. ``change`` modifies the chute in which the impacts happen.
+    Both must be below ``max_error`` at all ``restitutions``. ``reading`` holds parameters of the
+    law that differ from their defaults, as for all judges of this module. ``change`` modifies the
+    chute in which the impacts happen.
     """
     checks = []
     for partner in ("pairs", "plane"):
-        errors = np.array([_restitutions(e, partner, reading, change) - e for e in RESTITUTIONS])
+        errors = np.array([_restitutions(e, partner, reading, change) - e for e in restitutions])
         largest = float(np.abs(errors).max())
-        checks.append(below(f"largest |e - √(K1/K2)|, {partner}", largest, NEGLIGIBLE))
+        checks.append(below(f"largest |e - √(K1/K2)|, {partner}", largest, max_error))
         decades = np.broadcast_to(np.log10(SPEEDS)[:, None], errors.shape)
         line, covariance = np.polyfit(decades.ravel(), errors.ravel(), 1, cov=True)
         trend = ufloat(line[0], covariance[0, 0] ** 0.5) * np.ptp(np.log10(SPEEDS))
         quantity = f"change of e over three decades of speed, {partner}"
-        checks.append(within(quantity, trend, -NEGLIGIBLE, NEGLIGIBLE))
+        checks.append(within(quantity, trend, -max_error, max_error))
     return checks
 
 
-def w2(reading: Reading = NO_READING, path: Path = contact_path) -> list[Check]:
+def w2(
+    reading: Reading = NO_READING,
+    path: Path = contact_path,
+    *,
+    max_error: float,
+    peak: float,
+    max_jump: float,
+) -> list[Check]:
     """Friction of one contact under a fixed normal force: first slip to sliding, then loops.
 
-    ``path`` follows a contact along a path as `sim.claims.contacts.contact_path` does.
+    ``path`` follows a contact along a path as `sim.claims.contacts.contact_path` does. Loops reach
+    ``peak`` (μF_N) either way, and ``max_jump`` is the largest jump of K_T/K0 within them.
     """
     checks = []
     for exponent in EXPONENTS:
         law, label = _law(reading, tangential_exponent=exponent), f"γ = {exponent:.3g}"
         friction, stiffness = _first_slip(law, path)
         error = np.abs(stiffness - (1 - friction) ** exponent).max()
-        checks.append(
-            below(f"largest |K_T/K0 - (1 - T/μF_N)^γ|, {label}", float(error), NEGLIGIBLE)
-        )
+        checks.append(below(f"largest |K_T/K0 - (1 - T/μF_N)^γ|, {label}", float(error), max_error))
         sliding = float(_straight_path(law, np.array([1e3, 1e3 + 1e-3]), path)[1])
         checks.append(
-            within(f"T/μF_N at full sliding, {label}", sliding, 1 - NEGLIGIBLE, 1 + NEGLIGIBLE)
+            within(f"T/μF_N at full sliding, {label}", sliding, 1 - max_error, 1 + max_error)
         )
-        gap, jump = _loop(law, path)
-        checks.append(below(f"opening of a loop over μF_N, {label}", gap, NEGLIGIBLE))
-        checks.append(below(f"largest jump of K_T/K0 between its turns, {label}", jump, SMOOTH))
+        gap, jump = _loop(law, path, peak)
+        checks.append(below(f"opening of a loop over μF_N, {label}", gap, max_error))
+        checks.append(below(f"largest jump of K_T/K0 between its turns, {label}", jump, max_jump))
     return checks
 
 
-def w3(reading: Reading = NO_READING, path: Path = contact_path) -> list[Check]:
+def w3(
+    reading: Reading = NO_READING, path: Path = contact_path, *, paths: int, max_error: float
+) -> list[Check]:
     """Compare γ = 0 and Cundall and Strack's spring on random paths; ``path`` as for `w2`."""
     checks = []
     for force, steps, swing in FORCES:
         differences = [
-            _spring_difference(seed, steps, swing, reading, path) for seed in range(PATHS)
+            _spring_difference((seed, seed + paths), steps, swing, reading, path)
+            for seed in range(paths)
         ]
-        quantity = f"largest difference over μF_N on {PATHS} paths, {force} F_N"
-        checks.append(below(quantity, max(differences), NEGLIGIBLE))
+        quantity = f"largest difference over μF_N on {paths} paths, {force} F_N"
+        checks.append(below(quantity, max(differences), max_error))
     return checks
 
 
@@ -189,15 +200,15 @@ def _straight_path(law: WaltonBraun, position: np.ndarray, path: Path) -> np.nda
 
 def _first_slip(law: WaltonBraun, path: Path) -> tuple[np.ndarray, np.ndarray]:
     """Return T/μF_N before each of many small slips until sliding, and K_T/K0 during it."""
-    step = NEGLIGIBLE
+    step = SLIP
     friction = _straight_path(law, step * np.arange(1, 20 * LEG // 4), path)
     sticking = friction[:-1] < 1 - 2 * step
     return friction[:-1][sticking], (np.diff(friction) / step)[sticking]
 
 
-def _loop(law: WaltonBraun, path: Path) -> tuple[float, float]:
-    """Return the largest opening of loops between ±0.9 μF_N, and the largest jump of K_T/K0."""
-    rise, width = _path_length(law, PEAK, 1.0), _path_length(law, 2 * PEAK, 1.0 + PEAK)
+def _loop(law: WaltonBraun, path: Path, peak: float) -> tuple[float, float]:
+    """Return the largest opening of loops between ±peak μF_N, and the largest jump of K_T/K0."""
+    rise, width = _path_length(law, peak, 1.0), _path_length(law, 2 * peak, 1.0 + peak)
     corners = np.array([0.0, rise, rise - width, rise, rise - width])
     legs = [np.linspace(*ends, LEG + 1)[1:] for ends in pairwise(corners)]
     friction = _straight_path(law, np.concatenate(legs), path).reshape(len(legs), LEG)
@@ -215,17 +226,20 @@ def _path_length(law: WaltonBraun, drop: float, available: float) -> float:
     return -available * np.log(rest) if power == 0 else available / power * (1 - rest**power)
 
 
-def _spring_difference(seed: int, steps: int, swing: float, reading: Reading, path: Path) -> float:
+def _spring_difference(
+    seeds: tuple[int, int], steps: int, swing: float, reading: Reading, path: Path
+) -> float:
     """Return the largest difference from the spring over μF_N along a random path.
 
-    An elastic law makes the normal force proportional to the overlap, so any F_N can be prescribed.
+    The seeds are those of the path and of the normal force. An elastic law makes the normal force
+    proportional to the overlap, so any F_N can be prescribed.
     """
     law = _law(reading, restitution=1.0, tangential_exponent=0.0)
     force, friction = law.loading * OVERLAP, law.limit.friction
-    position = 3.0 * friction * force / law.tangential * random_curve(seed, steps)
+    position = 3.0 * friction * force / law.tangential * random_curve(seeds[0], steps)
     slip = np.zeros((steps, 3))
     slip[:, :2] = np.diff(position, axis=0)
-    normal_force = force * np.exp(swing * random_curve(seed + PATHS, steps)[1:, 0])
+    normal_force = force * np.exp(swing * random_curve(seeds[1], steps)[1:, 0])
     normal = np.tile([0.0, 0.0, 1.0], (steps, 1))
     tangential = path(law, normal_force / law.loading, normal, slip)[1][:, :2]
     expected = vector_spring(slip[:, :2].copy(), normal_force, law.tangential, friction)

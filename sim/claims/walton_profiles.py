@@ -1,13 +1,12 @@
 """Judges of Walton's claims about profiles: shear, density and plugs over height."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from math import inf
 
 import numpy as np
 
 from sim.claims.checks import above, below, reported, withhold
 from sim.claims.chute import (
-    DEEPEST,
     WIDTHS,
     age,
     base_flows,
@@ -19,6 +18,7 @@ from sim.claims.chute import (
     stiffness_suffix,
     withhold_unsettled,
 )
+from sim.claims.criterion import fill
 from sim.claims.evidence import Evidence
 from sim.claims.inference import share_above, trend
 from sim.claims.place import Place, replicate_mean
@@ -27,35 +27,26 @@ from sim.claims.trends import mean_of_others, smallest_mean
 from sim.claims.verdict import Check, Untestable
 from sim.dataset.measures import layers
 
-#: Least share of the mass of a bin that counts.
+#: Least share of the mass of a bin that counts, where a claim gives none.
 MIN_MASS_SHARE = 0.01
 
 #: Least number of replicates for a statement about all bins at once.
 MIN_REPLICATES = 6
 
-#: Depths of each claim: all below 5 and 2.5, intermediate, with a plug, the deepest, and those over
-#: which the shear layer thins.
-SHALLOW, SHALLOWEST, MIDDLE, DEEP = 5, 2.5, (3.5, 5, 10), (10, 20, DEEPEST)
-THINNING = (5, 10, 20, DEEPEST)
-
-#: "Often" in the paper: more than this share of the runs.
-MAJORITY = 0.5
-
-#: Least packing of the plug, its largest standard deviation relative to it, least difference from
-#: the shear layer, and the age in √(σ/g) from which a flow of that depth counts.
-MIN_PACKING, MAX_SPREAD, MIN_DIFFERENCE, MIN_AGE = 0.60, 0.05, 0.05, 2000
+#: Depths below which flows are shallow, and those of the shallowest.
+SHALLOW, SHALLOWEST = 5, 2.5
 
 #: Factor on an age that allows for rounding to whole samples.
 AGE_ROUNDING = 0.99
 
 
-def w10(evidence: Evidence) -> list[Check]:
-    """Steps of the velocity from each slice with 1 % of the mass to the next; all bins at once."""
+def w10(evidence: Evidence, *, min_mass_share: float) -> list[Check]:
+    """Steps of the velocity from each slice with enough mass to the next; all bins at once."""
     flows = _shallow_flows(evidence, SHALLOW)
     checks = (
         above(
             f"least du/dz, n = {n:g}",
-            smallest_mean(_steps(place, "velocity_profile")),
+            smallest_mean(_steps(place, "velocity_profile", min_mass_share=min_mass_share)),
             0,
             [place],
             "1/s",
@@ -65,28 +56,37 @@ def w10(evidence: Evidence) -> list[Check]:
     return withhold_unsettled(checks, flows.values())
 
 
-def w11(evidence: Evidence, min_share: float) -> list[Check]:
+def w11(
+    evidence: Evidence,
+    *,
+    min_share: float,
+    depths: Sequence[float],
+    cells: Sequence[float],
+    majority: float,
+) -> list[Check]:
     """Share of all runs of deep flows, whatever their start and cell, that ride as a plug.
 
-    A plug takes more than ``min_share`` of the depth. Runs that accelerate do not count.
+    It must exceed ``majority``. A plug takes more than ``min_share`` of the depth. Runs that
+    accelerate do not count.
     """
-    cells, places = {}, []
-    for cell in WIDTHS:
-        lines = (evidence.line("chute", "initial_velocity", depth=n, cell=cell) for n in DEEP)
+    plugs_by_cell, places = {}, []
+    for cell in cells:
+        lines = (evidence.line("chute", "initial_velocity", depth=n, cell=cell) for n in depths)
         flows = [place for line in lines for place in line.values()]
         plug_shares_of_runs = [_steady_plugs(place) for place in flows]
         if plug_shares_of_runs:
-            cells[cell] = np.concatenate(plug_shares_of_runs) > min_share
+            plugs_by_cell[cell] = np.concatenate(plug_shares_of_runs) > min_share
             places += flows
-    if len(cells) < 2:
-        raise Untestable("no flows at n = 10, 20 and 40 in cells of two widths")
-    plugs = np.concatenate(list(cells.values()))
+    where = fill("n = {depths:and}", {"depths": depths})
+    if len(plugs_by_cell) < 2:
+        raise Untestable(f"no flows at {where} in cells of two widths")
+    plugs = np.concatenate(list(plugs_by_cell.values()))
     if not plugs.size:
-        raise Untestable("all flows at n = 10, 20 and 40 accelerate")
+        raise Untestable(f"all flows at {where} accelerate")
     checks = [
-        share_above("share of runs with a plug", int(plugs.sum()), plugs.size, MAJORITY, places)
+        share_above("share of runs with a plug", int(plugs.sum()), plugs.size, majority, places)
     ]
-    for cell, cell_plugs in cells.items():
+    for cell, cell_plugs in plugs_by_cell.items():
         if cell_plugs.size:
             quantity = f"share of runs with a plug in cells of {cell} σ, {cell_plugs.size} runs"
             checks.append(reported(quantity, plug_share(cell_plugs)))
@@ -121,13 +121,14 @@ def w12(evidence: Evidence) -> list[Check]:
     return withhold_unsettled(checks, flows.values())
 
 
-def w13(evidence: Evidence) -> list[Check]:
+def w13(evidence: Evidence, *, depths: Sequence[float]) -> list[Check]:
     """Packing by layers of a diameter: the densest inner one against the lowest and the highest."""
     flows = {
-        n: place for n, place in select_replicated(base_flows(evidence)).items() if n in MIDDLE
+        n: place for n, place in select_replicated(base_flows(evidence)).items() if n in depths
     }
-    if len(flows) < len(MIDDLE):
-        raise Untestable("no flows at n = 3.5, 5 and 10 that have replicates")
+    if len(flows) < len(depths):
+        missing = fill("no flows at n = {depths:and} that have replicates", {"depths": depths})
+        raise Untestable(missing)
     checks = []
     for n, place in flows.items():
         rows = _layer_packing(place)
@@ -150,22 +151,35 @@ def _densest_inner(rows: np.ndarray) -> np.ndarray:
     return rows[np.arange(len(rows)), layer]
 
 
-def w14(evidence: Evidence) -> list[Check]:
-    """The deepest flow above and below its shear depth: packing, its spread, the difference."""
-    place = _oldest(longest_lasting_row(evidence), DEEPEST)
+def w14(
+    evidence: Evidence,
+    *,
+    min_age: float,
+    min_packing: float,
+    max_spread: float,
+    min_difference: float,
+    depth: float,
+    stiffness: float,
+) -> list[Check]:
+    """The deepest flow above and below its shear depth: packing, its spread, the difference.
+
+    It counts from ``min_age`` (√(σ/g)) on. It is of a larger ``stiffness`` (N/m) where no flow of
+    the softest spheres lasts.
+    """
+    place = _oldest(longest_lasting_row(evidence, depth, stiffness), depth)
 
     def variation(plug: np.ndarray, _: float) -> float:
         return plug.std(ddof=1) / plug.mean() if plug.size > 1 else np.nan
 
     checks = []
     for quantity, function, compare, threshold in (
-        ("packing of the plug", lambda plug, _: plug.mean(), above, MIN_PACKING),
-        ("standard deviation of its packing over its mean", variation, below, MAX_SPREAD),
+        ("packing of the plug", lambda plug, _: plug.mean(), above, min_packing),
+        ("standard deviation of its packing over its mean", variation, below, max_spread),
         (
             "packing of the plug less that of the shear layer",
             lambda plug, sheared: plug.mean() - sheared,
             above,
-            MIN_DIFFERENCE,
+            min_difference,
         ),
     ):
         values = place.measure_replicates(_plug_measure(place, function), *PROFILES)
@@ -173,9 +187,9 @@ def w14(evidence: Evidence) -> list[Check]:
             f"{quantity}, {depth_label(place)}", replicate_mean(values), threshold, [place]
         )
         checks.append(majority_if_mixed(check, place, values))
-    reason = f"averaged from {age(place):.0f} √(σ/g) on: runs of {MIN_AGE:,} and more"
+    reason = f"averaged from {age(place):.0f} √(σ/g) on: runs of {min_age:,} and more"
     return withhold(
-        withhold_unsettled(checks, [place]), reason if age(place) < AGE_ROUNDING * MIN_AGE else ""
+        withhold_unsettled(checks, [place]), reason if age(place) < AGE_ROUNDING * min_age else ""
     )
 
 
@@ -191,32 +205,34 @@ def _oldest(evidence: Evidence, depth: float) -> Place:
     return line[max(line)]
 
 
-def w17(evidence: Evidence) -> list[Check]:
+def w17(evidence: Evidence, *, depths: Sequence[float], stiffness: float) -> list[Check]:
     """Trend of the shear depth over the depths, and of its share of the depth.
 
-    The flows are those of one cell and one age.
+    The flows are those of one cell and one age. They are of a larger ``stiffness`` (N/m) where no
+    flow of the softest spheres lasts at the last depth.
     """
-    line = _thinning_flows(longest_lasting_row(evidence))
+    line = _thinning_flows(longest_lasting_row(evidence, depths[-1], stiffness), depths)
     if len(line) < 3:
-        raise Untestable("no cell with three depths of 5, 10, 20 and 40 that have replicates")
+        cell = fill("no cell with three depths of {depths:and}", {"depths": depths})
+        raise Untestable(f"{cell} that have replicates")
     places = list(line.values())
     depths_text = ", ".join(f"{n:g}" for n in line) + stiffness_suffix(places[-1])
-    depths = [place.values("shear_depth") for place in places]
+    thickness = [place.values("shear_depth") for place in places]
     tops = [
         place.measure_replicates(lambda z, packing: layers.surface(z, packing), PROFILES[1])
         for place in places
     ]
-    fractions = [depth / top for depth, top in zip(depths, tops, strict=True)]
+    fractions = [layer / top for layer, top in zip(thickness, tops, strict=True)]
     checks = [
-        trend(f"shear depth over n = {depths_text}", [depths], places, rising=False),
+        trend(f"shear depth over n = {depths_text}", [thickness], places, rising=False),
         trend(f"its share of the depth over n = {depths_text}", [fractions], places, rising=False),
     ]
     reasons = [reason_incomparable(places), *map(reason_unrankable, places)]
-    missing = "" if set(line) == set(THINNING) else f"n = {depths_text} alone in one cell"
+    missing = "" if set(line) == set(depths) else f"n = {depths_text} alone in one cell"
     return withhold(checks, "; ".join(filter(None, [missing, *reasons])))
 
 
-def _thinning_flows(evidence: Evidence) -> dict[float, Place]:
+def _thinning_flows(evidence: Evidence, depths: Sequence[float]) -> dict[float, Place]:
     """Return the flows over which the shear layer may thin: the most depths of one cell and age.
 
     At a tie the narrowest cell is chosen, then the oldest flows.
@@ -225,23 +241,23 @@ def _thinning_flows(evidence: Evidence) -> dict[float, Place]:
     for cell in WIDTHS:
         starts = {
             start
-            for n in THINNING
+            for n in depths
             for start in evidence.line("chute", "transient", depth=n, cell=cell)
         }
         for start in sorted(starts, reverse=True):
             line = select_replicated(evidence.line("chute", "depth", cell=cell, transient=start))
-            lines.append({n: place for n, place in line.items() if n in THINNING})
+            lines.append({n: place for n, place in line.items() if n in depths})
     return max(lines, key=len)
 
 
-def w18(evidence: Evidence) -> list[Check]:
+def w18(evidence: Evidence, *, min_depth: float) -> list[Check]:
     """The slowest flow: the least shear above any height, relative to that below it.
 
     A plug has less than 5 % there (W11). The ratio of the least to the largest du/dz is reported.
     """
-    flows = select_replicated(base_flows(evidence, 1))
+    flows = select_replicated(base_flows(evidence, min_depth))
     if len(flows) < 3:
-        raise Untestable("fewer than three flows with n ≥ 1 that have replicates")
+        raise Untestable(f"fewer than three flows with n ≥ {min_depth} that have replicates")
     n, place = min(flows.items(), key=lambda flow: flow[1].velocity.nominal_value)
 
     def stiffest(height: np.ndarray, velocity: np.ndarray, packing: np.ndarray) -> float:
@@ -266,15 +282,21 @@ def _shallow_flows(evidence: Evidence, max_depth: float) -> dict[float, Place]:
     return replicated_flows
 
 
-def _steps(place: Place, name: str, lowest: float = 0.0, scale: float | None = None) -> np.ndarray:
-    """Return the steps (R, B) of a profile between slices with 1 % of the mass, over ``scale``.
+def _steps(
+    place: Place,
+    name: str,
+    lowest: float = 0.0,
+    scale: float | None = None,
+    min_mass_share: float = MIN_MASS_SHARE,
+) -> np.ndarray:
+    """Return the steps (R, B) of a profile between slices with enough mass, over ``scale``.
 
     Without a scale they are divided by the heights: slopes. Slices below ``lowest`` (m) do not
     count.
     """
     (rows, height), (packing, _) = place.profile(name), place.profile("packing_profile")
     mean = packing.mean(axis=0)
-    is_counted = (mean > MIN_MASS_SHARE * mean.sum()) & (height >= lowest)
+    is_counted = (mean > min_mass_share * mean.sum()) & (height >= lowest)
     return np.diff(rows[:, is_counted], axis=1) / (scale or np.diff(height[is_counted]))
 
 

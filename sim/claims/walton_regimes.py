@@ -1,6 +1,6 @@
 """Judges of Walton's claims about regimes: flows that accelerate, are steady, come to rest."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from itertools import chain
 from math import inf, nan, radians, tan
 
@@ -20,77 +20,68 @@ from sim.claims.chute import (
     waive_samples,
     withhold_unsettled,
 )
+from sim.claims.criterion import fill
 from sim.claims.evidence import Evidence
 from sim.claims.place import Place, quotient, replicate_mean, with_interval
 from sim.claims.states import report_states
 from sim.claims.verdict import LONGER_RUNS, NOT_REPRODUCED, REPRODUCED, Check, Unbounded, Untestable
 
-#: Largest negligible acceleration over g sin θ, and the shortest averaging time in √(σ/g).
-MAX_ACCELERATION, MIN_AVERAGE = 0.01, 100
+#: Depths of the sweeps over friction.
+SWEEP_DEPTHS = (1.24, 2.5, 5, 10, 20)
 
-#: Range of the depths that the paper calls slowest, and the least depth of the flow that they are
-#: compared with.
-SLOWEST_DEPTHS, MIN_FASTER_DEPTH = (1, 2), 2.5
+#: Depths at which states are reported by start.
+STATE_DEPTHS = (10, 20)
 
-#: Frictions below tan θ, and depths required at each of them.
-SLIPPERY, REQUIRED_SLIPPERY_DEPTHS = (0, 0.1, 0.2, 0.25, 0.3), {0.5, 40}
-
-#: Friction over tan θ: up to the first "somewhat above", from the second on "greatly above".
-SOMEWHAT_ABOVE, GREATLY_ABOVE = 1.5, 2.0
-
-#: Depths of the sweeps over friction, and of the windows of angles.
-SWEEP_DEPTHS, ANGLE_DEPTHS = (1.24, 2.5, 5, 10, 20), (5, 10, 20)
-
-#: Initial velocities in √(gσ), slightly above the expected speed of a flow that comes to rest.
-SLOW_STARTS = (0.5, 1.0)
-
-#: Depths at which velocities are compared by start, and those at which states are reported.
-START_DEPTHS, STATE_DEPTHS = (2.5, 5), (10, 20)
-
-#: Depths whose windows of angles are required.
-REQUIRED_DEPTHS = (5, 10)
-
-#: Starts over the steady velocity: largest slow, smallest fast, and tolerance of the nearest one.
-MAX_SLOW, MIN_FAST, NEAR_TOLERANCE = 2 / 3, 1.5, 0.25
+#: Largest distance of a start from the steady velocity it leads to, relative to it.
+NEAR_TOLERANCE = 0.25
 
 
-def w6(evidence: Evidence) -> list[Check]:
-    """Accelerations below tan θ: against those of a sliding block, and five errors above zero."""
-    lines = {mu: evidence.line("chute", "depth", friction=mu) for mu in SLIPPERY}
-    missing = [
-        f"{mu:g}" for mu, line in lines.items() if not line.keys() >= REQUIRED_SLIPPERY_DEPTHS
-    ]
+def w6(
+    evidence: Evidence,
+    *,
+    min_ratio: float,
+    errors: float,
+    frictions: Sequence[float],
+    depths: Sequence[float],
+) -> list[Check]:
+    """Accelerations below tan θ: against those of a sliding block, and some errors above zero.
+
+    Flows at ``depths`` are needed at each of the frictions.
+    """
+    lines = {mu: evidence.line("chute", "depth", friction=mu) for mu in frictions}
+    missing = [f"{mu:g}" for mu, line in lines.items() if not line.keys() >= set(depths)]
     if missing:
-        raise Untestable(f"no flows at n = 0.5 and 40 at friction {', '.join(missing)}")
+        where = fill("n = {depths:and}", {"depths": depths})
+        raise Untestable(f"no flows at {where} at friction {', '.join(missing)}")
     checks = []
     for mu, line in lines.items():
         for depth, place in line.items():
             gain, slope = acceleration(place), radians(place["angle"])
             block, label = 1 - mu / tan(slope), f"μ = {mu:g}, n = {depth:g}"
             quantity = f"dV/dt over that of a block, {label}"
-            checks.append(waive_samples(above(quantity, gain / block, 0.9, [place]), place))
+            checks.append(waive_samples(above(quantity, gain / block, min_ratio, [place]), place))
             error = place.value(
                 "acceleration", "acceleration_error"
             ).std_dev / driving_acceleration(place)
-            # The one-sided bound, which decides, then lies at five errors.
-            five_errors = with_interval(
-                gain.nominal_value, 5 * error * student(MANY) / student(MANY, sides=1)
+            # The one-sided bound, which decides, then lies at so many errors.
+            wide = with_interval(
+                gain.nominal_value, errors * error * student(MANY) / student(MANY, sides=1)
             )
-            quantity = f"dV/dt over g sin θ within 5 errors, {label}"
-            checks.append(waive_samples(above(quantity, five_errors, 0, [place]), place))
+            quantity = f"dV/dt over g sin θ within {errors} errors, {label}"
+            checks.append(waive_samples(above(quantity, wide, 0, [place]), place))
     return checks
 
 
-def w7(evidence: Evidence) -> list[Check]:
+def w7(evidence: Evidence, *, max_deviation: float, min_speed: float) -> list[Check]:
     """The flow of half a layer: dV/dt against a sphere that rolls alone, and its velocity."""
     place = evidence.at("chute", depth=0.5)
     if place.completed < 2:
         raise Untestable("no flow at n = 0.5 that has replicates")
     speed = place.velocity / natural_speed(place)
-    rolling = acceleration(place) / (5 / 7)
+    rolling, bounds = acceleration(place) / (5 / 7), (1 - max_deviation, 1 + max_deviation)
     checks = [
-        within("dV/dt over (5/7) g sin θ, n = 0.5", rolling, 0.9, 1.1, [place]),
-        above("V at which it still does so, n = 0.5", speed, 50, [place], "√(gσ)"),
+        within("dV/dt over (5/7) g sin θ, n = 0.5", rolling, *bounds, [place]),
+        above("V at which it still does so, n = 0.5", speed, min_speed, [place], "√(gσ)"),
     ]
     if place.regime in ("undetermined", "mixed"):
         return withhold(checks, f"the flow is {place.regime}")
@@ -101,25 +92,34 @@ def w7(evidence: Evidence) -> list[Check]:
     return [rolls, *withhold([fast], LONGER_RUNS if short else "")]
 
 
-def w8(evidence: Evidence) -> list[Check]:
-    """Flows between one and two layers: their drift, and V over that of the next deeper flow.
+def w8(
+    evidence: Evidence,
+    *,
+    depths: tuple[float, float],
+    max_acceleration: float,
+    min_average: float,
+    min_faster_depth: float,
+) -> list[Check]:
+    """Flows between two depths: their drift, and V over that of the next deeper flow.
 
     The ends of the range are reported, and so is the least depth of a steady flow.
     """
     flows = select_replicated(base_flows(evidence))
-    thin = {n: place for n, place in flows.items() if SLOWEST_DEPTHS[0] <= n <= SLOWEST_DEPTHS[1]}
-    thin = {n: place for n, place in thin.items() if place["average"] >= MIN_AVERAGE}
-    between = [n for n in thin if SLOWEST_DEPTHS[0] < n < SLOWEST_DEPTHS[1]]
-    deep = min((n for n in flows if n >= MIN_FASTER_DEPTH), default=None)
+    low, high = depths
+    thin = {n: place for n, place in flows.items() if low <= n <= high}
+    thin = {n: place for n, place in thin.items() if place["average"] >= min_average}
+    between = [n for n in thin if low < n < high]
+    deep = min((n for n in flows if n >= min_faster_depth), default=None)
     if len(between) < 2 or deep is None:
         raise Untestable(
-            "fewer than two flows with 1 < n < 2, replicates and 100 √(σ/g), or none with n ≥ 2.5"
+            f"fewer than two flows with {low} < n < {high}, replicates and {min_average} √(σ/g), "
+            f"or none with n ≥ {min_faster_depth}"
         )
     checks = []
     for n, place in thin.items():
         drift = acceleration(place)
         steady = within(
-            f"dV/dt over g sin θ, n = {n:g}", drift, -MAX_ACCELERATION, MAX_ACCELERATION, [place]
+            f"dV/dt over g sin θ, n = {n:g}", drift, -max_acceleration, max_acceleration, [place]
         )
         ratio, pair = quotient(place.velocity, flows[deep].velocity), [place, flows[deep]]
         slower = below(f"V at n = {n:g} over that at n = {deep:g}", ratio, 1, pair)
@@ -146,26 +146,35 @@ def _boundary(
         return None
 
 
-def w19(evidence: Evidence, max_slope: float) -> list[Check]:
+def w19(
+    evidence: Evidence,
+    *,
+    max_slope: float,
+    somewhat: float,
+    greatly: float,
+    starts: Sequence[float],
+    min_rest: float,
+) -> list[Check]:
     """Flows over a sweep of friction: steady a little above tan θ (a), at rest beyond twice (b).
 
-    The velocity of a steady flow changes by less than ``max_slope`` times g sin θ. Whether flows
-    come to rest is judged after slow starts (`SLOW_STARTS`); fast starts are reported.
+    Frictions are ``somewhat`` and ``greatly`` above tan θ by its multiples. The velocity of a
+    steady flow changes by less than ``max_slope`` times g sin θ. Whether flows come to rest, for
+    ``min_rest`` (√(σ/g)), is judged after slow ``starts`` (√(gσ)); fast starts are reported.
     """
     return judge_parts(
-        a=lambda: _check_steady_above(evidence, max_slope),
-        b=lambda: _check_arrested_beyond(evidence),
+        a=lambda: _check_steady_above(evidence, somewhat, max_slope),
+        b=lambda: _check_arrested_beyond(evidence, greatly, starts, min_rest),
     )
 
 
-def _check_steady_above(evidence: Evidence, max_slope: float) -> list[Check]:
+def _check_steady_above(evidence: Evidence, somewhat: float, max_slope: float) -> list[Check]:
     """Check the mean slope of all replicates per depth, pooled over frictions just above tan θ."""
     checks, has_sweep = [], False
     for n in SWEEP_DEPTHS:
         flows = [
             place
             for mu, place in _sweep(evidence, n).items()
-            if 1 < mu <= SOMEWHAT_ABOVE and place.completed > 1
+            if 1 < mu <= somewhat and place.completed > 1
         ]
         if not flows:
             continue
@@ -176,24 +185,26 @@ def _check_steady_above(evidence: Evidence, max_slope: float) -> list[Check]:
         check = within(quantity, pooled, -max_slope, max_slope, flows)
         checks += withhold([check], f"{len(stopped)} of them do not move" if stopped else "")
     if not has_sweep:
-        raise Untestable("no depth with replicates at two frictions from 1 to 1.5 tan θ")
+        raise Untestable(f"no depth with replicates at two frictions from 1 to {somewhat} tan θ")
     return checks
 
 
-def _check_arrested_beyond(evidence: Evidence) -> list[Check]:
+def _check_arrested_beyond(
+    evidence: Evidence, greatly: float, starts: Sequence[float], min_rest: float
+) -> list[Check]:
     """Check, by initial velocity, that flows much rougher than the slope come to rest."""
     slow: list[Check] = []
     usual: list[Check] = []
     for n in SWEEP_DEPTHS:
-        for start in SLOW_STARTS:
+        for start in starts:
             sweep = _sweep(evidence, n, initial_velocity=start)
-            rough = [place for mu, place in sweep.items() if mu > GREATLY_ABOVE]
-            slow += [_check_arrested(place) for place in rough]
+            rough = [place for mu, place in sweep.items() if mu > greatly]
+            slow += [_check_arrested(place, min_rest) for place in rough]
             usual += chain.from_iterable(map(_report_rest_time, rough))
         sweep = _sweep(evidence, n)
-        usual += [_check_arrested(place) for mu, place in sweep.items() if mu > GREATLY_ABOVE]
+        usual += [_check_arrested(place, min_rest) for mu, place in sweep.items() if mu > greatly]
     if not slow and not usual:
-        raise Untestable("no flow beyond twice tan θ")
+        raise Untestable(fill("no flow beyond {greatly:times} tan θ", {"greatly": greatly}))
     return [*slow, *remove_votes(usual)]
 
 
@@ -203,15 +214,14 @@ def _sweep(evidence: Evidence, depth: float, **where: float) -> dict[float, Plac
     return {mu / tan(radians(place["angle"])): place for mu, place in line.items()}
 
 
-def _check_arrested(place: Place) -> Check:
-    """Return the check that a flow has come to rest.
+def _check_arrested(place: Place, min_rest: float) -> Check:
+    """Return the check that a flow has come to rest for ``min_rest`` (√(σ/g)) at least.
 
-    In that regime V/√(gσ) stays below 1e-3 over half of the window, which is 50 √(σ/g) at least. A
-    flow that moves without much change fails. One that slows is undecided, and so is one whose
-    replicates disagree.
+    In that regime V/√(gσ) stays below 1e-3 over half of the window. A flow that moves without much
+    change fails. One that slows is undecided, and so is one whose replicates disagree.
     """
     rests, regimes = nan, set(place.values("regime"))
-    if place["average"] >= MIN_AVERAGE and regimes == {"arrested"}:
+    if place["average"] >= 2 * min_rest and regimes == {"arrested"}:
         rests = 1.0
     elif "arrested" not in regimes and (regimes == {"accelerating"} or not reason_unsettled(place)):
         rests = 0.0
@@ -236,14 +246,23 @@ def _report_rest_time(place: Place) -> list[Check]:
     return [reported(f"time until at rest, {_rough_label(place)}", rest_time, [place], "√(σ/g)")]
 
 
-def w23(evidence: Evidence, margin: float) -> list[Check]:
+def w23(
+    evidence: Evidence,
+    *,
+    margin: float,
+    depths: Sequence[float],
+    slow: tuple[float, float],
+    fast: tuple[float, float],
+) -> list[Check]:
     """Velocities after slower and faster starts equal that after the nearest one within ``margin``.
 
-    The nearest start is the one closest to the velocity it led to. The states of deep flows are
+    The nearest start is the one closest to the velocity it led to. ``slow`` and ``fast`` are
+    fractions of that velocity, each as numerator and denominator. The states of deep flows are
     reported by their start.
     """
     checks, missing = [], []
-    for n in START_DEPTHS:
+    max_slow, min_fast = slow[0] / slow[1], fast[0] / fast[1]
+    for n in depths:
         line = evidence.line("chute", "initial_velocity", depth=n, cell=CELLS[n])
         near = _nearest_start(line)
         if near is None:
@@ -253,7 +272,7 @@ def w23(evidence: Evidence, margin: float) -> list[Check]:
         reached = steady.velocity.nominal_value / natural_speed(steady)
         relative = {start: start / reached for start in line}
         ends = min(relative.values(), default=inf), max(relative.values(), default=0)
-        if abs(near / reached - 1) > NEAR_TOLERANCE or ends[0] > MAX_SLOW or ends[1] < MIN_FAST:
+        if abs(near / reached - 1) > NEAR_TOLERANCE or ends[0] > max_slow or ends[1] < min_fast:
             missing.append(f"{n:g}")
             continue
         for start, place in line.items():
@@ -292,20 +311,23 @@ def _nearest_start(line: Mapping[float, Place]) -> float | None:
     return min((start for start in line if is_flowing(line[start])), key=distance, default=None)
 
 
-def w25(evidence: Evidence, min_width: float) -> list[Check]:
+def w25(
+    evidence: Evidence, *, min_width: float, required: Sequence[float], depth: float
+) -> list[Check]:
     """The window between angles at which flows rest and run away exceeds ``min_width`` (degrees).
 
     The narrowest window of any seed decides. Its ends are the inner ones of the brackets: flows
-    move at the lower end, and do not accelerate at the upper one.
+    move at the lower end, and do not accelerate at the upper one. It is needed at the ``required``
+    depths, and judged at one more where it was searched.
     """
     checks, missing = [], []
-    for n in ANGLE_DEPTHS:
+    for n in (*required, depth):
         try:
             runaway, rest = (
                 evidence.brackets("chute", of, "angle", depth=n) for of in ("acceleration", "flow")
             )
         except Untestable:
-            if n in REQUIRED_DEPTHS:
+            if n in required:
                 missing.append(f"{n:g}")
             continue
         width = (runaway["low"] - rest["high"]).dropna()
