@@ -11,9 +11,10 @@ from sim.claims.verdict import (
     combined_verdict,
 )
 from sim.claims.walton_flows import w5, w9, w24, w26
+from sim.dataset.caveats import CLOSED_SHARE
 from tests.claims.judging import checks_on, failed_quantities, verdict_on
 from tests.made.chute_flows import SLOPE, SPEEDS, base_flows, flow
-from tests.made.results import made_point
+from tests.made.results import headline_bounds, made_point
 
 JUDGES = [w5, w9, w24, w26]
 
@@ -47,6 +48,10 @@ def test_balances_are_those_of_steady_flows_alone(judge):
     assert verdict_on(judge, [*base_flows(), wrong]) == REPRODUCED
     with pytest.raises(Untestable, match="steady"):
         checks_on(judge, [wrong])
+
+
+def test_a_ledger_closes_as_caveats_demand():
+    assert headline_bounds(w5) == {"max_missing": CLOSED_SHARE}
 
 
 def test_one_leaking_replicate_fails_the_ledger_wherever_it_is():

@@ -1,17 +1,26 @@
 """Experiments on the model: they pass on the engine and fail on wrong laws and systems."""
 
+from functools import partial
+
 import numpy as np
 import pytest
 
+from sim.claims import walton_model
 from sim.claims.contacts import contact_path
 from sim.claims.judge import MODEL_READINGS
 from sim.claims.verdict import NOT_REPRODUCED, REPRODUCED, combined_verdict
-from sim.claims.walton_model import w1, w2, w3, w4
 from sim.engine.boundary.drive import Gravity
 from sim.engine.contact.walton_braun import walton_braun
 from sim.engine.systems.chute import Chute
 from tests.claims.judging import failed_quantities
 from tests.engine_motion.helpers import LAWS
+from tests.made.results import headline_bounds
+
+#: Judges with their bounds.
+w1, w2, w3, w4 = (
+    partial(judge, **headline_bounds(judge))
+    for judge in (walton_model.w1, walton_model.w2, walton_model.w3, walton_model.w4)
+)
 
 
 @pytest.mark.parametrize("judge", [w1, w2, w3, w4])
@@ -23,7 +32,8 @@ def test_the_engine_is_as_the_paper_says(judge):
 @pytest.mark.long
 @pytest.mark.parametrize("reading", MODEL_READINGS[1:])
 def test_under_other_readings_the_model_is_judged_as_published(reading):
-    verdicts = {judge.__name__: combined_verdict(judge(reading)) for judge in (w1, w2, w3, w4)}
+    judges = {"w1": w1, "w2": w2, "w3": w3, "w4": w4}
+    verdicts = {name: combined_verdict(judge(reading)) for name, judge in judges.items()}
     reset = reading.get("overlap_memory") == "reset"
     expected = dict.fromkeys(verdicts, REPRODUCED) | ({"w1": NOT_REPRODUCED} if reset else {})
     assert verdicts == expected

@@ -6,10 +6,10 @@ import pytest
 
 from sim.claims.chute import CELLS
 from sim.claims.verdict import INCONCLUSIVE, NOT_REPRODUCED, REPRODUCED, Untestable
-from sim.claims.walton_regimes import SLIPPERY, w6, w7, w8, w19, w23, w25
+from sim.claims.walton_regimes import w6, w7, w8, w19, w23, w25
 from tests.claims.judging import by_part, checks_on, failed_quantities, verdict_on
 from tests.made.chute_flows import PAPER, SLOPE, SPEEDS, WIDE, base_flows, flow
-from tests.made.results import made_boundary
+from tests.made.results import headline_bounds, made_boundary
 
 TANGENT = tan(radians(PAPER.angle))
 
@@ -29,7 +29,7 @@ def slippery(change: float = 1.0, error: float = 1e-3, depths=(0.5, 10, 40)):
     """Return flows that slide as a block does, but for a factor at depth 10."""
     return [
         accelerating((change if n == 10 else 1) * (1 - mu / TANGENT), error, friction=mu, depth=n)
-        for mu in SLIPPERY
+        for mu in headline_bounds(w6)["frictions"]
         for n in depths
     ]
 
