@@ -22,7 +22,7 @@ def run_readings(tmp_path, monkeypatch) -> list:
     """Return the readings under which the experiment was really run."""
     readings = []
 
-    def judge(reading):
+    def judge(reading, **_):
         readings.append(dict(reading))
         return CHECKS
 

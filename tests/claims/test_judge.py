@@ -219,7 +219,7 @@ def test_a_claim_that_names_what_a_reading_changes_is_judged_once(monkeypatch, n
     )
     evidence = list(judge._evidence(made_results(*flows), "chute"))
 
-    def judge_function(evidence):
+    def judge_function(evidence, **_):
         place = evidence.at("chute", depth=5, **named)
         return [above("V", place.velocity, 0, [place])]
 
@@ -235,7 +235,7 @@ def test_a_grid_is_a_reading_of_claims_that_look_at_profiles(monkeypatch, looks_
     profiles = {"number_density": lambda z: np.exp(-z / BEAD)}
     bed = made_point("belt", {"velocity": 0.1}, profiles, height=height, slice_height=0.5)
 
-    def judge_function(evidence):
+    def judge_function(evidence, **_):
         place = evidence.at("belt")
         if looks_at == "velocity":
             return [above("V", place.velocity, 0, [place])]
