@@ -20,6 +20,7 @@ from typing import NamedTuple
 
 from sim.base.additions import (
     FILE,
+    TALUS,
     AdditionError,
     Plugin,
     addition_labels,
@@ -29,6 +30,7 @@ from sim.base.additions import (
 )
 from sim.base.errors import InputError
 from sim.base.files import read_regular
+from sim.base.package import module_names
 from sim.base.process import restore_process
 from sim.base.words import printable
 
@@ -93,6 +95,13 @@ def load_from_environment() -> None:
         (plugin,) = load([name], Path(), VARIABLE)
         if code and plugin.code != code:
             raise InputError(f"{plugin}: edited since this study was started; start it again")
+
+
+def load_shipped(package: str) -> None:
+    """Import the modules of a package of Talus, which add to it by the calls that plug-ins make."""
+    with attribute_additions_to(TALUS):
+        for name in module_names(package):
+            import_module(f"{package}.{name}")
 
 
 def load_plugins(*names: str | Path) -> None:

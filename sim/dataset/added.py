@@ -6,9 +6,9 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
+from sim.base.additions import plugin_options
 from sim.base.errors import InputError
 from sim.parameters import SYSTEMS, defaults_of_added
-from sim.parameters.choices import own
 
 
 def added_columns(columns: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
@@ -37,7 +37,7 @@ def require_known_options(dataset: xr.Dataset, path: Path) -> None:
     Their parameters are not known, so two points that differ in one would be taken for the same.
     """
     for choice in ("law", "motion"):
-        loaded = own(choice)
+        loaded = plugin_options(choice)
         for name in map(str, dataset[choice].values if choice in dataset.coords else ()):
             # The name of an option of a plug-in ends in its hash.
             if "." in name and name not in loaded:

@@ -20,7 +20,7 @@ import numpy as np
 
 from sim.engine.compile import implements, inlined, kernel
 from sim.engine.contact.friction import blank_memory, recall
-from sim.engine.contact.own import law_between, law_on_plane
+from sim.engine.contact.functions import law_between, law_on_plane
 from sim.engine.dynamics.spheres import (
     DEPTH,
     FX,
