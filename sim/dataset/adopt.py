@@ -5,9 +5,9 @@ from pathlib import Path
 
 import netCDF4
 
-from sim.base.damage import checked_read
 from sim.base.errors import InputError
 from sim.base.files import atomic_write, read_regular
+from sim.base.seals import checked_read
 from sim.base.words import count_text
 from sim.dataset.adopted import FOLDER, read_points
 from sim.dataset.earlier import adopted_rows, missing_variables

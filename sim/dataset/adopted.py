@@ -10,8 +10,7 @@ from typing import Any, NamedTuple
 import netCDF4
 import numpy as np
 
-from sim.base.damage import checked_read
-from sim.base.files import is_damaged
+from sim.base.seals import checked_read, is_damaged
 from sim.dataset.boundary_side import SCALARS
 from sim.engine.identity import NUMERICS
 from sim.engine.stored_run import has_enough

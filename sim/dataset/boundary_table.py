@@ -6,7 +6,7 @@ import netCDF4
 import pandas as pd
 import xarray as xr
 
-from sim.base.damage import checked_read
+from sim.base.seals import checked_read
 from sim.dataset.added import added_columns
 
 #: Group of the dataset with the table, one row per boundary.

@@ -16,7 +16,8 @@ import numpy as np
 import xarray as xr
 
 from sim.base.errors import InputError
-from sim.base.files import atomic_write, require_writable, seal
+from sim.base.files import atomic_write, require_writable
+from sim.base.seals import seal
 from sim.dataset.adopted import AdoptedPoints
 from sim.dataset.boundaries import tabulate
 from sim.dataset.boundary_side import side

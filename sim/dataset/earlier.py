@@ -14,9 +14,9 @@ import pandas as pd
 import xarray as xr
 
 from sim.base.additions import codes
-from sim.base.damage import UNREADABLE
-from sim.base.files import atomic_write, is_damaged, read_seal
+from sim.base.files import atomic_write
 from sim.base.rooms import files_hash, room_hash
+from sim.base.seals import UNREADABLE, is_damaged, read_seal
 from sim.dataset.gather import STATE_VARIABLES, amounts_text
 from sim.dataset.results import PARTICLES, RUNS
 from sim.dataset.rows import OF_PROFILES, WORDS, Rows, dimensions, row_arrays, row_scalars

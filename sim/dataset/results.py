@@ -11,8 +11,8 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from sim.base.damage import checked_read
 from sim.base.errors import InputError
+from sim.base.seals import checked_read
 from sim.dataset.added import added_columns
 from sim.dataset.boundary_table import is_study_dataset, read_table
 from sim.dataset.grids import GRIDS, number_density_name, regrid

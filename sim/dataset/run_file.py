@@ -1,7 +1,7 @@
 """A run file as a mapping from name to array, where each array is read at its first access."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 import netCDF4
 import numpy as np
@@ -105,3 +105,9 @@ class Replicate(Mapping[str, Any]):
 
     def __contains__(self, name: object) -> bool:
         return name in self._run
+
+
+class NamedValues(Protocol):
+    """A mapping, a dataset, a place of a claim: any object with values by name."""
+
+    def __getitem__(self, name: str, /) -> Any: ...

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from sim.base.damage import checked_read
+from sim.base.seals import checked_read
 from sim.dataset.adopted import AdoptedPoints
 from sim.dataset.earlier import adopted_rows, earlier_rows
 from sim.dataset.gather import amounts_text

@@ -6,8 +6,7 @@ from typing import Any, NamedTuple
 
 import netCDF4
 
-from sim.base.files import is_damaged
-from sim.base.summary import read_summary
+from sim.base.seals import is_damaged, read_summary
 from sim.dataset.run_file import RunFile
 from sim.engine.stored_run import find_stage
 from sim.parameters.variables import SCALARS

@@ -7,7 +7,7 @@ from pathlib import Path
 import netCDF4
 import numpy as np
 
-from sim.base.files import is_damaged
+from sim.base.seals import is_damaged
 from sim.engine.observe.recorder import Record
 from sim.engine.observe.run_file import Stage
 from sim.engine.stored_run import is_run_of, read_attributes, stage_amounts, stage_groups

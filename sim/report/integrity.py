@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from sim.base.damage import checked_read
+from sim.base.seals import checked_read
 from sim.dataset.boundaries import format_csv
 from sim.dataset.results import Results
 from sim.figures.figure_records import require_unchanged

@@ -13,7 +13,8 @@ from typing import Any
 import numpy as np
 
 from sim.base.errors import InputError
-from sim.base.files import atomic_write, read_regular, read_seal, require_writable
+from sim.base.files import atomic_write, read_regular, require_writable
+from sim.base.seals import read_seal
 from sim.dataset.run_file import RunFile
 from sim.engine.stored_run import open_run_file, parameters_of
 from sim.parameters import Parameters, as_yaml, complete_values, default_of, field_info

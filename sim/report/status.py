@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import psutil
 
-from sim.base.damage import UNREADABLE
+from sim.base.seals import UNREADABLE
 from sim.dataset.adopted import AdoptedPoint, AdoptedPoints
 from sim.dataset.caveats import caveat_of_run
 from sim.dataset.rounds import known_points, round_files
