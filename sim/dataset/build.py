@@ -21,15 +21,13 @@ from sim.base.seals import seal
 from sim.dataset.adopted import AdoptedPoints
 from sim.dataset.boundaries import tabulate
 from sim.dataset.boundary_side import side
-from sim.dataset.boundary_table import GROUP
-from sim.dataset.combine import profiles, root, runs
+from sim.dataset.combine import natural_velocities, profiles, root, runs, si_parameters
 from sim.dataset.earlier import keep_dataset
 from sim.dataset.gather import PATH_VARIABLES
-from sim.dataset.results import PARTICLES, RUNS
+from sim.dataset.results import GROUP, PARTICLES, RUNS
 from sim.dataset.rounds import add_rounds, find_sides, known_points, with_study_amounts
 from sim.dataset.rows import Rows, select_rows
 from sim.dataset.runs import Runs
-from sim.dataset.units import natural_velocities, si_parameters
 from sim.engine.stored_run import current_status
 from sim.parameters import SYSTEMS, Parameters, point_id
 from sim.study.catalogue import Shown

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from sim.dataset.added import added_columns
-from sim.dataset.results import load_results
+from sim.dataset.results import added_columns, load_results
 from sim.parameters import SYSTEMS, defaults_of_added
 from tests.test_published import STUDIES
 

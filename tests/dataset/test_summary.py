@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from sim.dataset.boundary_side import side_of_run
-from sim.dataset.summary import summary_of
+from sim.dataset.run_file import summary_of
 from sim.engine.run import run_point
 from sim.parameters.variables import SCALARS
 from tests.engine_motion.points import belt_point

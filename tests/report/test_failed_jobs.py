@@ -6,7 +6,7 @@ import time
 
 import pytest
 
-from sim.report.failed_jobs import FailedJobs, is_news
+from sim.report.watch import FailedJobs, is_news
 
 
 @pytest.fixture

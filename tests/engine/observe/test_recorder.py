@@ -5,13 +5,11 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from sim.engine.observe.blocks import MAX_BLOCKS
-from sim.engine.observe.ledger import Ledger
 from sim.engine.observe.profiles import empty_profile
 from sim.engine.observe.recorder import Recorder
 from sim.engine.observe.regime import Scales
-from sim.engine.observe.sums import zero_samples
-from sim.engine.observe.system import Samples
+from sim.engine.observe.sums import MAX_BLOCKS, zero_samples
+from sim.engine.observe.system import Ledger, Samples
 
 #: Samples of 0.1 s: 4 of transient and 12 to average, or up to 64 of the converged protocol.
 LENGTHS = {

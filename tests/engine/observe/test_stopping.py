@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from sim.engine.observe import stopping
+from sim.engine.observe import regime as stopping
 from sim.engine.observe.regime import Scales
 from tests.engine_motion.series import correlated, with_transient
 

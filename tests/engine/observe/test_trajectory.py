@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import sim
-from sim.engine.observe.trajectory import Trajectory
+from sim.engine.observe.recorder import Trajectory
 
 BELT = {"system": "belt", "beads": 20, "width": 5}
 CHUTE = {"system": "chute", "depth": 2, "cell": 5}
