@@ -32,7 +32,6 @@ GROUP = "boundaries"
 
 #: Columns with the results of a boundary, and all columns of a table without rows.
 RESULT_COLUMNS = ("low", "high", "below", "above", "verdict", "points")
-
 _COLUMNS = ("name", "system", "of", "along", "unit", "figures", *RESULT_COLUMNS)
 
 

@@ -1,4 +1,7 @@
-"""A run file as a mapping from name to array, where each array is read at its first access."""
+"""Run files as arrays by name, the summary at their end, and those that points start from.
+
+Each array is read at its first access.
+"""
 
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cache

@@ -1,4 +1,4 @@
-"""Numbers with intervals and thresholds, as text and as positions on a strip."""
+"""Text of the report: numbers with intervals and thresholds, and the templates of pages."""
 
 import shlex
 from collections.abc import Mapping

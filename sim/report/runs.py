@@ -1,4 +1,4 @@
-"""Rows of the tables of runs, boundaries and parameters."""
+"""Rows of the tables of runs, boundaries and parameters, and counts of the points by result."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any

@@ -1,4 +1,4 @@
-"""Output of a running workflow: a line per finished point, and a bar on a terminal."""
+"""Output of a running workflow: a line per finished point or failed job, a bar on a terminal."""
 
 import logging
 import os
