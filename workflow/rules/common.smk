@@ -212,8 +212,7 @@ def warn_of_namesake():
 
 def start_watch():
     """Start to show the progress of the study; return the `Watch` that shows it."""
-    from sim.report.watch import FailedJobs, is_news
-    from sim.report.watch import Watch
+    from sim.report.watch import FailedJobs, Watch, is_news
 
     points = {key: point for key, point in STUDY.points.items() if key not in SOURCES}
     study_watch = Watch(replace(STUDY, points=points), Path(RESULTS))
