@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self
 from pydantic import model_validator
 
 from sim.base.additions import attribute_errors_to, plain_name
-from sim.base.package import module_names
+from sim.base.plugins import module_names
 from sim.parameters.common import MAX_PARTICLES, Parameters, Real, broken_rule
 from sim.parameters.roles import declare
 

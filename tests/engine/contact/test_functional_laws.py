@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from sim.engine.contact import Partners, law_of
-from sim.laws.hertz import effective_modulus
+from sim.laws.hertz import effective_modulus, force
 from sim.parameters import ChuteParameters
 from tests.engine_motion.spheres import SphereMotion
 
@@ -66,7 +66,7 @@ def test_hertz_at_a_hundredth_of_a_diameter_is_the_spring():
     point = ChuteParameters(law="hertz")
     law = law_of(point, Partners(0.4, 0.5 * point.mass, point.time_step))
     overlap, radius, zero = point.diameter / 100, point.diameter / 4, (0.0, 0.0, 0.0)
-    normal = hertz.force(law, overlap, 0.0, zero, zero, (0.0,) * 4, radius, point.mass)[0]
+    normal = force(law, overlap, 0.0, zero, zero, (0.0,) * 4, radius, point.mass)[0]
     assert normal == pytest.approx(point.stiffness * overlap)
 
 
