@@ -223,15 +223,16 @@ def g6(
     threshold: float,
     low: float,
     high: float,
-    min_gamma: float,
-    max_gamma: float,
+    gamma: float,
+    max_error: float,
 ) -> list[Check]:
     """At A_z = 0.5⟨d⟩ the onset is at 18 Hz (a), and Γ there is 0.8 (b), both within margins."""
+    allowed = gamma - max_error, gamma + max_error
     onset = find_onset(evidence, threshold, amplitude=0.5)
     place = evidence.at("belt", frequency=MIN_FLOW_FREQUENCY, amplitude=0.5)
     return judge_parts(
         a=lambda: [_check_onset(onset, "A_z = 0.5⟨d⟩", low, high)],
-        b=lambda: [_check_gamma(onset, place, ", A_z = 0.5⟨d⟩", min_gamma, max_gamma)],
+        b=lambda: [_check_gamma(onset, place, ", A_z = 0.5⟨d⟩", *allowed)],
     )
 
 
