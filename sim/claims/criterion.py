@@ -55,4 +55,4 @@ def fill(text: str, bounds: Mapping[str, Any]) -> str:
     try:
         return _Text().vformat(text, (), bounds)
     except (LookupError, AttributeError, TypeError, ValueError) as error:
-        raise ValueError(f"braces in {text!r} that no bound fits: {error}") from None
+        raise ValueError(f"one that fits each brace of {text!r}: {error}") from None

@@ -8,8 +8,8 @@ import pytest
 from pydantic import ValidationError
 
 from sim.base.statistics import CONFIDENCE
+from sim.claims.claim import Claim, claims
 from sim.claims.criterion import fill
-from sim.claims.table import Claim, claims
 from sim.dataset.measures import layers
 from sim.dataset.measures.belt import EARLY_CYCLES, FAR_DISTANCE
 from sim.dataset.measures.order import MIN_BONDS
@@ -37,17 +37,17 @@ def named(template: str) -> set[str]:
 def test_every_number_of_a_criterion_is_a_bound_that_its_judge_takes(claim):
     bare = "".join(text for text, *_ in Formatter().parse(claim.criterion))
     assert not re.findall(r"\d", re.sub("|".join(NAMES), "", bare)), bare
-    arguments = inspect.signature(claim.judge_function()).parameters.values()
+    arguments = inspect.signature(claim.judge).parameters.values()
     taken = {one.name for one in arguments if one.kind == one.KEYWORD_ONLY}
     assert taken == set(claim.bounds_at())
     assert set(claim.bounds) <= named(claim.criterion) | named(claim.reason)
 
 
 def test_a_criterion_whose_braces_name_no_bound_is_refused():
-    fields = claims()[0].model_dump() | {"bounds": {"low": 15}, "reason": "ours"}
+    fields = dict(claims()[0]) | {"bounds": {"low": 15}, "reason": "ours"}
     assert Claim(**fields | {"criterion": "above {low} Hz"}).texts()["criterion"] == "above 15 Hz"
     for criterion in ("above {high} Hz", "above {low[0]} Hz", "above {low:word} Hz", "above {} Hz"):
-        with pytest.raises(ValidationError, match="no bound fits"):
+        with pytest.raises(ValidationError, match="one that fits each brace"):
             Claim(**fields | {"criterion": criterion})
 
 

@@ -6,8 +6,8 @@ import pytest
 
 from sim.base.seals import seal
 from sim.claims import experiments
+from sim.claims.claim import claims
 from sim.claims.experiments import run_experiment
-from sim.claims.table import claims
 from sim.claims.verdict import Check
 
 CLAIM = claims()[0]
@@ -27,7 +27,7 @@ def run_readings(tmp_path, monkeypatch) -> list:
         return CHECKS
 
     monkeypatch.setattr(experiments, "cache_directory", lambda with_plugins: tmp_path)
-    monkeypatch.setattr(type(CLAIM), "judge_function", lambda _: judge)
+    monkeypatch.setitem(vars(CLAIM), "judge", judge)
     return readings
 
 
