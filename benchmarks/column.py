@@ -1,4 +1,4 @@
-"""A column of equal beads on the belt: the least model in which Gallas' onset can be understood.
+"""A column of equal beads on the belt: the simplest model that explains Gallas' onset.
 
 Beads on top of each other, one in each layer of the bed, feel their neighbours and the belt as in
 the engine: a linear spring, damping along the line of centres, shear friction across it. There is

@@ -1,8 +1,8 @@
 """How often the judge is right: verdicts on synthetic flows whose truth is known.
 
-Each flow is a series per replicate with a mean, correlations, a drift or states of its own, and is
-analysed as runs are; statements on it lie a known number of half widths from their threshold, on
-the true or on the false side. `python -m benchmarks.judging` prints the rates of
+Each flow is a series per replicate with a mean, correlations, a drift or several states, and is
+analysed like runs. Statements on it lie a known number of half widths from their threshold, on the
+true or on the false side. `python -m benchmarks.judging` prints the rates of
 docs/validation.md.
 """
 
@@ -13,11 +13,11 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 
-from sim.claims.checks import below, withheld, within
-from sim.claims.chute import acceleration, of_settled, still_changing
+from sim.claims.checks import below, withhold, within
+from sim.claims.chute import acceleration, reason_unrankable, withhold_unsettled
 from sim.claims.inference import outranks, share_above, trend
 from sim.claims.place import Place, quotient
-from sim.claims.verdict import NOT_REPRODUCED, REPRODUCED, Check, together
+from sim.claims.verdict import NOT_REPRODUCED, REPRODUCED, Check, combined_verdict
 from sim.dataset.results import Results
 from sim.engine.observe.regime import Scales, analyse
 from sim.parameters import ChuteParameters
@@ -31,10 +31,10 @@ SAMPLES, INTERVAL = 200, 0.1
 #: Mean velocity (m/s), fluctuation of a sample and scatter of replicates relative to it.
 SPEED, FLUCTUATION, SCATTER = 0.5, 0.05, 0.01
 
-#: Parameters of a flow that judges ask for.
-KNOWN = ("system", "target", "gravity", "angle", "depth", "diameter")
+#: Parameters of a flow that judges need.
+PLACE_LABELS = ("system", "target", "gravity", "angle", "depth", "diameter")
 
-#: Margin of an equality, and trials from which the half width of a statement is taken.
+#: Margin of an equality, and trials that give the half width of a statement.
 MARGIN, PILOT = 0.1, 60
 
 #: Distances from the threshold in half widths, the true side positive, and replicates.
@@ -43,10 +43,10 @@ DISTANCES, REPLICATES, TRIALS = (-1, 0, 1, 2), (3, 8), 200
 
 @dataclass(frozen=True)
 class Kind:
-    """How series are: correlation from sample to sample, drift over the window, second state.
+    """Kind of series: correlation of successive samples, drift over the window, second state.
 
-    ``drift`` is relative to the mean; ``state`` is the velocity of a second state relative to the
-    first, in which half of the replicates are.
+    ``drift`` is relative to the mean. ``state`` is the velocity of a second state relative to the
+    first; half of the replicates are in each.
     """
 
     correlation: float = 0.3
@@ -69,20 +69,20 @@ def flow(rng: np.random.Generator, kind: Kind, mean: float, replicates: int) -> 
     rows: dict[str, list] = {}
     for _ in range(replicates):
         state = kind.state if rng.random() < 0.5 else 1.0
-        own = mean * state * (1 + SCATTER * rng.normal())
-        found = analyse(_series(rng, kind, own), INTERVAL, scales)
+        state_mean = mean * state * (1 + SCATTER * rng.normal())
+        analysis = analyse(_series(rng, kind, state_mean), INTERVAL, scales)
         row = {
             "status": "completed",
-            "velocity": found.velocity.value,
-            "velocity_half_width": found.velocity.half_width,
-            "acceleration": found.acceleration.value,
-            "acceleration_half_width": found.acceleration.half_width,
-            "independent_samples": found.independent,
+            "velocity": analysis.velocity.value,
+            "velocity_half_width": analysis.velocity.half_width,
+            "acceleration": analysis.acceleration.value,
+            "acceleration_half_width": analysis.acceleration.half_width,
+            "independent_samples": analysis.independent,
             "average_start": 0.0,
             "steps": float(SAMPLES),
             "time_step_used": INTERVAL,
-            "regime": found.regime,
-            "quality": found.quality,
+            "regime": analysis.regime,
+            "quality": analysis.quality,
             "stopped": "length",
             "reason": "",
         }
@@ -114,56 +114,56 @@ def places(rng: np.random.Generator, kind: Kind, means: list[float], replicates:
         for name, (dims, values) in data.items()
     }
     ids = [f"flow-{k}" for k in range(len(means))]
-    labels = {name: ("point", [getattr(PAPER, name)] * len(ids)) for name in KNOWN}
+    labels = {name: ("point", [getattr(PAPER, name)] * len(ids)) for name in PLACE_LABELS}
     dataset = xr.Dataset(data, coords={"point": ids} | labels)
     results = Results(dataset, {}, None)  # type: ignore[arg-type]
-    return [Place(results, one) for one in ids]
+    return [Place(results, point) for point in ids]
 
 
 Statement = Callable[[np.random.Generator, Kind, float, int], Check]
 
 
-def _slower(rng: np.random.Generator, kind: Kind, apart: float, replicates: int) -> Check:
-    """A flow is slower than another; ``apart`` is by how much, relative to it."""
-    one, other = places(rng, kind, [SPEED * (1 - apart), SPEED], replicates)
-    check = below("V over V", quotient(one.velocity, other.velocity), 1, (one, other))
-    return of_settled([check], (one, other))[0]
+def _is_slower(rng: np.random.Generator, kind: Kind, apart: float, replicates: int) -> Check:
+    """Return the check that a flow is slower than another, by the relative difference ``apart``."""
+    slow, fast = places(rng, kind, [SPEED * (1 - apart), SPEED], replicates)
+    check = below("V over V", quotient(slow.velocity, fast.velocity), 1, (slow, fast))
+    return withhold_unsettled([check], (slow, fast))[0]
 
 
-def _equal(rng: np.random.Generator, kind: Kind, apart: float, replicates: int) -> Check:
-    """Two flows are equally fast within a margin; ``apart`` is how far within."""
-    one, other = places(rng, kind, [SPEED * (1 + MARGIN - apart), SPEED], replicates)
-    ratio = quotient(one.velocity, other.velocity)
-    check = within("V over V", ratio, 1 - MARGIN, 1 + MARGIN, (one, other))
-    return of_settled([check], (one, other))[0]
+def _are_equal(rng: np.random.Generator, kind: Kind, apart: float, replicates: int) -> Check:
+    """Return the check that two flows are equally fast within a margin, ``apart`` inside it."""
+    first, second = places(rng, kind, [SPEED * (1 + MARGIN - apart), SPEED], replicates)
+    ratio = quotient(first.velocity, second.velocity)
+    check = within("V over V", ratio, 1 - MARGIN, 1 + MARGIN, (first, second))
+    return withhold_unsettled([check], (first, second))[0]
 
 
-def _rising(rng: np.random.Generator, kind: Kind, apart: float, replicates: int) -> Check:
-    """Four flows are ever faster; ``apart`` is the difference of the ends."""
+def _are_rising(rng: np.random.Generator, kind: Kind, apart: float, replicates: int) -> Check:
+    """Return the check that four flows are ever faster, by ``apart`` between the ends."""
     means = [SPEED * (1 + apart * k / 3) for k in range(4)]
     flows = places(rng, kind, means, replicates)
-    found = trend("V", [[one.values("velocity") for one in flows]], flows)
-    return withheld([found], next(filter(None, map(still_changing, flows)), ""))[0]
+    check = trend("V", [[place.values("velocity") for place in flows]], flows)
+    return withhold([check], next(filter(None, map(reason_unrankable, flows)), ""))[0]
 
 
-def _above(rng: np.random.Generator, kind: Kind, apart: float, replicates: int) -> Check:
-    """A flow ranks above another; ``apart`` is by how much it is faster."""
+def _ranks_above(rng: np.random.Generator, kind: Kind, apart: float, replicates: int) -> Check:
+    """Return the check that a flow ranks above another, faster by ``apart``."""
     pair = places(rng, kind, [SPEED * (1 + apart), SPEED], replicates)
     return outranks("V", pair[0].values("velocity"), pair[1].values("velocity"), pair)
 
 
 STATEMENTS: dict[str, Statement] = {
-    "bound": _slower,
-    "equality": _equal,
-    "trend": _rising,
-    "rank": _above,
+    "bound": _is_slower,
+    "equality": _are_equal,
+    "trend": _are_rising,
+    "rank": _ranks_above,
 }
 
 
 def half_width(rng: np.random.Generator, kind: Kind, replicates: int) -> float:
     """Return the median half width of the ratio of two velocities, relative to it."""
-    found = [_slower(rng, kind, 0.0, replicates).half_width for _ in range(PILOT)]
-    return float(np.median(found))
+    widths = [_is_slower(rng, kind, 0.0, replicates).half_width for _ in range(PILOT)]
+    return float(np.median(widths))
 
 
 def rates(
@@ -185,16 +185,19 @@ def rates(
     Returns
     -------
     tuple of float
-        Not-a-number for an equality that is nowhere so far from its margin.
+        Not-a-number for an equality where ``distance`` exceeds the margin.
     """
     rng = np.random.default_rng([trials, replicates, *map(ord, statement + kind)])
     apart = distance * half_width(rng, KINDS[kind], replicates)
     if statement == "equality" and apart > MARGIN:
         return np.nan, np.nan
     judge = STATEMENTS[statement]
-    verdicts = [together([judge(rng, KINDS[kind], apart, replicates)]) for _ in range(trials)]
+    verdicts = [
+        combined_verdict([judge(rng, KINDS[kind], apart, replicates)]) for _ in range(trials)
+    ]
     return tuple(
-        np.mean([one == wanted for one in verdicts]) for wanted in (REPRODUCED, NOT_REPRODUCED)
+        np.mean([verdict == expected for verdict in verdicts])
+        for expected in (REPRODUCED, NOT_REPRODUCED)
     )
 
 
@@ -204,32 +207,39 @@ def steadiness(gain: float, replicates: int, trials: int = TRIALS) -> tuple[floa
     The criterion of the papers' steady flows: less than 1 % of g sin θ.
     """
     rng = np.random.default_rng([trials, replicates, int(1e4 * gain)])
-    found = []
+    verdicts = []
     for _ in range(trials):
         drift = gain * PAPER.gravity * np.sin(np.radians(PAPER.angle)) * SAMPLES * INTERVAL / SPEED
-        (one,) = places(rng, Kind(drift=drift), [SPEED], replicates)
-        found.append(together([within("dV/dt", acceleration(one), -0.01, 0.01, (one,))]))
+        (place,) = places(rng, Kind(drift=drift), [SPEED], replicates)
+        verdicts.append(
+            combined_verdict([within("dV/dt", acceleration(place), -0.01, 0.01, (place,))])
+        )
     return tuple(
-        np.mean([one == wanted for one in found]) for wanted in (REPRODUCED, NOT_REPRODUCED)
+        np.mean([verdict == expected for verdict in verdicts])
+        for expected in (REPRODUCED, NOT_REPRODUCED)
     )
 
 
-def often(share: float, number: int, trials: int = TRIALS) -> tuple[float, float]:
-    """Return how often more than half of so many runs are found to be in a state, and not to be."""
+def majority_rates(share: float, number: int, trials: int = TRIALS) -> tuple[float, float]:
+    """Return how often most of ``number`` runs are judged to be in a state, and not to be.
+
+    ``share`` is the true probability of that state.
+    """
     rng = np.random.default_rng([trials, number, int(100 * share)])
-    found = [
-        together([share_above("share", int(count), number, 0.5)])
+    verdicts = [
+        combined_verdict([share_above("share", int(count), number, 0.5)])
         for count in rng.binomial(number, share, trials)
     ]
     return tuple(
-        np.mean([one == wanted for one in found]) for wanted in (REPRODUCED, NOT_REPRODUCED)
+        np.mean([verdict == expected for verdict in verdicts])
+        for expected in (REPRODUCED, NOT_REPRODUCED)
     )
 
 
-def several(
+def joint_rates(
     votes: int, distance: float, odd: float, replicates: int, trials: int = TRIALS
 ) -> tuple[float, float]:
-    """Return how often a claim of so many bounds is reproduced, and how often it is not reproduced.
+    """Return how often a claim of ``votes`` bounds is reproduced, and how often not reproduced.
 
     All but one lie ``distance`` half widths from their thresholds, and one lies ``odd`` of them.
     """
@@ -237,19 +247,25 @@ def several(
     kind = KINDS["stationary"]
     width = half_width(rng, kind, replicates)
     apart = [odd * width] + [distance * width] * (votes - 1)
-    found = [together([_slower(rng, kind, a, replicates) for a in apart]) for _ in range(trials)]
+    verdicts = [
+        combined_verdict(
+            [_is_slower(rng, kind, distance_apart, replicates) for distance_apart in apart]
+        )
+        for _ in range(trials)
+    ]
     return tuple(
-        np.mean([one == wanted for one in found]) for wanted in (REPRODUCED, NOT_REPRODUCED)
+        np.mean([verdict == expected for verdict in verdicts])
+        for expected in (REPRODUCED, NOT_REPRODUCED)
     )
 
 
-def tightening(
+def rates_by_replicates(
     statement: str, kind: str, numbers: tuple[int, ...], trials: int = TRIALS
 ) -> list[float]:
-    """Return how often a true statement is reproduced by number of replicates.
+    """Return how often a true statement is reproduced, for each number of replicates.
 
-    It lies one half width of a bound with the first number from its threshold. Not-a-number for an
-    equality that is nowhere so far from its margin.
+    Its distance from the threshold is one half width at the first number. Not-a-number for an
+    equality where this distance exceeds the margin.
     """
     rng = np.random.default_rng([trials, *map(ord, statement + kind)])
     apart, judge = half_width(rng, KINDS[kind], numbers[0]), STATEMENTS[statement]
@@ -277,35 +293,37 @@ def main() -> None:
     for statement in STATEMENTS:
         for kind in KINDS:
             for replicates in REPLICATES:
-                found = [rates(statement, kind, replicates, d, trials) for d in DISTANCES]
+                columns = [rates(statement, kind, replicates, d, trials) for d in DISTANCES]
                 cells = " | ".join(
-                    f"{100 * held:.0f} / {100 * failed:.0f}" for held, failed in found
+                    f"{100 * reproduced:.0f} / {100 * failed:.0f}" for reproduced, failed in columns
                 )
                 print(f"| {statement} | {kind} | {replicates} | {cells} |", flush=True)
     print("\n| gain, % of g sin θ | replicates | steady | not steady |\n| --- | --- | --- | --- |")
     for gain in (0.0, 0.005, 0.01, 0.02):
         for replicates in REPLICATES:
-            held, failed = steadiness(gain, replicates, trials)
-            print(f"| {100 * gain:g} | {replicates} | {100 * held:.0f} | {100 * failed:.0f} |")
+            reproduced, failed = steadiness(gain, replicates, trials)
+            print(
+                f"| {100 * gain:g} | {replicates} | {100 * reproduced:.0f} | {100 * failed:.0f} |"
+            )
     print("\n| true share | runs | often | not often |\n| --- | --- | --- | --- |")
     for share in (0.35, 0.5, 0.65, 0.8):
         for number in (10, 40):
-            held, failed = often(share, number, trials)
-            print(f"| {share:g} | {number} | {100 * held:.0f} | {100 * failed:.0f} |")
+            reproduced, failed = majority_rates(share, number, trials)
+            print(f"| {share:g} | {number} | {100 * reproduced:.0f} | {100 * failed:.0f} |")
     print("\n| votes | one at | replicates | reproduced | not |\n| --- | --- | --- | --- | --- |")
     for votes in (1, 3, 10):
         for odd in (2, 0, -1, -2):
             for replicates in REPLICATES:
-                held, failed = several(votes, 2, odd, replicates, trials // 2)
-                cells = f"{100 * held:.0f} | {100 * failed:.0f}"
+                reproduced, failed = joint_rates(votes, 2, odd, replicates, trials // 2)
+                cells = f"{100 * reproduced:.0f} | {100 * failed:.0f}"
                 print(f"| {votes} | {odd:+d} | {replicates} | {cells} |", flush=True)
     numbers = (3, 6, 12, 24, 48)
     heads = " | ".join(map(str, numbers))
     print(f"\n| statement | flows | {heads} |\n|" + " --- |" * (2 + len(numbers)))
     for statement in STATEMENTS:
         for kind in KINDS:
-            held = tightening(statement, kind, numbers, trials // 2)
-            cells = ["–" if np.isnan(one) else f"{100 * one:.0f}" for one in held]
+            reproduced = rates_by_replicates(statement, kind, numbers, trials // 2)
+            cells = ["–" if np.isnan(rate) else f"{100 * rate:.0f}" for rate in reproduced]
             print(f"| {statement} | {kind} | {' | '.join(cells)} |", flush=True)
 
 

@@ -1,4 +1,4 @@
-"""Which share of a study's processor time is spent in the compiled loops over time steps.
+"""The share of a study's processor time that the compiled loops over time steps take.
 
     python -m benchmarks.share                          # 100 belts of default size and length
     python -m benchmarks.share --system chute --points 4
@@ -6,7 +6,7 @@
 
 A study of points that differ in one parameter is run from nothing by Snakemake on two cores, with
 compiled code in the cache: the runs alone, and the whole study with dataset, claims, figures and
-report. The run files say how long their loops have taken.
+report. The run files hold the times of their loops.
 """
 
 import argparse
@@ -22,7 +22,7 @@ import netCDF4
 import numpy as np
 import yaml
 
-#: By system: the parameter that differs, its first and last value, what else is said of the points.
+#: By system: the parameter that varies, its first and last value, and the fixed parameters.
 SWEEPS: dict[str, tuple[str, float, float, dict]] = {
     "belt": ("frequency", 15.0, 100.0, {}),
     "chute": ("angle", 15.0, 18.0, {"depth": 5}),
@@ -35,7 +35,7 @@ RESULTS = Path("results") / STUDY
 
 
 def study(system: str, points: int, replicates: int = 1) -> dict:
-    """Return a study of so many points of a system."""
+    """Return a study of ``points`` points of a system."""
     name, first, last, fixed = SWEEPS[system]
     values = np.round(np.linspace(first, last, points), 3).tolist()
     series = {"name": name, "system": system, "grid": {name: values}}
@@ -46,12 +46,12 @@ def study(system: str, points: int, replicates: int = 1) -> dict:
 
 def processor_time() -> float:
     """Return the processor time (s) of all children that have ended."""
-    used = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return used.ru_utime + used.ru_stime
+    usage = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return usage.ru_utime + usage.ru_stime
 
 
-def ran(path: Path, *targets: str) -> float:
-    """Return the processor time (s) that Snakemake and its jobs take to make some targets."""
+def run_targets(path: Path, *targets: str) -> float:
+    """Make targets with Snakemake; return the processor time (s) that it and its jobs take."""
     before = processor_time()
     command = [sys.executable, "-m", "snakemake", "--cores", str(CORES), "--quiet", "all"]
     subprocess.run([*command, "--configfile", path, "--", *targets], check=True)
@@ -78,19 +78,21 @@ def main() -> None:
     parser.add_argument("--points", type=int, default=100)
     parser.add_argument("--replicates", type=int, default=1, help="of each point")
     parser.add_argument("--repeats", type=int, default=1, help="of the measurement")
-    given = parser.parse_args()
+    arguments = parser.parse_args()
     shares = []
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "study.yaml"
-        path.write_text(yaml.safe_dump(study(given.system, given.points, given.replicates)))
+        path.write_text(
+            yaml.safe_dump(study(arguments.system, arguments.points, arguments.replicates))
+        )
         subprocess.run([sys.executable, "-m", "sim", "warm", path], check=True)
-        for _ in range(given.repeats):
+        for _ in range(arguments.repeats):
             shutil.rmtree(RESULTS, ignore_errors=True)
-            runs = ran(path, "runs")
-            loops, rest = loop_time(), ran(path, "default")
+            runs = run_targets(path, "runs")
+            loops, rest = loop_time(), run_targets(path, "default")
             shares.append((loops / runs, loops / (runs + rest)))
             print(
-                f"{given.points} points: loops {loops:.1f} s of {runs:.1f} s for the runs, "
+                f"{arguments.points} points: loops {loops:.1f} s of {runs:.1f} s for the runs, "
                 f"{runs + rest:.1f} s for the whole study"
             )
     runs_share, study_share = (statistics.median(column) for column in zip(*shares, strict=True))

@@ -1,7 +1,7 @@
-"""Talus: granular flow down a chute and on a vibrating belt, from a study file to a report.
+"""Talus: granular flow on a chute, belt or vibrating plane, from a study file to a report.
 
-In Python: `simulate` runs one point, `Flow` is one that is looked at on its way, `points` are those
-of a study, and `load` gives what a study has found (docs/api.md). Plug-ins extend it by
+In Python: `simulate` runs one point, `Flow` runs one step by step, `points` lists the points of a
+study, and `load` reads the results of a study (docs/api.md). Plug-ins extend it by
 `law`, `motion`, `observable`, `plot_kind`, `judge` (docs/extending.md).
 """
 
@@ -16,8 +16,7 @@ if TYPE_CHECKING:
     from sim.claims.own import judge
     from sim.dataset.results import load
     from sim.engine.dynamics.status import BlowUp
-    from sim.engine.flow import Flow
-    from sim.engine.simulate import simulate
+    from sim.engine.flow import Flow, simulate
     from sim.parameters.choices import parameter
     from sim.parameters.laws import law
     from sim.parameters.motions import motion
@@ -42,7 +41,7 @@ __all__ = [
     "simulate",
 ]
 
-#: Name -> where it is, to be imported when it is first asked for: the engine takes half a second.
+#: Name -> module and object, imported on first use: the engine takes half a second.
 _PLACES = {
     "BlowUp": "sim.engine.dynamics.status:BlowUp",
     "Flow": "sim.engine.flow:Flow",
@@ -55,15 +54,15 @@ _PLACES = {
     "parameter": "sim.parameters.choices:parameter",
     "plot_kind": "sim.study.plot_kinds:plot_kind",
     "points": "sim.study.frame:points",
-    "simulate": "sim.engine.simulate:simulate",
+    "simulate": "sim.engine.flow:simulate",
 }
 
 
 def __getattr__(name: str) -> Any:
     if name not in _PLACES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    found = globals()[name] = resolve_name(_PLACES[name])
-    return found
+    value = globals()[name] = resolve_name(_PLACES[name])
+    return value
 
 
 def __dir__() -> list[str]:

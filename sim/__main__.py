@@ -1,14 +1,14 @@
 """The command line: ``talus COMMAND``, or ``python -m sim COMMAND``.
 
-What carries out a command is imported when the command is called, so that a run starts without the
-libraries of the figures and a figure without those of the engine.
+The function of a command is imported when the command is called: a run starts without the
+libraries of the figures, and a figure without those of the engine.
 """
 
 import sys
 
 if __name__ == "__main__" and not sys.flags.safe_path:
-    # What lies in the present folder, where Python looks first, is none of the program's. Where the
-    # package lies comes last, for processes that this one starts.
+    # Python looks first in the present folder, whose modules are not the program's. The folder of
+    # the package comes last instead, for processes that this one starts.
     del sys.path[0]
     from pathlib import Path
 
@@ -23,11 +23,10 @@ from pathlib import Path
 from pkgutil import resolve_name
 from typing import Any
 
-from sim.base.additions import code_fault
-from sim.base.completion import SHELLS, PrintCompletion
+from sim.base.additions import plugin_code_error
 from sim.base.errors import InputError
 from sim.base.plugins import load_from_environment
-from sim.base.program import __version__, program
+from sim.base.program import SHELLS, PrintCompletion, __version__, program
 from sim.base.words import printable
 
 SYSTEM_ERROR = 1
@@ -35,8 +34,8 @@ INPUT_ERROR = 2
 INTERRUPTED = 130
 BROKEN_PIPE = 141
 
-#: Command -> the function that carries it out, and what that does. The function is called with the
-#: options of the command; what it returns is printed, or is the exit code if it is a number.
+#: Command -> its function and its description. The function is called with the options of the
+#: command. Its result is printed, or is the exit code if it is a number.
 COMMANDS = {
     "init": ("sim.study.command:init", "write a study file to start from"),
     "study": ("sim.study.command:study", "check a study and run it with Snakemake"),
@@ -57,9 +56,9 @@ COMMANDS = {
     ),
     "dataset": ("sim.dataset.build:build", "combine the runs of a study in one dataset"),
     "boundaries": ("sim.dataset.boundaries:build", "write the boundaries found as CSV"),
-    "claims": ("sim.claims.written:build", "judge the claims of both papers on a study"),
+    "claims": ("sim.claims.verdict_files:build", "judge the claims of both papers on a study"),
     "decide": ("sim.report.decide:decide", "add the replicates that open questions need"),
-    "figure": ("sim.figures.several:draw_several", "draw figures from a dataset"),
+    "figure": ("sim.figures.several:draw_figures", "draw figures from a dataset"),
     "report": ("sim.report.page:build", "write the report of a study"),
     "compare": ("sim.report.compare:show", "compare two runs or two studies point by point"),
     "orphans": ("sim.report.orphans:show", "list or remove runs of points no longer in a study"),
@@ -83,7 +82,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         state first.
     """
     for stream in (sys.stdout, sys.stderr):
-        # What a terminal cannot show is shown by its number, and ends no command.
+        # Characters that a terminal cannot show are escaped, instead of an error.
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")
     options = parse(sys.argv[1:] if arguments is None else arguments)
@@ -99,24 +98,24 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print("interrupted", file=sys.stderr)
         return INTERRUPTED
     except BrokenPipeError:
-        # The reader of a pipe has left; the interpreter's last flush must not complain about it.
+        # The reader of the pipe is gone; the interpreter's last flush must not fail on it.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return BROKEN_PIPE
     except OSError as error:
         print(f"error: {error}", file=sys.stderr)
         return SYSTEM_ERROR
     except Exception as error:
-        if told := code_fault(error):
-            print(f"error: {told}", file=sys.stderr)
+        if input_error := plugin_code_error(error):
+            print(f"error: {input_error}", file=sys.stderr)
             return INPUT_ERROR
         raise
 
 
 def parse(arguments: Sequence[str]) -> dict[str, Any]:
-    """Return the options of a command line and, as ``function``, what carries out its command."""
+    """Return the options of a command line, with the command's function as ``function``."""
     words, extra = list(arguments), []
     if words[:1] == ["study"] and "--" in words:
-        # argparse would look for what follows among the options of its own.
+        # argparse would read the following words as its own options.
         place = words.index("--")
         words, extra = words[:place], words[place + 1 :]
     options = vars(parser(program()).parse_args(words))
@@ -124,19 +123,19 @@ def parse(arguments: Sequence[str]) -> dict[str, Any]:
 
 
 def _call(function: str, options: dict[str, Any]) -> int:
-    """Carry out a command, print what it returns, and return the exit code."""
+    """Call the function of a command, print its result, and return the exit code."""
     answer = resolve_name(function)(**options)
     if isinstance(answer, int):
         return answer
     if answer is not None:
-        # Files from elsewhere may hold what a terminal would obey.
+        # Files from elsewhere may contain control sequences of terminals.
         lines = answer if isinstance(answer, list) else [answer]
         print(*(printable(str(line)) for line in lines), sep="\n")
     return 0
 
 
 def warm(study_path: Path | None, processes: int) -> None:
-    """Compile what the points of a study need, or those of all systems by default."""
+    """Compile the code for the points of a study, by default for those of all systems."""
     from sim.parameters import SYSTEMS
 
     if study_path is None:
@@ -144,7 +143,7 @@ def warm(study_path: Path | None, processes: int) -> None:
     else:
         from sim.study.load import load_study
 
-        points = [one.parameters for one in load_study(study_path, None).points.values()]
+        points = [point.parameters for point in load_study(study_path, None).points.values()]
 
     from sim.engine.warm import warm
 
@@ -171,8 +170,8 @@ def parser(prog: str) -> argparse.ArgumentParser:
         description = f"{text[0].upper()}{text[1:]}."
         parsers[name] = commands.add_parser(name, help=text, description=description)
         parsers[name].set_defaults(function=function)
-    of_studies = "points refine adopt dataset boundaries claims decide report orphans publish"
-    for name in of_studies.split():
+    study_commands = "points refine adopt dataset boundaries claims decide report orphans publish"
+    for name in study_commands.split():
         _add_study(parsers[name])
     _add_study(parsers["status"], nargs="?", help="(default: config/quick.yaml)")
     _add_start_options(parsers["init"], parsers["study"])

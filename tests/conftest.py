@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 from hypothesis import HealthCheck, settings
 
-from tests.made.once import Kept
+from tests.made.once import SharedFolder
 
 SLOW = [HealthCheck.too_slow, HealthCheck.filter_too_much, HealthCheck.large_base_example]
 
@@ -26,25 +26,25 @@ settings.register_profile(
 settings.register_profile("long", max_examples=1000, deadline=None, suppress_health_check=SLOW)
 settings.load_profile("fixed")
 
-# Some machines keep Python from writing bytecode. Each of the many processes that tests start would
-# compile its libraries anew, which takes longer than most of what these do.
+# Some machines prevent Python from writing bytecode. Each of the many processes in tests would then
+# compile its libraries anew, which takes longer than most of their work.
 if os.environ.pop("PYTHONDONTWRITEBYTECODE", None):
     bytecode = Path(__file__).parents[1] / ".pytest_cache" / "bytecode"
     os.environ["PYTHONPYCACHEPREFIX"] = sys.pycache_prefix = str(bytecode)
     sys.dont_write_bytecode = False
 
-# What the tests and their libraries hold lives long: looking through all of it as often as Python
-# usually does took a fifth of the time.
+# The objects of tests and libraries live long: garbage collection at Python's default rate took a
+# fifth of the time.
 gc.set_threshold(100_000, 50, 100)
 
-#: Files that come first: two that compile the loops of all others, each for a worker of its own.
+#: Files that run first: two that compile the loops of all others, one for each worker.
 FIRST = (
     "engine/dynamics/test_chute_reference.py",
     "engine/dynamics/test_belt_reference.py",
 )
 
-#: Files that take long and need those loops: not at once, when they would compile them too, and not
-#: at the end, where one would keep the other worker waiting.
+#: Slow files that need those loops. At once they would compile them too; at the end the other
+#: worker would wait for the last one.
 SECOND = (
     "workflow/test_workflow.py",
     "workflow/test_refinement.py",
@@ -55,11 +55,11 @@ FIGURES = "figures"
 
 
 @pytest.fixture(scope="session", autouse=True)
-def _kept(tmp_path_factory) -> None:
-    """Say where folders lie that many tests need."""
+def _shared_folder(tmp_path_factory) -> None:
+    """Set the folder that many tests share."""
     base = tmp_path_factory.getbasetemp()
-    Kept.folder = (base.parent if "PYTEST_XDIST_WORKER" in os.environ else base) / "made"
-    Kept.folder.mkdir(exist_ok=True)
+    SharedFolder.folder = (base.parent if "PYTEST_XDIST_WORKER" in os.environ else base) / "made"
+    SharedFolder.folder.mkdir(exist_ok=True)
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

@@ -21,19 +21,19 @@ from sim.base.errors import InputError
 from sim.base.plugins import load_plugins, places
 from sim.claims import judge
 from sim.claims.readings import readings_of
-from sim.claims.written import build as build_claims
+from sim.claims.verdict_files import build as build_claims
 from sim.dataset.build import build
-from sim.dataset.earlier import reading_code
+from sim.dataset.earlier import reader_hash
 from sim.engine.cache import cache_directory
 from sim.engine.contact import Partners, law_of
 from sim.engine.systems.belt_start import vibration
-from sim.figures.several import draw_several
+from sim.figures.several import draw_figures
 from sim.parameters import ChuteParameters, Parameters, parse_point, point_id
 from sim.report.compare import show
 from sim.report.page import build as build_report
 from sim.report.publish import publish
 from sim.study.load import Study, load_study, parse_study
-from tests.made.plugins import alone, forgotten
+from tests.made.plugins import restore_plugins, without_plugins
 from tests.made.processes import ROOT, in_process
 from tests.made.runs import write_run
 
@@ -48,7 +48,7 @@ BLOCKS = {
 
 @pytest.fixture(autouse=True)
 def _forget() -> Iterator[None]:
-    with forgotten():
+    with restore_plugins():
         yield
 
 
@@ -91,7 +91,7 @@ def test_the_examples_go_the_whole_way(made, folder):
         assert slip.attrs["units"] == "1" and slip.attrs["long_name"].startswith("velocity of the")
         # The lowest slice is the only one below a diameter, and half as fast as the mean.
         assert np.allclose(slip, 0.5)
-    draw_several(
+    draw_figures(
         ["slip", "spread"],
         made / "dataset.nc",
         made / "figures",
@@ -115,14 +115,14 @@ def test_the_examples_go_the_whole_way(made, folder):
 
 
 def test_an_edited_observable_is_computed_again_and_nothing_else_is_old(made, folder):
-    before = reading_code()
-    with forgotten():
+    before = reader_hash()
+    with restore_plugins():
         edited = (folder / "base_slip.py").read_text().replace("/ run[", "/ 2 / run[")
         (folder / "base_slip.py").write_text(edited)
         # As another process would find it.
-        with alone():
+        with without_plugins():
             build("own.yaml")
-            assert reading_code() != before
+            assert reader_hash() != before
     with xr.open_dataset(made / "dataset.nc") as dataset:
         assert np.allclose(dataset["base_slip"], 0.25)
 
@@ -177,10 +177,10 @@ def test_what_cannot_be_compiled_is_told_with_its_line(folder, right, wrong, why
         "def one_contact(**options):\n"
         "    from sim.claims.contacts import contact_path\n"
         "    from sim.engine.contact import Partners, law_of\n"
-        "    from sim.engine.contact.own import Between\n"
+        "    from sim.engine.contact.functions import PartnerLaw\n"
         "    from sim.parameters import parse_point\n"
         "    p = parse_point({'system': 'chute', 'law': 'hertz_mindlin'}, 'p')\n"
-        "    law = Between(law_of(p, Partners(0.4, 1e-6, 1e-5)), 5e-4, 1e-6)\n"
+        "    law = PartnerLaw(law_of(p, Partners(0.4, 1e-6, 1e-5)), 5e-4, 1e-6)\n"
         "    contact_path(law, np.ones(1), np.ones((1, 3)), np.ones((1, 3)))\n"
         "command.run = one_contact\n"
         "sys.exit(main(['run', 'p.yaml', '-o', 'r.nc']))\n"
@@ -197,7 +197,7 @@ def test_what_cannot_be_compiled_is_told_with_its_line(folder, right, wrong, why
 def test_a_figure_is_old_when_its_plugin_is_edited(folder):
     spec = load_study("own.yaml").plots
     (folder / "boxes.py").write_text((folder / "boxes.py").read_text() + "# edited\n")
-    with alone():
+    with without_plugins():
         other = load_study("own.yaml").plots
     assert repr(spec["slip"]) == repr(other["slip"])
     assert repr(spec["spread"]) != repr(other["spread"])
@@ -261,14 +261,14 @@ def test_points_tell_the_law_and_its_code(folder):
         chute = {"name": "a", "system": "chute", "grid": {"law": ["walton_braun", "hertz_mindlin"]}}
         return set(parse_study(study | {"series": [chute]}, "s.yaml").points)
 
-    with alone():
+    with without_plugins():
         first = ids()
     usual = point_id(ChuteParameters())
     assert usual in first
     (own,) = first - {usual}
     assert re.search(r"-law-hertz_mindlin\.[0-9a-f]{8}-", own)
     (folder / "hertz_mindlin.py").write_text((folder / "hertz_mindlin.py").read_text() + "#\n")
-    with alone():
+    with without_plugins():
         assert first & ids() == {usual}
 
 
@@ -329,7 +329,7 @@ def test_two_plugins_have_no_parameter_in_common(folder):
 
 
 def test_a_law_is_no_reading_of_the_paper():
-    assert readings_of("chute").is_control({"law": "hertz_mindlin.00000000"})
+    assert readings_of("chute").control_reason({"law": "hertz_mindlin.00000000"})
 
 
 def test_an_engine_at_work_takes_no_new_law(folder):
@@ -341,7 +341,7 @@ def test_an_engine_at_work_takes_no_new_law(folder):
 
 
 def test_results_of_a_law_that_is_not_there_are_read_but_not_compared(folder):
-    with alone():
+    with without_plugins():
         study = {"study": "s", "plugins": ["hertz_mindlin.py"]}
         grid = {"youngs_modulus": [1e6, 2e6]}
         chute = {"name": "a", "system": "chute", "base": {"law": "hertz_mindlin"}, "grid": grid}
@@ -399,14 +399,15 @@ def test_a_compiled_law_is_the_function_of_its_file(folder, count, changes):
         "sim.load_plugins('hertz_mindlin.py')\n"
         "from sim.claims.contacts import contact_path\n"
         "from sim.engine.contact import Partners, law_of\n"
-        "from sim.engine.contact.own import Between\n"
+        "from sim.engine.contact.functions import PartnerLaw\n"
         "from sim.parameters import parse_point\n"
         "p = parse_point({'system': 'chute', 'law': 'hertz_mindlin'}, 'p')\n"
         "law = law_of(p, Partners(0.4, 1e-6, 1e-5))\n"
         "t = np.linspace(0, 3, 60)\n"
         "overlap, normal, slip = 1e-5 * np.sin(t), np.zeros((60, 3)), np.zeros((60, 3))\n"
         "normal[:, 2], slip[:, 0], slip[:, 1] = 1, 3e-7 * np.cos(3 * t), 1e-7\n"
-        "found, sheared, memory = contact_path(Between(law, 5e-4, 1e-6), overlap, normal, slip)\n"
+        "partners = PartnerLaw(law, 5e-4, 1e-6)\n"
+        "found, sheared, memory = contact_path(partners, overlap, normal, slip)\n"
         f"held, kept, before, stuck = (0.0,) * 3, (0.0,) * {count}, 0.0, 0\n"
         "for k in range(60):\n"
         "    given = overlap[k], overlap[k] - before, slip[k], held, kept, 5e-4, 1e-6\n"
@@ -431,4 +432,4 @@ def test_compiled_code_of_a_law_has_a_folder_of_its_own(folder, monkeypatch):
     with_law = cache_directory()
     load_plugins("ellipse.py")
     assert len({usual, with_law, cache_directory()}) == 3
-    assert cache_directory(plugged=False) == usual
+    assert cache_directory(with_plugins=False) == usual

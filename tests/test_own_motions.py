@@ -7,18 +7,18 @@ from pathlib import Path
 
 import pytest
 
-from sim.base.additions import additions, code_fault
+from sim.base.additions import additions, plugin_code_error
 from sim.base.errors import InputError
 from sim.base.plugins import load_plugins
 from sim.parameters import (
     BeltParameters,
     ChuteParameters,
     ConveyorParameters,
-    canonical,
+    canonical_values,
     parse_point,
     point_id,
 )
-from tests.made.plugins import alone, forgotten
+from tests.made.plugins import restore_plugins, without_plugins
 from tests.made.processes import ROOT, in_process
 
 #: The harmonic motion as a plug-in has it, and a sawtooth: to and fro in shares q and 1 - q of a
@@ -84,7 +84,7 @@ def series(system, cycles):
 
 @pytest.fixture(autouse=True)
 def _forget() -> Iterator[None]:
-    with forgotten():
+    with restore_plugins():
         yield
 
 
@@ -131,16 +131,16 @@ for given in ({"amplitude": 0.3}, {"angle": 10, "running": 0.5}, {"law": "hertz"
 def test_place_and_velocity_of_the_plane_follow_the_motion(folder):
     lines = """
 from math import pi
-from sim.engine.boundary.drive import plane_place, plane_velocity, vibration
+from sim.engine.boundary.drive import plane_position, plane_velocity, vibration
 p = point(motion="saw", amplitude=0.5, amplitude_along=0.8, running=0.2)
 drive, rate = vibration(p, (0.0, 0.0, -9.8)), 2 * pi * 30
 time, step = np.linspace(0.001, 2.4 / 30, 50), 1e-7
 for axis in (0, 1):
-    moved = plane_place(drive, axis, time + step) - plane_place(drive, axis, time - step)
+    moved = plane_position(drive, axis, time + step) - plane_position(drive, axis, time - step)
     assert np.allclose(moved / (2 * step), plane_velocity(drive, axis, time), atol=1e-6)
-cycles = plane_place(drive, 0, np.array([0.0, 0.7, 1.0, 3.0]) / 30) / 0.8e-3
+cycles = plane_position(drive, 0, np.array([0.0, 0.7, 1.0, 3.0]) / 30) / 0.8e-3
 assert np.allclose(cycles, [0, 2 + 0.7 * 0.4 * pi, 0.4 * pi, 1.2 * pi], atol=1e-5)
-heights = plane_place(drive, 1, np.array([0.0, 0.25, 0.5]) / 30)
+heights = plane_position(drive, 1, np.array([0.0, 0.25, 0.5]) / 30)
 assert np.allclose(heights, [-0.5e-3, 0, 0.5e-3], atol=1e-12)
 """
     in_process(folder, BEGIN + lines)
@@ -150,8 +150,8 @@ def test_a_flow_goes_on_under_a_motion_of_a_plugin_and_from_its_states(folder):
     lines = """
 from sim.engine.boundary.drive import plane_velocity
 from sim.engine.replicate import Replicate
-from sim.engine.states import packed, unpacked
-from sim.parameters import require_alike
+from sim.engine.states import pack, unpack
+from sim.parameters import require_compatible_source
 
 def laboratory(system, time):
     velocity = system.spheres.velocity[:, np.argsort(system.spheres.label[0])].copy()
@@ -162,7 +162,7 @@ def laboratory(system, time):
 saw = {"motion": "saw"}
 for first, second in (({}, saw), (saw, saw | {"share": 0.2})):
     before, after = point(**first), point(**second)
-    require_alike(after, before, "p")
+    require_compatible_source(after, before, "p")
     one, other = build(before, 0), build(after, 0)
     series(one, 2)
     ended = laboratory(one, (one.flow.step[0] - 0.5) * one.time_step)
@@ -172,7 +172,7 @@ for first, second in (({}, saw), (saw, saw | {"share": 0.2})):
 replicate = Replicate(point(motion="saw"), 0)
 replicate.recorder.take_snapshot()
 replicate.recorder.take(replicate.system.sample())
-again = Replicate.restored(replicate.parameters, 0, unpacked(packed(replicate.state())))
+again = Replicate.from_state(replicate.parameters, 0, unpack(pack(replicate.state())))
 assert replicate.system.advance() == again.system.advance()
 """
     in_process(folder, BEGIN + lines)
@@ -183,7 +183,7 @@ def test_a_conveyor_has_a_law_and_a_motion_of_plugins(folder):
     load_plugins("hertz_mindlin.py", "ellipse.py")
     for one in (BeltParameters(), ChuteParameters(), usual):
         same = parse_point({"system": one.system}, "p")
-        assert point_id(same) == point_id(one) and canonical(same) == canonical(one)
+        assert point_id(same) == point_id(one) and canonical_values(same) == canonical_values(one)
         declared = type(same).model_fields
         for name, field in type(one).model_fields.items():
             assert name in ("law", "motion") or repr(declared[name]) == repr(field)
@@ -269,13 +269,13 @@ def test_what_a_motion_raises_on_its_way_is_one_line(tmp_path):
     load_plugins(str(tmp_path / "raises.py"))
     with pytest.raises(ValueError) as caught:
         additions("motion")["raises"].value.state(0, 0)
-    told = str(code_fault(caught.value))
+    told = str(plugin_code_error(caught.value))
     assert told.startswith("plug-in raises.py (") and told.endswith("line 4: ValueError: never")
     with pytest.raises(ValueError) as other:
         int("of Talus")
-    assert code_fault(other.value) is None
+    assert plugin_code_error(other.value) is None
 
 
 def test_a_conveyor_knows_of_no_motion_without_plugins():
-    with alone(), pytest.raises(InputError, match="motion"):
+    with without_plugins(), pytest.raises(InputError, match="motion"):
         parse_point({"system": "conveyor", "motion": "harmonic"}, "point")

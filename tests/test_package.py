@@ -13,7 +13,7 @@ import pytest
 
 from sim import __version__
 from tests.made.processes import ROOT
-from tests.made.project import copy_tree, jobs, planned
+from tests.made.project import copy_tree, jobs, planned_jobs
 
 LISTED = """\
 from setuptools.dist import Distribution
@@ -60,7 +60,7 @@ def test_the_workflow_makes_the_same_alone_and_from_the_root(figures, tmp_path):
     words = ["-m", "sim", "study", "study.yaml", "--cores", "2", "--", "-n", "--quiet", "host"]
     settings = os.environ | {"PYTHONPATH": str(ROOT)}
     alone = subprocess.check_output([sys.executable, *words], cwd=tmp_path, env=settings, text=True)
-    assert jobs(alone) == planned(tmp_path, study="study.yaml")
+    assert jobs(alone) == planned_jobs(tmp_path, study="study.yaml")
     assert jobs(alone)["report"] == jobs(alone)["warm"] == 1
 
 

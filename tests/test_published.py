@@ -8,7 +8,7 @@ import pytest
 
 from sim.claims import judge as judging
 from sim.claims.judge import judge
-from sim.claims.written import as_mapping
+from sim.claims.verdict_files import as_mapping
 from sim.dataset.gather import read_run
 from sim.dataset.replicates import PARAMETERS, outcome
 from sim.dataset.results import load_results
@@ -17,8 +17,8 @@ from sim.engine.run import run_point
 from sim.parameters import SYSTEMS, parse_point, point_id
 from sim.report.abstract import main as abstract
 from sim.report.abstract import page as abstract_page
-from sim.report.claims import VERDICTS, counts, read_claims
-from sim.report.publish import LARGEST, PUBLISHED, size
+from sim.report.claims import VERDICTS, count_verdicts, read_claims
+from sim.report.publish import MOST_BYTES, PUBLISHED, folder_size
 from sim.report.verdict_table import main as verdict_table
 from sim.study.cost import estimate
 from tests.made.processes import ROOT
@@ -34,7 +34,7 @@ def name(folder: Path) -> str:
 
 
 def test_what_is_published_is_small():
-    assert sum(map(size, STUDIES)) <= LARGEST
+    assert sum(map(folder_size, STUDIES)) <= MOST_BYTES
 
 
 @pytest.mark.parametrize("study", STUDIES, ids=name)
@@ -52,7 +52,7 @@ def test_verdicts_follow_from_the_dataset(study, monkeypatch):
 @pytest.mark.parametrize("study", STUDIES, ids=name)
 def test_the_readme_counts_the_verdicts(study):
     claims = read_claims(study / "claims.json", replaceable=False)
-    ((paper, found),) = counts(claims).items()
+    ((paper, found),) = count_verdicts(claims).items()
     numbers = " | ".join(str(found[verdict]) for verdict in VERDICTS)
     line = f"]({study.relative_to(ROOT)}/report.html) | {numbers} |"
     assert line in (ROOT / "README.md").read_text(encoding="utf-8"), f"{paper}: {line}"

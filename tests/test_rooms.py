@@ -14,7 +14,7 @@ MODULES = sorted(PACKAGE.rglob("*.py"))
 #: Modules of a room that others may import although the table keeps their rooms apart otherwise:
 #: names that run files and datasets share, how much they hold, and what tells of runs under way.
 NAMES_OF_THE_ENGINE = {
-    "dataset": {"stored_run", "identity", "observe.arrays"},
+    "dataset": {"stored_run", "identity"},
     "figures": set(),
     "report": {"stored_run", "identity", "progress"},
 }

@@ -1,4 +1,4 @@
-"""What the rules need besides Snakemake: a folder that others may have left."""
+"""Helpers of the rules: stale locks, and times of files from earlier workflows."""
 
 import fcntl
 import os
@@ -8,63 +8,63 @@ from contextlib import suppress
 from pathlib import Path
 from typing import TextIO
 
-#: Seconds by which clocks of machines that share a folder may differ, and a time before all others.
+#: Maximum difference (s) of clocks of machines that share a folder; and a time before all others.
 CLOCK_ERROR = 60.0
 OLD = 86400.0
 
-#: A time before which no run was made, and seconds from a run's time to one before that.
+#: A time (s) before all runs; and the shift (s) that dates a run file back to before that time.
 YEAR_2000 = 946684800.0
 FIFTY_YEARS = 50 * 365.25 * 86400
 
 
 def release_stale_lock(folder: Path = Path(".snakemake")) -> TextIO:
-    """Remove the lock of a Snakemake that was killed, and only then; return this one's own.
+    """Remove the lock of a killed Snakemake, not of a living one; return this process's own lock.
 
-    Every Snakemake of this workflow holds a shared file lock for as long as it lives; the kernel
-    drops it with the process. Whoever gets it exclusively is therefore alone, and a lock that
-    Snakemake itself has left in its folder belongs to nobody. Nor do its notes of incomplete files:
-    ours appear whole or not at all.
+    Every Snakemake of this workflow holds a shared file lock while it lives; the kernel releases it
+    with the process. A process that gets the lock exclusively is therefore the only one. Then the
+    lock files of Snakemake itself in ``folder`` are stale, and so are its notes of incomplete
+    files: the files of this workflow are complete or do not appear.
     """
     folder.mkdir(exist_ok=True)
-    held = (folder / "talus.lock").open("w")
+    lock = (folder / "talus.lock").open("w")
     with suppress(OSError):
-        fcntl.flock(held, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        for left in ("locks", "incomplete"):
-            shutil.rmtree(folder / left, ignore_errors=True)
-        # Without it Snakemake would look through all that it knows of files.
+        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        for name in ("locks", "incomplete"):
+            shutil.rmtree(folder / name, ignore_errors=True)
+        # Without this folder, Snakemake would search all its metadata of files.
         (folder / "incomplete").mkdir(exist_ok=True)
     with suppress(OSError):
-        fcntl.flock(held, fcntl.LOCK_SH)
-    return held
+        fcntl.flock(lock, fcntl.LOCK_SH)
+    return lock
 
 
 def write_start(path: Path) -> None:
-    """Write a file older than all runs, and never the same twice, for `age`.
+    """Write a file that is older than all runs, with fresh content each time; see `age`.
 
-    Snakemake runs a job again whose input is newer than its output and not what it was when the
-    output was made, whatever it has noted of a job that was killed.
+    Snakemake reruns a job if an input is newer than its output and has changed since the output was
+    made. This holds whatever Snakemake has recorded of a killed job.
     """
     path.write_text(str(time.time_ns()), encoding="utf-8")
     os.utime(path, (YEAR_2000, YEAR_2000))
 
 
 def age(path: Path, is_old: bool) -> None:
-    """Make an output older than what `write_start` writes, or give it back its time."""
+    """Date an output before the file of `write_start`, or restore its time."""
     with suppress(OSError):
-        then = path.stat().st_mtime
-        if is_old != (then < YEAR_2000):
-            then += -FIFTY_YEARS if is_old else FIFTY_YEARS
-            os.utime(path, (then, then))
+        time_modified = path.stat().st_mtime
+        if is_old != (time_modified < YEAR_2000):
+            time_modified += -FIFTY_YEARS if is_old else FIFTY_YEARS
+            os.utime(path, (time_modified, time_modified))
 
 
 def correct_future_times(results: Path) -> None:
-    """Give files that a wrong clock has dated into the future times that hide no change.
+    """Correct file times in the future, due to a wrong clock, so that no change is missed.
 
-    A run file was made before now. Whatever is made from runs becomes as old as can be; where its
-    inputs have changed since, which Snakemake knows by checksums, it is made again.
+    A run file gets the present time. All other files, which derive from runs, get a very old time.
+    Snakemake then makes those anew whose inputs have changed, as their checksums show.
     """
     now = time.time()
     for path in results.rglob("*"):
         if path.is_file() and path.stat().st_mtime > now + CLOCK_ERROR:
-            then = now if path.match("runs/*.nc") else OLD
-            os.utime(path, (then, then))
+            new_time = now if path.match("runs/*.nc") else OLD
+            os.utime(path, (new_time, new_time))

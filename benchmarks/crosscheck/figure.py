@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from benchmarks.crosscheck.results import Comparison, Measured
 from benchmarks.crosscheck.statistics import TOLERANCE, Estimate
-from sim.base.files import replacing
+from sim.base.files import atomic_write
 from sim.figures.style import COLOURS, DASHES, SETTINGS
 
 #: Colour and dashes of each engine.
@@ -78,5 +78,5 @@ def _ratios(axes: Axes, comparisons: list[Comparison]) -> None:
 def write(path: Path, profiles: list[Comparison], comparisons: list[Comparison]) -> None:
     """Draw the figure into a PNG file."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    with mpl.rc_context(SETTINGS), replacing(path) as temporary:
+    with mpl.rc_context(SETTINGS), atomic_write(path) as temporary:
         draw(profiles, comparisons).savefig(temporary, format="png")

@@ -14,7 +14,7 @@ from benchmarks.crosscheck.engines import Record, run
 from benchmarks.crosscheck.flows import Flow
 from benchmarks.peers import chute_input
 from benchmarks.peers.environment import PACKAGES
-from sim.base.files import replacing
+from sim.base.files import atomic_write
 from sim.engine.identity import source_hash
 from sim.parameters import canonical_json, point_id
 
@@ -57,7 +57,7 @@ def compute(task: Task) -> float:
     """Run one replicate and keep its record; return the seconds it took."""
     started = time.perf_counter()
     record = run(*task)
-    with replacing(record_path(*task)) as path, path.open("wb") as file:
+    with atomic_write(record_path(*task)) as path, path.open("wb") as file:
         np.savez_compressed(file, **record._asdict())
     return time.perf_counter() - started
 

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from benchmarks.stability.amplification import SCHEMES, limit
-from sim.base.files import replacing
+from sim.base.files import atomic_write
 from sim.figures.style import COLOURS, DASHES, SETTINGS
 
 #: Frequencies (Hz) that are marked on the paths of beds, and the largest that is written there.
@@ -66,5 +66,5 @@ def _draw_path(axes: Axes, path: Path, dashes: object) -> None:
 def write(file: FilePath, paths: list[Path]) -> None:
     """Draw the figure into a PNG file."""
     file.parent.mkdir(parents=True, exist_ok=True)
-    with mpl.rc_context(SETTINGS), replacing(file) as temporary:
+    with mpl.rc_context(SETTINGS), atomic_write(file) as temporary:
         draw(paths).savefig(temporary, format="png")

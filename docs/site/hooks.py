@@ -1,7 +1,7 @@
-"""What mkdocs does besides: pages made from the code, and files that lie beside docs/.
+"""Hooks of mkdocs: pages generated from the code, and files of the repository outside docs/.
 
-The pages in docs/ are read in the repository, too, so they name other files of it relative to
-themselves. Those that the site shows are linked; of others the name stays.
+Pages in docs/ are also read in the repository, so their links to its files are relative. The hooks
+keep links to files that the site shows, and replace other links by their text.
 """
 
 import posixpath
@@ -17,41 +17,41 @@ from docs.site.pages import commands, variables
 
 ROOT = Path(__file__).parents[2]
 
-#: Files of the repository that are pages of the site, and where.
-SHOWN = {
+#: Files of the repository that are pages of the site, and their paths there.
+SITE_PAGES = {
     "README.md": "index.md",
     "config/README.md": "reference/studies.md",
     "CHANGELOG.md": "changelog.md",
     "CONTRIBUTING.md": "contributing.md",
 }
 
-#: What makes pages, as pages of the repository name it, and the page that is meant.
-MEANT = SHOWN | {"docs/site/pages.py": "reference/variables.md"}
+#: Targets of links in the repository, and the pages of the site that replace them.
+LINK_TARGETS = SITE_PAGES | {"docs/site/pages.py": "reference/variables.md"}
 
-#: Pages made from the code.
-MADE = {"reference/commands.md": commands, "reference/variables.md": variables}
+#: Pages generated from the code, and their functions.
+GENERATED_PAGES = {"reference/commands.md": commands, "reference/variables.md": variables}
 
 #: Style sheet of the colours of code.
 COLOURS = "site/colours.css"
 
-#: A link or picture of Markdown: its text, its target, what follows a #.
-LINK = re.compile(r"(!?\[(?:[^\[\]]|\[[^\]]*\])*\])\(([^)#\s:]*)(#[^)\s]*)?\)")
+#: Pattern of a link or picture in Markdown: text, target, anchor with its #.
+LINK_PATTERN = re.compile(r"(!?\[(?:[^\[\]]|\[[^\]]*\])*\])\(([^)#\s:]*)(#[^)\s]*)?\)")
 
-#: Kinds of files that are copied beside the pages that show or link them.
-COPIED = (".svg", ".png", ".gif", ".webp", ".html")
+#: Suffixes of files that are copied for the pages that show or link them.
+COPIED_SUFFIXES = (".svg", ".png", ".gif", ".webp", ".html")
 
 
 def on_files(files: Files, config: MkDocsConfig) -> Files:
     """Add the pages and pictures that do not lie in docs/."""
-    for source, target in SHOWN.items():
+    for source, target in SITE_PAGES.items():
         files.append(File.generated(config, target, content=_text(ROOT / source)))
-    for target, make in MADE.items():
+    for target, make in GENERATED_PAGES.items():
         files.append(File.generated(config, target, content=make()))
     files.append(
         File.generated(config, COLOURS, content=HtmlFormatter().get_style_defs(".codehilite"))
     )
-    pages = [ROOT / source for source in SHOWN] + sorted((ROOT / "docs").glob("*.md"))
-    copied = {linked for page in pages for linked in _linked(page) if _is_copied(linked)}
+    pages = [ROOT / source for source in SITE_PAGES] + sorted((ROOT / "docs").glob("*.md"))
+    copied = {path for page in pages for path in _linked_files(page) if _is_copied(path)}
     for path in sorted(copied):
         target = path.relative_to(ROOT).as_posix()
         files.append(File.generated(config, target, abs_src_path=str(path)))
@@ -59,34 +59,34 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
 
 
 def on_page_markdown(markdown: str, page: Page, config: MkDocsConfig, files: Files) -> str:
-    """Lead links to where things are on the site."""
+    """Rewrite the links of a page for the site."""
     here = page.file.src_uri
-    back = {target: source for source, target in SHOWN.items()}
-    source = back.get(here, f"docs/{here}")
+    sources = {target: source for source, target in SITE_PAGES.items()}
+    source = sources.get(here, f"docs/{here}")
 
-    def led(match: re.Match[str]) -> str:
+    def relink(match: re.Match[str]) -> str:
         text, target, anchor = match.group(1), match.group(2), match.group(3) or ""
         if not target:
             return match.group(0)
         path = posixpath.normpath(posixpath.join(posixpath.dirname(source), target))
-        there = MEANT.get(path, path.removeprefix("docs/"))
-        if files.get_file_from_path(there) is None:
-            # A file of the repository that is no part of the site.
+        destination = LINK_TARGETS.get(path, path.removeprefix("docs/"))
+        if files.get_file_from_path(destination) is None:
+            # The site does not show this file of the repository.
             return text[text.index("[") + 1 : -1]
-        return f"{text}({posixpath.relpath(there, posixpath.dirname(here) or '.')}{anchor})"
+        return f"{text}({posixpath.relpath(destination, posixpath.dirname(here) or '.')}{anchor})"
 
-    return LINK.sub(led, markdown)
+    return LINK_PATTERN.sub(relink, markdown)
 
 
-def _linked(page: Path) -> set[Path]:
+def _linked_files(page: Path) -> set[Path]:
     """Return the files that a page of the repository links or shows."""
-    targets = (match.group(2) for match in LINK.finditer(_text(page)))
+    targets = (match.group(2) for match in LINK_PATTERN.finditer(_text(page)))
     return {(page.parent / target).resolve() for target in targets if target}
 
 
 def _is_copied(path: Path) -> bool:
     outside = ROOT in path.parents and ROOT / "docs" not in path.parents
-    return outside and path.suffix in COPIED and path.is_file()
+    return outside and path.suffix in COPIED_SUFFIXES and path.is_file()
 
 
 def _text(path: Path) -> str:

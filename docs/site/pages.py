@@ -1,18 +1,17 @@
-"""Pages of the site that are made from the code: commands, and variables of files."""
+"""Pages of the site that are generated from the code: commands, and variables of files."""
 
 import argparse
 from collections.abc import Iterable, Mapping, Sequence
 from functools import partial
 
 from sim.__main__ import COMMANDS, parser
-from sim.engine.observe import arrays
-from sim.parameters import SYSTEMS, observables
-from sim.parameters.observables import BELT_FORCES, PROFILES
+from sim.parameters import SYSTEMS
+from sim.parameters.variables import Variable, variables_of
 
-#: Characters of a line of help, whatever the terminal.
+#: Formatter of help with lines of 90 characters, independent of the terminal.
 HELP = partial(argparse.HelpFormatter, width=90)
 
-#: Dimensions of what a run file holds.
+#: Table of the dimensions of run files.
 DIMENSIONS = """\
 | dimension | size |
 | --- | --- |
@@ -32,9 +31,7 @@ DIMENSIONS = """\
 """
 
 
-PATH = {"path": ("m", "position, not wrapped into the cell", ("path_time", "particle", "axis"))}
-
-#: What follows from the parameters of a point, besides `limits`.
+#: Variables derived from the parameters of a point, besides `limits`.
 DERIVED = {
     "particles": ("1", "number of particles"),
     "time_step": ("s", "time step"),
@@ -43,8 +40,10 @@ DERIVED = {
 
 def commands() -> str:
     """Return the reference of the command line."""
-    found = parser("talus")
-    (held,) = (a for a in found._actions if isinstance(a, argparse._SubParsersAction))
+    talus_parser = parser("talus")
+    (subcommands,) = (
+        action for action in talus_parser._actions if isinstance(action, argparse._SubParsersAction)
+    )
     parts = [
         "# Commands",
         "`talus COMMAND` where the package is installed, `python -m sim COMMAND` in the repository."
@@ -52,9 +51,9 @@ def commands() -> str:
         " up), 130 and 143 (ended by a signal).",
         _table(("command", ""), [(f"[`{n}`](#{n})", text) for n, (_, text) in COMMANDS.items()]),
     ]
-    for name, one in held.choices.items():
-        one.formatter_class = HELP
-        parts += [f"## {name}", f"```text\n{one.format_help().rstrip()}\n```"]
+    for name, subparser in subcommands.choices.items():
+        subparser.formatter_class = HELP
+        parts += [f"## {name}", f"```text\n{subparser.format_help().rstrip()}\n```"]
     return "\n\n".join(parts) + "\n"
 
 
@@ -69,55 +68,57 @@ def variables() -> str:
         "All parameters of the point are scalars of the same names"
         " ([study files](studies.md#reference)), and there is what follows from them:",
         *_section("Of the point", "", DERIVED | _limits()),
-        *_section("Scalars", "(replicate)", observables.SCALARS),
-        *_section("Time series of a chute", "(replicate, time)", observables.CHUTE_SERIES),
-        *_section("Time series of a belt", "(replicate, time)", observables.BELT_SERIES),
-        *_section("Time series of a conveyor", "(replicate, time)", observables.CONVEYOR_SERIES),
-        *_section("Where `belt_forces` is set", "(replicate, time)", BELT_FORCES),
-        *_section("Profiles", "(replicate, height)", PROFILES),
-        "Those with `_instantaneous` behind their names are of the last sample alone.",
-        *_shaped("Particles", arrays.SNAPSHOTS),
-        *_shaped("Path of the particles once the run is over", PATH),
-        *_shaped("Trajectory, where `trajectory` is set", _frames()),
-        *_shaped("Tables, each where the system or a parameter asks for it", arrays.TABLES),
+        *_listed("Scalars", variables_of("scalar")),
+        *(
+            line
+            for system in SYSTEMS
+            for line in _listed(f"Time series of a {system}", variables_of("series", system=system))
+        ),
+        *_listed("Profiles", variables_of("profile")),
+        *_listed("Particles", variables_of("particle")),
+        *_listed("Trajectory", variables_of("trajectory")),
+        *_listed("Tables", variables_of("table")),
         "## In a dataset",
         "All scalars of run files, over `(point, replicate)`; all parameters over `(point)`, as"
         " coordinates; and",
-        *_section("Of points", "(point)", observables.OF_POINTS),
-        *_section("Measures of all", "(point, replicate)", observables.ENERGY_MEASURES),
-        *_section("Measures of a chute", "(point, replicate)", observables.CHUTE_MEASURES),
-        *_section("Measures of a belt", "(point, replicate)", observables.BELT_MEASURES),
-        *_section("Measures of a conveyor", "(point, replicate)", observables.CONVEYOR_MEASURES),
-        *_section("Groups of the systems, besides the profiles", "", observables.ALONG),
+        *_listed("Of points", variables_of("point")),
+        *_listed("Measures, over `(point, replicate)`", variables_of("measure")),
+        *_listed("Groups of the systems, besides the profiles", variables_of("group")),
     ]
     return "\n\n".join(parts) + "\n"
 
 
 def _limits() -> dict[str, tuple[str, str]]:
     limits = [model().limits for model in SYSTEMS.values()]
-    return {name: ("m s-2", text) for each in limits for name, (_, text) in each.items()}
-
-
-def _frames() -> dict[str, tuple[str, str, tuple[str, ...]]]:
-    told = arrays.SNAPSHOTS | arrays.OF_CONTACTS
     return {
-        name: (*told[source][:2], ("trajectory_time", *told[source][2][1:]))
-        for name, source in arrays.FRAMES.items()
+        name: ("m s-2", text)
+        for system_limits in limits
+        for name, (_, text) in system_limits.items()
     }
 
 
-def _section(title: str, shape: str, held: Mapping[str, tuple[str, str]]) -> list[str]:
+def _section(title: str, shape: str, variables: Mapping[str, tuple[str, str]]) -> list[str]:
     heading = f"### {title}" + (f", `{shape}`" if shape else "")
-    rows = [(f"`{name}`", unit, meaning) for name, (unit, meaning) in held.items()]
+    rows = [(f"`{name}`", unit, meaning) for name, (unit, meaning) in variables.items()]
     return [heading, _table(("variable", "unit", "meaning"), rows)]
 
 
-def _shaped(title: str, held: Mapping[str, tuple[str, str, tuple[str, ...]]]) -> list[str]:
-    rows = [
-        (f"`{name}`", f"`({', '.join(('replicate', *dimensions))})`", unit, meaning)
-        for name, (unit, meaning, dimensions) in held.items()
-    ]
-    return [f"### {title}", _table(("variable", "shape", "unit", "meaning"), rows)]
+def _listed(title: str, rows: Mapping[str, Variable]) -> list[str]:
+    """Return variables of the table; columns that say the same for all are in the heading."""
+    shapes = {name: f"({', '.join(row.dims)})" for name, row in rows.items()}
+    columns = {
+        "variable": [f"`{name}`" for name in rows],
+        "shape": [f"`{shape}`" for shape in shapes.values()],
+        "unit": [row.unit for row in rows.values()],
+        "meaning": [row.attributes["long_name"] for row in rows.values()],
+        "systems": [", ".join(row.systems) for row in rows.values()],
+        "where": [f"`{row.asked_by}`" if row.asked_by else "" for row in rows.values()],
+    }
+    same = {name for name in ("shape", "systems", "where") if len(set(columns[name])) == 1}
+    shape = columns["shape"][0]
+    heading = f"### {title}" + (f", {shape}" if "shape" in same and "over" not in title else "")
+    columns = {name: cells for name, cells in columns.items() if name not in same}
+    return [heading, _table(tuple(columns), list(zip(*columns.values(), strict=True)))]
 
 
 def _table(headings: Sequence[str], rows: Iterable[Sequence[str]]) -> str:

@@ -1,1 +1,1 @@
-"""What any program needs and what knows nothing of granular flow: errors, YAML, files, damage."""
+"""General tools that know nothing of granular flow: errors, YAML, files, seals, plug-ins."""

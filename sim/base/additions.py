@@ -1,9 +1,9 @@
-"""What plug-ins have added to Talus, by kind and name, and whose mistake an error of it is."""
+"""A registry of what plug-ins add to Talus, by kind and name; errors are attributed to plug-ins."""
 
 import inspect
 import re
 import traceback
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,26 +11,26 @@ from typing import Any
 
 from sim.base.errors import InputError
 
-#: What the name of something that a plug-in adds may be.
+#: Pattern of the name of an addition.
 NAME = r"^[a-z][a-z0-9_]{0,39}$"
 
-#: An error in a text of numba.
+#: A line of a message of numba that names an error.
 _ERROR = re.compile(r"^\s*(\w+(?:Error|Exception): .*)$", re.MULTILINE)
 
-#: How the name of a plug-in ends that is a file beside a study.
+#: Suffix of plug-ins that are files beside a study.
 FILE = ".py"
 
 
 @dataclass(frozen=True)
 class Plugin:
-    """A plug-in that is loaded.
+    """A loaded plug-in.
 
     Attributes
     ----------
     name : str
-        As the study names it.
+        Its name in the study file.
     place : str
-        What another process loads it by: the file, or the name of the installed one.
+        Path of its file, or name of the installed package, by which another process loads it.
     code : str
         Hash of its content.
     """
@@ -40,13 +40,13 @@ class Plugin:
     code: str
 
     @property
-    def pinned(self) -> str:
-        """How ``TALUS_PLUGINS`` names it as it is now, and not as it may be when it is loaded."""
+    def pinned_name(self) -> str:
+        """Entry of ``TALUS_PLUGINS`` with its hash, so that a later edit is noticed."""
         return f"{self.place}@{self.code}"
 
     @property
     def is_file(self) -> bool:
-        """Whether it is a file beside a study, and not installed."""
+        """True for a file beside a study, False for an installed package."""
         return self.name.endswith(FILE)
 
     def __str__(self) -> str:
@@ -55,25 +55,29 @@ class Plugin:
 
 @dataclass(frozen=True)
 class Addition:
-    """Something that a plug-in adds, and the plug-in."""
+    """A value that a plug-in adds, with the plug-in."""
 
     value: Any
     plugin: Plugin
 
 
-class Refused(Exception):
-    """What a plug-in adds cannot be added; the message says why."""
+class AdditionError(Exception):
+    """An addition of a plug-in is refused; the message says why."""
 
+
+#: Talus itself, whose files add by the same calls; points name its options without a hash.
+TALUS = Plugin("Talus", "", "")
 
 _additions: dict[str, dict[str, Addition]] = {}
+_shipped: dict[str, dict[str, Any]] = {}
 _loading: list[Plugin] = []
 _listeners: list[Callable[[], None]] = []
 
 
 @contextmanager
-def adding(plugin: Plugin) -> Iterator[None]:
-    """Take what is added in a block for that of a plug-in; nothing of it stays after an error."""
-    before = {kind: dict(held) for kind, held in _additions.items()}
+def attribute_additions_to(plugin: Plugin) -> Iterator[None]:
+    """Attribute the additions of a block to a plug-in; an error removes all of them."""
+    before = {kind: dict(entries) for kind, entries in _additions.items()}
     _loading.append(plugin)
     try:
         yield
@@ -85,128 +89,149 @@ def adding(plugin: Plugin) -> Iterator[None]:
         _loading.pop()
 
 
-def add(kind: str, name: str, value: Any, taken: Iterable[str] = ()) -> None:
-    """Add something of a kind under a name; nothing, where no plug-in is being loaded.
+def add(kind: str, name: str, value: Any, reserved: Iterable[str] = ()) -> None:
+    """Add a value of a kind under a name.
 
-    So the file of a plug-in can also be imported like any other.
+    Outside the loading of a plug-in this adds nothing: its file can be imported as usual.
 
     Raises
     ------
-    Refused
-        When the name is none, or in use: by something of Talus (``taken``) or of a plug-in.
+    AdditionError
+        When the name is not valid, or in use: by Talus (``reserved``) or by a plug-in.
     """
     require_name(kind, name)
-    if name in taken:
-        raise Refused(f"{kind} {name}: Talus has one of this name")
+    if _loading and _loading[-1] is TALUS:
+        _shipped.setdefault(kind, {})[name] = value
+        return
+    if name in reserved or name in _shipped.get(kind, {}):
+        raise AdditionError(f"{kind} {name}: Talus has one of this name")
     if not _loading:
         return
-    held = _additions.setdefault(kind, {})
-    if name in held:
-        other = held[name].plugin
+    entries = _additions.setdefault(kind, {})
+    if name in entries:
+        other = entries[name].plugin
         same = " in this process; start another" if other.name == _loading[-1].name else ""
-        raise Refused(f"{kind} {name}: {other} has one of this name{same}")
-    held[name] = Addition(value, _loading[-1])
+        raise AdditionError(f"{kind} {name}: {other} has one of this name{same}")
+    entries[name] = Addition(value, _loading[-1])
 
 
 def require_name(kind: str, name: Any) -> None:
-    """Refuse what can be no name of something that a plug-in adds."""
+    """Raise `AdditionError` for an invalid name of an addition."""
     if not (isinstance(name, str) and re.fullmatch(NAME, name)):
-        raise Refused(f"{kind} {name!r}: a name has up to 40 letters a-z, digits and _")
+        raise AdditionError(f"{kind} {name!r}: a name has up to 40 letters a-z, digits and _")
 
 
-def added_by(plugin: Plugin) -> list[str]:
-    """Return kinds and names of what a plug-in has added."""
+def addition_labels(plugin: Plugin) -> list[str]:
+    """Return ``kind name`` of each addition of a plug-in."""
     return [
         f"{kind} {name}"
-        for kind, held in _additions.items()
-        for name, one in sorted(held.items())
-        if one.plugin == plugin
+        for kind, entries in _additions.items()
+        for name, addition in sorted(entries.items())
+        if addition.plugin == plugin
     ]
 
 
 def additions(kind: str) -> dict[str, Addition]:
-    """Return what plug-ins have added of a kind, by name."""
+    """Return the additions of plug-ins of a kind, by name."""
     return dict(_additions.get(kind, {}))
 
 
-def codes(*kinds: str) -> str:
-    """Return names and hashes of what is added of kinds: a text that changes when any of it does.
+def plugin_options(kind: str) -> dict[str, Any]:
+    """Return the values of a kind that plug-ins add, by the names that points have for them."""
+    return {f"{name}.{one.plugin.code}": one.value for name, one in additions(kind).items()}
 
-    Empty without any.
+
+def plain_name(option: str) -> str:
+    """Return the name of an option of a plug-in without the hash."""
+    return option.rpartition(".")[0] or option
+
+
+def shipped(kind: str) -> Mapping[str, Any]:
+    """Return the values of a kind that Talus itself adds, by name."""
+    return _shipped.get(kind, {})
+
+
+def codes(*kinds: str) -> str:
+    """Return names and plug-in hashes of all additions of some kinds, as one text.
+
+    The text changes with the code of any of these plug-ins; it is empty without additions.
     """
     return " ".join(
-        f"{name}.{one.plugin.code}"
+        f"{name}.{addition.plugin.code}"
         for kind in kinds
-        for name, one in sorted(additions(kind).items())
+        for name, addition in sorted(additions(kind).items())
     )
 
 
-def whenever(function: Callable[[], None]) -> None:
-    """Call a function now, and whenever what plug-ins add changes."""
+def on_change(function: Callable[[], None]) -> None:
+    """Call a function now, and again after every change of the additions."""
     _listeners.append(function)
     function()
 
 
-def changed() -> None:
-    """Tell those who want to know that what plug-ins add has changed."""
+def notify_listeners() -> None:
+    """Call the functions that `on_change` has registered."""
     for function in _listeners:
         function()
 
 
-def fault(kind: str, name: str, error: BaseException, of: str = "") -> InputError:
-    """Return the error of something that a plug-in has added as one line, with its place there."""
+def plugin_error(kind: str, name: str, error: BaseException, of: str = "") -> InputError:
+    """Return an error of an addition as one line with its plug-in and the line there, if known."""
     plugin = _additions[kind][name].plugin
-    return InputError(f"{plugin}: {kind} {name}{of}: {words_of(error, Path(plugin.place))}")
+    return InputError(f"{plugin}: {kind} {name}{of}: {error_text(error, Path(plugin.place))}")
 
 
 @contextmanager
-def blamed(kind: str, name: str, of: str = "") -> Iterator[None]:
-    """Tell whatever goes wrong in a block as the mistake of something that a plug-in has added."""
+def attribute_errors_to(kind: str, name: str, of: str = "") -> Iterator[None]:
+    """Raise any error of a block as an `InputError` that names an addition and its plug-in."""
     try:
         yield
     except (Exception, SystemExit) as error:
-        raise fault(kind, name, error, of) from None
+        raise plugin_error(kind, name, error, of) from None
 
 
-def code_fault(error: Exception) -> InputError | None:
-    """Return what is wrong with code of a plug-in as one line; none for other errors.
+def plugin_code_error(error: Exception) -> InputError | None:
+    """Return an error of a plug-in's compiled code as one line, None for other errors.
 
-    That is what numba could not compile, or what compiled code has raised.
+    Numba could not compile the code, or the compiled code raised the error.
     """
-    every = [one for held in _additions.values() for one in held.values()]
+    every = [addition for entries in _additions.values() for addition in entries.values()]
     if type(error).__module__.startswith("numba."):
-        return next(filter(None, (_uncompiled(one, str(error)) for one in every)), None)
+        return next(
+            filter(None, (_compile_error(addition, str(error)) for addition in every)), None
+        )
     last = Path(traceback.extract_tb(error.__traceback__)[-1].filename)
-    blamed_for = [one.plugin for one in every if Path(one.plugin.place) == last]
-    return InputError(f"{blamed_for[0]}: {words_of(error, last)}") if blamed_for else None
+    plugins = [addition.plugin for addition in every if Path(addition.plugin.place) == last]
+    return InputError(f"{plugins[0]}: {error_text(error, last)}") if plugins else None
 
 
-def _uncompiled(one: Addition, text: str) -> InputError | None:
-    """Return the line that says why something could not be compiled, if it is what numba tells."""
-    place = re.search(rf'File "[^"]*{re.escape(one.plugin.name)}", line (\d+)', text)
+def _compile_error(addition: Addition, text: str) -> InputError | None:
+    """Return why an addition does not compile, None where numba's text is of another."""
+    plugin = addition.plugin
+    place = re.search(rf'File "[^"]*{re.escape(plugin.name)}", line (\d+)', text)
     if place:
         lines = [line.strip() for line in text[: place.start()].splitlines() if line.strip()]
-        return InputError(f"{one.plugin}: line {place[1]}: cannot be compiled: {lines[-1]}")
-    # Of names that are not defined numba tells no place, but the function.
-    for function in filter(inspect.isfunction, vars(one.value).values()):
+        return InputError(f"{plugin}: line {place[1]}: cannot be compiled: {lines[-1]}")
+    # For an undefined name numba gives the function, not the line.
+    for function in filter(inspect.isfunction, vars(addition.value).values()):
         if f"<function {function.__name__} at {id(function):#x}>" in text:
             line, errors = function.__code__.co_firstlineno, _ERROR.findall(text)
-            return InputError(f"{one.plugin}: line {line}: cannot be compiled: {errors[-1]}")
+            return InputError(f"{plugin}: line {line}: cannot be compiled: {errors[-1]}")
     return None
 
 
-def words_of(error: BaseException, file: Path) -> str:
-    """Return an error in words, with the line of a file that it comes from."""
+def error_text(error: BaseException, file: Path) -> str:
+    """Return type and message of an error, after the line of ``file`` that raised it."""
     try:
         words = str(error)
     except Exception:
         words = "an error without words"
-    kind = "" if isinstance(error, Refused) else f"{type(error).__name__}: "
+    kind = "" if isinstance(error, AdditionError) else f"{type(error).__name__}: "
     return f"{_line_of(error, file)}{kind}{words}"
 
 
 def _line_of(error: BaseException, file: Path) -> str:
-    """Return where in a file an error comes from."""
+    """Return ``line N: `` for the last line of a file in a traceback, ``""`` where it has none."""
     lines = [
         frame.lineno
         for frame in traceback.extract_tb(error.__traceback__)

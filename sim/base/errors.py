@@ -1,4 +1,4 @@
-"""The one exception a user of Talus gets to see, and how values are written in it."""
+"""The one exception that users of Talus see, and the short form of values in its message."""
 
 import reprlib
 from collections.abc import Iterable
@@ -7,7 +7,7 @@ from typing import Any, Self
 
 
 class InputError(Exception):
-    """Something the user gave cannot be used: a file, a key, a value, a folder.
+    """A file, key, value or folder from the user is not usable.
 
     The message is a single line fit to be printed as it is. The command line prints it to
     standard error and exits with code 2, before anything has been computed.
@@ -27,9 +27,9 @@ class InputError(Exception):
         key : str
             Full path of the key (``series[0].grid.depth[1]``); ``""`` for the file as a whole.
         value : object
-            What was found there; long values are shortened.
+            The value at this key; long values are shortened.
         allowed : str
-            What would have been accepted, in words.
+            The accepted values, in words.
         """
         where = f"{source}: {key}" if key else f"{source}"
         return cls(f"{where}: got {in_short(value)}; allowed: {allowed}")

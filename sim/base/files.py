@@ -1,7 +1,6 @@
-"""Files that appear complete or not at all, and that only one process makes."""
+"""Files: atomic writes, locks, and folders that nobody else can write."""
 
 import errno
-import hashlib
 import logging
 import os
 import stat
@@ -18,18 +17,15 @@ from sim.base.errors import InputError
 
 log = logging.getLogger("talus")
 
-#: The end of a sealed file.
-SEAL = b"\nSHA-256 %s\n"
-
 
 @contextmanager
-def replacing(path: Path) -> Iterator[Path]:
-    """Give a temporary name beside ``path`` to write to; rename it when the block succeeds.
+def atomic_write(path: Path) -> Iterator[Path]:
+    """Yield a temporary path beside ``path`` to write to; rename it when the block succeeds.
 
-    After an error ``path`` is as it was and nothing else stays behind; an `OSError` names it. What
-    a process that was killed has left of an earlier attempt is removed.
+    After an error ``path`` is unchanged, the temporary file gone; an `OSError` names ``path``.
+    Temporary files of killed processes are removed first.
     """
-    remove_left(path)
+    remove_leftovers(path)
     temporary = path.with_name(f".{path.name}.{os.getpid()}.part")
     try:
         yield temporary
@@ -37,7 +33,7 @@ def replacing(path: Path) -> Iterator[Path]:
         temporary.replace(path)
         _flush(path.parent)
     except OSError as error:
-        # A full disk does not say whose it is, and nobody knows the temporary name.
+        # The error of a full disk names no file, and users do not know the temporary name.
         if error.errno and error.filename in (None, str(temporary)):
             raise OSError(error.errno, error.strerror, str(path)) from error
         raise
@@ -45,26 +41,17 @@ def replacing(path: Path) -> Iterator[Path]:
         temporary.unlink(missing_ok=True)
 
 
-def remove_left(path: Path) -> None:
-    """Remove what processes that were killed while they wrote ``path`` have left."""
-    for left in path.parent.glob(f".{escape(path.name)}.*.part"):
-        if not _is_alive(left.name.split(".")[-2]):
-            left.unlink(missing_ok=True)
-
-
-def seal(path: Path) -> None:
-    """Append a checksum to a file, for `is_damaged`.
-
-    Readers of HDF5 (netCDF-4) do not look behind the end that the file itself declares.
-    """
-    with path.open("r+b") as file:
-        file.write(SEAL % checksum(file, path.stat().st_size))
+def remove_leftovers(path: Path) -> None:
+    """Remove the temporary files of killed processes that were writing ``path``."""
+    for temporary in path.parent.glob(f".{escape(path.name)}.*.part"):
+        if not _is_alive(temporary.name.split(".")[-2]):
+            temporary.unlink(missing_ok=True)
 
 
 def open_regular(path: Path) -> BinaryIO:
-    """Open a file for reading bytes, if it is one: a pipe or a device may never end.
+    """Open a regular file for reading bytes.
 
-    Raises ``OSError`` for all else.
+    Raises ``OSError`` for anything else: a pipe or a device may never end.
     """
     number = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
     if not stat.S_ISREG(os.fstat(number).st_mode):
@@ -74,73 +61,36 @@ def open_regular(path: Path) -> BinaryIO:
 
 
 def read_regular(path: Path) -> bytes:
-    """Return what a file holds; raise ``OSError`` where it is none, see `open_regular`."""
+    """Return the contents of a regular file; raise ``OSError`` otherwise, see `open_regular`."""
     with open_regular(path) as file:
         return file.read()
 
 
-def is_damaged(path: Path) -> bool:
-    """Return whether a file that was sealed has changed since, its seal included.
-
-    Libraries may crash on a file that is damaged; this reads bytes and nothing else.
-    """
-    with open_regular(path) as file:
-        length = max(0, file.seek(0, os.SEEK_END) - len(SEAL % bytes(64)))
-        file.seek(length)
-        found = file.read()
-        file.seek(0)
-        return found != SEAL % checksum(file, length)
-
-
-def read_seal(path: Path) -> str:
-    """Return the checksum that a file says it has, ``""`` where it has no seal."""
-    length = len(SEAL % bytes(64))
-    with open_regular(path) as file:
-        file.seek(max(0, file.seek(0, os.SEEK_END) - length))
-        found = file.read()
-    is_seal = len(found) == length and found.startswith(SEAL[:9])
-    return found[9:-1].decode("ascii", "replace") if is_seal else ""
-
-
-def checksum(file: BinaryIO, length: int) -> bytes:
-    """Return the SHA-256 of the next bytes of a file, in hexadecimal."""
-    digest = hashlib.sha256()
-    while block := file.read(min(length, 1 << 20)):
-        digest.update(block)
-        length -= len(block)
-    return digest.hexdigest().encode()
-
-
-def set_aside(path: Path) -> Path:
-    """Rename a file that cannot be used to ``<name>.damaged``, and return that."""
-    return path.replace(path.with_name(f"{path.name}.damaged"))
-
-
 @contextmanager
-def alone(path: Path) -> Iterator[bool]:
-    """Let one process at a time make ``path``; yield whether another one had to be waited for.
+def file_lock(path: Path) -> Iterator[bool]:
+    """Lock ``path`` for one process at a time; yield True after waiting for another process.
 
-    The kernel drops the lock with the process. Where the file system knows no locks, nobody waits.
+    The kernel releases the lock when the process ends. On a file system without locks nobody waits.
     """
     name = path.with_name(f".{path.name}.lock")
-    # A folder that takes no files says so here: that is no lack of locks. A link that somebody has
-    # put there would have what it leads to emptied.
+    # An unwritable folder fails here, as it is no lack of locks. A symbolic link is removed, as
+    # locking would empty its target.
     if name.is_symlink():
         name.unlink()
     name.touch()
-    lock, waited = FileLock(name, fallback_to_soft=False), False
+    lock, has_waited = FileLock(name, fallback_to_soft=False), False
     with suppress(OSError):
-        waited = _wait_for(lock)
+        has_waited = _wait_for(lock)
     try:
-        yield waited
+        yield has_waited
     finally:
-        # Before the lock is dropped: whoever gets it afterwards sees that the file has gone.
+        # Before the release, so that the next holder sees that the file is gone.
         name.unlink(missing_ok=True)
         lock.release()
 
 
 def _wait_for(lock: FileLock) -> bool:
-    """Get the lock; return whether another process had it."""
+    """Acquire the lock; return True if another process held it."""
     try:
         lock.acquire(blocking=False)
     except Timeout:
@@ -151,7 +101,7 @@ def _wait_for(lock: FileLock) -> bool:
 
 
 def _is_alive(number: str) -> bool:
-    """Return whether a process of this machine has this number."""
+    """True where a process of this machine has this number."""
     try:
         os.kill(int(number), 0)
     except (ProcessLookupError, ValueError, OverflowError):
@@ -162,9 +112,9 @@ def _is_alive(number: str) -> bool:
 
 
 def _flush(path: Path) -> None:
-    """Put a file, or the names in a folder, on the disk, where a power cut leaves them alone.
+    """Write a file, or the names in a folder, to the disk, safe from a power cut.
 
-    After it a name must not stand for missing contents. Some file systems refuse it for folders.
+    Without it a new name could outlive its contents. Some file systems refuse it for folders.
     """
     number = os.open(path, os.O_RDONLY)
     try:
@@ -177,27 +127,26 @@ def _flush(path: Path) -> None:
 
 
 def require_writable(folder: Path, key: str) -> None:
-    """Make sure that files can be created in ``folder``, now or once it has been made.
-
-    Nothing stays behind: the folder itself is not made.
+    """Raise `InputError` unless files can be created in ``folder``, which is not made itself.
 
     Parameters
     ----------
     folder : Path
         The folder; it and its parents need not exist.
     key : str
-        What named it, for the message.
+        The option or setting that named it, for the message.
 
     Raises
     ------
     InputError
-        When it, or the nearest of its parents that exists, is no folder or refuses a file.
+        When the folder, or its nearest existing parent, is no folder or refuses a file.
     """
     nearest = folder.absolute()
     while not (nearest.exists() or nearest.is_symlink()) and nearest != nearest.parent:
         nearest = nearest.parent
     try:
-        # Permission bits do not tell: root ignores them, read-only and full file systems too.
+        # Permission bits are not enough: root ignores them, and file systems may be full or
+        # read-only.
         with tempfile.TemporaryFile(dir=nearest):
             pass
     except NotADirectoryError:
@@ -207,3 +156,46 @@ def require_writable(folder: Path, key: str) -> None:
     else:
         return
     raise InputError.of_value(key, "", str(folder), f"a folder that can be written ({reason})")
+
+
+class NotPrivateError(Exception):
+    """Others can write or replace a folder; the message says why."""
+
+
+def private_folder(path: Path) -> Path:
+    """Make a folder, if need be, and return it if nobody else can write or replace it.
+
+    Raises `NotPrivateError` where somebody could, ``OSError`` where files cannot be created.
+    """
+    path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+    if _others_may_write(above := path.parent.stat()) and not above.st_mode & stat.S_ISVTX:
+        raise NotPrivateError(f"others can write {path.parent}")
+    path.mkdir(mode=0o700, exist_ok=True)
+    status = path.lstat()
+    if not stat.S_ISDIR(status.st_mode):
+        raise NotPrivateError(f"{path} is a link or no folder")
+    if status.st_uid != os.geteuid():
+        raise NotPrivateError(f"{path} belongs to user {status.st_uid}")
+    if _others_may_write(status):
+        raise NotPrivateError(f"others can write {path}")
+    with tempfile.TemporaryFile(dir=path) as file:
+        file.write(b"\0" * 4096)
+    return path
+
+
+def cache_folder() -> Path:
+    """Return the user's cache folder; raise ``RuntimeError`` without a home."""
+    if folder := os.environ.get("XDG_CACHE_HOME"):
+        return Path(folder)
+    if os.environ.get("HOME") == "":
+        raise RuntimeError("HOME is empty")
+    return Path.home() / ".cache"
+
+
+def user_temporary_folder() -> Path:
+    """Return the path of this user's folder within the system's temporary folder."""
+    return Path(tempfile.gettempdir()) / f"talus-{os.geteuid()}"
+
+
+def _others_may_write(status: os.stat_result) -> bool:
+    return bool(status.st_mode & (stat.S_IWGRP | stat.S_IWOTH))

@@ -1,4 +1,4 @@
-"""From a pydantic error to one line that names file, key, value and allowed range."""
+"""Pydantic errors as one line that names file, key, value and allowed range."""
 
 import difflib
 import re
@@ -16,7 +16,7 @@ from sim.base.errors import InputError, in_short, key_path
 _UNKNOWN = {"extra_forbidden", "invalid_key"}
 _TAG = "system"
 
-#: Characters up to which what is allowed is said although it is known what was meant.
+#: Up to this length, the allowed values are named in addition to a hint.
 SHORT = 60
 
 _DECIMAL_COMMA = re.compile(r"[-+]?\d+,\d+")
@@ -25,9 +25,9 @@ _DECIMAL_COMMA = re.compile(r"[-+]?\d+,\d+")
 def allowed_values(field: FieldInfo) -> str:
     """Describe the values a field accepts: ``a number in (0, 1]``, ``one of kept, clipped``."""
     extra = field.json_schema_extra
-    said = extra.get("allowed") if isinstance(extra, dict) else getattr(extra, "allowed", "")
-    if said:
-        return str(said)
+    text = extra.get("allowed") if isinstance(extra, dict) else getattr(extra, "allowed", "")
+    if text:
+        return str(text)
     if typing.get_origin(field.annotation) is typing.Literal:
         choices = typing.get_args(field.annotation)
         return "one of " + ", ".join(choices) if len(choices) > 1 else str(choices[0])
@@ -66,7 +66,7 @@ def _number(value: float) -> str:
 def unknown_key(
     source: str, path: str, value: Any, known: Iterable[str], hint: str = ""
 ) -> InputError:
-    """Say that the last key of a path is not known, which may be meant, and which there are."""
+    """Return the error of an unknown last key of a path, with similar and known keys."""
     if hint:
         return InputError(f"{source}: {path}: unknown key, got {in_short(value)}; {hint}")
     names = list(known)
@@ -83,8 +83,8 @@ def input_error(
 ) -> InputError:
     """Turn the error of validating ``model`` into the line shown to the user.
 
-    Of several errors the first is reported, an unknown key before all others: it often explains
-    a missing one; but an unknown choice before it, which may be what the key belongs to.
+    Only one error is reported. An unknown key comes first, as it often explains a missing one;
+    an unknown choice comes before it, as the key may belong to the choice.
 
     Parameters
     ----------
@@ -98,8 +98,8 @@ def input_error(
         Full path in the file of each key, where that is not the key itself.
     """
     details = error.errors(include_url=False)
-    choices = [one for one in details if one["type"] == "literal_error"]
-    unknown = [one for one in details if one["type"] in _UNKNOWN]
+    choices = [detail for detail in details if detail["type"] == "literal_error"]
+    unknown = [detail for detail in details if detail["type"] in _UNKNOWN]
     entry = (choices if unknown and choices else unknown or details)[0]
     location, owner = _resolve(model, entry["loc"])
     rule = entry["ctx"] if entry["type"] == "rule" else {}
@@ -117,7 +117,7 @@ def input_error(
         return InputError.of_value(source, f"{path}.{_TAG}", entry["input"].get(_TAG), allowed)
     allowed = _allowed(entry, owner)
     if entry["type"] == "int_type" and isinstance(got, float):
-        # With its point, which is what is wrong with it.
+        # The value keeps its decimal point, which is the mistake.
         return InputError(f"{source}: {path}: got {got!r}; allowed: {allowed}")
     if hint := _hint(owner, _name(entry), got):
         allowed = f"{allowed}; {hint}" if len(allowed) < SHORT else hint
@@ -125,7 +125,7 @@ def input_error(
 
 
 def _hint(owner: type[BaseModel], key: str, value: Any) -> str:
-    """Say what may have been meant by a value, or by a key with none."""
+    """Return a hint on a wrong value or, for None, on a wrong key; ``""`` without any."""
     if isinstance(value, str) and _DECIMAL_COMMA.fullmatch(value):
         return "a number has a decimal point, not a comma"
     return str(getattr(owner, "hint", lambda key, value: "")(key, value))
@@ -136,15 +136,15 @@ def _resolve(
 ) -> tuple[list[str | int], type[BaseModel]]:
     """Follow a location through nested models.
 
-    Returns the location without the tags that pydantic puts after a tagged union, and the model
-    whose field its last name is.
+    Returns the location without pydantic's tags of tagged unions, and the model that has its last
+    name as a field.
     """
     path: list[str | int] = []
     owner, candidates = model, [model]
     for part in location:
-        holders = [one for one in candidates if part in one.model_fields]
+        holders = [candidate for candidate in candidates if part in candidate.model_fields]
         if isinstance(part, str) and not holders and len(candidates) > 1:
-            candidates = [one for one in candidates if part in _tags(one)]
+            candidates = [candidate for candidate in candidates if part in _tags(candidate)]
             owner = candidates[0]
             continue
         path.append(part)
@@ -170,9 +170,9 @@ def _name(entry: ErrorDetails) -> str:
 
 
 def _allowed(entry: ErrorDetails, owner: type[BaseModel]) -> str:
-    """Say what would have been accepted in place of an entry's input."""
+    """Return the accepted values, in words, for the field of an error."""
     name = _name(entry)
-    # Models of some of the parameters hold lists of values; the ranges are those of the values.
+    # In models with lists of values (grids), the ranges are those of the single values.
     fields = getattr(owner, "parameters", owner).model_fields
     match entry["type"]:
         case "model_type" | "model_attributes_type" | "dict_type":
@@ -183,14 +183,14 @@ def _allowed(entry: ErrorDetails, owner: type[BaseModel]) -> str:
             return entry["ctx"]["expected"]
         case "string_pattern_mismatch" | "string_type" if isinstance(entry["loc"][-1], int):
             (item,) = typing.get_args(owner.model_fields[name].annotation)
-            for said in getattr(item, "__metadata__", ()):
-                return allowed_values(said)
+            for constraint in getattr(item, "__metadata__", ()):
+                return allowed_values(constraint)
     allowed = allowed_values(fields[name]) if name in fields else entry["msg"]
     return f"finite, {allowed}" if entry["type"] == "finite_number" else allowed
 
 
 def did_you_mean(name: str, known: Collection[str]) -> str:
-    """Return a question with the names closest to an unknown one, empty without any.
+    """Return a question with the known names closest to ``name``, ``""`` without any.
 
     >>> did_you_mean("frction", ["friction", "depth"])
     'did you mean friction? '

@@ -1,15 +1,17 @@
 """Plug-ins: a file beside a study, or an installed package, that adds to what Talus knows.
 
-A plug-in is Python code, and loading it runs it. So only those are loaded that a study file names,
-or a person (`sim.load_plugins`, ``TALUS_PLUGINS``), never one that results name, and each is told
-on standard error. What it adds is known by the hash of its content: edited, it is another.
+A plug-in is Python code, and loading it runs it. Only a study file or a person
+(`sim.load_plugins`, ``TALUS_PLUGINS``) can name plug-ins; results cannot. Each one loaded is
+reported on standard error. Its additions are identified by the hash of its content.
 """
 
 import hashlib
 import os
 import re
 import sys
-from collections.abc import Callable, Iterable
+import warnings
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from contextvars import copy_context
 from importlib import import_module
 from importlib.metadata import entry_points
@@ -18,91 +20,113 @@ from pathlib import Path
 from types import ModuleType
 from typing import NamedTuple
 
-from sim.base.additions import FILE, Plugin, Refused, added_by, adding, changed, words_of
+from sim.base.additions import (
+    FILE,
+    TALUS,
+    AdditionError,
+    Plugin,
+    addition_labels,
+    attribute_additions_to,
+    error_text,
+    notify_listeners,
+)
 from sim.base.errors import InputError
 from sim.base.files import read_regular
-from sim.base.process import process_kept
 from sim.base.words import printable
 
-#: Where installed packages name their modules.
+#: Entry-point group in which installed packages name their modules.
 GROUP = "talus.plugins"
 
-#: Names the plug-ins that every process loads at once, between colons: the jobs of a study do.
+#: Environment variable with the plug-ins that each process loads at its start, separated by colons.
+#: The workflow sets it for the jobs of a study.
 VARIABLE = "TALUS_PLUGINS"
 
-#: What a study file may name, and that in words.
+#: Pattern of a plug-in's name in a study file, and the same in words.
 PATTERN = r"^[A-Za-z_][A-Za-z0-9_-]*(\.py)?$"
 ALLOWED = "a Python file beside the study, as my_law.py, or the name of an installed plug-in"
 
 _CODE_DIGITS = 8
 
-#: The end of a name with a hash.
+#: Ending of a name with a hash.
 _PINNED = re.compile(rf"@[0-9a-f]{{{_CODE_DIGITS}}}$")
 
 _plugins: dict[str, Plugin] = {}
 
 
 def places() -> list[str]:
-    """Return what another process loads the plug-ins of this one by, in order."""
-    return [one.place for one in _plugins.values()]
+    """Return the places of the loaded plug-ins, in order, for another process to load them."""
+    return [plugin.place for plugin in _plugins.values()]
 
 
 def load(names: Iterable[str], folder: Path, source: str) -> tuple[Plugin, ...]:
-    """Load plug-ins, those that are loaded already aside, and return them all.
+    """Load those plug-ins that are not loaded yet, and return all of them.
 
     Parameters
     ----------
     names : iterable of str
         Files in ``folder``, with their suffix, and names of installed plug-ins.
     folder : Path
-        Where the files lie.
+        Folder of the files.
     source : str
         File and key that name them, for messages: ``study.yaml: plugins``.
 
     Raises
     ------
     InputError
-        For one that is not there, cannot be imported, adds nothing, or a name that is in use.
+        When one is missing, cannot be imported, adds nothing, or adds a name that is in use.
     """
-    found = []
+    loaded = []
     for index, name in enumerate(names):
 
-        def refused(why: str, index: int = index, name: str = name) -> InputError:
+        def error_of(why: str, index: int = index, name: str = name) -> InputError:
             return InputError.of_value(f"{source}[{index}]", "", name, f"{ALLOWED}; {why}")
 
-        one = _found(name, folder, refused)
-        if one.plugin.code not in _plugins:
-            _run(one, refused)
-        found.append(_plugins[one.plugin.code])
-    return tuple(found)
+        source_code = _find(name, folder, error_of)
+        if source_code.plugin.code not in _plugins:
+            _run(source_code, error_of)
+        loaded.append(_plugins[source_code.plugin.code])
+    return tuple(loaded)
 
 
 def load_from_environment() -> None:
     """Load the plug-ins that ``TALUS_PLUGINS`` names."""
     for entry in filter(None, os.environ.get(VARIABLE, "").split(os.pathsep)):
         name, _, code = entry.rpartition("@") if _PINNED.search(entry) else (entry, "", "")
-        (one,) = load([name], Path(), VARIABLE)
-        if code and one.code != code:
-            raise InputError(f"{one}: edited since this study was started; start it again")
+        (plugin,) = load([name], Path(), VARIABLE)
+        if code and plugin.code != code:
+            raise InputError(f"{plugin}: edited since this study was started; start it again")
+
+
+def module_names(package: str) -> tuple[str, ...]:
+    """Return the names of the modules of a package of Talus, sorted."""
+    folder = Path(__file__).parents[2].joinpath(*package.split("."))
+    return tuple(sorted(path.stem for path in folder.glob(f"*{FILE}") if path.stem != "__init__"))
+
+
+def load_shipped(package: str) -> None:
+    """Import the modules of a package of Talus, which add to it by the calls that plug-ins make."""
+    with attribute_additions_to(TALUS):
+        for name in module_names(package):
+            import_module(f"{package}.{name}")
 
 
 def load_plugins(*names: str | Path) -> None:
     """Load plug-ins into this process: files, or names of installed ones.
 
-    What they add can then be used in `simulate`, `Flow` and `points`.
+    Their additions can then be used in `simulate`, `Flow` and `points`.
 
     Raises
     ------
     InputError
-        For one that is not there, cannot be imported, adds nothing, or a name that is in use.
+        When one is missing, cannot be imported, adds nothing, or adds a name that is in use.
     """
     load(map(str, names), Path(), "load_plugins")
 
 
-class _Found(NamedTuple):
-    """A plug-in that is not loaded yet: its ``file``, the ``module`` it becomes, and its ``text``.
+class _SourceCode(NamedTuple):
+    """The code of a plug-in: its ``file``, the name of its ``module``, and its ``text``.
 
-    That of an installed one is left to Python to find.
+    The text of an installed plug-in is None: Python imports it.
     """
 
     plugin: Plugin
@@ -111,30 +135,30 @@ class _Found(NamedTuple):
     text: bytes | None = None
 
 
-def _found(name: str, folder: Path, refused: Callable[[str], InputError]) -> _Found:
-    """Return a plug-in by the name that a study has for it."""
+def _find(name: str, folder: Path, error_of: Callable[[str], InputError]) -> _SourceCode:
+    """Return the code of a plug-in by its name; ``error_of`` turns a reason into an error."""
     if name.endswith(FILE):
         path = (folder / name).absolute()
         try:
             text = read_regular(path)
         except OSError as error:
-            raise refused(f"{path}: {error.strerror or error}") from None
+            raise error_of(f"{path}: {error.strerror or error}") from None
         code = _hash([(path.name, text)])
-        # The name is new with each content: types of compiled code are known by it.
+        # Each content has its own module name, by which types of compiled code are told apart.
         module = f"talus_plugin_{re.sub('[^a-zA-Z0-9]', '_', path.stem)}_{code}"
-        return _Found(Plugin(path.name, str(path), code), path, module, text)
+        return _SourceCode(Plugin(path.name, str(path), code), path, module, text)
     entries = entry_points(group=GROUP)
     if name not in entries.names:
         installed = ", ".join(sorted(entries.names)) or "none"
-        raise refused(f"installed: {installed}")
+        raise error_of(f"installed: {installed}")
     module = entries[name].module
     spec = find_spec(module.partition(".")[0])
     if spec is None or spec.origin is None:
-        raise refused(f"no module {module}")
+        raise error_of(f"no module {module}")
     file = Path(spec.origin)
     files = file.parent.rglob(f"*{FILE}") if spec.submodule_search_locations else [file]
     code = _hash((path.name, path.read_bytes()) for path in sorted(files))
-    return _Found(Plugin(name, name, code), file, module)
+    return _SourceCode(Plugin(name, name, code), file, module)
 
 
 def _hash(files: Iterable[tuple[str, bytes]]) -> str:
@@ -145,32 +169,65 @@ def _hash(files: Iterable[tuple[str, bytes]]) -> str:
     return digest.hexdigest()[:_CODE_DIGITS]
 
 
-def _run(found: _Found, refused: Callable[[str], InputError]) -> None:
-    """Run the code of a plug-in, which adds what it has; nothing of it stays after an error."""
-    plugin = found.plugin
+def _run(source_code: _SourceCode, error_of: Callable[[str], InputError]) -> None:
+    """Run the code of a plug-in, which makes its additions; an error removes all of them."""
+    plugin = source_code.plugin
     try:
-        with adding(plugin), process_kept():
-            # A context of its own: how NumPy and decimals round and warn stays as it was, too.
-            copy_context().run(_execute, found)
-            if not (told := added_by(plugin)):
-                raise Refused("it adds nothing")
+        with attribute_additions_to(plugin), restore_process():
+            # A context of its own also preserves the error and rounding modes of NumPy and decimal.
+            copy_context().run(_execute, source_code)
+            if not (labels := addition_labels(plugin)):
+                raise AdditionError("it adds nothing")
     except KeyboardInterrupt:
         raise
     except BaseException as error:
-        sys.modules.pop(found.module, None)
-        raise refused(words_of(error, found.file)) from None
+        sys.modules.pop(source_code.module, None)
+        raise error_of(error_text(error, source_code.file)) from None
     _plugins[plugin.code] = plugin
-    changed()
-    print(printable(f"plug-in {plugin.place} ({plugin.code}): {', '.join(told)}"), file=sys.stderr)
+    notify_listeners()
+    print(
+        printable(f"plug-in {plugin.place} ({plugin.code}): {', '.join(labels)}"), file=sys.stderr
+    )
 
 
-def _execute(found: _Found) -> None:
+def _execute(source_code: _SourceCode) -> None:
     """Run the code of a plug-in as a module."""
-    sys.modules.pop(found.module, None)
-    if found.text is None:
-        import_module(found.module)
+    sys.modules.pop(source_code.module, None)
+    if source_code.text is None:
+        import_module(source_code.module)
         return
-    # The very text of which the hash is, and no compiled file of an earlier one.
-    made = sys.modules[found.module] = ModuleType(found.module)
-    made.__file__ = str(found.file)
-    exec(compile(found.text, str(found.file), "exec"), made.__dict__)
+    # Exactly the hashed text is run, never a compiled file of an earlier one.
+    module = sys.modules[source_code.module] = ModuleType(source_code.module)
+    module.__file__ = str(source_code.file)
+    exec(compile(source_code.text, str(source_code.file), "exec"), module.__dict__)
+
+
+@contextmanager
+def restore_process() -> Iterator[None]:
+    """Restore after a block the state of this process that Talus relies on.
+
+    That is the working directory, the umask, ``sys.path``, the recursion limit and the filters of
+    warnings. Filters that ignore warnings are kept.
+    """
+    folder, mask = Path.cwd(), os.umask(0)
+    os.umask(mask)
+    path, depth = list(sys.path), sys.getrecursionlimit()
+    ignored = []
+    try:
+        with warnings.catch_warnings():
+            before = list(warnings.filters)
+            try:
+                yield
+            finally:
+                ignored = [
+                    entry
+                    for entry in warnings.filters
+                    if entry[0] == "ignore" and entry not in before
+                ]
+    finally:
+        # Libraries imported in the block ignore their own harmless warnings; that stays.
+        warnings.filters = [*ignored, *warnings.filters]
+        sys.setrecursionlimit(depth)
+        sys.path[:] = path
+        os.umask(mask)
+        os.chdir(folder)

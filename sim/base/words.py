@@ -1,17 +1,17 @@
-"""Quantities as people read them."""
+"""Text of quantities for people to read."""
 
 
-def counted(number: int, noun: str) -> str:
-    """Write a number of things.
+def count_text(number: int, noun: str) -> str:
+    """Return a number of things in words.
 
-    >>> counted(1, "point"), counted(2000, "point")
+    >>> count_text(1, "point"), count_text(2000, "point")
     ('1 point', '2,000 points')
     """
     return f"{number:,} {noun}" + ("" if number == 1 else "s")
 
 
 def duration(seconds: float) -> str:
-    """Write a time in the unit that suits it: ``4.5 s``, ``3.1 min``, ``2.0 h``.
+    """Return a time in the unit that suits it: ``4.5 s``, ``3.1 min``, ``2.0 h``.
 
     >>> duration(90)
     '1.5 min'
@@ -22,12 +22,13 @@ def duration(seconds: float) -> str:
 
 
 def printable(text: str) -> str:
-    """Return lines in which nothing moves the cursor or turns the writing: its code stands for it.
+    """Return a text whose control characters and direction marks are replaced by their codes.
 
     >>> printable("a\\x1b[2J")
     'a\\\\x1b[2J'
     """
-    kept = "\n\N{NO-BREAK SPACE}"
+    allowed = "\n\N{NO-BREAK SPACE}"
     return "".join(
-        letter if letter.isprintable() or letter in kept else ascii(letter)[1:-1] for letter in text
+        letter if letter.isprintable() or letter in allowed else ascii(letter)[1:-1]
+        for letter in text
     )

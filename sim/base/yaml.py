@@ -1,4 +1,4 @@
-"""Reading YAML the strict way: YAML 1.2 scalars, no duplicate keys, one-line errors."""
+"""Strict reading of YAML: YAML 1.2 scalars, no duplicate keys, one-line errors."""
 
 import re
 import stat
@@ -11,7 +11,7 @@ import yaml
 from sim.base.errors import InputError, key_path
 
 if TYPE_CHECKING:
-    # Both loaders take the same; that written in C may be missing.
+    # The two loaders read the same YAML; the one written in C may be missing.
     _Base = yaml.SafeLoader
 else:
     _Base = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
@@ -30,8 +30,8 @@ _TYPES = ("null", "bool", "str", "seq", "map")
 class _Loader(_Base):
     """Safe loader with the core schema of YAML 1.2: its types, its plain scalars, and merge keys.
 
-    PyYAML follows YAML 1.1, where ``1e3`` is text, ``010`` is eight and ``on`` is true. The first
-    would make JSON's own numbers unreadable, the others surprise.
+    PyYAML follows YAML 1.1, where ``1e3``, a number in JSON, is text, ``010`` is eight and ``on``
+    is true.
     """
 
     yaml_implicit_resolvers: dict[str, list[Any]] = {}
@@ -50,7 +50,7 @@ class _Loader(_Base):
         return float(text.replace(".inf", "inf").replace(".nan", "nan"))
 
     def flatten_mapping(self, node: yaml.MappingNode) -> None:
-        """Replace merge keys by what they stand for, which must not grow without bound.
+        """Replace merge keys by the keys they stand for, up to `MAX_KEYS` keys.
 
         Merges of merges multiply: a few lines can stand for more keys than memory holds.
         """
@@ -84,11 +84,11 @@ def read_yaml(path: str | Path) -> Any:
     Raises
     ------
     InputError
-        When the file is missing, no plain file, unreadable, too large, not text, empty, not YAML
-        (with the line number), or has a key that is repeated or no text.
+        When the file is missing, not regular, unreadable, too large, not text, empty or not YAML
+        (with the line number), or when a key is repeated or no text.
     """
     source = "<stdin>" if str(path) == "-" else str(path)
-    return parse_yaml(_text(path, source), source)
+    return parse_yaml(_read_text(path, source), source)
 
 
 def parse_yaml(text: str, source: str) -> Any:
@@ -107,17 +107,17 @@ def parse_yaml(text: str, source: str) -> Any:
         problem = (error.problem or "")[:_MAX_PROBLEM]
         raise InputError(f"{source}: {line}not readable as YAML: {problem}") from None
     except (yaml.YAMLError, ValueError, LookupError, RecursionError) as error:
-        # From explicit tags that do not fit their values, and from long chains of merge keys.
+        # Explicit tags that do not fit their values and long chains of merge keys raise these.
         problem = " ".join(str(error).split()).partition(";")[0][:_MAX_PROBLEM]
         raise InputError(f"{source}: not readable as YAML: {problem}") from None
     finally:
         loader.dispose()
 
 
-def _text(path: str | Path, source: str) -> str:
-    """Return the file's text, or say in one line why there is none."""
+def _read_text(path: str | Path, source: str) -> str:
+    """Return the file's text; raise an `InputError` of one line where it is not readable."""
     try:
-        data = _bytes(path, source)
+        data = _read_bytes(path, source)
         if len(data) > MAX_BYTES:
             raise InputError(f"{source}: larger than {MAX_BYTES / 1e6:g} MB")
         text = data.decode("utf-8-sig")
@@ -135,13 +135,13 @@ def _text(path: str | Path, source: str) -> str:
     return text
 
 
-def _bytes(path: str | Path, source: str) -> bytes:
-    """Return the bytes of a file; of one that is too large, one byte more than is allowed."""
+def _read_bytes(path: str | Path, source: str) -> bytes:
+    """Return the bytes of a file, at most ``MAX_BYTES + 1``."""
     if source == "<stdin>":
         return sys.stdin.buffer.read(MAX_BYTES + 1) if sys.stdin else b""
     path = Path(path)
     mode = path.stat().st_mode
-    # Opening a device may act on it, and reading one or a pipe may never end.
+    # Opening a device may have an effect, and reading a device or pipe may never end.
     if not (stat.S_ISREG(mode) or stat.S_ISDIR(mode)):
         raise InputError(f"{source}: a device or pipe, where a YAML file is expected")
     with path.open("rb") as file:
@@ -149,7 +149,7 @@ def _bytes(path: str | Path, source: str) -> bytes:
 
 
 def _refuse_deep_nesting(text: str, source: str) -> None:
-    """Raise before the recursive part of the YAML library, which may crash, meets deep nesting."""
+    """Raise `InputError` for deep nesting, on which the recursive part of the library may crash."""
     depth = 0
     for event in yaml.parse(text, Loader=_Loader):
         depth += isinstance(event, yaml.CollectionStartEvent)
@@ -161,7 +161,7 @@ def _refuse_deep_nesting(text: str, source: str) -> None:
 
 
 def _refuse_wrong_keys(root: yaml.Node, source: str) -> None:
-    """Raise if a key is not text, or comes twice in a mapping: YAML would keep the last one."""
+    """Raise if a key is not text or comes twice in a mapping; YAML would use its last value."""
     pending: list[tuple[yaml.Node, _Path]] = [(root, ())]
     visited: set[int] = set()
     while pending:
@@ -175,8 +175,8 @@ def _refuse_wrong_keys(root: yaml.Node, source: str) -> None:
             pending += _members(node, path, source)
 
 
-def _no_text(key: yaml.Node) -> str:
-    """Say what is wrong with a key that is no text."""
+def _key_problem(key: yaml.Node) -> str:
+    """Return the message for a key that is not text."""
     comma = isinstance(key, yaml.ScalarNode) and key.tag == f"{_TAG}int"
     return "expected text as a key" + (
         "; a number has a decimal point, not a comma" if comma else ""
@@ -184,20 +184,20 @@ def _no_text(key: yaml.Node) -> str:
 
 
 def _members(node: yaml.MappingNode, path: _Path, source: str) -> list[tuple[yaml.Node, _Path]]:
-    """Return a mapping's values with their paths, refusing a wrong key."""
+    """Return a mapping's values with their paths; raise for a wrong key."""
     first_lines: dict[str, int] = {}
     members = []
     for key, value in node.value:
         text = isinstance(key, yaml.ScalarNode) and key.tag in (f"{_TAG}str", f"{_TAG}merge")
         if not text:
-            raise yaml.constructor.ConstructorError(None, None, _no_text(key), key.start_mark)
-        here = (*path, key.value)
+            raise yaml.constructor.ConstructorError(None, None, _key_problem(key), key.start_mark)
+        key_location = (*path, key.value)
         line = key.start_mark.line + 1
         if key.value in first_lines:
             raise InputError(
-                f"{source}: {key_path(here)}: duplicate key on line {line}, "
+                f"{source}: {key_path(key_location)}: duplicate key on line {line}, "
                 f"first on line {first_lines[key.value]}; allowed: each key once"
             )
         first_lines[key.value] = line
-        members.append((value, here))
+        members.append((value, key_location))
     return members

@@ -9,35 +9,36 @@ from math import nan
 import numpy as np
 
 #: Largest share of the beads of a mean that may be in slices without a value.
-UNVALUED = 0.01
+MAX_WITHOUT_VALUE = 0.01
 
 
 def beads_between(number: np.ndarray, low: float, high: float) -> np.ndarray:
-    """Return per slice the share of all beads that lies between two shares of them."""
+    """Return per slice the share of all beads that lies between two cumulative shares."""
     below = np.concatenate([[0.0], np.cumsum(number)]) / number.sum()
     return np.clip(np.minimum(below[1:], high) - np.maximum(below[:-1], low), 0.0, None)
 
 
 def mean_between(values: np.ndarray, number: np.ndarray, low: float, high: float) -> float:
-    """Return the mean of a profile over the beads between two shares of them.
+    """Return the mean of a profile over the beads between two cumulative shares.
 
-    A slice that few beads ever entered may have no value, as a variance has none from one sample:
-    it is left out. Not-a-number where more than `UNVALUED` of these beads are in such slices.
+    A slice that few beads ever entered may have no value: one sample has no variance, for example.
+    Such a slice is left out. The result is not-a-number where more than `MAX_WITHOUT_VALUE` of
+    these beads are in such slices.
     """
     weight = beads_between(number, low, high)
-    valued = (weight > 0) & np.isfinite(values)
-    if weight[valued].sum() < (1 - UNVALUED) * weight.sum():
+    has_value = (weight > 0) & np.isfinite(values)
+    if weight[has_value].sum() < (1 - MAX_WITHOUT_VALUE) * weight.sum():
         return nan
-    return float(np.average(values[valued], weights=weight[valued]))
+    return float(np.average(values[has_value], weights=weight[has_value]))
 
 
-def spread(height: np.ndarray, number: np.ndarray) -> float:
+def height_spread(height: np.ndarray, number: np.ndarray) -> float:
     """Return the standard deviation (m) of the beads' heights."""
     mean = np.average(height, weights=number)
     return float(np.sqrt(np.average((height - mean) ** 2, weights=number)))
 
 
-def peak(height: np.ndarray, number: np.ndarray) -> float:
+def peak_density(height: np.ndarray, number: np.ndarray) -> float:
     """Return the largest number density (m⁻²)."""
     return float(number.max())
 
@@ -45,7 +46,7 @@ def peak(height: np.ndarray, number: np.ndarray) -> float:
 def layer_width(height: np.ndarray, number: np.ndarray) -> float:
     """Return the width (m) of the layer: where the density exceeds half of its largest value.
 
-    A layer that does so in the lowest slice begins at the belt.
+    If the lowest slice exceeds it, the layer begins at the belt.
     """
     half = 0.5 * number.max()
     inside = np.flatnonzero(number >= half)
@@ -62,7 +63,7 @@ def layer_width(height: np.ndarray, number: np.ndarray) -> float:
 def half_height(height: np.ndarray, number: np.ndarray) -> float:
     """Return the height (m) at which the density falls to half of its mean over the bed.
 
-    The mean over the bed is that between a fifth and four fifths of the beads.
+    The mean over the bed is taken between a fifth and four fifths of the beads.
     """
     half = 0.5 * mean_between(number, number, 0.2, 0.8)
     last = int(np.flatnonzero(number >= half)[-1])

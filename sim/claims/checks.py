@@ -1,4 +1,4 @@
-"""From a measured quantity and its thresholds to a check; which checks vote, and on what part."""
+"""From a measured quantity and its thresholds to a check; votes and parts of checks."""
 
 from collections.abc import Callable, Iterable
 from dataclasses import replace
@@ -7,7 +7,7 @@ from math import inf
 from uncertainties import UFloat
 
 from sim.claims.place import Place
-from sim.claims.verdict import LONGER, SIGMAS, Check, Untestable
+from sim.claims.verdict import LONGER_RUNS, SIGMAS, Check, Untestable
 
 
 def within(
@@ -20,8 +20,8 @@ def within(
 ) -> Check:
     """Return the check that a quantity lies between two thresholds.
 
-    ``measured`` has a standard deviation that stands for its 95 % interval, see
-    `sim.claims.place.Place`; a plain number is exact.
+    The standard deviation of ``measured`` stands for its 95 % interval, see
+    `sim.claims.place.Place`. A plain number is exact.
     """
     places = tuple(places)
     return Check(
@@ -66,34 +66,34 @@ def reported(
     return within(what, measured, -inf, inf, places, unit)
 
 
-def beside(checks: Iterable[Check]) -> list[Check]:
-    """Return checks that are shown with their thresholds but have no vote."""
+def remove_votes(checks: Iterable[Check]) -> list[Check]:
+    """Return the checks without a vote; they are still shown with their thresholds."""
     return [replace(check, votes=False) for check in checks]
 
 
-def withheld(checks: Iterable[Check], reason: str) -> list[Check]:
-    """Return checks that decide nothing for a reason; as they are where it is empty."""
+def withhold(checks: Iterable[Check], reason: str) -> list[Check]:
+    """Return checks that decide nothing for a reason; unchanged checks if it is empty."""
     return [
         replace(
             check,
             withheld=reason or check.withheld,
-            short=check.points if LONGER in reason else check.short,
+            short=check.points if LONGER_RUNS in reason else check.short,
         )
         for check in checks
     ]
 
 
-def in_parts(**judges: Callable[[], Iterable[Check]]) -> list[Check]:
-    """Return the checks on the parts of a claim, each by its own function.
+def judge_parts(**judges: Callable[[], Iterable[Check]]) -> list[Check]:
+    """Return the checks on the parts of a claim, each part judged by its own function.
 
-    A part that the dataset has nothing for has no checks. Raises `Untestable` where none has any.
+    A part without data has no checks. Raises `Untestable` if no part has any.
     """
-    checks, lacking = [], []
+    checks, reasons = [], []
     for part, judge in judges.items():
         try:
             checks += [replace(check, part=part) for check in judge()]
         except Untestable as error:
-            lacking.append(f"{part}: {error}")
+            reasons.append(f"{part}: {error}")
     if not checks:
-        raise Untestable("; ".join(lacking))
+        raise Untestable("; ".join(reasons))
     return checks

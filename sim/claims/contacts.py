@@ -1,22 +1,22 @@
-"""Single contacts along prescribed paths, and the spring that they are compared with."""
+"""Single contacts along prescribed paths, and the linear spring as a reference."""
 
 from math import sqrt
 
 import numpy as np
 
 from sim.engine.compile import kernel
-from sim.engine.contact.friction import blank, contact_force
+from sim.engine.contact.friction import blank_memory, contact_force
 
 
 @kernel
 def contact_path(law, overlap, normal, slip):
-    """Take one contact along a path of overlaps (n,), normals (n, 3) and slips (n, 3).
+    """Follow one contact along a path of overlaps (n,), normals (n, 3) and slips (n, 3).
 
     Returns normal forces (n,), tangential forces (n, 3) and memories (n, M).
     """
     steps = overlap.size
     force, tangential = np.zeros(steps), np.zeros((steps, 3))
-    memory = blank(law)
+    memory = blank_memory(law)
     memories = np.zeros((steps, len(memory)))
     for k in range(steps):
         n = (normal[k, 0], normal[k, 1], normal[k, 2])

@@ -1,4 +1,4 @@
-"""What judges ask for: places of a study under one protocol and one reading, with intervals."""
+"""Evidence for judges: places of a study under one protocol and one reading, with intervals."""
 
 from collections import Counter
 from collections.abc import Iterable, Mapping
@@ -9,9 +9,9 @@ import numpy as np
 import pandas as pd
 from uncertainties import UFloat
 
-from sim.claims.place import Place, measured
+from sim.claims.place import Place, with_interval
 from sim.claims.points import Points, Rows
-from sim.claims.starts import over_seeds
+from sim.claims.starts import pool_seeds
 from sim.claims.verdict import Unbounded, Untestable
 from sim.dataset.results import Results
 from sim.parameters import SYSTEMS
@@ -27,10 +27,10 @@ class Evidence:
     protocol : str
         ``published`` or ``converged``.
     reading : mapping, optional
-        Parameters that tell readings apart (`sim.parameters.roles.readings`) and differ from their
+        Parameters of the reading (`sim.parameters.roles.reading_parameters`) that differ from their
         defaults.
     points : Points, optional
-        Those of the study, where they are known already.
+        Points of the study, if they have been read already.
     """
 
     def __init__(
@@ -46,56 +46,56 @@ class Evidence:
         self._points = points or Points(results)
         self._places: dict[str, Place] = {}
 
-    def without(self, name: str) -> "Evidence":
-        """Return what the same protocol offers under a reading that leaves one parameter usual."""
+    def with_default(self, name: str) -> "Evidence":
+        """Return this evidence with one parameter of the reading reset to its default."""
         if name not in self.reading:
             return self
         reading = {key: value for key, value in self.reading.items() if key != name}
         return Evidence(self._results, self.protocol, reading, self._points)
 
-    def under(self, **reading: Any) -> "Evidence":
-        """Return what the same protocol offers with these parameters besides its own reading."""
+    def with_reading(self, **reading: Any) -> "Evidence":
+        """Return this evidence with further parameters added to the reading."""
         return Evidence(self._results, self.protocol, self.reading | reading, self._points)
 
     def at(self, system: str, **where: Any) -> Place:
         """Return the place with these parameters, all others at the paper's values.
 
-        Numerical settings (`sim.parameters.roles.numerical`) that are not named may have any value:
-        defaults come first, then more replicates, then longer runs. Raises `Untestable` when there
-        is no such place, or none of its replicates completed.
+        Numerical settings (`sim.parameters.roles.numerical_parameters`) that are not named may have
+        any value. Defaults are preferred, then more replicates, then longer runs. Raises
+        `Untestable` when there is no such place, or none of its replicates completed.
         """
-        found = self._rows(system, where)
-        if not found.size:
-            at = f"{_text(where)}, all else as in the paper"
-            raise Untestable(f"no {self.protocol} run of the {system} at {at}")
-        return self._place(self._points.richest(system, found, where))
+        rows = self._rows(system, where)
+        if not rows.size:
+            label = f"{_describe(where)}, all else as in the paper"
+            raise Untestable(f"no {self.protocol} run of the {system} at {label}")
+        return self._place(self._points.select_richest(system, rows, where))
 
     def line(self, system: str, along: str, **where: Any) -> dict[float, Place]:
-        """Return the places along a parameter in its order, all others as for `at`.
+        """Return the places along a parameter, sorted by its value; all others as for `at`.
 
         Empty where there are none.
         """
-        found = self._rows(system, where, free=along)
-        values = self._points.columns[along][found]
+        rows = self._rows(system, where, free=along)
+        values = self._points.columns[along][rows]
         return {
-            value: self._place(self._points.richest(system, found[values == value], where))
+            value: self._place(self._points.select_richest(system, rows[values == value], where))
             for value in sorted(set(values.tolist()))
         }
 
     def has_runs(self, system: str) -> bool:
-        """Return whether the study has any point of the system under the protocol."""
-        held = self._results.dataset
-        return bool(((held["system"] == system) & (held["protocol"] == self.protocol)).any())
+        """True where the study has any point of the system under the protocol."""
+        dataset = self._results.dataset
+        return bool(((dataset["system"] == system) & (dataset["protocol"] == self.protocol)).any())
 
-    def unsteady(self, points: Iterable[str]) -> str:
-        """Say how many of some points are not steady, and what instead; empty where all are."""
-        found = Counter(self._place(point).regime for point in points)
-        others = [f"{count} {regime}" for regime, count in found.items() if regime != "steady"]
+    def unsteady_note(self, points: Iterable[str]) -> str:
+        """Return a note on how many points are not steady, by regime; empty where all are."""
+        regimes = Counter(self._place(point).regime for point in points)
+        others = [f"{count} {regime}" for regime, count in regimes.items() if regime != "steady"]
         if not others:
             return ""
-        count = found.total() - found["steady"]
+        count = regimes.total() - regimes["steady"]
         verb = "is" if count == 1 else "are"
-        return f"{count} of {found.total()} points {verb} not steady: {', '.join(others)}"
+        return f"{count} of {regimes.total()} points {verb} not steady: {', '.join(others)}"
 
     def boundary(
         self,
@@ -109,62 +109,64 @@ class Evidence:
     ) -> UFloat:
         """Return a boundary found by refinement; its interval is the bracket.
 
-        Boundaries that differ in nothing but the seed are joined, see `sim.claims.starts`. With
-        ``seeds`` the interval is endless where none of the kind was looked for from two seeds. With
-        ``any_protocol`` it may be one of the other protocol.
-        Raises `Untestable` when the study looks for no such boundary, and `Unbounded` when it does
-        but one seed at least has none: without those beyond the range the others would agree too
-        well.
+        Boundaries that differ in the seed alone are pooled, see `sim.claims.starts`. With ``seeds``
+        the interval is infinite unless some boundary of this kind was searched from two seeds. With
+        ``any_protocol`` the boundary may be of the other protocol.
+
+        Raises `Untestable` when the study searches no such boundary. Raises `Unbounded` when a seed
+        has none within the range: without that seed the others would agree too well.
         """
-        rows = self._bounds(system, of, along, any_protocol)
-        chosen = self._chosen(rows, system, of, along, where)
+        rows = self._boundaries(system, of, along, any_protocol)
+        selection = self._select(rows, system, of, along, where)
         settings = [name for name in SYSTEMS[system].model_fields if name not in ("seed", along)]
-        found = rows[["low", "high"]].notna().all(axis=1)
-        complete = found.groupby([rows[name] for name in settings], dropna=False).transform("all")
-        bounded = chosen[complete[chosen.index]]
-        if bounded.empty:
-            lacking = sorted(set(chosen.loc[~found[chosen.index], "seed"]))
-            listed = ", ".join(f"{seed:g}" for seed in lacking)
-            what = f"boundary of {of} along {along} at {_text(where)}"
-            raise Unbounded(f"no {what} found from seed {listed}")
-        value, half_width, freedom = over_seeds(rows[found], bounded, settings)
-        return measured(value, inf if seeds and not freedom else half_width)
+        is_bracketed = rows[["low", "high"]].notna().all(axis=1)
+        all_bracketed = is_bracketed.groupby(
+            [rows[name] for name in settings], dropna=False
+        ).transform("all")
+        candidates = selection[all_bracketed[selection.index]]
+        if candidates.empty:
+            missing_seeds = sorted(set(selection.loc[~is_bracketed[selection.index], "seed"]))
+            seed_list = ", ".join(f"{seed:g}" for seed in missing_seeds)
+            boundary = f"boundary of {of} along {along} at {_describe(where)}"
+            raise Unbounded(f"no {boundary} found from seed {seed_list}")
+        value, half_width, freedom = pool_seeds(rows[is_bracketed], candidates, settings)
+        return with_interval(value, inf if seeds and not freedom else half_width)
 
     def brackets(self, system: str, of: str, along: str, **where: Any) -> pd.DataFrame:
         """Return ``low`` and ``high`` of a boundary, a row per ``seed``, unknown ends as NaN.
 
-        Raises `Untestable` when the study looks for no such boundary.
+        Raises `Untestable` when the study searches no such boundary.
         """
-        rows = self._bounds(system, of, along, any_protocol=False)
-        chosen = self._chosen(rows, system, of, along, where)
-        return chosen.set_index("seed")[["low", "high"]].astype(float)
+        rows = self._boundaries(system, of, along, any_protocol=False)
+        selection = self._select(rows, system, of, along, where)
+        return selection.set_index("seed")[["low", "high"]].astype(float)
 
-    def _bounds(self, system: str, of: str, along: str, any_protocol: bool) -> pd.DataFrame:
+    def _boundaries(self, system: str, of: str, along: str, any_protocol: bool) -> pd.DataFrame:
         """Return all boundaries of a kind."""
         rows = self._results.boundaries
         if not len(rows):
             return rows
-        same = (rows["system"] == system) & (rows["of"] == of) & (rows["along"] == along)
-        return rows[same & (any_protocol | (rows["protocol"] == self.protocol))]
+        matches = (rows["system"] == system) & (rows["of"] == of) & (rows["along"] == along)
+        return rows[matches & (any_protocol | (rows["protocol"] == self.protocol))]
 
-    def _chosen(
+    def _select(
         self, rows: pd.DataFrame, system: str, of: str, along: str, where: Mapping[str, Any]
     ) -> pd.DataFrame:
-        """Return those of some boundaries that are at a place; raise `Untestable` without any."""
+        """Return the boundaries at these parameters; raise `Untestable` if there are none."""
         if len(rows):
-            # A boundary of the other protocol is at that place of its own.
-            wanted = self._wanted({"protocol": rows["protocol"].iloc[0]} | dict(where))
+            # A boundary of the other protocol is selected under its own protocol.
+            conditions = self._conditions({"protocol": rows["protocol"].iloc[0]} | dict(where))
             columns = {name: values.to_numpy() for name, values in rows.items()}
-            rows = rows.iloc[Rows(columns).matching(system, wanted, along)]
+            rows = rows.iloc[Rows(columns).matching(system, conditions, along)]
         if rows.empty:
-            raise Untestable(f"no boundary of {of} along {along} at {_text(where)}")
+            raise Untestable(f"no boundary of {of} along {along} at {_describe(where)}")
         return rows
 
     def _rows(self, system: str, where: Mapping[str, Any], free: str = "") -> np.ndarray:
-        return self._points.matching(system, self._wanted(where), free)
+        return self._points.matching(system, self._conditions(where), free)
 
-    def _wanted(self, where: Mapping[str, Any]) -> dict[str, Any]:
-        """Return the values of parameters that are asked for; of all others the paper's count."""
+    def _conditions(self, where: Mapping[str, Any]) -> dict[str, Any]:
+        """Return the required parameter values; all other parameters have the paper's values."""
         return {"protocol": self.protocol} | self.reading | dict(where)
 
     def _place(self, point: str) -> Place:
@@ -173,6 +175,6 @@ class Evidence:
         return self._places[point]
 
 
-def _text(where: Mapping[str, Any]) -> str:
+def _describe(where: Mapping[str, Any]) -> str:
     """Write parameters for a message: ``frequency 20, amplitude 1``."""
     return ", ".join(f"{name} {value}" for name, value in where.items()) or "the paper's values"

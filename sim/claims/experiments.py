@@ -1,7 +1,7 @@
-"""Experiments on the model, which need no study: done once for the present code, then kept.
+"""Experiments on the model, which need no study: run once for the present code, then cached.
 
-What they give is kept beside the compiled code. Anything that it could depend on is part of its
-name: sources of parameters, engine and claims, versions of libraries, the reading.
+The cache is kept beside the compiled code. The file name contains a hash of all inputs: sources of
+parameters, engine and claims, versions of libraries, the reading.
 """
 
 import hashlib
@@ -12,7 +12,8 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from sim.base.files import is_damaged, replacing, seal
+from sim.base.files import atomic_write
+from sim.base.seals import is_damaged, seal
 from sim.claims.table import Claim
 from sim.claims.verdict import Check
 from sim.engine.cache import cache_directory
@@ -20,15 +21,15 @@ from sim.engine.identity import library_versions, source_hash
 
 log = logging.getLogger("talus")
 
-#: The parts of the package that decide what an experiment gives.
+#: Parts of the package on which the result of an experiment depends.
 SOURCES = ("parameters", "engine", "claims")
 
 
-def experiment(claim: Claim, reading: Mapping[str, Any]) -> tuple[Check, ...]:
-    """Return the checks of a claim on the model under a reading, computed or as kept.
+def run_experiment(claim: Claim, reading: Mapping[str, Any]) -> tuple[Check, ...]:
+    """Return the checks of a claim on the model under a reading, computed or cached.
 
-    What is kept is used only if it is whole and says of itself that it is of this code, claim and
-    reading; else the experiment is done.
+    A cached result is used only if it is undamaged and its identity matches this code, claim and
+    reading. Otherwise the experiment is run.
     """
     identity = {
         "judge": claim.judge,
@@ -37,11 +38,11 @@ def experiment(claim: Claim, reading: Mapping[str, Any]) -> tuple[Check, ...]:
         "libraries": library_versions(),
     }
     name = hashlib.sha256(json.dumps(identity, sort_keys=True).encode()).hexdigest()[:12]
-    path = cache_directory(plugged=False) / f"{claim.id}-{name}.json"
+    path = cache_directory(with_plugins=False) / f"{claim.id}-{name}.json"
     checks = _read(path, identity)
     if checks is None:
-        checks = tuple(claim.judging()(reading))
-        _keep(path, identity, checks)
+        checks = tuple(claim.judge_function()(reading))
+        _write(path, identity, checks)
     return checks
 
 
@@ -50,31 +51,31 @@ def _read(path: Path, identity: Mapping[str, Any]) -> tuple[Check, ...] | None:
         if is_damaged(path):
             return None
         with path.open(encoding="utf-8") as file:
-            held = json.loads(file.readline())
-        if held["identity"] != identity:
+            document = json.loads(file.readline())
+        if document["identity"] != identity:
             return None
-        return tuple(_check(one) for one in held["checks"])
+        return tuple(_restore_check(fields) for fields in document["checks"])
     except (OSError, ValueError, LookupError, TypeError):
         return None
 
 
-def _check(one: dict[str, Any]) -> Check:
-    tested = one["tested"]
+def _restore_check(fields: dict[str, Any]) -> Check:
+    p_values = fields["tested"]
     return Check(
-        **one
+        **fields
         | {
-            "points": tuple(one["points"]),
-            "short": tuple(one["short"]),
-            "tested": None if tested is None else tuple(tested),
+            "points": tuple(fields["points"]),
+            "short": tuple(fields["short"]),
+            "tested": None if p_values is None else tuple(p_values),
         }
     )
 
 
-def _keep(path: Path, identity: Mapping[str, Any], checks: tuple[Check, ...]) -> None:
-    held = {"identity": identity, "checks": [asdict(check) for check in checks]}
+def _write(path: Path, identity: Mapping[str, Any], checks: tuple[Check, ...]) -> None:
+    document = {"identity": identity, "checks": [asdict(check) for check in checks]}
     try:
-        with replacing(path) as temporary:
-            temporary.write_text(json.dumps(held), encoding="utf-8")
+        with atomic_write(path) as temporary:
+            temporary.write_text(json.dumps(document), encoding="utf-8")
             seal(temporary)
     except OSError as error:
         log.warning("%s: not kept: %s", path, error.strerror or error)

@@ -5,42 +5,42 @@ from uncertainties import UFloat
 
 from sim.claims.checks import above, below, reported
 from sim.claims.evidence import Evidence
-from sim.claims.lines import along, common_beds, rising
-from sim.claims.place import Place, joined, quotient
+from sim.claims.lines import common_beds, complete_line, velocity_trend
+from sim.claims.place import Place, quotient, replicate_mean
 from sim.claims.verdict import Check
-from sim.dataset.measures.belt import FAR
+from sim.dataset.measures.belt import FAR_DISTANCE
 
 #: Frequencies (Hz) of Fig. 6.
 FREQUENCIES = (20, 80)
 
 
 def g31(evidence: Evidence) -> list[Check]:
-    """Each larger obstacle slows the flow further, and one of half a bead takes 30 % of it."""
+    """Each larger obstacle slows the flow further, and one of half a bead takes 30 % of V."""
     checks = []
     for frequency in FREQUENCIES:
-        line = along(evidence, "obstacle", (0, 0.5, 1.5, 2.5), frequency=frequency)
-        checks.append(rising(line, f"d_o (⟨d⟩), {frequency} Hz,", rising=False))
+        line = complete_line(evidence, "obstacle", (0, 0.5, 1.5, 2.5), frequency=frequency)
+        checks.append(velocity_trend(line, f"d_o (⟨d⟩), {frequency} Hz,", rising=False))
         ratio = quotient(line[0.5].velocity, line[0].velocity)
         places = line[0.5], line[0]
         checks.append(below(f"V(d_o = 0.5⟨d⟩)/V(0) at {frequency} Hz", ratio, 0.7, places))
     return checks
 
 
-def g33(evidence: Evidence, hardly: float) -> list[Check]:
-    """At 80 Hz less than a share ``hardly`` of the beads is where the mean flow runs backwards."""
+def g33(evidence: Evidence, max_share: float) -> list[Check]:
+    """At 80 Hz less than ``max_share`` of the beads is where the mean flow runs backwards."""
     return [
         below(
             f"share of the beads where the mean flow runs backwards, d_o = {size:g}⟨d⟩",
             place.value("backflow"),
-            hardly,
+            max_share,
             (place,),
         )
-        for size, place in along(evidence, "obstacle", (1.5, 2.5), frequency=80).items()
+        for size, place in complete_line(evidence, "obstacle", (1.5, 2.5), frequency=80).items()
     ]
 
 
-def g34(evidence: Evidence, spread: float) -> list[Check]:
-    """Far from an obstacle the paths change their shape by a share ``spread`` of what all do.
+def g34(evidence: Evidence, min_share: float) -> list[Check]:
+    """Far from an obstacle paths change their shape by ``min_share`` or more of the overall change.
 
     The shape is the height over the drift. The share of the slow-down there is reported: the flux
     is the same through all columns.
@@ -51,13 +51,13 @@ def g34(evidence: Evidence, spread: float) -> list[Check]:
             evidence.at("belt", frequency=frequency),
             evidence.at("belt", frequency=frequency, obstacle=1.5),
         )
-        what = (
-            f"change of ln(height over drift) beyond {FAR}⟨d⟩ less {spread:.0%} of that of all, "
-            f"{frequency} Hz"
+        quantity = (
+            f"change of ln(height over drift) beyond {FAR_DISTANCE}⟨d⟩ less {min_share:.0%} "
+            f"of that of all, {frequency} Hz"
         )
-        slowed = f"share of the slow-down beyond {FAR}⟨d⟩ at {frequency} Hz"
+        slowed = f"share of the slow-down beyond {FAR_DISTANCE}⟨d⟩ at {frequency} Hz"
         checks += [
-            above(what, far_shape_change(*places, spread), 0, places),
+            above(quantity, far_shape_change(*places, min_share), 0, places),
             reported(slowed, far_slow_down(*places), places),
         ]
     return checks
@@ -66,20 +66,20 @@ def g34(evidence: Evidence, spread: float) -> list[Check]:
 def far_slow_down(free: Place, blocked: Place) -> UFloat:
     """Return the share of the slow-down that lies in columns far from the obstacle.
 
-    It is taken bed by bed. Without obstacle all columns are alike, so their mean counts.
+    It is computed bed by bed. Without an obstacle all columns are alike, so their mean is used.
     """
     first, second = common_beds((free, blocked))
     before = free.profile("column_velocity")[0][first].mean(axis=1)
     after, far = blocked.profile("column_velocity")[0], _is_far(blocked)
     beyond, overall = after[second][:, far].mean(axis=1), after[second].mean(axis=1)
-    return joined(far.mean() * (before - beyond) / (before - overall))
+    return replicate_mean(far.mean() * (before - beyond) / (before - overall))
 
 
-def far_shape_change(free: Place, blocked: Place, spread: float) -> UFloat:
-    """Return by how much ln(height over drift) of the far paths changes more than that of all does.
+def far_shape_change(free: Place, blocked: Place, min_share: float) -> UFloat:
+    """Return the far change of ln(height over drift) less ``min_share`` of the overall change.
 
-    That is, than a share ``spread`` of it, whose sign counts as positive. The drift of the far
-    paths is that of the columns there; the flow without obstacle is alike in all.
+    The sign of the overall change counts as positive. The drift of the far paths is that of the
+    columns there; without an obstacle all columns are alike.
     """
     first, second = common_beds((free, blocked))
     heights = [
@@ -88,13 +88,13 @@ def far_shape_change(free: Place, blocked: Place, spread: float) -> UFloat:
     ]
     before = free.profile("column_velocity")[0][first].mean(axis=1)
     after, far = blocked.profile("column_velocity")[0][second], _is_far(blocked)
-    drifts = [np.log(each.mean(axis=1) / before) for each in (after, after[:, far])]
+    drifts = [np.log(velocities.mean(axis=1) / before) for velocities in (after, after[:, far])]
     everywhere, beyond = (height - drift for height, drift in zip(heights, drifts, strict=True))
-    return joined(np.sign(everywhere.mean()) * (beyond - spread * everywhere))
+    return replicate_mean(np.sign(everywhere.mean()) * (beyond - min_share * everywhere))
 
 
 def _is_far(blocked: Place) -> np.ndarray:
-    """Return which columns are far from the obstacle, which is in the middle."""
+    """True per column that is far from the obstacle, which is in the middle."""
     column = blocked.profile("column_velocity")[1]
     width = blocked["width"] * blocked["diameter"]
-    return np.abs(column - 0.5 * width) > FAR * blocked["diameter"]
+    return np.abs(column - 0.5 * width) > FAR_DISTANCE * blocked["diameter"]

@@ -1,7 +1,7 @@
 """Judges of Gallas' claims about the onset of transport, and where it lies in the runs.
 
-Transport begins where the mean velocity of the beds comes to exceed a share of the belt's velocity
-amplitude along x, for good. The paper gives none; judges take it as ``least``.
+Transport begins where the mean velocity of the beds exceeds a share of the belt's velocity
+amplitude along x and stays above it. The paper gives no share; judges take it as ``threshold``.
 """
 
 from collections.abc import Callable
@@ -16,10 +16,17 @@ import pandas as pd
 from uncertainties import UFloat
 
 from sim.base.statistics import student
-from sim.claims.checks import below, in_parts, within
+from sim.claims.checks import below, judge_parts, within
 from sim.claims.evidence import Evidence
-from sim.claims.lines import FLOWING, HALVED, MARKERS, NONE, along, replicated
-from sim.claims.place import Place, measured, quotient
+from sim.claims.lines import (
+    HALF_SYSTEM,
+    MARKERS,
+    MIN_FLOW_FREQUENCY,
+    NO_FLOW,
+    complete_line,
+    select_replicated,
+)
+from sim.claims.place import Place, quotient, with_interval
 from sim.claims.verdict import Check, Untestable
 from sim.dataset.measures.belt import speed_along_x
 from sim.parameters.belt import ONSET_TRANSPORT
@@ -27,27 +34,27 @@ from sim.parameters.belt import ONSET_TRANSPORT
 #: Pairs of damping and shear damping (g) whose onsets are compared.
 PAIRS = ((50, 50), *MARKERS, (10, 50))
 
-#: Largest step (Hz) of a scan that tells an onset.
-FINE = 1.0
+#: Largest step (Hz) of a scan from which an onset is read.
+FINE_STEP = 1.0
 
-#: Largest difference (Hz) of onsets that are the same.
-SAME = 1.0
+#: Largest difference (Hz) of onsets that count as equal.
+SAME_ONSET = 1.0
 
-#: Frequency (Hz) from which the sweep down begins: well within the flow.
-SWEPT_FROM = 25
+#: Frequency (Hz) at which the downward sweep begins, well within the flow.
+SWEEP_START = 25
 
-#: The rise of the transport, relative to its largest, and its largest width relative to its middle.
+#: Ends of the rise, relative to the maximum, and its largest width relative to its middle.
 RISE, SHARP = (0.1, 0.9), 0.3
 
 #: Onset (Hz) and Γ there that the paper states for half the amplitude, with the margin of each.
-SMALLER = {"a": (18, 1), "b": (0.8, 0.1)}
+HALF_AMPLITUDE = {"a": (18, 1), "b": (0.8, 0.1)}
 
 
 @dataclass(frozen=True)
 class Onset:
-    """Frequency (Hz) at which transport begins, and the places that tell it, if any do.
+    """Frequency (Hz) at which transport begins, and the places of the scan behind it, if any.
 
-    ``coarse`` where its interval is the step of the scan, not what beds differ by.
+    ``coarse`` is true where the interval is the step of the scan, not the scatter of the beds.
     """
 
     frequency: UFloat
@@ -55,45 +62,45 @@ class Onset:
     coarse: bool = False
 
 
-def onset(evidence: Evidence, least: float, **where: Any) -> Onset:
-    """Return where transport begins: from a scan or a boundary, whichever tells it better.
+def find_onset(evidence: Evidence, threshold: float, **where: Any) -> Onset:
+    """Return the onset of transport from a scan or a boundary, whichever is more precise.
 
-    The interval of a scan is that of the mean over beds, not smaller than half a step; that of a
-    boundary is endless unless it was looked for from two seeds. Boundaries are those of
-    `ONSET_TRANSPORT`.
+    The interval of a scan is that of the mean over beds, at least half a step. That of a boundary
+    is infinite unless it was searched from two seeds. Boundaries exist for `ONSET_TRANSPORT` alone.
     """
-    found, missing = [], []
-    sources: list[Callable[..., Onset]] = [partial(_from_scan, least=least)]
-    sources += [_from_boundary] if least == ONSET_TRANSPORT else []
+    onsets, reasons = [], []
+    sources: list[Callable[..., Onset]] = [partial(_scan_onset, threshold=threshold)]
+    sources += [_boundary_onset] if threshold == ONSET_TRANSPORT else []
     for source in sources:
         try:
-            found.append(source(evidence, **where))
+            onsets.append(source(evidence, **where))
         except Untestable as error:
-            missing.append(str(error))
-    if not found:
-        raise Untestable("; ".join(missing))
-    return min(found, key=lambda each: each.frequency.std_dev)
+            reasons.append(str(error))
+    if not onsets:
+        raise Untestable("; ".join(reasons))
+    return min(onsets, key=lambda onset: onset.frequency.std_dev)
 
 
-def _from_scan(evidence: Evidence, least: float, **where: Any) -> Onset:
-    """Return where the mean over beds passes a share of the belt's velocity for good."""
+def _scan_onset(evidence: Evidence, threshold: float, **where: Any) -> Onset:
+    """Return where the mean over beds passes a share of the belt's velocity and stays above."""
     shares, line = _scan(evidence, **where)
-    frequency, coarse = _joined(shares, partial(_begins, least=least))
-    return Onset(frequency, tuple(line.values()), coarse)
+    frequency, is_coarse = _jackknife(shares, partial(_onset_frequency, threshold=threshold))
+    return Onset(frequency, tuple(line.values()), is_coarse)
 
 
-def _from_boundary(evidence: Evidence, **where: Any) -> Onset:
-    found = evidence.boundary("belt", "transport", "frequency", seeds=True, **where)
-    return Onset(found)
+def _boundary_onset(evidence: Evidence, **where: Any) -> Onset:
+    """Return the onset from a boundary found by refinement."""
+    frequency = evidence.boundary("belt", "transport", "frequency", seeds=True, **where)
+    return Onset(frequency)
 
 
 def _scan(evidence: Evidence, **where: Any) -> tuple[pd.DataFrame, dict[float, Place]]:
     """Return V/(A_x ω) of every bed (row) at every frequency (column), and the places.
 
-    Beds known at no more than half of the frequencies are left out: there are more beds where one
-    says little, and a bed may have failed; then places of a single bed.
+    Beds with runs at no more than half of the frequencies are left out: some frequencies have
+    additional beds, and a bed may have failed. Then frequencies with a single bed are left out.
     """
-    line = replicated(evidence.line("belt", "frequency", **where))
+    line = select_replicated(evidence.line("belt", "frequency", **where))
     table = pd.DataFrame(
         {
             frequency: pd.Series(
@@ -104,180 +111,194 @@ def _scan(evidence: Evidence, **where: Any) -> tuple[pd.DataFrame, dict[float, P
             for frequency, place in line.items()
         }
     )
-    known = table[table.count(axis=1) > 0.5 * len(line)]
-    known = known.loc[:, known.count() > 1]
-    if known.shape[1] < 2:
+    beds = table[table.count(axis=1) > 0.5 * len(line)]
+    beds = beds.loc[:, beds.count() > 1]
+    if beds.shape[1] < 2:
         settings = ", ".join(f"{name} {value}" for name, value in where.items())
         raise Untestable(f"no scan of the frequency with two beds {settings}".rstrip())
-    return known, {frequency: line[frequency] for frequency in known}
+    return beds, {frequency: line[frequency] for frequency in beds}
 
 
-def _joined(
-    shares: pd.DataFrame, place: Callable[[pd.DataFrame], tuple[float, float]]
+def _jackknife(
+    shares: pd.DataFrame, locate: Callable[[pd.DataFrame], tuple[float, float]]
 ) -> tuple[UFloat, bool]:
-    """Return a frequency of the mean over beds with its 95 % interval, and whether a step gives it.
+    """Return a frequency of the mean over beds with its interval; true if a step limits it.
 
-    ``place`` gives the frequency and the step of the scan there. How much it changes as each bed
-    is left out tells the interval (jackknife), with the freedom of the frequency that has the
-    fewest; it is half a step at least.
+    ``locate`` returns the frequency and the step of the scan there. The 95 % interval follows from
+    the changes as each bed is left out (jackknife), with the degrees of freedom of the frequency
+    that has the fewest beds. It is half a step at least.
     """
-    value, step = place(shares)
+    value, step = locate(shares)
     beds = len(shares)
-    without = [place(shares.drop(bed))[0] for bed in shares.index]
-    error = np.sqrt((beds - 1) * np.var(without))
+    leave_one_out = [locate(shares.drop(bed))[0] for bed in shares.index]
+    error = np.sqrt((beds - 1) * np.var(leave_one_out))
     scatter = float(student(shares.count().min() - 1) * error)
-    return measured(value, max(scatter, 0.5 * step)), scatter < 0.5 * step
+    return with_interval(value, max(scatter, 0.5 * step)), scatter < 0.5 * step
 
 
-def _begins(shares: pd.DataFrame, least: float) -> tuple[float, float]:
+def _onset_frequency(shares: pd.DataFrame, threshold: float) -> tuple[float, float]:
     """Return the frequency from which on beds are transported, and the step of the scan there."""
     mean = shares.mean()
-    moves = (mean > least).to_numpy()
-    frequencies, still = mean.index.to_numpy(), np.flatnonzero(~moves)
-    if not still.size or still[-1] == len(moves) - 1:
-        end = "lowest" if not still.size else "highest"
-        state = "flow" if not still.size else "do not flow"
-        edge = frequencies[0 if not still.size else -1]
+    moves = (mean > threshold).to_numpy()
+    frequencies, at_rest = mean.index.to_numpy(), np.flatnonzero(~moves)
+    if not at_rest.size or at_rest[-1] == len(moves) - 1:
+        end = "lowest" if not at_rest.size else "highest"
+        state = "flow" if not at_rest.size else "do not flow"
+        edge = frequencies[0 if not at_rest.size else -1]
         raise Untestable(f"beds {state} at the {end}, {edge:g} Hz of the scan")
-    before = still[-1]
+    before = at_rest[-1]
     low, high = frequencies[before : before + 2]
-    if high - low > FINE:
-        raise Untestable(f"no scan in steps of {FINE:g} Hz between {low:g} and {high:g} Hz")
-    under, over = mean.iloc[before], mean.iloc[before + 1]
-    return float(low + (least - under) / (over - under) * (high - low)), float(high - low)
+    if high - low > FINE_STEP:
+        raise Untestable(f"no scan in steps of {FINE_STEP:g} Hz between {low:g} and {high:g} Hz")
+    share_below, share_above = mean.iloc[before], mean.iloc[before + 1]
+    return float(
+        low + (threshold - share_below) / (share_above - share_below) * (high - low)
+    ), float(high - low)
 
 
-def g3(evidence: Evidence, least: float) -> list[Check]:
+def g3(evidence: Evidence, threshold: float) -> list[Check]:
     """The onset lies between 15 and 17 Hz at each of three angles."""
     return [
-        _begins_within(evidence, least, f"{angle} degrees", vibration_angle=angle)
+        _check_onset(evidence, threshold, f"{angle} degrees", vibration_angle=angle)
         for angle in (30, 45, 60)
     ]
 
 
-def _begins_within(evidence: Evidence, least: float, at: str, **where: Any) -> Check:
-    found = onset(evidence, least, **where)
-    return _scanned(within(f"onset at {at}", found.frequency, 15, 17, found.places, "Hz"), found)
-
-
-def _scanned(check: Check, *onsets: Onset) -> Check:
-    """Return a check that says whether the step of a scan is the interval of an onset behind it."""
-    return replace(check, coarse=any(one.coarse for one in onsets))
-
-
-def g4(evidence: Evidence, least: float) -> list[Check]:
-    """Any two of five onsets at different damping are less than 1 Hz apart."""
-    found = {pair: onset(evidence, least, damping=pair[0], shear_damping=pair[1]) for pair in PAIRS}
-    checks = []
-    for one, other in combinations(found, 2):
-        apart = found[one].frequency - found[other].frequency
-        what = f"onset at (γ, γ_s) = {_pair(one)} less that at {_pair(other)}"
-        places = (*found[one].places, *found[other].places)
-        check = within(what, apart, -SAME, SAME, places, "Hz")
-        checks.append(_scanned(check, found[one], found[other]))
-    return checks
-
-
-def _pair(pair: tuple[float, float]) -> str:
-    return "({:g}g, {:g}g)".format(*pair)
-
-
-def g5(evidence: Evidence, least: float) -> list[Check]:
-    """At A_z = 1.5⟨d⟩ the onset is still that of ⟨d⟩ (a), and nothing moves at 15 Hz (b)."""
-    return in_parts(
-        a=lambda: [_begins_within(evidence, least, "A_z = 1.5⟨d⟩", amplitude=1.5)],
-        b=lambda: _still_below(evidence),
+def _check_onset(evidence: Evidence, threshold: float, label: str, **where: Any) -> Check:
+    """Return the check that the onset lies between 15 and 17 Hz."""
+    onset = find_onset(evidence, threshold, **where)
+    return _mark_coarse(
+        within(f"onset at {label}", onset.frequency, 15, 17, onset.places, "Hz"), onset
     )
 
 
-def _still_below(evidence: Evidence) -> list[Check]:
-    still, flowing = along(evidence, "frequency", (15, 20), amplitude=1.5).values()
+def _mark_coarse(check: Check, *onsets: Onset) -> Check:
+    """Return a check marked as coarse where the step of a scan limits one of its onsets."""
+    return replace(check, coarse=any(onset.coarse for onset in onsets))
+
+
+def g4(evidence: Evidence, threshold: float) -> list[Check]:
+    """Any two of five onsets at different damping are less than 1 Hz apart."""
+    onsets = {
+        pair: find_onset(evidence, threshold, damping=pair[0], shear_damping=pair[1])
+        for pair in PAIRS
+    }
+    checks = []
+    for first, second in combinations(onsets, 2):
+        difference = onsets[first].frequency - onsets[second].frequency
+        quantity = f"onset at (γ, γ_s) = {_pair_label(first)} less that at {_pair_label(second)}"
+        places = (*onsets[first].places, *onsets[second].places)
+        check = within(quantity, difference, -SAME_ONSET, SAME_ONSET, places, "Hz")
+        checks.append(_mark_coarse(check, onsets[first], onsets[second]))
+    return checks
+
+
+def _pair_label(pair: tuple[float, float]) -> str:
+    return "({:g}g, {:g}g)".format(*pair)
+
+
+def g5(evidence: Evidence, threshold: float) -> list[Check]:
+    """At A_z = 1.5⟨d⟩ the onset is that of ⟨d⟩ (a), and nothing moves at 15 Hz (b)."""
+    return judge_parts(
+        a=lambda: [_check_onset(evidence, threshold, "A_z = 1.5⟨d⟩", amplitude=1.5)],
+        b=lambda: _check_rest(evidence),
+    )
+
+
+def _check_rest(evidence: Evidence) -> list[Check]:
+    still, flowing = complete_line(evidence, "frequency", (15, 20), amplitude=1.5).values()
     ratio = quotient(still.velocity, flowing.velocity)
-    return [within("V(15 Hz)/V(20 Hz) at A_z = 1.5⟨d⟩", ratio, -NONE, NONE, (still, flowing))]
+    return [within("V(15 Hz)/V(20 Hz) at A_z = 1.5⟨d⟩", ratio, -NO_FLOW, NO_FLOW, (still, flowing))]
 
 
-def g6(evidence: Evidence, least: float) -> list[Check]:
-    """At A_z = 0.5⟨d⟩ the onset against 18 Hz (a), and Γ there against 0.8 (b)."""
-    found = onset(evidence, least, amplitude=0.5)
-    place = evidence.at("belt", frequency=FLOWING, amplitude=0.5)
+def g6(evidence: Evidence, threshold: float) -> list[Check]:
+    """At A_z = 0.5⟨d⟩ the onset is at 18 Hz (a), and Γ there is 0.8 (b)."""
+    onset = find_onset(evidence, threshold, amplitude=0.5)
+    place = evidence.at("belt", frequency=MIN_FLOW_FREQUENCY, amplitude=0.5)
     checks = {}
-    for part, what, value, unit in (
-        ("a", "onset at A_z = 0.5⟨d⟩", found.frequency, "Hz"),
-        ("b", "Γ at the onset, A_z = 0.5⟨d⟩", _gamma(found, place), ""),
+    for part, quantity, value, unit in (
+        ("a", "onset at A_z = 0.5⟨d⟩", onset.frequency, "Hz"),
+        ("b", "Γ at the onset, A_z = 0.5⟨d⟩", _gamma(onset, place), ""),
     ):
-        stated, margin = SMALLER[part]
+        stated, margin = HALF_AMPLITUDE[part]
         bounds = stated - margin, stated + margin
-        checks[part] = [_scanned(within(what, value, *bounds, found.places, unit), found)]
-    return in_parts(**{part: lambda found=found: found for part, found in checks.items()})
+        checks[part] = [_mark_coarse(within(quantity, value, *bounds, onset.places, unit), onset)]
+    return judge_parts(**{part: lambda votes=votes: votes for part, votes in checks.items()})
 
 
-def _gamma(found: Onset, place: Place) -> UFloat:
+def _gamma(onset: Onset, place: Place) -> UFloat:
     """Return 4π²f²A_z/g at an onset, with the amplitude of a place."""
     lift = place["amplitude"] * place["diameter"] / place["gravity"]
-    return (2 * pi * found.frequency) ** 2 * lift
+    return (2 * pi * onset.frequency) ** 2 * lift
 
 
-def g7(evidence: Evidence, least: float) -> list[Check]:
+def g7(evidence: Evidence, threshold: float) -> list[Check]:
     """The acceleration of the belt at the onset is about that of gravity."""
-    found = onset(evidence, least)
-    gamma = _gamma(found, evidence.at("belt", frequency=FLOWING))
-    return [_scanned(within("Γ at the onset", gamma, 0.9, 1.15, found.places), found)]
+    onset = find_onset(evidence, threshold)
+    gamma = _gamma(onset, evidence.at("belt", frequency=MIN_FLOW_FREQUENCY))
+    return [_mark_coarse(within("Γ at the onset", gamma, 0.9, 1.15, onset.places), onset)]
 
 
-def g14(evidence: Evidence, least: float) -> list[Check]:
+def g14(evidence: Evidence, threshold: float) -> list[Check]:
     """Half the beads on half the belt: same velocity within 10 %, same onset within 1 Hz."""
-    halved = replicated(evidence.line("belt", "frequency", **HALVED))
-    whole = replicated(evidence.line("belt", "frequency"))
-    shared = [each for each in sorted(set(halved) & set(whole)) if each >= FLOWING]
+    halved = select_replicated(evidence.line("belt", "frequency", **HALF_SYSTEM))
+    whole = select_replicated(evidence.line("belt", "frequency"))
+    shared = [
+        frequency
+        for frequency in sorted(set(halved) & set(whole))
+        if frequency >= MIN_FLOW_FREQUENCY
+    ]
     if not shared:
         raise Untestable("no frequency from 20 Hz on with 100 beads on a width of 10")
     checks = []
     for frequency in shared:
         places = halved[frequency], whole[frequency]
         change = quotient(places[0].velocity, places[1].velocity) - 1
-        what = f"V of the halved system over the whole, less 1, {frequency:g} Hz"
-        checks.append(within(what, change, -0.1, 0.1, places))
-    small, usual = onset(evidence, least, **HALVED), onset(evidence, least)
+        quantity = f"V of the halved system over the whole, less 1, {frequency:g} Hz"
+        checks.append(within(quantity, change, -0.1, 0.1, places))
+    small, usual = find_onset(evidence, threshold, **HALF_SYSTEM), find_onset(evidence, threshold)
     shift = small.frequency - usual.frequency
     both = (*small.places, *usual.places)
     check = within("onset of the halved system less the whole", shift, -1, 1, both, "Hz")
-    return [*checks, _scanned(check, small, usual)]
+    return [*checks, _mark_coarse(check, small, usual)]
 
 
-def g35(evidence: Evidence, least: float) -> list[Check]:
-    """V/(A_x ω) rises from a tenth to nine tenths of its largest within 30 % of the middle.
+def g35(evidence: Evidence, threshold: float) -> list[Check]:
+    """V/(A_x ω) rises from a tenth to nine tenths of its maximum within 30 % of the middle.
 
-    The same onset must be found coming from rest and coming down from a flow at 25 Hz.
+    The onset must be the same from rest and coming down from a flow at 25 Hz.
     """
     shares, line = _scan(evidence)
     if not {15, 16, 18, 20} <= set(line):
         raise Untestable("no scan of the frequency with 15, 16, 18 and 20 Hz")
-    up = onset(evidence, least)
-    down = onset(evidence, least, prior_frequency=SWEPT_FROM)
+    up = find_onset(evidence, threshold)
+    down = find_onset(evidence, threshold, prior_frequency=SWEEP_START)
     places, shift = (*up.places, *down.places), up.frequency - down.frequency
-    width, _ = _joined(shares, _width)
-    what = "width of the rise of V/(A_x ω) from 10 to 90 %, over its middle"
-    check = within("onset from rest less that from the flow", shift, -SAME, SAME, places, "Hz")
+    width, _ = _jackknife(shares, _rise_width)
+    quantity = "width of the rise of V/(A_x ω) from 10 to 90 %, over its middle"
+    check = within(
+        "onset from rest less that from the flow", shift, -SAME_ONSET, SAME_ONSET, places, "Hz"
+    )
     return [
-        below(what, width, SHARP, line.values()),
-        _scanned(check, up, down),
+        below(quantity, width, SHARP, line.values()),
+        _mark_coarse(check, up, down),
     ]
 
 
-def _width(shares: pd.DataFrame) -> tuple[float, float]:
-    """Return the width of the rise over its middle, and no step."""
-    low, high = (_reaches(shares, part) for part in RISE)
+def _rise_width(shares: pd.DataFrame) -> tuple[float, float]:
+    """Return the width of the rise over its middle, and a step of zero."""
+    low, high = (_crossing_frequency(shares, fraction) for fraction in RISE)
     return (high - low) / (0.5 * (high + low)), 0.0
 
 
-def _reaches(shares: pd.DataFrame, part: float) -> float:
-    """Return where the mean over beds comes to stay above a part of its largest."""
+def _crossing_frequency(shares: pd.DataFrame, fraction: float) -> float:
+    """Return where the mean over beds rises above a fraction of its maximum and stays above."""
     mean = shares.mean()
     frequencies, share = mean.index.to_numpy(), mean.to_numpy()
     top = int(share.argmax())
-    threshold = part * share[top]
-    under = np.flatnonzero(share[:top] < threshold)
-    if not under.size:
+    threshold = fraction * share[top]
+    below = np.flatnonzero(share[:top] < threshold)
+    if not below.size:
         return float(frequencies[0])
-    last = under[-1]
-    return float(np.interp(threshold, share[last : last + 2], frequencies[last : last + 2]))
+    before = below[-1]
+    return float(np.interp(threshold, share[before : before + 2], frequencies[before : before + 2]))

@@ -6,28 +6,28 @@ import numpy as np
 from uncertainties import UFloat
 
 from sim.claims.bed import mean_between
-from sim.claims.checks import above, below, in_parts, reported, withheld, within
+from sim.claims.checks import above, below, judge_parts, reported, withhold, within
 from sim.claims.evidence import Evidence
-from sim.claims.lines import along
+from sim.claims.lines import complete_line
 from sim.claims.place import Place
 from sim.claims.verdict import Check, Untestable
 from sim.dataset.measures.layers import level
 
-#: Velocity about the mean of all beads, over the belt's, below which they move as one.
-AS_ONE = 0.1
+#: Largest rms velocity about the mean of all beads, over the belt's, of a block.
+MAX_BLOCK_AGITATION = 0.1
 
 
-def g26(evidence: Evidence, empty: float) -> list[Check]:
+def g26(evidence: Evidence, max_occupancy: float) -> list[Check]:
     """Fig. 5: a block with the belt at 10 Hz (a), loose at 40 Hz (b), a void at 100 Hz (c).
 
-    A block moves as one, and up and down as the belt does; its velocity along the belt lags behind,
-    as shear friction is viscous. A loose bed does not move as one: a block in flight would not be
-    loose. Velocities are relative to the amplitude of the belt's.
+    The beads of a block move together, and up and down as the belt does. Along the belt the block
+    lags behind, as shear friction is viscous. The beads of a loose bed do not move together, which
+    tells it from a block in flight. Velocities are relative to the amplitude of the belt's.
     """
-    return in_parts(
+    return judge_parts(
         a=lambda: _block(evidence),
         b=lambda: _loose(evidence),
-        c=lambda: occupied(evidence.at("belt", frequency=100), empty),
+        c=lambda: check_void(evidence.at("belt", frequency=100), max_occupancy),
     )
 
 
@@ -35,7 +35,9 @@ def _block(evidence: Evidence) -> list[Check]:
     block = evidence.at("belt", frequency=10, vibration_angle=60)
     lift = block.value("path_vertical") / (block["amplitude"] * block["diameter"] / sqrt(2))
     return [
-        below("rms velocity about the mean, 10 Hz", agitation(block), AS_ONE, (block,)),
+        below(
+            "rms velocity about the mean, 10 Hz", agitation(block), MAX_BLOCK_AGITATION, (block,)
+        ),
         within("vertical rms of the paths over the belt's, 10 Hz", lift, 0.9, 1.1, (block,)),
     ]
 
@@ -43,25 +45,30 @@ def _block(evidence: Evidence) -> list[Check]:
 def _loose(evidence: Evidence) -> list[Check]:
     block = evidence.at("belt", frequency=10, vibration_angle=60)
     loose = evidence.at("belt", frequency=40, vibration_angle=30, damping=10, shear_damping=10)
-    lost = packing(block) - packing(loose)
+    packing_loss = packing(block) - packing(loose)
     return [
-        above("rms velocity about the mean, 40 Hz", agitation(loose), AS_ONE, (loose,)),
-        above("packing lost from 10 to 40 Hz", lost, 0, (block, loose)),
+        above(
+            "rms velocity about the mean, 40 Hz", agitation(loose), MAX_BLOCK_AGITATION, (loose,)
+        ),
+        above("packing lost from 10 to 40 Hz", packing_loss, 0, (block, loose)),
     ]
 
 
-def occupied(place: Place, empty: float) -> list[Check]:
+def check_void(place: Place, max_occupancy: float) -> list[Check]:
     """Return the checks that few beads are within the reach of the belt: a void.
 
-    At the beginning of the cycle, as the paper's pictures are, and in the time mean.
+    It is tested at the beginning of the cycle, as in the paper's pictures, and in the time mean.
     """
     checks = []
-    for name, when in (("base_occupancy_at_phase_0", "phase 0"), ("base_occupancy", "time mean")):
-        what = f"occupancy at {place['frequency']:g} Hz, {when}"
+    for name, phase_label in (
+        ("base_occupancy_at_phase_0", "phase 0"),
+        ("base_occupancy", "time mean"),
+    ):
+        quantity = f"occupancy at {place['frequency']:g} Hz, {phase_label}"
         try:
-            checks.append(below(what, place.value(name), empty, (place,)))
+            checks.append(below(quantity, place.value(name), max_occupancy, (place,)))
         except Untestable as error:
-            checks += withheld([below(what, nan, empty, (place,))], str(error))
+            checks += withhold([below(quantity, nan, max_occupancy, (place,))], str(error))
     return checks
 
 
@@ -94,13 +101,13 @@ def packing(place: Place) -> UFloat:
     return place.measure(measure, "number_density", "packing_profile")
 
 
-def g27(evidence: Evidence, empty: float) -> list[Check]:
+def g27(evidence: Evidence, max_occupancy: float) -> list[Check]:
     """Hardly a bead is within A_z of the mean belt position at 80 and 100 Hz.
 
-    How many are at 20 Hz is reported.
+    The share at 20 Hz is reported.
     """
-    usual, *fast = along(evidence, "frequency", (20, 80, 100)).values()
-    checks = [check for place in fast for check in occupied(place, empty)]
+    usual, *fast = complete_line(evidence, "frequency", (20, 80, 100)).values()
+    checks = [check for place in fast for check in check_void(place, max_occupancy)]
     share = usual.value("base_occupancy")
     return [*checks, reported("occupancy at 20 Hz, time mean", share, (usual,))]
 

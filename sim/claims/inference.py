@@ -1,4 +1,4 @@
-"""Tests that have no interval: trends, ranks, shares of runs. Their statistics come from scipy."""
+"""Tests without an interval: trends, ranks, shares of runs. Their statistics come from scipy."""
 
 from collections.abc import Iterable, Sequence
 from itertools import combinations
@@ -8,16 +8,16 @@ import numpy as np
 from scipy import stats
 
 from sim.claims.place import Place
-from sim.claims.verdict import RISK, Check, least
+from sim.claims.verdict import RISK, Check, holm_p
 
 Groups = Sequence[np.ndarray]
 
-#: Most values whose trend is tested by permutations, and how many of these.
+#: Largest number of values whose trend is tested by permutations, and number of permutations.
 FEW, PERMUTATIONS = 12, 4999
 
 
 def trend(
-    what: str,
+    quantity: str,
     strata: Sequence[Groups],
     places: Iterable[Place] = (),
     *,
@@ -26,58 +26,60 @@ def trend(
 ) -> Check:
     """Return the check that a quantity rises (or falls) along a parameter: Jonckheere's trend test.
 
-    Shown is the mean of Kendall's τ of groups and values; that τ has the same p-value as
-    Jonckheere's and Terpstra's statistic.
+    The value shown is the mean of Kendall's τ between group number and value. This τ has the same
+    p-value as Jonckheere's and Terpstra's statistic.
 
     Parameters
     ----------
-    what : str
+    quantity : str
         The quantity and the parameter.
     strata : sequence of sequence of (R,) arrays
         For each stratum the groups of replicates in the order of the parameter: one stratum, or one
         per cell or frequency within which groups can be compared. Their p-values are combined
         (Stouffer, weighted with the root of their sizes).
     places : iterable of Place
-        What was measured.
+        Measured places.
     rising : bool
-        Which way the claim has it.
+        Direction of the claim.
     monotone : bool
-        Whether the sentence says so of any two groups and of every stratum: then it also fails
-        where one of them surely goes the other way, as one of so many (Holm). Not of neighbours
-        alone: steps may be too small to show what several of them make.
+        Whether the claim is about any two groups and every stratum. Then it also fails where one
+        of them clearly goes the other way, with Holm's correction. All pairs are tested, not
+        neighbours alone: single steps may be too small to show a decrease over several steps.
     """
     sign = 1 if rising else -1
-    up: list[float] = []
-    down: list[float] = []
-    taus, sizes, pairs = [], [], []
+    p_rising: list[float] = []
+    p_falling: list[float] = []
+    taus, sizes, p_pairs = [], [], []
     for groups in strata:
         values = sign * np.concatenate(groups)
         order = np.repeat(np.arange(len(groups)), [len(group) for group in groups])
-        for chances, way in ((up, "greater"), (down, "less")):
-            chances.append(_rising(order, values, way))
+        for tail, alternative in ((p_rising, "greater"), (p_falling, "less")):
+            tail.append(_trend_p(order, values, alternative))
         taus.append(stats.kendalltau(order, values).statistic)
         sizes.append(values.size)
         if monotone:
-            pairs += [superior(sign * low, sign * high) for low, high in combinations(groups, 2)]
-    against = [_combined(down, sizes)]
+            p_pairs += [
+                mann_whitney_p(sign * low, sign * high) for low, high in combinations(groups, 2)
+            ]
+    p_contrary = [_stouffer_p(p_falling, sizes)]
     if monotone:
-        against += [*(down if len(strata) > 1 else ()), *pairs]
+        p_contrary += [*(p_falling if len(strata) > 1 else ()), *p_pairs]
     tau = float(np.average(taus, weights=sizes))
-    fails = least(against)
-    # What surely falls somewhere does not rise, however clear the trend of all.
-    tested = (_combined(up, sizes) if fails > RISK else 1.0), fails
-    # The thresholds are those of the statistic: a trend either way has another sign.
-    return _tested(f"Kendall's τ of {what}", sign * tau, rising, tested, places)
+    p_fails = holm_p(p_contrary)
+    # A clear fall somewhere refutes a rise, however clear the overall trend.
+    p_values = (_stouffer_p(p_rising, sizes) if p_fails > RISK else 1.0), p_fails
+    # The threshold applies to τ, whose sign is the direction of the trend.
+    return _p_value_check(f"Kendall's τ of {quantity}", sign * tau, rising, p_values, places)
 
 
-def _rising(order: np.ndarray, values: np.ndarray, way: str) -> float:
+def _trend_p(order: np.ndarray, values: np.ndarray, alternative: str) -> float:
     """Return the p-value that values (N,) rise with their order, or fall.
 
-    Of few values by permutations: the distribution of τ where many share an order is normal for
-    many only.
+    Few values are tested by permutations: with many equal orders the distribution of τ is normal
+    only for large N.
     """
     if values.size > FEW:
-        return _chance(stats.kendalltau(order, values, alternative=way).pvalue)
+        return _finite_p(stats.kendalltau(order, values, alternative=alternative).pvalue)
     first, second = np.nonzero(order[:, None] < order)
 
     def score(permuted: np.ndarray, axis: int) -> np.ndarray:
@@ -87,75 +89,77 @@ def _rising(order: np.ndarray, values: np.ndarray, way: str) -> float:
         (values,),
         score,
         permutation_type="pairings",
-        alternative=way,
+        alternative=alternative,
         n_resamples=PERMUTATIONS,
         rng=np.random.default_rng(0),
     ).pvalue
 
 
-def outranks(what: str, first: np.ndarray, second: np.ndarray, places: Iterable[Place]) -> Check:
+def outranks(
+    quantity: str, first: np.ndarray, second: np.ndarray, places: Iterable[Place]
+) -> Check:
     """Return the check that replicates (R,) rank above others: Mann and Whitney's test.
 
-    Shown is how often one of the first exceeds one of the second. It needs no distribution, so
-    replicates may be in different states.
+    The value shown is the share of pairs in which the first exceeds the second. The test needs no
+    distribution, so replicates may be in different states.
     """
-    chances = superior(first, second), superior(second, first)
-    exceeds = stats.mannwhitneyu(first, second).statistic / (len(first) * len(second))
-    return _tested(what, float(exceeds), True, chances, places, 0.5)
+    p_values = mann_whitney_p(first, second), mann_whitney_p(second, first)
+    share = stats.mannwhitneyu(first, second).statistic / (len(first) * len(second))
+    return _p_value_check(quantity, float(share), True, p_values, places, 0.5)
 
 
-def superior(above: np.ndarray, below: np.ndarray) -> float:
+def mann_whitney_p(above: np.ndarray, below: np.ndarray) -> float:
     """Return the p-value of Mann and Whitney's test that one sample ranks above another."""
-    return _chance(stats.mannwhitneyu(above, below, alternative="greater").pvalue)
+    return _finite_p(stats.mannwhitneyu(above, below, alternative="greater").pvalue)
 
 
 def share_above(
-    what: str, count: int, number: int, threshold: float, places: Iterable[Place] = ()
+    quantity: str, count: int, number: int, threshold: float, places: Iterable[Place] = ()
 ) -> Check:
     """Return the check that a share exceeds a threshold, by the exact binomial test."""
-    holds, fails = (
-        stats.binomtest(count, number, threshold, alternative=way).pvalue
-        for way in ("greater", "less")
+    p_holds, p_fails = (
+        stats.binomtest(count, number, threshold, alternative=alternative).pvalue
+        for alternative in ("greater", "less")
     )
-    return _tested(what, count / number, True, (holds, fails), places, threshold)
+    return _p_value_check(quantity, count / number, True, (p_holds, p_fails), places, threshold)
 
 
-def share_of(count: int, number: int) -> tuple[float, float]:
-    """Return the 95 % interval of a share of runs (Wilson's)."""
+def share_interval(count: int, number: int) -> tuple[float, float]:
+    """Return the 95 % interval of a share of runs (Wilson)."""
     interval = stats.binomtest(count, number).proportion_ci(method="wilson")
     return float(interval.low), float(interval.high)
 
 
-def _chance(p: float) -> float:
-    """Return a p-value; values that are all the same tell nothing."""
+def _finite_p(p: float) -> float:
+    """Return a p-value, 1 in place of NaN: values that are all equal carry no information."""
     return 1.0 if np.isnan(p) else float(p)
 
 
-def _combined(chances: Sequence[float], sizes: Sequence[int]) -> float:
-    if len(chances) == 1:
-        return chances[0]
-    # A chance of exactly one would be infinitely sure of the opposite.
-    inside = np.clip(chances, 1e-15, 1 - 1e-15)
+def _stouffer_p(p_values: Sequence[float], sizes: Sequence[int]) -> float:
+    if len(p_values) == 1:
+        return p_values[0]
+    # A p-value of exactly one would be infinitely certain of the opposite.
+    inside = np.clip(p_values, 1e-15, 1 - 1e-15)
     weights = np.sqrt(sizes)
     return float(stats.combine_pvalues(inside, method="stouffer", weights=weights).pvalue)
 
 
-def _tested(
-    what: str,
+def _p_value_check(
+    quantity: str,
     value: float,
-    above: bool,
-    tested: tuple[float, float],
+    is_lower_bound: bool,
+    p_values: tuple[float, float],
     places: Iterable[Place],
     threshold: float = 0.0,
 ) -> Check:
-    # The replicate is what is ranked or counted, however many independent samples it has.
+    # Replicates are ranked or counted, however many independent samples each of them has.
     places = tuple(places)
     return Check(
-        what=what,
+        what=quantity,
         value=value,
         half_width=nan,
-        low=threshold if above else -inf,
-        high=inf if above else threshold,
+        low=threshold if is_lower_bound else -inf,
+        high=inf if is_lower_bound else threshold,
         points=tuple(dict.fromkeys(place.id for place in places)),
-        tested=tested,
+        tested=p_values,
     )

@@ -1,15 +1,15 @@
-"""From a dataset to verdicts: every claim under every protocol and reading that was run."""
+"""From a dataset to verdicts: every claim under every protocol and reading with runs."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
 from sim.claims.evidence import Evidence
-from sim.claims.experiments import experiment
+from sim.claims.experiments import run_experiment
 from sim.claims.judgement import MODEL, PROTOCOLS, Judgement, Variant
 from sim.claims.own import own_claims
 from sim.claims.points import Points
-from sim.claims.readings import GRID, in_words, readings_of, readings_run
+from sim.claims.readings import GRID, reading_label, readings_of, readings_with_runs
 from sim.claims.table import OWN, Claim, claims
 from sim.claims.verdict import Check, Untestable
 from sim.dataset.results import Results
@@ -25,86 +25,91 @@ MODEL_READINGS: tuple[dict[str, Any], ...] = (
 
 
 def judge(results: Results) -> list[Judgement]:
-    """Judge the claims of papers and plug-ins on whose systems a study has runs."""
+    """Judge the claims, of papers and plug-ins, on systems that the study has runs of."""
     systems = set(results.dataset["system"].values)
-    every_claim: list[Claim] = [*claims(), *own_claims()]
-    found = [claim for claim in every_claim if claim.system in systems]
-    every = {system: list(_evidence(results, system)) for system in systems}
+    all_claims: list[Claim] = [*claims(), *own_claims()]
+    judged_claims = [claim for claim in all_claims if claim.system in systems]
+    evidence_by_system = {system: list(_evidence(results, system)) for system in systems}
     return [
         Judgement(
             claim,
-            tuple(_variants(claim, every[claim.system])),
-            in_words(claim.system, readings_of(claim.system).headline),
+            tuple(_variants(claim, evidence_by_system[claim.system])),
+            reading_label(claim.system, readings_of(claim.system).headline),
         )
-        for claim in found
+        for claim in judged_claims
     ]
 
 
 def _evidence(results: Results, system: str) -> Iterator[tuple[dict[str, Any], Evidence]]:
-    """Yield each reading with what each protocol offers under it, the headline first."""
-    points, first = Points(results), readings_of(system).headline
-    others = [one for one in ({}, *readings_run(results, system)) if one != first]
-    for reading in (first, *others):
+    """Yield each reading with the evidence of each protocol, the headline reading first."""
+    points, headline = Points(results), readings_of(system).headline
+    others = [
+        reading for reading in ({}, *readings_with_runs(results, system)) if reading != headline
+    ]
+    for reading in (headline, *others):
         runs = {name: value for name, value in reading.items() if name != GRID}
-        looked_at = replace(results, grid=reading.get(GRID, results.grid))
+        regridded = replace(results, grid=reading.get(GRID, results.grid))
         for protocol in PROTOCOLS:
-            yield reading, Evidence(looked_at, protocol, runs, points)
+            yield reading, Evidence(regridded, protocol, runs, points)
 
 
 def _variants(
-    claim: Claim, every: Sequence[tuple[Mapping[str, Any], Evidence]]
+    claim: Claim, evidence_by_reading: Sequence[tuple[Mapping[str, Any], Evidence]]
 ) -> Iterator[Variant]:
-    """Yield the claim at the headline reading, then at readings under which it is another matter.
+    """Yield the claim at the headline reading, then at readings that change its checks.
 
-    It is not where they have no runs of their own, as a claim that names what a reading changes
-    looks at the same points under both; nor where it looks at no profile that another grid changes.
+    A reading without runs of its own changes nothing: a claim that names the parameters of a
+    reading uses the same points under both. Nor does another profile grid, if the claim uses no
+    profile.
     """
-    declared = readings_of(claim.system)
+    paper_readings = readings_of(claim.system)
     if claim.kind == "model":
         for changes in MODEL_READINGS:
-            words, checks = in_words(claim.system, changes), experiment(claim, changes)
-            yield Variant(MODEL, words, checks, control=declared.is_control(changes))
+            label, checks = reading_label(claim.system, changes), run_experiment(claim, changes)
+            yield Variant(MODEL, label, checks, control=paper_readings.control_reason(changes))
         return
-    seen = set()
-    for reading, evidence in every:
+    keys = set()
+    for reading, evidence in evidence_by_reading:
         if claim.paper == OWN and not evidence.has_runs(claim.system):
-            # Nothing is said of a protocol that the study has not chosen.
+            # A protocol without runs is skipped for claims of plug-ins.
             continue
-        words = in_words(claim.system, reading)
-        variant = _judged(claim, evidence, words, declared.is_control(reading))
-        found = variant.protocol, repr(variant.checks)
-        if reading == declared.headline or not (variant.reason or found in seen):
+        label = reading_label(claim.system, reading)
+        variant = _judge_under(claim, evidence, label, paper_readings.control_reason(reading))
+        key = variant.protocol, repr(variant.checks)
+        if reading == paper_readings.headline or not (variant.reason or key in keys):
             yield variant
-        seen.add(found)
+        keys.add(key)
 
 
-def _judged(claim: Claim, evidence: Evidence, reading: str, control: str) -> Variant:
+def _judge_under(claim: Claim, evidence: Evidence, reading: str, control: str) -> Variant:
     number = claim.number
     try:
-        checks = _checked(claim, evidence, (number.headline,) if number else ())
+        checks = _run_judge(claim, evidence, (number.headline,) if number else ())
     except Untestable as error:
         return Variant(evidence.protocol, reading, reason=str(error), control=control)
     except ZeroDivisionError:
         reason = "a quantity that the claim divides by is exactly zero"
         return Variant(evidence.protocol, reading, reason=reason, control=control)
     if claim.paper == OWN:
-        used = dict.fromkeys(point for check in checks for point in check.points)
-        unsteady = evidence.unsteady(used)
-        return Variant(evidence.protocol, reading, checks, control=control, unsteady=unsteady)
-    others = {}
+        points = dict.fromkeys(point for check in checks for point in check.points)
+        note = evidence.unsteady_note(points)
+        return Variant(evidence.protocol, reading, checks, control=control, unsteady=note)
+    checks_by_number = {}
     for value in number.values if number else ():
         try:
-            others[value] = _checked(claim, evidence, (value,))
+            checks_by_number[value] = _run_judge(claim, evidence, (value,))
         except (Untestable, ZeroDivisionError):
             continue
-    return Variant(evidence.protocol, reading, checks, others=others, control=control)
+    return Variant(
+        evidence.protocol, reading, checks, checks_by_number=checks_by_number, control=control
+    )
 
 
-def _checked(claim: Claim, evidence: Evidence, number: tuple[float, ...]) -> tuple[Check, ...]:
-    checks = tuple(claim.judging()(evidence, *number))
+def _run_judge(claim: Claim, evidence: Evidence, number: tuple[float, ...]) -> tuple[Check, ...]:
+    checks = tuple(claim.judge_function()(evidence, *number))
     if not checks:
         raise ValueError(f"{claim.id}: the judge checked nothing")
-    unknown = {check.part for check in checks if check.deciding} - set(claim.parts or ("",))
-    if unknown:
-        raise ValueError(f"{claim.id}: no part {', '.join(sorted(unknown))} in the table")
+    unknown_parts = {check.part for check in checks if check.has_vote} - set(claim.parts or ("",))
+    if unknown_parts:
+        raise ValueError(f"{claim.id}: no part {', '.join(sorted(unknown_parts))} in the table")
     return checks

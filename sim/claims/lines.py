@@ -1,4 +1,4 @@
-"""What judges of the belt share: places along a parameter and how their velocities compare."""
+"""Helpers of the judges of the belt: places along a parameter, comparisons of velocities."""
 
 from collections.abc import Mapping, Sequence
 from functools import reduce
@@ -11,70 +11,76 @@ from uncertainties import UFloat, ufloat, umath
 from sim.claims.evidence import Evidence
 from sim.claims.inference import trend
 from sim.claims.place import Place
-from sim.claims.verdict import LONGER, SIGMAS, Check
+from sim.claims.verdict import LONGER_RUNS, SIGMAS, Check
 
 #: Lowest frequency (Hz) at which the bed certainly flows.
-FLOWING = 20.0
+MIN_FLOW_FREQUENCY = 20.0
 
-#: A velocity below this share of that at 20 Hz is none.
-NONE = 0.02
+#: A velocity below this share of V(20 Hz) counts as zero.
+NO_FLOW = 0.02
 
 #: Pairs of damping and shear damping (g) drawn as markers in Fig. 1b.
 MARKERS = ((0, 50), (10, 10), (50, 100))
 
 #: The system of half the size.
-HALVED = {"beads": 100, "width": 10}
+HALF_SYSTEM = {"beads": 100, "width": 10}
 
-#: Cycles over which a drift is told, and the largest one, relative to V, of a converged flow.
-CYCLES, DRIFTING = 100, 0.02
+#: Cycles over which a drift is measured, and its largest value, relative to V, if converged.
+CYCLES, MAX_DRIFT = 100, 0.02
 
 
-def along(
+def complete_line(
     evidence: Evidence, name: str, values: Sequence[float], **where: Any
 ) -> dict[float, Place]:
-    """Return the places at some values of a parameter of the belt; all of them must be there."""
+    """Return the places at some values of a parameter of the belt.
+
+    Raises `Untestable` if one is missing.
+    """
     return {value: evidence.at("belt", **{name: value}, **where) for value in values}
 
 
-def replicated(line: Mapping[float, Place]) -> dict[float, Place]:
-    """Return the places of which at least two beds are known."""
+def select_replicated(line: Mapping[float, Place]) -> dict[float, Place]:
+    """Return the places with at least two completed beds."""
     return {value: place for value, place in line.items() if place.completed > 1}
 
 
 def common_beds(places: Sequence[Place]) -> list[np.ndarray]:
-    """Return per place which of its completed beds are known at all places, in the same order.
+    """Return per place the indices of the completed beds that all places share, in one order.
 
-    Beds of places that start from different seeds are different ones.
+    Places that start from different seeds share no beds.
     """
     if len({place["seed"] for place in places}) > 1:
         return [np.arange(0) for _ in places]
     numbers = [place.values("replicate_seed") for place in places]
     shared = reduce(np.intersect1d, numbers)
-    return [np.flatnonzero(np.isin(each, shared)) for each in numbers]
+    return [np.flatnonzero(np.isin(bed_seeds, shared)) for bed_seeds in numbers]
 
 
-def rising(
-    line: Mapping[float, Place], what: str, *, rising: bool = True, monotone: bool = False
+def velocity_trend(
+    line: Mapping[float, Place], parameter: str, *, rising: bool = True, monotone: bool = False
 ) -> Check:
     """Return the check that V rises (or falls) along a line; see `sim.claims.inference.trend`."""
     groups = [place.values("velocity") for place in line.values()]
-    over = ", ".join(f"{value:g}" for value in line)
-    text = f"V over {what} = {over}"
+    values = ", ".join(f"{value:g}" for value in line)
+    text = f"V over {parameter} = {values}"
     return trend(text, [groups], line.values(), rising=rising, monotone=monotone)
 
 
-def ordered(
+def velocity_order(
     evidence: Evidence, name: str, fastest_first: Sequence[float], lowest: float
 ) -> Check | None:
     """Return the check that V falls along values of a parameter.
 
-    Frequencies count from ``lowest`` (Hz) on where all values have been run; none if there are
-    none.
+    It uses the frequencies from ``lowest`` (Hz) on at which all values have been run. Returns none
+    if there are no such frequencies.
     """
     lines = [
-        replicated(evidence.line("belt", "frequency", **{name: value})) for value in fastest_first
+        select_replicated(evidence.line("belt", "frequency", **{name: value}))
+        for value in fastest_first
     ]
-    shared = [each for each in sorted(set.intersection(*map(set, lines))) if each >= lowest]
+    shared = [
+        frequency for frequency in sorted(set.intersection(*map(set, lines))) if frequency >= lowest
+    ]
     if not shared:
         return None
     strata = [[line[frequency].values("velocity") for line in lines] for frequency in shared]
@@ -84,21 +90,21 @@ def ordered(
     return trend(text, strata, places, rising=False)
 
 
-def drifting(place: Place) -> str:
-    """Return why a velocity is not known to have converged: it may drift by 2 % in 100 cycles."""
+def reason_drifting(place: Place) -> str:
+    """Return why V may not have converged: it may drift by 2 % in 100 cycles. Empty if not."""
     cycles = place.window * place["frequency"]
-    drift = place.change / place.velocity.nominal_value * CYCLES / cycles
-    most = abs(drift.nominal_value) + SIGMAS * drift.std_dev
-    if most < DRIFTING:
+    drift = place.velocity_change / place.velocity.nominal_value * CYCLES / cycles
+    largest = abs(drift.nominal_value) + SIGMAS * drift.std_dev
+    if largest < MAX_DRIFT:
         return ""
     return (
-        f"V changes by {abs(drift.nominal_value):.1%}, or up to {most:.1%}, in {CYCLES} cycles at "
-        f"γ_s = {place['shear_damping']:g}g: {LONGER} or more beds"
+        f"V changes by {abs(drift.nominal_value):.1%}, or up to {largest:.1%}, in {CYCLES} "
+        f"cycles at γ_s = {place['shear_damping']:g}g: {LONGER_RUNS} or more beds"
     )
 
 
 def elasticity(line: Mapping[float, Place]) -> UFloat:
-    """Return the slope of ln V against the logarithm of what varies along a line."""
+    """Return the slope of ln V against the logarithm of the parameter of a line."""
     velocities = [place.velocity for place in line.values()]
     if not all(velocity.nominal_value > 0 for velocity in velocities):
         return ufloat(nan, 0)

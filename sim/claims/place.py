@@ -1,4 +1,4 @@
-"""One point of a study as a judge sees it, its numbers with intervals."""
+"""One point of a study as a judge sees it: its numbers with intervals."""
 
 import warnings
 from collections.abc import Callable
@@ -15,40 +15,40 @@ from sim.claims.verdict import SIGMAS, Untestable
 from sim.dataset.replicates import PARAMETERS, SCALARS, outcome
 from sim.dataset.results import Results
 
-# Beds at rest and exact experiments do have no error at all.
+# Beds at rest and exact experiments have an error of exactly zero.
 warnings.filterwarnings("ignore", message="Using UFloat objects with std_dev==0")
 
 
-def measured(value: float, half_width: float) -> UFloat:
+def with_interval(value: float, half_width: float) -> UFloat:
     """Return a number whose standard deviation stands for the half width of its 95 % interval."""
     return ufloat(value, half_width / SIGMAS if isfinite(half_width) else inf)
 
 
-def joined(values: np.ndarray) -> UFloat:
-    """Return the mean over replicates with Student's interval; endless for fewer than two."""
+def replicate_mean(values: np.ndarray) -> UFloat:
+    """Return the mean over replicates with Student's interval; infinite for fewer than two."""
     values = np.asarray(values, float)
     if values.size == 0:
-        return measured(nan, inf)
-    return measured(float(values.mean()), float(student_half_width(values)))
+        return with_interval(nan, inf)
+    return with_interval(float(values.mean()), float(student_half_width(values)))
 
 
-def quotient(over: UFloat, under: UFloat) -> UFloat:
+def quotient(numerator: UFloat, denominator: UFloat) -> UFloat:
     """Return a ratio whose 95 % interval holds even where the divisor is hardly known.
 
-    It reaches as far to both sides as Fieller's interval does to the farther one, without an end
-    where the divisor's own interval holds zero.
+    The interval is symmetric: on both sides it reaches as far as the farther end of Fieller's
+    interval. It is infinite where the divisor's own interval contains zero.
     """
-    value = over.nominal_value / under.nominal_value
-    unsure = (SIGMAS * under.std_dev / under.nominal_value) ** 2
-    if not unsure < 1:
-        return measured(value, inf)
-    above = (SIGMAS * over.std_dev / under.nominal_value) ** 2
-    spread = sqrt(above * (1 - unsure) + value**2 * unsure)
-    return measured(value, (abs(value) * unsure + spread) / (1 - unsure))
+    value = numerator.nominal_value / denominator.nominal_value
+    uncertainty = (SIGMAS * denominator.std_dev / denominator.nominal_value) ** 2
+    if not uncertainty < 1:
+        return with_interval(value, inf)
+    numerator_uncertainty = (SIGMAS * numerator.std_dev / denominator.nominal_value) ** 2
+    spread = sqrt(numerator_uncertainty * (1 - uncertainty) + value**2 * uncertainty)
+    return with_interval(value, (abs(value) * uncertainty + spread) / (1 - uncertainty))
 
 
 class Place:
-    """One point of a study as a judge sees it: its completed replicates together.
+    """One point of a study as a judge sees it: its completed replicates, pooled.
 
     ``place["frequency"]`` is a parameter.
     """
@@ -56,23 +56,23 @@ class Place:
     def __init__(self, results: Results, point: str):
         self.id = point
         self._results = results
-        self._held = results.dataset.variables
-        self._number = results.dataset.indexes["point"].get_loc(point)
-        self._done = self._held["status"].values[self._number] == "completed"
+        self._variables = results.dataset.variables
+        self._index = results.dataset.indexes["point"].get_loc(point)
+        self._is_completed = self._variables["status"].values[self._index] == "completed"
 
     def __getitem__(self, name: str) -> Any:
-        return np.asarray(self._held[name].values[self._number]).item()
+        return np.asarray(self._variables[name].values[self._index]).item()
 
     @property
     def completed(self) -> int:
-        """Completed replicates."""
-        return int(self._done.sum())
+        """Number of completed replicates."""
+        return int(self._is_completed.sum())
 
     @cached_property
     def outcome(self) -> dict[str, Any]:
-        """What replicates say together, as in `sim.dataset.replicates`."""
+        """Statistics pooled over replicates, see `sim.dataset.replicates`."""
         names = (*SCALARS, *PARAMETERS)
-        return outcome({name: self._held[name].values[self._number] for name in names})
+        return outcome({name: self._variables[name].values[self._index] for name in names})
 
     @property
     def regime(self) -> str:
@@ -81,9 +81,10 @@ class Place:
 
     @cached_property
     def samples(self) -> float:
-        """Independent samples behind the mean velocity, of all completed replicates together.
+        """Independent samples behind the mean velocity, summed over completed replicates.
 
-        Endless for flows at rest: they do not fluctuate, their verdict rests on the interval alone.
+        Infinite for flows at rest: they do not fluctuate, so their verdict rests on the interval
+        alone.
         """
         if self.regime == "arrested":
             return inf if self.completed else 0.0
@@ -97,47 +98,48 @@ class Place:
     @cached_property
     def velocity(self) -> UFloat:
         """Mean velocity (m/s)."""
-        return measured(self.outcome["velocity"], self.outcome["half_width"])
+        return with_interval(self.outcome["velocity"], self.outcome["half_width"])
 
     @cached_property
     def window(self) -> float:
-        """Length of the window over which means are taken (s), mean over replicates."""
+        """Length of the averaging window (s), mean over replicates."""
         end = self.values("steps") * self.values("time_step_used")
         return float((end - self.values("average_start")).mean())
 
     @cached_property
-    def change(self) -> UFloat:
+    def velocity_change(self) -> UFloat:
         """Change of the velocity (m/s) over the window, from the mean signed slope."""
         slope = self.outcome["acceleration"], self.outcome["acceleration_half_width"]
-        return self.window * measured(*slope)
+        return self.window * with_interval(*slope)
 
     def values(self, name: str) -> np.ndarray:
-        """Return a scalar of all completed replicates."""
-        if name not in self._held:
+        """Return a scalar of all completed replicates, (R,)."""
+        if name not in self._variables:
             raise Untestable(f"{self.id} has no {name}")
-        return self._held[name].values[self._number][self._done]
+        return self._variables[name].values[self._index][self._is_completed]
 
     def value(self, name: str, error: str = "", half_width: str = "") -> UFloat:
         """Return a scalar with its interval over replicates.
 
-        ``error`` names the scalar with its standard error within a replicate, ``half_width`` that
-        with half of its 95 % interval: what replicates know of themselves counts where there is a
-        single one, and is the least that their scatter can give otherwise.
+        ``error`` names the scalar that holds the standard error within a replicate; ``half_width``
+        names the one that holds half of its 95 % interval. The error within replicates is the error
+        of a single replicate. With several replicates it is a lower bound for the error from their
+        scatter.
         """
         values = self.values(name)
-        over = joined(values)
+        mean = replicate_mean(values)
         if not (error or half_width):
-            return over
-        own = self.values(error) if error else self.values(half_width) / SIGMAS
-        least = float(np.sqrt((own**2).sum())) / max(1, values.size)
-        scatter = over.std_dev if values.size > 1 else 0.0
-        return ufloat(over.nominal_value, max(least, scatter))
+            return mean
+        own_errors = self.values(error) if error else self.values(half_width) / SIGMAS
+        smallest_error = float(np.sqrt((own_errors**2).sum())) / max(1, values.size)
+        scatter = mean.std_dev if values.size > 1 else 0.0
+        return ufloat(mean.nominal_value, max(smallest_error, scatter))
 
     def profile(self, name: str, grid: str = "") -> tuple[np.ndarray, np.ndarray]:
         """Return a profile (R, H) of all completed replicates and its heights (H,) in m.
 
-        That of a belt is on one of the grids of `sim.dataset.grids`, that of the reading if none
-        is named.
+        A profile of a belt is on one of the grids of `sim.dataset.grids`, by default that of the
+        reading.
         """
         try:
             return self._results.profile(self.id, name, grid)
@@ -149,10 +151,12 @@ class Place:
 
         ``function(height, *profiles)`` is called per replicate with one profile (H,) per name.
         """
-        return joined(self.each(function, *names, grid=grid))
+        return replicate_mean(self.measure_replicates(function, *names, grid=grid))
 
-    def each(self, function: Callable[..., float], *names: str, grid: str = "") -> np.ndarray:
-        """Return a measure of profiles of each completed replicate, (R,); see `measure`."""
+    def measure_replicates(
+        self, function: Callable[..., float], *names: str, grid: str = ""
+    ) -> np.ndarray:
+        """Return a measure of profiles per completed replicate, (R,); see `measure`."""
         columns = [self.profile(name, grid) for name in names]
         height = columns[0][1]
         rows = zip(*(values for values, _ in columns), strict=True)

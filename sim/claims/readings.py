@@ -1,4 +1,4 @@
-"""How the papers are read: the headline reading, what leaves others open, what is a control."""
+"""Readings of the papers: the headline reading, the open choices and the controls."""
 
 from collections.abc import Mapping
 from functools import cache
@@ -17,10 +17,10 @@ from sim.parameters.words import setting
 
 _TABLE = "readings.yaml"
 
-#: What stands for the defaults of all readings.
+#: Label of the defaults of all readings.
 DEFAULT = "default"
 
-#: The reading that is no parameter of runs: the grid on which the same profiles are looked at.
+#: The reading that is no parameter of runs: the grid on which the same profiles are evaluated.
 GRID = "profile_grid"
 
 
@@ -49,13 +49,13 @@ class Readings(BaseModel):
     )
     controls: list[Control] = Field(description="what is no reading")
 
-    def is_control(self, reading: Mapping[str, Any]) -> str:
-        """Return why a reading is none of the paper's, empty where it is one."""
+    def control_reason(self, reading: Mapping[str, Any]) -> str:
+        """Return why a reading is not one of the paper's, empty where it is one."""
         if LAW.is_own(reading.get("law", "")):
             return "the law of a plug-in"
-        for one in self.controls:
-            if one.values.items() <= reading.items():
-                return one.why
+        for control in self.controls:
+            if control.values.items() <= reading.items():
+                return control.why
         return ""
 
     def sentences(self, reading: Mapping[str, Any]) -> list[str]:
@@ -63,8 +63,8 @@ class Readings(BaseModel):
         return [self.open[name] for name in reading if name in self.open]
 
 
-#: Of a system that is no paper's.
-_NOTHING_OPEN = Readings(headline={}, why="no paper is read", open={}, controls=[])
+#: Readings of a system without a paper.
+_NO_PAPER = Readings(headline={}, why="no paper is read", open={}, controls=[])
 
 
 class _Table(BaseModel):
@@ -76,15 +76,15 @@ class _Table(BaseModel):
 
 @cache
 def readings_of(system: str) -> Readings:
-    """Return how the paper of a system is read; nothing is open of one without a paper."""
+    """Return how the paper of a system is read; a system without a paper has nothing open."""
     try:
         table = _Table.model_validate(read_yaml(Path(__file__).parent / _TABLE))
     except ValidationError as error:
         raise input_error(error, _Table, _TABLE) from None
-    return getattr(table, system, None) or _NOTHING_OPEN
+    return getattr(table, system, None) or _NO_PAPER
 
 
-def in_words(system: str, reading: Mapping[str, Any]) -> str:
+def reading_label(system: str, reading: Mapping[str, Any]) -> str:
     """Return a reading in words, ``default`` for the defaults."""
     words = [
         readings_of(system).grids[value] if name == GRID else setting(system, name, value)
@@ -93,26 +93,26 @@ def in_words(system: str, reading: Mapping[str, Any]) -> str:
     return "; ".join(words) or DEFAULT
 
 
-def readings_run(results: Results, system: str) -> list[dict[str, Any]]:
+def readings_with_runs(results: Results, system: str) -> list[dict[str, Any]]:
     """Return the readings other than the default that some points of a system have.
 
-    Choices of the models first, then base rows: flows of another cell, or another stiffness; then
-    grids of the profiles, on which the runs of the default reading are looked at.
+    Choices of the models come first, then base rows: flows of another cell, or another stiffness.
+    Last are other grids for the profiles of the default reading's runs.
     """
     model = SYSTEMS[system]
-    usual = model()
+    defaults = model()
     points = results.dataset.isel(point=np.flatnonzero(results.dataset["system"] == system))
-    columns = {name: points[name].values.tolist() for name in roles.readings(model)}
-    found = {}
+    columns = {name: points[name].values.tolist() for name in roles.reading_parameters(model)}
+    readings = {}
     for values in zip(*columns.values(), strict=True):
-        named = zip(columns, values, strict=True)
-        unusual = {name: value for name, value in named if value != getattr(usual, name)}
+        pairs = zip(columns, values, strict=True)
+        unusual = {name: value for name, value in pairs if value != getattr(defaults, name)}
         if unusual:
-            found[tuple(unusual.items())] = unusual
+            readings[tuple(unusual.items())] = unusual
     rows = [
         {name: value}
         for name, values in readings_of(system).rows.items()
         for value in values
         if value in points[name].values
     ]
-    return [*found.values(), *rows, *({GRID: name} for name in readings_of(system).grids)]
+    return [*readings.values(), *rows, *({GRID: name} for name in readings_of(system).grids)]

@@ -1,4 +1,4 @@
-"""Boundaries that were looked for from several starts, joined to one with an honest interval."""
+"""Boundaries searched from several starts, pooled into one with an honest interval."""
 
 from collections.abc import Sequence
 
@@ -8,26 +8,26 @@ import pandas as pd
 from sim.base.statistics import student, student_half_width
 
 
-def over_seeds(
-    rows: pd.DataFrame, chosen: pd.DataFrame, settings: Sequence[str]
+def pool_seeds(
+    rows: pd.DataFrame, candidates: pd.DataFrame, settings: Sequence[str]
 ) -> tuple[float, float, int]:
-    """Return value and half width of the 95 % interval of the boundary with the least bracket.
+    """Return the boundary with the narrowest bracket: value, half width, further seeds.
 
-    Then from how many more seeds than one it was looked for. Its own seeds tell how much one start
-    differs from another; of a single one the bracket is the interval, each of its ends a bound. It
-    is never smaller than that.
+    The half width is that of the 95 % interval; the last number is that of the seeds less one. The
+    seeds show how much starts differ. With a single seed the bracket is the interval, each of its
+    ends a bound of one side. The interval is never narrower than that.
 
     Parameters
     ----------
     rows : pandas.DataFrame
         All boundaries of the kind, with ``low`` and ``high`` finite.
-    chosen : pandas.DataFrame
-        Those among them that are asked for, one at least.
+    candidates : pandas.DataFrame
+        The rows to choose from, at least one.
     settings : sequence of str
-        Columns in which boundaries must agree to differ in nothing but the seed.
+        Columns in which pooled boundaries agree: all parameters but the seed.
     """
     bracket = 0.5 * (rows["high"] - rows["low"]).astype(float)
-    narrowest = rows.loc[bracket[chosen.index].idxmin()]
+    narrowest = rows.loc[bracket[candidates.index].idxmin()]
     starts = rows[(rows[settings] == narrowest[settings]).all(axis=1)]
     middle = 0.5 * (starts["low"] + starts["high"]).to_numpy(float)
     half_width = float(bracket[starts.index].mean() * student(np.inf) / student(np.inf, sides=1))

@@ -1,4 +1,4 @@
-"""The claims of both papers, as the tables beside this module state them."""
+"""The claims of both papers, as read from the tables beside this module."""
 
 import importlib
 from collections.abc import Callable
@@ -14,14 +14,14 @@ from sim.base.messages import input_error
 from sim.base.yaml import read_yaml
 from sim.study.catalogue import FIGURES
 
-#: In place of a paper, of claims that plug-ins make.
+#: In place of a paper, for claims of plug-ins.
 OWN = "own"
 
 _TABLES = ("claims_walton.yaml", "claims_gallas.yaml")
 
 
 class First(BaseModel):
-    """How a claim was judged first, on the runs published then."""
+    """The first verdict on a claim, on the runs published then."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
 
@@ -43,7 +43,7 @@ class Number(BaseModel):
     unit: str = Field("", description="unit of the values")
 
     @model_validator(mode="after")
-    def _is_one_of_them(self) -> Self:
+    def _has_headline_value(self) -> Self:
         if self.headline not in self.values:
             raise PydanticCustomError("headline", "headline must be one of the values")
         return self
@@ -79,8 +79,8 @@ class Claim(BaseModel):
         """System whose runs decide it."""
         return {"W": "chute", "G": "belt"}[self.id[0]]
 
-    def judging(self) -> Callable:
-        """Return the function that judges it, of the evidence and, if it has one, of a number."""
+    def judge_function(self) -> Callable:
+        """Return the judge: a function of the evidence and, if the claim has one, of a number."""
         module, name = self.judge.split(".")
         return getattr(importlib.import_module(f"sim.claims.{module}"), name)
 
@@ -94,15 +94,15 @@ class _Table(BaseModel):
 @cache
 def claims() -> tuple[Claim, ...]:
     """Return all claims in their order."""
-    found: list[Claim] = []
+    all_claims: list[Claim] = []
     for name in _TABLES:
         path = Path(__file__).parent / name
         try:
-            found += _Table.model_validate(read_yaml(path)).claims
+            all_claims += _Table.model_validate(read_yaml(path)).claims
         except ValidationError as error:
             raise input_error(error, _Table, name) from None
-    for claim in found:
+    for claim in all_claims:
         for figure in claim.figures:
             if figure not in FIGURES:
                 raise InputError.of_value(claim.id, "figures", figure, "the name of a figure")
-    return tuple(found)
+    return tuple(all_claims)

@@ -1,4 +1,4 @@
-"""What a check of a claim is, and which verdict follows from it."""
+"""Checks of a claim, and the verdicts that follow from them."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -9,41 +9,41 @@ from scipy.special import ndtri, stdtr
 from sim.base.statistics import CONFIDENCE, MANY, student
 
 REPRODUCED = "reproduced"
-IN_PART = "reproduced in part"
+REPRODUCED_IN_PART = "reproduced in part"
 NOT_REPRODUCED = "not reproduced"
-ON_THE_READING = "depends on the reading"
+READING_DEPENDENT = "depends on the reading"
 PAPER_INCONSISTENT = "paper inconsistent"
 INCONCLUSIVE = "inconclusive"
 UNTESTABLE = "untestable"
 
-#: Of a check that does not vote: without thresholds, or beside the statistic that decides.
+#: Verdict of a check without a vote: it has no thresholds, or another statistic decides.
 REPORTED = "reported"
 
 VERDICTS = (
     REPRODUCED,
-    IN_PART,
+    REPRODUCED_IN_PART,
     NOT_REPRODUCED,
-    ON_THE_READING,
+    READING_DEPENDENT,
     PAPER_INCONSISTENT,
     INCONCLUSIVE,
     UNTESTABLE,
 )
 
-#: How often a verdict may be wrong: a bound of one side holds at 95 %. At the risk itself it is
-#: decided: three replicates that all rank above three others have p = 0.05.
+#: How often a verdict may be wrong: a one-sided bound holds at 95 %. A p-value equal to the risk
+#: decides: three replicates that all rank above three others have p = 0.05.
 RISK = round(1 - CONFIDENCE, 12)
 
 #: Fewer independent samples than this decide nothing.
-TOO_FEW = 8
+MIN_SAMPLES = 8
 
-#: Half width of a 95 % interval in standard deviations, as tables have it.
+#: Half width of a 95 % interval in standard deviations, rounded as in tables.
 SIGMAS = round(float(student(MANY)), 2)
 
-#: How the reason ends why a check is withheld that longer runs would decide.
-LONGER = "longer runs"
+#: End of the reason of a withheld check that longer runs would decide.
+LONGER_RUNS = "longer runs"
 
-#: More than so many times the replicates is no plan: the value lies on its threshold.
-NO_PLAN = 1000
+#: Beyond this factor on the replicates there is no plan: the value lies on its threshold.
+MAX_REPLICATE_FACTOR = 1000
 
 
 class Untestable(Exception):
@@ -51,7 +51,7 @@ class Untestable(Exception):
 
 
 class Unbounded(Untestable):
-    """A boundary was looked for and not found, beyond the range or among undecided runs."""
+    """A boundary was searched and not found: beyond the range or among undecided runs."""
 
 
 @dataclass(frozen=True)
@@ -66,28 +66,28 @@ class Check:
         Measured value and half width of its 95 % interval, in ``unit``. A statistic that has no
         interval, that of a rank test, has ``tested`` instead.
     low, high : float
-        The claim holds strictly between them; one of them may be infinite. A quantity that is
-        only reported has no finite one.
+        The claim holds strictly between them; one of them may be infinite. Both are infinite for a
+        quantity that is only reported.
     unit : str
         Unit of all four, empty for pure numbers.
     points : tuple of str
         Points measured.
     samples : float
-        Independent samples behind the poorest of these points; infinite for exact experiments.
+        Independent samples of the point with the fewest; infinite for exact experiments.
     freedom : float
-        Least degrees of freedom behind the interval, those of the poorest of these points.
+        Least degrees of freedom of these points, as used for the interval.
     part : str
-        Part of the claim that it is on, where the claim says more than one thing.
+        Part of the claim that it tests, where the claim has several parts.
     votes : bool
-        Whether it decides. Others are shown with their threshold.
+        Whether it has a vote. A check without one is shown with its thresholds.
     withheld : str
-        Why it decides nothing although it is measured: a flow that has not settled, say.
+        Why it decides nothing although it is measured: an unsettled flow, for example.
     tested : (float, float), optional
-        How often chance alone would be as clear that the claim holds, and that it fails.
+        p-values that the claim holds and that it fails, from a test without an interval.
     short : tuple of str
-        Of the points those that have been watched for too short a time.
+        The points among them whose runs are too short.
     coarse : bool
-        Whether its interval is the step of a scan, which more replicates leave as it is.
+        Whether its interval is the step of a scan, which more replicates do not narrow.
     """
 
     what: str
@@ -107,53 +107,55 @@ class Check:
     coarse: bool = False
 
     @property
-    def deciding(self) -> bool:
-        """Whether it has a vote, decided or not."""
+    def has_vote(self) -> bool:
+        """True where the check has a vote, decided or not."""
         return self.votes and (self.low > -inf or self.high < inf)
 
     @property
-    def known(self) -> bool:
-        """Whether there is enough behind it to decide anything."""
+    def can_decide(self) -> bool:
+        """True where there is enough data behind the check to decide anything."""
         measured = self.tested is not None or isfinite(self.value + self.half_width)
-        return measured and self.samples >= TOO_FEW and not self.withheld
+        return measured and self.samples >= MIN_SAMPLES and not self.withheld
 
     @property
-    def holding(self) -> float:
-        """Probability of being so clear of the thresholds' outside were it there: p of "holds".
+    def p_holds(self) -> float:
+        """p-value of "holds": how often chance alone would be as clear of the outside.
 
-        With two thresholds that of the nearer one (two one-sided tests).
+        With two thresholds it is the p-value at the nearer one (two one-sided tests).
         """
         if self.tested is not None:
             return self.tested[0]
-        return max(self._beyond(self.value - self.low), self._beyond(self.high - self.value))
+        return max(self._p_beyond(self.value - self.low), self._p_beyond(self.high - self.value))
 
     @property
-    def failing(self) -> float:
-        """Probability of being so clear of the allowed range were it in it: p of "fails"."""
+    def p_fails(self) -> float:
+        """p-value of "fails": how often chance alone would be as clear of the allowed range."""
         if self.tested is not None:
             return self.tested[1]
         below, above = self.low - self.value, self.value - self.high
-        return min(self._beyond(below, True), self._beyond(above, True))
+        return min(self._p_beyond(below, True), self._p_beyond(above, True))
 
-    def _beyond(self, distance: float, on_it: bool = False) -> float:
-        """Return p of a distance from a threshold; an exact one is beyond it or not, or ``on_it``.
+    def _p_beyond(self, distance: float, inclusive: bool = False) -> float:
+        """Return the p-value of a distance from a threshold.
 
-        Intervals are Student's or not, those of sums and quotients neither; p is the larger of what
-        Student's and the normal distribution with that interval give, so it is never too small.
+        An exact value lies beyond the threshold or not; ``inclusive`` counts a value on it as
+        beyond. Some intervals are Student's and some are not; those of sums and quotients are
+        neither. The result is the larger p-value of Student's and the normal distribution with that
+        interval, so it is never too small.
         """
         if not isfinite(self.half_width):
             return 1.0
         if self.half_width == 0:
-            return 0.0 if distance > 0 or (on_it and distance == 0) else 1.0
-        chances = (
+            return 0.0 if distance > 0 or (inclusive and distance == 0) else 1.0
+        p_one_sided = (
             stdtr(freedom, -distance * student(freedom) / self.half_width)
             for freedom in (min(self.freedom, MANY), MANY)
         )
-        return float(max(chances))
+        return float(max(p_one_sided))
 
     @property
     def bound(self) -> float:
-        """Distance from the value to a bound of one side that holds at 95 %.
+        """Distance from the value to its one-sided bound at 95 %.
 
         Both bounds are those of two one-sided tests.
         """
@@ -161,23 +163,23 @@ class Check:
 
     @property
     def verdict(self) -> str:
-        """What it says by itself: clear of the threshold on one side, on the other, or neither."""
-        if not self.deciding:
+        """Verdict of the check alone: clear of the threshold on one side, on the other, or not."""
+        if not self.has_vote:
             return REPORTED
-        if not self.known:
+        if not self.can_decide:
             return INCONCLUSIVE
-        if self.failing <= RISK:
+        if self.p_fails <= RISK:
             return NOT_REPRODUCED
-        return REPRODUCED if self.holding <= RISK else INCONCLUSIVE
+        return REPRODUCED if self.p_holds <= RISK else INCONCLUSIVE
 
     @property
-    def times(self) -> float:
-        """Times as many replicates that would decide it, were the value what it is now.
+    def replicate_factor(self) -> float:
+        """Factor on the number of replicates that would decide the check at its present value.
 
-        NaN where it is decided or waits for something else, infinite where no number would. Bounds
-        close in as one over the root of the replicates.
+        NaN where it is decided or needs something other than replicates, infinite where no number
+        would decide it. Bounds shrink as one over the root of the number of replicates.
         """
-        if self.verdict != INCONCLUSIVE or not self.known:
+        if self.verdict != INCONCLUSIVE or not self.can_decide:
             return nan
         if self.coarse:
             return inf
@@ -188,62 +190,66 @@ class Check:
             ends = [end for end in (self.low, self.high) if isfinite(end)]
             distance = min(abs(self.value - end) for end in ends)
             needed = (self.bound / distance) ** 2 if distance else inf
-        return needed if needed <= NO_PLAN else inf
+        return needed if needed <= MAX_REPLICATE_FACTOR else inf
 
 
-def least(chances: Sequence[float]) -> float:
-    """Return the smallest of several p-values, as that of one of so many; 1 for none.
+def holm_p(p_list: Sequence[float]) -> float:
+    """Return the smallest of several p-values with Holm's correction for their number; 1 for none.
 
-    It is the first of those that Holm (1979) adjusts: whether any is too small by chance.
+    It is the first p-value that Holm (1979) adjusts: it tests whether any of them is too small for
+    chance.
 
-    >>> least([0.01, 0.04, 0.03])
+    >>> holm_p([0.01, 0.04, 0.03])
     0.03
     """
-    return min(1.0, len(chances) * min(chances)) if chances else 1.0
+    return min(1.0, len(p_list) * min(p_list)) if p_list else 1.0
 
 
-def together(checks: Iterable[Check]) -> str:
-    """Return the verdict on one statement: all votes must hold, one that fails is enough.
+def combined_verdict(checks: Iterable[Check]) -> str:
+    """Return the verdict on one statement: all votes must hold, and one failure refutes it.
 
-    That all hold needs no correction for their number. That one fails must be clear as one of so
-    many (Holm). Without any vote it is inconclusive.
+    That all hold needs no correction for their number. A failure must be clear with Holm's
+    correction. Without any vote the verdict is inconclusive.
     """
-    holds, fails = chances(checks)
-    if fails <= RISK:
+    p_holds, p_fails = p_values(checks)
+    if p_fails <= RISK:
         return NOT_REPRODUCED
-    return REPRODUCED if holds <= RISK else INCONCLUSIVE
+    return REPRODUCED if p_holds <= RISK else INCONCLUSIVE
 
 
-def chances(checks: Iterable[Check]) -> tuple[float, float]:
-    """Return the p-values that all votes on a statement hold, and that one of so many fails."""
-    deciding = [check for check in checks if check.deciding]
-    known = [check for check in deciding if check.known]
-    fails = least([check.failing for check in known])
-    every = known and len(known) == len(deciding)
-    return max(check.holding for check in known) if every else 1.0, fails
+def p_values(checks: Iterable[Check]) -> tuple[float, float]:
+    """Return the p-values that all votes on a statement hold, and that any fails.
 
-
-def of_parts(parts: Sequence[Sequence[Check]]) -> str:
-    """Return the verdict on a claim that says several things from the votes on each of its parts.
-
-    It is reproduced in part where one at least is and another is not, or not yet. That one of them
-    holds, or that one fails, must be clear as one of so many (Holm).
+    The second one has Holm's correction for multiple tests.
     """
-    voted = [checks for checks in parts if checks]
-    if not voted:
+    votes = [check for check in checks if check.has_vote]
+    usable = [check for check in votes if check.can_decide]
+    fails = holm_p([check.p_fails for check in usable])
+    is_complete = usable and len(usable) == len(votes)
+    return max(check.p_holds for check in usable) if is_complete else 1.0, fails
+
+
+def verdict_of_parts(parts: Sequence[Sequence[Check]]) -> str:
+    """Return the verdict on a claim of several parts, from the votes on each part.
+
+    The claim is reproduced in part where at least one part is reproduced and another is not, or not
+    yet. That any part holds, or any fails, must be clear with Holm's correction.
+    """
+    voting_parts = [checks for checks in parts if checks]
+    if not voting_parts:
         return UNTESTABLE
-    verdicts = [together(checks) for checks in voted]
-    if len(voted) == len(parts) and set(verdicts) == {REPRODUCED}:
+    verdicts = [combined_verdict(checks) for checks in voting_parts]
+    if len(voting_parts) == len(parts) and set(verdicts) == {REPRODUCED}:
         return REPRODUCED
     if REPRODUCED in verdicts:
-        holds = least([chances(checks)[0] for checks in voted])
-        return IN_PART if holds <= RISK else INCONCLUSIVE
-    fails = least([chances(checks)[1] for checks in voted])
-    return NOT_REPRODUCED if fails <= RISK else INCONCLUSIVE
+        p_holds = holm_p([p_values(checks)[0] for checks in voting_parts])
+        return REPRODUCED_IN_PART if p_holds <= RISK else INCONCLUSIVE
+    p_fails = holm_p([p_values(checks)[1] for checks in voting_parts])
+    return NOT_REPRODUCED if p_fails <= RISK else INCONCLUSIVE
 
 
 def plan(check: Check) -> str:
-    """Say what would decide an open check, empty for one that is decided or does not vote.
+    """Return what would decide an open check; empty if it is decided or does not vote.
 
     >>> plan(Check("x", 1.5, 1.0, 1.0, inf, freedom=7))
     'about 3 times the replicates'
@@ -252,10 +258,10 @@ def plan(check: Check) -> str:
         return ""
     if check.withheld:
         return check.withheld
-    if not check.known:
+    if not check.can_decide:
         return "more independent samples: longer runs or more replicates"
     if check.coarse:
         return "finer steps of the scan: its interval is half a step"
-    if isnan(check.times) or check.times == inf:
+    if isnan(check.replicate_factor) or check.replicate_factor == inf:
         return "no number of replicates: the value lies on the threshold"
-    return f"about {max(2, ceil(check.times))} times the replicates"
+    return f"about {max(2, ceil(check.replicate_factor))} times the replicates"

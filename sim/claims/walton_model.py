@@ -16,27 +16,27 @@ from sim.engine.contact.walton_braun import WaltonBraun, from_parameters
 from sim.engine.systems.chute import Chute
 from sim.parameters import ChuteParameters
 
-#: Speeds of the impacts (m/s), and how many steps before the contact they start.
+#: Speeds of the impacts (m/s), and numbers of steps from their start to the contact.
 SPEEDS = np.geomspace(1e-3, 1.0, 8)
 PHASES = np.array([0.1, 0.3, 0.6, 0.9])
 RESTITUTIONS = (0.5, 0.7, 0.85, 0.95)
 
-#: Distance of the places of impacts in diameters, and their number in a row.
+#: Distance of impact sites in diameters, and their number in a row.
 SPACING, WIDTH = 4.0, 6
 
 #: Exponents of the tangential stiffness; the law softens with all of them.
 EXPONENTS = (1 / 3, 1.0, 2.0)
 
-#: Overlap (m) of single contacts, steps of a leg of their loops, and the friction at its ends.
+#: Overlap (m) of single contacts, steps of a leg of a loop, and T/μF_N at its ends.
 OVERLAP, LEG, PEAK = 1e-5, 20_000, 0.9
 
-#: Number of random paths, and for each kind of normal force their steps and how much its logarithm
-#: swings. Where the force falls, the engine cuts the friction before the slip too, which lags by an
-#: error of first order in the step.
+#: Number of random paths. For each kind of normal force: steps of a path and swing of ln F_N. Where
+#: the force falls, the engine also cuts the friction before the slip; the error of that is of first
+#: order in the step.
 PATHS = 100
 FORCES = (("constant", 2000, 0.0), ("varying", 24_000, 0.7))
 
-#: Largest error that counts as none, and largest change of the stiffness from step to step.
+#: Largest negligible error, and largest change of the stiffness from step to step.
 NEGLIGIBLE, SMOOTH = 1e-3, 5e-3
 
 #: Samples of the two flows that are compared bit by bit.
@@ -53,8 +53,8 @@ NO_READING: Reading = {}
 def w1(reading: Reading = NO_READING, change: Change | None = None) -> list[Check]:
     """Impacts of pairs and on the plane at three decades of speed: error and trend of e.
 
-    ``reading`` are parameters of the law that differ from their defaults, here as in all judges of
-    this module; ``change`` changes the chute in which the impacts happen.
+    ``reading`` holds parameters of the law that differ from their defaults, as for all judges of
+    this module. ``change`` modifies the chute in which the impacts happen.
     """
     checks = []
     for partner in ("pairs", "plane"):
@@ -64,46 +64,52 @@ def w1(reading: Reading = NO_READING, change: Change | None = None) -> list[Chec
         decades = np.broadcast_to(np.log10(SPEEDS)[:, None], errors.shape)
         line, covariance = np.polyfit(decades.ravel(), errors.ravel(), 1, cov=True)
         trend = ufloat(line[0], covariance[0, 0] ** 0.5) * np.ptp(np.log10(SPEEDS))
-        what = f"change of e over three decades of speed, {partner}"
-        checks.append(within(what, trend, -NEGLIGIBLE, NEGLIGIBLE))
+        quantity = f"change of e over three decades of speed, {partner}"
+        checks.append(within(quantity, trend, -NEGLIGIBLE, NEGLIGIBLE))
     return checks
 
 
 def w2(reading: Reading = NO_READING, path: Path = contact_path) -> list[Check]:
     """Friction of one contact under a fixed normal force: first slip to sliding, then loops.
 
-    ``path`` takes a contact along a path as `sim.claims.contacts.contact_path` does.
+    ``path`` follows a contact along a path as `sim.claims.contacts.contact_path` does.
     """
     checks = []
     for exponent in EXPONENTS:
-        law, at = _law(reading, tangential_exponent=exponent), f"γ = {exponent:.3g}"
+        law, label = _law(reading, tangential_exponent=exponent), f"γ = {exponent:.3g}"
         friction, stiffness = _first_slip(law, path)
         error = np.abs(stiffness - (1 - friction) ** exponent).max()
-        checks.append(below(f"largest |K_T/K0 - (1 - T/μF_N)^γ|, {at}", float(error), NEGLIGIBLE))
-        left = float(_along_x(law, np.array([1e3, 1e3 + 1e-3]), path)[1])
-        checks.append(within(f"T/μF_N at full sliding, {at}", left, 1 - NEGLIGIBLE, 1 + NEGLIGIBLE))
+        checks.append(
+            below(f"largest |K_T/K0 - (1 - T/μF_N)^γ|, {label}", float(error), NEGLIGIBLE)
+        )
+        sliding = float(_straight_path(law, np.array([1e3, 1e3 + 1e-3]), path)[1])
+        checks.append(
+            within(f"T/μF_N at full sliding, {label}", sliding, 1 - NEGLIGIBLE, 1 + NEGLIGIBLE)
+        )
         gap, jump = _loop(law, path)
-        checks.append(below(f"opening of a loop over μF_N, {at}", gap, NEGLIGIBLE))
-        checks.append(below(f"largest jump of K_T/K0 between its turns, {at}", jump, SMOOTH))
+        checks.append(below(f"opening of a loop over μF_N, {label}", gap, NEGLIGIBLE))
+        checks.append(below(f"largest jump of K_T/K0 between its turns, {label}", jump, SMOOTH))
     return checks
 
 
 def w3(reading: Reading = NO_READING, path: Path = contact_path) -> list[Check]:
-    """γ = 0 and the spring of Cundall and Strack on random paths; ``path`` as for `w2`."""
+    """Compare γ = 0 and Cundall and Strack's spring on random paths; ``path`` as for `w2`."""
     checks = []
     for force, steps, swing in FORCES:
-        differences = [_from_spring(seed, steps, swing, reading, path) for seed in range(PATHS)]
-        what = f"largest difference over μF_N on {PATHS} paths, {force} F_N"
-        checks.append(below(what, max(differences), NEGLIGIBLE))
+        differences = [
+            _spring_difference(seed, steps, swing, reading, path) for seed in range(PATHS)
+        ]
+        quantity = f"largest difference over μF_N on {PATHS} paths, {force} F_N"
+        checks.append(below(quantity, max(differences), NEGLIGIBLE))
     return checks
 
 
 def w4(
     reading: Reading = NO_READING, chute: Callable[[ChuteParameters, int], Chute] = Chute
 ) -> list[Check]:
-    """One flow with and without orientations: every number of its last state, and how it moved.
+    """One flow with and without orientations: numbers of its last state, and distance travelled.
 
-    ``chute`` makes the system.
+    ``chute`` creates the system.
     """
     states = []
     for orientations in (True, False):
@@ -128,8 +134,8 @@ def w4(
 def _restitutions(
     restitution: float, partner: str, reading: Reading, change: Change | None
 ) -> np.ndarray:
-    """Return the restitutions (speed, phase) of impacts, all of them in one cell without weight."""
-    speed, phase = (each.ravel() for each in np.meshgrid(SPEEDS, PHASES, indexing="ij"))
+    """Return the restitutions (speed, phase) of impacts, all in one cell without weight."""
+    speed, phase = (grid.ravel() for grid in np.meshgrid(SPEEDS, PHASES, indexing="ij"))
     number, cell = speed.size, WIDTH * SPACING
     particles = 2 * number if partner == "pairs" else number
     depth = particles / cell**2
@@ -143,17 +149,17 @@ def _restitutions(
     chute.sample_steps = 3 * chute.parameters.steps_per_collision
     chute.advance()
     after = chute.snapshot()["particle_velocity"]
-    parting = after[number:] - after[:number] if partner == "pairs" else after
-    return -((parting * axis).sum(axis=1) / speed).reshape(SPEEDS.size, PHASES.size)
+    separation = after[number:] - after[:number] if partner == "pairs" else after
+    return -((separation * axis).sum(axis=1) / speed).reshape(SPEEDS.size, PHASES.size)
 
 
 def _before_impact(partner: str, speed: np.ndarray, gap: np.ndarray) -> tuple[np.ndarray, ...]:
     """Return unit vectors of approach (M, 3), positions and velocities of the spheres (N, 3).
 
-    Pairs meet high above the plane, the second spheres after all the first ones.
+    Pairs meet high above the plane. All first spheres come before all second ones.
     """
-    size, place = ChuteParameters().diameter, np.arange(speed.size)
-    center = SPACING * size * np.column_stack([place % WIDTH, place // WIDTH, 0 * place])
+    size, site = ChuteParameters().diameter, np.arange(speed.size)
+    center = SPACING * size * np.column_stack([site % WIDTH, site // WIDTH, 0 * site])
     speed, gap = speed[:, None], gap[:, None]
     if partner == "plane":
         axis = np.tile([0.0, 0.0, -1.0], (len(speed), 1))
@@ -166,61 +172,61 @@ def _before_impact(partner: str, speed: np.ndarray, gap: np.ndarray) -> tuple[np
 
 
 def _law(reading: Reading, **changes: float) -> WaltonBraun:
-    """Return the law between the chute's spheres, changed."""
+    """Return the law between the chute's spheres, with changed parameters."""
     values: dict[str, Any] = {**changes, **reading}
     p = ChuteParameters(**values)
     return from_parameters(p, Partners(p.friction, 0.5 * p.mass, p.time_step))
 
 
-def _along_x(law: WaltonBraun, place: np.ndarray, path: Path) -> np.ndarray:
-    """Return T/μF_N (n,) along a straight path of places (n,) in μF_N/K0, from 0."""
+def _straight_path(law: WaltonBraun, position: np.ndarray, path: Path) -> np.ndarray:
+    """Return T/μF_N (n,) along a straight path of positions (n,) in μF_N/K0, from 0."""
     limit = law.limit.friction * law.loading * OVERLAP
-    slip = np.zeros((place.size, 3))
-    slip[:, 0] = np.diff(place, prepend=0.0) * limit / law.tangential
-    normal = np.tile([0.0, 0.0, 1.0], (place.size, 1))
-    return path(law, np.full(place.size, OVERLAP), normal, slip)[1][:, 0] / limit
+    slip = np.zeros((position.size, 3))
+    slip[:, 0] = np.diff(position, prepend=0.0) * limit / law.tangential
+    normal = np.tile([0.0, 0.0, 1.0], (position.size, 1))
+    return path(law, np.full(position.size, OVERLAP), normal, slip)[1][:, 0] / limit
 
 
 def _first_slip(law: WaltonBraun, path: Path) -> tuple[np.ndarray, np.ndarray]:
     """Return T/μF_N before each of many small slips until sliding, and K_T/K0 during it."""
     step = NEGLIGIBLE
-    friction = _along_x(law, step * np.arange(1, 20 * LEG // 4), path)
+    friction = _straight_path(law, step * np.arange(1, 20 * LEG // 4), path)
     sticking = friction[:-1] < 1 - 2 * step
     return friction[:-1][sticking], (np.diff(friction) / step)[sticking]
 
 
 def _loop(law: WaltonBraun, path: Path) -> tuple[float, float]:
-    """Return by how much loops between ±0.9 μF_N fail to close, and the largest jump of K_T/K0."""
-    rise, width = _distance(law, PEAK, 1.0), _distance(law, 2 * PEAK, 1.0 + PEAK)
+    """Return the largest opening of loops between ±0.9 μF_N, and the largest jump of K_T/K0."""
+    rise, width = _path_length(law, PEAK, 1.0), _path_length(law, 2 * PEAK, 1.0 + PEAK)
     corners = np.array([0.0, rise, rise - width, rise, rise - width])
     legs = [np.linspace(*ends, LEG + 1)[1:] for ends in pairwise(corners)]
-    friction = _along_x(law, np.concatenate(legs), path).reshape(len(legs), LEG)
+    friction = _straight_path(law, np.concatenate(legs), path).reshape(len(legs), LEG)
     opening = max(np.abs(friction[1] - friction[3]).max(), np.abs(friction[1] + friction[2]).max())
-    turned = np.column_stack([friction[:-1, -1], friction[1:]])
-    stiffness = np.abs(np.diff(turned, axis=1)) * LEG / width
-    unlike = np.abs(stiffness[:, 0] - 1).max()
-    return float(opening), float(max(np.abs(np.diff(stiffness, axis=1)).max(), unlike))
+    half_loops = np.column_stack([friction[:-1, -1], friction[1:]])
+    stiffness = np.abs(np.diff(half_loops, axis=1)) * LEG / width
+    deviation = np.abs(stiffness[:, 0] - 1).max()
+    return float(opening), float(max(np.abs(np.diff(stiffness, axis=1)).max(), deviation))
 
 
-def _distance(law: WaltonBraun, drop: float, available: float) -> float:
+def _path_length(law: WaltonBraun, drop: float, available: float) -> float:
     """Return the path (μF_N/K0) on which T/μF_N changes by ``drop``, ``available`` from sliding."""
     power = 1.0 - law.stiffening.exponent
     rest = 1.0 - drop / available
     return -available * np.log(rest) if power == 0 else available / power * (1 - rest**power)
 
 
-def _from_spring(seed: int, steps: int, swing: float, reading: Reading, path: Path) -> float:
+def _spring_difference(seed: int, steps: int, swing: float, reading: Reading, path: Path) -> float:
     """Return the largest difference from the spring over μF_N along a random path.
 
-    An elastic law makes the normal force proportional to the overlap, so any F_N can be had.
+    An elastic law makes the normal force proportional to the overlap, so any F_N can be prescribed.
     """
     law = _law(reading, restitution=1.0, tangential_exponent=0.0)
     force, friction = law.loading * OVERLAP, law.limit.friction
-    place = 3.0 * friction * force / law.tangential * random_curve(seed, steps)
+    position = 3.0 * friction * force / law.tangential * random_curve(seed, steps)
     slip = np.zeros((steps, 3))
-    slip[:, :2] = np.diff(place, axis=0)
-    pressed = force * np.exp(swing * random_curve(seed + PATHS, steps)[1:, 0])
+    slip[:, :2] = np.diff(position, axis=0)
+    normal_force = force * np.exp(swing * random_curve(seed + PATHS, steps)[1:, 0])
     normal = np.tile([0.0, 0.0, 1.0], (steps, 1))
-    found = path(law, pressed / law.loading, normal, slip)[1][:, :2]
-    expected = vector_spring(slip[:, :2].copy(), pressed, law.tangential, friction)
-    return float((np.linalg.norm(found - expected, axis=1) / (friction * pressed)).max())
+    tangential = path(law, normal_force / law.loading, normal, slip)[1][:, :2]
+    expected = vector_spring(slip[:, :2].copy(), normal_force, law.tangential, friction)
+    return float((np.linalg.norm(tangential - expected, axis=1) / (friction * normal_force)).max())

@@ -1,1 +1,1 @@
-"""From run files to one dataset: what replicates say together, measures, regimes, boundaries."""
+"""From run files to a dataset: statistics over replicates, measures, regimes, boundaries."""

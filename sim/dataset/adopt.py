@@ -1,24 +1,23 @@
-"""Adopting a dataset that was made elsewhere: what it has of a study is not run again."""
+"""Adopt a dataset that was made elsewhere: the points that it covers are not run again."""
 
 import hashlib
 from pathlib import Path
 
 import netCDF4
 
-from sim.base.damage import checked_read
 from sim.base.errors import InputError
-from sim.base.files import read_regular, replacing
-from sim.base.words import counted
-from sim.dataset.adopted import FOLDER, rows_of
-from sim.dataset.earlier import adopted_rows, names_unknown
+from sim.base.files import atomic_write, read_regular
+from sim.base.seals import checked_read
+from sim.base.words import count_text
+from sim.dataset.adopted import FOLDER, read_points
+from sim.dataset.earlier import adopted_rows, missing_variables
 from sim.dataset.results import RUNS
 from sim.dataset.rounds import known_points
 from sim.engine.identity import NUMERICS
-from sim.parameters import amounts
-from sim.study.figure_points import needs_run_file, particles_shown
+from sim.study.figure_points import needs_run_file, particle_needs
 from sim.study.load import load_study
 
-#: Digits of the SHA-256 of a dataset that name it once it is adopted.
+#: Digits of the SHA-256 of an adopted dataset that are its file name.
 DIGITS = 16
 
 #: Most variables that a message names.
@@ -26,7 +25,7 @@ MOST_NAMED = 3
 
 
 def adopt(study_path: Path, dataset_path: Path, results: Path) -> str:
-    """Put a dataset into ``results/<study>/adopted``, from where its rows are taken.
+    """Copy a dataset into ``results/<study>/adopted``, from where the study takes its rows.
 
     Parameters
     ----------
@@ -40,47 +39,50 @@ def adopt(study_path: Path, dataset_path: Path, results: Path) -> str:
     Returns
     -------
     str
-        How many points of the study it covers, and where it is now.
+        A message: how many points of the study it covers, and where it is now.
 
     Raises
     ------
     InputError
-        When it is missing, damaged, of other numerics or without enough of any point. Nothing is
+        When the dataset is missing or damaged, has other numerics, or covers no point. Nothing is
         written then.
     """
     study = load_study(study_path, results)
     folder = results / study.name
     points = known_points(study, folder)
-    is_needed, shown = needs_run_file(study), particles_shown(study)
+    is_run_file_needed, particle_need = needs_run_file(study), particle_needs(study)
     with checked_read(dataset_path, "dataset", replaceable=False, sealed=True):
         content = read_regular(dataset_path)
         _require_origin(dataset_path)
-        held = rows_of(dataset_path)
-        wanted = {
-            key: amounts(one)
-            for key, one in points.items()
-            if key in held and held[key].answers(one, shown(key)) and not is_needed(key)
+        rows = read_points(dataset_path)
+        covered = {
+            key: point
+            for key, point in points.items()
+            if key in rows
+            and rows[key].is_enough_for(point, particle_need(key))
+            and not is_run_file_needed(key)
         }
-        adopted_rows(dataset_path, wanted, shown)
-    if not wanted:
-        there = len(points.keys() & held.keys())
+        adopted_rows(dataset_path, covered, particle_need)
+    if not covered:
+        common = len(points.keys() & rows.keys())
         raise InputError(
-            f"{dataset_path}: covers no point of {study.path}: of {counted(len(points), 'point')} "
-            f"it has {there:,}, none with all that is wanted of it"
+            f"{dataset_path}: covers no point of {study.path}: "
+            f"of {count_text(len(points), 'point')} it has {common:,}, "
+            "none with all that is wanted of it"
         )
     output = folder / FOLDER / f"{hashlib.sha256(content).hexdigest()[:DIGITS]}.nc"
     if not output.is_file() or read_regular(output) != content:
         output.parent.mkdir(parents=True, exist_ok=True)
-        with replacing(output) as temporary:
+        with atomic_write(output) as temporary:
             temporary.write_bytes(content)
-    covered = f"covers {len(wanted):,} of {counted(len(points), 'point')}"
-    return f"{study.name}: {dataset_path} {covered}; adopted as {output}"
+    number = f"{len(covered):,} of {count_text(len(points), 'point')}"
+    return f"{study.name}: {dataset_path} covers {number}; adopted as {output}"
 
 
 def _require_origin(path: Path) -> None:
-    """Refuse what is no dataset, or not of the present numerics, or without what is kept now.
+    """Refuse a file that is no dataset, has other numerics, or lacks variables that are stored now.
 
-    Of several systems those without are left out.
+    A dataset of several systems is refused for lacking variables only if all of them lack some.
     """
     with netCDF4.Dataset(path) as file:
         if "study" not in file.ncattrs():
@@ -91,7 +93,7 @@ def _require_origin(path: Path) -> None:
             )
         numerics = str(file.getncattr("numerics"))
         systems = sorted(set(file["system"][:].tolist()))
-        lacking = [names_unknown(file.groups[RUNS], system) for system in systems]
+        lacking = [missing_variables(file.groups[RUNS], system) for system in systems]
     if str(NUMERICS) not in numerics.split(", "):
         raise InputError.of_value(path, "numerics", numerics, str(NUMERICS))
     if lacking and all(lacking):

@@ -1,45 +1,49 @@
-"""Points whose rows come from datasets that were made elsewhere, so that they are not run here."""
+"""Points whose rows come from datasets that were made elsewhere; they are not run here."""
 
 from collections import defaultdict
 from collections.abc import Mapping
 from functools import cache
 from json import loads
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import netCDF4
 import numpy as np
 
-from sim.base.damage import checked_read
-from sim.base.files import is_damaged
+from sim.base.seals import checked_read, is_damaged
 from sim.dataset.boundary_side import SCALARS
 from sim.engine.identity import NUMERICS
-from sim.engine.stored_run import holds
+from sim.engine.stored_run import has_enough
 from sim.parameters import Parameters, amounts, covers
 from sim.study.catalogue import Shown
-from sim.study.figure_points import needs_run_file, particles_shown
+from sim.study.figure_points import needs_run_file, particle_needs
 from sim.study.load import Study
+
+if TYPE_CHECKING:
+    from sim.dataset.rows import Rows
 
 #: Folder of the adopted datasets of a study, beside its runs.
 FOLDER = "adopted"
 
+#: What messages call such a dataset.
+_KIND = "dataset that was adopted"
 
-class Held(NamedTuple):
-    """What a dataset says of one of its points.
+
+class AdoptedPoint(NamedTuple):
+    """One point in an adopted dataset.
 
     Attributes
     ----------
     dataset : Path
         The dataset.
     amounts : mapping
-        How much of the point it holds.
+        Amounts of the point that it holds.
     particles : Shown
-        What it has of the particles.
+        How much it stores of the particles.
     caveat : str
-        What to know before trusting the point.
+        Caveat of the point.
     scalars : mapping
-        Those that tell on which side of a boundary the point is, and ``wall_time`` (s), each over
-        replicates.
+        Scalars that decide the side of a boundary, and ``wall_time`` (s), each over replicates.
     """
 
     dataset: Path
@@ -48,21 +52,21 @@ class Held(NamedTuple):
     caveat: str
     scalars: Mapping[str, np.ndarray]
 
-    def answers(self, parameters: Parameters, shown: Shown) -> bool:
-        """Return whether this is enough of a point of whose particles so much is ``shown``."""
-        wanted = amounts(parameters)
-        enough = wanted.keys() <= self.amounts.keys() and covers(self.amounts, wanted)
+    def is_enough_for(self, parameters: Parameters, need: Shown) -> bool:
+        """Return whether this has the amounts of a point, and enough of its particles."""
+        needed = amounts(parameters)
+        is_covered = needed.keys() <= self.amounts.keys() and covers(self.amounts, needed)
         # The state is that of the first replicate that completed.
-        is_there = "completed" in self.scalars_of(parameters)["status"]
-        return enough and ((is_there and self.particles >= shown) or not shown)
+        has_state = "completed" in self.wanted_scalars(parameters)["status"]
+        return is_covered and ((has_state and self.particles >= need) or not need)
 
-    def scalars_of(self, parameters: Parameters) -> dict[str, np.ndarray]:
-        """Return the scalars of the replicates that are wanted of the point."""
-        return {name: held[: parameters.replicates] for name, held in self.scalars.items()}
+    def wanted_scalars(self, parameters: Parameters) -> dict[str, np.ndarray]:
+        """Return the scalars of as many replicates as the point has."""
+        return {name: values[: parameters.replicates] for name, values in self.scalars.items()}
 
 
-class Adopted:
-    """The points of a study that its adopted datasets stand for.
+class AdoptedPoints:
+    """The points of a study that are in its adopted datasets.
 
     Parameters
     ----------
@@ -74,74 +78,94 @@ class Adopted:
     Raises
     ------
     DamagedError
-        When one of them cannot be read. It is set aside, so that its points are run.
+        When one of the datasets cannot be read. It is set aside, so that its points are run.
     """
 
     def __init__(self, study: Study, folder: Path):
         self.files = sorted((folder / FOLDER).glob("*.nc"))
         self._runs = folder / "runs"
-        self._needed, self._shown = needs_run_file(study), particles_shown(study)
-        self._held: dict[str, list[Held]] = defaultdict(list)
+        self._needs_run_file, self._particle_need = needs_run_file(study), particle_needs(study)
+        self._candidates: dict[str, list[AdoptedPoint]] = defaultdict(list)
         for path in self.files:
-            with checked_read(path, "dataset that was adopted", replaceable=True):
-                for point, held in rows_of(path).items():
-                    self._held[point].append(held)
+            with checked_read(path, _KIND, replaceable=True):
+                for point, row in read_points(path).items():
+                    self._candidates[point].append(row)
 
-    def source(self, point: str, parameters: Parameters) -> Held | None:
-        """Return what a point is taken from, nothing where its run file is there or needed."""
-        shown = self._shown(point)
-        found = [held for held in self._held.get(point, ()) if held.answers(parameters, shown)]
-        if not found or self._needed(point) or holds(self._runs / f"{point}.nc", parameters):
+    def source(self, point: str, parameters: Parameters) -> AdoptedPoint | None:
+        """Return the adopted row of a point, none where its run file is there or is needed."""
+        need = self._particle_need(point)
+        rows = [
+            row for row in self._candidates.get(point, ()) if row.is_enough_for(parameters, need)
+        ]
+        run_file = self._runs / f"{point}.nc"
+        if not rows or self._needs_run_file(point) or has_enough(run_file, parameters):
             return None
-        # Of a longer run the numbers are others.
-        return min(found, key=lambda held: held.amounts != amounts(parameters))
+        # A row of exactly these amounts comes first: the numbers of a longer run differ.
+        return min(rows, key=lambda row: row.amounts != amounts(parameters))
 
-    def sources(self, points: Mapping[str, Parameters]) -> dict[str, Held]:
-        """Return what points are taken from, by id, but those that others are run from."""
-        found = {key: held for key, one in points.items() if (held := self.source(key, one))}
-        run = [key for key in points if key not in found]
-        for key in run:
+    def sources(self, points: Mapping[str, Parameters]) -> dict[str, AdoptedPoint]:
+        """Return a map from point id to adopted row, without points that other runs start from."""
+        rows = {key: row for key, point in points.items() if (row := self.source(key, point))}
+        runs = [key for key in points if key not in rows]
+        for key in runs:
             start = points[key].start_from
-            if found.pop(start, None):
-                run.append(start)
-        return found
+            if rows.pop(start, None):
+                runs.append(start)
+        return rows
+
+    def rows(self, points: Mapping[str, Parameters]) -> "list[Rows]":
+        """Return the rows of those points that are adopted, see `source`."""
+        # Imported here, because plans of studies do not need the table libraries.
+        from sim.dataset.earlier import adopted_rows
+
+        members: dict[Path, dict[str, Parameters]] = defaultdict(dict)
+        for key, point in points.items():
+            if source := self.source(key, point):
+                members[source.dataset][key] = point
+        blocks: list[Rows] = []
+        for path in sorted(members):
+            with checked_read(path, _KIND, replaceable=True):
+                blocks += adopted_rows(path, members[path], self._particle_need)
+        return blocks
 
 
-def rows_of(path: Path) -> dict[str, Held]:
-    """Return what a dataset has of its points, where it has all that would be read of a run file.
+def read_points(path: Path) -> dict[str, AdoptedPoint]:
+    """Return a map from point id to the row of a dataset, for rows as good as their run file.
 
-    Raises ``ValueError`` where it is damaged, and what the library does where it is no dataset.
+    A row is left out if its numerics differ or if the writer of the dataset did not know a variable
+    that is stored now. Raises ``ValueError`` when the file is damaged, and errors of the library
+    when it is no dataset.
     """
-    # The libraries of tables, which studies without adopted datasets do without.
-    from sim.dataset.earlier import reading_code
+    # Imported here, because studies without adopted datasets do not need the table libraries.
+    from sim.dataset.earlier import reader_hash
 
-    return _rows_of(path, path.stat().st_mtime_ns, reading_code())
+    return _read_points(path, path.stat().st_mtime_ns, reader_hash())
 
 
 @cache
-def _rows_of(path: Path, changed: int, code: str) -> dict[str, Held]:
-    """Read the rows once; ``changed`` (ns) tells one file of a name from the next."""
-    from sim.dataset.earlier import names_unknown, particles_held
+def _read_points(path: Path, changed: int, code: str) -> dict[str, AdoptedPoint]:
+    """Read the rows once; ``changed`` (ns) tells successive files of the same name apart."""
+    from sim.dataset.earlier import missing_variables, stored_particles
     from sim.dataset.results import PARTICLES, RUNS
 
     if is_damaged(path):
         raise ValueError("its checksum is wrong or missing")
     with netCDF4.Dataset(path) as file:
         file.set_auto_mask(False)
-        made = file.groups[RUNS]
+        runs = file.groups[RUNS]
         states = file.groups[PARTICLES].groups if PARTICLES in file.groups else {}
         scalars = {name: file[name][:] for name in (*SCALARS, "wall_time")}
-        columns = (file["point"], file["system"], made["wanted"], made["numerics"], file["caveat"])
+        columns = (file["point"], file["system"], runs["wanted"], runs["numerics"], file["caveat"])
         table: Any = list(zip(*(column[:].tolist() for column in columns), strict=True))
-        known = {system for _, system, *_ in table if not names_unknown(made, system)}
+        complete = {system for _, system, *_ in table if not missing_variables(runs, system)}
         return {
-            point: Held(
+            point: AdoptedPoint(
                 dataset=path,
-                amounts={name: float(value) for name, value in loads(wanted).items()},
-                particles=particles_held(states, point),
+                amounts={name: float(value) for name, value in loads(point_amounts).items()},
+                particles=stored_particles(states, point),
                 caveat=caveat,
                 scalars={name: values[row] for name, values in scalars.items()},
             )
-            for row, (point, system, wanted, numerics, caveat) in enumerate(table)
-            if numerics == str(NUMERICS) and system in known
+            for row, (point, system, point_amounts, numerics, caveat) in enumerate(table)
+            if numerics == str(NUMERICS) and system in complete
         }

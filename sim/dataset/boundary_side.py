@@ -1,4 +1,4 @@
-"""On which side of a boundary between regimes a run is."""
+"""The side of a boundary between regimes that a run is on."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -6,17 +6,16 @@ from typing import cast
 
 import numpy as np
 
-from sim.base.damage import checked_read
-from sim.base.named import Named
-from sim.dataset.summary import summary_of
+from sim.base.seals import checked_read
+from sim.dataset.run_file import NamedValues, summary_of
 from sim.parameters import BeltParameters, ConveyorParameters, Parameters, amounts, point_id
 from sim.parameters.belt import ONSET_TRANSPORT
 
-#: Systems whose boundary of ``transport`` may be asked for.
-Vibrated = BeltParameters | ConveyorParameters
+#: Systems that can have a boundary of ``transport``.
+VibratedParameters = BeltParameters | ConveyorParameters
 
-#: Sides of the boundaries that regimes tell, by regime.
-REGIMES = {
+#: Side of a boundary by regime, for each kind of boundary that regimes decide.
+REGIME_SIDES = {
     "flow": {"arrested": "arrested", "steady": "flowing", "accelerating": "flowing"},
     "acceleration": {
         "arrested": "not accelerating",
@@ -26,7 +25,7 @@ REGIMES = {
 }
 
 
-#: The scalars of a run that say on which side it is.
+#: The scalars of a run that decide its side.
 SCALARS = (
     "status",
     "regime",
@@ -43,7 +42,7 @@ def side_of_run(path: Path, of: str, parameters: Parameters) -> str | None:
     Raises
     ------
     InputError
-        When there is no such file, or it cannot be read as a run.
+        When there is no such file, or it is not a run file of this point.
     """
     with checked_read(path, "run file", replaceable=True, sealed=True):
         run = summary_of(path, amounts(parameters))
@@ -52,11 +51,12 @@ def side_of_run(path: Path, of: str, parameters: Parameters) -> str | None:
         return side(run.scalars, of, parameters)
 
 
-def side(scalars: Named, of: str, parameters: Parameters) -> str | None:
-    """Return the side that a run is on, ``None`` where it does not tell.
+def side(scalars: NamedValues, of: str, parameters: Parameters) -> str | None:
+    """Return the side that a run is on, ``None`` where it is undecided.
 
-    Replicates that failed are left out; the others must agree. A flow whose trend is unknown flows
-    if the whole 95 % interval of its velocity is above zero and it is not shown to slow down.
+    Failed replicates are left out; the others must agree. A flow of undetermined regime counts as
+    flowing if the whole 95 % interval of its velocity is above zero and that of its acceleration
+    is not wholly below zero.
 
     Parameters
     ----------
@@ -67,34 +67,34 @@ def side(scalars: Named, of: str, parameters: Parameters) -> str | None:
     parameters : Parameters
         The point.
     """
-    held = {name: np.asarray(scalars[name]) for name in SCALARS}
-    slowest, fastest = _interval(held, "velocity")
-    _, gain = _interval(held, "acceleration")
-    done = np.flatnonzero(held["status"] == "completed")
+    values = {name: np.asarray(scalars[name]) for name in SCALARS}
+    slowest, fastest = _interval_ends(values, "velocity")
+    _, gain = _interval_ends(values, "acceleration")
+    completed = np.flatnonzero(values["status"] == "completed")
     if of == "transport":
-        # Studies ask for the transport of what vibrates alone.
-        vibrated = cast(Vibrated, parameters)
-        sides = {_transport(vibrated, slowest[index], fastest[index]) for index in done}
+        # Only vibrated systems can have this boundary in a study.
+        vibrated = cast(VibratedParameters, parameters)
+        sides = {_transport_side(vibrated, slowest[index], fastest[index]) for index in completed}
     else:
         moving = (slowest > 0) & (gain >= 0)
-        sides = {_of_regime(of, held["regime"][index], moving[index]) for index in done}
+        sides = {_regime_side(of, values["regime"][index], moving[index]) for index in completed}
     return sides.pop() if len(sides) == 1 else None
 
 
-def _interval(scalars: Mapping[str, np.ndarray], name: str) -> tuple[np.ndarray, np.ndarray]:
-    """Return the ends of the 95 % intervals of a quantity of all replicates."""
+def _interval_ends(scalars: Mapping[str, np.ndarray], name: str) -> tuple[np.ndarray, np.ndarray]:
+    """Return the lower and upper ends of the 95 % intervals of a quantity, per replicate."""
     middle, half_width = scalars[name], scalars[f"{name}_half_width"]
     return middle - half_width, middle + half_width
 
 
-def _of_regime(of: str, regime: str, moving: bool) -> str | None:
-    """Return the side that a regime is on; an undetermined one flows if it is surely moving."""
+def _regime_side(of: str, regime: str, moving: bool) -> str | None:
+    """Return the side that a regime is on; an undetermined flow that moves is flowing."""
     if of == "flow" and regime == "undetermined" and moving:
         return "flowing"
-    return REGIMES[of].get(regime)
+    return REGIME_SIDES[of].get(regime)
 
 
-def _transport(parameters: Vibrated, slowest: float, fastest: float) -> str | None:
+def _transport_side(parameters: VibratedParameters, slowest: float, fastest: float) -> str | None:
     """Return the side that the whole 95 % interval of a mean velocity (m/s) is on."""
     least = ONSET_TRANSPORT * parameters.velocity_amplitude
     if fastest <= least:

@@ -1,32 +1,32 @@
-"""What to know before trusting a run: what it says of itself, and whether its energy adds up."""
+"""Caveats of a run: its own, and whether its energy adds up, overlaps are small, length fits."""
 
 from collections.abc import Iterable, Mapping
 from typing import Any, SupportsFloat
 
-from sim.dataset.summary import Summary
+from sim.dataset.run_file import Summary
 from sim.parameters import Parameters
 
-#: Share of the energy turned over that the ledger of a sound run does not lack by far.
-UNSOUND = 0.01
+#: The run is unsound if its ledger lacks more than this share of the energy turned over.
+UNSOUND_SHARE = 0.01
 
-#: Largest share that the ledger of a run may lack to be called closed.
-CLOSED = 0.005
+#: Largest share of the energy that a closed ledger may lack.
+CLOSED_SHARE = 0.005
 
-_LEAKING = (
-    f"energy does not add up within {100 * UNSOUND:g} % of what is turned over, so the run is "
-    "numerically unsound or its model makes energy"
+_LEAK_TEXT = (
+    f"energy does not add up within {100 * UNSOUND_SHARE:g} % of what is turned over, so the run "
+    "is numerically unsound or its model makes energy"
 )
 
-#: By how much a run outlasts what is asked for beyond rounding.
-_ROUNDING = 1.001
+#: A run is longer than its point asks for if its length exceeds that by more than this factor.
+_LENGTH_TOLERANCE = 1.001
 
-_LONGER = (
+_LENGTH_TEXT = (
     "runs longer than is asked for, as they were made when more was; their numbers are of all of "
     "them"
 )
 
-#: The scalars that the ledger of a replicate is read from.
-_OF_LEDGER = (
+#: The scalars that make up the energy ledger of a replicate.
+_LEDGER_SCALARS = (
     "energy_residual",
     "frictional_power",
     "normal_power",
@@ -38,14 +38,15 @@ _OF_LEDGER = (
 def missing_energy(replicate: Mapping[Any, SupportsFloat]) -> float:
     """Return the share of the energy turned over that the ledger of a replicate lacks.
 
-    A run file tells it relative to what was dissipated. Flows that accelerate, most of all those
-    without friction, turn over more: what they gain counts too, from the means over the window.
+    A run file has the share relative to the dissipated energy. Flows that accelerate turn over
+    more, most of all those without friction. Here their gain of kinetic energy counts too, from the
+    means over the window.
 
     Parameters
     ----------
     replicate : mapping
-        Scalars of a run file by name, ``energy_residual`` among them; without ``frictional_power``
-        (belt) that is the share.
+        Scalars of a run file by name, including ``energy_residual``. Without ``frictional_power``
+        (belt) the residual is the share.
     """
     lacking = abs(float(replicate["energy_residual"]))
     if "frictional_power" not in replicate:
@@ -57,48 +58,53 @@ def missing_energy(replicate: Mapping[Any, SupportsFloat]) -> float:
 
 
 def caveat(
-    said: str,
-    missing: Iterable[float],
+    own_caveat: str,
+    missing_shares: Iterable[float],
     parameters: Parameters,
     overlaps: Iterable[float],
     lengths: Iterable[float],
 ) -> str:
-    """Return all that is to be known before trusting a run, empty for a sound one.
+    """Return all caveats of a run as one text, empty for a sound run.
 
     Parameters
     ----------
-    said : str
-        What the run says of itself.
-    missing, overlaps : iterable of float
-        Shares of the energy that are not found, and largest overlaps in diameters, of all
-        replicates; NaN where not known.
+    own_caveat : str
+        Caveat in the run file.
+    missing_shares, overlaps : iterable of float
+        Missing shares of the energy, and largest overlaps in diameters, per replicate; NaN where
+        not known.
     parameters : Parameters
-        Of the point.
+        The point.
     lengths : iterable of float
         Lengths of the replicates, s.
     """
-    leaking = any(share > UNSOUND for share in missing)
-    soft = (parameters.caveat_of(float(overlap)) for overlap in overlaps)
-    longest = _ROUNDING * parameters.steps * parameters.time_step
-    longer = any(length > longest for length in lengths)
-    told = (said, _LEAKING if leaking else "", *soft, _LONGER if longer else "")
-    return "; ".join(filter(None, dict.fromkeys(told)))
+    is_leaking = any(share > UNSOUND_SHARE for share in missing_shares)
+    overlap_caveats = (parameters.caveat_of(float(overlap)) for overlap in overlaps)
+    longest = _LENGTH_TOLERANCE * parameters.steps * parameters.time_step
+    is_longer = any(length > longest for length in lengths)
+    texts = (
+        own_caveat,
+        _LEAK_TEXT if is_leaking else "",
+        *overlap_caveats,
+        _LENGTH_TEXT if is_longer else "",
+    )
+    return "; ".join(filter(None, dict.fromkeys(texts)))
 
 
 def caveat_of_run(run: Summary, parameters: Parameters) -> str:
-    """Return the caveat of the run of a point."""
-    said = run.attrs.get("caveat", "")
-    each = zip(run.scalars.get("max_overlap", ()), run.scalars.get("status", ()), strict=True)
-    # What blew up is no flow.
-    overlaps = [overlap for overlap, status in each if status == "completed"]
+    """Return all caveats of the run of a point as one text."""
+    own_caveat = run.attrs.get("caveat", "")
+    pairs = zip(run.scalars.get("max_overlap", ()), run.scalars.get("status", ()), strict=True)
+    # A replicate that blew up is not a flow.
+    overlaps = [overlap for overlap, status in pairs if status == "completed"]
     steps = zip(run.scalars.get("steps", ()), run.scalars.get("time_step_used", ()), strict=True)
     lengths = [count * step for count, step in steps]
     if "energy_residual" not in run.scalars:
-        return caveat(said, (), parameters, overlaps, lengths)
+        return caveat(own_caveat, (), parameters, overlaps, lengths)
     shared = {"particles": parameters.particles, "mass": parameters.mass}
-    columns = {name: run.scalars[name] for name in _OF_LEDGER if name in run.scalars}
+    columns = {name: run.scalars[name] for name in _LEDGER_SCALARS if name in run.scalars}
     replicates = (
         dict(zip(columns, values, strict=True)) for values in zip(*columns.values(), strict=True)
     )
-    missing = [missing_energy(shared | each) for each in replicates]
-    return caveat(said, missing, parameters, overlaps, lengths)
+    missing_shares = [missing_energy(shared | scalars) for scalars in replicates]
+    return caveat(own_caveat, missing_shares, parameters, overlaps, lengths)

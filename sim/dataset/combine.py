@@ -1,4 +1,4 @@
-"""Rows of runs as the groups of a dataset, in the order of the study's points."""
+"""Combine rows of runs into the groups of a dataset, in the order of the study's points."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
@@ -8,161 +8,166 @@ import pandas as pd
 import xarray as xr
 
 from sim.dataset.caveats import caveat
-from sim.dataset.earlier import names_read, reading_code
+from sim.dataset.earlier import reader_hash, stored_names
 from sim.dataset.replicates import outcomes
 from sim.dataset.rows import (
+    ARRAYS,
     OF_PROFILES,
     Rows,
-    kept,
-    lined_up,
-    origins,
-    points_of,
-    sizes_of,
+    align_rows,
+    largest_sizes,
+    origin_table,
+    row_points,
+    row_scalars,
 )
-from sim.engine.observe.arrays import described
-from sim.parameters import SYSTEMS, complete, field_info
-from sim.parameters.observables import ALONG, OF_POINTS
+from sim.parameters import SYSTEMS, complete_values, field_info, in_si
+from sim.parameters.variables import variables_of
 from sim.study.load import Point, Study
 
 _REPLICATE = {"units": "1", "long_name": "number of the replicate"}
 
+_VELOCITIES = ("velocity", "velocity_half_width", "point_velocity", "point_half_width")
+
 
 def root(blocks: Sequence[Rows], study: Study) -> xr.Dataset:
-    """Line up the scalars of runs along ``point`` and their replicates along ``replicate``.
+    """Return the root group: the scalars of runs over ``point`` and ``replicate``.
 
     Parameters
     ----------
     blocks : sequence of Rows
         The runs of the study.
     study : Study
-        Says in which order they come, and which series and figures each belongs to.
+        Gives the order of the points, and the series and figures of each.
 
     Returns
     -------
     xarray.Dataset
         Variables over (point, replicate), padded with NaN and ``""`` where a point has fewer
-        replicates than another; every parameter of the systems that the study has as a coordinate
-        over ``point``, NaN or ``""`` where it is not one of the point's system.
+        replicates than another. Every parameter of the systems of the study is a coordinate over
+        ``point``, NaN or ``""`` where the point's system does not have it.
     """
-    order, sizes = _order(blocks, study.points), sizes_of(blocks)
-    made = origins(blocks).iloc[order]
-    held = xr.Dataset(
+    order, sizes = _row_order(blocks, study.points), largest_sizes(blocks)
+    origin = origin_table(blocks).iloc[order]
+    scalars = xr.Dataset(
         {
-            name: (("point", "replicate"), lined_up(blocks, name, sizes)[order], _described(name))
-            for name in kept()
+            name: (
+                ("point", "replicate"),
+                align_rows(blocks, name, sizes)[order],
+                _attributes_of(name),
+            )
+            for name in row_scalars()
             if any(name in block.values for block in blocks)
         }
     )
     caveats = map(
         caveat,
-        made["caveat"],
-        held["missing_energy"].values,
+        origin["caveat"],
+        scalars["missing_energy"].values,
         [point.parameters for point in study.points.values()],
-        held["max_overlap"].where(held["status"] == "completed").values,
-        (held["steps"] * held["time_step_used"]).values,
+        scalars["max_overlap"].where(scalars["status"] == "completed").values,
+        (scalars["steps"] * scalars["time_step_used"]).values,
     )
-    found = held.assign_coords(
-        _labels(study, caveats, made["source_hash"])
+    dataset = scalars.assign_coords(
+        _labels(study, caveats, origin["source_hash"])
         | _parameters(list(study.points.values()))
         | {"replicate": ("replicate", np.arange(sizes["replicate"]), _REPLICATE)}
     )
-    found.attrs = _attributes(made, study)
-    return found.assign(_together(found))
+    dataset.attrs = _attributes(origin, study)
+    return dataset.assign(_pooled_variables(dataset))
 
 
 def profiles(blocks: Sequence[Rows], points: Sequence[str], replicates: int) -> xr.Dataset:
     """Return the profiles of the runs of one system over (run, replicate, slice).
 
-    Coordinate ``run`` is the id of the point. Fewer slices or replicates than those of another run
-    are filled up with NaN; ``height`` (run, slice) holds the centres of the slices. Profiles along
-    the belt are over (run, replicate, square), and ``column`` (run, square) holds the centres;
-    those over its cycle (run, replicate, moment), and ``cycle_phase`` (run, moment) the phases.
+    Coordinate ``run`` is the id of the point. A run with fewer slices or replicates than another is
+    padded with NaN. ``height`` (run, slice) holds the centres of the slices. Profiles along the
+    belt are over (run, replicate, square), and ``column`` (run, square) holds the centres of the
+    squares. Profiles over the cycle of the belt are over (run, replicate, moment), and
+    ``cycle_phase`` (run, moment) holds the phases.
     """
-    order, sizes = _order(blocks, points), sizes_of(blocks) | {"replicate": replicates}
-    held = {
-        name: (("run", *dimensions), lined_up(blocks, name, sizes)[order], _told(name))
+    order, sizes = _row_order(blocks, points), largest_sizes(blocks) | {"replicate": replicates}
+    variables = {
+        name: (
+            ("run", *dimensions),
+            align_rows(blocks, name, sizes)[order],
+            ARRAYS[name].attributes,
+        )
         for name, dimensions in OF_PROFILES.items()
         if any(name in block.values for block in blocks)
     }
-    return xr.Dataset(held, {"run": ("run", list(points), {"long_name": "point id"})})
+    return xr.Dataset(variables, {"run": ("run", list(points), {"long_name": "point id"})})
 
 
 def runs(blocks: Sequence[Rows], points: Iterable[str]) -> xr.Dataset:
     """Return the group `RUNS`: seal, amounts and versions of the run file behind each row.
 
-    ``reads`` are the names of all that a row could have, if its run file has it.
+    Attribute ``reads`` has the names of all variables that a row has if its run file has them.
     """
-    made = origins(blocks).iloc[_order(blocks, points)]
-    words = {name: ("point", made[name].to_numpy(object)) for name in made}
-    reads = " ".join(sorted(names_read()))
-    return xr.Dataset(words, attrs={"code": reading_code(), "reads": reads})
+    origin = origin_table(blocks).iloc[_row_order(blocks, points)]
+    columns = {name: ("point", origin[name].to_numpy(object)) for name in origin}
+    reads = " ".join(sorted(stored_names()))
+    return xr.Dataset(columns, attrs={"code": reader_hash(), "reads": reads})
 
 
-def _order(blocks: Iterable[Rows], points: Iterable[str]) -> np.ndarray:
-    """Return the rows of points, in their order."""
-    rows = {point: row for row, point in enumerate(points_of(blocks))}
+def _row_order(blocks: Iterable[Rows], points: Iterable[str]) -> np.ndarray:
+    """Return the row numbers of points, in the order of the points."""
+    rows = {point: row for row, point in enumerate(row_points(blocks))}
     return np.array([rows[point] for point in points])
 
 
-def _told(name: str) -> dict[str, str]:
-    unit, long_name = ALONG[name] if name in ALONG else described(name)
-    return {"units": unit, "long_name": long_name}
-
-
-def ids(points: Sequence[Point]) -> Any:
-    """Return the coordinate ``point``."""
+def point_coordinate(points: Sequence[Point]) -> Any:
+    """Return the coordinate ``point`` with the ids of the points."""
     return "point", [point.id for point in points], {"long_name": "point id"}
 
 
-def _described(name: str) -> dict[str, str]:
-    unit, long_name = OF_POINTS[name] if name in OF_POINTS else kept()[name]
-    return ({"units": unit} if unit else {}) | {"long_name": long_name}
+def _attributes_of(name: str) -> dict[str, str]:
+    return (variables_of("point") | row_scalars())[name].attributes
 
 
-def _together(found: xr.Dataset) -> dict[str, Any]:
-    """Return the variables ``point_*``, the results of each point over its replicates."""
-    each = outcomes(found)
-    made = {
-        f"point_{name}": ("point", np.array([one[name] for one in each], float))
+def _pooled_variables(dataset: xr.Dataset) -> dict[str, Any]:
+    """Return the variables ``point_*``: statistics of each point pooled over its replicates."""
+    rows = outcomes(dataset)
+    variables = {
+        f"point_{name}": ("point", np.array([row[name] for row in rows], float))
         for name in ("velocity", "half_width")
     }
     for name in ("regime", "quality", "stopped"):
-        made[f"point_{name}"] = _words(one[name] for one in each)
-    return _told_of_points(made)
+        variables[f"point_{name}"] = _text_variable(row[name] for row in rows)
+    return _with_attrs(variables)
 
 
-def _told_of_points(made: Mapping[str, Any]) -> dict[str, Any]:
+def _with_attrs(variables: Mapping[str, Any]) -> dict[str, Any]:
     """Return variables over ``point`` with their units and long names."""
-    return {name: (*values[:2], _described(name)) for name, values in made.items()}
+    return {name: (*values[:2], _attributes_of(name)) for name, values in variables.items()}
 
 
-def _attributes(made: pd.DataFrame, study: Study) -> dict[str, str]:
-    """Return the global attributes: what this is and what made its runs."""
-    what = {"Conventions": "CF-1.11", "title": study.title or study.name, "study": study.name}
+def _attributes(origin: pd.DataFrame, study: Study) -> dict[str, str]:
+    """Return the global attributes: title and study, and the versions that made the runs."""
+    attrs = {"Conventions": "CF-1.11", "title": study.title or study.name, "study": study.name}
     distinct = ("engine_version", "numerics", "source_hash", "versions")
-    what |= {name: ", ".join(made[name].unique()) for name in distinct}
-    first, last = made["created"].min(), made["created"].max()
-    # No date of its own: the same runs give the same file.
-    combined = f"{last}: the last of {len(made)} runs, here combined; the first: {first}"
-    source = f"Talus {what['engine_version']}, numerics {what['numerics']}"
-    return what | {
+    attrs |= {name: ", ".join(origin[name].unique()) for name in distinct}
+    first, last = origin["created"].min(), origin["created"].max()
+    # Without the present date, so that the same runs give the same file.
+    history = f"{last}: the last of {len(origin)} runs, here combined; the first: {first}"
+    source = f"Talus {attrs['engine_version']}, numerics {attrs['numerics']}"
+    return attrs | {
         "source": source,
-        "history": combined,
+        "history": history,
         "first_run": first,
         "last_run": last,
     }
 
 
 def _labels(study: Study, caveats: Iterable[str], hashes: Iterable[str]) -> dict[str, Any]:
-    """Return id, series, figures, caveat and number of particles of each point as coordinates."""
+    """Return coordinates with id, series, figures, caveat, source and particles of each point."""
     points = list(study.points.values())
-    return _told_of_points(
+    return _with_attrs(
         {
-            "point": ids(points),
-            "series": _words(" ".join(point.series) for point in points),
-            "figures": _words(" ".join(point.figures) for point in points),
-            "caveat": _words(caveats),
-            "run_source_hash": _words(hashes),
+            "point": point_coordinate(points),
+            "series": _text_variable(" ".join(point.series) for point in points),
+            "figures": _text_variable(" ".join(point.figures) for point in points),
+            "caveat": _text_variable(caveats),
+            "run_source_hash": _text_variable(hashes),
             "particles": ("point", [point.parameters.particles for point in points]),
         }
     )
@@ -170,42 +175,70 @@ def _labels(study: Study, caveats: Iterable[str], hashes: Iterable[str]) -> dict
 
 def _parameters(points: Sequence[Point]) -> dict[str, Any]:
     """Return every parameter of the points' systems as a coordinate with its unit."""
-    given = [complete(point.parameters) for point in points]
-    names = dict.fromkeys(name for one in given for name in one)
-    return {name: _parameter(name, given) for name in names}
+    mappings = [complete_values(point.parameters) for point in points]
+    names = dict.fromkeys(name for mapping in mappings for name in mapping)
+    return {name: _parameter(name, mappings) for name in names}
 
 
-def _parameter(name: str, given: Sequence[Mapping[str, Any]]) -> Any:
-    values = [one.get(name) for one in given]
-    systems = dict.fromkeys(one["system"] for one in given if name in one)
-    attrs = {"long_name": declared(name, "description", systems)}
+def _parameter(name: str, mappings: Sequence[Mapping[str, Any]]) -> Any:
+    values = [mapping.get(name) for mapping in mappings]
+    systems = dict.fromkeys(mapping["system"] for mapping in mappings if name in mapping)
+    attrs = {"long_name": join_declarations(name, "description", systems)}
     if any(isinstance(value, str) for value in values):
-        return _words(("" if value is None else value for value in values), attrs)
+        return _text_variable(("" if value is None else value for value in values), attrs)
     rows = {system: field_info(SYSTEMS[system])[name] for system in systems}
     units = {system: row.unit for system, row in rows.items()}
     comments = {
         system: f"multiple of {row.scale}" if row.scale else "" for system, row in rows.items()
     }
-    for kind, told in (("units", units), ("comment", comments)):
-        # Two units in one attribute could be read by nobody; as a comment they can.
-        kept = kind if len(set(told.values())) == 1 else "comment"
-        if any(told.values()):
-            attrs[kept] = "; ".join(filter(None, (attrs.get(kept), _by_system(told))))
+    for kind, texts in (("units", units), ("comment", comments)):
+        # No program can read two units in one attribute, so they become a comment.
+        key = kind if len(set(texts.values())) == 1 else "comment"
+        if any(texts.values()):
+            attrs[key] = "; ".join(filter(None, (attrs.get(key), _by_system(texts))))
     return "point", np.array([np.nan if value is None else value for value in values], float), attrs
 
 
 def _by_system(texts: Mapping[str, str]) -> str:
-    """Write a text per system, or once where the systems agree."""
+    """Join the texts of systems, each after its system, or return the text where they all agree."""
     if len(set(texts.values())) == 1:
         return next(iter(texts.values()))
     return "; ".join(f"{system}: {text}" for system, text in texts.items() if text)
 
 
-def declared(name: str, what: str, systems: Iterable[str]) -> str:
-    """Join what some systems declare about a parameter, once where they agree."""
+def join_declarations(name: str, attribute: str, systems: Iterable[str]) -> str:
+    """Join an attribute of a parameter as declared by some systems, without repetitions."""
     rows = [field_info(SYSTEMS[system]).get(name) for system in systems]
-    return "; ".join(dict.fromkeys(getattr(row, what) for row in rows if row))
+    return "; ".join(dict.fromkeys(getattr(row, attribute) for row in rows if row))
 
 
-def _words(values: Iterable[str], attrs: Mapping[str, str] | None = None) -> Any:
+def _text_variable(values: Iterable[str], attrs: Mapping[str, str] | None = None) -> Any:
     return "point", np.array(list(values), dtype=object), dict(attrs or {})
+
+
+def natural_velocities(root: xr.Dataset) -> xr.Dataset:
+    """Return the velocities of the root group in units of √(g · diameter) of each point."""
+    velocity_unit = np.sqrt(root["gravity"] * root["diameter"])
+    velocities = {
+        name: (root[name] / velocity_unit).assign_attrs(
+            units="1",
+            long_name=root[name].attrs["long_name"],
+            comment="multiple of √(gσ), of a belt √(g⟨d⟩)",
+        )
+        for name in _VELOCITIES
+    }
+    return xr.Dataset(velocities).reset_coords(drop=True)[list(velocities)]
+
+
+def si_parameters(points: Sequence[Point]) -> xr.Dataset:
+    """Return the dimensional parameters over ``point`` in SI, NaN where a point has none."""
+    values_in_si = [in_si(point.parameters) for point in points]
+    names = dict.fromkeys(name for row in values_in_si for name in row)
+    systems = list(dict.fromkeys(point.parameters.system for point in points))
+    variables = {}
+    for name in names:
+        (unit,) = {row[name].unit for row in values_in_si if name in row}
+        values = [row[name].value if name in row else np.nan for row in values_in_si]
+        attrs = {"units": unit, "long_name": join_declarations(name, "description", systems)}
+        variables[name] = ("point", np.array(values, float), attrs)
+    return xr.Dataset(variables, {"point": point_coordinate(points)})

@@ -1,9 +1,9 @@
-"""Rows that datasets have already: an earlier one of the study, and adopted ones."""
+"""Rows reused from existing datasets: the earlier one of the study, and adopted ones."""
 
 import os
 import shutil
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -14,189 +14,216 @@ import pandas as pd
 import xarray as xr
 
 from sim.base.additions import codes
-from sim.base.damage import UNREADABLE
-from sim.base.files import is_damaged, read_seal, replacing
+from sim.base.files import atomic_write
 from sim.base.rooms import files_hash, room_hash
-from sim.dataset.gather import STATE, as_text
+from sim.base.seals import UNREADABLE, is_damaged, read_seal
+from sim.dataset.gather import STATE_VARIABLES, amounts_text
 from sim.dataset.results import PARTICLES, RUNS
-from sim.dataset.rows import OF_PROFILES, WORDS, Rows, dimensions, kept
+from sim.dataset.rows import (
+    OF_PROFILES,
+    WORDS,
+    Rows,
+    dimensions,
+    row_arrays,
+    row_scalars,
+    select_rows,
+)
 from sim.engine import identity
-from sim.engine.observe import arrays
-from sim.parameters.observables import LACKING
+from sim.parameters import Parameters, amounts
 from sim.parameters.own import OBSERVABLE, own_observables
+from sim.parameters.variables import ALL
 from sim.study.catalogue import Shown
 
-#: Second name of the last dataset of a study, which stays when the workflow, before it makes a new
-#: one or when it cannot, removes the first.
-EARLIER = ".earlier.nc"
+#: Second name of the last dataset of a study. It stays when the workflow removes ``dataset.nc``,
+#: which happens before it makes a new one and when it fails to.
+EARLIER_FILE = ".earlier.nc"
 
 
-def reading_code() -> str:
-    """Return a hash of the code that reads run files; what other code has read is read again.
+def reader_hash() -> str:
+    """Return a hash of the code that reads run files; rows that other code has read are read again.
 
-    Where there are observables of plug-ins, their names and hashes stand behind it.
+    The names and hashes of observables of plug-ins, if there are any, follow it.
     """
-    return f"{_own_code()} {codes(OBSERVABLE)}".rstrip()
+    return f"{_package_hash()} {codes(OBSERVABLE)}".rstrip()
 
 
 @cache
-def _own_code() -> str:
+def _package_hash() -> str:
     package = Path(__file__).parents[1]
-    names = (Path(module.__file__ or "") for module in (identity, arrays))
+    names = [Path(identity.__file__)]
     return f"{room_hash(package, 'dataset')} {files_hash(names)}"
 
 
-def names_read() -> set[str]:
-    """Return the names of all that the present code would keep of run files that have it.
+def stored_names(system: str | None = None) -> set[str]:
+    """Return the names of all variables that this code stores of a system, or of all systems.
 
-    Of observables of plug-ins also name and hash.
+    Observables of plug-ins come with their names and hashes too.
     """
-    return {*kept(), *OF_PROFILES, *STATE, *codes(OBSERVABLE).split()}
+    own = own_observables(system)
+    own_codes = (code for code in codes(OBSERVABLE).split() if code.rpartition(".")[0] in own)
+    return {*row_scalars(system), *row_arrays(system), *STATE_VARIABLES, *own_codes}
 
 
-def names_unknown(made: Any, system: str) -> list[str]:
-    """Return what the code that has made a dataset did not know of all that the present one keeps.
+def missing_variables(group: Any, system: str) -> list[str]:
+    """Return the variables that this version stores and the writer of a dataset did not know.
 
     Parameters
     ----------
-    made : netCDF4.Dataset
-        Its group `RUNS`.
+    group : netCDF4.Dataset
+        Group `RUNS` of the dataset.
     system : str
-        Whose runs it is kept of.
+        The system whose variables are meant.
     """
-    known = made.getncattr("reads") if "reads" in made.ncattrs() else ""
-    if system not in LACKING:
-        # One that a later version has.
+    reads = group.getncattr("reads") if "reads" in group.ncattrs() else ""
+    if system not in ALL:
+        # A system of a later version.
         return [system]
-    others = {name for name in own_observables() if name not in own_observables(system)}
-    coded = {code for code in codes(OBSERVABLE).split() if code.rpartition(".")[0] in others}
-    return sorted(names_read() - set(known.split()) - LACKING[system] - others - coded)
+    return sorted(stored_names(system) - set(reads.split()))
 
 
-def keep(dataset: Path, folder: Path) -> None:
-    """Keep a dataset, without its taking room twice where links can be made, for `earlier_rows`."""
-    with replacing(folder / EARLIER) as temporary:
+def keep_dataset(dataset: Path, folder: Path) -> None:
+    """Keep a dataset for `EarlierDataset`: a hard link, or a copy where links are impossible."""
+    with atomic_write(folder / EARLIER_FILE) as temporary:
         try:
             os.link(dataset, temporary)
         except OSError:
             shutil.copyfile(dataset, temporary)
 
 
-def particles_held(states: Mapping[str, netCDF4.Dataset], point: str) -> Shown:
-    """Return what the groups of states in a dataset have of the particles of a point."""
+def stored_particles(states: Mapping[str, netCDF4.Dataset], point: str) -> Shown:
+    """Return how much of the particles of a point a dataset stores in its groups of states."""
     if point not in states:
         return Shown.NOTHING
     return Shown.PATH if "path" in states[point].variables else Shown.STATE
 
 
-def earlier_rows(folder: Path, shown: Callable[[str], Shown]) -> list[Rows]:
-    """Return the rows of an earlier dataset that reading their run files again would give.
+class EarlierDataset:
+    """The rows of the earlier dataset that equal what their run files would give again.
 
     Parameters
     ----------
     folder : Path
-        Results of the study. Without an earlier dataset, or with one that is damaged or made by
-        other code, there are no such rows.
-    shown : callable
-        Tells what must be there of the particles of a point.
+        Results of the study. There are no such rows without an earlier dataset, or if that is
+        damaged or was made by other code.
+    particle_need : callable
+        Returns how much must be stored of the particles of a point, by its id.
     """
-    path, runs = folder / EARLIER, folder / "runs"
 
-    def is_same(point: str, seal: str, code: str) -> bool:
-        return code == reading_code() and _is_of(runs / f"{point}.nc", seal)
+    def __init__(self, folder: Path, particle_need: Callable[[str], Shown]):
+        path, runs = folder / EARLIER_FILE, folder / "runs"
+        self._blocks: list[Rows] = []
 
-    try:
-        if path.is_file() and not is_damaged(path):
-            return list(_rows(path, is_same, shown))
-    except UNREADABLE:
-        pass
-    return []
+        def is_same(point: str, seal: str, code: str) -> bool:
+            return code == reader_hash() and _has_seal(runs / f"{point}.nc", seal)
+
+        with suppress(*UNREADABLE):
+            if path.is_file() and not is_damaged(path):
+                self._blocks = list(_read_rows(path, is_same, particle_need))
+
+    def rows(self, points: Mapping[str, Parameters]) -> list[Rows]:
+        """Return the rows of points with exactly these amounts."""
+        texts = {point: amounts_text(amounts(value)) for point, value in points.items()}
+        same = {
+            point
+            for block in self._blocks
+            for point, text in zip(block.points, block.origin["wanted"], strict=True)
+            if text == texts.get(point)
+        }
+        return select_rows(self._blocks, same)
 
 
 def adopted_rows(
-    path: Path, wanted: Mapping[str, Mapping[str, float]], shown: Callable[[str], Shown]
+    path: Path,
+    points: Mapping[str, Parameters],
+    particle_need: Callable[[str], Shown],
 ) -> list[Rows]:
-    """Return the rows of points in an adopted dataset, as if no more replicates had been run.
+    """Return the rows of points in an adopted dataset, without replicates beyond their amounts.
 
     Parameters
     ----------
     path : Path
-        The dataset, which has all that is wanted; its name ends in the origin of the rows.
-    wanted : mapping
-        How much is wanted of each of these points, by id.
-    shown : callable
-        Tells what must be there of the particles of a point.
+        The dataset, which has at least these amounts. Its stem becomes the origin of the rows.
+    points : mapping
+        The points, by id.
+    particle_need : callable
+        Returns how much must be stored of the particles of a point, by its id.
     """
-    blocks = _rows(path, lambda point, *_: point in wanted, shown)
-    return [_as_wanted(block, wanted, path.stem) for block in blocks]
+    blocks = _read_rows(path, lambda point, *_: point in points, particle_need)
+    return [_trim_replicates(block, points, path.stem) for block in blocks]
 
 
-def _as_wanted(block: Rows, wanted: Mapping[str, Mapping[str, float]], adopted: str) -> Rows:
-    """Return rows of an adopted dataset without the replicates that are not wanted."""
-    counts = np.array([wanted[point]["replicates"] for point in block.points])
+def _trim_replicates(block: Rows, points: Mapping[str, Parameters], dataset: str) -> Rows:
+    """Return the rows of an adopted dataset with the replicates beyond the amounts left empty."""
+    counts = np.array([points[point].replicates for point in block.points])
     values = {}
-    for name, held in block.values.items():
-        values[name] = held
+    for name, array in block.values.items():
+        values[name] = array
         if dimensions(name)[0] == "replicate":
-            values[name] = held.copy()
-            beyond = np.arange(held.shape[1]) >= counts[:, np.newaxis]
-            values[name][beyond] = "" if name in WORDS else np.nan
-    texts = [as_text(wanted[point]) for point in block.points]
-    origin = block.origin | {"wanted": texts, "adopted": [adopted] * len(texts)}
+            values[name] = array.copy()
+            is_beyond = np.arange(array.shape[1]) >= counts[:, np.newaxis]
+            values[name][is_beyond] = "" if name in WORDS else np.nan
+    texts = [amounts_text(amounts(points[point])) for point in block.points]
+    origin = block.origin | {"wanted": texts, "adopted": [dataset] * len(texts)}
     return block._replace(origin=origin, values=values)
 
 
-def _rows(
-    path: Path, is_taken: Callable[[str, str, str], bool], shown: Callable[[str], Shown]
+def _read_rows(
+    path: Path,
+    is_selected: Callable[[str, str, str], bool],
+    particle_need: Callable[[str], Shown],
 ) -> Iterator[Rows]:
-    """Yield the rows of a dataset that are taken, told by point, seal and code that has read it.
+    """Yield the selected rows of a dataset that store enough of the particles.
 
-    What the present code does not know is left out.
+    ``is_selected`` gets the id of the point, the seal of its run file, and the hash of the code
+    that read it. Variables that the present code does not know are left out.
     """
     with netCDF4.Dataset(path) as file:
         states = file.groups[PARTICLES].groups if PARTICLES in file.groups else {}
-        particles = {point: particles_held(states, point) for point in states}
+        particles = {point: stored_particles(states, point) for point in states}
     with ExitStack() as stack:
 
-        def opened(group: str | None) -> xr.Dataset:
-            """Return a group, of which each variable is read whenever it is asked for."""
+        def open_group(group: str | None) -> xr.Dataset:
+            """Open a group without a cache: each access reads the variable from the file."""
             file = xr.open_dataset(path, engine="netcdf4", group=group, cache=False)
             return stack.enter_context(file)
 
-        root, made = opened(None), opened(RUNS)
-        known = names_read()
+        root, runs = open_group(None), open_group(RUNS)
+        known_names = stored_names()
         table = pd.DataFrame({name: root[name].values for name in ("point", "system")})
-        words = [str(name) for name in made]
-        origin = [name for name in words if name not in ("variables", "adopted")]
-        table = table.assign(**{name: made[name].values for name in words})
-        same = [
-            is_taken(point, seal, made.attrs["code"])
-            and particles.get(point, Shown.NOTHING) >= shown(point)
+        columns = [str(name) for name in runs]
+        origin = [name for name in columns if name not in ("variables", "adopted")]
+        table = table.assign(**{name: runs[name].values for name in columns})
+        selection = [
+            is_selected(point, seal, runs.attrs["code"])
+            and particles.get(point, Shown.NOTHING) >= particle_need(point)
             for point, seal in zip(table["point"], table["seal"], strict=True)
         ]
-        for (system, variables), some in table[same].groupby(["system", "variables"], sort=False):
-            rows, points = some.index.to_numpy(), some["point"].tolist()
-            lines = (profiles := opened(system)).indexes["run"].get_indexer(points)
+        groups = table[selection].groupby(["system", "variables"], sort=False)
+        for (system, variables), group in groups:
+            rows, points = group.index.to_numpy(), group["point"].tolist()
+            profile_rows = (profiles := open_group(system)).indexes["run"].get_indexer(points)
             values = {
-                name: profiles[name].values[lines]
+                name: profiles[name].values[profile_rows]
                 if name in OF_PROFILES
                 else root[name].values[rows].astype(object if name in WORDS else float)
                 for name in variables.split()
-                if name in known
+                if name in known_names
             }
             yield Rows(
                 points=points,
-                origin={name: some[name].tolist() for name in origin}
+                origin={name: group[name].tolist() for name in origin}
                 | {"adopted": [""] * len(points)},
                 values=values,
                 states={
-                    point: opened(f"{PARTICLES}/{point}").load() for point in points if shown(point)
+                    point: open_group(f"{PARTICLES}/{point}").load()
+                    for point in points
+                    if particle_need(point)
                 },
             )
 
 
-def _is_of(run: Path, seal: str) -> bool:
-    """Return whether a run file still is the one with this seal."""
+def _has_seal(run: Path, seal: str) -> bool:
+    """Return whether a run file has this seal; without a file it has not."""
     try:
         return read_seal(run) == seal
     except OSError:

@@ -1,7 +1,6 @@
-"""What the replicates of one point say together: mean velocity, trend, regime, quality.
+"""Statistics pooled over the replicates of a point: mean velocity, trend, regime, quality.
 
-All of it comes from the replicates pooled: what is noise in the slope of one averages out over
-many.
+Pooling averages out the noise in the slopes of single replicates.
 """
 
 from collections.abc import Mapping
@@ -10,15 +9,15 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from sim.base.named import Named
 from sim.base.statistics import MANY, mean_interval, student, student_half_width
+from sim.dataset.run_file import NamedValues
 from sim.parameters.chute import negligible_acceleration
-from sim.parameters.common import drift_beyond
+from sim.parameters.common import drift_bound
 
-#: What a mean is worth, from the best.
+#: Qualities of a mean, from the best.
 QUALITIES = ("reliable", "jammed", "short", "drifting", "failed")
 
-#: The scalars of a run that it is taken from.
+#: The scalars of a run that these statistics use.
 SCALARS = (
     "status",
     "velocity",
@@ -35,9 +34,10 @@ SCALARS = (
     "reason",
 )
 
-#: The parameters that say which trend is none.
+#: The parameters that set the negligible trend.
 PARAMETERS = ("target", "gravity", "angle")
 
+#: Names of the statistics, see `outcome`.
 OUTCOME = (
     "velocity",
     "half_width",
@@ -51,20 +51,20 @@ OUTCOME = (
     "reason",
 )
 
-#: Independent samples, of all replicates together, that a mean needs for its interval to hold, and
-#: without which a trend cannot be told from a fluctuation, unless the flow gains this share of its
-#: velocity within the window or the slope exceeds its half width by this factor
-#: (`sim.engine.observe.regime` asks the same of a single run).
-INDEPENDENT, TOO_FEW, GAIN, EVIDENT = 15.0, 8.0, 0.5, 5.0
+#: Independent samples of all replicates that a mean needs for its interval to hold.
+#: With fewer than `FEW_SAMPLES` a trend cannot be told from a fluctuation, unless the flow gains
+#: more than `EVIDENT_GAIN` of its velocity within the window, or the slope exceeds `EVIDENT_RATIO`
+#: half widths. `sim.engine.observe.regime` has the same limits for a single run.
+ENOUGH_SAMPLES, FEW_SAMPLES, EVIDENT_GAIN, EVIDENT_RATIO = 15.0, 8.0, 0.5, 5.0
 
 
 def outcomes(dataset: xr.Dataset) -> list[dict[str, Any]]:
     """Return mean velocity, trend, regime and quality of each point of a dataset, see `outcome`."""
-    known = (name for name in (*SCALARS, *PARAMETERS) if name in dataset.variables)
-    held = {name: dataset.variables[name].values for name in known}
+    names = (name for name in (*SCALARS, *PARAMETERS) if name in dataset.variables)
+    columns = {name: dataset.variables[name].values for name in names}
     return [
-        outcome({name: values[number] for name, values in held.items()})
-        for number in range(dataset.sizes["point"])
+        outcome({name: values[row] for name, values in columns.items()})
+        for row in range(dataset.sizes["point"])
     ]
 
 
@@ -81,60 +81,63 @@ def outcome(point: Mapping[str, Any]) -> dict[str, Any]:
     dict
         ``velocity`` (m/s, mean over completed replicates), ``half_width`` (m/s, of its 95 %
         interval), ``interval`` (``replicates``, ``within run`` or ``none``), ``acceleration`` and
-        ``acceleration_half_width`` (m/s², mean of their signed slopes), ``completed``
-        (replicates), ``regime`` (``mixed`` where replicates contradict each other, ``failed``
-        where none completed), ``quality`` of the mean, why they ``stopped`` and ``reason`` (of
-        failures).
+        ``acceleration_half_width`` (m/s², mean of the signed slopes of replicates), ``completed``
+        (number of replicates), ``regime`` (``mixed`` where replicates contradict each other,
+        ``failed`` where none completed), ``quality`` of the mean, ``stopped`` (why they stopped)
+        and ``reason`` (of failures).
     """
     scalars = {name: np.asarray(point[name]) for name in SCALARS}
-    done = scalars["status"] == "completed"
-    completed = {name: values[done] for name, values in scalars.items()}
+    is_completed = scalars["status"] == "completed"
+    completed = {name: values[is_completed] for name, values in scalars.items()}
     velocities = completed["velocity"]
     half_width, interval = mean_interval(velocities, completed["velocity_half_width"])
-    known = np.isfinite(completed["acceleration_half_width"])
-    slopes, own = (completed[name][known] for name in ("acceleration", "acceleration_half_width"))
+    has_slope = np.isfinite(completed["acceleration_half_width"])
+    names = ("acceleration", "acceleration_half_width")
+    slopes, half_widths = (completed[name][has_slope] for name in names)
     slope = slopes.mean() if slopes.size else np.nan
-    gained = slope_interval(slopes, own)
-    negligible, window = _negligible(point, completed)
-    regime = _regime(completed, slope, gained, negligible, window)
+    slope_half_width = pooled_half_width(slopes, half_widths)
+    negligible, window = _negligible_slope(point, completed)
+    regime = _pooled_regime(completed, slope, slope_half_width, negligible, window)
     reasons = dict.fromkeys(reason for reason in scalars["reason"] if reason)
     return {
         "velocity": velocities.mean() if velocities.size else np.nan,
         "half_width": half_width,
         "interval": interval,
         "acceleration": slope,
-        "acceleration_half_width": gained,
+        "acceleration_half_width": slope_half_width,
         "completed": velocities.size,
         "regime": regime,
-        "quality": _quality(completed, regime, slope, gained, window * float(point["target"])),
+        "quality": _mean_quality(
+            completed, regime, slope, slope_half_width, window * float(point["target"])
+        ),
         "stopped": ", ".join(dict.fromkeys(completed["stopped"])) or "failure",
         "reason": "; ".join(reasons),
     }
 
 
-def _negligible(point: Mapping[str, Any], completed: Named) -> tuple[float, float]:
-    """Return the slope (m/s²) that is none, and |V| over the mean window (m/s²)."""
+def _negligible_slope(point: Mapping[str, Any], completed: NamedValues) -> tuple[float, float]:
+    """Return the largest negligible slope (m/s²), and |V| over the mean window (m/s²)."""
     if not completed["velocity"].size:
         return np.nan, np.nan
     end = completed["steps"] * completed["time_step_used"]
     window = np.mean(end - completed["average_start"])
     over_window = abs(float(completed["velocity"].mean())) / window if window > 0 else np.inf
-    negligible = drift_beyond(float(point["target"])) * over_window
-    # On a level plane nothing accelerates for ever.
+    negligible = drift_bound(float(point["target"])) * over_window
+    # On a level plane no flow accelerates for ever.
     if (angle := float(point.get("angle", 0))) > 0:
         slope = negligible_acceleration(float(point["gravity"]), angle)
         negligible = min(negligible, slope)
     return negligible, over_window
 
 
-def _regime(
-    completed: Named, slope: float, half_width: float, negligible: float, over_window: float
+def _pooled_regime(
+    completed: NamedValues, slope: float, half_width: float, negligible: float, over_window: float
 ) -> str:
     """Return the regime of a point from the mean ``slope`` of its replicates (all in m/s²).
 
-    Those that came to rest and those that did not contradict each other, and so do replicates that
-    surely accelerate and others that surely do not, each as one of so many. What goes to the left
-    accelerates where its velocity falls.
+    Replicates contradict each other if some came to rest and others did not. They also do if some
+    surely accelerate and others surely do not, by intervals corrected for their number (multiple
+    tests). A flow to the left accelerates if its velocity falls.
     """
     rests = completed["regime"] == "arrested"
     if not rests.size:
@@ -144,23 +147,27 @@ def _regime(
     sign = -1.0 if completed["velocity"].mean() < 0.0 else 1.0
     gain, gains = sign * slope, sign * completed["acceleration"]
     wider = student(MANY, rests.size) / student(MANY)
-    own = wider * completed["acceleration_half_width"]
-    if (gains - own > negligible).any() and (gains + own < negligible).any():
+    margins = wider * completed["acceleration_half_width"]
+    if (gains - margins > negligible).any() and (gains + margins < negligible).any():
         return "mixed"
     accelerates = gain - half_width > negligible
-    evident = accelerates and (gain > GAIN * over_window or gain > EVIDENT * half_width)
-    few = np.nansum(completed["independent_samples"]) < TOO_FEW
-    if few and not evident:
+    is_evident = accelerates and (
+        gain > EVIDENT_GAIN * over_window or gain > EVIDENT_RATIO * half_width
+    )
+    has_few_samples = np.nansum(completed["independent_samples"]) < FEW_SAMPLES
+    if has_few_samples and not is_evident:
         return "undetermined"
     if accelerates:
         return "accelerating"
     return "steady" if abs(slope) + half_width < negligible else "undetermined"
 
 
-def _quality(completed: Named, regime: str, slope: float, half_width: float, target: float) -> str:
+def _mean_quality(
+    completed: NamedValues, regime: str, slope: float, half_width: float, target: float
+) -> str:
     """Return the quality of the mean; ``target`` is the slope (m/s²) that the mean's target allows.
 
-    A velocity that is constant but for rounding has no scatter to tell an error.
+    A jammed mean has a velocity that is constant up to rounding: no scatter gives its error.
     """
     jammed = completed["quality"] == "jammed"
     if not jammed.size:
@@ -170,33 +177,33 @@ def _quality(completed: Named, regime: str, slope: float, half_width: float, tar
     gain = abs(slope)
     if regime != "arrested" and gain > half_width and (gain > target or regime != "steady"):
         return "drifting"
-    few = np.nansum(completed["independent_samples"]) < INDEPENDENT
-    return "short" if few or regime in ("undetermined", "mixed") else "reliable"
+    has_few_samples = np.nansum(completed["independent_samples"]) < ENOUGH_SAMPLES
+    return "short" if has_few_samples or regime in ("undetermined", "mixed") else "reliable"
 
 
-#: p of Cochran's Q below which slopes of replicates are taken to differ.
-DIFFERENT = 0.3
+#: The slopes of replicates are taken to differ if Cochran's Q has a p below this.
+HETEROGENEITY_P = 0.3
 
 
-def slope_interval(slopes: np.ndarray, half_widths: np.ndarray) -> float:
+def pooled_half_width(slopes: np.ndarray, half_widths: np.ndarray) -> float:
     """Return the half width of the 95 % interval of the mean slope of replicates.
 
-    Slopes of stationary flows scatter by what each run knows of itself, so the interval is that of
-    the mean of their own and falls as one over the root of their number. Where replicates differ by
-    more than that, because they are in different states, it is Student's. They are taken to differ
-    where Cochran's Q says so at 30 %: the interval of three replicates that differ by as much as
-    each knows of itself then holds in 93 %; at 5 % it would in 87.
+    The slopes of stationary flows scatter by the error that each run finds for itself. The interval
+    then follows from these errors and falls as one over the root of their number. Replicates in
+    different states differ by more; then the interval is Student's. The replicates are taken to
+    differ if Cochran's Q has p < 30 %. The interval of three replicates that scatter by their own
+    errors then holds in 93 % of cases; with 5 % it would hold in 87 %.
     """
     if not slopes.size:
         return np.nan
-    own = float(np.sqrt((half_widths**2).sum())) / slopes.size
+    combined = float(np.sqrt((half_widths**2).sum())) / slopes.size
     errors = half_widths / student(MANY)
     if slopes.size < 2 or not (errors > 0).all():
-        return own
+        return combined
     weights = errors**-2
-    apart = (weights * (slopes - np.average(slopes, weights=weights)) ** 2).sum()
-    # As in `sim.base.statistics`, the import is put off.
+    cochran_q = (weights * (slopes - np.average(slopes, weights=weights)) ** 2).sum()
+    # Imported here to save time, as in `sim.base.statistics`.
     from scipy.special import chdtrc
 
-    alike = chdtrc(slopes.size - 1, apart) > DIFFERENT
-    return own if alike else max(own, float(student_half_width(slopes)))
+    is_homogeneous = chdtrc(slopes.size - 1, cochran_q) > HETEROGENEITY_P
+    return combined if is_homogeneous else max(combined, float(student_half_width(slopes)))

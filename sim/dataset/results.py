@@ -1,4 +1,4 @@
-"""What a study has found, as figures and judges read it: its dataset, groups when asked for."""
+"""The results of a study as figures and judges read them; groups are read at first access."""
 
 from collections.abc import Iterator, Mapping
 from contextlib import AbstractContextManager
@@ -11,23 +11,28 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from sim.base.damage import checked_read
+from sim.base.additions import plugin_options
 from sim.base.errors import InputError
-from sim.dataset.added import with_added
-from sim.dataset.boundary_table import is_of_study, read_table
-from sim.dataset.grids import GRIDS, number_of, on_grid
+from sim.base.seals import checked_read
+from sim.dataset.grids import GRIDS, number_density_name, regrid
 from sim.dataset.rows import CENTRES
-from sim.parameters import SYSTEMS
+from sim.parameters import SYSTEMS, defaults_of_added
 
-#: Parameters of all systems, `system` itself among them.
+#: Parameters of all systems, including `system` itself.
 _PARAMETERS = tuple(dict.fromkeys(chain(*(model.model_fields for model in SYSTEMS.values()))))
 
-#: Group of the dataset with one subgroup per point whose particles are kept.
+#: Group of the dataset with one subgroup per point whose particles are stored.
 PARTICLES = "states"
 
-#: Group of the dataset that says of each row which run file it was read from, and which variables
-#: that had.
+#: Group of the dataset with the origin of each row: its run file, and the variables of that file.
 RUNS = "runs"
+
+#: Group of the dataset with the table, one row per boundary.
+GROUP = "boundaries"
+
+#: Columns with the results of a boundary, and all columns of a table without rows.
+RESULT_COLUMNS = ("low", "high", "below", "above", "verdict", "points")
+_COLUMNS = ("name", "system", "of", "along", "unit", "figures", *RESULT_COLUMNS)
 
 
 @dataclass(frozen=True)
@@ -38,23 +43,24 @@ class Results:
     ----------
     dataset : xarray.Dataset
         Scalars over (point, replicate), every parameter of all systems a coordinate over point,
-        NaN or ``""`` where it is none of the point's; `of` leaves those out.
+        NaN or ``""`` where the point's system does not have it; `of` leaves those out.
     profiles : mapping of str to xarray.Dataset
-        Per system its profiles over (run, replicate, slice), with ``height`` (run, slice) in m; of
-        a belt also those over (run, replicate, square) along it, with ``column`` (run, square) in
-        m, and those over (run, replicate, moment) of its cycle, with ``cycle_phase`` (run, moment)
-        in rad; ``run`` is the id of the point.
+        Per system its profiles over (run, replicate, slice), with ``height`` (run, slice) in m. A
+        belt also has profiles along it over (run, replicate, square), with ``column`` (run, square)
+        in m, and profiles over its cycle (run, replicate, moment), with ``cycle_phase`` (run,
+        moment) in rad. ``run`` is the id of the point.
     boundaries : pandas.DataFrame
-        What was found of boundaries between regimes.
+        Table of the boundaries between regimes, see `sim.dataset.boundaries.tabulate`.
     states : mapping of str to xarray.Dataset
         Per point that feeds a figure of particles: last state and path of its first completed
         replicate.
     runs : Path, optional
         Folder of the run files, for their time series.
     adopted : mapping of str to tuple of str
-        Per point whose row was taken from an adopted dataset the name of that, and when it was run.
+        For each point whose row comes from an adopted dataset: the name of that dataset, and when
+        the point was run.
     grid : str
-        One of `sim.dataset.grids.GRIDS`, on which profiles are if no other is asked for.
+        Default grid of profiles, one of `sim.dataset.grids.GRIDS`.
     """
 
     dataset: xr.Dataset
@@ -66,71 +72,71 @@ class Results:
     grid: str = "centres"
 
     def of(self, system: str) -> xr.Dataset:
-        """Return the points of one system, without what only the other has."""
+        """Return the points of one system, without variables that only other systems have."""
         if system not in list(SYSTEMS):
             raise InputError.of_value("of", "system", system, "one of " + ", ".join(SYSTEMS))
-        held = self.dataset
-        some = held.sel(point=held["system"] == system)
+        dataset = self.dataset
+        rows = dataset.sel(point=dataset["system"] == system)
         others = [name for name in _PARAMETERS if name not in SYSTEMS[system].model_fields]
-        for name in held.data_vars:
-            if some[name].isnull().all() and not held[name].isnull().all():
+        for name in dataset.data_vars:
+            if rows[name].isnull().all() and not dataset[name].isnull().all():
                 others.append(str(name))
-        return some.drop_vars(others)
+        return rows.drop_vars(others)
 
     def profile(self, point: str, name: str, grid: str = "") -> tuple[np.ndarray, np.ndarray]:
         """Return a profile of a point, (R, H) over completed replicates, and heights (H,) in m.
 
-        Profiles along the belt come with the columns' centres (m) instead of heights, those over
-        its cycle with phases (rad). Those over the height above the belt are on one of the grids of
-        `sim.dataset.grids`, however thin the slices are that the run has kept.
+        Profiles along the belt come with the centres of the columns (m) instead of heights, those
+        over its cycle with phases (rad). Profiles over the height above the belt are put on a grid
+        of `sim.dataset.grids`, which may be coarser than the slices of the run.
 
         Raises
         ------
         InputError
-            When the dataset has no such profile of the point, or it is not known on that grid.
+            When the dataset has no such profile of the point, or cannot put it on that grid.
         """
         if not isinstance(point, str) or point not in self.dataset.indexes["point"]:
             raise InputError(f"{point}: no such point in the dataset")
-        held, index = self.dataset.variables, self.dataset.indexes["point"].get_loc(point)
-        system = str(held["system"].values[index])
+        variables, index = self.dataset.variables, self.dataset.indexes["point"].get_loc(point)
+        system = str(variables["system"].values[index])
         group = self.profiles.get(system, xr.Dataset())
         if name not in group.variables or point not in group.indexes["run"]:
             raise InputError(f"{point}: no {name} in the dataset")
         row, profiles = group.indexes["run"].get_loc(point), group.variables
-        completed = held["status"].values[index] == "completed"
+        completed = variables["status"].values[index] == "completed"
         values = profiles[name].values[row][completed]
         axis = str(profiles[name].dims[-1])
         centres = profiles[CENTRES[axis]].values[row]
-        real = np.isfinite(centres)
-        values, centres = values[:, real], centres[real]
+        is_slice = np.isfinite(centres)
+        values, centres = values[:, is_slice], centres[is_slice]
         if axis != "slice" or system != "belt":
             return values, centres
-        beads = profiles.get(number_of(name))
-        number = None if beads is None else beads.values[row][completed][:, real]
-        diameter = float(held["diameter"].values[index])
+        density = profiles.get(number_density_name(name))
+        number = None if density is None else density.values[row][completed][:, is_slice]
+        diameter = float(variables["diameter"].values[index])
         if (grid := grid or self.grid) not in GRIDS:
             raise InputError.of_value("profile", "grid", grid, "one of " + ", ".join(GRIDS))
         try:
-            return on_grid(grid, diameter, centres, name, values, number)
+            return regrid(grid, diameter, centres, name, values, number)
         except ValueError as error:
             raise InputError(f"{point}: {name} {error}") from None
 
     def particles(self, point: str) -> xr.Dataset:
-        """Return last state and path of the particles of a point."""
+        """Return the last state and the path of the particles of a point."""
         if not isinstance(point, str) or point not in self.states:
             raise InputError(f"{point}: no particles in the dataset")
         return self.states[point]
 
 
 class Groups(Mapping[str, xr.Dataset]):
-    """Groups of a dataset by name, each read from the file when it is first asked for.
+    """Groups of a dataset by name, each read from the file at its first access.
 
     Parameters
     ----------
     path : Path
         The dataset.
     paths : mapping
-        Where in it each group is.
+        Path of each group in the dataset, by name.
     """
 
     def __init__(self, path: Path, paths: Mapping[str, str]):
@@ -140,8 +146,8 @@ class Groups(Mapping[str, xr.Dataset]):
     def __getitem__(self, name: str) -> xr.Dataset:
         if name not in self._loaded:
             group = self._paths[name]
-            with _reading(self._path):
-                self._loaded[name] = _loaded(self._path, group)
+            with _checked_dataset(self._path):
+                self._loaded[name] = _load_group(self._path, group)
         return self._loaded[name]
 
     def __contains__(self, name: object) -> bool:
@@ -155,21 +161,22 @@ class Groups(Mapping[str, xr.Dataset]):
 
 
 def load_results(path: str | Path) -> Results:
-    """Load the dataset of a study; profiles and particles are read when they are asked for.
+    """Load the dataset of a study; profiles and particles are read at their first access.
 
     Raises
     ------
     InputError
-        When it is missing or damaged, naming it. A damaged one of a study is set aside.
+        When it is missing or damaged; the message names it. A damaged dataset of a study is set
+        aside.
     """
     path = Path(path)
-    with _reading(path):
+    with _checked_dataset(path):
         with netCDF4.Dataset(path) as file:
             groups = set(file.groups)
             points = list(file.groups[PARTICLES].groups) if PARTICLES in groups else []
-            adopted = _adopted(file) if RUNS in groups else {}
+            adopted = _read_adopted(file) if RUNS in groups else {}
         return Results(
-            dataset=_with_all_parameters(_loaded(path, None)),
+            dataset=_with_all_parameters(_load_group(path, None)),
             profiles=Groups(path, {name: name for name in SYSTEMS if name in groups}),
             boundaries=read_table(path),
             states=Groups(path, {point: f"{PARTICLES}/{point}" for point in points}),
@@ -178,22 +185,22 @@ def load_results(path: str | Path) -> Results:
         )
 
 
-def _adopted(file: netCDF4.Dataset) -> dict[str, tuple[str, str]]:
-    made = file.groups[RUNS].variables
-    if "adopted" not in made:
+def _read_adopted(file: netCDF4.Dataset) -> dict[str, tuple[str, str]]:
+    runs = file.groups[RUNS].variables
+    if "adopted" not in runs:
         return {}
-    columns = (file["point"], made["adopted"], made["created"])
+    columns = (file["point"], runs["adopted"], runs["created"])
     table = zip(*(column[:].tolist() for column in columns), strict=True)
     return {point: (dataset, created) for point, dataset, created in table if dataset}
 
 
 def load(results: str | Path) -> Results:
-    """Load what a study has found.
+    """Load the results of a study.
 
     Parameters
     ----------
     results : str or Path
-        The folder of its results, or the dataset in it.
+        The folder of the results, or the dataset in it.
 
     Raises
     ------
@@ -207,19 +214,75 @@ def load(results: str | Path) -> Results:
     return load_results(path / "dataset.nc" if path.is_dir() else path)
 
 
-def _reading(path: Path) -> AbstractContextManager[None]:
-    return checked_read(path, "dataset", replaceable=is_of_study(path), sealed=True)
+def _checked_dataset(path: Path) -> AbstractContextManager[None]:
+    return checked_read(path, "dataset", replaceable=is_study_dataset(path), sealed=True)
 
 
 def _with_all_parameters(dataset: xr.Dataset) -> xr.Dataset:
-    """Return a dataset with the parameters of all systems, those from after it included."""
-    held = {str(name): values.values for name, values in dataset.coords.variables.items()}
+    """Return a dataset with the parameters of all systems, including those added after it."""
+    coords = {str(name): values.values for name, values in dataset.coords.variables.items()}
     none = np.full(dataset.sizes["point"], np.nan)
-    lacking = (name for name in _PARAMETERS if name not in held)
-    columns = dict.fromkeys(lacking, none) | with_added(held)
+    lacking = (name for name in _PARAMETERS if name not in coords)
+    columns = dict.fromkeys(lacking, none) | added_columns(coords)
     return dataset.assign_coords({name: ("point", values) for name, values in columns.items()})
 
 
-def _loaded(path: Path, group: str | None) -> xr.Dataset:
-    with xr.open_dataset(path, engine="netcdf4", group=group) as opened:
-        return opened.load()
+def _load_group(path: Path, group: str | None) -> xr.Dataset:
+    with xr.open_dataset(path, engine="netcdf4", group=group) as dataset:
+        return dataset.load()
+
+
+def read_table(dataset: Path) -> pd.DataFrame:
+    """Read the table of boundaries from a dataset; it has no rows where the dataset has no table.
+
+    Raises
+    ------
+    InputError
+        When there is no dataset, or it is damaged. A damaged dataset of a study is set aside.
+    """
+    with checked_read(dataset, "dataset", replaceable=is_study_dataset(dataset), sealed=True):
+        with netCDF4.Dataset(dataset) as file:
+            if GROUP not in file.groups:
+                return pd.DataFrame(columns=_COLUMNS)
+        with xr.open_dataset(dataset, engine="netcdf4", group=GROUP) as group:
+            table = group.to_dataframe()
+    return table.assign(**added_columns({name: table[name].to_numpy() for name in table}))
+
+
+def is_study_dataset(dataset: Path) -> bool:
+    """Return whether a dataset lies where the workflow makes it, next to its runs."""
+    return dataset.name == "dataset.nc" and (dataset.parent / "runs").is_dir()
+
+
+def added_columns(columns: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """Return the columns of all added parameters, with the default where a row has no value.
+
+    Parameters
+    ----------
+    columns : mapping
+        Arrays over rows: ``system`` and parameters, NaN or ``""`` where a row has none.
+    """
+    systems = np.asarray(columns["system"])
+    filled: dict[str, np.ndarray] = {}
+    for system in sorted(set(systems) & SYSTEMS.keys()):
+        for name, default in defaults_of_added(system).items():
+            is_text = isinstance(default, str)
+            kind, none = (object, "") if is_text else (float, np.nan)
+            values = filled.get(name, columns.get(name, np.full(len(systems), none, kind)))
+            blank = values == "" if is_text else np.isnan(values)
+            filled[name] = np.where((systems == system) & blank, default, values)
+    return filled
+
+
+def require_known_options(dataset: xr.Dataset, path: Path) -> None:
+    """Refuse points with laws or motions of plug-ins that are not loaded.
+
+    Their parameters are not known, so two points that differ in one would be taken for the same.
+    """
+    for choice in ("law", "motion"):
+        loaded = plugin_options(choice)
+        for name in map(str, dataset[choice].values if choice in dataset.coords else ()):
+            # The name of an option of a plug-in ends in its hash.
+            if "." in name and name not in loaded:
+                allowed = "one of Talus, or of a plug-in that TALUS_PLUGINS names"
+                raise InputError.of_value(str(path), choice, name, allowed)

@@ -1,4 +1,4 @@
-"""Rounds of refinement: which points each adds to a study, and the files that say so."""
+"""Rounds of refinement: the points that each adds to a study, and the files that list them."""
 
 import json
 from collections.abc import Callable, Iterator, Sequence
@@ -6,18 +6,18 @@ from dataclasses import replace
 from itertools import zip_longest
 from pathlib import Path
 
-from sim.base.damage import checked_read
 from sim.base.errors import InputError
-from sim.base.files import replacing
-from sim.dataset.adopted import Adopted
+from sim.base.files import atomic_write
+from sim.base.seals import checked_read
+from sim.dataset.adopted import AdoptedPoints
 from sim.dataset.boundary_side import side, side_of_run
-from sim.parameters import Parameters, canonical, parse_point, point_id
-from sim.study.load import Boundary, Study, as_member, load_study
-from sim.study.plots import points_shown
-from sim.study.refine import Sides, divided, next_values
+from sim.parameters import Parameters, canonical_values, parse_point, point_id
+from sim.study.load import Boundary, Study, load_study, point_with_membership
+from sim.study.plots import points_of_plot
+from sim.study.refine import Sides, divide_range, next_values
 
-#: Tells on which side of a boundary the run of a point is.
-SideOf = Callable[[Boundary, Parameters], str | None]
+#: Returns the side of a boundary that the run of a point is on, ``None`` where it is not known.
+SideFinder = Callable[[Boundary, Parameters], str | None]
 
 
 def read_round(path: Path) -> dict[str, Parameters]:
@@ -26,12 +26,12 @@ def read_round(path: Path) -> dict[str, Parameters]:
     Raises
     ------
     InputError
-        When there is no such file, or it is not one.
+        When there is no such file, or it is not a round.
     """
     with checked_read(path, "round of refinement", replaceable=True):
-        held = json.loads(path.read_text(encoding="utf-8"))
+        mappings = json.loads(path.read_text(encoding="utf-8"))
         try:
-            points = {key: parse_point(values, path) for key, values in held.items()}
+            points = {key: parse_point(values, path) for key, values in mappings.items()}
         except InputError as error:
             raise ValueError(error) from None
         wrong = [key for key, point in points.items() if key != point_id(point)]
@@ -41,13 +41,13 @@ def read_round(path: Path) -> dict[str, Parameters]:
 
 
 def round_files(study: Study, folder: Path) -> list[Path]:
-    """Return the files of the rounds that have been worked out, in the folder of the results."""
+    """Return the files of the finished rounds, given the results folder of the study."""
     files = (folder / "rounds" / f"{number}.json" for number in range(1, study.rounds + 1))
     return list(filter(Path.is_file, files))
 
 
 def known_points(study: Study, folder: Path) -> dict[str, Parameters]:
-    """Return the points of the study file and those that its rounds so far have added to them."""
+    """Return the points of the study file and those that its finished rounds have added."""
     points = {key: point.parameters for key, point in study.points.items()}
     for path in round_files(study, folder):
         points |= read_round(path)
@@ -82,10 +82,10 @@ def write_round(study_path: str | Path, number: int, results: str | Path = "resu
         raise InputError.of_value("ROUND", "", number, allowed)
     folder = Path(results) / study.name
     points = added_points(study, number, folder / "runs")
-    text = json.dumps({key: canonical(point) for key, point in points.items()}, indent=1)
+    text = json.dumps({key: canonical_values(point) for key, point in points.items()}, indent=1)
     output = folder / "rounds" / f"{number}.json"
     output.parent.mkdir(parents=True, exist_ok=True)
-    with replacing(output) as temporary:
+    with atomic_write(output) as temporary:
         temporary.write_text(text + "\n", encoding="utf-8")
     return output
 
@@ -93,53 +93,55 @@ def write_round(study_path: str | Path, number: int, results: str | Path = "resu
 def added_points(study: Study, number: int, runs: Path) -> dict[str, Parameters]:
     """Return the points by id that round ``number`` adds to all before it.
 
-    Which these are follows from the run files in ``runs``, and adopted datasets beside that folder,
-    alone, however often it is asked.
+    They depend only on the run files in ``runs`` and on the adopted datasets in the folder next to
+    it, so every call gives the same points.
     """
-    seen = set(study.points)
+    earlier = set(study.points)
     added: dict[str, Parameters] = {}
-    side_of = from_files(study, runs)
-    rounds = [list(_rounds(boundary, number, side_of)) for boundary in study.boundaries]
-    for each in range(1, number + 1):
+    side_of = side_reader(study, runs)
+    rounds = [list(_walk_rounds(boundary, number, side_of)) for boundary in study.boundaries]
+    for step in range(1, number + 1):
         points = (
-            boundary.at(value)
-            for boundary, made in zip(study.boundaries, rounds, strict=True)
-            for value in made[each][1]
+            boundary.parameters_at(value)
+            for boundary, steps in zip(study.boundaries, rounds, strict=True)
+            for value in steps[step][1]
         )
-        named = {point_id(point): point for point in points}
-        added = {key: point for key, point in named.items() if key not in seen}
-        seen |= set(added)
+        by_id = {point_id(point): point for point in points}
+        added = {key: point for key, point in by_id.items() if key not in earlier}
+        earlier |= set(added)
     return added
 
 
-def from_files(study: Study, runs: Path) -> SideOf:
+def side_reader(study: Study, runs: Path) -> SideFinder:
     """Return a function that reads the side of a point from its run file in the folder ``runs``.
 
-    That of an adopted point is told by its dataset.
+    For an adopted point it reads the side from the adopted dataset.
     """
-    adopted = Adopted(study, runs.parent)
+    adopted = AdoptedPoints(study, runs.parent)
 
     def side_of(boundary: Boundary, point: Parameters) -> str | None:
-        key, wanted = point_id(point), as_wanted(study, point)
-        if held := adopted.source(key, wanted):
-            return side(held.scalars_of(wanted), boundary.of, wanted)
-        return side_of_run(runs / f"{key}.nc", boundary.of, wanted)
+        key, full_point = point_id(point), with_study_amounts(study, point)
+        if row := adopted.source(key, full_point):
+            return side(row.wanted_scalars(full_point), boundary.of, full_point)
+        return side_of_run(runs / f"{key}.nc", boundary.of, full_point)
 
     return side_of
 
 
-def as_wanted(study: Study, point: Parameters) -> Parameters:
-    """Return a point of a boundary with as much of it as the study wants: series may want more."""
-    known = study.points.get(point_id(point))
-    return known.parameters if known else point
+def with_study_amounts(study: Study, point: Parameters) -> Parameters:
+    """Return a point of a boundary with the amounts of the study, whose series may ask for more."""
+    member = study.points.get(point_id(point))
+    return member.parameters if member else point
 
 
-def refined(study: Study, found: Sequence[Sides]) -> Study:
-    """Return the study with the points of all rounds, given the sides found of each boundary."""
+def add_rounds(study: Study, sides_of_boundaries: Sequence[Sides]) -> Study:
+    """Return the study with the points of all rounds, given the known sides of each boundary."""
     points, series = dict(study.points), dict(study.series)
-    for boundary, sides in zip(study.boundaries, found, strict=True):
+    for boundary, sides in zip(study.boundaries, sides_of_boundaries, strict=True):
         for value in sides:
-            point = as_member(points, boundary.at(value), boundary.name, boundary.figures)
+            point = point_with_membership(
+                points, boundary.parameters_at(value), boundary.name, boundary.figures
+            )
             points[point.id] = point
             series[boundary.name] = tuple(dict.fromkeys((*series[boundary.name], point.id)))
     figures = {
@@ -147,39 +149,50 @@ def refined(study: Study, found: Sequence[Sides]) -> Study:
         for name in study.figures
         if name not in study.plots
     }
-    figures |= {name: points_shown(one, points.values()) for name, one in study.plots.items()}
+    figures |= {name: points_of_plot(plot, points.values()) for name, plot in study.plots.items()}
     return replace(study, points=points, series=series, figures=figures)
 
 
-def _rounds(
-    boundary: Boundary, count: int, side_of: SideOf
+def _walk_rounds(
+    boundary: Boundary, count: int, side_of: SideFinder
 ) -> Iterator[tuple[dict[float, str | None], list[float]]]:
-    """Yield what is known before each round and the values that it adds.
+    """Yield the sides known before each round, and the values that the round adds.
 
-    The first round is the study's own; ``count`` more follow. The runs of the last are not read.
+    The first round is that of the study file; ``count`` more follow. The runs of the last round are
+    not read.
     """
     sides: dict[float, str | None] = {}
-    values = divided(boundary.low, boundary.high)
+    values = divide_range(boundary.low, boundary.high)
     yield sides, values
     for _ in range(count):
-        sides = sides | {value: side_of(boundary, boundary.at(value)) for value in values}
+        sides = sides | {
+            value: side_of(boundary, boundary.parameters_at(value)) for value in values
+        }
         values = next_values(sides, boundary.tolerance)
         yield sides, values
 
 
-def sides_of(
-    boundaries: Sequence[Boundary], side_of: SideOf, read: Callable[[list[Parameters]], object]
+def find_sides(
+    boundaries: Sequence[Boundary],
+    side_of: SideFinder,
+    read_runs: Callable[[list[Parameters]], object],
 ) -> list[Sides]:
-    """Return the sides of all values of all rounds of boundaries, whose runs must be there.
+    """Return the sides of the values of all rounds, for each boundary; the runs must be there.
 
-    ``read`` is told of the points of each round before any of them is asked for its side.
+    ``read_runs`` is called with the points of each round before ``side_of`` is called for any of
+    them.
     """
-    known: dict[int, tuple[Sides, list[float]]] = {}
-    for steps in zip_longest(*(_rounds(one, one.rounds, side_of) for one in boundaries)):
-        known |= {number: step for number, step in enumerate(steps) if step}
-        values = ((one, step[1]) for one, step in zip(boundaries, steps, strict=True) if step)
-        read([boundary.at(value) for boundary, new in values for value in new])
-    return [
-        {**known[number][0], **{value: side_of(one, one.at(value)) for value in known[number][1]}}
-        for number, one in enumerate(boundaries)
-    ]
+    last_steps: dict[int, tuple[Sides, list[float]]] = {}
+    for steps in zip_longest(
+        *(_walk_rounds(boundary, boundary.rounds, side_of) for boundary in boundaries)
+    ):
+        last_steps |= {number: step for number, step in enumerate(steps) if step}
+        pairs = zip(boundaries, steps, strict=True)
+        new_values = ((boundary, step[1]) for boundary, step in pairs if step)
+        read_runs([boundary.parameters_at(value) for boundary, new in new_values for value in new])
+    sides_of_boundaries: list[Sides] = []
+    for number, boundary in enumerate(boundaries):
+        sides, values = last_steps[number]
+        last_sides = {value: side_of(boundary, boundary.parameters_at(value)) for value in values}
+        sides_of_boundaries.append({**sides, **last_sides})
+    return sides_of_boundaries

@@ -1,4 +1,4 @@
-"""Runs as rows of arrays: what a dataset keeps of each, and how rows are lined up."""
+"""Runs as rows of arrays: the variables of each row, and how rows are aligned."""
 
 from collections.abc import Collection, Iterable, Sequence
 from itertools import chain
@@ -8,38 +8,20 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from sim.dataset.measures.belt import OVER_CYCLE
-from sim.engine.observe.arrays import AT_PHASE_0, INSTANTANEOUS, PHASED
-from sim.parameters.observables import ASKED_FOR, LEFT_OUT, MEASURES, PROFILES, SCALARS
 from sim.parameters.own import own_observables
+from sim.parameters.variables import SCALARS, Variable, variables_of
 
 #: Scalars per replicate that are words.
-WORDS = tuple(name for name, (unit, _) in SCALARS.items() if not unit)
+WORDS = tuple(name for name, row in SCALARS.items() if not row.unit)
 
-#: Profiles of which the figures of chutes show the last sample beside the average.
-_SHOWN_LAST = ("velocity_profile", "packing_profile")
+#: Arrays besides scalars that a row may hold: profiles over the height, and those of its group.
+ARRAYS = {n: row for n, row in variables_of("group", "profile").items() if row.in_datasets}
 
-#: Arrays over height that a dataset keeps.
-OVER_HEIGHT = (
-    *(
-        one
-        for name in PROFILES
-        for one in (name, name + INSTANTANEOUS)
-        if one in PROFILES or name in _SHOWN_LAST
-    ),
-    *(name + AT_PHASE_0 for name in PHASED),
-    *ASKED_FOR,
-)
-
-#: Dimensions of what a row holds besides scalars.
-OF_PROFILES = (
-    {"height": ("slice",)}
-    | dict.fromkeys(OVER_HEIGHT, ("replicate", "slice"))
-    | dict.fromkeys(("column_velocity", "column_density"), ("replicate", "square"))
-    | {"column": ("square",)}
-    | dict.fromkeys(OVER_CYCLE, ("replicate", "moment"))
-    | {"cycle_phase": ("moment",)}
-)
+#: Their dimensions: heights differ between points, so that in a dataset they are over slices.
+OF_PROFILES = {
+    name: tuple("slice" if dimension == "height" else dimension for dimension in row.dims)
+    for name, row in ARRAYS.items()
+}
 
 #: What is held in single precision: seven digits, of which statistics know three.
 SINGLE = OF_PROFILES.keys() - {"height"}
@@ -51,21 +33,19 @@ CENTRES = {"slice": "height", "square": "column", "moment": "cycle_phase"}
 _LENGTHS = {"replicate": "status"} | CENTRES
 
 
-def kept() -> dict[str, tuple[str, str]]:
-    """Return unit and long name of the scalars per replicate that a row may hold, words last.
+def row_scalars(system: str | None = None) -> dict[str, Variable]:
+    """Return the scalars per replicate that rows of a system, or of all, may hold, words last.
 
-    They are those of run files, measures, and observables of plug-ins. A system without one of the
-    numbers gets NaN.
+    They are those of run files, measures, and observables of plug-ins.
     """
-    own = {name: (one.unit, one.meaning) for name, one in own_observables().items()}
-    numbers = {name: row for name, row in (SCALARS | MEASURES | own).items() if name not in WORDS}
-    return numbers | {name: SCALARS[name] for name in WORDS}
+    own = {name: one.variable for name, one in own_observables(system).items()}
+    rows = variables_of("scalar", "measure", system=system) | own
+    return dict(sorted(rows.items(), key=lambda row: row[0] in WORDS))
 
 
-def over_height(system: str) -> list[str]:
-    """Return the names of the arrays over height that a row of a system keeps."""
-    last = () if system == "chute" else {name + INSTANTANEOUS for name in _SHOWN_LAST}
-    return [name for name in OVER_HEIGHT if name not in last and name not in LEFT_OUT[system]]
+def row_arrays(system: str | None = None) -> list[str]:
+    """Return the names of the arrays that rows of a system, or of all, may hold."""
+    return [name for name, row in ARRAYS.items() if system in (None, *row.in_datasets)]
 
 
 def dimensions(name: str) -> tuple[str, ...]:
@@ -97,59 +77,59 @@ class Rows(NamedTuple):
     states: dict[str, xr.Dataset]
 
 
-def merged(blocks: Iterable[Rows]) -> list[Rows]:
-    """Return rows in as few blocks as there are sets of variables."""
-    alike: dict[tuple[str, ...], list[Rows]] = {}
+def merge_rows(blocks: Iterable[Rows]) -> list[Rows]:
+    """Merge rows into one block for each set of variables."""
+    groups: dict[tuple[str, ...], list[Rows]] = {}
     for block in blocks:
-        alike.setdefault(tuple(block.values), []).append(block)
-    found = []
-    for names, some in alike.items():
-        sizes = sizes_of(some)
-        words = {name: [block.origin[name] for block in some] for name in some[0].origin}
-        found.append(
+        groups.setdefault(tuple(block.values), []).append(block)
+    merged = []
+    for names, group in groups.items():
+        sizes = largest_sizes(group)
+        texts = {name: [block.origin[name] for block in group] for name in group[0].origin}
+        merged.append(
             Rows(
-                points=points_of(some),
-                origin={name: list(chain.from_iterable(each)) for name, each in words.items()},
-                values={name: lined_up(some, name, sizes) for name in names},
-                states={point: state for block in some for point, state in block.states.items()},
+                points=row_points(group),
+                origin={name: list(chain.from_iterable(parts)) for name, parts in texts.items()},
+                values={name: align_rows(group, name, sizes) for name in names},
+                states={point: state for block in group for point, state in block.states.items()},
             )
         )
-    return found
+    return merged
 
 
-def selected(blocks: Iterable[Rows], points: Collection[str]) -> list[Rows]:
+def select_rows(blocks: Iterable[Rows], points: Collection[str]) -> list[Rows]:
     """Return the rows of some points, no longer than the longest run of a block."""
-    found = []
+    selection = []
     for block in blocks:
         rows = np.flatnonzero([point in points for point in block.points])
         if rows.size:
-            some = slice(None) if rows.size == len(block.points) else rows
-            values = {name: held[some] for name, held in block.values.items()}
+            places = slice(None) if rows.size == len(block.points) else rows
+            values = {name: array[places] for name, array in block.values.items()}
             lengths = {
-                dimension: int(_there(values[name]).any(axis=0).sum())
+                dimension: int(_is_known(values[name]).any(axis=0).sum())
                 for dimension, name in _LENGTHS.items()
                 if name in values
             }
             cut = {
-                name: held[:, *(slice(lengths.get(one)) for one in dimensions(name))]
-                for name, held in values.items()
+                name: array[:, *(slice(lengths.get(dimension)) for dimension in dimensions(name))]
+                for name, array in values.items()
             }
-            origin = {name: [words[row] for row in rows] for name, words in block.origin.items()}
-            states = {point: one for point, one in block.states.items() if point in points}
-            found.append(Rows([block.points[row] for row in rows], origin, cut, states))
-    return found
+            origin = {name: [texts[row] for row in rows] for name, texts in block.origin.items()}
+            states = {point: state for point, state in block.states.items() if point in points}
+            selection.append(Rows([block.points[row] for row in rows], origin, cut, states))
+    return selection
 
 
-def _there(values: np.ndarray) -> np.ndarray:
+def _is_known(values: np.ndarray) -> np.ndarray:
     return values != "" if values.dtype == object else np.isfinite(values)
 
 
-def points_of(blocks: Iterable[Rows]) -> list[str]:
+def row_points(blocks: Iterable[Rows]) -> list[str]:
     """Return the points of all rows."""
     return list(chain.from_iterable(block.points for block in blocks))
 
 
-def origins(blocks: Iterable[Rows]) -> pd.DataFrame:
+def origin_table(blocks: Iterable[Rows]) -> pd.DataFrame:
     """Return the origin of all rows, and the names of their ``variables``."""
     frames = (
         pd.DataFrame(block.origin, dtype=object).assign(variables=" ".join(block.values))
@@ -158,7 +138,7 @@ def origins(blocks: Iterable[Rows]) -> pd.DataFrame:
     return pd.concat(frames, ignore_index=True)
 
 
-def sizes_of(blocks: Iterable[Rows]) -> dict[str, int]:
+def largest_sizes(blocks: Iterable[Rows]) -> dict[str, int]:
     """Return the largest size of each dimension."""
     sizes: dict[str, int] = {}
     for block in blocks:
@@ -168,9 +148,9 @@ def sizes_of(blocks: Iterable[Rows]) -> dict[str, int]:
     return sizes
 
 
-def lined_up(blocks: Sequence[Rows], name: str, sizes: dict[str, int]) -> np.ndarray:
-    """Return a variable of all rows, filled up with NaN or ``""`` where a run has less or none."""
-    shape = (len(points_of(blocks)), *(sizes[dimension] for dimension in dimensions(name)))
+def align_rows(blocks: Sequence[Rows], name: str, sizes: dict[str, int]) -> np.ndarray:
+    """Return a variable of all rows, with NaN or ``""`` where a run is shorter or lacks it."""
+    shape = (len(row_points(blocks)), *(sizes[dimension] for dimension in dimensions(name)))
     if name in WORDS:
         table = np.full(shape, "", object)
     else:

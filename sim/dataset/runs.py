@@ -1,18 +1,27 @@
-"""The runs of a study, each read once: from an earlier or adopted dataset or from its file."""
+"""The rows of the runs of a study, each read once, from the first source that has it."""
 
-from collections.abc import Callable, Collection, Iterable, Mapping
-from pathlib import Path
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from typing import Protocol
 
 import numpy as np
 
-from sim.base.damage import checked_read
-from sim.dataset.adopted import Adopted
-from sim.dataset.earlier import adopted_rows, earlier_rows
-from sim.dataset.gather import as_text
-from sim.dataset.rows import OF_PROFILES, Rows, selected
-from sim.dataset.side_by_side import read_files
+from sim.dataset.gather import amounts_text
+from sim.dataset.rows import OF_PROFILES, Rows, row_points, select_rows
 from sim.parameters import Parameters, amounts
-from sim.study.catalogue import Shown
+
+
+class Source(Protocol):
+    """Where rows of runs come from: the earlier dataset, adopted datasets, or run files."""
+
+    def rows(self, points: Mapping[str, Parameters]) -> list[Rows]:
+        """Return the rows that this has of some points, by id, each with the amounts of its point.
+
+        Raises
+        ------
+        InputError
+            When a file that has to be read is missing or damaged.
+        """
+        ...
 
 
 class Runs:
@@ -20,79 +29,51 @@ class Runs:
 
     Parameters
     ----------
-    folder : Path
-        Results of the study: its runs, and its earlier dataset if there is one.
-    shown : callable
-        Tells what figures show of the particles of a point.
-    adopted : Adopted
-        Tells which points are taken from adopted datasets.
-    processes : int
-        How many read run files side by side.
-    scheduler : str, optional
-        Address of the dask scheduler whose workers read them instead.
+    sources : sequence of Source
+        The sources, in the order in which they are asked; the last one has all points.
     """
 
-    def __init__(
-        self,
-        folder: Path,
-        shown: Callable[[str], Shown],
-        adopted: Adopted,
-        processes: int = 1,
-        scheduler: str | None = None,
-    ):
-        self._folder, self._shown, self._adopted = folder / "runs", shown, adopted
-        self._processes, self._scheduler = processes, scheduler
+    def __init__(self, sources: Sequence[Source]):
+        self._sources = sources
         self._blocks: list[Rows] = []
-        self._places: dict[str, tuple[Rows, int]] = {}
-        self._add(earlier_rows(folder, shown))
+        self._rows: dict[str, tuple[Rows, int]] = {}
 
     def _add(self, blocks: Iterable[Rows]) -> None:
         for block in blocks:
             self._blocks.append(block)
-            self._places |= {point: (block, row) for row, point in enumerate(block.points)}
+            self._rows |= {point: (block, row) for row, point in enumerate(block.points)}
 
     def read(self, points: Mapping[str, Parameters]) -> None:
-        """Read the runs of points that are not known yet, or of which other amounts are.
+        """Read the runs of points that have not been read yet, or were read with other amounts.
 
         Raises
         ------
         InputError
-            When a run file is missing or damaged, see `read_files`.
+            When a run file or an adopted dataset is missing or damaged, see `Source`.
         """
-        wanted = {point: amounts(parameters) for point, parameters in points.items()}
-        new = {point: much for point, much in wanted.items() if not self._is_known(point, much)}
-        if self._places.keys() & new:
-            known = selected(self._blocks, self._places.keys() - new)
-            self._blocks, self._places = [], {}
-            self._add(known)
-        sources = {point: self._adopted.source(point, points[point]) for point in new}
-        for dataset in sorted({held.dataset for held in sources.values() if held}):
-            mine = {
-                point: new[point]
-                for point, held in sources.items()
-                if held and held.dataset == dataset
-            }
-            with checked_read(dataset, "dataset that was adopted", replaceable=True):
-                self._add(adopted_rows(dataset, mine, self._shown))
-        files = [
-            (self._folder / f"{point}.nc", much, bool(self._shown(point)))
-            for point, much in new.items()
-            if not sources[point]
-        ]
-        self._add(read_files(files, self._processes, self._scheduler))
+        new = {point: value for point, value in points.items() if not self._is_read(point, value)}
+        if self._rows.keys() & new:
+            blocks = select_rows(self._blocks, self._rows.keys() - new)
+            self._blocks, self._rows = [], {}
+            self._add(blocks)
+        for source in self._sources:
+            blocks = source.rows(new)
+            self._add(blocks)
+            read = set(row_points(blocks))
+            new = {point: value for point, value in new.items() if point not in read}
 
-    def _is_known(self, point: str, wanted: Mapping[str, float]) -> bool:
-        if point not in self._places:
+    def _is_read(self, point: str, parameters: Parameters) -> bool:
+        if point not in self._rows:
             return False
-        block, row = self._places[point]
-        return block.origin["wanted"][row] == as_text(wanted)
+        block, row = self._rows[point]
+        return block.origin["wanted"][row] == amounts_text(amounts(parameters))
 
     def scalars(self, point: str) -> dict[str, np.ndarray]:
-        """Return the scalars of a run that was read; replicates that it has not are empty."""
-        block, row = self._places[point]
-        values = block.values.items()
-        return {name: held[row] for name, held in values if name not in OF_PROFILES}
+        """Return the scalars of a run that has been read; replicates beyond its own are empty."""
+        block, row = self._rows[point]
+        arrays = block.values.items()
+        return {name: array[row] for name, array in arrays if name not in OF_PROFILES}
 
     def rows(self, points: Collection[str]) -> list[Rows]:
-        """Return the rows of points that were read."""
-        return selected(self._blocks, points)
+        """Return the rows of points that have been read."""
+        return select_rows(self._blocks, points)

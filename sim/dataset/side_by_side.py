@@ -1,9 +1,9 @@
-"""Run files read side by side: by processes of this machine, or by the workers of a cluster."""
+"""Read run files in parallel, by processes of this machine or by the workers of a cluster."""
 
 import os
 import signal
 import threading
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
 from multiprocessing import get_context, parent_process
@@ -13,51 +13,75 @@ from typing import Any, NamedTuple
 
 from sim.base.errors import InputError
 from sim.base.plugins import load, places
-from sim.dataset.earlier import reading_code
+from sim.dataset.earlier import reader_hash
 from sim.dataset.gather import read_run
-from sim.dataset.rows import Rows, merged
+from sim.dataset.rows import Rows, merge_rows
+from sim.parameters import Parameters, amounts
+from sim.study.catalogue import Shown
 
-#: Most run files that are read before what they hold is handed over.
+#: Most run files that are read before their rows are handed over.
 BATCH = 40
 
-#: Fewest files for which processes are started: dask and two forks cost as much as ten files, and
-#: save half of the time.
-FEW = 40
+#: Fewest files for which processes are started. Dask and two forks cost as much time as ten files,
+#: and halve the time of reading.
+MIN_FILES = 40
 
 #: Seconds within which a dask scheduler answers.
-PATIENCE = 10
+SCHEDULER_TIMEOUT = 10
 
-_ALONE = threading.Lock()
+_READ_LOCK = threading.Lock()
 
-#: A run file, how much is wanted of its point, and whether the state of its particles is kept.
+#: A run file, the amounts to read, and whether to read the state of its particles.
 File = tuple[Path, Mapping[str, float], bool]
 
 
 class Batch(NamedTuple):
-    """What some files hold, and what is wrong with the others."""
+    """Rows of run files, and the errors of those that could not be read."""
 
     blocks: list[Rows]
     problems: list[str]
 
 
+class RunFiles(NamedTuple):
+    """The rows of the run files in ``folder``; the last source, which has all points.
+
+    ``particle_need`` returns how much figures need of the particles of a point, by its id.
+    ``processes`` and ``scheduler`` are those of `read_files`.
+    """
+
+    folder: Path
+    particle_need: Callable[[str], Shown]
+    processes: int = 1
+    scheduler: str | None = None
+
+    def rows(self, points: Mapping[str, Parameters]) -> list[Rows]:
+        """Return the rows of points; raise `InputError` where files are missing or damaged."""
+        files = [
+            (self.folder / f"{key}.nc", amounts(point), bool(self.particle_need(key)))
+            for key, point in points.items()
+        ]
+        return read_files(files, self.processes, self.scheduler)
+
+
 def read_files(
     files: Sequence[File], processes: int = 1, scheduler: str | None = None
 ) -> list[Rows]:
-    """Read what a dataset keeps of run files.
+    """Read the rows of run files.
 
     Parameters
     ----------
     files : sequence of (Path, mapping, bool)
-        The files, how much is wanted of each point, and whether the state of its particles is kept.
+        The files, the amounts of each, and whether to read the state of its particles.
     processes : int
-        How many read side by side, where there are files enough.
+        Number of processes that read in parallel, where there are files enough.
     scheduler : str, optional
-        Address of a dask scheduler whose workers read them instead; they see the same folders.
+        Address of a dask scheduler whose workers read them instead; they must see the same folders.
 
     Raises
     ------
     InputError
-        When a file is missing or damaged, naming the first. All damaged ones are set aside.
+        When files are missing or damaged; the message names the first. All damaged files are set
+        aside.
     """
     batches = list(_batches(files, processes, scheduler))
     if problems := [problem for batch in batches for problem in batch.problems]:
@@ -67,49 +91,49 @@ def read_files(
 
 
 def _batches(files: Sequence[File], processes: int, scheduler: str | None) -> Iterable[Batch]:
-    """Read the files in batches, in this process, in forks of it or by a cluster."""
+    """Read the files in batches: in this process, in forks of it, or by a cluster."""
     size = max(1, min(BATCH, -(-len(files) // max(1, processes))))
     parts = [files[first : first + size] for first in range(0, len(files), size)]
     if files and scheduler is not None:
-        with _cluster(scheduler) as how:
-            there = [[(file[0].absolute(), file[1], file[2]) for file in part] for part in parts]
-            return _computed(there, how)
-    if processes > 1 and len(files) >= FEW:
-        with _processes(min(processes, len(parts))) as how:
-            return _computed(parts, how)
+        with _dask_cluster(scheduler) as options:
+            absolute = [[(file[0].absolute(), file[1], file[2]) for file in part] for part in parts]
+            return _compute(absolute, options)
+    if processes > 1 and len(files) >= MIN_FILES:
+        with _process_pool(min(processes, len(parts))) as options:
+            return _compute(parts, options)
     return map(read_batch, parts)
 
 
-def _computed(parts: Sequence[Sequence[File]], how: Mapping[str, Any]) -> Sequence[Batch]:
-    """Read batches of files with dask."""
+def _compute(parts: Sequence[Sequence[File]], options: Mapping[str, Any]) -> Sequence[Batch]:
+    """Read batches of files with dask, whose scheduler ``options`` select."""
     import dask
 
-    return dask.compute(*(dask.delayed(read_batch, pure=False)(part) for part in parts), **how)
+    return dask.compute(*(dask.delayed(read_batch, pure=False)(part) for part in parts), **options)
 
 
 def read_batch(files: Sequence[File]) -> Batch:
-    """Read some run files, all of them before a damaged one is reported."""
-    found, problems = [], []
-    # A worker of a cluster may have several threads, and HDF5 is not safe in them.
-    with _ALONE:
-        for path, wanted, shown in files:
+    """Read some run files; a damaged one does not keep the others from being read."""
+    rows, problems = [], []
+    # A worker of a cluster may have several threads, and HDF5 is not thread-safe.
+    with _READ_LOCK:
+        for path, wanted, has_state in files:
             try:
-                found.append(read_run(path, wanted, shown))
+                rows.append(read_run(path, wanted, has_state))
             except InputError as error:
                 problems.append(str(error))
-    return Batch(merged(found), problems)
+    return Batch(merge_rows(rows), problems)
 
 
 @contextmanager
-def _processes(count: int) -> Iterator[dict[str, Any]]:
-    """Give dask processes of this machine. They are forks, which have all libraries at once."""
-    with ProcessPoolExecutor(count, get_context("fork"), initializer=_start) as pool:
+def _process_pool(count: int) -> Iterator[dict[str, Any]]:
+    """Yield options for dask with forks of this process, which have all libraries loaded."""
+    with ProcessPoolExecutor(count, get_context("fork"), initializer=_follow_parent) as pool:
         yield {"scheduler": "processes", "pool": pool, "chunksize": 1}
 
 
 @contextmanager
-def _cluster(address: str) -> Iterator[dict[str, Any]]:
-    """Give dask the cluster that a user runs."""
+def _dask_cluster(address: str) -> Iterator[dict[str, Any]]:
+    """Yield options for dask with the cluster of the user."""
     key = "--dask-scheduler"
     try:
         from distributed import Client
@@ -118,26 +142,26 @@ def _cluster(address: str) -> Iterator[dict[str, Any]]:
         raise InputError(f"{key}: needs the package distributed: pip install distributed") from None
     try:
         get_address_host_port(address, strict=True)
-        client = Client(address, timeout=PATIENCE, set_as_default=False)
+        client = Client(address, timeout=SCHEDULER_TIMEOUT, set_as_default=False)
     except (OSError, ValueError) as error:
         allowed = f"the address of a dask scheduler that answers ({error})"
         raise InputError.of_value(key, "", address, allowed) from None
     with client:
         client.run(load, places(), Path(), "plugins")
-        told = client.run(reading_code, on_error="return").values()
-        if others := {str(each) for each in told} - {reading_code()}:
+        hashes = client.run(reader_hash, on_error="return").values()
+        if others := {str(value) for value in hashes} - {reader_hash()}:
             raise InputError(f"{key}: its workers have not this program: {others.pop()}")
         yield {"scheduler": client}
 
 
-def _start() -> None:
-    """Leave interrupts to the parent of this process, and end with it."""
+def _follow_parent() -> None:
+    """Leave interrupts to the parent of this process, and end when the parent ends."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     parent = parent_process()
     assert parent is not None
 
-    def follow() -> None:
+    def end_with_parent() -> None:
         wait([parent.sentinel])
         os._exit(1)
 
-    threading.Thread(target=follow, daemon=True).start()
+    threading.Thread(target=end_with_parent, daemon=True).start()

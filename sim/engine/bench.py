@@ -21,15 +21,15 @@ STIFFNESSES = [117, 1170]
 #: Start velocity (√(gσ)) by depth, near that of the developed flow.
 START_VELOCITY = {5: 8.0, 10: 16.0, 20: 25.0, 40: 25.0}
 
-#: Time (√(σ/g)) that the spheres are given to fall and begin to shear before the clock starts.
+#: Time (√(σ/g)) in which the spheres fall and begin to shear before the clock starts.
 RELAXATION = 16.0
 SHORT_RELAXATION = 6.0
 
-#: Timed stretches per flow, of which the median counts, and particle-steps in each.
+#: Timed stretches per flow, whose median is reported, and particle-steps in each.
 REPEATS = 5
 STRETCH = 4e6
 
-_FIRST_STEP = """
+_FIRST_SAMPLE = """
 import json, sys, time
 from sim.parameters import parse_point
 from sim.engine.systems import build
@@ -38,7 +38,7 @@ system.advance()
 print(time.time())
 """
 
-# VmHWM belongs to the interpreter alone; getrusage would count what its parent had before the fork.
+# VmHWM counts the interpreter alone; getrusage would include its parent's memory before the fork.
 _PEAK_MEMORY = """
 import json, re, sys
 from pathlib import Path
@@ -66,12 +66,14 @@ def main() -> None:
             _report_threads(_chute(depth, cell, stiffness))
     for system in SYSTEMS:
         point = _point(system, {})
-        print(f"{system}: {_further_run(point) * 1e3:.1f} ms to set up a further run")
-        print(f"{system}: {_first_step(point):.2f} s from process start to first samples, warm")
+        print(f"{system}: {_time_setup(point) * 1e3:.1f} ms to set up a further run")
+        print(
+            f"{system}: {_time_first_sample(point):.2f} s from process start to first samples, warm"
+        )
         with tempfile.TemporaryDirectory() as cache:
-            seconds = _first_step(point, TALUS_CACHE_DIR=cache)
+            seconds = _time_first_sample(point, TALUS_CACHE_DIR=cache)
         print(f"{system}: {seconds:.1f} s from process start to first samples, cold cache")
-        print(f"{system}: {_peak_memory(point):.0f} MB peak memory of a run process")
+        print(f"{system}: {_measure_peak_memory(point):.0f} MB peak memory of a run process")
 
 
 def _chute(
@@ -86,7 +88,7 @@ def _point(system: str, values: dict[str, Any]) -> Parameters:
     return parse_point({"system": system, **values}, "bench")
 
 
-def _relaxed(point: Parameters) -> System:
+def _build_relaxed(point: Parameters) -> System:
     """Return the point's flow after its transient."""
     system = build(point, 0)
     system.settle()
@@ -95,7 +97,7 @@ def _relaxed(point: Parameters) -> System:
     return system
 
 
-def _timed(system: System | Chute) -> tuple[float, float]:
+def _time_stretch(system: System | Chute) -> tuple[float, float]:
     """Return million particle-steps/s and contacts per particle over one stretch."""
     point = system.parameters
     samples = max(1, int(STRETCH / (point.sample_steps * point.particles)))
@@ -108,14 +110,14 @@ def _timed(system: System | Chute) -> tuple[float, float]:
 
 def _report_rate(name: str, point: Parameters) -> None:
     """Measure and print the speed of one flow, after it has relaxed."""
-    system = _relaxed(point)
-    rates, contacts = zip(*(_timed(system) for _ in range(REPEATS)), strict=True)
+    system = _build_relaxed(point)
+    rates, contacts = zip(*(_time_stretch(system) for _ in range(REPEATS)), strict=True)
     rate, contact = statistics.median(rates), statistics.mean(contacts)
     print(f"{name:30}{point.particles:9}{contact:19.2f}{rate:26.1f}", flush=True)
 
 
-def _with_threads(system: Chute, threads: int) -> Chute:
-    """Return a flow in the same state, but for the memory of its contacts, on so many threads."""
+def _copy_with_threads(system: Chute, threads: int) -> Chute:
+    """Return a flow in the same state on ``threads`` threads, without memory of its contacts."""
     copy = Chute(system.parameters.model_copy(update={"threads": threads}), 0)
     for name in ("position", "velocity", "rim", "label"):
         getattr(copy.spheres, name)[:] = getattr(system.spheres, name)
@@ -125,17 +127,20 @@ def _with_threads(system: Chute, threads: int) -> Chute:
 
 
 def _report_threads(point: ChuteParameters) -> None:
-    """Measure and print how much faster two threads are, in turns with one from the same state."""
-    system, ratios = cast(Chute, _relaxed(point)), []
+    """Measure and print the speed-up by two threads.
+
+    Stretches on one and on two threads alternate, each from the same state.
+    """
+    system, ratios = cast(Chute, _build_relaxed(point)), []
     for _ in range(REPEATS):
-        (one, _), (two, _) = (_timed(_with_threads(system, threads)) for threads in (1, 2))
-        ratios.append(two / one)
+        rates = [_time_stretch(_copy_with_threads(system, threads))[0] for threads in (1, 2)]
+        ratios.append(rates[1] / rates[0])
     ratio = statistics.median(ratios)
     print(f"depth {point.depth:g}, {point.particles} particles: two threads {ratio:.2f} x one")
 
 
-def _further_run(point: Parameters) -> float:
-    """Return the seconds to set up a run in a process that has one behind it."""
+def _time_setup(point: Parameters) -> float:
+    """Return the seconds to set up a run in a process that has set up another before."""
     seconds = []
     for seed in range(1, 2 * REPEATS):
         started = time.perf_counter()
@@ -144,21 +149,21 @@ def _further_run(point: Parameters) -> float:
     return statistics.median(seconds)
 
 
-def _first_step(point: Parameters, **environment: str) -> float:
+def _time_first_sample(point: Parameters, **environment: str) -> float:
     """Return the seconds from the start of a process to the end of its first sample interval."""
     started = time.time()
-    return float(_in_child(_FIRST_STEP, canonical_json(point), **environment)) - started
+    return float(_run_in_child(_FIRST_SAMPLE, canonical_json(point), **environment)) - started
 
 
-def _peak_memory(point: Parameters) -> float:
-    """Return the largest resident memory (MB) of a process that runs this point for a while."""
+def _measure_peak_memory(point: Parameters) -> float:
+    """Return the peak resident memory (MB) of a process that runs a short version of the point."""
     short = point.model_copy(update={"transient": 1.0, "average": 4.0})
     with tempfile.TemporaryDirectory() as folder:
-        return float(_in_child(_PEAK_MEMORY, canonical_json(short), f"{folder}/run.nc"))
+        return float(_run_in_child(_PEAK_MEMORY, canonical_json(short), f"{folder}/run.nc"))
 
 
-def _in_child(code: str, *arguments: str, **environment: str) -> str:
-    """Run a few lines in a fresh interpreter and return what they print."""
+def _run_in_child(code: str, *arguments: str, **environment: str) -> str:
+    """Run a few lines in a fresh interpreter and return their output."""
     return subprocess.run(
         [sys.executable, "-c", code, *arguments],
         env=os.environ | environment,

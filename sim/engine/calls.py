@@ -1,8 +1,9 @@
-"""Calls of kernels that cost less than what short kernels do.
+"""Cheap calls of compiled kernels, from Python and from other kernels.
 
-numba looks at the types of all arguments of each call from Python, a microsecond for every two
-arrays. And a kernel that another one calls is compiled once more as a part of it, and may round
-differently there; called at its address it is the same machine code, with the same bits.
+At each call from Python numba examines the types of all arguments, a microsecond for every two
+arrays; short kernels take less. A kernel that another kernel calls is compiled again as part of its
+caller and may round differently there. Called at its address it is the same machine code, with the
+same bits.
 """
 
 from collections.abc import Callable, Hashable
@@ -14,15 +15,16 @@ from numba import types
 from numba.core import cgutils
 from numba.extending import intrinsic
 
-#: Machine code by kernel and kind of arguments, as Python calls it, and its addresses.
-_compiled: dict[tuple, Callable] = {}
+#: Functions that Python calls and addresses of machine code, by kernel and kind of arguments.
+_functions: dict[tuple, Callable] = {}
 _addresses: dict[tuple, int] = {}
 
 
-class Direct:
-    """A kernel that Python calls over and over with arguments of the same types.
+class DirectCall:
+    """A kernel that Python calls many times with arguments of the same types.
 
-    Those of the first call stand for all of the same ``kind``: with it the types must be known.
+    The types of the first call are assumed for every later call of the same ``kind``, so the kind
+    must determine the types.
     """
 
     def __init__(self, kernel: Any, kind: Hashable):
@@ -30,14 +32,14 @@ class Direct:
         self._key = (kernel, kind)
 
     def __call__(self, *arguments: Any) -> Any:
-        found = _compiled.get(self._key)
-        if found is None:
-            found = _compiled[self._key] = self._kernel.compile(_types(arguments))
-        return found(*arguments)
+        function = _functions.get(self._key)
+        if function is None:
+            function = _functions[self._key] = self._kernel.compile(_types(arguments))
+        return function(*arguments)
 
 
 def kind_of(*arguments: Any) -> Hashable:
-    """Return the types of arguments, for `Direct` and `address_of`."""
+    """Return the types of arguments, for `DirectCall` and `address_of`."""
     return _types(arguments)
 
 
@@ -46,10 +48,10 @@ def _types(arguments: tuple) -> tuple:
 
 
 def address_of(kernel: Any, kind: Hashable, *arguments: Any) -> int:
-    """Return the address of the machine code of a kernel for such arguments.
+    """Return the address of the machine code of a kernel for arguments of these types.
 
-    It is good for as long as this process lives. As for `Direct`, those of the first call stand for
-    all of the same ``kind``.
+    The address is valid as long as this process lives. As for `DirectCall`, the types of the first
+    call are assumed for all of the same ``kind``.
     """
     key = (kernel, kind)
     if key not in _addresses:
@@ -63,18 +65,18 @@ def address_of(kernel: Any, kind: Hashable, *arguments: Any) -> int:
 
 @intrinsic
 def call(typingctx, address, result, *arguments):
-    """Call a kernel at an address; ``result`` is any value of the type that it returns.
+    """Call a kernel at an address; ``result`` is any value of its return type.
 
-    The types of the arguments must be those for which it has been compiled.
+    The kernel must have been compiled for the types of the arguments.
     """
 
     result, arguments = types.unliteral(result), tuple(map(types.unliteral, arguments))
 
     def codegen(context, builder, signature, args):
-        given = cgutils.unpack_tuple(builder, args[2])
+        values = cgutils.unpack_tuple(builder, args[2])
         function = context.call_conv.get_function_type(result, arguments)
         callee = builder.inttoptr(args[0], ir.PointerType(function))
-        _, returned = context.call_conv.call_function(builder, callee, result, arguments, given)
+        _, returned = context.call_conv.call_function(builder, callee, result, arguments, values)
         return returned
 
     return result(address, result, types.BaseTuple.from_types(arguments)), codegen

@@ -1,4 +1,4 @@
-"""The commands ``run`` and ``batch``: points in, run files or a line about what is wrong out."""
+"""The commands ``run`` and ``batch``: they turn points into run files, or report an error line."""
 
 import json
 import logging
@@ -16,23 +16,23 @@ log = logging.getLogger("talus")
 
 SYSTEM_ERROR = 1
 
-#: What numpy says of an array that no address could reach, and of one that no integer could count.
+#: Errors of numpy for an array beyond the address space, and for a size beyond its integers.
 TOO_LARGE = ("Maximum allowed dimension exceeded", "negative dimensions are not allowed")
 
 
-class _BeyondAllMachines(Exception):
-    """No machine can compute the point; the message says which and why."""
+class _ImpossiblePoint(Exception):
+    """No machine can compute the point; the message names it and the reason."""
 
 
 def run(point: str, output: Path, quiet: bool, record_failure: bool) -> int:
-    """Run one point, unless its run file is there already, and return the exit code.
+    """Run one point, unless a current run file exists, and return the exit code.
 
     Parameters
     ----------
     point : str
         The point file, or ``-`` for standard input.
     output : Path
-        The run file; its folder is made.
+        The run file; its folder is created.
     quiet : bool
         Neither bar nor log lines about progress.
     record_failure : bool
@@ -48,7 +48,7 @@ def run(point: str, output: Path, quiet: bool, record_failure: bool) -> int:
     InputError
         When the point or the output cannot be used.
     """
-    parameters = _point(point)
+    parameters = _read_point(point)
     _require_usable(output, point)
     output.parent.mkdir(parents=True, exist_ok=True)
     level = logging.WARNING if quiet else logging.INFO
@@ -56,27 +56,27 @@ def run(point: str, output: Path, quiet: bool, record_failure: bool) -> int:
     signal.signal(signal.SIGINT, save_and_end)
     try:
         return _run_one(parameters, output, quiet, record_failure)
-    except _BeyondAllMachines as error:
+    except _ImpossiblePoint as error:
         print(f"error: {error}", file=sys.stderr)
         return SYSTEM_ERROR
 
 
 def batch(results: Path) -> int:
-    """Run points one after the other in this process, those with a current run file left out.
+    """Run points one after the other in this process, except those with a current run file.
 
-    Each has a run file, a log and a checkpoint of its own, and a blow-up counts as a result. What
-    goes wrong with one keeps no other from being run.
+    Each point has its own run file, log and checkpoint, and a blow-up counts as a result. An error
+    of one point does not stop the others.
 
     Parameters
     ----------
     results : Path
-        Folder of the results of a study, in which run files go to ``runs/<id>.nc`` and logs to
-        ``logs/runs/<id>.log``. The points are a JSON list on the standard input.
+        Folder of a study's results; run files go to ``runs/<id>.nc`` and logs to
+        ``logs/runs/<id>.log`` in it. The points are read from standard input as a JSON list.
 
     Returns
     -------
     int
-        0; 1 where a point could not be run, as its log says.
+        0; 1 where a point could not be run, for the reason in its log.
 
     Raises
     ------
@@ -90,12 +90,12 @@ def batch(results: Path) -> int:
         folder.mkdir(parents=True, exist_ok=True)
     logging.getLogger().setLevel(logging.INFO)
     signal.signal(signal.SIGINT, save_and_end)
-    codes = [_logged(point, runs, logs) for point in points]
+    codes = [_run_with_log(point, runs, logs) for point in points]
     return SYSTEM_ERROR if any(codes) else 0
 
 
-def _logged(parameters: Parameters, runs: Path, logs: Path) -> int:
-    """Run a point with a log of its own; return the exit code."""
+def _run_with_log(parameters: Parameters, runs: Path, logs: Path) -> int:
+    """Run a point with its own log file; return the exit code."""
     name = point_id(parameters)
     handler = logging.FileHandler(logs / f"{name}.log", mode="w", encoding="utf-8")
     root = logging.getLogger()
@@ -105,7 +105,7 @@ def _logged(parameters: Parameters, runs: Path, logs: Path) -> int:
     except SystemExit:
         print(f"{name}: terminated; the next start continues it", file=sys.stderr)
         raise
-    except (_BeyondAllMachines, InputError) as error:
+    except (_ImpossiblePoint, InputError) as error:
         log.error("error: %s", error)
         print(f"error: {error}", file=sys.stderr)
         return SYSTEM_ERROR
@@ -122,34 +122,37 @@ def _logged(parameters: Parameters, runs: Path, logs: Path) -> int:
 
 
 def _run_one(parameters: Parameters, output: Path, quiet: bool, record_failure: bool) -> int:
-    """Run a point unless its run file is there; return the exit code."""
-    # A mistake in a point is told without waiting for these.
-    from sim.engine.run import BLOWN_UP, run_point
+    """Run a point unless a current run file exists; return the exit code."""
+    # Imported late, so that an error in a point is reported without waiting for numba.
+    from sim.engine.run import BLOW_UP_CODE, run_point
     from sim.engine.stored_run import current_status
 
     # A run that starts from another is current only if that has not gone on.
     if not parameters.start_from and (status := current_status(output, parameters)):
         log.info("%s: already there", output)
-        return BLOWN_UP if status == "failed" and not record_failure else 0
+        return BLOW_UP_CODE if status == "failed" and not record_failure else 0
     try:
         return run_point(parameters, output, quiet=quiet, record_failure=record_failure)
     except (MemoryError, ArithmeticError, ValueError) as error:
-        # From values that are allowed one by one, and together beyond all memory or numbers.
+        # Each value is allowed alone, but together they exceed the memory or the range of numbers.
         if isinstance(error, ValueError) and not str(error).startswith(TOO_LARGE):
             raise
-        said = " ".join(str(error).split()) or "out of memory"
-        raise _BeyondAllMachines(f"{point_id(parameters)}: cannot be computed: {said}") from None
+        reason = " ".join(str(error).split()) or "out of memory"
+        raise _ImpossiblePoint(f"{point_id(parameters)}: cannot be computed: {reason}") from None
 
 
 def save_and_end(*_: object) -> None:
-    """Answer an interrupt as a running computation answers SIGTERM; the second one ends at once."""
+    """Treat an interrupt as SIGTERM, so that a running computation saves its state and ends.
+
+    A second interrupt ends the process at once.
+    """
     signal.signal(signal.SIGINT, signal.default_int_handler)
     if signal.getsignal(signal.SIGTERM) is signal.SIG_DFL:
         raise KeyboardInterrupt
     signal.raise_signal(signal.SIGTERM)
 
 
-def _point(path: str) -> Parameters:
+def _read_point(path: str) -> Parameters:
     mapping = read_yaml(path)
     source = "<stdin>" if path == "-" else path
     if isinstance(mapping, dict) and "study" in mapping and "system" not in mapping:

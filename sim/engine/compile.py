@@ -1,8 +1,8 @@
-"""One place for numba's options and for where compiled code is kept.
+"""The options of numba and its cache folder, in one place.
 
-numba decides from a function's own file whether its cached machine code is still good, so an edit
-of an imported contact law would replay old code. Here the cache folder carries the hash of all
-kernels' sources instead: any edit starts a new folder.
+numba checks only a function's own file to decide whether its cached machine code is valid, so an
+edit of an imported contact law would run old code. Here the name of the cache folder contains the
+hash of all kernels' sources: any edit starts a new folder.
 """
 
 import logging
@@ -12,13 +12,13 @@ from functools import partial, wraps
 from time import process_time
 
 from sim.base.additions import codes
-from sim.engine.cache import CODED_KINDS, cache_directory
+from sim.engine.cache import COMPILED_KINDS, cache_directory
 
 log = logging.getLogger("talus")
 
 
-#: The plug-ins for which that folder is.
-PLUGGED = codes(*CODED_KINDS)
+#: The plug-ins for which the cache folder is valid.
+PLUGIN_CODES = codes(*COMPILED_KINDS)
 
 os.environ["NUMBA_CACHE_DIR"] = str(cache_directory())
 
@@ -30,7 +30,7 @@ from numba.core import event  # noqa: E402
 from numba.core.caching import IndexDataCacheFile  # noqa: E402
 from numba.extending import intrinsic, overload, register_jitable  # noqa: E402
 
-# Whoever has imported numba before has made it read its settings before.
+# If numba was imported earlier, it has read its settings already.
 numba.config.CACHE_DIR = os.environ["NUMBA_CACHE_DIR"]
 
 # numba would import scipy's linear algebra, a fifth of the start of a run, to see whether matrix
@@ -42,54 +42,54 @@ if "scipy.linalg" not in sys.modules:
     del sys.modules["scipy.linalg"]
 
 
-class _Compiling(event.Listener):
-    """Says in the log that code is compiled, and how much processor time (s) that has taken."""
+class _CompilationTimer(event.Listener):
+    """Logs that code is compiled and measures the processor time ``seconds`` of compilation."""
 
     def __init__(self):
-        self.spent, self._began, self._depth = 0.0, 0.0, 0
+        self.seconds, self._start, self._depth = 0.0, 0.0, 0
 
     def on_start(self, event):
-        """Begin a piece of code, which may be part of another."""
+        """Note the start of a compilation, which may be part of another one."""
         if self._depth == 0:
-            self._began = process_time()
-            if self.spent == 0.0:
-                plugged = f" with {PLUGGED}" if PLUGGED else ""
-                log.info("compiling the engine%s; what is compiled is kept", plugged)
+            self._start = process_time()
+            if self.seconds == 0.0:
+                suffix = f" with {PLUGIN_CODES}" if PLUGIN_CODES else ""
+                log.info("compiling the engine%s; what is compiled is kept", suffix)
         self._depth += 1
 
     def on_end(self, event):
-        """End it."""
+        """Note the end of a compilation."""
         self._depth -= 1
         if self._depth == 0:
-            self.spent += process_time() - self._began
+            self.seconds += process_time() - self._start
 
 
-_compiling = _Compiling()
-event.register("numba:compile", _compiling)
+_timer = _CompilationTimer()
+event.register("numba:compile", _timer)
 
 
 def working_time():
-    """Return the processor time (s) of this process without that in which it has compiled."""
-    return process_time() - _compiling.spent
+    """Return the processor time (s) of this process, compilation excluded."""
+    return process_time() - _timer.seconds
 
 
-def _if_possible(save):
-    """Return numba's function that keeps compiled code, for which no run shall fail."""
+def _ignore_write_errors(save):
+    """Wrap numba's function that stores compiled code: a failure is a warning and ends no run."""
 
     @wraps(save)
-    def saved(*arguments):
+    def save_if_possible(*arguments):
         try:
             save(*arguments)
         except OSError as error:
-            if not saved.failed:
+            if not save_if_possible.has_failed:
                 log.warning("compiled code is not kept: %s", error.strerror or error)
-            saved.failed = True
+            save_if_possible.has_failed = True
 
-    saved.failed = False
-    return saved
+    save_if_possible.has_failed = False
+    return save_if_possible
 
 
-IndexDataCacheFile.save = _if_possible(IndexDataCacheFile.save)
+IndexDataCacheFile.save = _ignore_write_errors(IndexDataCacheFile.save)
 
 #: Reordering of sums and fused multiply-add are allowed; ``nnan`` and ``ninf`` are left out because
 #: the blow-up checks need honest comparisons with not-a-number.
@@ -97,18 +97,17 @@ FASTMATH = {"nsz", "arcp", "contract", "afn", "reassoc"}
 
 _options = {"cache": True, "fastmath": FASTMATH, "error_model": "numpy", "nogil": True}
 
-#: What Python calls, and pieces that only move data. A kernel that is called by another one exists
-#: twice, compiled by itself and as part of the caller, and which copy runs depends on what else the
-#: process has loaded. The two may round differently, so no kernel called by another may round.
+#: For functions that Python calls, and for pieces that only move data. A kernel called by another
+#: one exists twice, compiled alone and as part of its caller. Which copy runs depends on what else
+#: the process has loaded. The two may round differently, so no kernel called by another may round.
 kernel = numba.njit(**_options)
 
-#: All other pieces: always copied into the caller, so that the same bits come out in every process.
-#: None is made callable from Python as compiled code, which would take as long to compile again;
-#: called from there it runs as it is written.
+#: For all other pieces: always copied into the caller, so that every process gives the same bits.
+#: Python calls them as plain Python functions: a compiled entry would double the time to compile.
 inlined = register_jitable(**_options, forceinline=True, no_cfunc_wrapper=True)
 
-#: Kernels that round as they are written, whoever calls them: what they add up they add up in that
-#: order, and no product is fused with a sum.
+#: For kernels that round as they are written, whoever calls them: sums keep their order, and no
+#: product is fused with a sum.
 exact = numba.njit(cache=True, error_model="numpy", nogil=True)
 
 #: ``@implements(generic)`` gives ``generic`` a body that numba picks by the types of the arguments.
@@ -118,8 +117,8 @@ implements = partial(
 
 
 @intrinsic
-def vectorised(typingctx):
-    """Promise, as a piece's first line, that no two of its arrays of numbers overlap.
+def assume_no_alias(typingctx):
+    """Promise, in the first line of a piece, that no two of its arrays of numbers overlap.
 
     Without the promise LLVM must assume that every store changes what the next iteration loads
     through an index, and computes the iterations one by one.
@@ -138,10 +137,11 @@ def vectorised(typingctx):
 
 
 @intrinsic
-def wide_vectors(typingctx):
-    """Ask, as the first line of a kernel that Python calls, for the widest vectors there are.
+def prefer_wide_vectors(typingctx):
+    """Request, in the first line of a kernel that Python calls, the widest vectors available.
 
-    Some processors prefer shorter vectors than they have; here the long ones pay.
+    For some processors LLVM prefers vectors shorter than the longest ones; here the longest are
+    faster.
     """
 
     def codegen(context, builder, signature, args):
@@ -154,9 +154,9 @@ def wide_vectors(typingctx):
 
 @intrinsic
 def _compress(typingctx, gap, k, first, out, free):
-    """Append those of 8 numbers ``first``... whose ``gap`` is negative to ``out``; return how many.
+    """Append to ``out`` those of the 8 numbers from ``first`` on whose ``gap`` is negative.
 
-    LLVM has an instruction for it that its vectoriser does not find by itself.
+    Returns their number. LLVM has an instruction for this that its vectoriser does not use.
     """
 
     def codegen(context, builder, signature, args):
@@ -195,9 +195,9 @@ def _compress(typingctx, gap, k, first, out, free):
 
 @inlined
 def append_negative(gap, size, first, out, free):
-    """Append to ``out``, from ``free`` on, ``first + k`` of all k < size with a negative gap.
+    """Append ``first + k`` to ``out``, from index ``free``, for all k < size with a negative gap.
 
-    Returns how many. Up to 8 entries of ``out`` behind the last may be overwritten.
+    Returns their number. Up to 8 entries of ``out`` behind the last may be overwritten.
     """
     count = np.uint64(0)
     whole = size - size % 8

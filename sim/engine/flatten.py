@@ -1,7 +1,7 @@
-"""Nested structures as flat dictionaries of arrays and numbers by place, and back.
+"""Conversion of nested structures to flat dictionaries of arrays and numbers by path, and back.
 
-A state is kept as data alone: what kind of thing holds them, a structure made anew says. Whatever
-lies in a file can therefore become numbers of a flow and nothing else.
+A state is stored as data alone; a new structure supplies the types of the containers. So the
+content of a file can become numbers of a flow and nothing else.
 """
 
 from collections.abc import Iterator, Mapping
@@ -9,25 +9,25 @@ from typing import Any
 
 import numpy as np
 
-#: Arrays and numbers by place, as ``spheres.position``.
+#: Arrays and numbers by path in the structure, such as ``spheres.position``.
 FlatState = dict[str, Any]
 
 _NUMBERS = (bool, int, float, str, np.generic)
 
 
-def flattened(structure: Any) -> FlatState:
-    """Return all arrays and numbers of nested tuples, lists and dictionaries."""
-    return dict(_flattened(structure, ""))
+def flatten(structure: Any) -> FlatState:
+    """Return all arrays and numbers of nested tuples, lists and dictionaries, by path."""
+    return dict(_flatten_parts(structure, ""))
 
 
-def _flattened(value: Any, place: str) -> Iterator[tuple[str, Any]]:
+def _flatten_parts(value: Any, path: str) -> Iterator[tuple[str, Any]]:
     if isinstance(value, np.generic):
-        yield place, value.item()
+        yield path, value.item()
     elif isinstance(value, (np.ndarray, *_NUMBERS)):
-        yield place, value
+        yield path, value
     else:
         for name, part in _parts(value).items():
-            yield from _flattened(part, _within(place, name))
+            yield from _flatten_parts(part, _join(path, name))
 
 
 def _parts(value: Any) -> Mapping[Any, Any]:
@@ -40,39 +40,39 @@ def _parts(value: Any) -> Mapping[Any, Any]:
     raise TypeError(f"{type(value).__name__} is not kept in states")
 
 
-def _within(place: str, name: Any) -> str:
-    return f"{place}.{name}" if place else str(name)
+def _join(path: str, name: Any) -> str:
+    return f"{path}.{name}" if path else str(name)
 
 
-def part_at(place: str, held: Mapping[str, Any]) -> FlatState:
-    """Return the values whose places begin with ``place``, named by the rest of their places."""
-    prefix = f"{place}."
-    return {name[len(prefix) :]: held[name] for name in held if name.startswith(prefix)}
+def subtree(path: str, values: Mapping[str, Any]) -> FlatState:
+    """Return the values whose paths begin with ``path``, named by the rest of their paths."""
+    prefix = f"{path}."
+    return {name[len(prefix) :]: values[name] for name in values if name.startswith(prefix)}
 
 
-def refilled(structure: Any, held: Mapping[str, Any], growing: int = -1) -> Any:
+def refill(structure: Any, values: Mapping[str, Any], growing_axis: int = -1) -> Any:
     """Return a structure of the same kind that holds other arrays and numbers.
 
-    What is one array in two places of the structure is one in what is returned. Arrays may be
-    longer or shorter along the ``growing`` axis, as those of contacts are where there are more.
+    An array that occurs at two paths of the structure is one array in the result, too. Arrays may
+    be longer or shorter along ``growing_axis``, as those of contacts are when their number changes.
 
     Raises
     ------
     ValueError
-        When ``held`` has other places than the structure, or arrays of another type or of
-        other lengths there.
+        When ``values`` has other paths than the structure, or an array there has another type or
+        other lengths.
     """
-    expected = flattened(structure)
-    if expected.keys() != held.keys():
-        odd = min(expected.keys() ^ held.keys())
+    expected = flatten(structure)
+    if expected.keys() != values.keys():
+        odd = min(expected.keys() ^ values.keys())
         raise ValueError(f"{odd} is not in both")
-    for place, value in expected.items():
-        if _kind(value) != _kind(held[place]):
-            raise ValueError(f"{place} is of another kind")
-        one, other = np.shape(value), np.shape(held[place])
-        if _without(one, growing) != _without(other, growing):
-            raise ValueError(f"{place} has the lengths {other}, not {one}")
-    return _filled(structure, held, "", {})
+    for path, value in expected.items():
+        if _kind(value) != _kind(values[path]):
+            raise ValueError(f"{path} is of another kind")
+        old, new = np.shape(value), np.shape(values[path])
+        if _drop_axis(old, growing_axis) != _drop_axis(new, growing_axis):
+            raise ValueError(f"{path} has the lengths {new}, not {old}")
+    return _fill(structure, values, "", {})
 
 
 def _kind(value: Any) -> tuple[Any, ...]:
@@ -81,18 +81,18 @@ def _kind(value: Any) -> tuple[Any, ...]:
     return (str if isinstance(value, str) else float,)
 
 
-def _without(lengths: tuple[int, ...], axis: int) -> tuple[int, ...]:
+def _drop_axis(lengths: tuple[int, ...], axis: int) -> tuple[int, ...]:
     return lengths[:axis] + lengths[axis:][1:]
 
 
-def _filled(value: Any, held: Mapping[str, Any], place: str, known: dict[int, Any]) -> Any:
+def _fill(value: Any, values: Mapping[str, Any], path: str, arrays: dict[int, Any]) -> Any:
+    """Return the counterpart of a value; ``arrays`` maps ids of arrays already met to new ones."""
     if isinstance(value, np.ndarray):
-        return known.setdefault(id(value), held[place])
+        return arrays.setdefault(id(value), values[path])
     if isinstance(value, _NUMBERS):
-        return held[place]
+        return values[path]
     parts = {
-        name: _filled(part, held, _within(place, name), known)
-        for name, part in _parts(value).items()
+        name: _fill(part, values, _join(path, name), arrays) for name, part in _parts(value).items()
     }
     if isinstance(value, dict):
         return parts

@@ -1,50 +1,99 @@
-"""A flow in one's hands: run for a while, looked at, run on."""
+"""Runs from Python: a point without files, or a flow that is run step by step."""
 
 from numbers import Integral, Real
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
 from sim.base.errors import InputError
-from sim.engine.observe.arrays import SNAPSHOTS
 from sim.engine.origin import origin_of
 from sim.engine.progress import bar
+from sim.engine.run import run_point
 from sim.engine.systems import build
-from sim.parameters import point_id, point_in_python
+from sim.parameters import parse_python_point, point_id
 from sim.parameters.common import MAX_SAMPLES
+from sim.parameters.variables import variables_of
 
 if TYPE_CHECKING:
     import xarray as xr
 
 
-def _is(kind: type, value: Any) -> bool:
-    """Return whether a value is a number of a kind; ``True`` and ``False`` are none."""
-    return isinstance(value, kind) and not isinstance(value, bool)
-
-
-class Flow:
-    """One replicate of a point in motion, from its initial state on; a bed has settled before.
-
-    It moves as the same replicate of a run does, to the bit, for as long as it is asked to:
-    ``transient``, ``average`` and ``limit`` mean nothing to it.
+def simulate(system: str = "chute", *, progress: bool = True, **parameters: Any) -> "xr.Dataset":
+    """Run a point and return the content of its run file; nothing stays on the disk.
 
     Parameters
     ----------
     system : str
-        ``"chute"`` or ``"belt"``.
-    replicate : int
-        Number of the replicate, from 0: each has another initial state.
+        ``"chute"``, ``"belt"`` or ``"conveyor"``.
+    progress : bool
+        Show a bar, on terminals and in notebooks.
     **parameters
-        Parameters of the system by name, in the units of a study file; those left out have the
-        value of the paper.
+        Parameters of the system by name, in the units of a study file; parameters that are omitted
+        have the value of the paper.
+
+    Returns
+    -------
+    xarray.Dataset
+        Time series over ``(replicate, time)``, profiles over ``(replicate, height)``, first and
+        last state of the particles, scalars over ``replicate``, and the parameters, each with
+        ``units`` (SI) and ``long_name``. The attribute ``status`` is ``"failed"`` where a replicate
+        blew up twice; ``reason`` gives the cause.
+
+    Raises
+    ------
+    InputError
+        When a parameter is unknown or outside its range; before anything is computed.
+
+    Examples
+    --------
+    >>> run = simulate("belt", beads=10, width=5, transient=1, average=2, progress=False)
+    >>> run.mean_velocity.dims, run.mean_velocity.units
+    (('replicate', 'time'), 'm s-1')
+    >>> bool(abs(run.velocity[0]) < 1)
+    True
+    """
+    # Imported late: it takes half a second, which runs of the workflow do not need.
+    import xarray as xr
+
+    point = parse_python_point("simulate", system, parameters)
+    with TemporaryDirectory(prefix="talus-") as folder:
+        output = Path(folder) / "run.nc"
+        run_point(point, output, quiet=not progress, record_failure=True)
+        run = xr.load_dataset(output, engine="netcdf4")
+    arguments = "".join(f", {name}={value!r}" for name, value in parameters.items())
+    command = f"sim.simulate({system!r}{arguments})"
+    return run.assign_attrs(command=command, history=f"{run.attrs['created']}: {command}")
+
+
+def _is_number(kind: type, value: Any) -> bool:
+    """True where a value is a number of a kind; ``True`` and ``False`` are no numbers."""
+    return isinstance(value, kind) and not isinstance(value, bool)
+
+
+class Flow:
+    """One replicate of a point in motion, from its initial state on; a bed has settled already.
+
+    It moves exactly like the same replicate of a run, to the bit, for any duration. ``transient``,
+    ``average`` and ``limit`` have no effect.
+
+    Parameters
+    ----------
+    system : str
+        ``"chute"``, ``"belt"`` or ``"conveyor"``.
+    replicate : int
+        Number of the replicate, from 0: each has its own initial state.
+    **parameters
+        Parameters of the system by name, in the units of a study file; parameters that are omitted
+        have the value of the paper.
 
     Raises
     ------
     InputError
         When a parameter is unknown or outside its range.
     BlowUp
-        When a bed does while it settles.
+        When a bed blows up while it settles.
 
     Examples
     --------
@@ -58,57 +107,57 @@ class Flow:
     """
 
     def __init__(self, system: str = "chute", *, replicate: int = 0, **parameters: Any):
-        self.parameters = point_in_python("Flow", system, parameters)
-        if not (_is(Integral, replicate) and replicate >= 0):
+        self.parameters = parse_python_point("Flow", system, parameters)
+        if not (_is_number(Integral, replicate) and replicate >= 0):
             raise InputError.of_value("Flow", "replicate", replicate, "an integer >= 0")
         replicate = int(replicate)
         self._system = build(self.parameters, replicate)
-        self._taken: list[dict[str, np.ndarray]] = []
-        self._samples, self._owed = 0, 0.0
+        self._batches: list[dict[str, np.ndarray]] = []
+        self._samples, self._remainder = 0, 0.0
         if origin := origin_of(self.parameters, Path("flow.nc")):
             origin.start(self._system, replicate)
         else:
             self._system.settle()
 
     def run(self, duration: float, *, progress: bool = True) -> Self:
-        """Go on for a while, in whole sample intervals, and return the flow.
+        """Advance by a duration, rounded to whole sample intervals, and return the flow.
 
-        What a call goes on for too long or too short, half an interval at most, the next makes up
-        for: after many short ones the flow has gone on for their sum to within half an interval.
+        The rounding error of a call, half an interval at most, is carried over to the next call. So
+        the time after many short calls is their sum to within half an interval.
 
         Parameters
         ----------
         duration : float
-            How long, in units of √(σ/g) for a chute and of cycles for a belt, as ``transient`` is.
+            Duration in the unit of ``transient``: √(σ/g) for a chute, cycles for a shaken system.
         progress : bool
             Show a bar, on terminals and in notebooks.
 
         Raises
         ------
         InputError
-            When the duration is no positive number, or one of more than ten million samples.
+            When the duration is not a positive number, or takes more than ten million samples.
         BlowUp
-            When an overlap exceeds ``overlap_limit`` or a position is no number. A run would start
-            again with half the time step.
+            When an overlap exceeds ``overlap_limit`` or a position is not a number. A run would
+            start again with half the time step.
         """
         longest = MAX_SAMPLES * self._interval / self.parameters.time_unit
-        if not (_is(Real, duration) and 0 < duration <= longest):
+        if not (_is_number(Real, duration) and 0 < duration <= longest):
             allowed = f"a number > 0 and <= {longest:.6g}"
             raise InputError.of_value("run", "duration", duration, allowed)
-        wanted = duration * self.parameters.time_unit / self._interval + self._owed
-        left = round(wanted)
-        # Where it ends before, by a signal or a blow-up, nothing is owed.
-        owed, self._owed = wanted - left, 0.0
-        with bar(left, point_id(self.parameters), "sample", quiet=not progress) as shown:
-            while left:
-                values = self._system.sample(left).values
-                taken = {name: np.array(several, float) for name, several in values.items()}
-                number = len(taken["mean_velocity"])
-                self._taken.append({name: taken[name] for name in self._system.series})
-                self._samples += number
-                left -= number
-                shown.update(number)
-        self._owed = owed
+        intervals = duration * self.parameters.time_unit / self._interval + self._remainder
+        missing = round(intervals)
+        # Stays zero if a signal or a blow-up ends the loop early.
+        remainder, self._remainder = intervals - missing, 0.0
+        with bar(missing, point_id(self.parameters), "sample", quiet=not progress) as display:
+            while missing:
+                values = self._system.sample(missing).values
+                batch = {name: np.array(column, float) for name, column in values.items()}
+                count = len(batch["mean_velocity"])
+                self._batches.append({name: batch[name] for name in self._system.series})
+                self._samples += count
+                missing -= count
+                display.update(count)
+        self._remainder = remainder
         return self
 
     @property
@@ -125,7 +174,7 @@ class Flow:
     def positions(self) -> np.ndarray:
         """Centres of the particles, (N, D) in m, within the periodic cell.
 
-        ``x`` points down the slope, ``z`` away from it; chutes have ``y`` between them.
+        ``x`` points down the slope, ``z`` away from the base; spheres also have ``y``, across.
         """
         return self._snapshot("position")
 
@@ -136,7 +185,7 @@ class Flow:
 
     @property
     def spins(self) -> np.ndarray:
-        """Angular velocities of the spheres, (N, 3) in 1/s; beads of the belt have none, (N, 0)."""
+        """Angular velocities of the spheres, (N, 3) in 1/s; (N, 0) for the beads of the belt."""
         return self._snapshot("particle_spin")
 
     @property
@@ -150,17 +199,17 @@ class Flow:
         import xarray as xr
 
         time = np.arange(1, self._samples + 1) * self._interval
-        meant = {"units": "s", "long_name": "end of the sample interval, since the start"}
+        attributes = {"units": "s", "long_name": "end of the sample interval, since the start"}
         return xr.Dataset(
             {
                 name: (
                     "time",
-                    np.concatenate([np.empty(0), *(taken[name] for taken in self._taken)]),
-                    {"units": unit, "long_name": long_name},
+                    np.concatenate([np.empty(0), *(batch[name] for batch in self._batches)]),
+                    variable.attributes,
                 )
-                for name, (unit, long_name) in self._system.series.items()
+                for name, variable in self._system.series.items()
             },
-            coords={"time": ("time", time, meant)},
+            coords={"time": ("time", time, attributes)},
         )
 
     @property
@@ -168,18 +217,18 @@ class Flow:
         """State of the particles over ``particle``, with units and long names, as in a run."""
         import xarray as xr
 
-        found = {}
+        particles, states = variables_of("particle"), {}
         for name, values in self._system.snapshot().items():
-            unit, long_name, dimensions = SNAPSHOTS[name]
             if values.size:
-                names = [dimension for dimension in dimensions if dimension != "frame"]
-                found[name] = names, values, {"units": unit, "long_name": long_name}
+                row = particles[name]
+                dims = [one for one in row.dims if one not in ("replicate", "frame")]
+                states[name] = dims, values, row.attributes
         time = (), self.time, {"units": "s", "long_name": "time since the start"}
-        return xr.Dataset(found, {"axis": list(self._system.axes), "time": time})
+        return xr.Dataset(states, {"axis": list(self._system.axes), "time": time})
 
     def _snapshot(self, name: str) -> np.ndarray:
-        held = self._system.snapshot()
-        return np.array(held[name]) if name in held else np.empty((self.parameters.particles, 0))
+        state = self._system.snapshot()
+        return np.array(state[name]) if name in state else np.empty((self.parameters.particles, 0))
 
     def __repr__(self) -> str:
         return f"<Flow {point_id(self.parameters)} at {self.time:.6g} s>"

@@ -1,4 +1,4 @@
-"""What made a result: the number of the numerics, the hash of the sources, the libraries."""
+"""Identity of the engine: number of the numerics, hash of the sources, versions of libraries."""
 
 import hashlib
 import platform
@@ -10,19 +10,20 @@ from typing import Any
 
 PACKAGE = Path(__file__).parents[1]
 
-#: The numerics: run files of one number hold the same bits for the same point, on the same kind of
-#: machine. A change that alters bits (the golden points in tests/golden tell) takes the next number
-#: and a line in CHANGELOG.md. Moving, renaming or rewording a file takes none.
+#: The numerics: run files with the same number hold the same bits for the same point, on the same
+#: kind of machine. A change that alters bits (the golden points in tests/golden detect it) takes
+#: the next number and a line in CHANGELOG.md. Moving, renaming or rewording a file takes none.
 NUMERICS = 1
 
-#: Source hashes of engines that wrote no number into their run files, and their number.
-KNOWN = {"0b14a980090c": 1}
+#: The numerics of engines that wrote no number into their run files, by source hash.
+NUMERICS_BY_HASH = {"0b14a980090c": 1}
 
-#: Where the engine's sources lie, and which of them hold compiled code.
-ENGINE = ("parameters", "engine")
-COMPILED = (
+#: Parts of the package with the engine's sources, and those with compiled code.
+ENGINE_PARTS = ("parameters", "laws", "engine")
+COMPILED_PARTS = (
     "engine/compile.py",
     "engine/calls.py",
+    "laws",
     "engine/contact",
     "engine/boundary",
     "engine/dynamics",
@@ -32,7 +33,7 @@ COMPILED = (
 
 
 def numerics_of(attributes: Mapping[str, Any]) -> int | None:
-    """Return the number of the numerics that made a run file, or None where nobody knows it.
+    """Return the number of the numerics that made a run file, or None where it is unknown.
 
     Parameters
     ----------
@@ -41,20 +42,21 @@ def numerics_of(attributes: Mapping[str, Any]) -> int | None:
     """
     if "numerics" in attributes:
         return int(attributes["numerics"])
-    return KNOWN.get(attributes.get("source_hash", ""))
+    return NUMERICS_BY_HASH.get(attributes.get("source_hash", ""))
 
 
 def numerics_mark() -> str:
-    """Return the text by which workflows see that other numerics made a run.
+    """Return the text by which workflows detect that other numerics made a run.
 
-    Engines before the first number noted their source hash, so that stands for their number.
+    Engines before the first number recorded their source hash, which stands for their number.
     """
     return next(
-        (mark for mark, number in KNOWN.items() if number == NUMERICS), f"numerics {NUMERICS}"
+        (mark for mark, number in NUMERICS_BY_HASH.items() if number == NUMERICS),
+        f"numerics {NUMERICS}",
     )
 
 
-def source_files(parts: Sequence[str] = ENGINE) -> list[Path]:
+def source_files(parts: Sequence[str] = ENGINE_PARTS) -> list[Path]:
     """Return the source files of parts of the package in a fixed order."""
     files: list[Path] = []
     for name in parts:
@@ -63,10 +65,11 @@ def source_files(parts: Sequence[str] = ENGINE) -> list[Path]:
     return files
 
 
-def source_hash(parts: Sequence[str] = ENGINE) -> str:
+def source_hash(parts: Sequence[str] = ENGINE_PARTS) -> str:
     """Return 12 hex digits that change with any source file of parts of the package.
 
-    Run files tell that of the engine, compiled code belongs to that of `COMPILED`.
+    Run files record the hash of the engine; compiled code is valid for the hash of
+    `COMPILED_PARTS`.
     """
     digest = hashlib.sha256()
     for path in source_files(parts):

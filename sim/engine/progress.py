@@ -1,4 +1,4 @@
-"""How far a run is: a bar on a terminal, log lines elsewhere, a small file beside the output."""
+"""Progress of a run: a bar on a terminal, log lines elsewhere, a small file beside the output."""
 
 import logging
 import os
@@ -19,26 +19,26 @@ from sim.parameters import Parameters, point_id
 
 log = logging.getLogger("talus")
 
-#: Seconds to the first log line about progress. Each pause is twice the one before, up to the
+#: Seconds to the first log line about progress. Each pause is twice the previous one, up to the
 #: longest.
 FIRST_PAUSE = 10.0
 LONGEST_PAUSE = 300.0
 
-#: Least number of seconds between two writes of the progress file.
+#: Shortest time (s) between two writes of the progress file.
 WRITE_INTERVAL = 2.0
 
-#: Seconds for which a progress file stands for a run on a machine that cannot be asked. Samples
-#: that take long stretch it.
+#: Seconds for which a progress file counts as a sign of life of a run on another machine; at least
+#: ``CREDIT_SAMPLES`` times the longest sample so far.
 CREDIT = 120.0
 CREDIT_SAMPLES = 3
 
 
-#: Largest number that a progress file may hold; beyond it something else has written it.
-MOST = 10**18
+#: Largest number in a progress file; a file with a larger one was not written by this program.
+LARGEST = 10**18
 
 
 class Progress(BaseModel):
-    """What a progress file says: how far a run was when it was written.
+    """The content of a progress file: the state of a run at the time of writing.
 
     Attributes
     ----------
@@ -47,18 +47,18 @@ class Progress(BaseModel):
     done, total : int
         Steps over all replicates, without settling.
     at_most : bool
-        The run may end before its total: when its mean velocity is known well enough.
+        True where the run may end before its total, once its mean velocity is precise enough.
     particles : int
         Particles of the run.
     rate : float
-        Particle-steps per second, mean since the first sample of this process: what comes before
-        it, loading and the settling of a bed, says nothing about the rest.
+        Particle-steps per second, mean since the first sample of this process. The time before it,
+        for loading and for settling a bed, is not representative.
     elapsed : float
-        Seconds since then, by a clock that nobody sets.
+        Seconds since this process started on the point, by a monotonic clock.
     started, updated : datetime
-        When this process started on the point, and when this was written.
+        When this process started on the point, and when the file was written.
     expires : datetime
-        Until when another machine should believe that the run goes on.
+        Until when another machine should assume that the run is alive.
     pid, host : int, str
         The process and its machine.
     """
@@ -66,12 +66,12 @@ class Progress(BaseModel):
     model_config = ConfigDict(frozen=True, allow_inf_nan=False)
 
     point: str
-    done: int = Field(ge=0, le=MOST)
-    total: int = Field(gt=0, le=MOST)
+    done: int = Field(ge=0, le=LARGEST)
+    total: int = Field(gt=0, le=LARGEST)
     at_most: bool
-    particles: int = Field(gt=0, le=MOST)
-    rate: float = Field(ge=0, le=MOST)
-    elapsed: float = Field(ge=0, le=MOST)
+    particles: int = Field(gt=0, le=LARGEST)
+    rate: float = Field(ge=0, le=LARGEST)
+    elapsed: float = Field(ge=0, le=LARGEST)
     started: AwareDatetime
     updated: AwareDatetime
     expires: AwareDatetime
@@ -80,31 +80,31 @@ class Progress(BaseModel):
 
     @property
     def percent(self) -> int:
-        """Percentage of the total that is done, 100 only at the end."""
+        """Percentage of the total that is done; 100 only at the end."""
         return min(100, 100 * self.done // self.total)
 
     @property
-    def left(self) -> float | None:
-        """Expected seconds to the total; none as long as nothing has been done."""
+    def remaining_seconds(self) -> float | None:
+        """Expected seconds to the total; None until a rate is known."""
         if self.rate == 0:
             return None
         return max(0, self.total - self.done) * self.particles / self.rate
 
     @property
-    def time_left(self) -> str:
-        """`left` in words."""
-        if self.left is None:
+    def remaining_time(self) -> str:
+        """`remaining_seconds` in words."""
+        if self.remaining_seconds is None:
             return "unknown"
-        return f"{'at most' if self.at_most else 'about'} {duration(self.left)}"
+        return f"{'at most' if self.at_most else 'about'} {duration(self.remaining_seconds)}"
 
 
 def may_end_early(parameters: Parameters) -> bool:
-    """Return whether a run may end before its total, once its mean velocity is known."""
+    """True where a run may end before its total, once its mean velocity is precise enough."""
     return parameters.longest_samples > parameters.shortest_samples
 
 
 def length(parameters: Parameters) -> str:
-    """Say how many steps all replicates of a point take, or take at most."""
+    """Return the text of the number of steps of all replicates, a bound where it may vary."""
     bound = "at most " if may_end_early(parameters) else ""
     return f"{bound}{parameters.replicates * parameters.steps:,} steps"
 
@@ -115,7 +115,7 @@ def progress_file(output: Path) -> Path:
 
 
 def read_progress(output: Path) -> Progress | None:
-    """Return the progress of the run that will write ``output``; none without a readable file."""
+    """Return the progress of the run that will write ``output``; None without a readable file."""
     try:
         return Progress.model_validate_json(read_regular(progress_file(output)))
     except (OSError, ValidationError):
@@ -126,42 +126,42 @@ def read_progress(output: Path) -> Progress | None:
 def progress(
     parameters: Parameters, output: Path, quiet: bool = False, done: int = 0
 ) -> Iterator[Callable[[int], None]]:
-    """Yield a function that is told the number of steps of every advance.
+    """Yield a function to call with the number of steps of every advance.
 
     Parameters
     ----------
     parameters : Parameters
         The point.
     output : Path
-        The run file to be; the progress file lies beside it until the block ends, and stays after a
-        ``SystemExit``, for the next start to replace.
+        The future run file. The progress file lies beside it until the block ends; after a
+        ``SystemExit`` it stays, and the next start replaces it.
     quiet : bool
         Neither bar nor log lines.
     done : int
-        Steps that lie behind a run that resumes.
+        Steps that a resumed run has done already.
     """
     meter = _Meter(parameters, done)
     name = f"{meter.point} (at most)" if meter.at_most else meter.point
-    shown = bar(meter.total, name, "step", quiet, meter.done)
+    display = bar(meter.total, name, "step", quiet, meter.done)
     file = progress_file(output)
-    written, lines = meter.start, _LogLines(meter.start)
+    last_write, lines = meter.start, _LogLines(meter.start)
     _write(file, meter.read())
 
-    def advanced(steps: int) -> None:
-        nonlocal written
+    def advance(steps: int) -> None:
+        nonlocal last_write
         now = meter.advance(steps)
-        shown.update(steps)
-        if now - written >= WRITE_INTERVAL:
-            written = now
+        display.update(steps)
+        if now - last_write >= WRITE_INTERVAL:
+            last_write = now
             _write(file, meter.read())
-        if shown.disable and not quiet and lines.is_due(now):
+        if display.disable and not quiet and lines.is_due(now):
             log.info(meter.line())
 
     try:
-        with shown:
-            yield advanced
+        with display:
+            yield advance
     except SystemExit:
-        # Terminated after a checkpoint: interrupted, and so it shall be seen.
+        # Terminated after a checkpoint: the file stays, so that the run counts as interrupted.
         raise
     except BaseException:
         _remove(file)
@@ -170,7 +170,7 @@ def progress(
 
 
 class _Meter:
-    """Steps done and the time they took, by a clock that nobody sets."""
+    """Counts the steps of a run and measures their time with a monotonic clock."""
 
     def __init__(self, parameters: Parameters, done: int):
         self.point = point_id(parameters)
@@ -197,7 +197,7 @@ class _Meter:
         return now
 
     def read(self) -> Progress:
-        """Return the present contents of the progress file."""
+        """Return the present content of the progress file."""
         steps, seconds = self.done - self.reference[0], self.latest - self.reference[1]
         now = datetime.now(UTC)
         credit = max(CREDIT, CREDIT_SAMPLES * self.longest)
@@ -207,7 +207,7 @@ class _Meter:
             total=self.total,
             at_most=self.at_most,
             particles=self.particles,
-            # The first sample includes loading, and compiling where that is still to be done.
+            # The first sample includes loading, and compilation where it is still needed.
             rate=steps * self.particles / seconds if self.samples > 1 and seconds > 0 else 0.0,
             elapsed=self.latest - self.start,
             started=self.started,
@@ -218,16 +218,16 @@ class _Meter:
         )
 
     def line(self) -> str:
-        """Return the line for the log."""
+        """Return the text of a log line."""
         now = self.read()
         done = f"{now.point}: {now.percent} % of {self.length}"
-        if now.left is None:
+        if now.remaining_seconds is None:
             return done
-        return f"{done}, {now.rate / 1e6:.1f} million particle-steps/s, {now.time_left} left"
+        return f"{done}, {now.rate / 1e6:.1f} million particle-steps/s, {now.remaining_time} left"
 
 
 def bar(total: int, name: str, unit: str, quiet: bool = False, done: int = 0) -> tqdm:
-    """Return a bar that appears on terminals and in notebooks alone."""
+    """Return a progress bar that appears only on terminals and in notebooks."""
     kind, in_notebook = tqdm, "ipykernel" in sys.modules
     if in_notebook:
         from tqdm.auto import tqdm as kind
@@ -242,18 +242,18 @@ def bar(total: int, name: str, unit: str, quiet: bool = False, done: int = 0) ->
 
 
 class _LogLines:
-    """When log lines about progress are due: ever more rarely, see `FIRST_PAUSE`."""
+    """Schedule of the log lines about progress, at growing intervals, see `FIRST_PAUSE`."""
 
     def __init__(self, start: float):
         self.pause = FIRST_PAUSE
-        self.due = start + self.pause
+        self.next_time = start + self.pause
 
     def is_due(self, now: float) -> bool:
-        """Return whether a line is due at a time (s); if so, the next one is after a pause."""
-        if now < self.due:
+        """True where a line is due at a time (s); the next one is then due after a pause."""
+        if now < self.next_time:
             return False
         self.pause = min(2 * self.pause, LONGEST_PAUSE)
-        self.due = now + self.pause
+        self.next_time = now + self.pause
         return True
 
 
@@ -268,9 +268,9 @@ def _temporary(file: Path) -> Path:
 
 
 def _write(file: Path, now: Progress) -> None:
-    """Replace the progress file. That it cannot be written must not end a run.
+    """Replace the progress file; an error must not end a run.
 
-    It need not survive a power cut, so nothing waits for the disk.
+    The file need not survive a power cut, so nothing waits for the disk.
     """
     with suppress(OSError):
         _temporary(file).write_text(now.model_dump_json(indent=2) + "\n")

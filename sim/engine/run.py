@@ -1,18 +1,25 @@
-"""One point -> one netCDF file: settle, transient, averaging window, for every replicate."""
+"""Run a point into a netCDF file: settling, transient and averaging window of every replicate.
+
+An existing run file of the point is continued from its records.
+"""
 
 import logging
 import platform
 import shlex
 import sys
 from collections import Counter
+from collections.abc import Mapping
+from contextlib import suppress
 from datetime import UTC, datetime
 from functools import cache
 from pathlib import Path
 
+import netCDF4
 import numpy as np
 
-from sim.base.files import alone
+from sim.base.files import file_lock
 from sim.base.program import __version__
+from sim.base.seals import is_damaged
 from sim.base.statistics import mean_interval
 from sim.engine.identity import NUMERICS, library_versions, source_hash
 from sim.engine.observe.recorder import Record
@@ -21,18 +28,25 @@ from sim.engine.observe.system import System
 from sim.engine.origin import Origin, is_alike, origin_of
 from sim.engine.progress import length, progress
 from sim.engine.replicate import Replicate
-from sim.engine.stages import read_stages
 from sim.engine.states import States, checkpoint_interval
-from sim.engine.stored_run import current_status, started_at
-from sim.parameters import Parameters, amounts, more, point_id
+from sim.engine.stored_run import (
+    current_status,
+    is_run_of,
+    read_attributes,
+    read_origin_samples,
+    stage_amounts,
+    stage_groups,
+)
+from sim.parameters import Parameters, amounts, point_id, with_larger_amounts
+from sim.parameters.variables import SCALARS, variables_of
 
 log = logging.getLogger("talus")
 
-#: Of the sources that this process has loaded, whatever becomes of the files.
+#: The hash of the sources when this process first asks for it, even if the files change later.
 engine_hash = cache(source_hash)
 
-#: Exit code of a run that was stopped by a blow-up; its file says why.
-BLOWN_UP = 3
+#: Exit code of a run that was stopped by a blow-up; the reason is in its file.
+BLOW_UP_CODE = 3
 
 
 def run_point(
@@ -45,12 +59,12 @@ def run_point(
     parameters : Parameters
         The point.
     output : Path
-        The netCDF file; it appears, complete, at the end. One that is there grows, and stays as it
-        is where it holds all that is wanted.
+        The netCDF file; it appears, complete, at the end. An existing file grows; it is left
+        unchanged where it has all amounts of the point.
     quiet : bool
         Neither bar nor log lines about progress.
     record_failure : bool
-        Count a blow-up as a result: the file says what happened and the exit code is 0.
+        Count a blow-up as a result: the file holds the reason and the exit code is 0.
 
     Returns
     -------
@@ -61,75 +75,76 @@ def run_point(
     log.info("%s: %d particles, %s", name, parameters.particles, length(parameters))
     if parameters.caveat:
         log.warning("%s: %s", name, parameters.caveat)
-    with alone(output):
+    with file_lock(output):
         origin = origin_of(parameters, output)
-        is_old = origin is not None and not is_alike(origin.samples, started_at(output))
+        is_old = origin is not None and not is_alike(origin.samples, read_origin_samples(output))
         if is_old:
             log.info("%s: what it starts from has gone on; computed anew", name)
         status = "" if is_old else current_status(output, parameters)
         if not status:
             status = _compute(parameters, output, quiet, origin, is_old)
             log.info("%s: written", output)
-    return BLOWN_UP if status == "failed" and not record_failure else 0
+    return BLOW_UP_CODE if status == "failed" and not record_failure else 0
 
 
 def _compute(
     parameters: Parameters, output: Path, quiet: bool, origin: Origin | None, is_old: bool
 ) -> str:
-    """Run what is wanted and not known yet of a point; write the file and return its status.
+    """Run the missing parts of a point; write the file and return its status.
 
-    Known are the records of a run file of the same point, as far as the lengths are the same, and
-    the states of replicates, which are run on; where ``is_old``, its start is another, nothing is.
+    Records of a run file of the same point are reused where their lengths are the same, and
+    replicates continue from their stored states. Where ``is_old``, the run file started from
+    another state, and nothing of it is reused.
     """
-    held = [] if is_old else read_stages(output, parameters)
-    if held:
-        parameters = more(parameters, amounts(held[0].parameters))
-    same = bool(held) and _lengths(held[0].parameters) == _lengths(parameters)
-    records = list(held[0].records) if same else []
-    if held and not same:
-        for record in held[0].records:
-            # They belong to the longest run alone, and are large.
+    stored = [] if is_old else read_stages(output, parameters)
+    if stored:
+        parameters = with_larger_amounts(parameters, amounts(stored[0].parameters))
+    same = bool(stored) and _lengths(stored[0].parameters) == _lengths(parameters)
+    records = list(stored[0].records) if same else []
+    if stored and not same:
+        for record in stored[0].records:
+            # Only the longest run keeps frames, because they are large.
             record.frames.clear()
     samples = origin.samples if origin else ()
     states = States(output, parameters, checkpoint_interval(), samples)
-    left = range(len(records), parameters.replicates)
-    known = [states.samples(number) for number in left if number in states]
-    if held or known:
-        log.info("%s: %s", output, "grows" if held else "continued from a checkpoint")
-    done = len(records) * parameters.steps + sum(known) * parameters.sample_steps
-    with states, progress(parameters, output, quiet, done) as advanced:
-        for number in left:
+    numbers = range(len(records), parameters.replicates)
+    stored_samples = [states.samples(number) for number in numbers if number in states]
+    if stored or stored_samples:
+        log.info("%s: %s", output, "grows" if stored else "continued from a checkpoint")
+    done = len(records) * parameters.steps + sum(stored_samples) * parameters.sample_steps
+    with states, progress(parameters, output, quiet, done) as report_steps:
+        for number in numbers:
             replicate = states.replicate(parameters, number) or Replicate(parameters, number)
-            records.append(replicate.run(advanced, states, origin and origin.start))
-    # They shall know at least as much as the run file.
+            records.append(replicate.run(report_steps, states, origin and origin.start))
+    # Before the run file: the states must be at least as far as its records.
     states.save()
-    stages = [Stage(parameters, records), *(held[1:] if same else held)]
+    stages = [Stage(parameters, records), *(stored[1:] if same else stored)]
     attributes = _attributes(parameters, records)
     if origin:
         attributes["origin"] = " ".join(map(str, samples[: parameters.replicates]))
     write(output, stages, _layout(parameters, replicate.system), attributes)
-    _tell(parameters, output, records)
+    _log_results(parameters, output, records)
     return attributes["status"]
 
 
 def _lengths(parameters: Parameters) -> dict[str, float]:
-    """Return the amounts of which a replicate needs to be run for longer."""
-    return {name: one for name, one in amounts(parameters).items() if name != "replicates"}
+    """Return the amounts that set the length of a replicate."""
+    return {name: value for name, value in amounts(parameters).items() if name != "replicates"}
 
 
-def _tell(parameters: Parameters, output: Path, records: list[Record]) -> None:
-    """Log how the replicates ended, each and together."""
+def _log_results(parameters: Parameters, output: Path, records: list[Record]) -> None:
+    """Log the result of each replicate and of all together."""
     if any(record.scalars["reason"] for record in records):
         command = shlex.join(["python", "-m", "sim", "info", str(output), "--point"])
         log.warning("%s: its point, to see the failure again: %s", point_id(parameters), command)
     for record in records:
         log.log(*_closing_line(parameters, record))
     if len(records) > 1:
-        log.info(_together(parameters, records))
+        log.info(_summary_line(parameters, records))
 
 
 def _closing_line(parameters: Parameters, record: Record) -> tuple[int, str]:
-    """Return level and text of the line that says how a replicate ended."""
+    """Return level and text of the log line with the result of a replicate."""
     name, values = point_id(parameters), record.scalars
     if values["reason"]:
         return logging.WARNING, f"{name}: failed: {values['reason']}"
@@ -145,17 +160,17 @@ def _closing_line(parameters: Parameters, record: Record) -> tuple[int, str]:
     )
 
 
-def _together(parameters: Parameters, records: list[Record]) -> str:
-    """Return the line that says what several replicates gave together."""
+def _summary_line(parameters: Parameters, records: list[Record]) -> str:
+    """Return the log line with the statistics pooled over several replicates."""
     name, scalars = point_id(parameters), [record.scalars for record in records]
-    failed = sum(bool(each["reason"]) for each in scalars)
+    failed = sum(bool(values["reason"]) for values in scalars)
     if failed:
         return f"{name}: failed: {failed} of {len(records)} replicates"
-    velocities = np.array([each["velocity"] for each in scalars])
+    velocities = np.array([values["velocity"] for values in scalars])
     half_width, _ = mean_interval(
-        velocities, np.array([each["velocity_half_width"] for each in scalars])
+        velocities, np.array([values["velocity_half_width"] for values in scalars])
     )
-    counts = Counter(str(each["regime"]) for each in scalars).most_common()
+    counts = Counter(str(values["regime"]) for values in scalars).most_common()
     regimes = ", ".join(f"{count} {regime}" if counts[1:] else regime for regime, count in counts)
     return (
         f"{name}: {_velocity(velocities.mean(), half_width)}, {regimes}; {len(records)} replicates"
@@ -163,7 +178,7 @@ def _together(parameters: Parameters, records: list[Record]) -> str:
 
 
 def _velocity(value: float, half_width: float) -> str:
-    """Write a mean velocity with its 95 % interval, where that is known."""
+    """Return the text of a mean velocity with its 95 % interval, where that is known."""
     if np.isnan(half_width):
         return f"velocity {value:.4g} m/s, interval not known"
     return f"velocity {value:.4g} ± {half_width:.2g} m/s"
@@ -180,7 +195,7 @@ def _layout(parameters: Parameters, system: System) -> Layout:
 
 
 def _attributes(parameters: Parameters, records: list[Record]) -> dict:
-    """Return the global attributes: what this is and how it was made."""
+    """Return the global attributes: identity, provenance and outcome of the run."""
     reasons = [str(record.scalars["reason"]) for record in records if record.scalars["reason"]]
     versions = " ".join(f"{name} {number}" for name, number in library_versions().items())
     created = datetime.now(UTC).isoformat(timespec="seconds")
@@ -206,3 +221,52 @@ def _attributes(parameters: Parameters, records: list[Record]) -> dict:
         "steps": sum(record.scalars["steps"] for record in records),
         "wall_time": sum(record.scalars["wall_time"] for record in records),
     }
+
+
+def read_stages(path: Path, parameters: Parameters) -> list[Stage]:
+    """Return the runs in a run file of the same point and numerics, the longest first.
+
+    The list is empty where there is no such file, or where it is damaged.
+    """
+    with suppress(OSError, LookupError, ValueError):
+        if not is_damaged(path):
+            with netCDF4.Dataset(path) as file:
+                file.set_auto_mask(False)
+                if is_run_of(read_attributes(file), parameters):
+                    lengths = stage_amounts(file, amounts(parameters))
+                    stages = zip(stage_groups(file), lengths, strict=True)
+                    return [_read_stage(group, parameters, length) for group, length in stages]
+    return []
+
+
+def _read_stage(
+    group: netCDF4.Dataset, parameters: Parameters, lengths: Mapping[str, float]
+) -> Stage:
+    values = {name: type(getattr(parameters, name))(value) for name, value in lengths.items()}
+    records = [_read_record(group, index) for index in range(group.dimensions["replicate"].size)]
+    return Stage(parameters.model_copy(update=values), records)
+
+
+def _read_record(group: netCDF4.Dataset, index: int) -> Record:
+    """Return the record of one replicate from a group of a run file."""
+    record = Record({})
+    for name, variable in group.variables.items():
+        dimensions = variable.dimensions
+        if dimensions[:1] != ("replicate",) or name == "replicate":
+            continue
+        values = variable[index]
+        if name in SCALARS:
+            record.scalars[name] = str(values) if variable.dtype is str else values.item()
+        elif name in variables_of("particle"):
+            record.snapshots[name] = list(values) if "frame" in dimensions else [values]
+        elif dimensions[1:2] == ("trajectory_time",):
+            record.frames[name] = values
+        elif name == "path":
+            record.path = None if np.isnan(values).all() else values
+        elif dimensions == ("replicate", "time"):
+            record.series[name] = values
+        elif dimensions == ("replicate", "height") and not variables_of("profile")[name].asked_by:
+            record.profiles[name] = values
+        else:
+            record.tables[name] = values
+    return record

@@ -1,4 +1,4 @@
-"""The states of a run's replicates in one file, from which it goes on when killed or too short."""
+"""The states of a run's replicates in one file, to continue a run that was killed or too short."""
 
 import io
 import json
@@ -17,7 +17,8 @@ from typing import TYPE_CHECKING, Any, BinaryIO, Self
 import numpy as np
 
 from sim.base.errors import InputError
-from sim.base.files import is_damaged, open_regular, replacing, seal, set_aside
+from sim.base.files import atomic_write, open_regular
+from sim.base.seals import is_damaged, seal, set_aside
 from sim.engine.flatten import FlatState
 from sim.engine.identity import NUMERICS
 from sim.parameters import Parameters, point_id
@@ -27,7 +28,7 @@ if TYPE_CHECKING:
 
 log = logging.getLogger("talus")
 
-#: What Python does on a signal.
+#: A signal handler of Python.
 _Handler = Callable[[int, FrameType | None], Any] | int | None
 
 #: Seconds between two checkpoints, unless TALUS_CHECKPOINT_SECONDS says otherwise.
@@ -36,19 +37,19 @@ INTERVAL = 120.0
 #: Largest share of the wall time that writing checkpoints may take.
 SHARE = 0.05
 
-#: Exit code of a process that SIGTERM has ended.
-TERMINATED = 128 + signal.SIGTERM
+#: Exit code of a process that was ended by SIGTERM.
+TERMINATION_CODE = 128 + signal.SIGTERM
 
-#: Number of this layout of the file, and most bytes of its first line.
+#: Version of the file layout, and the largest size of its first line in bytes.
 FORMAT = 3
-LONGEST = 65536
+LONGEST_HEADER = 65536
 
-#: Where the numbers of a state are, among its arrays.
+#: Name of the archive member with the numbers of a state; the other members are arrays.
 _NUMBERS = "numbers.json"
 
 
 def checkpoint_interval() -> float:
-    """Return the seconds between two checkpoints that the environment asks for."""
+    """Return the seconds between two checkpoints, as set in the environment."""
     name = "TALUS_CHECKPOINT_SECONDS"
     text = os.environ.get(name) or str(INTERVAL)
     with suppress(ValueError):
@@ -57,7 +58,7 @@ def checkpoint_interval() -> float:
     raise InputError.of_value("environment", name, text, "a number of seconds >= 0")
 
 
-def packed(state: FlatState) -> bytes:
+def pack(state: FlatState) -> bytes:
     """Return a state as a compressed archive of its arrays and a JSON text of its numbers."""
     buffer = io.BytesIO()
     numbers = {name: value for name, value in state.items() if not isinstance(value, np.ndarray)}
@@ -69,8 +70,8 @@ def packed(state: FlatState) -> bytes:
     return buffer.getvalue()
 
 
-def numbers(archive: bytes) -> dict[str, Any]:
-    """Return the numbers of a state that was packed, none where it was not."""
+def read_numbers(archive: bytes) -> dict[str, Any]:
+    """Return the numbers of a packed state; empty where the archive is no packed state."""
     try:
         with zipfile.ZipFile(io.BytesIO(archive)) as file:
             return json.loads(file.read(_NUMBERS))
@@ -78,8 +79,8 @@ def numbers(archive: bytes) -> dict[str, Any]:
         return {}
 
 
-def unpacked(archive: bytes) -> FlatState:
-    """Return the state that was packed; raises ``ValueError`` when that was none."""
+def unpack(archive: bytes) -> FlatState:
+    """Return the state in an archive; raises ``ValueError`` when there is none."""
     try:
         with zipfile.ZipFile(io.BytesIO(archive)) as file:
             state = json.loads(file.read(_NUMBERS))
@@ -95,24 +96,26 @@ def unpacked(archive: bytes) -> FlatState:
 class States:
     """The file ``.<output>.state`` beside the output of a run.
 
-    A line of JSON names point, numerics and the sizes of what follows: one archive per replicate,
-    then the seal. It is written now and then while the run is under way, and stays when the run is
-    done. As a context, it makes SIGTERM end the process when a replicate is next offered, after
-    saving it, or at once before the first offer: that is how batch systems ask first.
+    The first line is JSON with the point, the numerics and the sizes of the archives. Then follow
+    one archive per replicate and the seal. The file is written from time to time during the run and
+    stays when the run is done. Used as a context, it makes SIGTERM (by which batch systems announce
+    the end) save the states and end the process when a replicate is next offered. Before the first
+    offer SIGTERM ends the process at once.
 
     Parameters
     ----------
     output : Path
         The run file.
     parameters : Parameters
-        The point; states of another one are not accepted.
+        The point; states of another point are not accepted.
     interval : float
         Seconds of wall time between two writes.
     origin : sequence of int
-        For runs that start from another's end, how many samples that had (`sim.engine.origin`).
-    own : bool
-        Whether the run is that of this process, which sets damaged states aside; of another's it is
-        an error that they are.
+        For runs that start from the end of another run: the number of samples of each replicate of
+        that run (`sim.engine.origin`).
+    is_own : bool
+        True where this process runs the point. Damaged states are then set aside; for another run
+        they are an error.
     """
 
     def __init__(
@@ -121,89 +124,89 @@ class States:
         parameters: Parameters,
         interval: float = INTERVAL,
         origin: Sequence[int] = (),
-        own: bool = True,
+        is_own: bool = True,
     ):
         self.path = output.with_name(f".{output.name}.state")
         self.interval = interval
         self._identity = {"format": FORMAT, "numerics": NUMERICS, "point": point_id(parameters)}
         self._origin = list(origin)
-        self._own = own
-        self._due = time.monotonic() + interval
-        self._terminated = False
-        self._under_way = False
-        self._before: _Handler = None
+        self._is_own = is_own
+        self._next_write = time.monotonic() + interval
+        self._is_terminated = False
+        self._has_started = False
+        self._previous_handler: _Handler = None
         self._archives = self._load()
 
     def __enter__(self) -> Self:
-        # Only the main thread may say what signals do.
+        # Only the main thread may set signal handlers.
         if threading.current_thread() is threading.main_thread():
-            self._before = signal.signal(signal.SIGTERM, self._terminate)
+            self._previous_handler = signal.signal(signal.SIGTERM, self._terminate)
         return self
 
     def __exit__(self, *_: object) -> None:
-        if self._before is not None:
-            signal.signal(signal.SIGTERM, self._before)
+        if self._previous_handler is not None:
+            signal.signal(signal.SIGTERM, self._previous_handler)
 
     def _terminate(self, *_: object) -> None:
-        self._terminated = True
-        # Loops that are being compiled for the first time hold nothing to save.
-        if not self._under_way:
-            raise SystemExit(TERMINATED)
+        self._is_terminated = True
+        # During the first compilation there is nothing to save.
+        if not self._has_started:
+            raise SystemExit(TERMINATION_CODE)
 
     def replicate(self, parameters: Parameters, number: int) -> "Replicate | None":
-        """Return a replicate as far as it is known, to be run to the lengths of ``parameters``.
+        """Return a stored replicate, to be run to the lengths of ``parameters``.
 
-        None where nothing is known of it, or what is known is none of this program's states.
+        None where no state of it is stored, or where this program cannot use the state.
         """
-        # Who asks for the interval alone, as every start of the workflow, waits for no numba.
+        # Imported late: the workflow needs only the checkpoint interval, without loading numba.
         from sim.engine.replicate import Replicate
 
         archive = self._archives.get(number)
         if archive is None:
             return None
         try:
-            return Replicate.restored(parameters, number, unpacked(archive))
+            return Replicate.from_state(parameters, number, unpack(archive))
         except (ValueError, TypeError, LookupError) as error:
             log.warning("%s: replicate %d starts anew: %s", self.path, number, error)
             return None
 
     def __contains__(self, number: int) -> bool:
-        """Return whether something is known of a replicate."""
+        """True where a state of a replicate is stored."""
         return number in self._archives
 
     def samples(self, number: int) -> int:
-        """Return how many samples of a replicate are known."""
-        return numbers(self._archives[number]).get("told.shown", 0)
+        """Return the number of samples in the stored state of a replicate."""
+        return read_numbers(self._archives[number]).get("told.shown", 0)
 
     def offer(self, replicate: "Replicate") -> None:
-        """Write the states if it is time. That it cannot be done stops no run.
+        """Write the states if it is time; an error of the file system is only a warning.
 
         Raises ``SystemExit`` after SIGTERM.
         """
-        self._under_way = True
-        began = time.monotonic()
-        if began < self._due and not self._terminated:
+        self._has_started = True
+        start = time.monotonic()
+        if start < self._next_write and not self._is_terminated:
             return
         self.keep(replicate)
-        if self._terminated:
-            self.heed()
+        if self._is_terminated:
+            self.check_signals()
         self.save()
-        ended = time.monotonic()
-        self._due = ended + max(self.interval, (ended - began) / SHARE)
+        end = time.monotonic()
+        self._next_write = end + max(self.interval, (end - start) / SHARE)
 
-    def heed(self) -> None:
-        """Save and raise ``SystemExit`` after SIGTERM."""
-        if self._terminated:
+    def check_signals(self) -> None:
+        """Save the states and raise ``SystemExit`` after SIGTERM; else do nothing."""
+        if self._is_terminated:
             self.save()
             log.warning("%s: terminated; the next start continues from here", self.path)
-            raise SystemExit(TERMINATED)
+            raise SystemExit(TERMINATION_CODE)
 
     def keep(self, replicate: "Replicate") -> None:
-        """Take the present state of a replicate into what will be written."""
-        self._archives[replicate.number] = packed(replicate.state())
+        """Add the present state of a replicate to the states that will be written."""
+        self._archives[replicate.number] = pack(replicate.state())
 
     def save(self) -> None:
-        """Write all states, complete or not at all; that it cannot be done is a warning."""
+        """Write all states, completely or not at all; an error of the file system is a warning."""
         try:
             self._write()
         except OSError as error:
@@ -211,7 +214,7 @@ class States:
 
     def _write(self) -> None:
         sizes = {number: len(archive) for number, archive in sorted(self._archives.items())}
-        with replacing(self.path) as temporary:
+        with atomic_write(self.path) as temporary:
             with temporary.open("wb") as file:
                 header = self._identity | {"sizes": sizes, "origin": self._origin}
                 file.write(json.dumps(header).encode() + b"\n")
@@ -220,9 +223,9 @@ class States:
             seal(temporary)
 
     def _load(self) -> dict[int, bytes]:
-        """Return the archives of the file by replicate, none where there is no file.
+        """Return the archives of the file by replicate, empty where there is no file.
 
-        One that is damaged or belongs to another run is set aside with a warning.
+        A file that is damaged or belongs to another run is set aside with a warning.
         """
         try:
             with open_regular(self.path) as file:
@@ -232,24 +235,26 @@ class States:
             return {}
         except (OSError, ValueError, LookupError, TypeError, AttributeError) as error:
             reason = error.strerror if isinstance(error, OSError) else error
-            if not self._own:
+            if not self._is_own:
                 raise InputError(f"{self.path}: {reason}") from None
-            aside = set_aside(self.path)
-            log.warning("%s: %s; set aside as %s", self.path, reason, aside)
+            new_path = set_aside(self.path)
+            log.warning("%s: %s; set aside as %s", self.path, reason, new_path)
             return {}
 
     def _sizes(self, file: BinaryIO) -> dict[str, int]:
-        """Read up to the archives and return their sizes; raise ``ValueError`` where they are not
-        of this run."""
+        """Read the first line and return the sizes of the archives.
+
+        Raises ``ValueError`` where they do not belong to this run.
+        """
         try:
-            header = json.loads(file.readline(LONGEST))
+            header = json.loads(file.readline(LONGEST_HEADER))
             differ = [key for key, value in self._identity.items() if header.get(key) != value]
         except (ValueError, AttributeError):
             raise ValueError("damaged or no states of a run") from None
         if differ:
             raise ValueError(f"states of other {differ[0]}")
-        known = zip(header.get("origin", []), self._origin, strict=False)
-        if any(one != other for one, other in known):
+        samples = zip(header.get("origin", []), self._origin, strict=False)
+        if any(stored != present for stored, present in samples):
             raise ValueError("states from before the run that they start from went on")
         if is_damaged(self.path):
             raise ValueError("damaged: the checksum is wrong")

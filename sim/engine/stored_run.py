@@ -1,4 +1,4 @@
-"""What an existing run file holds: its point, its numerics, how much of the point was run."""
+"""Inspection of an existing run file: its point, its numerics and its amounts."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
@@ -7,75 +7,82 @@ from typing import Any
 
 import netCDF4
 
-from sim.base.damage import checked_read
 from sim.base.errors import InputError
-from sim.base.files import is_damaged
-from sim.base.summary import read_summary
+from sim.base.seals import checked_read, is_damaged, read_summary
 from sim.engine.identity import NUMERICS, numerics_of
-from sim.parameters import SYSTEMS, Parameters, amounts, covers, more, parse_point, point_id
+from sim.parameters import (
+    SYSTEMS,
+    Parameters,
+    amounts,
+    covers,
+    parse_point,
+    point_id,
+    with_larger_amounts,
+)
 
 
 def current_status(path: Path, parameters: Parameters) -> str:
     """Return the status of a run file if it is current, else an empty text.
 
-    Current is a whole file of the same point and the same numerics that holds as much as is wanted
-    or more: a run would write the same numbers again. Other versions of libraries may round
-    otherwise and make no file old.
+    A file is current if it is undamaged, belongs to the same point and numerics, and has at least
+    the amounts of the point: a run would write the same numbers again. Other versions of libraries
+    may round differently, but do not make a file old.
     """
     with suppress(OSError, LookupError, ValueError):
         if not is_damaged(path):
             with netCDF4.Dataset(path) as file:
-                ours = is_of(attributes(file), parameters)
-                if ours and answering(file, amounts(parameters)):
+                is_ours = is_run_of(read_attributes(file), parameters)
+                if is_ours and find_group(file, amounts(parameters)):
                     return file.status
     return ""
 
 
-def stage_of(held: Sequence[Mapping[str, float]], wanted: Mapping[str, float]) -> int | None:
-    """Return which of the stages that are held, the longest first, has the least of what is enough.
+def find_stage(stages: Sequence[Mapping[str, float]], minimum: Mapping[str, float]) -> int | None:
+    """Return the number of the shortest stage with at least the amounts ``minimum``.
 
-    None where none has. Of its replicates the first are those wanted.
+    ``stages`` are amounts, the longest run first; None where all are too short. The first
+    replicates of the stage are those of a run of the ``minimum``.
     """
-    found = [number for number, stage in enumerate(held) if covers(stage, wanted)]
-    return found[-1] if found else None
+    numbers = [number for number, stage in enumerate(stages) if covers(stage, minimum)]
+    return numbers[-1] if numbers else None
 
 
-def holds(path: Path, parameters: Parameters) -> bool:
-    """Return whether a run file of the present numerics has all that is wanted of its point.
+def has_enough(path: Path, parameters: Parameters) -> bool:
+    """True where a run file of the present numerics has all amounts of its point.
 
-    Whether it is whole is not looked at.
+    The file is not checked for damage.
     """
-    return stage_of(_told(path, parameters), amounts(parameters)) is not None
+    return find_stage(_read_amounts(path, parameters), amounts(parameters)) is not None
 
 
-def is_to_grow(path: Path, parameters: Parameters) -> bool:
-    """Return whether a run file of the present numerics has less than is wanted of its point."""
-    held = _told(path, parameters)
-    return bool(held) and stage_of(held, amounts(parameters)) is None
+def needs_growth(path: Path, parameters: Parameters) -> bool:
+    """True where a run file of the present numerics has less than the amounts of its point."""
+    stages = _read_amounts(path, parameters)
+    return bool(stages) and find_stage(stages, amounts(parameters)) is None
 
 
 def planned_amounts(path: Path, parameters: Parameters) -> dict[str, float]:
-    """Return how much a run file will hold once there is all that is wanted of its point.
+    """Return the amounts of a run file after it has grown to those of its point.
 
-    That is as much as it holds now, where this is enough. Whether it is whole is not looked at.
+    These are its present amounts where they are enough. The file is not checked for damage.
     """
-    held = _told(path, parameters)
-    return amounts(more(parameters, held[0]) if held else parameters)
+    stages = _read_amounts(path, parameters)
+    return amounts(with_larger_amounts(parameters, stages[0]) if stages else parameters)
 
 
-def _told(path: Path, parameters: Parameters) -> list[dict[str, float]]:
-    """Return the amounts that a run file of a point and of the present numerics says it holds."""
+def _read_amounts(path: Path, parameters: Parameters) -> list[dict[str, float]]:
+    """Return the amounts of each stage of a run file of a point; empty for other numerics."""
     with suppress(OSError, LookupError, ValueError):
-        if told := read_summary(path):
-            return told["held"] if is_of(told["attributes"], parameters) else []
+        if summary := read_summary(path):
+            return summary["held"] if is_run_of(summary["attributes"], parameters) else []
         with netCDF4.Dataset(path) as file:
-            if is_of(attributes(file), parameters):
-                return held_amounts(file, amounts(parameters))
+            if is_run_of(read_attributes(file), parameters):
+                return stage_amounts(file, amounts(parameters))
     return []
 
 
-def started_at(path: Path) -> list[int]:
-    """Return how many samples the replicates of another run had taken that these started from.
+def read_origin_samples(path: Path) -> list[int]:
+    """Return the samples of each replicate of another run when the replicates started from it.
 
     Empty for a run that starts as in the paper, and where there is no run file.
     """
@@ -85,10 +92,10 @@ def started_at(path: Path) -> list[int]:
 
 
 @contextmanager
-def opened(path: Path, replaceable: bool = False) -> Iterator[netCDF4.Dataset]:
-    """Open a run file, without masks; whatever goes wrong in the block becomes one line.
+def open_run_file(path: Path, replaceable: bool = False) -> Iterator[netCDF4.Dataset]:
+    """Open a run file, without masks; an error in the block becomes one line.
 
-    Raises as `sim.base.damage.checked_read` does, which says what ``replaceable`` is.
+    Errors and ``replaceable`` are those of `sim.base.seals.checked_read`.
     """
     with checked_read(path, "run file", replaceable, sealed=True), netCDF4.Dataset(path) as file:
         file.set_auto_mask(False)
@@ -96,21 +103,21 @@ def opened(path: Path, replaceable: bool = False) -> Iterator[netCDF4.Dataset]:
 
 
 def read_parameters(path: Path) -> Parameters:
-    """Return the point of a run file, with how much of it the file holds.
+    """Return the point of a run file, with the amounts in the file.
 
     Raises
     ------
     InputError
-        When there is no such file, or it is not a run file.
+        When there is no such file, or when it is not a run file.
     """
-    with opened(path) as file:
+    with open_run_file(path) as file:
         return parameters_of(file, path)
 
 
 def parameters_of(file: netCDF4.Dataset, path: Path) -> Parameters:
     """Return the point of an open run file, from the scalar variables named like its parameters.
 
-    Raises `InputError` for a dataset, ``ValueError`` for what else is no run file.
+    Raises `InputError` for a dataset, ``ValueError`` for other files that are no run files.
     """
     if "study" in file.ncattrs():
         raise InputError(f"{path}: the dataset of study {file.study}, not a run file")
@@ -125,30 +132,30 @@ def parameters_of(file: netCDF4.Dataset, path: Path) -> Parameters:
     return parse_point(values, path)
 
 
-def attributes(file: netCDF4.Dataset) -> dict[str, Any]:
+def read_attributes(file: netCDF4.Dataset) -> dict[str, Any]:
     """Return the global attributes of an open run file."""
     return {name: file.getncattr(name) for name in file.ncattrs()}
 
 
-def is_of(held: Mapping[str, Any], parameters: Parameters) -> bool:
-    """Return whether a run file with these attributes is of a point and of the present numerics."""
-    return held["point_id"] == point_id(parameters) and numerics_of(held) == NUMERICS
+def is_run_of(attributes: Mapping[str, Any], parameters: Parameters) -> bool:
+    """True where the attributes of a run file name a point and the present numerics."""
+    return attributes["point_id"] == point_id(parameters) and numerics_of(attributes) == NUMERICS
 
 
-def held_amounts(file: netCDF4.Dataset, names: Iterable[str]) -> list[dict[str, float]]:
-    """Return the amounts that an open run file holds, the longest run first."""
-    return [{name: float(group[name][...]) for name in names} for group in groups(file)]
+def stage_amounts(file: netCDF4.Dataset, names: Iterable[str]) -> list[dict[str, float]]:
+    """Return the amounts of each stage of an open run file, the longest run first."""
+    return [{name: float(group[name][...]) for name in names} for group in stage_groups(file)]
 
 
-def answering(file: netCDF4.Dataset, wanted: Mapping[str, float]) -> netCDF4.Dataset | None:
-    """Return the group of a run file with the least that covers what is wanted; none without any.
+def find_group(file: netCDF4.Dataset, minimum: Mapping[str, float]) -> netCDF4.Dataset | None:
+    """Return the group of the shortest run with at least the amounts ``minimum``, else None.
 
-    Of its replicates the first are those wanted.
+    The first replicates of the group are those of a run of the ``minimum``.
     """
-    number = stage_of(held_amounts(file, wanted), wanted)
-    return None if number is None else groups(file)[number]
+    number = find_stage(stage_amounts(file, minimum), minimum)
+    return None if number is None else stage_groups(file)[number]
 
 
-def groups(file: netCDF4.Dataset) -> list[netCDF4.Dataset]:
-    """Return the groups of a run file that hold all of a run, the longest run first."""
+def stage_groups(file: netCDF4.Dataset) -> list[netCDF4.Dataset]:
+    """Return the groups of a run file with one complete run each, the longest run first."""
     return [file, *file.groups.values()]

@@ -1,4 +1,4 @@
-"""Compile the engine before a fan-out, so that no two runs compile the same code side by side."""
+"""Compile the engine before many runs start, so that no two compile the same code in parallel."""
 
 from collections.abc import Iterable
 from concurrent.futures import ProcessPoolExecutor
@@ -6,7 +6,7 @@ from multiprocessing import get_context
 
 from sim.engine.systems import build
 from sim.parameters import Parameters
-from sim.parameters.roles import compiled
+from sim.parameters.roles import compiled_parameters
 
 
 def variants(points: Iterable[Parameters]) -> list[Parameters]:
@@ -14,22 +14,22 @@ def variants(points: Iterable[Parameters]) -> list[Parameters]:
     small: dict[tuple, Parameters] = {}
     for point in points:
         model = type(point)
-        chosen = {name: getattr(point, name) for name in compiled(model)}
-        small[(model, *chosen.values())] = model(**model.smallest, **chosen)
+        choices = {name: getattr(point, name) for name in compiled_parameters(model)}
+        small[(model, *choices.values())] = model(**model.smallest_values, **choices)
     return list(small.values())
 
 
 def warm(points: Iterable[Parameters], processes: int = 1) -> None:
-    """Compile everything that runs of these points will call, and keep it in the cache folder.
+    """Compile everything that runs of these points will call, and store it in the cache folder.
 
-    Systems share little code: with several ``processes`` they are compiled side by side.
+    Systems share little code: with several ``processes`` they are compiled in parallel.
     """
     systems: dict[type, list[Parameters]] = {}
     for point in variants(points):
         systems.setdefault(type(point), []).append(point)
     if processes == 1 or len(systems) == 1:
-        for alike in systems.values():
-            _compile(alike)
+        for group in systems.values():
+            _compile(group)
         return
     with ProcessPoolExecutor(processes, get_context("fork")) as pool:
         list(pool.map(_compile, systems.values()))

@@ -1,4 +1,4 @@
-"""What animations share: the point that is shown, frames, and files of little size."""
+"""Helpers of animations: the choice of the point, frames, and small GIF files."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -11,16 +11,16 @@ from PIL import Image
 
 from sim.figures.data import FigureData
 
-#: Resolution of the frames of a GIF, dots per inch, and how many colours they share.
+#: Resolution of the frames of a GIF (dots per inch), and the number of colours that they share.
 DPI = 72
 PALETTE = 64
 
 
 @dataclass(frozen=True)
 class Animation:
-    """A figure that moves: ``show(number)`` puts it into the state of one of ``frames``.
+    """A moving figure with ``frames`` frames; ``show(number)`` puts it into the state of one.
 
-    ``duration`` is the time for which each frame is shown, ms.
+    ``duration`` is how long each frame is shown, ms.
     """
 
     figure: Figure
@@ -30,9 +30,10 @@ class Animation:
 
 
 def select(data: FigureData) -> FigureData:
-    """Narrow the points to the one shown: the first with particles, published protocol first.
+    """Return the data with a single point: the first with particles, published protocol first.
 
-    The option ``point`` of a figure may be ``"slowest"``: the slowest of several goes first.
+    With the option ``point: "slowest"`` of a figure, slower flows precede faster ones. Without any
+    particles, the first point is taken.
     """
     rows = data.rows
     if data.spec.options.get("point") == "slowest":
@@ -42,8 +43,8 @@ def select(data: FigureData) -> FigureData:
     return replace(data, rows=(with_particles if len(with_particles) else rows)[:1])
 
 
-def still(text: str) -> Animation:
-    """Return a single frame that says why there is nothing to show."""
+def message_animation(text: str) -> Animation:
+    """Return an animation of one frame with a message, where there is nothing to show."""
     figure = Figure(figsize=(6.4, 3.2))
     figure.subplots().set_axis_off()
     figure.axes[0].text(0.5, 0.5, text, ha="center", transform=figure.axes[0].transAxes)
@@ -53,12 +54,12 @@ def still(text: str) -> Animation:
 def save_gif(animation: Animation, path: Path) -> None:
     """Write an endless GIF and leave the figure in the state of its last frame.
 
-    All frames share the colours of a few of them, so that none flickers.
+    All frames share one palette, taken from a few of them, so that none flickers.
     """
     figure = animation.figure
     canvas = FigureCanvasAgg(figure)
     figure.set_dpi(DPI)
-    # The layout of the first frame is kept: texts that change would move the axes.
+    # All frames have the layout of the first: texts that change would move the axes.
     animation.show(0)
     figure.draw_without_rendering()
     figure.set_layout_engine("none")
@@ -68,7 +69,7 @@ def save_gif(animation: Animation, path: Path) -> None:
         canvas.draw()
         frames.append(np.asarray(canvas.buffer_rgba())[..., :3].copy())
     sample = Image.fromarray(np.concatenate(frames[:: max(1, len(frames) // 4)]))
-    # Of these methods the one that keeps colours of few pixels, as lines have.
+    # This method keeps colours that only a few pixels have, like those of lines.
     coverage = Image.Quantize.MAXCOVERAGE
     palette = sample.quantize(PALETTE, method=coverage, dither=Image.Dither.NONE)
     images = [

@@ -11,7 +11,7 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 
-from sim.figures.animation import Animation, select, still
+from sim.figures.animation import Animation, message_animation, select
 from sim.figures.belt_cell import OBSTACLE
 from sim.figures.caption import velocity_text
 from sim.figures.configuration import COLOURS, DARK
@@ -88,7 +88,7 @@ def draw(data: FigureData) -> Animation:
     (row,) = data.rows.to_dict("records")
     state = data.results.states.get(row["point"])
     if state is None or "path" not in state:
-        return still("no motion stored")
+        return message_animation("no motion stored")
     belt = BeltScene(row, state)
     # To scale, with room for the axes and the colours.
     aspect = (belt.frame.top - belt.frame.bottom) / belt.width

@@ -18,7 +18,7 @@ from sim.figures.data import FigureData
 from sim.figures.kind import Kind
 from sim.figures.looks import Look, look_of
 from sim.figures.quantity import Quantity, measure_table, measures
-from sim.figures.style import LEVEL, CurveStyle, canvas, place_legend, prescribed
+from sim.figures.style import LEVEL, CurveStyle, canvas, catalogue_style, place_legend
 from sim.parameters import BeltParameters
 from sim.study.catalogue import FigureSpec
 
@@ -56,7 +56,7 @@ def _look_of_one(spec: FigureSpec, option: dict[str, Any]) -> Look:
 
     def look_of_quantity(names: dict[str, object], index: int) -> tuple[CurveStyle, str]:
         _, entry = look(names, index)
-        return prescribed(*option["style"]), ", ".join(filter(None, (option["entry"], entry)))
+        return catalogue_style(*option["style"]), ", ".join(filter(None, (option["entry"], entry)))
 
     return look_of_quantity
 

@@ -12,15 +12,15 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from sim.base.statistics import student_half_width
-from sim.figures.caption import counted, points_text
+from sim.figures.caption import points_text, range_text
 from sim.figures.data import FigureData, parameter_columns, split_curves
 from sim.figures.kind import Kind
 from sim.figures.looks import look_of
 from sim.figures.style import (
-    BESIDE,
+    PALE_LINE,
     CurveStyle,
     canvas,
-    cycled,
+    cycle_style,
     name_protocols,
     place_legend,
 )
@@ -82,9 +82,11 @@ def _draw_flows(axes: Axes, data: FigureData, table: pd.DataFrame) -> None:
         style, label = look(named, len(styles))
         if label not in styles and style in styles.values():
             # Another parameter tells these flows apart, which the paper's styles do not know.
-            style = cycled(len(styles) + _BEYOND)
+            style = cycle_style(len(styles) + _BEYOND)
         style = styles.setdefault(label, style)
-        pale: dict[str, Any] = BESIDE if beside and flows["protocol"].iloc[0] == "converged" else {}
+        pale: dict[str, Any] = (
+            PALE_LINE if beside and flows["protocol"].iloc[0] == "converged" else {}
+        )
         for point in flows["point"]:
             part = table[table["point"] == point]
             low, high = part["mean"] - part["half_width"], part["mean"] + part["half_width"]
@@ -162,7 +164,7 @@ def notes(data: FigureData) -> list[str]:
     if len(several):
         sentences.append(
             "Bands: Student's 95 % interval of the mean over "
-            f"{counted(several)} replicates; they may reach beyond the axes."
+            f"{range_text(several)} replicates; they may reach beyond the axes."
         )
     if len(single):
         sentences.append(f"No band: one replicate ({points_text(len(single))}).")

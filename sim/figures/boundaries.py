@@ -1,4 +1,4 @@
-"""Boundaries between regimes as bars, and what captions say of them."""
+"""Boundaries between regimes as bars, and the sentences of captions on them."""
 
 from collections import Counter
 from collections.abc import Sequence
@@ -7,44 +7,44 @@ from typing import Any
 import pandas as pd
 from matplotlib.axes import Axes
 
-from sim.figures.data import FigureData, split_curves, varying
-from sim.figures.style import CurveStyle, cycled, literal, move_aside
+from sim.figures.data import FigureData, split_curves, varying_parameters
+from sim.figures.style import CurveStyle, cycle_style, escape_label, move_aside
 from sim.parameters import SYSTEMS
 from sim.parameters.words import setting
 
-#: What the boundaries are called in legends, and how their bars look where nothing tells several
-#: of a kind apart.
+#: Name in legends and style of the bars of each kind of boundary. Further boundaries of a kind get
+#: other styles.
 BOUNDARIES = {
     "flow": ("limit of arrest", CurveStyle("#009e73", "-", "")),
     "acceleration": ("limit of acceleration", CurveStyle("#cc79a7", "-", "")),
     "transport": ("onset of transport", CurveStyle("#000000", "-", "o")),
 }
 
-#: Points of print between bars in one place.
-PITCH = 5.0
+#: Shift between bars at the same position, points of print.
+BAR_PITCH = 5.0
 
 
 def draw_boundaries(
-    axes: Axes, found: pd.DataFrame, plane: Sequence[str], aside: float = 0
+    axes: Axes, boundaries: pd.DataFrame, plane: Sequence[str], aside: float = 0
 ) -> None:
-    """Draw the intervals that hold a boundary as bars; markers in their middles tell kinds apart.
+    """Draw the intervals that contain a boundary as bars; markers in the middle show the kind.
 
     Parameters
     ----------
     axes : matplotlib.axes.Axes
         Where to draw.
-    found : pandas.DataFrame
-        Boundaries, as `sim.dataset.boundaries.table` returns them.
+    boundaries : pandas.DataFrame
+        Boundaries, as `sim.dataset.boundaries.tabulate` returns them.
     plane : sequence of str
         Parameters on the horizontal and on the vertical axis. Boundaries along the second are
-        vertical bars, those along the first horizontal ones; what is along another parameter, or
-        was not found in its range, is left out.
+        vertical bars, those along the first horizontal ones. Boundaries along another parameter, or
+        without an interval, are left out.
     aside : float
-        How far beside their place bars stand, in points of print; several in one place stand side
-        by side.
+        Shift of the bars from their position, in points of print. Several bars at one position
+        stand side by side.
     """
-    taken: Counter[tuple[str, str, float]] = Counter()
-    for label, look, bars in _kinds(found, plane):
+    counts: Counter[tuple[str, str, float]] = Counter()
+    for label, look, bars in _kinds(boundaries, plane):
         style: dict[str, Any] = {
             "color": look.colour,
             "marker": look.marker,
@@ -65,43 +65,45 @@ def draw_boundaries(
                 capthick=1.4,
                 zorder=4,
             )
-            before = (bar["of"], bar["along"], place)
-            shift = aside + PITCH * taken[before]
+            key = (bar["of"], bar["along"], place)
+            shift = aside + BAR_PITCH * counts[key]
             move_aside(axes, drawn.get_children(), **{"x" if upright else "y": shift})
-            taken[before] += 1
-        axes.plot([], [], **style, linewidth=2.2, label=literal(label))
+            counts[key] += 1
+        axes.plot([], [], **style, linewidth=2.2, label=escape_label(label))
 
 
-def _kinds(found: pd.DataFrame, plane: Sequence[str]) -> list[tuple[str, CurveStyle, pd.DataFrame]]:
-    """Return the kinds of boundaries in a plane: legend entry, style and rows of each."""
-    known = found[found["along"].isin(plane) & found["low"].notna()]
-    if known.empty:
+def _kinds(
+    boundaries: pd.DataFrame, plane: Sequence[str]
+) -> list[tuple[str, CurveStyle, pd.DataFrame]]:
+    """Return legend entry, style and rows of each kind of boundary in a plane."""
+    intervals = boundaries[boundaries["along"].isin(plane) & boundaries["low"].notna()]
+    if intervals.empty:
         return []
-    fields = [name for name in _numbers(known) if name not in plane]
+    fields = [name for name in _parameter_names(intervals) if name not in plane]
     kinds: list[tuple[str, CurveStyle, pd.DataFrame]] = []
-    for names, bars in split_curves(known, "along", ("of",), fields):
+    for names, bars in split_curves(intervals, "along", ("of",), fields):
         text, look = BOUNDARIES[names.pop("of")]
         if any(look == other for _, other, _ in kinds):
-            look = cycled(len(kinds))
-        label = text + _described(bars["system"].iloc[0], names)
+            look = cycle_style(len(kinds))
+        label = text + _settings_suffix(bars["system"].iloc[0], names)
         kinds.append((label, look, bars))
     return kinds
 
 
-def _numbers(found: pd.DataFrame) -> list[str]:
-    """Return the parameters in the table that the systems of its boundaries have."""
-    names = (name for system in set(found["system"]) for name in SYSTEMS[system].model_fields)
-    return sorted({name for name in names if name in found})
+def _parameter_names(boundaries: pd.DataFrame) -> list[str]:
+    """Return the columns of the table that are parameters of the systems of its boundaries."""
+    names = (name for system in set(boundaries["system"]) for name in SYSTEMS[system].model_fields)
+    return sorted({name for name in names if name in boundaries})
 
 
-def _described(system: str, names: dict[str, Any]) -> str:
+def _settings_suffix(system: str, names: dict[str, Any]) -> str:
     return "".join(f", {setting(system, name, value)}" for name, value in names.items())
 
 
-def boundary_sentence(found: pd.DataFrame, plane: Sequence[str]) -> str:
-    """Say what the bars are, and which boundaries were not found, or not to the tolerance."""
-    part = found[found["along"].isin(plane)]
-    if part.empty:
+def boundary_sentence(boundaries: pd.DataFrame, plane: Sequence[str]) -> str:
+    """Write what the bars are, and which boundaries have no interval or exceed the tolerance."""
+    in_plane = boundaries[boundaries["along"].isin(plane)]
+    if in_plane.empty:
         return ""
     notes = {
         "wide": "wider than asked for, as undecided or contradictory points lie in between",
@@ -111,13 +113,13 @@ def boundary_sentence(found: pd.DataFrame, plane: Sequence[str]) -> str:
     }
     parts = []
     for verdict, text in notes.items():
-        rows = part[part["verdict"] == verdict]
-        missing = "; ".join(_missing(rows, part))
+        rows = in_plane[in_plane["verdict"] == verdict]
+        missing = "; ".join(_missing_names(rows, in_plane))
         if len(rows):
             parts.append(f"{len(rows)} {text}" + (f" ({missing})" if missing else ""))
-    kinds = "; ".join(f"{label} ({len(bars)})" for label, _, bars in _kinds(found, plane))
+    kinds = "; ".join(f"{label} ({len(bars)})" for label, _, bars in _kinds(boundaries, plane))
     return (
-        f"Bars: intervals that hold a boundary, of {len(part)} looked for"
+        f"Bars: intervals that hold a boundary, of {len(in_plane)} looked for"
         + (": " if parts else "")
         + "; ".join(parts)
         + "."
@@ -125,17 +127,17 @@ def boundary_sentence(found: pd.DataFrame, plane: Sequence[str]) -> str:
     )
 
 
-def _missing(rows: pd.DataFrame, among: pd.DataFrame) -> list[str]:
-    """Return the names of the boundaries without an interval, by what tells them from others."""
-    varied = varying(among, _numbers(among))
+def _missing_names(rows: pd.DataFrame, boundaries: pd.DataFrame) -> list[str]:
+    """Return names of the boundaries without an interval, with the parameters that differ."""
+    varied = varying_parameters(boundaries, _parameter_names(boundaries))
     names = [
         BOUNDARIES[row["of"]][0]
-        + _described(row["system"], {key: row[key] for key in varied if key != row["along"]})
+        + _settings_suffix(row["system"], {key: row[key] for key in varied if key != row["along"]})
         for row in rows[rows["low"].isna()].to_dict("records")
     ]
     return list(dict.fromkeys(names))
 
 
 def boundary_notes(data: FigureData) -> list[str]:
-    """Return what a caption says of the boundaries in the plane of a figure."""
+    """Return the sentence of the caption on the boundaries in the plane of a figure."""
     return [boundary_sentence(data.boundaries, data.spec.axes)]

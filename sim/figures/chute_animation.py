@@ -4,7 +4,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from sim.figures.animation import Animation, select, still
+from sim.figures.animation import Animation, message_animation, select
 from sim.figures.configuration import COLOURS, Scene
 from sim.figures.data import FigureData
 from sim.figures.kind import Kind
@@ -59,7 +59,7 @@ def draw(data: FigureData) -> Animation:
     (row,) = data.rows.to_dict("records")
     state = data.results.states.get(row["point"])
     if state is None or "path" not in state:
-        return still("no motion stored")
+        return message_animation("no motion stored")
     time, position, speed = motion(state, row["diameter"])
     unit = np.sqrt(row["diameter"] / row["gravity"])
     scene = Scene(row, state, position[..., 2], speed, PIXELS)

@@ -14,9 +14,9 @@ from sim.figures.caption import velocity_text
 from sim.figures.configuration import Scene
 from sim.figures.data import FigureData, split_curves
 from sim.figures.kind import Kind
-from sim.figures.style import COLOURS, DOTTED, PALE, literal, place_legend
+from sim.figures.style import COLOURS, DOTTED, PALE, escape_label, place_legend
 from sim.parameters import SYSTEMS, default_of
-from sim.parameters.roles import changing_start
+from sim.parameters.roles import start_parameters
 from sim.parameters.words import PROTOCOLS, setting
 from sim.study.catalogue.limits import LARGEST_PORTION, SHARE
 
@@ -56,7 +56,7 @@ def _flows(data: FigureData) -> list[tuple[str, dict[str, Any]]]:
     """
     rows = data.rows[data.rows["completed"] > 0]
     chute, flows = SYSTEMS["chute"], []
-    told = (*changing_start(chute), "stiffness")
+    told = (*start_parameters(chute), "stiffness")
     varied = [name for name in told if rows[name].nunique() > 1]
     for names, points in split_curves(
         rows, "point", ("protocol", *varied), tuple(chute.model_fields)
@@ -126,7 +126,7 @@ def _draw_averages(axes: Axes, values: pd.DataFrame, name: str, colour: str, suf
     """Draw the time averages of the replicates and their mean; its suffix names one of several."""
     for each in _replicates(values, name):
         axes.plot(values[each], values["z"], color=colour, **_REPLICATE)
-    label, z = literal(f"cumulative average{suffix}"), values["z"]
+    label, z = escape_label(f"cumulative average{suffix}"), values["z"]
     axes.plot(values[name], z, color=colour, linestyle=DOTTED, linewidth=1.8, label=label)
 
 

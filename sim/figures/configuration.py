@@ -17,7 +17,7 @@ from sim.study.catalogue.limits import LARGEST_PORTION
 AZIMUTH, ELEVATION = -16.0, 14.0
 
 COLOURS = colormaps["viridis"]
-_GLUED = np.array([0.6, 0.6, 0.6])
+_GLUED_COLOUR = np.array([0.6, 0.6, 0.6])
 
 DARK = "#222222"
 _TEXT: dict[str, Any] = {"color": DARK, "fontsize": 8.5}
@@ -31,7 +31,7 @@ _ARROW: dict[str, Any] = {
 
 
 class Scene:
-    """What all pictures of one flow share: the view, the part of the cell, and colours.
+    """The view, the shown part of the cell, and the colours that all pictures of a flow share.
 
     Parameters
     ----------
@@ -40,9 +40,9 @@ class Scene:
     state : xarray.Dataset
         Its particles, see `sim.dataset.results.Results.particles`.
     heights : numpy.ndarray
-        Heights (m) that the pictures must have room for, of any shape.
+        Heights (m) for which the pictures need room, of any shape.
     speeds : numpy.ndarray
-        Velocities down the slope (m/s) that the colours must tell apart, of any shape.
+        Velocities down the slope (m/s) that span the range of colours, of any shape.
     pixels : int
         Height or width of the pictures in pixels, whichever is larger.
     """
@@ -57,48 +57,49 @@ class Scene:
     ):
         self.diameter = float(row["diameter"])
         self.cell = np.full(2, row["cell"] * self.diameter)
-        self.shown = self.cell * (1.0, 0.5 if row["depth"] <= LARGEST_PORTION else 1.0)
+        self.shown_size = self.cell * (1.0, 0.5 if row["depth"] <= LARGEST_PORTION else 1.0)
         self.radius = state["radius"].values
         glued = state["fixed"].values if "fixed" in state else np.zeros(len(self.radius))
-        self.glued = glued.astype(bool)
+        self.is_glued = glued.astype(bool)
         self.view = view_from(AZIMUTH, ELEVATION, row["angle"])
-        beside = self.diameter * np.array([[-1.0], [1.0]])
-        self.floor = np.array([np.zeros(2), self.shown]) + beside
+        margin = self.diameter * np.array([[-1.0], [1.0]])
+        self.floor = np.array([np.zeros(2), self.shown_size]) + margin
         (x0, y0), (x1, y1) = self.floor
         top = float(heights.max(initial=0.0))
         corners = [(x, y, z) for x in (x0, x1) for y in (y0, y1) for z in (0.0, top)]
         self.frame = frame_around(self.view, np.array(corners), 0.5 * self.diameter)
         left, right, bottom, upper = self.frame
         self.pixel = max(right - left, upper - bottom) / pixels
-        # Spheres at rest have one colour, not those of their rounding errors.
+        # The least range gives spheres at rest one colour despite rounding errors.
         slow, fast = np.percentile(speeds, (1, 99))
         fast = max(fast, slow + 0.05 * np.sqrt(row["gravity"] * self.diameter))
         self.range = float(slow), float(fast)
         self.norm = Normalize(*self.range)
 
     def picture(self, position: np.ndarray, speed: np.ndarray) -> np.ndarray:
-        """Return the picture (H, W, 4) of centres (N, 3), m, coloured by velocity (N,), m/s.
+        """Return the picture (H, W, 4) of spheres at ``position`` (N, 3), m, coloured by ``speed``.
 
-        Spheres are where their periodic images are in the cell; those glued to the plane are grey.
+        ``speed`` (N,) is in m/s. Spheres are drawn at their periodic images in the cell. Those
+        glued to the plane are grey.
         """
-        place = position.copy()
-        place[:, :2] %= self.cell
-        drawn = (place[:, :2] < self.shown).all(axis=1)
-        colour = np.where(self.glued[:, None], _GLUED, COLOURS(self.norm(speed))[:, :3])
+        wrapped = position.copy()
+        wrapped[:, :2] %= self.cell
+        is_shown = (wrapped[:, :2] < self.shown_size).all(axis=1)
+        colour = np.where(self.is_glued[:, None], _GLUED_COLOUR, COLOURS(self.norm(speed))[:, :3])
         return picture(
             self.view,
             self.frame,
             self.pixel,
-            place[drawn],
-            self.radius[drawn],
-            colour[drawn],
+            wrapped[is_shown],
+            self.radius[is_shown],
+            colour[is_shown],
             floor=self.floor,
         )
 
     def show(self, axes: Axes, image: np.ndarray) -> Any:
-        """Show a picture in units of σ, with arrows of flow and gravity, a bar and the colours.
+        """Show a picture in units of σ, with arrows of flow and gravity, scale bar and colour bar.
 
-        Returns the image in the axes, whose data the next picture of an animation replaces.
+        Returns the image in the axes; animations replace its data by the next picture.
         """
         left, right, bottom, top = np.array(self.frame) / self.diameter
         shown = axes.imshow(image, extent=(left, right, bottom, top), interpolation="bilinear")
@@ -113,7 +114,7 @@ class Scene:
         return shown
 
     def _draw_arrows(self, axes: Axes) -> None:
-        """Draw the direction of the flow before the plane, that of gravity, and a bar of 5 σ."""
+        """Draw arrows of the flow (in front of the plane) and of gravity, and a bar of 5 σ."""
         left, right, bottom, top = np.array(self.frame) / self.diameter
         length = 0.17 * max(right - left, top - bottom)
         start = self.floor[0] + self.diameter * np.array([1.0, -1.3])

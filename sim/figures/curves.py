@@ -1,4 +1,4 @@
-"""Curves of a quantity that differ in parameters, with its intervals, regimes and protocols."""
+"""Curves of a quantity for sets of parameters, with intervals, regimes and protocols."""
 
 from collections.abc import Sequence
 from itertools import compress, product
@@ -13,15 +13,15 @@ from sim.figures.data import split_curves
 from sim.figures.looks import Look
 from sim.figures.quantity import Quantity
 from sim.figures.style import (
-    BESIDE,
-    LONE_BESIDE,
     MARKERS,
     PALE,
+    PALE_LINE,
+    PALE_MARKER_SIZE,
     CurveStyle,
-    cycled,
+    cycle_style,
+    is_undecided,
     move_aside,
     name_protocols,
-    undecided,
 )
 
 
@@ -40,8 +40,8 @@ def draw_family(
 ) -> None:
     """Draw one curve per set of parameters.
 
-    A curve of the converged protocol lies, wide and pale, beside the published one with the same
-    entry in the legend.
+    A curve of the converged protocol is wide and pale and lies beside the published one with the
+    same entry in the legend.
 
     Parameters
     ----------
@@ -50,18 +50,18 @@ def draw_family(
     rows : pandas.DataFrame
         Points, as `sim.figures.data.summarize` returns them.
     quantity : Quantity
-        What is drawn of them.
+        The quantity to draw.
     along : str
         Column on the horizontal axis.
     keys, parameters : sequence of str
         As for `sim.figures.data.split_curves`.
     look : callable
-        Gives style and legend entry from all values that name a curve but its protocol.
+        Returns style and legend entry from the values that name a curve, without its protocol.
     unjoined : pandas.Series, optional
-        Says of each row whether lines are interrupted there.
+        True in rows where lines are interrupted.
     pitch : float
-        How far each curve is drawn to the right of the one before, in points of print, so that
-        points that coincide can be told apart.
+        Shift of each curve to the right of the previous one, in points of print. It separates
+        points that coincide.
     spread : pandas.Series, optional
         As for `draw_curve`.
     """
@@ -69,29 +69,36 @@ def draw_family(
         return
     curves = split_curves(rows, along, keys, parameters)
     curves.sort(key=lambda curve: curve[1]["protocol"].iloc[0] != "published")
-    labels, styles = _labelled([names for names, _ in curves], look)
+    labels, styles = _labels_and_styles([names for names, _ in curves], look)
     shifts = {label: pitch * (n - (len(styles) - 1) / 2) for n, label in enumerate(styles)}
-    seen: set[str] = set()
+    drawn_labels: set[str] = set()
     for (_, curve), label in zip(curves, labels, strict=True):
-        how: dict[str, Any] = {"pale": label in seen, "shift": shifts[label], "spread": spread}
-        draw_curve(axes, curve, quantity, along, styles[label], label, unjoined=unjoined, **how)
-        seen.add(label)
-    if len(seen) < len(curves):
+        options: dict[str, Any] = {
+            "pale": label in drawn_labels,
+            "shift": shifts[label],
+            "spread": spread,
+        }
+        draw_curve(axes, curve, quantity, along, styles[label], label, unjoined=unjoined, **options)
+        drawn_labels.add(label)
+    if len(drawn_labels) < len(curves):
         name_protocols(axes, str(curves[0][1]["system"].iloc[0]))
 
 
-def _labelled(
+def _labels_and_styles(
     curves: Sequence[dict[str, Any]], look: Look
 ) -> tuple[list[str], dict[str, CurveStyle]]:
-    """Return the legend entry of each curve, given the values that name it, and their styles."""
+    """Return the legend entry of each curve, and the style of each entry.
+
+    ``curves`` are the values that name each curve.
+    """
     labels: list[str] = []
     styles: dict[str, CurveStyle] = {}
     for names in curves:
-        named = {name: value for name, value in names.items() if name != "protocol"}
-        style, label = look(named, len(styles))
+        parameters = {name: value for name, value in names.items() if name != "protocol"}
+        style, label = look(parameters, len(styles))
         if label not in styles and style in styles.values():
-            # Another parameter tells these curves apart, which the paper's styles do not know.
-            style = cycled(len(styles) + len(MARKERS) // 2)
+            # These curves differ in a parameter that the paper's styles do not distinguish.
+            style = cycle_style(len(styles) + len(MARKERS) // 2)
         styles.setdefault(label, style)
         labels.append(label)
     return labels, styles
@@ -121,7 +128,7 @@ def draw_curve(
         completed replicate are left out; markers of steady points are filled, those of runs too
         short to tell are pale, and all others are open.
     quantity : Quantity
-        What is drawn of them.
+        The quantity to draw.
     along : str
         Column on the horizontal axis.
     style : CurveStyle
@@ -129,13 +136,13 @@ def draw_curve(
     label : str
         Its entry in the legend.
     unjoined : pandas.Series, optional
-        Says of each row whether the line is interrupted there.
+        True in rows where the line is interrupted.
     pale : bool
-        Draw it beside another curve of the same style, which has the entry in the legend.
+        Draw the curve pale, without an entry: another curve of the same style has the entry.
     shift : float
-        How far to the right of its place it is drawn, in points of print.
+        Shift of the curve to the right, in points of print.
     spread : pandas.Series, optional
-        Half widths of the 95 % intervals of ``along``, where that is no parameter but observed.
+        Half widths of the 95 % intervals of ``along``, where that is an observable.
     """
     completed = rows[rows["completed"] > 0]
     if completed.empty:
@@ -156,8 +163,8 @@ def _draw_line(
     axes: Axes, x: pd.Series, y: pd.Series, style: CurveStyle, pale: bool
 ) -> Sequence[Artist]:
     """Draw the line of a curve, interrupted where ``y`` is not a number."""
-    beside: dict[str, Any] = BESIDE if pale else {}
-    return axes.plot(x, y, color=style.colour, linestyle=style.dashes, **beside)
+    pale_look: dict[str, Any] = PALE_LINE if pale else {}
+    return axes.plot(x, y, color=style.colour, linestyle=style.dashes, **pale_look)
 
 
 def _add_entry(axes: Axes, style: CurveStyle, label: str) -> None:
@@ -176,31 +183,31 @@ def _draw_points(
 ) -> list[Artist]:
     """Draw the markers of a curve, filled, pale or open, with their error bars; return them."""
     artists: list[Artist] = []
-    lone = pale and style.dashes == "none"
-    unknown = undecided(rows)
-    steady = (rows["regime"] == "steady") & ~unknown
+    is_unjoined = pale and style.dashes == "none"
+    is_open = is_undecided(rows)
+    steady = (rows["regime"] == "steady") & ~is_open
     faces = (
         (steady, style.colour),
-        (unknown, (*to_rgb(style.colour), PALE)),
-        (~(steady | unknown), "white"),
+        (is_open, (*to_rgb(style.colour), PALE)),
+        (~(steady | is_open), "white"),
     )
     widths = {"yerr": quantity.half_width} | ({} if spread is None else {"xerr": spread})
-    known = pd.DataFrame({name: each[rows.index].notna() for name, each in widths.items()})
-    # Where no interval is known there is no bar, not one of no length.
-    for (chosen, face), *has in product(faces, *[(True, False)] * len(widths)):
-        part = rows[chosen & (known == has).all(axis=1)]
+    has_width = pd.DataFrame({name: width[rows.index].notna() for name, width in widths.items()})
+    # Points without an interval get no bar, instead of one of zero length.
+    for (chosen, face), *has_widths in product(faces, *[(True, False)] * len(widths)):
+        part = rows[chosen & (has_width == has_widths).all(axis=1)]
         bars = axes.errorbar(
             part[along],
             quantity.value[part.index],
-            **{name: widths[name][part.index] for name in compress(widths, has)},
+            **{name: widths[name][part.index] for name in compress(widths, has_widths)},
             linestyle="none",
             color=style.colour,
             marker=style.marker,
             markerfacecolor=face,
-            markersize=LONE_BESIDE if lone else None,
+            markersize=PALE_MARKER_SIZE if is_unjoined else None,
             markeredgewidth=1.0,
             elinewidth=0.9,
-            alpha=BESIDE["alpha"] if pale else None,
+            alpha=PALE_LINE["alpha"] if pale else None,
             zorder=3,
         )
         artists += bars.get_children()

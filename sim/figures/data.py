@@ -1,4 +1,4 @@
-"""From a study's dataset to one row per point of a figure, and to the table behind it."""
+"""Turn a study's dataset into one row per point of a figure, and into the table of its data."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -13,17 +13,17 @@ from sim.dataset.results import Results
 from sim.parameters import NUMERICAL, SYSTEMS, field_info
 from sim.study.catalogue import FigureSpec
 
-#: Parameters that every table of velocities tells beside those of its figure.
+#: Parameters that every table of velocities has in addition to those of its figure.
 _PROTOCOL = ("protocol", "target", "limit")
 
 
 @dataclass(frozen=True)
 class FigureData:
-    """What a figure is drawn from.
+    """The data of a figure.
 
-    ``spec`` is its entry of the catalogue; ``rows`` one per point, as `summarize` returns them;
-    ``boundaries`` those that feed the figure; ``results`` all of the study, for measures, profiles
-    and particles of the points.
+    ``spec`` is its entry of the catalogue. ``rows`` has one row per point, as `summarize` returns
+    them. ``boundaries`` are those that feed the figure. ``results`` are all results of the study,
+    for measures, profiles and particles of the points.
     """
 
     spec: FigureSpec
@@ -34,9 +34,11 @@ class FigureData:
 
 def figure_data(results: Results, spec: FigureSpec) -> FigureData:
     """Return the points and boundaries that a figure shows."""
-    found = results.boundaries
-    fed = np.array([spec.name in names.split() for names in found["figures"]], dtype=bool)
-    return FigureData(spec, summarize(results.dataset, spec), found[fed], results)
+    boundaries = results.boundaries
+    feeds_figure = np.array(
+        [spec.name in names.split() for names in boundaries["figures"]], dtype=bool
+    )
+    return FigureData(spec, summarize(results.dataset, spec), boundaries[feeds_figure], results)
 
 
 def summarize(dataset: xr.Dataset, spec: FigureSpec) -> pd.DataFrame:
@@ -47,35 +49,40 @@ def summarize(dataset: xr.Dataset, spec: FigureSpec) -> pd.DataFrame:
     dataset : xarray.Dataset
         A study's ``dataset.nc``.
     spec : FigureSpec
-        The figure; the points that feed it are taken: those that name it or, of a study's own
-        plot, those of its system and series.
+        The figure. It is fed by the points that name it; a plot that a study file defines is fed by
+        the points of its system and series.
 
     Returns
     -------
     pandas.DataFrame
         All coordinates of the points, the columns of `sim.dataset.replicates.outcome`, and
-        ``regimes``: those of the completed replicates.
+        ``regimes``: a tuple of those of the completed replicates.
     """
-    points = dataset[list(SCALARS)].isel(point=np.flatnonzero(_fed(dataset, spec)))
+    points = dataset[list(SCALARS)].isel(point=np.flatnonzero(_feeds_figure(dataset, spec)))
     columns = {
         str(name): values.values
         for name, values in points.coords.variables.items()
         if values.dims == ("point",)
     }
     rows = pd.DataFrame(columns)
-    done = points["status"].values == "completed"
-    regimes = [tuple(each[kept]) for each, kept in zip(points["regime"].values, done, strict=True)]
+    completed = points["status"].values == "completed"
+    regimes = [
+        tuple(row[is_completed])
+        for row, is_completed in zip(points["regime"].values, completed, strict=True)
+    ]
     rows["regimes"] = pd.Series(regimes, dtype=object)
     return pd.concat([rows, pd.DataFrame(outcomes(points), columns=list(OUTCOME))], axis=1)
 
 
-def _fed(dataset: xr.Dataset, spec: FigureSpec) -> np.ndarray:
-    """Return which points feed a figure, (point,)."""
+def _feeds_figure(dataset: xr.Dataset, spec: FigureSpec) -> np.ndarray:
+    """Return a mask of the points that feed a figure, (point,)."""
     if not spec.series:
-        named = [spec.name in names.split() for names in dataset["figures"].values]
-        return np.array(named, dtype=bool)
-    own = [not set(spec.series).isdisjoint(names.split()) for names in dataset["series"].values]
-    return np.array(own, dtype=bool) & (dataset["system"].values == spec.system)
+        is_named = [spec.name in names.split() for names in dataset["figures"].values]
+        return np.array(is_named, dtype=bool)
+    is_in_series = [
+        not set(spec.series).isdisjoint(names.split()) for names in dataset["series"].values
+    ]
+    return np.array(is_in_series, dtype=bool) & (dataset["system"].values == spec.system)
 
 
 def split_curves(
@@ -92,16 +99,16 @@ def split_curves(
     keys : sequence of str
         Parameters that always name a curve.
     parameters : sequence of str
-        All parameters of the system. One that varies although it is neither ``along`` nor a key,
-        and that changes the flow, is added to the keys, so that no curve mixes two flows. One that
-        an older dataset does not know cannot vary in it.
+        All parameters of the system. A parameter that varies and changes the flow is added to the
+        keys unless it is ``along``, so that no curve mixes two flows. Parameters that an older
+        dataset lacks do not vary in it.
 
     Returns
     -------
     list of (dict, pandas.DataFrame)
         The values that name each curve, and its points in the order of ``along``.
     """
-    varied = varying(rows, [name for name in parameters if name != along])
+    varied = varying_parameters(rows, [name for name in parameters if name != along])
     names = list(dict.fromkeys([*keys, *varied]))
     if not names:
         return [({}, rows.sort_values(along))]
@@ -111,14 +118,17 @@ def split_curves(
     ]
 
 
-def varying(rows: pd.DataFrame, parameters: Sequence[str]) -> list[str]:
-    """Return which parameters vary and change the flow; a plane as rough as the particles aside."""
-    known = [name for name in parameters if name in rows and name not in NUMERICAL]
-    varied = [name for name in known if rows[name].nunique() > 1]
+def varying_parameters(rows: pd.DataFrame, parameters: Sequence[str]) -> list[str]:
+    """Return the parameters that vary and change the flow.
+
+    ``friction_plane`` is left out where it equals ``friction`` everywhere.
+    """
+    candidates = [name for name in parameters if name in rows and name not in NUMERICAL]
+    names = [name for name in candidates if rows[name].nunique() > 1]
     plane = "friction_plane"
-    if plane in varied and rows[plane].equals(rows["friction"].rename(plane)):
-        varied.remove(plane)
-    return varied
+    if plane in names and rows[plane].equals(rows["friction"].rename(plane)):
+        names.remove(plane)
+    return names
 
 
 def parameter_columns(

@@ -1,4 +1,4 @@
-"""What a kind of plot is, and which there are."""
+"""The kinds of plot: their interface and the table of their modules."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -9,14 +9,14 @@ from typing import Any
 import pandas as pd
 from matplotlib.figure import Figure
 
-from sim.base.additions import fault
+from sim.base.additions import plugin_error
 from sim.base.words import printable
 from sim.figures.animation import Animation
 from sim.figures.caption import velocity_notes
 from sim.figures.data import FigureData, velocity_table
 from sim.study.plot_kinds import PLOT, own_plots
 
-#: Module of each kind, which has it as ``KIND``; imported when a figure of the kind is drawn.
+#: Module of each kind, with the constant ``KIND``; imported when a figure of the kind is drawn.
 KINDS = {
     "belt_acceleration": "sim.figures.belt_acceleration",
     "belt_animation": "sim.figures.belt_animation",
@@ -38,60 +38,64 @@ KINDS = {
     "regimes": "sim.figures.regimes",
 }
 
-#: Before the name of a kind of plots of a study's own.
-OWN = "plot_"
+#: Prefix of the names of kinds whose plots study files define.
+PLOT_PREFIX = "plot_"
 
 
-def every_point(data: FigureData) -> FigureData:
-    """Return the data as they are."""
+def keep_all_points(data: FigureData) -> FigureData:
+    """Return the data unchanged."""
     return data
 
 
 @dataclass(frozen=True)
 class Kind:
-    """A kind of plot: functions of the data of a figure, whose entry of the catalogue is in them.
+    """A kind of plot: functions of the data of a figure, which include its entry of the catalogue.
 
     Attributes
     ----------
     draw : callable
-        Returns the picture, or an animation of a kind that moves.
+        Returns the picture or the animation.
     table : callable
         Returns the data behind the picture, units in the headings.
     notes : callable
         Returns the sentences of the caption on error bars, markers and the like.
     select : callable
-        Narrows the points, of which there is at least one, to those drawn.
+        Returns the data with the points to draw only; gets at least one point.
     """
 
     draw: Callable[[FigureData], Figure | Animation]
     table: Callable[[FigureData], pd.DataFrame] = velocity_table
     notes: Callable[[FigureData], list[str]] = velocity_notes
-    select: Callable[[FigureData], FigureData] = every_point
+    select: Callable[[FigureData], FigureData] = keep_all_points
 
 
 def load_kind(name: str) -> Kind:
-    """Return the kind of plot of a name, of Talus or of a plug-in."""
+    """Return the kind of plot with a name, from Talus or from a plug-in."""
     if name in KINDS:
         return import_module(KINDS[name]).KIND
-    kind = name.removeprefix(OWN)
-    one = own_plots()[kind]
-    base = load_kind(OWN + one.like)
+    kind = name.removeprefix(PLOT_PREFIX)
+    plot_kind = own_plots()[kind]
+    base = load_kind(PLOT_PREFIX + plot_kind.like)
     return Kind(
-        partial(_called, kind, one.draw),
-        table=partial(_called, kind, one.table) if one.table else base.table,
-        notes=partial(_called, kind, _shown(one.notes)) if one.notes else base.notes,
+        partial(_call_plugin, kind, plot_kind.draw),
+        table=partial(_call_plugin, kind, plot_kind.table) if plot_kind.table else base.table,
+        notes=partial(_call_plugin, kind, _printable_notes(plot_kind.notes))
+        if plot_kind.notes
+        else base.notes,
         select=base.select,
     )
 
 
-def _shown(notes: Callable[[FigureData], Sequence[str]]) -> Callable[[FigureData], list[str]]:
-    """Return a function for notes in which nothing moves a cursor or turns the letters."""
+def _printable_notes(
+    notes: Callable[[FigureData], Sequence[str]],
+) -> Callable[[FigureData], list[str]]:
+    """Return a function like ``notes`` whose sentences have no control characters."""
     return lambda data: [printable(note) for note in notes(data)]
 
 
-def _called(kind: str, function: Callable[[FigureData], Any], data: FigureData) -> Any:
-    """Call a function of a plug-in, whose mistakes are told with their place in it."""
+def _call_plugin(kind: str, function: Callable[[FigureData], Any], data: FigureData) -> Any:
+    """Call a function of a plug-in; report its errors with their position in the plug-in."""
     try:
         return function(data)
     except Exception as error:
-        raise fault(PLOT, kind, error, f" {data.spec.name}") from None
+        raise plugin_error(PLOT, kind, error, f" {data.spec.name}") from None

@@ -1,82 +1,93 @@
-"""How the curves of a figure look and what the legend calls them, from its entry of the catalogue.
+"""Styles and legend entries of the curves of a figure, from its entry of the catalogue.
 
-Options of a figure: ``styles``, which the paper prescribes, by the values of the parameters that
-name a curve (one value, or a tuple where several name it), each colour, name of the dashes and
-marker; ``entry``, the pattern of an entry in the legend, by default the settings, and ``entries``
-that differ from it; ``look``, where two parameters make one entry.
+Options of a figure: ``styles`` are those that the paper prescribes, by the values of the parameters
+that name a curve (one value, or a tuple of several). Each is a colour, a name of dashes and a
+marker. ``entry`` is the pattern of a legend entry, by default the settings; ``entries`` are the
+exceptions. ``look`` names a function where two parameters make one entry.
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
-from sim.figures.style import CurveStyle, cycled, literal, prescribed
+from sim.figures.style import CurveStyle, catalogue_style, cycle_style, escape_label
 from sim.parameters.words import setting
 from sim.study.catalogue import FigureSpec
 
-#: Gives style and legend entry of a curve from the values that name it and its number.
+#: Returns style and legend entry of a curve from the values that name it and its index.
 Look = Callable[[dict[str, object], int], tuple[CurveStyle, str]]
 
 
 def look_of(spec: FigureSpec, keys: Sequence[str] | None = None) -> Look:
-    """Return a function that gives style and legend entry of each curve of a figure.
+    """Return a function that returns style and legend entry of each curve of a figure.
 
     Parameters
     ----------
     spec : FigureSpec
         The figure.
     keys : sequence of str, optional
-        Parameters that name a curve, by default its ``curves``; what else tells curves apart is
-        spelled out behind them in the legend.
+        Parameters that name a curve, by default the ``curves`` of the figure. The legend entry ends
+        with the settings of all other parameters that distinguish curves.
     """
     keys = spec.curves if keys is None else keys
     look = _LOOKS[spec.options.get("look", "values")]
 
     def look_and_rest(names: dict[str, object], index: int) -> tuple[CurveStyle, str]:
-        named = {key: names[key] for key in keys}
-        style, entry = look(spec, named, index)
-        rest = settings(spec.system, (item for item in names.items() if item[0] not in named))
+        key_values = {key: names[key] for key in keys}
+        style, entry = look(spec, key_values, index)
+        rest = settings(spec.system, (item for item in names.items() if item[0] not in key_values))
         return style, ", ".join(filter(None, (entry, rest)))
 
     return look_and_rest
 
 
-def settings(system: str, named: Iterable[tuple[str, object]]) -> str:
+def settings(system: str, values: Iterable[tuple[str, object]]) -> str:
     """Write values of parameters for a legend: ``e = 0.85, K1 = 100 N/m``."""
-    return literal(", ".join(setting(system, name, value) for name, value in named))
+    return escape_label(", ".join(setting(system, name, value) for name, value in values))
 
 
-def _by_values(spec: FigureSpec, named: Mapping[str, object], index: int) -> tuple[CurveStyle, str]:
-    """Return the style of the values, or else the next one, and their entry."""
-    options, values = spec.options, tuple(named.values())
+def _by_values(
+    spec: FigureSpec, key_values: Mapping[str, object], index: int
+) -> tuple[CurveStyle, str]:
+    """Return the prescribed style of the values, or else the next one, and their legend entry."""
+    options, values = spec.options, tuple(key_values.values())
     styles, value = options.get("styles", {}), values[0] if len(values) == 1 else values
-    style = prescribed(*styles[value]) if value in styles else cycled(index + len(styles))
+    style = catalogue_style(*styles[value]) if value in styles else cycle_style(index + len(styles))
     if value in (entries := options.get("entries", {})):
         return style, entries[value]
     if "entry" in options:
-        return style, options["entry"].format(**named)
-    return style, settings(spec.system, named.items())
+        return style, options["entry"].format(**key_values)
+    return style, settings(spec.system, key_values.items())
 
 
 def _by_amplitude_or_damping(
-    spec: FigureSpec, named: Mapping[str, Any], index: int
+    spec: FigureSpec, key_values: Mapping[str, Any], index: int
 ) -> tuple[CurveStyle, str]:
-    """Return a line per amplitude at the usual damping, ``markers`` alone for other dampings."""
-    amplitude, damping = named["amplitude"], (named["damping"], named["shear_damping"])
+    """Return a line per amplitude at the usual damping, and ``markers`` only at other dampings."""
+    amplitude, damping = (
+        key_values["amplitude"],
+        (key_values["damping"], key_values["shear_damping"]),
+    )
     styles, markers = spec.options["styles"], spec.options["markers"]
     label = f"$A_z$ = {amplitude:g} ⟨d⟩"
     if damping == (50.0, 50.0):
-        return prescribed(*styles[amplitude]) if amplitude in styles else cycled(index), label
-    other = cycled(index)
-    style = markers.get(damping, (other.colour, "none", other.marker))
-    return prescribed(*style), pair(*damping) + ("" if amplitude == 1 else f", {label}")
+        return catalogue_style(*styles[amplitude]) if amplitude in styles else cycle_style(
+            index
+        ), label
+    next_style = cycle_style(index)
+    style = markers.get(damping, (next_style.colour, "none", next_style.marker))
+    return catalogue_style(*style), pair(*damping) + ("" if amplitude == 1 else f", {label}")
 
 
-def _by_damping(spec: FigureSpec, named: Mapping[str, Any], index: int) -> tuple[CurveStyle, str]:
-    """Return a style per pair of damping coefficients, another for ``fast_start``."""
-    damping, styles = (named["damping"], named["shear_damping"]), spec.options["styles"]
-    if named.get("initial_velocity", 0):
-        return prescribed(*spec.options["fast_start"]), f"{pair(*damping)}, fast start"
-    style = prescribed(*styles[damping]) if damping in styles else cycled(index + len(styles))
+def _by_damping(
+    spec: FigureSpec, key_values: Mapping[str, Any], index: int
+) -> tuple[CurveStyle, str]:
+    """Return a style per pair of damping coefficients, and a separate one for ``fast_start``."""
+    damping, styles = (key_values["damping"], key_values["shear_damping"]), spec.options["styles"]
+    if key_values.get("initial_velocity", 0):
+        return catalogue_style(*spec.options["fast_start"]), f"{pair(*damping)}, fast start"
+    style = (
+        catalogue_style(*styles[damping]) if damping in styles else cycle_style(index + len(styles))
+    )
     return style, pair(*damping)
 
 

@@ -1,9 +1,9 @@
-"""What all plots of a study's own share: observables in their units, panels, labels, looks.
+"""Helpers of the plots that a study file defines: observables, units, panels, labels and looks.
 
-Options of a figure: ``show``, name of the observable, and ``second``, of that on the other axis, or
-nothing where a parameter is there; ``curves``, parameters that tell curves
-apart, and ``panels``, one that tells panels apart, or nothing; ``units``, ``"si"`` or
-``"natural"``; ``log``, axes that are logarithmic.
+Options of a figure: ``show`` names the observable, and ``second`` the observable on the other axis,
+or nothing where a parameter is there. ``curves`` are parameters that distinguish curves; ``panels``
+is one that distinguishes panels, or nothing. ``units`` is ``"si"`` or ``"natural"``, and ``log``
+lists the logarithmic axes.
 """
 
 import textwrap
@@ -19,73 +19,85 @@ from matplotlib.ticker import LogLocator, NullFormatter
 
 from sim.dataset.results import Results
 from sim.figures.caption import points_text
-from sim.figures.data import FigureData, parameter_columns, varying
+from sim.figures.data import FigureData, parameter_columns, varying_parameters
 from sim.figures.looks import Look, settings
-from sim.figures.quantity import Quantity, of_replicates
-from sim.figures.style import LOOKS, CurveStyle, cycled, legend_above, literal
-from sim.figures.units import headed, scale_of, unit_of
+from sim.figures.quantity import Quantity, replicate_means
+from sim.figures.style import LOOKS, CurveStyle, cycle_style, escape_label, legend_above
+from sim.figures.units import label_with_unit, scale_of, unit_of
 from sim.parameters import SYSTEMS, field_info
 from sim.parameters.words import setting
-from sim.study.plot_words import described, plain
+from sim.study.plot_words import name_in_words, parameter_phrase
 from sim.study.plottable import Observable, numbers
 
-#: Size of a plot with one panel, of each of several, and the most side by side, inches.
-SINGLE, SEVERAL, ACROSS = (5.6, 3.9), (3.1, 2.7), 3
+#: Size (inches) of a plot with one panel, size of each of several, and the most panels in a row.
+SINGLE_SIZE, PANEL_SIZE, MOST_COLUMNS = (5.6, 3.9), (3.1, 2.7), 3
 
-#: The axes of a figure, each with the points that it shows.
+#: Pairs of the axes of a panel and the points (rows) that it shows.
 Panels = list[tuple[Axes, pd.DataFrame]]
 
-#: Characters of the label of an axis in a line.
-_LINE = 44
+#: Most characters in a line of an axis label.
+_LABEL_WIDTH = 44
 
-#: From how many times the lowest value on a logarithmic axis are there powers of ten alone.
-_MANY = 300
+#: Ratio of the ends of a logarithmic axis from which only powers of ten have ticks.
+_DECADES_FROM = 300
 
 
-def observed(data: FigureData, option: str = "show") -> Quantity:
-    """Return the observable that an option of a plot names, in its units, of every point."""
+def observed_quantity(data: FigureData, option: str = "show") -> Quantity:
+    """Return the observable that an option names, for every point and in the units of the plot."""
     spec, rows = data.spec, data.rows
-    one = numbers(spec.system)[spec.options[option]]
-    unit, scale = unit_of(one.unit, spec.options["units"], spec.system), _scale(data, one)
-    label = f"{one.meaning} [{unit or '1'}]"
-    if one.name == "velocity":
-        return Quantity(one.name, label, rows["velocity"] / scale, rows["half_width"] / scale)
-    return of_replicates(one.name, label, replicate_values(data, one), rows.index)
+    observable = numbers(spec.system)[spec.options[option]]
+    unit, scale = (
+        unit_of(observable.unit, spec.options["units"], spec.system),
+        _scale(data, observable),
+    )
+    label = f"{observable.meaning} [{unit or '1'}]"
+    if observable.name == "velocity":
+        return Quantity(
+            observable.name, label, rows["velocity"] / scale, rows["half_width"] / scale
+        )
+    return replicate_means(observable.name, label, replicate_values(data, observable), rows.index)
 
 
-def replicate_values(data: FigureData, one: Observable) -> list[np.ndarray]:
-    """Return the values of an observable in the units of the plot, of each point its replicates.
+def replicate_values(data: FigureData, observable: Observable) -> list[np.ndarray]:
+    """Return one array per point: an observable of its replicates, in the units of the plot.
 
-    Those that failed, or do not know it, are left out.
+    Replicates without a finite value, such as failed ones, are left out.
     """
-    points, scale = data.rows["point"], _scale(data, one)
-    if one.is_mean:
-        found = [_means(data.results, point, one.source) for point in points]
+    points, scale = data.rows["point"], _scale(data, observable)
+    if observable.is_mean:
+        values = [_means(data.results, point, observable.source) for point in points]
     else:
-        held = data.results.dataset
-        table = held[one.source].sel(point=points.values).values if one.source in held else None
-        found = [np.zeros(0)] * len(points) if table is None else list(table)
-    return [each[np.isfinite(each)] / by for each, by in zip(found, scale, strict=True)]
+        dataset = data.results.dataset
+        table = (
+            dataset[observable.source].sel(point=points.values).values
+            if observable.source in dataset
+            else None
+        )
+        values = [np.zeros(0)] * len(points) if table is None else list(table)
+    return [row[np.isfinite(row)] / divisor for row, divisor in zip(values, scale, strict=True)]
 
 
-def _scale(data: FigureData, one: Observable) -> pd.Series:
-    return scale_of(one.unit, data.spec.options["units"], data.rows)
+def _scale(data: FigureData, observable: Observable) -> pd.Series:
+    return scale_of(observable.unit, data.spec.options["units"], data.rows)
 
 
 def scale_of_point(data: FigureData, row: Mapping[str, Any], unit: str) -> float:
-    """Return what the values of a point in an SI unit are to be divided by in a plot."""
+    """Return the divisor from an SI unit to the units of the plot, for the point of a row."""
     return float(scale_of(unit, data.spec.options["units"], pd.DataFrame([row])).iloc[0])
 
 
 def named_columns(data: FigureData, rows: pd.DataFrame) -> dict[str, pd.Series]:
-    """Return the columns of a plot's data that name its points, units in the headings."""
+    """Return the columns of a plot's data that identify its points, units in the headings."""
     spec = data.spec
-    names = dict.fromkeys((*spec.axes, *spec.curves, *keys_of(data)))
+    names = dict.fromkeys((*spec.axes, *spec.curves, *curve_keys(data)))
     return parameter_columns(rows, spec.system, names)
 
 
 def _means(results: Results, point: str, profile: str) -> np.ndarray:
-    """Return the means of a profile over the particles of each completed replicate, (R,)."""
+    """Return the mean of a profile, weighted by packing, for each completed replicate, (R,).
+
+    Not-a-number where no slice has a value.
+    """
     values, _ = results.profile(point, profile)
     packing, _ = results.profile(point, "packing_profile")
     weight = np.where(np.isfinite(values), packing, 0.0)
@@ -94,48 +106,50 @@ def _means(results: Results, point: str, profile: str) -> np.ndarray:
     return np.divide(sums, total, out=np.full(len(total), np.nan), where=total > 0)
 
 
-def observable_label(data: FigureData, one: Observable) -> str:
-    """Return the label of the axis of an observable: its name; the caption says what it means."""
-    unit = unit_of(one.unit, data.spec.options["units"], data.spec.system)
-    return wrapped(headed(plain(one.name), unit))
+def observable_label(data: FigureData, observable: Observable) -> str:
+    """Return the axis label of an observable: its name and unit."""
+    unit = unit_of(observable.unit, data.spec.options["units"], data.spec.system)
+    return wrap_label(label_with_unit(name_in_words(observable.name), unit))
 
 
 def parameter_label(system: str, name: str) -> str:
-    """Return the label of the axis of a parameter, in the unit of study files."""
+    """Return the axis label of a parameter, in the unit of study files."""
     row = field_info(SYSTEMS[system])[name]
-    return wrapped(headed(described(system, name), row.scale or row.unit_text.strip()))
+    return wrap_label(
+        label_with_unit(parameter_phrase(system, name), row.scale or row.unit_text.strip())
+    )
 
 
-def wrapped(text: str) -> str:
-    """Return a label in lines that fit along an axis, to be drawn as it is written."""
-    return literal("\n".join(textwrap.wrap(text, _LINE)))
+def wrap_label(text: str) -> str:
+    """Break a label into lines that fit along an axis, and escape it for matplotlib."""
+    return escape_label("\n".join(textwrap.wrap(text, _LABEL_WIDTH)))
 
 
 def panels(data: FigureData) -> tuple[Figure, Panels]:
-    """Return a figure and its axes, each with the points that it shows."""
+    """Return a new figure and its panels: axes, each with the points that it shows."""
     rows, name = data.rows, data.spec.options["panels"]
     if not name:
-        figure = Figure(figsize=SINGLE, layout="constrained")
+        figure = Figure(figsize=SINGLE_SIZE, layout="constrained")
         return figure, [(figure.subplots(), rows)]
     values = sorted(set(rows[name]))
-    down = -(-len(values) // ACROSS)
+    down = -(-len(values) // MOST_COLUMNS)
     across = -(-len(values) // down)
-    size = (SEVERAL[0] * across + 0.6, SEVERAL[1] * down + 0.8)
+    size = (PANEL_SIZE[0] * across + 0.6, PANEL_SIZE[1] * down + 0.8)
     figure = Figure(figsize=size, layout="constrained")
     grid = figure.subplots(down, across, sharex=True, sharey=True, squeeze=False)
-    found = []
+    shown = []
     for axes, value in zip(grid.flat, values, strict=False):
-        axes.set_title(literal(setting(data.spec.system, name, value)), fontsize=9)
-        found.append((axes, rows[rows[name] == value]))
+        axes.set_title(escape_label(setting(data.spec.system, name, value)), fontsize=9)
+        shown.append((axes, rows[rows[name] == value]))
     for axes in grid.flat[len(values) :]:
         axes.set_visible(False)
-        # What is above has no axis below it then.
+        # The panel above has no neighbour below, so it shows its own tick labels.
         grid[down - 2, list(grid[-1]).index(axes)].tick_params(labelbottom=True)
-    return figure, found
+    return figure, shown
 
 
 def label_axes(figure: Figure, shown: Panels, x: str, y: str) -> None:
-    """Name the axes, those of several panels once for all of them."""
+    """Label the axes of a single panel, or the whole figure once where it has several."""
     if len(shown) == 1:
         shown[0][0].set_xlabel(x)
         shown[0][0].set_ylabel(y)
@@ -145,7 +159,7 @@ def label_axes(figure: Figure, shown: Panels, x: str, y: str) -> None:
 
 
 def set_log(axes: Axes, axis: str) -> None:
-    """Make an axis logarithmic, ``"x"`` or ``"y"``, with plain numbers at its ticks."""
+    """Make the axis ``"x"`` or ``"y"`` logarithmic, with plain numbers at its ticks."""
     getattr(axes, f"set_{axis}scale")("log")
     ticks = axes.xaxis if axis == "x" else axes.yaxis
     ticks.set_major_locator(_Steps())
@@ -154,63 +168,69 @@ def set_log(axes: Axes, axis: str) -> None:
 
 
 class _Steps(LogLocator):
-    """Ticks at 1, 2 and 5 of each power of ten or, of many powers, at 1 alone."""
+    """Ticks at 1, 2 and 5 times each power of ten; over many powers at the powers alone."""
 
     def tick_values(self, vmin: float, vmax: float) -> Sequence[float]:
-        self.set_params(subs=(1, 2, 5) if vmax < _MANY * vmin else (1,))
+        self.set_params(subs=(1, 2, 5) if vmax < _DECADES_FROM * vmin else (1,))
         return super().tick_values(vmin, vmax)
 
 
 def above_zero(data: FigureData, axis: str, values: np.ndarray) -> np.ndarray:
-    """Return values with not-a-number for what has no place on an axis that is logarithmic."""
+    """Return values, with not-a-number for those ≤ 0 where the axis is logarithmic."""
     return np.where(values > 0, values, np.nan) if axis in data.spec.options["log"] else values
 
 
-def lost_note(lost: int, what: str) -> list[str]:
-    """Return what the caption says of so many ``what`` that a logarithmic axis has no place for."""
-    return [f"Not above 0, and so not on a logarithmic axis: {lost} {what}."] if lost else []
+def nonpositive_note(count: int, noun: str) -> list[str]:
+    """Return the caption note on the number of values ≤ 0 omitted from a logarithmic axis.
+
+    ``noun`` names these values; empty without any.
+    """
+    return [f"Not above 0, and so not on a logarithmic axis: {count} {noun}."] if count else []
 
 
-def without_note(count: int, what: str = "a value", mark: str = "Not drawn") -> list[str]:
-    """Return what the caption says of so many points that no run knows ``what`` of."""
-    return [f"{mark}: {points_text(count)} without {what}."] if count else []
+def missing_value_note(count: int, noun: str = "a value", mark: str = "Not drawn") -> list[str]:
+    """Return the caption note on the number of points without ``noun``; empty without any.
+
+    ``mark`` begins the sentence: what the plot does with these points.
+    """
+    return [f"{mark}: {points_text(count)} without {noun}."] if count else []
 
 
 def width_of(shown: Panels) -> float:
-    """Return the length of the horizontal axis of a panel, about, inches."""
-    return SINGLE[0] - 1.0 if len(shown) == 1 else SEVERAL[0] - 0.5
+    """Return the approximate length of the horizontal axis of a panel, inches."""
+    return SINGLE_SIZE[0] - 1.0 if len(shown) == 1 else PANEL_SIZE[0] - 0.5
 
 
-def keys_of(data: FigureData) -> tuple[str, ...]:
-    """Return the parameters that name curves: those asked for, and others that vary besides."""
+def curve_keys(data: FigureData) -> tuple[str, ...]:
+    """Return the parameters that name curves: those of the option, then all others that vary."""
     spec, rows = data.spec, data.rows
     apart = {*spec.axes, *spec.curves}
     parameters = [name for name in SYSTEMS[spec.system].model_fields if name not in apart]
-    return *spec.options["curves"], *varying(rows, parameters)
+    return *spec.options["curves"], *varying_parameters(rows, parameters)
 
 
-def look_of_all(data: FigureData, named: Sequence[str]) -> Look:
-    """Return a look that is the same in all panels for the same curve, which parameters name."""
+def shared_look(data: FigureData, named: Sequence[str]) -> Look:
+    """Return a look that gives a curve, identified by parameters, one style in all panels."""
     system = data.spec.system
-    places: dict[str, int] = {}
+    indices: dict[str, int] = {}
     keys = [name for name in named if name != "protocol"]
-    every = data.rows[keys].drop_duplicates().sort_values(keys) if keys else data.rows[:1]
-    for values in every[keys].to_dict("records"):
-        places[settings(system, values.items())] = len(places)
+    curves = data.rows[keys].drop_duplicates().sort_values(keys) if keys else data.rows[:1]
+    for values in curves[keys].to_dict("records"):
+        indices[settings(system, values.items())] = len(indices)
 
     def look(names: dict[str, object], index: int) -> tuple[CurveStyle, str]:
         label = settings(system, ((name, names[name]) for name in keys if name in names))
-        return cycled(places.get(label, index)), label
+        return cycle_style(indices.get(label, index)), label
 
     return look
 
 
-def legend(figure: Figure, shown: Panels, beside: Mapping[str, Any] | None = None) -> None:
-    """Put one legend for all panels above them, each entry once; none for one nameless curve.
+def legend(figure: Figure, shown: Panels, foreign: Mapping[str, Any] | None = None) -> None:
+    """Put one legend above all panels, with each label once; none where no curve has a label.
 
-    The figure grows by what it needs of more than a few lines. Of more curves than there are looks
-    it tells how many there are. ``beside`` are entries of data beside the study's own, which may be
-    called the same.
+    The figure grows where the legend has more than a few lines. With more curves than styles, the
+    legend only gives their number. ``foreign`` are the entries of foreign data, by label. Their
+    labels may equal those of curves.
     """
     entries: dict[str, Any] = {}
     for axes, _ in shown:
@@ -219,30 +239,30 @@ def legend(figure: Figure, shown: Panels, beside: Mapping[str, Any] | None = Non
     entries.pop("", None)
     if len(entries) > LOOKS:
         entries = {f"{len(entries):,} curves, which the data names": Line2D([], [], linestyle="")}
-    handles = [*entries.values(), *(beside or {}).values()]
-    if labels := [*entries, *(beside or {})]:
+    handles = [*entries.values(), *(foreign or {}).values()]
+    if labels := [*entries, *(foreign or {})]:
         legend_above(figure, handles, labels)
 
 
 def groups(
     data: FigureData, rows: pd.DataFrame
 ) -> Iterator[tuple[CurveStyle, str, Mapping[str, Any]]]:
-    """Yield style, legend entry and row of each completed point that is a curve of its own."""
-    keys = keys_of(data)
-    look = look_of_all(data, keys)
-    known = rows[rows["completed"] > 0].sort_values(list(keys)) if keys else rows
-    for index, row in enumerate(known[known["completed"] > 0].to_dict("records")):
+    """Yield style, legend entry and row of each completed point: each is one curve."""
+    keys = curve_keys(data)
+    look = shared_look(data, keys)
+    completed = rows[rows["completed"] > 0].sort_values(list(keys)) if keys else rows
+    for index, row in enumerate(completed[completed["completed"] > 0].to_dict("records")):
         names = {str(name): row[name] for name in keys}
         style, label = look(names, index)
         yield style, label, {str(name): value for name, value in row.items()}
 
 
-def empty_text(shown: Panels, what: str) -> None:
-    """Say on the axes that no run knows what is shown, where nothing is drawn.
+def write_no_data(shown: Panels, noun: str) -> None:
+    """Write on each empty panel that no run has the observable ``noun``.
 
-    That no point has completed is said of all figures.
+    Nothing is written where no point has completed: `sim.figures.render` does that for all figures.
     """
     for axes, _ in shown if any(rows["completed"].any() for _, rows in shown) else ():
         if not axes.has_data():
-            text = f"no run has {plain(what)}"
+            text = f"no run has {name_in_words(noun)}"
             axes.text(0.5, 0.5, text, ha="center", transform=axes.transAxes)

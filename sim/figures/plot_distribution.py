@@ -1,4 +1,4 @@
-"""How a number is distributed over the replicates of each point: a study's own plot.
+"""Distribution of an observable over the replicates of each point, defined by a study file.
 
 Options of a figure: those of `sim.figures.plot`.
 """
@@ -15,33 +15,33 @@ from sim.figures.data import FigureData
 from sim.figures.kind import Kind
 from sim.figures.plot import (
     above_zero,
-    empty_text,
-    keys_of,
+    curve_keys,
     label_axes,
     legend,
-    look_of_all,
-    lost_note,
+    missing_value_note,
     named_columns,
+    nonpositive_note,
     observable_label,
     panels,
     parameter_label,
     replicate_values,
     set_log,
-    without_note,
+    shared_look,
+    write_no_data,
 )
 from sim.figures.style import PALE
 from sim.figures.units import unit_of
 from sim.study.plottable import numbers
 
-#: Part of the room of a value of x that its dots fill, and in which those of a curve are spread.
-_ROOM, _SPREAD = 0.7, 0.6
+#: Share of the room of an x value that its curves fill, and share of that over which dots spread.
+_FILLED_SHARE, _SPREAD_SHARE = 0.7, 0.6
 
 
 def draw(data: FigureData) -> Figure:
-    """Draw a dot per replicate, and a bar at their median; the values of x stand evenly apart."""
+    """Draw a dot per replicate and a bar at the median; x values are equally spaced."""
     spec = data.spec
-    (along,), one = spec.axes, numbers(spec.system)[spec.options["show"]]
-    values = pd.Series(replicate_values(data, one), data.rows.index)
+    (along,), observable = spec.axes, numbers(spec.system)[spec.options["show"]]
+    values = pd.Series(replicate_values(data, observable), data.rows.index)
     figure, shown = panels(data)
     places = {value: place for place, value in enumerate(sorted(set(data.rows[along])))}
     for axes, rows in shown:
@@ -53,8 +53,10 @@ def draw(data: FigureData) -> Figure:
         axes.grid(visible=False, axis="x")
         if "y" in spec.options["log"]:
             set_log(axes, "y")
-    label_axes(figure, shown, parameter_label(spec.system, along), observable_label(data, one))
-    empty_text(shown, one.name)
+    label_axes(
+        figure, shown, parameter_label(spec.system, along), observable_label(data, observable)
+    )
+    write_no_data(shown, observable.name)
     legend(figure, shown)
     return figure
 
@@ -62,54 +64,58 @@ def draw(data: FigureData) -> Figure:
 def _draw_curves(
     axes: Axes, data: FigureData, rows: pd.DataFrame, values: pd.Series, places: dict[float, int]
 ) -> None:
-    """Draw the replicates of points, those of each curve beside those of the others.
+    """Draw the replicates of points, curve next to curve at each x value.
 
-    The bar is at the median of all, drawn or not.
+    The bar is at the median of all replicates, including those that a logarithmic axis omits.
     """
-    keys = list(keys_of(data))
-    look = look_of_all(data, keys)
+    keys = list(curve_keys(data))
+    look = shared_look(data, keys)
     curves = [names for names, _ in data.rows.groupby(keys)] if keys else [()]
-    width = _ROOM / len(curves)
-    named: set[str] = set()
+    width = _FILLED_SHARE / len(curves)
+    labelled: set[str] = set()
     for index, row in rows.iterrows():
-        own = tuple(row[name] for name in keys)
-        style, label = look(dict(zip(keys, own, strict=True)), 0)
-        place = curves.index(own) - (len(curves) - 1) / 2
+        key = tuple(row[name] for name in keys)
+        style, label = look(dict(zip(keys, key, strict=True)), 0)
+        place = curves.index(key) - (len(curves) - 1) / 2
         middle = places[row[data.spec.axes[0]]] + width * place
-        found = np.sort(values[index])
-        if not found.size:
+        replicates = np.sort(values[index])
+        if not replicates.size:
             continue
-        aside = width * _SPREAD * (np.arange(found.size) * 0.618 % 1 - 0.5)
+        aside = width * _SPREAD_SHARE * (np.arange(replicates.size) * 0.618 % 1 - 0.5)
         dots: dict[str, Any] = {"color": style.colour, "alpha": 2 * PALE, "markersize": 3.5}
-        entry = label if label not in named else None
-        axes.plot(middle + aside, found, style.marker, label=entry, zorder=3, **dots)
+        entry = label if label not in labelled else None
+        axes.plot(middle + aside, replicates, style.marker, label=entry, zorder=3, **dots)
         ends = [middle - 0.4 * width, middle + 0.4 * width]
-        axes.plot(ends, [np.median(found)] * 2, color=style.colour, linewidth=1.8, zorder=4)
-        named.add(label)
+        axes.plot(ends, [np.median(replicates)] * 2, color=style.colour, linewidth=1.8, zorder=4)
+        labelled.add(label)
 
 
 def table(data: FigureData) -> pd.DataFrame:
-    """Return the data behind the figure, one row per replicate, units in the headings."""
-    spec, one = data.spec, numbers(data.spec.system)[data.spec.options["show"]]
-    unit = unit_of(one.unit, spec.options["units"], spec.system) or "1"
-    held = pd.DataFrame(named_columns(data, data.rows))
-    held["regime"] = data.rows["regime"]
-    held[f"{one.name} [{unit}]"] = pd.Series(replicate_values(data, one), data.rows.index)
-    return held.explode(f"{one.name} [{unit}]")
+    """Return the plotted data, one row per replicate, units in the headings."""
+    spec, observable = data.spec, numbers(data.spec.system)[data.spec.options["show"]]
+    unit = unit_of(observable.unit, spec.options["units"], spec.system) or "1"
+    rows = pd.DataFrame(named_columns(data, data.rows))
+    rows["regime"] = data.rows["regime"]
+    rows[f"{observable.name} [{unit}]"] = pd.Series(
+        replicate_values(data, observable), data.rows.index
+    )
+    return rows.explode(f"{observable.name} [{unit}]")
 
 
 def notes(data: FigureData) -> list[str]:
-    """Return what the caption says of dots and bars."""
-    one = numbers(data.spec.system)[data.spec.options["show"]]
-    found = replicate_values(data, one)
+    """Return the sentences of the caption on dots, bars and omitted values."""
+    observable = numbers(data.spec.system)[data.spec.options["show"]]
+    values_by_point = replicate_values(data, observable)
     completed = data.rows["completed"] > 0
-    unknown = sum(not each.size for each, done in zip(found, completed, strict=True) if done)
-    values = np.concatenate([np.zeros(0), *found])
-    lost = int(np.isnan(above_zero(data, "y", values)).sum())
+    missing = sum(
+        not values.size for values, done in zip(values_by_point, completed, strict=True) if done
+    )
+    all_values = np.concatenate([np.zeros(0), *values_by_point])
+    omitted = int(np.isnan(above_zero(data, "y", all_values)).sum())
     return [
         "A dot per completed replicate, spread sideways; bars: medians. x is not to scale.",
-        *without_note(unknown),
-        *lost_note(lost, "replicates" if lost > 1 else "replicate"),
+        *missing_value_note(missing),
+        *nonpositive_note(omitted, "replicates" if omitted > 1 else "replicate"),
         unsteady_sentence(data.rows),
     ]
 

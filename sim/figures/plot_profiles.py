@@ -1,4 +1,4 @@
-"""Profiles over the height, each the mean of the replicates of a point: a study's own plot.
+"""Profiles over the height, means over the replicates of a point: a plot that a study file defines.
 
 Options of a figure: those of `sim.figures.plot_slices`, which draws one profile against another.
 """
@@ -12,140 +12,159 @@ from matplotlib.figure import Figure
 
 from sim.base.statistics import student_half_width
 from sim.figures import plot_slices
-from sim.figures.beside import beside_notes, draw_beside, values_beside, with_beside
 from sim.figures.caption import unsteady_sentence
 from sim.figures.data import FigureData
+from sim.figures.foreign_data import (
+    append_foreign_data,
+    draw_foreign_data,
+    foreign_data_notes,
+    foreign_values,
+)
 from sim.figures.kind import Kind
 from sim.figures.plot import (
     above_zero,
-    empty_text,
     groups,
     label_axes,
     legend,
-    lost_note,
+    missing_value_note,
     named_columns,
+    nonpositive_note,
     observable_label,
     panels,
     set_log,
-    without_note,
+    write_no_data,
 )
-from sim.figures.plot_slices import ENOUGH, extent_sentence, slices, there
+from sim.figures.plot_slices import MIN_REPLICATES, extent_sentence, height_range_suffix, slices
 from sim.figures.style import PALE
-from sim.figures.units import headed, unit_of
+from sim.figures.units import label_with_unit, unit_of
 from sim.study.plottable import profiles
 
 
 def draw(data: FigureData) -> Figure:
-    """Draw a line per point, about it the interval of its mean or, of few, its replicates."""
+    """Draw a line per point, with a band of its interval or, for few replicates, all of these."""
     spec = data.spec
     if spec.options["second"]:
         return plot_slices.draw(data)
     figure, shown = panels(data)
     for axes, rows in shown:
         for style, label, row in groups(data, rows):
-            values = placed(data, profile(data, row))
+            values = mask_nonpositive(data, point_profile(data, row))
             if values["mean"].isna().all():
                 continue
             mean, half, height = (values[name] for name in ("mean", "half_width", "height"))
             axes.plot(mean, height, color=style.colour, linestyle=style.dashes, label=label)
             band: dict[str, Any] = {"color": style.colour, "alpha": 0.15, "linewidth": 0}
-            own = values.filter(regex="^replicate")
-            if row["completed"] < ENOUGH:
-                axes.plot(own, height, color=style.colour, alpha=PALE, linewidth=0.7, zorder=1.5)
+            replicates = values.filter(regex="^replicate")
+            if row["completed"] < MIN_REPLICATES:
+                axes.plot(
+                    replicates, height, color=style.colour, alpha=PALE, linewidth=0.7, zorder=1.5
+                )
             else:
                 axes.fill_betweenx(height, mean - half, mean + half, **band)
         if "x" in spec.options["log"]:
             set_log(axes, "x")
-    one = profiles(spec.system)[spec.options["show"]]
-    empty_text(shown, one.name + there(data))
-    beside = draw_beside(data, shown)
+    observable = profiles(spec.system)[spec.options["show"]]
+    write_no_data(shown, observable.name + height_range_suffix(data))
+    foreign = draw_foreign_data(data, shown)
     if not spec.options["between"]:
-        # Panels share their axes, and limits that are set follow nothing that is drawn later.
-        shown[0][0].set_ylim(bottom=min([0.0, *values_beside(data, "y")]))
+        # Panels share their axes, and set limits do not follow later data.
+        shown[0][0].set_ylim(bottom=min([0.0, *foreign_values(data, "y")]))
     unit = unit_of("m", spec.options["units"], spec.system)
-    label_axes(figure, shown, observable_label(data, one), headed("height z", unit))
-    legend(figure, shown, beside)
+    label_axes(figure, shown, observable_label(data, observable), label_with_unit("height z", unit))
+    legend(figure, shown, foreign)
     return figure
 
 
-def profile(data: FigureData, row: Mapping[str, Any]) -> pd.DataFrame:
-    """Return a profile of a point, those of its slices that are shown.
+def point_profile(data: FigureData, row: Mapping[str, Any]) -> pd.DataFrame:
+    """Return the shown slices of a profile of a point, in the units of the plot.
 
-    Columns ``height``, ``mean`` over the replicates, ``half_width`` of its 95 % interval and
-    ``replicate 1`` and so on, in the units of the plot; not-a-number where nothing is known.
+    Columns are ``height``, ``mean`` over the replicates, ``half_width`` of its 95 % interval, and
+    ``replicate 1`` and so on. Unknown values are not-a-number.
     """
-    one = profiles(data.spec.system)[data.spec.options["show"]]
-    values, height = slices(data, row, one)
-    known = [each[np.isfinite(each)] for each in values.T]
+    observable = profiles(data.spec.system)[data.spec.options["show"]]
+    values, height = slices(data, row, observable)
+    samples = [sample[np.isfinite(sample)] for sample in values.T]
     return pd.DataFrame(
         {
             "height": height,
-            "mean": [each.mean() if each.size else np.nan for each in known],
-            "half_width": [float(student_half_width(each)) for each in known],
+            "mean": [sample.mean() if sample.size else np.nan for sample in samples],
+            "half_width": [float(student_half_width(sample)) for sample in samples],
         }
-        | {f"replicate {number}": one for number, one in enumerate(values, 1)}
+        | {f"replicate {number}": observable for number, observable in enumerate(values, 1)}
     )
 
 
-def placed(data: FigureData, found: pd.DataFrame) -> pd.DataFrame:
-    """Return a `profile` with not-a-number for what has no place on a logarithmic axis."""
-    kept = found.copy()
-    for name in found.filter(regex="^(mean|replicate)"):
-        kept[name] = above_zero(data, "x", found[name].to_numpy())
-    return kept
+def mask_nonpositive(data: FigureData, rows: pd.DataFrame) -> pd.DataFrame:
+    """Return a `point_profile` with not-a-number for values ≤ 0 on a logarithmic axis."""
+    masked = rows.copy()
+    for name in rows.filter(regex="^(mean|replicate)"):
+        masked[name] = above_zero(data, "x", rows[name].to_numpy())
+    return masked
 
 
 def table(data: FigureData) -> pd.DataFrame:
-    """Return the data behind the profiles, a row per point and slice, units in the headings."""
+    """Return the plotted data, a row per point and slice, units in the headings."""
     if data.spec.options["second"]:
         return plot_slices.table(data)
-    spec, one = data.spec, profiles(data.spec.system)[data.spec.options["show"]]
-    units = [unit_of(unit, spec.options["units"], spec.system) for unit in (one.unit, "m")]
-    known = data.rows[data.rows["completed"] > 0]
-    named = named_columns(data, known)
+    spec, observable = data.spec, profiles(data.spec.system)[data.spec.options["show"]]
+    units = [unit_of(unit, spec.options["units"], spec.system) for unit in (observable.unit, "m")]
+    completed = data.rows[data.rows["completed"] > 0]
+    id_columns = named_columns(data, completed)
     parts = []
-    for (index, row), values in zip(known.iterrows(), _each(data), strict=True):
-        own = {name: column[index] for name, column in named.items()}
+    for (index, row), values in zip(completed.iterrows(), _profiles_of_points(data), strict=True):
+        point_columns = {name: column[index] for name, column in id_columns.items()}
         columns = {
             f"height [{units[1]}]": values["height"],
-            f"{one.name} [{units[0] or '1'}]": values["mean"],
+            f"{observable.name} [{units[0] or '1'}]": values["mean"],
             f"half width of 95 % interval [{units[0] or '1'}]": values["half_width"],
         }
-        parts.append(pd.DataFrame(own | columns | {"completed replicates": row["completed"]}))
-    headings = [f"height [{units[1]}]", f"{one.name} [{units[0] or '1'}]"]
-    found = pd.concat(parts) if parts else pd.DataFrame(columns=[*named, *headings])
-    return with_beside(data, found, headings[1], headings[0])
+        parts.append(
+            pd.DataFrame(point_columns | columns | {"completed replicates": row["completed"]})
+        )
+    headings = [f"height [{units[1]}]", f"{observable.name} [{units[0] or '1'}]"]
+    rows = pd.concat(parts) if parts else pd.DataFrame(columns=[*id_columns, *headings])
+    return append_foreign_data(data, rows, headings[1], headings[0])
 
 
-def _each(data: FigureData) -> list[pd.DataFrame]:
-    """Return the `profile` of each completed point."""
-    known = data.rows[data.rows["completed"] > 0].to_dict("records")
-    return [profile(data, {str(name): value for name, value in row.items()}) for row in known]
+def _profiles_of_points(data: FigureData) -> list[pd.DataFrame]:
+    """Return the `point_profile` of each completed point."""
+    completed = data.rows[data.rows["completed"] > 0].to_dict("records")
+    return [
+        point_profile(data, {str(name): value for name, value in row.items()}) for row in completed
+    ]
 
 
 def notes(data: FigureData) -> list[str]:
-    """Return what the caption says of lines and bands."""
+    """Return the sentences of the caption on lines and bands."""
     if data.spec.options["second"]:
         return plot_slices.notes(data)
     completed = data.rows["completed"]
-    many, few = (completed >= ENOUGH).any(), ((completed > 1) & (completed < ENOUGH)).any()
-    pale = f"of fewer than {ENOUGH}, each is a pale line"
+    many, few = (
+        (completed >= MIN_REPLICATES).any(),
+        ((completed > 1) & (completed < MIN_REPLICATES)).any(),
+    )
+    pale = f"of fewer than {MIN_REPLICATES}, each is a pale line"
     bands = "Bands: Student's 95 % interval of the mean over replicates"
     ends = extent_sentence(data, "Lines")
-    unknown = sum(bool(each["mean"].isna().all()) for each in _each(data))
-    lacking = [*without_note(unknown, f"a value{there(data)}"), *_notes_on_logarithms(data)]
-    rest = [*lacking, unsteady_sentence(data.rows), *beside_notes(data)]
+    missing = sum(bool(rows["mean"].isna().all()) for rows in _profiles_of_points(data))
+    omissions = [
+        *missing_value_note(missing, f"a value{height_range_suffix(data)}"),
+        *_notes_on_logarithms(data),
+    ]
+    rest = [*omissions, unsteady_sentence(data.rows), *foreign_data_notes(data)]
     if many:
         return [ends, f"{bands}; {pale}." if few else f"{bands}.", *rest]
     return [ends, *([f"Lines are means over replicates; {pale}."] if few else []), *rest]
 
 
 def _notes_on_logarithms(data: FigureData) -> list[str]:
-    """Say how many slices a logarithmic axis has no place for."""
+    """Return the caption note on the slices omitted from a logarithmic axis."""
     if "x" not in data.spec.options["log"]:
         return []
-    means = np.concatenate([np.zeros(0), *(one["mean"].dropna() for one in _each(data))])
-    return lost_note(int((means <= 0).sum()), "slices")
+    means = np.concatenate(
+        [np.zeros(0), *(rows["mean"].dropna() for rows in _profiles_of_points(data))]
+    )
+    return nonpositive_note(int((means <= 0).sum()), "slices")
 
 
 KIND = Kind(draw, table=table, notes=notes)

@@ -1,4 +1,4 @@
-"""Time series of replicates, read from their run files: a study's own plot.
+"""Time series of replicates, read from their run files: a plot that a study file defines.
 
 Options of a figure: those of `sim.figures.plot`.
 """
@@ -11,66 +11,72 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from sim.base.damage import checked_read
 from sim.base.errors import InputError
+from sim.base.seals import checked_read
 from sim.dataset.run_file import RunFile
 from sim.figures.caption import unsteady_sentence
 from sim.figures.data import FigureData
 from sim.figures.kind import Kind
 from sim.figures.plot import (
     above_zero,
-    empty_text,
     groups,
     label_axes,
     legend,
-    lost_note,
     named_columns,
+    nonpositive_note,
     observable_label,
     panels,
     scale_of_point,
     set_log,
+    write_no_data,
 )
 from sim.figures.style import LEVEL
-from sim.figures.units import headed, unit_of
+from sim.figures.units import label_with_unit, unit_of
 from sim.parameters import SYSTEMS, amounts
 from sim.study.plottable import series
 
-#: Values of a line at most: means of as many successive samples as that takes.
-MOST = 400
+#: Most values of a line; more samples are averaged in successive groups.
+MOST_VALUES = 400
 
 
 def draw(data: FigureData) -> Figure:
-    """Draw a line per replicate; dotted, where averaging begins."""
+    """Draw a line per replicate, and a dotted one where averaging begins."""
     spec = data.spec
     figure, shown = panels(data)
     for axes, rows in shown:
         for style, label, row in groups(data, rows):
-            values = courses(data, row)
+            values = read_time_series(data, row)
             look = {"color": style.colour, "linestyle": style.dashes, "linewidth": 1.0}
-            for number, (_, one) in enumerate(values.groupby("replicate")):
+            for number, (_, replicate_values) in enumerate(values.groupby("replicate")):
                 entry = label if number == 0 else None
                 x, y = (
-                    above_zero(data, axis, one[name].to_numpy(float))
+                    above_zero(data, axis, replicate_values[name].to_numpy(float))
                     for axis, name in zip("xy", ("time", "value"), strict=True)
                 )
                 axes.plot(x, y, label=entry, **look, zorder=2)
-            axes.axvline(_start(data, row), **LEVEL)
+            axes.axvline(_averaging_start(data, row), **LEVEL)
         for axis in spec.options["log"]:
             set_log(axes, axis)
     unit = unit_of("s", spec.options["units"], spec.system)
-    one = series(spec.system)[spec.options["show"]]
-    label_axes(figure, shown, headed("time since the start", unit), observable_label(data, one))
-    empty_text(shown, one.name)
+    replicate_values = series(spec.system)[spec.options["show"]]
+    label_axes(
+        figure,
+        shown,
+        label_with_unit("time since the start", unit),
+        observable_label(data, replicate_values),
+    )
+    write_no_data(shown, replicate_values.name)
     legend(figure, shown)
     return figure
 
 
-def courses(data: FigureData, row: Mapping[str, Any]) -> pd.DataFrame:
-    """Return the time series of a point: ``replicate``, ``time`` and ``value``, in the units.
+def read_time_series(data: FigureData, row: Mapping[str, Any]) -> pd.DataFrame:
+    """Return the time series of a point with columns ``replicate``, ``time`` and ``value``.
 
-    Raises ``InputError`` where its run file is missing or damaged.
+    Times and values are in the units of the plot. Raises ``InputError`` where the run file is
+    missing or damaged.
     """
-    one = series(data.spec.system)[data.spec.options["show"]]
+    observable = series(data.spec.system)[data.spec.options["show"]]
     if data.results.runs is None:
         raise InputError(f"{row['point']}: time series are in run files, of which there are none")
     path = data.results.runs / f"{row['point']}.nc"
@@ -78,75 +84,80 @@ def courses(data: FigureData, row: Mapping[str, Any]) -> pd.DataFrame:
         checked_read(path, "run file", replaceable=True, sealed=True),
         netCDF4.Dataset(path) as file,
     ):
-        run = RunFile(file, _wanted(data.spec.system, row))
+        run = RunFile(file, _point_amounts(data.spec.system, row))
         completed = np.flatnonzero(np.asarray(run["status"]) == "completed")
-        time, values = np.asarray(run["time"]), np.asarray(run[one.source])
-    by = scale_of_point(data, row, one.unit)
+        time, values = np.asarray(run["time"]), np.asarray(run[observable.source])
+    value_scale = scale_of_point(data, row, observable.unit)
     parts = []
     for number in completed:
-        known = np.isfinite(values[number])
-        moment, value = thinned(time[known]), thinned(values[number][known])
+        is_known = np.isfinite(values[number])
+        times, value = (
+            average_successive(time[is_known]),
+            average_successive(values[number][is_known]),
+        )
         parts.append(
             pd.DataFrame(
                 {
                     "replicate": number,
-                    "time": moment / scale_of_point(data, row, "s"),
-                    "value": value / by,
+                    "time": times / scale_of_point(data, row, "s"),
+                    "value": value / value_scale,
                 }
             )
         )
     return pd.concat(parts) if parts else pd.DataFrame(columns=["replicate", "time", "value"])
 
 
-def _wanted(system: str, row: Mapping[str, Any]) -> dict[str, float]:
-    """Return the amounts of a point, of which its run file may hold more."""
+def _point_amounts(system: str, row: Mapping[str, Any]) -> dict[str, float]:
+    """Return the amounts of a point; its run file may hold more than these."""
     model = SYSTEMS[system]
     return amounts(model.model_construct(**{name: row[name] for name in model.model_fields}))
 
 
-def thinned(values: np.ndarray) -> np.ndarray:
-    """Return means of successive values, `MOST` at most."""
-    size = -(-len(values) // MOST) or 1
+def average_successive(values: np.ndarray) -> np.ndarray:
+    """Average groups of successive values, so that at most `MOST_VALUES` remain."""
+    size = -(-len(values) // MOST_VALUES) or 1
     return values[: len(values) // size * size].reshape(-1, size).mean(axis=1)
 
 
-def _start(data: FigureData, row: Mapping[str, Any]) -> float:
-    """Return where the averaging of the replicates of a point begins, in the mean."""
+def _averaging_start(data: FigureData, row: Mapping[str, Any]) -> float:
+    """Return the mean over the replicates of a point of the time at which averaging begins."""
     starts = data.results.dataset["average_start"].sel(point=row["point"]).values
     return float(np.nanmean(starts)) / scale_of_point(data, row, "s")
 
 
 def table(data: FigureData) -> pd.DataFrame:
-    """Return the data behind the lines, a row per value, units in the headings."""
-    spec, one = data.spec, series(data.spec.system)[data.spec.options["show"]]
-    units = [unit_of(unit, spec.options["units"], spec.system) for unit in (one.unit, "s")]
-    known = data.rows[data.rows["completed"] > 0]
-    named = named_columns(data, known)
-    headings = {"time": f"time [{units[1]}]", "value": f"{one.name} [{units[0] or '1'}]"}
+    """Return the plotted data, a row per value, units in the headings."""
+    spec, observable = data.spec, series(data.spec.system)[data.spec.options["show"]]
+    units = [unit_of(unit, spec.options["units"], spec.system) for unit in (observable.unit, "s")]
+    completed = data.rows[data.rows["completed"] > 0]
+    id_columns = named_columns(data, completed)
+    headings = {"time": f"time [{units[1]}]", "value": f"{observable.name} [{units[0] or '1'}]"}
     parts = []
-    for index, row in known.iterrows():
-        values = courses(data, {str(name): value for name, value in row.items()})
-        own = {name: column[index] for name, column in named.items()}
-        parts.append(pd.DataFrame(own | {name: values[name] for name in values}))
-    found = pd.concat(parts) if parts else pd.DataFrame(columns=[*named, "replicate", *headings])
-    return found.rename(columns=headings)
+    for index, row in completed.iterrows():
+        values = read_time_series(data, {str(name): value for name, value in row.items()})
+        point_columns = {name: column[index] for name, column in id_columns.items()}
+        parts.append(pd.DataFrame(point_columns | {name: values[name] for name in values}))
+    rows = (
+        pd.concat(parts) if parts else pd.DataFrame(columns=[*id_columns, "replicate", *headings])
+    )
+    return rows.rename(columns=headings)
 
 
 def notes(data: FigureData) -> list[str]:
-    """Return what the caption says of the lines."""
+    """Return the sentences of the caption on the lines."""
     return [
-        f"A line per replicate, of at most {MOST} means over successive samples. Dotted: where "
-        "averaging begins, in the mean over the replicates of a point.",
+        f"A line per replicate, of at most {MOST_VALUES} means over successive samples. Dotted: "
+        "where averaging begins, in the mean over the replicates of a point.",
         *(_notes_on_logarithms(data) if data.spec.options["log"] else []),
         unsteady_sentence(data.rows),
     ]
 
 
 def _notes_on_logarithms(data: FigureData) -> list[str]:
-    """Say how many values a logarithmic axis has no place for."""
+    """Return the caption note on the values omitted from a logarithmic axis."""
     time, value = table(data).iloc[:, -2:].to_numpy(float).T
-    kept = above_zero(data, "x", time) + above_zero(data, "y", value)
-    return lost_note(int(np.isnan(kept).sum()), f"of {time.size:,} values")
+    shown = above_zero(data, "x", time) + above_zero(data, "y", value)
+    return nonpositive_note(int(np.isnan(shown).sum()), f"of {time.size:,} values")
 
 
 KIND = Kind(draw, table=table, notes=notes)

@@ -1,4 +1,4 @@
-"""Quantities of points as curves show them: values with their 95 % intervals."""
+"""Quantities of points that curves show: values with their 95 % intervals."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -18,11 +18,11 @@ class Quantity:
     Attributes
     ----------
     name : str
-        Column or measure that it is from.
+        Column or measure that is its source.
     label : str
-        What it is, with its unit: ``what [unit]``.
+        Its meaning and its unit: ``meaning [unit]``.
     value, half_width : pandas.Series
-        Of each row of the points; not-a-number where it, or its 95 % interval, is not known.
+        Value and half width of its 95 % interval per row of the points; not-a-number if unknown.
     """
 
     name: str
@@ -36,19 +36,19 @@ def velocity(rows: pd.DataFrame) -> Quantity:
     return Quantity("velocity", "mean velocity [m s-1]", rows["velocity"], rows["half_width"])
 
 
-def measured(data: FigureData, name: str, label: str, over: str = "") -> Quantity:
-    """Return a measure of the dataset: its mean over the completed replicates that know it.
+def measure_quantity(data: FigureData, name: str, label: str, over: str = "") -> Quantity:
+    """Return a measure of the dataset: its mean over the replicates that have a finite value.
 
     Parameters
     ----------
     data : FigureData
-        What the figure is drawn from.
+        The data of the figure.
     name : str
         Measure in the dataset.
     label : str
-        What it is, ``what [unit]``.
+        Its meaning and unit, ``meaning [unit]``.
     over : str
-        Parameter that it is divided by, if any.
+        Parameter by which it is divided, if any.
 
     Raises
     ------
@@ -61,29 +61,39 @@ def measured(data: FigureData, name: str, label: str, over: str = "") -> Quantit
     values = dataset[name].sel(point=rows["point"].values).values
     if over:
         values = values / rows[over].to_numpy()[:, None]
-    return of_replicates(name, label, [each[np.isfinite(each)] for each in values], rows.index)
+    return replicate_means(
+        name, label, [replicates[np.isfinite(replicates)] for replicates in values], rows.index
+    )
 
 
-def of_replicates(name: str, label: str, values: Sequence[np.ndarray], index: pd.Index) -> Quantity:
-    """Return the means, over the values (R,) of each point, of a quantity."""
+def replicate_means(
+    name: str, label: str, values: Sequence[np.ndarray], index: pd.Index
+) -> Quantity:
+    """Return a quantity whose values are the means over the replicates (R,) of each point."""
     return Quantity(
         name,
         label,
-        pd.Series([each.mean() if each.size else np.nan for each in values], index, dtype=float),
-        pd.Series([float(student_half_width(each)) for each in values], index, dtype=float),
+        pd.Series(
+            [replicates.mean() if replicates.size else np.nan for replicates in values],
+            index,
+            dtype=float,
+        ),
+        pd.Series(
+            [float(student_half_width(replicates)) for replicates in values], index, dtype=float
+        ),
     )
 
 
 def measures(data: FigureData) -> list[Quantity]:
     """Return the ``quantities`` that the options of a figure name."""
     return [
-        measured(data, each["name"], each["label"], each.get("over", ""))
-        for each in data.spec.options["quantities"]
+        measure_quantity(data, option["name"], option["label"], option.get("over", ""))
+        for option in data.spec.options["quantities"]
     ]
 
 
 def measure_table(data: FigureData) -> pd.DataFrame:
-    """Return the data behind a figure of measures, one row per point, units in the headings."""
+    """Return the plotted data of a figure of measures, one row per point, units in the headings."""
     return quantity_table(data, measures(data))
 
 
@@ -95,18 +105,21 @@ def quantity_table(
     Parameters
     ----------
     data : FigureData
-        What the figure is drawn from.
+        The data of the figure.
     quantities : sequence of Quantity
-        Those of its rows.
+        Quantities of its rows.
     along : dict, optional
         Columns between parameters and quantities, by their headings.
     """
     rows, columns = data.rows, dict(along or {})
-    for each in quantities:
-        what, unit = each.label[: each.label.index("[")], each.label[each.label.index("[") :]
+    for quantity in quantities:
+        what, unit = (
+            quantity.label[: quantity.label.index("[")],
+            quantity.label[quantity.label.index("[") :],
+        )
         of = "" if len(quantities) == 1 else f" of the {what.strip()}"
-        columns[each.label] = each.value
-        columns[f"half width of 95 % interval{of} {unit}"] = each.half_width
+        columns[quantity.label] = quantity.value
+        columns[f"half width of 95 % interval{of} {unit}"] = quantity.half_width
     spec = data.spec
     return pd.DataFrame(
         parameter_columns(rows, spec.system, (*spec.axes, *spec.named, "protocol"))

@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullLocator
 
-from sim.figures.boundaries import PITCH, boundary_notes, draw_boundaries
+from sim.figures.boundaries import BAR_PITCH, boundary_notes, draw_boundaries
 from sim.figures.data import FigureData
 from sim.figures.kind import Kind
 from sim.figures.style import THEORY, canvas, place_legend
@@ -34,7 +34,7 @@ def draw(data: FigureData) -> Figure:
     figure, axes = canvas(height=4.3)
     _, y = data.spec.axes
     _draw_points(axes, data.rows, y)
-    draw_boundaries(axes, data.boundaries, ("depth", y), aside=1.5 * PITCH)
+    draw_boundaries(axes, data.boundaries, ("depth", y), aside=1.5 * BAR_PITCH)
     _set_depth_axis(axes)
     _THEORIES[y](axes, data.rows)
     place_legend(figure, axes)

@@ -1,4 +1,4 @@
-"""From a dataset to the four files of a figure: PNG, SVG or GIF, the data, the caption."""
+"""Write the four files of a figure from a dataset: PNG, SVG or GIF, data and caption."""
 
 from collections.abc import Mapping
 from contextlib import ExitStack
@@ -11,9 +11,8 @@ from PIL import Image
 from PIL.PngImagePlugin import PngInfo
 
 from sim.base.errors import InputError
-from sim.base.files import replacing
-from sim.dataset.added import require_known_options
-from sim.dataset.results import Results, load_results
+from sim.base.files import atomic_write
+from sim.dataset.results import Results, load_results, require_known_options
 from sim.figures.animation import Animation, save_gif
 from sim.figures.caption import caption
 from sim.figures.data import FigureData, figure_data
@@ -24,29 +23,31 @@ from sim.study.catalogue import FIGURES, FigureSpec
 #: Resolution of the first picture of an animation, dots per inch.
 POSTER = 150
 
-#: Passes of the layout at most.
+#: Most passes of the layout.
 PASSES = 6
 
 
-def entry(name: str, plots: Mapping[str, FigureSpec] | None = None) -> FigureSpec:
-    """Return what a figure is: a plot of the study's own, or an entry of the catalogue.
+def find_spec(name: str, plots: Mapping[str, FigureSpec] | None = None) -> FigureSpec:
+    """Return the specification of a figure: a plot of the study, or an entry of the catalogue.
 
     Raises ``InputError`` for an unknown name.
     """
-    known = {**FIGURES, **(plots or {})}
-    if name not in known:
-        own = "" if plots is not None else "with --study STUDY.yaml a plot of that study; without, "
-        raise InputError.of_value("figure", "name", name, f"{own}one of {', '.join(known)}")
-    return known[name]
+    specs = {**FIGURES, **(plots or {})}
+    if name not in specs:
+        hint = (
+            "" if plots is not None else "with --study STUDY.yaml a plot of that study; without, "
+        )
+        raise InputError.of_value("figure", "name", name, f"{hint}one of {', '.join(specs)}")
+    return specs[name]
 
 
 def render(spec: FigureSpec, dataset_path: Path, folder: Path) -> list[Path]:
-    """Draw one figure of a study.
+    """Draw one figure of a study into files.
 
     Parameters
     ----------
     spec : FigureSpec
-        What it is.
+        Its specification.
     dataset_path : Path
         The study's ``dataset.nc``.
     folder : Path
@@ -55,8 +56,8 @@ def render(spec: FigureSpec, dataset_path: Path, folder: Path) -> list[Path]:
     Returns
     -------
     list of Path
-        ``<name>.png``, ``.svg``, ``.csv`` (the data behind the picture) and ``.caption.txt``; of an
-        animation ``.gif`` instead of ``.svg``.
+        ``<name>.png``, ``.svg``, ``.csv`` (the plotted data) and ``.caption.txt``. An animation has
+        ``.gif`` instead of ``.svg``.
 
     Raises
     ------
@@ -66,7 +67,7 @@ def render(spec: FigureSpec, dataset_path: Path, folder: Path) -> list[Path]:
     results = load_results(dataset_path)
     require_known_options(results.dataset, dataset_path)
     try:
-        data, kind = _drawn(spec, results)
+        data, kind = _data_and_kind(spec, results)
     except KeyError as error:
         raise InputError(f"{dataset_path}: not the dataset of a study: {error}") from None
     if data.rows.empty:
@@ -74,7 +75,7 @@ def render(spec: FigureSpec, dataset_path: Path, folder: Path) -> list[Path]:
     folder.mkdir(parents=True, exist_ok=True)
     files = [folder / f"{spec.name}{suffix}" for suffix in spec.suffixes]
     with ExitStack() as stack:
-        still, other, csv, text = (stack.enter_context(replacing(file)) for file in files)
+        still, other, csv, text = (stack.enter_context(atomic_write(file)) for file in files)
         stack.enter_context(mpl.rc_context(SETTINGS))
         drawn = kind.draw(data)
         figure = drawn.figure if isinstance(drawn, Animation) else drawn
@@ -83,7 +84,7 @@ def render(spec: FigureSpec, dataset_path: Path, folder: Path) -> list[Path]:
                 0.5, 0.5, "no point completed", ha="center", transform=figure.axes[0].transAxes
             )
         settle(figure)
-        # Without a date in them, the same data gives the same bytes.
+        # Without a date, the same data give the same bytes.
         if isinstance(drawn, Animation):
             save_gif(drawn, other)
         else:
@@ -96,40 +97,40 @@ def render(spec: FigureSpec, dataset_path: Path, folder: Path) -> list[Path]:
 
 
 def settle(figure: Figure) -> None:
-    """Lay out a figure until its axes stay where they are.
+    """Repeat the layout of a figure until its axes stay in place.
 
-    The first pass does not know yet how large axes to scale become, and may leave their labels
-    beyond the edges.
+    The first pass does not know the final size of axes with a fixed aspect, and may leave their
+    labels beyond the edges.
     """
-    places = None
+    bounds = None
     for _ in range(PASSES):
-        before, places = places, [axes.get_position().bounds for axes in figure.axes]
-        if before is not None and np.allclose(before, places, atol=1e-3):
+        previous, bounds = bounds, [axes.get_position().bounds for axes in figure.axes]
+        if previous is not None and np.allclose(previous, bounds, atol=1e-3):
             break
         figure.draw_without_rendering()
 
 
-def derived(spec: FigureSpec, results: Results) -> tuple[str, str]:
+def derive_texts(spec: FigureSpec, results: Results) -> tuple[str, str]:
     """Return the data (CSV) and the caption of a figure as texts, without drawing it."""
-    return _texts(*_drawn(spec, results))
+    return _texts(*_data_and_kind(spec, results))
 
 
-def _drawn(spec: FigureSpec, results: Results) -> tuple[FigureData, Kind]:
-    """Return the data that a figure shows, and its kind."""
+def _data_and_kind(spec: FigureSpec, results: Results) -> tuple[FigureData, Kind]:
+    """Return the selected data of a figure, and its kind."""
     data, kind = figure_data(results, spec), load_kind(spec.kind)
     return data if data.rows.empty else kind.select(data), kind
 
 
 def _texts(data: FigureData, kind: Kind) -> tuple[str, str]:
-    """Return the data behind a figure as CSV, and its caption."""
+    """Return the plotted data as CSV, and the caption."""
     table = kind.table(data).to_csv(index=False, float_format="%.10g")
     return table, caption(data, kind.notes(data)) + "\n"
 
 
 def _save_small(picture: Path, title: str) -> None:
-    """Write a PNG again with 256 colours, a third of its size, and its title."""
-    with Image.open(picture) as opened:
-        small = opened.convert("RGB").quantize(256, dither=Image.Dither.NONE)
-    told = PngInfo()
-    told.add_itxt("Title", title)
-    small.save(picture, format="PNG", optimize=True, pnginfo=told, dpi=opened.info.get("dpi"))
+    """Rewrite a PNG with 256 colours, a third of its size, and with its title."""
+    with Image.open(picture) as image:
+        small = image.convert("RGB").quantize(256, dither=Image.Dither.NONE)
+    metadata = PngInfo()
+    metadata.add_itxt("Title", title)
+    small.save(picture, format="PNG", optimize=True, pnginfo=metadata, dpi=image.info.get("dpi"))

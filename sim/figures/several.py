@@ -1,4 +1,4 @@
-"""The figures of a study in few processes, those left out that are as they would be drawn."""
+"""Draw the figures of a study in parallel, and skip those that are up to date."""
 
 import sys
 from collections.abc import Sequence
@@ -6,12 +6,12 @@ from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
 from pathlib import Path
 
-from sim.figures.drawn import as_drawn, read_drawn, write_drawn
-from sim.figures.render import entry, render
+from sim.figures.figure_records import current_record, read_records, write_records
+from sim.figures.render import find_spec, render
 from sim.study.load import load_study
 
 
-def draw_several(
+def draw_figures(
     names: Sequence[str],
     dataset_path: Path,
     out_folder: Path,
@@ -19,7 +19,7 @@ def draw_several(
     code: str = "",
     study_path: Path | None = None,
 ) -> None:
-    """Draw figures of a study side by side; one that cannot be drawn keeps no other from it.
+    """Draw figures of a study in parallel; a failed figure does not stop the others.
 
     Parameters
     ----------
@@ -30,39 +30,42 @@ def draw_several(
     out_folder : Path
         Folder for the files; made if absent.
     processes : int
-        How many draw side by side.
+        Number of processes.
     code : str
-        Stands for the code that draws. With it, figures are left out whose files are still those
-        that it has drawn from this dataset and their entry of the catalogue.
+        Hash of the code that draws. If given, figures are skipped whose files are unchanged since
+        this code drew them from this dataset and their entry of the catalogue.
     study_path : Path, optional
-        The study file, which says what its own plots are.
+        The study file, which defines the study's own plots.
 
     Raises
     ------
     InputError
-        For an unknown figure, a missing dataset, or one without points for a figure; of several
-        problems all but the first are told on standard error.
+        For an unknown figure, a missing dataset, or one without points for a figure. Of several
+        errors the first is raised, and the others are printed on standard error.
     """
     plots = load_study(study_path, None).plots if study_path else None
-    specs = {name: entry(name, plots) for name in names}
-    drawn = read_drawn(out_folder) if code else {}
-    wanted = [
+    specs = {name: find_spec(name, plots) for name in names}
+    records = read_records(out_folder) if code else {}
+    outdated = [
         name
         for name, spec in specs.items()
-        if name not in drawn or drawn[name] != as_drawn(spec, dataset_path, out_folder, code)
+        if name not in records
+        or records[name] != current_record(spec, dataset_path, out_folder, code)
     ]
     forks = get_context("fork")
-    with ProcessPoolExecutor(max(1, min(processes, len(wanted))), forks) as pool:
-        found = {
-            name: pool.submit(render, specs[name], dataset_path, out_folder) for name in wanted
+    with ProcessPoolExecutor(max(1, min(processes, len(outdated))), forks) as pool:
+        futures = {
+            name: pool.submit(render, specs[name], dataset_path, out_folder) for name in outdated
         }
-        problems = {name: each.exception() for name, each in found.items()}
-    if code and wanted and out_folder.is_dir():
+        problems = {name: future.exception() for name, future in futures.items()}
+    if code and outdated and out_folder.is_dir():
         for name, problem in problems.items():
-            if not problem and (fresh := as_drawn(specs[name], dataset_path, out_folder, code)):
-                drawn[name] = fresh
-        write_drawn(out_folder, drawn)
-    if told := [problem for problem in problems.values() if problem]:
-        for problem in told[1:]:
+            if not problem and (
+                record := current_record(specs[name], dataset_path, out_folder, code)
+            ):
+                records[name] = record
+        write_records(out_folder, records)
+    if failures := [problem for problem in problems.values() if problem]:
+        for problem in failures[1:]:
             print(f"error: {problem}", file=sys.stderr)
-        raise told[0]
+        raise failures[0]

@@ -1,21 +1,19 @@
-"""Spheres as a picture: seen from one side without perspective, shaded, the nearest in front."""
+"""Pictures of shaded spheres, seen without perspective."""
 
 from typing import NamedTuple
 
 import numpy as np
 
-#: Light that falls everywhere, and the direction to where the rest comes from: right, up, toward
-#: the viewer.
+#: Share of ambient light, and the direction to the light source: right, up, toward the viewer.
 AMBIENT = 0.45
 LIGHT = np.array([-0.45, 0.70, 0.55]) / np.linalg.norm([-0.45, 0.70, 0.55])
 
-#: Spheres darken towards their outline, where their surface faces the viewer less than this.
+#: Spheres darken towards their outline, where the surface normal along the view is below this.
 RIM = 0.35
 
 FLOOR_COLOUR = np.array([0.86, 0.84, 0.80])
 
-#: Brightness in a shadow; what lies less than this behind the surface that the light meets, in
-#: radii, is lit all the same.
+#: Brightness in a shadow, and the depth behind a lit surface, in radii, up to which there is none.
 SHADOW, BIAS = 0.72, 0.25
 
 #: Pixels are drawn this many times finer along each side; their mean has smooth edges.
@@ -31,7 +29,7 @@ class View(NamedTuple):
 
 
 class Frame(NamedTuple):
-    """Part of the picture's plane that is shown, m."""
+    """The shown part of the picture's plane, m."""
 
     left: float
     right: float
@@ -45,7 +43,7 @@ def view_from(azimuth: float, elevation: float, slope: float = 0.0) -> View:
     Parameters
     ----------
     azimuth, elevation : float
-        How far the viewer has walked round to the side of negative x and then risen, degrees.
+        Angle of the viewer round towards negative x, and angle above the horizontal, degrees.
     slope : float
         Angle by which x points below the horizontal of the picture, degrees.
     """
@@ -58,7 +56,7 @@ def view_from(azimuth: float, elevation: float, slope: float = 0.0) -> View:
 
 
 def project(view: View, points: np.ndarray) -> np.ndarray:
-    """Return how far points (..., 3) are to the right, up, and near the viewer."""
+    """Return coordinates of points (..., 3) in a view: to the right, up, and toward the viewer."""
     return points @ np.stack(view, axis=-1)
 
 
@@ -79,20 +77,20 @@ def picture(
     *,
     floor: np.ndarray | None = None,
 ) -> np.ndarray:
-    """Draw spheres.
+    """Return a picture of shaded spheres, the nearest in front.
 
     Parameters
     ----------
     view : View
-        From where.
+        Direction of the view.
     frame : Frame
-        What is shown.
+        Shown part of the picture's plane.
     pixel : float
         Side of a pixel, m.
     position, radius, colour : numpy.ndarray
         Centres (N, 3) and radii (N,), m, and colours (N, 3), red, green and blue from 0 to 1.
     floor : numpy.ndarray, optional
-        Least and largest x and y (2, 2), m, of a floor at z = 0.
+        Corners of a floor at z = 0: least and largest x and y (2, 2), m.
 
     Returns
     -------
@@ -103,15 +101,17 @@ def picture(
     flat = _pixels(frame, height * FINENESS, width * FINENESS)
     centre = project(view, position)
     owner, depth = _nearest(flat, centre, radius)
-    rgb = _shaded(flat, centre, radius, colour, owner)
+    rgb = _shade(flat, centre, radius, colour, owner)
     if floor is not None:
         ground = _depth_of_floor(view, flat, floor)
         rgb[ground > depth] = FLOOR_COLOUR
         depth = np.maximum(depth, ground)
-    shown = np.isfinite(depth)
-    rgb[shown] *= _lit(np.column_stack([flat[shown], depth[shown]]), centre, radius, pixel)[:, None]
-    # Colours count by their opacity, so that edges are not darkened by what is behind them.
-    layers = np.concatenate([rgb * shown[..., None], shown[..., None]], axis=-1)
+    is_covered = np.isfinite(depth)
+    rgb[is_covered] *= _shadow_brightness(
+        np.column_stack([flat[is_covered], depth[is_covered]]), centre, radius, pixel
+    )[:, None]
+    # Colours are weighted by opacity, so that the background does not darken edges.
+    layers = np.concatenate([rgb * is_covered[..., None], is_covered[..., None]], axis=-1)
     mean = layers.reshape(height, FINENESS, width, FINENESS, 4).mean(axis=(1, 3))
     mean[..., :3] /= np.maximum(mean[..., 3:], 1e-9)
     return np.round(255 * np.clip(mean, 0, 1)).astype(np.uint8)
@@ -124,7 +124,7 @@ def _size(frame: Frame, pixel: float) -> tuple[int, int]:
 
 
 def _pixels(frame: Frame, height: int, width: int) -> np.ndarray:
-    """Return where the centres of the pixels are, (H, W, 2), from the top down."""
+    """Return the positions of the centres of the pixels (H, W, 2), from the top down."""
     x = frame.left + (np.arange(width) + 0.5) * (frame.right - frame.left) / width
     y = frame.top - (np.arange(height) + 0.5) * (frame.top - frame.bottom) / height
     return np.stack(np.meshgrid(x, y), axis=-1)
@@ -133,7 +133,10 @@ def _pixels(frame: Frame, height: int, width: int) -> np.ndarray:
 def _nearest(
     flat: np.ndarray, centre: np.ndarray, radius: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return which sphere each pixel shows (H, W), -1 for none, and how near it is (m)."""
+    """Return the sphere that each pixel shows (H, W), -1 for none, and its depth (H, W), m.
+
+    The depth grows toward the viewer and is minus infinity without a sphere.
+    """
     owner = np.full(flat.shape[:2], -1)
     depth = np.full(owner.shape, -np.inf)
     x, y = flat[0, :, 0], flat[:, 0, 1]
@@ -148,28 +151,28 @@ def _nearest(
     return owner, depth
 
 
-def _shaded(
+def _shade(
     flat: np.ndarray,
     centre: np.ndarray,
     radius: np.ndarray,
     colour: np.ndarray,
     owner: np.ndarray,
 ) -> np.ndarray:
-    """Return the colour of each pixel (H, W, 3): Lambert's law, and a darker outline."""
+    """Return the colour of each pixel (H, W, 3) by Lambert's law, darker at outlines."""
     rgb = np.zeros((*owner.shape, 3))
-    covered = owner >= 0
-    own = owner[covered]
-    aside = (flat[covered] - centre[own, :2]) / radius[own, None]
+    is_covered = owner >= 0
+    spheres = owner[is_covered]
+    aside = (flat[is_covered] - centre[spheres, :2]) / radius[spheres, None]
     toward = np.sqrt(np.clip(1 - (aside**2).sum(axis=1), 0, 1))
     facing = np.column_stack([aside, toward]) @ LIGHT
     bright = AMBIENT + (1 - AMBIENT) * np.clip(facing, 0, 1)
     bright *= np.clip(0.4 + 0.6 * toward / RIM, 0, 1)
-    rgb[covered] = colour[own] * bright[:, None]
+    rgb[is_covered] = colour[spheres] * bright[:, None]
     return rgb
 
 
 def _depth_of_floor(view: View, flat: np.ndarray, floor: np.ndarray) -> np.ndarray:
-    """Return how near (m) the floor is in each pixel, minus infinity beside it."""
+    """Return the depth (m) of the floor in each pixel, minus infinity outside it."""
     plane = flat @ np.stack([view.right, view.up])
     near = -plane[..., 2] / view.toward[2]
     on_floor = (plane + near[..., None] * view.toward)[..., :2]
@@ -177,25 +180,28 @@ def _depth_of_floor(view: View, flat: np.ndarray, floor: np.ndarray) -> np.ndarr
     return np.where(inside, near, -np.inf)
 
 
-def _lit(points: np.ndarray, centre: np.ndarray, radius: np.ndarray, pixel: float) -> np.ndarray:
-    """Return the brightness (M,) that shadows leave to points (M, 3), all as the viewer sees them.
+def _shadow_brightness(
+    points: np.ndarray, centre: np.ndarray, radius: np.ndarray, pixel: float
+) -> np.ndarray:
+    """Return the brightness (M,) of points (M, 3) under shadows, in coordinates of the view.
 
-    A point is in a shadow where a sphere is nearer to the light, whose own picture is drawn first.
+    A point is in a shadow where a sphere is nearer to the light. This follows from a depth map of
+    the spheres as the light sees them.
     """
     if not len(radius):
         return np.ones(len(points))
     right = np.cross([0.0, 1.0, 0.0], LIGHT)
     right /= np.linalg.norm(right)
     lamp = View(right, np.cross(LIGHT, right), LIGHT)
-    seen = project(lamp, points)
+    projected = project(lamp, points)
     frame = frame_around(lamp, centre, 2 * radius.max())
     flat = _pixels(frame, *_size(frame, pixel / FINENESS))
     _, depth = _nearest(flat, project(lamp, centre), radius)
     height, width = depth.shape
-    column = (seen[:, 0] - frame.left) / (frame.right - frame.left) * width
-    row = (frame.top - seen[:, 1]) / (frame.top - frame.bottom) * height
-    # Beyond the frame no sphere casts a shadow, and at its edge neither.
+    column = (projected[:, 0] - frame.left) / (frame.right - frame.left) * width
+    row = (frame.top - projected[:, 1]) / (frame.top - frame.bottom) * height
+    # No sphere casts a shadow at the edge of the frame or beyond, so indices may be clipped.
     row, column = (
         np.clip(index, 0, size - 1).astype(int) for index, size in ((row, height), (column, width))
     )
-    return np.where(depth[row, column] > seen[:, 2] + BIAS * radius.max(), SHADOW, 1.0)
+    return np.where(depth[row, column] > projected[:, 2] + BIAS * radius.max(), SHADOW, 1.0)

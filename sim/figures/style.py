@@ -1,4 +1,4 @@
-"""How all figures look: fonts, colours, dashes, markers, the legend."""
+"""Style of all figures: fonts, colours, dashes, markers and the legend."""
 
 import math
 import textwrap
@@ -19,7 +19,7 @@ COLOURS = ("#000000", "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e
 DASHES = ("-", (0, (5, 2)), (0, (5, 2, 1, 2)), (0, (1, 1.5)), (0, (5, 2, 1, 2, 1, 2)))
 MARKERS = ("o", "s", "^", "D", "v", "P", "X", "p")
 
-#: Looks that `cycled` gives before they come again.
+#: Number of different styles that `cycle_style` returns.
 LOOKS = len(COLOURS) * len(DASHES)
 
 SHORT_DASH = (0, (3, 1.5))
@@ -62,17 +62,17 @@ SETTINGS: dict[Any, Any] = {
 #: Opacity of the pale markers.
 PALE = 0.3
 
-#: How a line of the converged protocol differs from the published one beside it.
-BESIDE: dict[str, Any] = {"linewidth": 3.4, "alpha": 0.4, "zorder": 1.9}
+#: Style of a line of the converged protocol beside the published one.
+PALE_LINE: dict[str, Any] = {"linewidth": 3.4, "alpha": 0.4, "zorder": 1.9}
 
-#: Size of its markers where no line joins them.
-LONE_BESIDE = 7.0
+#: Size of the markers of the converged protocol where no line joins them.
+PALE_MARKER_SIZE = 7.0
 
 
-#: How a level is drawn that values are compared with.
+#: Style of a level with which values are compared.
 LEVEL: dict[str, Any] = {"color": "#888888", "linestyle": ":", "linewidth": 0.9, "zorder": 1}
 
-#: How a line of theory is drawn.
+#: Style of a line of theory.
 THEORY: dict[str, Any] = {"color": "#444444", "linestyle": DASHES[3], "linewidth": 1.3, "zorder": 2}
 
 
@@ -85,29 +85,29 @@ class CurveStyle:
     marker: str = "o"
 
 
-def prescribed(colour: str, dashes: str, marker: str = "o") -> CurveStyle:
+def catalogue_style(colour: str, dashes: str, marker: str = "o") -> CurveStyle:
     """Return a style that the catalogue prescribes, its dashes by name."""
     return CurveStyle(colour, PATTERNS[dashes], marker)
 
 
-def cycled(index: int) -> CurveStyle:
+def cycle_style(index: int) -> CurveStyle:
     """Return the style of the curve at ``index`` where the paper prescribes none.
 
-    What comes again in a colour has another marker, as it may have no line.
+    Styles with the same colour have different markers, as curves may have no line.
     """
     return CurveStyle(
         COLOURS[index % len(COLOURS)], DASHES[index % len(DASHES)], MARKERS[index % len(MARKERS)]
     )
 
 
-#: Characters of legend that fit side by side in an inch above a figure, six per entry its sample.
+#: Characters of a legend per inch of width; the sample of an entry counts as six.
 CHARACTERS_PER_INCH = 13.5
 
-#: An entry of the legend is broken between words where a line would have more characters.
-ENTRY = 28
+#: Most characters in a line of a legend entry; longer entries are broken between words.
+ENTRY_WIDTH = 28
 
-#: Rows of a legend for which a figure has room, and the inches that each further one adds to it.
-ROWS, ROW = 3, 0.17
+#: Rows of a legend for which a figure has room, and the height that each further row adds, inches.
+FREE_ROWS, ROW_HEIGHT = 3, 0.17
 
 
 def canvas(width: float = 5.6, height: float = 3.9) -> tuple[Figure, Axes]:
@@ -120,46 +120,46 @@ def canvas(width: float = 5.6, height: float = 3.9) -> tuple[Figure, Axes]:
 
 
 def place_legend(figure: Figure, axes: Axes) -> None:
-    """Put the legend above the axes, where it hides no data: lines first, then lone markers."""
-    # Typed as artists of any kind, the entries are lines and markers.
+    """Put the legend above the axes: entries with lines first, then those with markers only."""
+    # Their type is any artist, but all entries are lines or markers.
     entries: list[tuple[Any, Any]] = list(zip(*axes.get_legend_handles_labels(), strict=True))
     entries.sort(key=lambda entry: entry[0].get_linestyle() == "None")
     legend_above(figure, [handle for handle, _ in entries], [label for _, label in entries])
 
 
 def legend_above(figure: Figure, handles: Sequence[Any], labels: Sequence[str]) -> None:
-    """Put a legend above all axes, in up to four columns; its rows make the figure higher."""
-    broken = [textwrap.fill(label, ENTRY, break_long_words=False) for label in labels]
-    lines = [line for label in broken for line in label.splitlines()]
+    """Put a legend above all axes in up to four columns; further rows make the figure higher."""
+    wrapped = [textwrap.fill(label, ENTRY_WIDTH, break_long_words=False) for label in labels]
+    lines = [line for label in wrapped for line in label.splitlines()]
     room = CHARACTERS_PER_INCH * figure.get_figwidth()
     columns = max(1, min(4, int(room / (max(map(len, lines), default=0) + 6))))
-    further = max(0, math.ceil(len(lines) / columns) - ROWS)
-    figure.set_figheight(figure.get_figheight() + ROW * further)
-    figure.legend(handles, broken, loc="outside upper center", ncols=columns)
+    extra_rows = max(0, math.ceil(len(lines) / columns) - FREE_ROWS)
+    figure.set_figheight(figure.get_figheight() + ROW_HEIGHT * extra_rows)
+    figure.legend(handles, wrapped, loc="outside upper center", ncols=columns)
 
 
-def undecided(rows: pd.DataFrame) -> pd.Series:
-    """Return which points may be steady or not: too few independent samples, or no clear trend."""
+def is_undecided(rows: pd.DataFrame) -> pd.Series:
+    """Return a mask of points that may be steady or not: few samples, or no clear trend."""
     return rows["regime"].isin(("steady", "undetermined")) & (rows["quality"] == "short")
 
 
-def literal(text: str) -> str:
-    """Return a text as matplotlib draws it letter by letter.
+def escape_label(text: str) -> str:
+    """Escape a text so that matplotlib draws it letter by letter.
 
-    A dollar sign would begin a formula, and an entry that begins with _ be left out of a legend.
+    Otherwise a dollar sign begins a formula, and a legend omits an entry that begins with _.
     """
     return (" " if text.startswith("_") else "") + text.replace("$", r"\$")
 
 
 def move_aside(axes: Axes, artists: Iterable[Artist], x: float = 0, y: float = 0) -> None:
-    """Move what is drawn aside (points of print), which leaves the limits of the axes alone."""
+    """Shift artists by points of print, without any change of the limits of the axes."""
     for artist in artists:
         figure = axes.get_figure(root=True)
         artist.set_transform(offset_copy(axes.transData, figure, x=x, y=y, units="points"))
 
 
 def name_protocols(axes: Axes, system: str) -> None:
-    """Add entries to the legend that tell pale curves from the others."""
+    """Add legend entries that explain pale curves: one entry per protocol."""
     words = PROTOCOLS[system]
     axes.plot([], [], color="#666666", label=words["published"])
-    axes.plot([], [], color="#666666", label=words["converged"], **BESIDE)
+    axes.plot([], [], color="#666666", label=words["converged"], **PALE_LINE)

@@ -1,10 +1,10 @@
-"""Units of plots: SI, or those that diameter, mass and gravity of a point make."""
+"""Units of plots: SI, or natural ones of diameter, mass and gravity of a point."""
 
 import pandas as pd
 
 from sim.parameters import SYSTEMS, field_info
 
-#: What to divide by, as powers of diameter, gravity and mass, and how that is written, by SI unit.
+#: Natural unit by SI unit: powers of diameter, gravity and mass, and how it is written.
 _NATURAL = {
     "m": ((1, 0, 0), "d"),
     "s": ((0.5, -0.5, 0), "√(d/g)"),
@@ -21,8 +21,8 @@ _NATURAL = {
     "kg m-1 s-1": ((-1.5, 0.5, 1), "m√(g/d)/d"),
 }
 
-#: How SI units are written on axes.
-_WRITTEN = {
+#: SI units as axes show them.
+_AXIS_UNITS = {
     "m s-1": "m/s",
     "m s-2": "m/s²",
     "m2 s-2": "m²/s²",
@@ -34,7 +34,7 @@ _WRITTEN = {
 
 
 def unit_of(unit: str, units: str, system: str) -> str:
-    """Return a unit as axes have it, empty for pure numbers.
+    """Return a unit as axes show it, empty for pure numbers.
 
     >>> unit_of("m s-1", "si", "chute"), unit_of("m s-1", "natural", "chute")
     ('m/s', '√(gσ)')
@@ -43,7 +43,7 @@ def unit_of(unit: str, units: str, system: str) -> str:
         return ""
     if units == "natural" and unit in _NATURAL:
         return _NATURAL[unit][1].replace("d", _diameter(system))
-    return _WRITTEN.get(unit, unit)
+    return _AXIS_UNITS.get(unit, unit)
 
 
 def _diameter(system: str) -> str:
@@ -52,13 +52,13 @@ def _diameter(system: str) -> str:
 
 
 def scale_of(unit: str, units: str, rows: pd.DataFrame) -> pd.Series:
-    """Return what values in an SI unit are to be divided by, of each point."""
+    """Return the divisor of values in an SI unit, for each point; 1 for units ``"si"``."""
     powers = _NATURAL[unit][0] if units == "natural" and unit in _NATURAL else (0, 0, 0)
     length, gravity, mass = powers
     scale = rows["diameter"] ** length * rows["gravity"] ** gravity * rows["mass"] ** mass
     return pd.Series(scale, rows.index, dtype=float)
 
 
-def headed(text: str, unit: str) -> str:
-    """Return a label with its unit, if it has one: ``velocity (m/s)``, never parted."""
+def label_with_unit(text: str, unit: str) -> str:
+    """Return a label with its unit, if any: ``velocity (m/s)``, with a no-break space."""
     return f"{text}\N{NO-BREAK SPACE}({unit})" if unit else text

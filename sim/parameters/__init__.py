@@ -1,6 +1,6 @@
 """The parameters of all systems: symbol, unit, range, equation and default in one place."""
 
-from sim.parameters.amounts import amounts, covers, more
+from sim.parameters.amounts import amounts, covers, with_larger_amounts
 from sim.parameters.belt import BeltParameters
 from sim.parameters.chute import ChuteParameters
 from sim.parameters.common import Parameters, canonical_number
@@ -12,17 +12,17 @@ from sim.parameters.points import (
     SYSTEMS,
     FieldRow,
     as_yaml,
-    canonical,
     canonical_json,
-    complete,
+    canonical_values,
+    complete_values,
     default_of,
+    defaults_of_added,
     field_info,
     load_point,
     parse_point,
+    parse_python_point,
     point_id,
-    point_in_python,
-    require_alike,
-    unsaid,
+    require_compatible_source,
 )
 from sim.parameters.si import in_si
 
@@ -38,19 +38,19 @@ __all__ = [
     "Parameters",
     "amounts",
     "as_yaml",
-    "canonical",
     "canonical_json",
     "canonical_number",
-    "complete",
+    "canonical_values",
+    "complete_values",
     "covers",
     "default_of",
+    "defaults_of_added",
     "field_info",
     "in_si",
     "load_point",
-    "more",
     "parse_point",
+    "parse_python_point",
     "point_id",
-    "point_in_python",
-    "require_alike",
-    "unsaid",
+    "require_compatible_source",
+    "with_larger_amounts",
 ]

@@ -18,7 +18,7 @@ from sim.parameters.roles import declare
 #: Stiffness (g⟨m⟩/⟨d⟩) of the paper.
 STIFFNESS = 1000.0
 
-#: Stability of Gear's corrector by its order and how often it corrects: s and k of the largest
+#: Stability of Gear's corrector by its order and number of corrections: s and k of the largest
 #: damping rate times time step, λΔt = s (1 - k (ωΔt)²), at which it damps an oscillator of
 #: frequency ω (python -m benchmarks.stability; within 2 % for ωΔt up to 0.7).
 GEAR_STABILITY = {
@@ -31,24 +31,25 @@ GEAR_STABILITY = {
 }
 
 #: Largest damping rate of a packed bed, in multiples of the larger and the smaller of γ and γ_s, by
-#: the mass in the damping terms, whatever that of the belt's ghost; its largest frequency in
-#: √(Yg/⟨d⟩); and the share of both that counts, as its most damped motion is not its stiffest one.
+#: the mass in the damping terms, whatever the mass of the belt's ghost; its largest frequency in
+#: √(Yg/⟨d⟩); and the share of rate and frequency that counts, as the most damped motion is not the
+#: stiffest one.
 DAMPING_RATES = {"own": (5.6, 2.9), "reduced": (2.6, 1.2)}
 FREQUENCY = 3.4
-COUNTED = 0.95
+COUNTED_SHARE = 0.95
 
-#: What the settling's step times 4.5 (γ + γ_s) is at most: within any corrector's stability.
+#: Upper bound of the settling's time step times 4.5 (γ + γ_s): within any corrector's stability.
 SETTLING_DAMPING = 2 / 3 * 0.15
 
 #: Shares of the belt's velocity amplitude: below the first a bed counts as arrested, above the
-#: second as transported where boundaries are looked for. Between the two it creeps.
+#: second as transported (in searches for boundaries). Between the two it creeps.
 LEAST_TRANSPORT = 0.02
 ONSET_TRANSPORT = 0.1
 
 #: Particle-steps per second on one core of a present-day server, and seconds of simulated time
 #: until a released bed is at rest.
 RATE = 55.0e6
-SETTLING = 0.7
+SETTLING_TIME = 0.7
 
 
 class BeltParameters(Parameters):
@@ -62,11 +63,11 @@ class BeltParameters(Parameters):
     sampling_key: ClassVar[str] = "samples_per_cycle"
     state_numbers: ClassVar[int] = 4
     axes: ClassVar[int] = 2
-    # Each from the side of either partner, and those with belt and obstacle.
+    # A contact counts for each of its two partners; those with belt and obstacle are included.
     most_contacts: ClassVar[int] = 10
     boundaries: ClassVar[tuple[str, ...]] = ("flow", "transport")
-    smallest: ClassVar[dict[str, Any]] = {"beads": 2, "settle_velocity_squared": 1e6}
-    kept: ClassVar[tuple[str, ...]] = (
+    smallest_values: ClassVar[dict[str, Any]] = {"beads": 2, "settle_velocity_squared": 1e6}
+    fixed_parameters: ClassVar[tuple[str, ...]] = (
         *("seed", "beads", "width", "diameter", "diameter_spread", "mass", "obstacle", "phase"),
         *("belt_ghost", "integrator", "corrector_order"),
     )
@@ -415,20 +416,20 @@ class BeltParameters(Parameters):
 
     @property
     def normal_damping(self) -> float:
-        """Normal damping coefficient γ, 1/s, for the stiffness that there is."""
+        """Normal damping coefficient γ, 1/s, at the given stiffness."""
         return self.damping * self.gravity * self._softening
 
     @property
     def _softening(self) -> float:
-        """What γ is multiplied by as the stiffness is not the paper's."""
+        """Factor of γ at another stiffness than the paper's: 1 or √(Y/1000), by stiffness_keeps."""
         keeps = self.stiffness_keeps == "damping"
         return 1.0 if keeps else math.sqrt(self.stiffness / STIFFNESS)
 
     @property
     def velocity_amplitude(self) -> float:
-        """Velocity amplitude that transport is measured by, m/s: that of the belt along x, A_x 2πf.
+        """Unit of transport velocities, m/s: the belt's velocity amplitude along x, A_x 2πf.
 
-        Of a vertical vibration A_z 2πf; an amplitude below 0.01 ⟨d⟩ counts as that.
+        For a vertical vibration it is A_z 2πf; amplitudes below 0.01 ⟨d⟩ count as 0.01 ⟨d⟩.
         """
         along = self.vibration_angle < 90
         slope = math.tan(math.radians(self.vibration_angle)) if along else 1.0
@@ -439,8 +440,8 @@ class BeltParameters(Parameters):
     def settling_step(self) -> float:
         """Time step while the bed settles, s.
 
-        A twentieth of a collision of the lightest pair, and no more than any corrector bears in a
-        packed bed.
+        A twentieth of a collision of the lightest pair, and at most the stability limit of any
+        corrector in a packed bed.
         """
         rate = 4.5 * (self.damping * self._softening + self.shear_damping) * self.gravity
         return min(self._collision / 20, SETTLING_DAMPING / rate if rate else math.inf)
@@ -453,27 +454,27 @@ class BeltParameters(Parameters):
 
     @property
     def damping_rate(self) -> float:
-        """Largest damping rate of a packed bed, 1/s: about that of settled ones."""
+        """Largest damping rate of a packed bed, 1/s: about that of settled beds."""
         larger, smaller = DAMPING_RATES[self.damping_mass]
         rates = self.normal_damping, self.shear_damping * self.gravity
         return larger * max(rates) + smaller * min(rates)
 
     @property
     def bed_frequency(self) -> float:
-        """Largest frequency ω of a packed bed, 1/s: about that of settled ones."""
+        """Largest frequency ω of a packed bed, 1/s: about that of settled beds."""
         return FREQUENCY * math.sqrt(self.stiffness * self.gravity / self.diameter)
 
     @property
     def is_stable(self) -> bool:
-        """Whether the time step is within the stability of the integrator in a packed bed."""
-        step = COUNTED * self.time_step
-        most, bend = GEAR_STABILITY[self.corrector_order, self.corrections]
-        bears = most * (1 - bend * (self.bed_frequency * step) ** 2)
-        return self.integrator != "gear" or self.damping_rate * step <= bears
+        """True where the time step is within the integrator's stability in a packed bed."""
+        step = COUNTED_SHARE * self.time_step
+        limit, bend = GEAR_STABILITY[self.corrector_order, self.corrections]
+        stable_rate = limit * (1 - bend * (self.bed_frequency * step) ** 2)
+        return self.integrator != "gear" or self.damping_rate * step <= stable_rate
 
     @property
     def caveat(self) -> str:
-        """Say so when the time step is beyond Gear's stability in a packed bed."""
+        """Warning of a time step beyond Gear's stability in a packed bed, or an empty text."""
         if self.is_stable:
             return ""
         return (
@@ -488,7 +489,7 @@ class BeltParameters(Parameters):
 
     @property
     def period(self) -> float:
-        """Length along x after which all comes again, m."""
+        """Length of the periodic segment along x, m."""
         return self.width * self.diameter
 
     @property
@@ -503,12 +504,12 @@ class BeltParameters(Parameters):
 
     @property
     def settling_steps(self) -> int:
-        """Time steps before the first sample, about: those of the released bed and prior cycles."""
+        """Time steps before the first sample, about: the bed's settling and the prior cycles."""
         prior = self.prior_cycles * self.steps_per_cycle if self.prior_frequency > 0.0 else 0
-        return round(SETTLING / self.settling_step) + prior
+        return round(SETTLING_TIME / self.settling_step) + prior
 
     @model_validator(mode="after")
-    def _consistent(self) -> Self:
+    def _require_consistency(self) -> Self:
         if self.obstacle > 0 and not self.obstacle < self.width - 3:
             allowed = f"a number in [0, width - 3) = [0, {self.width - 3:g})"
             raise broken_rule("obstacle", self.obstacle, allowed)
@@ -518,8 +519,8 @@ class BeltParameters(Parameters):
         return self
 
     @model_validator(mode="after")
-    def _of_feasible_settling(self) -> Self:
-        if SETTLING / self.settling_step > MAX_STEPS:
+    def _require_feasible_settling(self) -> Self:
+        if SETTLING_TIME / self.settling_step > MAX_STEPS:
             if self.settling_step == self._collision / 20:
                 key = "stiffness"
             else:
@@ -530,7 +531,7 @@ class BeltParameters(Parameters):
         return self
 
     @model_validator(mode="after")
-    def _of_readings_with_effect(self) -> Self:
+    def _require_readings_with_effect(self) -> Self:
         if self.ghost_mass == "mean" and self.damping_mass == "own":
             allowed = "'infinite' with damping_mass: own, where no partner's mass counts"
             raise broken_rule("ghost_mass", self.ghost_mass, allowed)
@@ -541,7 +542,7 @@ class BeltParameters(Parameters):
         return self
 
     @model_validator(mode="after")
-    def _of_feasible_trajectory(self) -> Self:
-        # The last rule: those before it make sure that the numbers of particles are feasible.
+    def _require_feasible_trajectory(self) -> Self:
+        # The last rule, as the rules before it bound the numbers of particles.
         require_feasible_trajectory(self)
         return self

@@ -11,9 +11,9 @@ from sim.parameters.spheres import SphereParameters
 
 
 def negligible_acceleration(gravity: float, angle: float) -> float:
-    """Return the acceleration (m s⁻²) that is none at an angle (degree): 1 % of g sin θ.
+    """Return the acceleration (m s⁻²) that counts as zero at an angle (degree): 1 % of g sin θ.
 
-    The sine counts as 0.1 at least.
+    The sine counts as at least 0.1.
     """
     return 0.01 * gravity * max(math.sin(math.radians(angle)), 0.1)
 
@@ -47,7 +47,7 @@ class ChuteParameters(SphereParameters):
         role="numerics",
         changes_start=True,
         ge=0,
-        default_factory=lambda given: min(4 + 1.2 * given["depth"], 30),
+        default_factory=lambda values: min(4 + 1.2 * values["depth"], 30),
     )
     transient: Real = declare(
         300,
@@ -133,15 +133,15 @@ class ChuteParameters(SphereParameters):
 
     @property
     def caveat(self) -> str:
-        """Say so when the start is faster than the contact law bears.
+        """Warning of a start that is too fast for the contact law, or an empty text.
 
-        Sheared from bottom to top, a flow has spheres that differ by half of its velocity.
+        In a flow sheared from bottom to top, colliding spheres differ by up to half its velocity.
         """
         speed = 0.5 * abs(self.initial_velocity) * self.velocity_unit
         return self._caveat_at(speed, "half its start velocity")
 
     @model_validator(mode="after")
-    def _of_resolved_motion(self) -> Self:
+    def _require_resolved_motion(self) -> Self:
         if not self.average >= self.sample_interval:
             allowed = f"at least sample_interval = {self.sample_interval:g}"
             raise broken_rule("average", self.average, allowed)
@@ -151,7 +151,7 @@ class ChuteParameters(SphereParameters):
         return self
 
     @model_validator(mode="after")
-    def _of_feasible_trajectory(self) -> Self:
-        # The last rule: those before it make sure that the numbers of particles are feasible.
+    def _require_feasible_trajectory(self) -> Self:
+        # The last rule, as the rules before it bound the numbers of particles.
         require_feasible_trajectory(self)
         return self

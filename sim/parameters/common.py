@@ -1,5 +1,6 @@
-"""What the parameters of all systems have in common: canonical numbers, lengths, sizes."""
+"""Parameters of all systems: canonical numbers, lengths of runs, sizes."""
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
 
 from annotated_types import Ge, Gt
@@ -7,6 +8,7 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, model_validator
 from pydantic.fields import FieldInfo
 from pydantic_core import PydanticCustomError
 
+from sim.base.additions import plain_name, shipped
 from sim.parameters.roles import declare
 
 SIGNIFICANT_DIGITS = 12
@@ -14,7 +16,7 @@ MAX_PARTICLES = 10_000_000
 MAX_STEPS = 10**12
 MAX_SAMPLES = 10**7
 
-#: Most bytes of the trajectories of a run, and bytes of a number in them.
+#: Largest size of the trajectories of a run in bytes, and bytes of a number in them.
 MAX_TRAJECTORY = 2 * 10**9
 SINGLE = 4
 
@@ -26,8 +28,8 @@ LARGEST = 1e15
 def canonical_number(value: Any) -> Any:
     """Round a number to 12 significant digits, so that 0.1 + 0.2 and 0.3 are one value.
 
-    Integers become floats and -0.0 becomes 0.0. Anything that is not a number (booleans
-    included), or is too large for a float, is returned as it is, for validation to refuse.
+    Integers become floats and -0.0 becomes 0.0. Booleans, other non-numbers and numbers too large
+    for a float are returned unchanged, for validation to refuse.
     """
     if isinstance(value, bool) or not isinstance(value, (int, float)):
         return value
@@ -41,18 +43,25 @@ Real = Annotated[float, BeforeValidator(canonical_number)]
 """A finite float in canonical form; range constraints act on the rounded value."""
 
 
-def drift_beyond(target: float) -> float:
+def drift_bound(target: float) -> float:
     """Return the change of a velocity over a window, relative to its mean, that counts as a drift.
 
-    The change of a steady series whose mean is known to the ``target`` is uncertain by √12 times as
-    much, so a smaller one could not be told from none.
+    A mean known to within ``target`` leaves the change of a steady series uncertain by √12 times as
+    much. A smaller change could not be distinguished from zero.
     """
     return min(max(0.1, 5 * target), 0.25)
 
 
 def broken_rule(key: str, value: Any, allowed: str) -> PydanticCustomError:
-    """Return the error of a rule that joins several parameters, blamed on ``key``."""
+    """Return the error of a rule on several parameters, reported for ``key``."""
     return PydanticCustomError("rule", "{allowed}", {"key": key, "got": value, "allowed": allowed})
+
+
+def require_default(parameters: "Parameters", name: str, unless: str) -> None:
+    """Refuse another value of a parameter than its default, ``unless`` something is."""
+    value, usual = getattr(parameters, name), type(parameters).model_fields[name].default
+    if value != usual:
+        raise broken_rule(name, value, f"{usual:g} unless {unless}")
 
 
 class Parameters(BaseModel):
@@ -69,17 +78,19 @@ class Parameters(BaseModel):
     sampling_key : str
         Parameter that sets how often samples are taken.
     boundaries : tuple of str
-        What may change at a boundary between its regimes.
-    smallest : dict
-        Values that make a run as small and short as may be.
-    kept : tuple of str
-        What a flow cannot change on its way: it shares them with the run that it starts from.
+        Kinds of boundaries between its regimes: what may change there.
+    smallest_values : dict
+        Values that make a run as small and short as possible.
+    fixed_parameters : tuple of str
+        Parameters that cannot change during a flow: equal in a run and the run it starts from.
     state_numbers : int
-        Numbers that tell in a frame of a trajectory where a particle is and how it moves.
+        Numbers per particle in a frame of a trajectory: position and motion.
     axes : int
         Directions in which particles move.
     most_contacts : int
-        Contacts for each particle that a frame of a trajectory has room for.
+        Contacts per particle that fit in a frame of a trajectory.
+    offered : mapping
+        Options of plug-ins: parameter -> name in points -> the option.
     """
 
     model_config = ConfigDict(
@@ -91,14 +102,15 @@ class Parameters(BaseModel):
     )
     sampling_key: ClassVar[str]
     boundaries: ClassVar[tuple[str, ...]]
-    smallest: ClassVar[dict[str, Any]]
-    kept: ClassVar[tuple[str, ...]]
+    smallest_values: ClassVar[dict[str, Any]]
+    fixed_parameters: ClassVar[tuple[str, ...]]
     state_numbers: ClassVar[int]
     axes: ClassVar[int]
     most_contacts: ClassVar[int]
+    offered: ClassVar[Mapping[str, Mapping[str, Any]]] = {}
 
     if TYPE_CHECKING:
-        # What every concrete system adds; each declares its own ranges, defaults and meanings.
+        # Every concrete system adds these, with its own ranges, defaults and meanings.
         @property
         def system(self) -> str: ...
         @property
@@ -166,7 +178,7 @@ class Parameters(BaseModel):
         added=True,
     )
 
-    # No amount: names of points and curves tell a flow under one protocol from that under another.
+    # Not an amount: ids of points and names of curves distinguish the protocols.
     protocol: Literal["published", "converged"] = declare(
         "published",
         description="lengths exactly as given, or from there on until the mean velocity is known "
@@ -183,28 +195,41 @@ class Parameters(BaseModel):
         le=0.5,
     )
 
+    def option(self, choice: str) -> Any:
+        """Return the law or the motion that the point has, of Talus or of a plug-in."""
+        name = getattr(self, choice)
+        return self.offered.get(choice, {}).get(name) or shipped(choice)[name]
+
+    @model_validator(mode="after")
+    def _require_option_of_parameters(self) -> Self:
+        for choice, options in self.offered.items():
+            for name, option in options.items():
+                for key in option.parameters if name != getattr(self, choice) else ():
+                    require_default(self, key, f"{choice} is {plain_name(name)}, whose it is")
+        return self
+
     @property
-    def glued(self) -> int:
-        """Number of particles that are fixed to the boundary, besides those that move."""
+    def glued_particles(self) -> int:
+        """Number of particles fixed to the boundary, not included in `particles`."""
         return 0
 
     @property
     def effective_particles(self) -> float:
-        """Number of moving particles that take as much work and memory, fixed ones included."""
-        return self.particles + self.glued
+        """Number of moving particles with the same work and memory as all, fixed ones included."""
+        return self.particles + self.glued_particles
 
     @property
     def is_stable(self) -> bool | None:
-        """Whether the time step is within the bound that is known; none where there is no bound."""
+        """True where the time step is within the known bound, None without a bound."""
         return None
 
     @property
     def caveat(self) -> str:
-        """What a reader should know before trusting a run of this point, or an empty text."""
+        """Warning to read before trusting a run of this point, or an empty text."""
         return ""
 
     def caveat_of(self, overlap: float) -> str:
-        """Return what to know of a run with this largest overlap besides, or an empty text.
+        """Return a further warning for a run with this largest overlap, or an empty text.
 
         ``overlap`` is in diameters, as ``max_overlap``.
         """
@@ -212,7 +237,7 @@ class Parameters(BaseModel):
 
     @property
     def limits(self) -> dict[str, tuple[float, str]]:
-        """Accelerations (m s⁻²) to compare a flow with: name -> (value, meaning)."""
+        """Accelerations (m s⁻²) that a flow is compared with: name -> (value, meaning)."""
         return {}
 
     @property
@@ -242,8 +267,8 @@ class Parameters(BaseModel):
 
     @property
     def drift(self) -> float:
-        """Change of the velocity over the window that counts as a drift, see `drift_beyond`."""
-        return drift_beyond(self.target)
+        """Change of the velocity over the window that counts as a drift, see `drift_bound`."""
+        return drift_bound(self.target)
 
     @property
     def shortest_samples(self) -> int:
@@ -273,9 +298,9 @@ class Parameters(BaseModel):
 
     @property
     def trajectory_room(self) -> int:
-        """Contacts that a frame of the trajectory has room for, 0 where none are kept."""
-        kept = self.trajectory and self.trajectory_contacts
-        return self.most_contacts * (self.particles + self.glued) if kept else 0
+        """Contacts that fit in a frame of the trajectory, 0 where none are stored."""
+        has_contacts = self.trajectory and self.trajectory_contacts
+        return self.most_contacts * (self.particles + self.glued_particles) if has_contacts else 0
 
     @property
     def trajectory_bytes(self) -> int:
@@ -283,11 +308,11 @@ class Parameters(BaseModel):
         if not self.trajectory:
             return 0
         frames = self.replicates * (self.longest_samples // self.trajectory_samples)
-        each = (self.particles + self.glued) * self.state_numbers
-        return frames * SINGLE * (each + self.trajectory_room * (2 + self.axes))
+        numbers = (self.particles + self.glued_particles) * self.state_numbers
+        return frames * SINGLE * (numbers + self.trajectory_room * (2 + self.axes))
 
     @model_validator(mode="after")
-    def _of_feasible_magnitude(self) -> Self:
+    def _require_feasible_magnitude(self) -> Self:
         for name, field in type(self).model_fields.items():
             value = getattr(self, name)
             least = _least_feasible(field)
@@ -296,7 +321,7 @@ class Parameters(BaseModel):
         return self
 
     @model_validator(mode="after")
-    def _of_feasible_size(self) -> Self:
+    def _require_feasible_size(self) -> Self:
         # Comparisons are written so that inf and nan, from extreme inputs, fail them too.
         if not 0 < self.time_step < float("inf"):
             raise broken_rule("stiffness", self.stiffness, "a value that gives a finite time step")
@@ -319,7 +344,7 @@ class Parameters(BaseModel):
 
 
 def _least_feasible(field: FieldInfo) -> float:
-    """Return the least value of a number: of a range above 0 the least magnitude."""
+    """Return the least feasible value of a field; for a range above 0 that is `SMALLEST`."""
     for bound in field.metadata:
         if isinstance(bound, Ge | Gt):
             least = float(bound.ge if isinstance(bound, Ge) else bound.gt)  # type: ignore[arg-type]
@@ -328,7 +353,7 @@ def _least_feasible(field: FieldInfo) -> float:
 
 
 def require_feasible_trajectory(parameters: Parameters) -> None:
-    """Refuse a trajectory without a single frame, or of too many."""
+    """Raise for a trajectory without any frame, too large, or with contacts but no frames."""
     p = parameters
     if p.trajectory_contacts and not p.trajectory:
         allowed = "false without a trajectory, whose frames have them"
@@ -338,7 +363,7 @@ def require_feasible_trajectory(parameters: Parameters) -> None:
         raise broken_rule("trajectory", p.trajectory, allowed)
     if p.trajectory_bytes > MAX_TRAJECTORY:
         interval = p.trajectory_samples * p.sample_steps * p.time_step / p.time_unit
-        # More than the digits that are shown leave out.
+        # 1 % more, as the message shows three digits.
         least = 1.01 * interval * p.trajectory_bytes / MAX_TRAJECTORY
         limit = f"the frames of a run take at most {MAX_TRAJECTORY / 1e9:g} GB"
         raise broken_rule("trajectory", p.trajectory, f"0 or at least {least:.3g}: {limit}")

@@ -5,9 +5,23 @@ from typing import Any, ClassVar, Literal, Self
 
 from pydantic import model_validator
 
-from sim.parameters.common import Real, broken_rule, require_feasible_trajectory
+from sim.parameters.common import (
+    Real,
+    broken_rule,
+    require_default,
+    require_feasible_trajectory,
+)
 from sim.parameters.roles import declare
 from sim.parameters.spheres import SLIDING, SlidingDirection, SphereParameters
+
+#: Parameters of the harmonic motion, which motions of plug-ins replace.
+_HARMONIC = (
+    "phase_along",
+    "overtone",
+    "overtone_amplitude",
+    "overtone_along",
+    "overtone_phase",
+)
 
 
 class ConveyorParameters(SphereParameters):
@@ -20,10 +34,14 @@ class ConveyorParameters(SphereParameters):
 
     sampling_key: ClassVar[str] = "samples_per_cycle"
     boundaries: ClassVar[tuple[str, ...]] = ("flow", "transport")
-    smallest: ClassVar[dict[str, Any]] = {"depth": 0.2, "cell": 5, "steps_per_collision": 10}
-    kept: ClassVar[tuple[str, ...]] = (*SphereParameters.kept, "shape", "rotation")
+    smallest_values: ClassVar[dict[str, Any]] = {"depth": 0.2, "cell": 5, "steps_per_collision": 10}
+    fixed_parameters: ClassVar[tuple[str, ...]] = (
+        *SphereParameters.fixed_parameters,
+        "shape",
+        "rotation",
+    )
 
-    # No paper has a recipe for it.
+    # No paper prescribes it.
     sliding_direction: SlidingDirection = declare("slip", **SLIDING)
     system: Literal["conveyor"] = declare("conveyor", description="which of the systems")
     frequency: Real = declare(
@@ -179,8 +197,8 @@ class ConveyorParameters(SphereParameters):
     @property
     def sample_steps(self) -> int:
         """Time steps between two samples: as few as resolve a collision and divide a cycle."""
-        wanted = self.collision_time / self.steps_per_collision
-        return max(1, math.ceil(self.time_unit / self.samples_per_cycle / wanted))
+        longest = self.collision_time / self.steps_per_collision
+        return max(1, math.ceil(self.time_unit / self.samples_per_cycle / longest))
 
     @property
     def time_step(self) -> float:
@@ -198,9 +216,10 @@ class ConveyorParameters(SphereParameters):
 
     @property
     def velocity_amplitude(self) -> float:
-        """Velocity that transport is measured by, m/s: the largest of the plane along x.
+        """Unit of transport velocities, m/s: the plane's largest velocity along x.
 
-        Of a plane that moves along z alone, that; 0.01 σ is the least amplitude that counts.
+        For a plane that moves only along z, it is the largest velocity along z. Amplitudes below
+        0.01 σ count as 0.01 σ.
         """
         along, normal = self.peak_velocity
         least = 0.02 * math.pi * self.frequency * self.diameter
@@ -208,41 +227,47 @@ class ConveyorParameters(SphereParameters):
 
     @property
     def limits(self) -> dict[str, tuple[float, str]]:
-        """Largest acceleration of the plane normal to it (m s⁻²), of the first frequency alone."""
+        """Largest normal acceleration of the plane (m s⁻²) at the first frequency alone."""
         rate = 2 * math.pi * self.frequency
         peak = rate * rate * self.amplitude * self.diameter
         return {"plane_acceleration": (peak, "peak acceleration of the plane along z, A_z ω²")}
 
     @property
     def caveat(self) -> str:
-        """Say so when the plane is faster than the contact law bears."""
+        """Warning of a plane that is too fast for the contact law, or an empty text."""
         speed = sum(self.peak_velocity) + abs(self.initial_velocity) * self.velocity_unit
         return self._caveat_at(0.5 * speed, "half the velocity of the plane")
 
     @property
     def is_flat(self) -> bool:
-        """Whether all particles lie in one plane, y = 0: discs."""
+        """True for discs: all particles lie in one plane, y = 0."""
         return self.shape == "disc"
 
     @property
     def _breadth(self) -> float:
-        """Side of the cell across the flow, in diameters; discs lie in one row."""
+        """Side of the cell across the flow, in diameters; 1 for discs, which lie in one row."""
         return 1.0 if self.is_flat else self.cell
 
     @property
-    def _covered_by_a_bump(self) -> float:
-        """What a glued particle covers of the plane, in squared diameters or, of discs, its row."""
-        return self.bumps if self.is_flat else super()._covered_by_a_bump
+    def _bump_area(self) -> float:
+        """Area under a glued particle in squared diameters; for discs its diameter."""
+        return self.bumps if self.is_flat else super()._bump_area
 
     @model_validator(mode="after")
-    def _of_spheres_alone(self) -> Self:
+    def _require_harmonic_motion(self) -> Self:
+        for name in _HARMONIC if getattr(self, "motion", "harmonic") != "harmonic" else ():
+            require_default(self, name, "motion is harmonic, whose it is")
+        return self
+
+    @model_validator(mode="after")
+    def _require_spheres_for_stresses(self) -> Self:
         if self.is_flat and self.stress_profiles:
             allowed = "false with shape: disc: none of its stresses is per area"
             raise broken_rule("stress_profiles", self.stress_profiles, allowed)
         return self
 
     @model_validator(mode="after")
-    def _of_feasible_trajectory(self) -> Self:
-        # The last rule: those before it make sure that the numbers of particles are feasible.
+    def _require_feasible_trajectory(self) -> Self:
+        # The last rule, as the rules before it bound the numbers of particles.
         require_feasible_trajectory(self)
         return self

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from sim.base.additions import add, additions
-from sim.base.declared import require_function, require_line, require_one_of
-from sim.parameters.observables import ASKED_FOR, MEASURES, PROFILES, SCALARS, SERIES
+from sim.base.require import require_function, require_line, require_one_of
 from sim.parameters.points import SYSTEMS
+from sim.parameters.variables import Variable, observed, reserved_names
 
 #: Gives an observable from the arrays of one replicate of a run.
 Measuring = Callable[[Mapping[str, Any]], float]
@@ -23,12 +23,10 @@ _OF_DATASETS = {"point", "replicate", "series", "figures", "caveat", "particles"
 class OwnObservable:
     """A number per replicate that a plug-in computes for the runs of one system.
 
-    ``unit`` is as UDUNITS reads it; ``measure`` gives it from the arrays of one replicate.
+    ``measure`` gives it from the arrays of one replicate.
     """
 
-    system: str
-    unit: str
-    meaning: str
+    variable: Variable
     measure: Measuring
 
 
@@ -58,7 +56,8 @@ def observable(
 
     def declared(measure: Measuring) -> Measuring:
         require_function(f"observable {name}", measure, takes=1)
-        add(OBSERVABLE, name, OwnObservable(system, unit, meaning, measure), _taken())
+        variable = observed(name, unit, meaning, system)
+        add(OBSERVABLE, name, OwnObservable(variable, measure), _taken())
         return measure
 
     return declared
@@ -67,13 +66,10 @@ def observable(
 def own_observables(system: str | None = None) -> dict[str, OwnObservable]:
     """Return what plug-ins have declared, of one system or of all."""
     found = {name: one.value for name, one in additions(OBSERVABLE).items()}
-    return {name: one for name, one in found.items() if system in (None, one.system)}
+    return {name: one for name, one in found.items() if system in (None, *one.variable.systems)}
 
 
 def _taken() -> set[str]:
     """Return the names that variables of datasets, and what plots show, have already."""
-    held = (SCALARS, MEASURES, PROFILES, ASKED_FOR, *SERIES.values())
-    names = {name for each in held for name in each}
-    short = {name.removesuffix("_profile").removeprefix("mean_") for name in names}
     fields = {name for model in SYSTEMS.values() for name in model.model_fields}
-    return names | short | fields | _OF_DATASETS
+    return reserved_names() | fields | _OF_DATASETS

@@ -1,4 +1,4 @@
-"""A point: one complete set of parameters, its canonical form, its name and where it is read."""
+"""A point, one complete set of parameters: reading, validation, canonical form and id."""
 
 import hashlib
 import json
@@ -11,18 +11,26 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from sim.base.additions import whenever
+from sim.base.additions import on_change
 from sim.base.errors import InputError
 from sim.base.messages import allowed_values, input_error
+from sim.base.plugins import load_shipped
 from sim.base.yaml import read_yaml
 from sim.parameters.belt import BeltParameters
 from sim.parameters.choices import extended
 from sim.parameters.chute import ChuteParameters
 from sim.parameters.common import Parameters, canonical_number
 from sim.parameters.conveyor import ConveyorParameters
-from sim.parameters.laws import LAW, ChuteWithOwn
-from sim.parameters.motions import MOTION, BeltWithOwn, ConveyorWithOwn
-from sim.parameters.roles import Declaration, added, amounts, declarations, id_parts, numerical
+from sim.parameters.laws import LAW
+from sim.parameters.motions import MOTION
+from sim.parameters.roles import (
+    Declaration,
+    added_parameters,
+    amount_parameters,
+    declarations,
+    id_parts,
+    numerical_parameters,
+)
 
 SYSTEMS: dict[str, type[Parameters]] = {
     "chute": ChuteParameters,
@@ -31,28 +39,29 @@ SYSTEMS: dict[str, type[Parameters]] = {
 }
 
 
-def _with_own() -> None:
-    """Give the systems the laws and motions of the plug-ins that are loaded."""
+def _update_systems() -> None:
+    """Rebuild `SYSTEMS` with the laws and motions of the loaded plug-ins."""
     SYSTEMS.update(
-        chute=extended(ChuteWithOwn, LAW),
-        belt=extended(BeltWithOwn, MOTION),
-        conveyor=extended(ConveyorWithOwn, LAW, MOTION),
+        chute=extended(ChuteParameters, LAW),
+        belt=extended(BeltParameters, MOTION),
+        conveyor=extended(ConveyorParameters, LAW, MOTION),
     )
 
 
-whenever(_with_own)
+load_shipped("sim.laws")
+on_change(_update_systems)
 
-#: How the name of a run file ends.
+#: Suffix of run files.
 RUN_FILE = ".nc"
 
-#: Longest readable part of a name; file systems take 255 bytes for the whole file name.
+#: Longest readable part of an id; file systems allow 255 bytes for the whole file name.
 _ID_LENGTH = 160
 
-#: Parameters of any system that set how a point is computed rather than which flow it is.
-NUMERICAL = frozenset().union(*map(numerical, SYSTEMS.values()))
+#: Parameters of all systems that set how a flow is computed, not which flow it is.
+NUMERICAL = frozenset().union(*map(numerical_parameters, SYSTEMS.values()))
 
-#: Parameters of any system that set how much of a point is run.
-AMOUNTS = frozenset().union(*map(amounts, SYSTEMS.values()))
+#: Parameters of all systems that set how much of a point is run.
+AMOUNTS = frozenset().union(*map(amount_parameters, SYSTEMS.values()))
 
 
 def parse_point(
@@ -63,21 +72,21 @@ def parse_point(
     Parameters
     ----------
     mapping : dict
-        ``system`` and any of its parameters; what is omitted takes the paper's value.
+        ``system`` and any of its parameters; omitted ones take the paper's values.
     source : str or Path
         Named in error messages.
     paths : mapping, optional
-        Where in ``source`` each parameter's value stands, for error messages.
+        Path of each parameter's value in ``source``, for error messages.
 
     Returns
     -------
-    ChuteParameters or BeltParameters
-        Complete, canonical and immutable.
+    Parameters
+        An instance of the system's model: complete, canonical and immutable.
 
     Raises
     ------
     InputError
-        Naming file, key, value and allowed range.
+        The message names file, key, value and allowed range.
     """
     if not isinstance(mapping, Mapping):
         raise InputError.of_value(source, "", mapping, "a mapping of parameter names to values")
@@ -92,11 +101,11 @@ def parse_point(
         raise input_error(error, model, str(source), paths) from None
 
 
-def point_in_python(source: str, system: Any, given: Mapping[str, Any]) -> Parameters:
-    """Validate a point as `parse_point` does, whose values may be numbers of NumPy."""
+def parse_python_point(source: str, system: Any, values: Mapping[str, Any]) -> Parameters:
+    """Validate a point as `parse_point` does; the values may be numbers of NumPy."""
     plain = {
         name: value.item() if getattr(value, "shape", None) == () else value
-        for name, value in given.items()
+        for name, value in values.items()
     }
     return parse_point({**plain, "system": system}, source)
 
@@ -112,78 +121,82 @@ def load_point(path: str | Path) -> Parameters:
     return parse_point(read_yaml(path), "<stdin>" if str(path) == "-" else path)
 
 
-def canonical(parameters: Parameters) -> dict[str, Any]:
-    """Return the parameters, ``system`` included, as plain JSON values: what names and files hold.
+def canonical_values(parameters: Parameters) -> dict[str, Any]:
+    """Return the parameters, ``system`` included, as plain JSON values for ids and files.
 
-    Those `added` since points were published are left out where they have their default.
+    Added parameters (see `sim.parameters.roles.declare`) with their default are omitted.
     ``parse_point`` of the result gives an equal point.
     """
-    model, values = type(parameters), complete(parameters)
-    unused = {name for name in added(model) if values[name] == default_of(model, name, values)}
+    model, values = type(parameters), complete_values(parameters)
+    unused = {
+        name for name in added_parameters(model) if values[name] == default_of(model, name, values)
+    }
     return {name: value for name, value in values.items() if name not in unused}
 
 
-def complete(parameters: Parameters) -> dict[str, Any]:
+def complete_values(parameters: Parameters) -> dict[str, Any]:
     """Return every parameter, ``system`` included, as plain JSON values."""
     return parameters.model_dump(mode="json")
 
 
 def canonical_json(parameters: Parameters) -> str:
     """Return the canonical form as one line of JSON with sorted keys."""
-    return json.dumps(canonical(parameters), sort_keys=True, separators=(",", ":"))
+    return json.dumps(canonical_values(parameters), sort_keys=True, separators=(",", ":"))
 
 
 def point_id(parameters: Parameters) -> str:
-    """Name a point: what it is in readable form, then eight hexadecimal digits of its hash.
+    """Return the id of a point: a readable form, then eight hexadecimal digits of its hash.
 
-    The readable form has the parameters that the figures vary most, and any other that differs from
-    the paper's value and is not merely numerical. The name depends on nothing but the parameters,
-    all of them but how much of the point is wanted, so equal points have equal names. It is fit for
-    a file name:
+    The readable form has the parameters that the figures vary most, and those others that differ
+    from the paper and are not numerical. The id depends only on the parameters, all but the
+    amounts, so equal points have equal ids. It is fit for a file name:
 
     >>> point_id(ChuteParameters())[:46]
     'chute-depth5-friction0.4-restitution0.85-stiff'
     """
-    values, model = canonical(parameters), type(parameters)
+    values, model = canonical_values(parameters), type(parameters)
     parts = id_parts(model)
     readable = [f"{label}{values[name]:g}" for name, label in parts.items()]
-    unnamed = numerical(model) | set(parts)
+    unnamed = numerical_parameters(model) | set(parts)
     for name, value in values.items():
         if name not in unnamed and value != default_of(model, name, values):
             readable.append(f"{name}-{value}" if isinstance(value, str) else f"{name}{value:g}")
     name = "-".join([parameters.system, *readable]).replace("+", "")[:_ID_LENGTH]
-    usual = {name: type(values[name])(default_of(model, name, values)) for name in amounts(model)}
+    usual = {
+        name: type(values[name])(default_of(model, name, values))
+        for name in amount_parameters(model)
+    }
     same = canonical_json(parameters.model_copy(update=usual))
     return f"{name}-{hashlib.sha256(same.encode()).hexdigest()[:8]}"
 
 
 def default_of(model: type[Parameters], name: str, values: Mapping[str, Any]) -> Any:
-    """Return the default of a parameter, which may follow from those of others in ``values``."""
+    """Return the default of a parameter, which may depend on other parameters in ``values``."""
     field = model.model_fields[name]
     default = field.get_default(call_default_factory=True, validated_data=dict(values))
     return canonical_number(default)
 
 
-def unsaid(system: str) -> dict[str, Any]:
-    """Return the defaults of a system's added parameters, which files from before do not name."""
+def defaults_of_added(system: str) -> dict[str, Any]:
+    """Return the defaults of a system's added parameters, which older files do not have."""
     model = SYSTEMS[system]
-    return {name: model.model_fields[name].default for name in added(model)}
+    return {name: model.model_fields[name].default for name in added_parameters(model)}
 
 
-def require_alike(parameters: Parameters, source: Parameters, where: str) -> None:
-    """Refuse a point that a flow cannot turn into on its way.
+def require_compatible_source(parameters: Parameters, source: Parameters, where: str) -> None:
+    """Raise unless a run of a point can start from a run of another one.
 
     Parameters
     ----------
     parameters, source : Parameters
-        The point, and the one that it starts from.
+        The point, and the point that it starts from.
     where : str
-        The file or the point that is to be named.
+        The file or point to be named in the message.
 
     Raises
     ------
     InputError
-        When the two have other particles, laws with another memory, or the latter too few
+        When ``source`` differs in its system or one of the `fixed_parameters`, or has too few
         replicates.
     """
     allowed = ""
@@ -192,10 +205,10 @@ def require_alike(parameters: Parameters, source: Parameters, where: str) -> Non
     elif source.replicates < parameters.replicates:
         allowed = f"a run of {parameters.replicates} replicates or more, as of the point itself"
     else:
-        for name in parameters.kept:
-            if getattr(source, name) != (own := getattr(parameters, name)):
-                theirs = getattr(source, name)
-                allowed = f"a run with {name} = {own}, as of the point itself, not {theirs}"
+        for name in parameters.fixed_parameters:
+            value, source_value = getattr(parameters, name), getattr(source, name)
+            if source_value != value:
+                allowed = f"a run with {name} = {value}, as of the point itself, not {source_value}"
     if allowed:
         raise InputError.of_value(where, "start_from", parameters.start_from, allowed)
 
@@ -204,7 +217,7 @@ def require_alike(parameters: Parameters, source: Parameters, where: str) -> Non
 class FieldRow(Declaration):
     """One parameter, ready for documentation and file attributes.
 
-    ``allowed`` is said of all; ``default`` is ``None`` when it depends on other parameters.
+    ``allowed`` is never empty; ``default`` is ``None`` when it depends on other parameters.
     """
 
     name: str
@@ -215,7 +228,7 @@ class FieldRow(Declaration):
 def field_info(model: type[Parameters] | Parameters) -> Mapping[str, FieldRow]:
     """Return the declaration of every parameter of a system by name.
 
-    ``system`` comes first, then what only this system has, then what both share.
+    ``system`` comes first, then this system's own parameters, then those of all systems.
     """
     return _rows(model if isinstance(model, type) else type(model))
 
@@ -238,6 +251,6 @@ def _rows(model: type[Parameters]) -> Mapping[str, FieldRow]:
 
 def as_yaml(parameters: Parameters) -> str:
     """Return the text of a point file with every parameter."""
-    values = complete(parameters)
-    # Scalars as JSON writes them are YAML that reads back as the same value.
+    values = complete_values(parameters)
+    # JSON scalars are YAML with the same value.
     return "".join(f"{name}: {json.dumps(values[name])}\n" for name in field_info(parameters))

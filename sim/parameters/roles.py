@@ -1,4 +1,4 @@
-"""Roles of a parameter: declared once, with the parameter, and derived from there by all others."""
+"""Declarations of parameters, and the roles of parameters that follow from them."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -6,21 +6,21 @@ from typing import Any, Literal, cast
 
 from pydantic import BaseModel, Field
 
-#: What a parameter is for. ``physics``: which flow it is. ``reading``: how an open place of the
-#: paper is understood. ``numerics``: how the flow is computed. ``amount``: how much is run, which
-#: no id of a point depends on: runs grow.
+#: Role of a parameter. ``physics``: which flow it is. ``reading``: how an open passage of the paper
+#: is understood. ``numerics``: how the flow is computed. ``amount``: how much is run; ids of points
+#: do not depend on it, so runs can grow.
 Role = Literal["physics", "reading", "numerics", "amount"]
 
-#: How people write the units of numbers; all others as UDUNITS does.
+#: Units as people write them behind a number; all others are written as in UDUNITS.
 _WRITTEN = {"1": "", "degree": "°", "N m-1": " N/m", "m s-2": " m/s²"}
 
 
 @dataclass(frozen=True)
 class Declaration:
-    """What is declared of a parameter besides its type, range, default and meaning.
+    """Declaration of a parameter besides its type, range, default and meaning.
 
-    See `declare` for the attributes. As pydantic's ``json_schema_extra`` it adds to the schema what
-    a reader of study files wants to know.
+    See `declare` for the attributes. As pydantic's ``json_schema_extra`` it adds symbol, unit,
+    scale and equation to the JSON schema.
     """
 
     symbol: str
@@ -75,27 +75,27 @@ def declare(
         Unit of the stored number as UDUNITS (CF) reads it; ``"1"`` for pure numbers and ``""``
         for choices and switches.
     scale : str
-        For pure numbers, the quantity they are multiples of (``"⟨d⟩"``, ``"g"``).
+        For pure numbers, the quantity of which they are multiples (``"⟨d⟩"``, ``"g"``).
     equation : str
-        Where it enters: equation or section of the source.
+        Equation or section of the source in which it enters.
     role : str
-        What it is for, see `Role`. Names of points, curves of figures and places of claims leave
-        ``numerics`` and ``amount`` out; verdicts are given for each ``reading``.
+        See `Role`. Ids of points, curves of figures and places of claims omit ``numerics`` and
+        ``amount``; each ``reading`` has its own verdicts.
     id_part : str
-        Label in the names of all points, for the parameters that figures vary most; others are
-        named where they differ from the paper.
+        Label in the ids of all points, for the parameters that figures vary most. Other parameters
+        are in an id where they differ from the paper.
     compiled : bool
-        Whether its value chooses what is compiled; all others only change numbers.
+        True where its value selects the code to compile; other parameters only change numbers.
     changes_start : bool
-        Whether an answer may depend on it although it is numerical, because flows start otherwise:
-        unless a claim names it, runs with its default come first.
+        True for a numerical parameter that changes the start of flows, so that answers may depend
+        on it. Unless a claim names it, runs with its default are preferred.
     added : bool
-        Whether there are points from before it: where it has its default, their canonical form, id
-        and run file know nothing of it, and neither do those of new points.
+        True for a parameter introduced after points were published. Where it has its default, the
+        canonical form, id and run file of old and new points omit it.
     allowed : str
-        What is allowed, in words, where type and range do not say it.
+        The allowed values in words, where type and range are not enough.
     **options
-        Ranges and defaults as pydantic's ``Field`` takes them.
+        Ranges and defaults for pydantic's ``Field``.
     """
     declaration = Declaration(
         symbol, unit, scale, equation, role, id_part, compiled, changes_start, added, allowed
@@ -113,42 +113,43 @@ def declarations(model: type[BaseModel]) -> dict[str, Declaration]:
     }
 
 
-def numerical(model: type[BaseModel]) -> frozenset[str]:
-    """Return the parameters that set how a flow is computed rather than which one it is."""
-    return frozenset(_names(model, lambda one: one.role in ("numerics", "amount")))
+def numerical_parameters(model: type[BaseModel]) -> frozenset[str]:
+    """Return the parameters that set how a flow is computed, not which flow it is."""
+    return frozenset(_names(model, lambda row: row.role in ("numerics", "amount")))
 
 
-def amounts(model: type[BaseModel]) -> tuple[str, ...]:
+def amount_parameters(model: type[BaseModel]) -> tuple[str, ...]:
     """Return the parameters that set how much of a flow is run."""
-    return _names(model, lambda one: one.role == "amount")
+    return _names(model, lambda row: row.role == "amount")
 
 
-def readings(model: type[BaseModel]) -> tuple[str, ...]:
-    """Return the parameters that tell readings of a paper apart, choices before numbers."""
+def reading_parameters(model: type[BaseModel]) -> tuple[str, ...]:
+    """Return the parameters that distinguish readings of a paper, choices before numbers."""
     declared = declarations(model)
-    names = _names(model, lambda one: one.role == "reading")
+    names = _names(model, lambda row: row.role == "reading")
     return tuple(sorted(names, key=lambda name: bool(declared[name].unit)))
 
 
-def compiled(model: type[BaseModel]) -> tuple[str, ...]:
-    """Return the parameters whose values choose what is compiled."""
-    return _names(model, lambda one: one.compiled)
+def compiled_parameters(model: type[BaseModel]) -> tuple[str, ...]:
+    """Return the parameters whose values select the code to compile."""
+    return _names(model, lambda row: row.compiled)
 
 
-def added(model: type[BaseModel]) -> tuple[str, ...]:
-    """Return the parameters that there are points from before of, see `declare`."""
-    return _names(model, lambda one: one.added)
+def added_parameters(model: type[BaseModel]) -> tuple[str, ...]:
+    """Return the parameters introduced after points were published, see `declare`."""
+    return _names(model, lambda row: row.added)
 
 
-def changing_start(model: type[BaseModel]) -> tuple[str, ...]:
-    """Return the numerical parameters that an answer may depend on after all."""
-    return _names(model, lambda one: one.changes_start)
+def start_parameters(model: type[BaseModel]) -> tuple[str, ...]:
+    """Return the numerical parameters that change the start of flows, see `declare`."""
+    return _names(model, lambda row: row.changes_start)
 
 
 def id_parts(model: type[BaseModel]) -> dict[str, str]:
-    """Return the labels in the names of all points, by parameter."""
-    return {name: one.id_part for name, one in declarations(model).items() if one.id_part}
+    """Return the labels in the ids of all points, by parameter."""
+    return {name: row.id_part for name, row in declarations(model).items() if row.id_part}
 
 
-def _names(model: type[BaseModel], wanted: Callable[[Declaration], bool]) -> tuple[str, ...]:
-    return tuple(name for name, one in declarations(model).items() if wanted(one))
+def _names(model: type[BaseModel], has_role: Callable[[Declaration], bool]) -> tuple[str, ...]:
+    """Return the parameters whose declaration passes a test."""
+    return tuple(name for name, row in declarations(model).items() if has_role(row))

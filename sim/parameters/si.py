@@ -1,9 +1,9 @@
-"""Parameters in SI: what a pure number of a study file is a multiple of."""
+"""Parameters in SI: pure numbers of a study file, multiplied by their scales."""
 
 from typing import NamedTuple
 
 from sim.parameters.common import Parameters
-from sim.parameters.points import complete, field_info
+from sim.parameters.points import complete_values, field_info
 
 
 class Quantity(NamedTuple):
@@ -16,27 +16,27 @@ class Quantity(NamedTuple):
 def in_si(parameters: Parameters) -> dict[str, Quantity]:
     """Return the parameters of a point that have a dimension, in SI, by name.
 
-    Those that are multiples of a length, time, velocity or stiffness of the point are multiplied;
-    the others have the unit in which they are declared. Angles stay in degrees; counts are none.
+    Multiples of a length, time, rate, velocity or stiffness of the point are multiplied by it. The
+    others have their declared unit: angles stay in degrees. Pure numbers and counts are omitted.
 
     >>> from sim.parameters.belt import BeltParameters
-    >>> found = in_si(BeltParameters(amplitude=2, frequency=20))
-    >>> found["amplitude"], found["transient"]
+    >>> quantities = in_si(BeltParameters(amplitude=2, frequency=20))
+    >>> quantities["amplitude"], quantities["transient"]
     (Quantity(value=0.002, unit='m'), Quantity(value=2.25, unit='s'))
     """
-    values, found = complete(parameters), {}
+    values, quantities = complete_values(parameters), {}
     scales = _scales(parameters)
     for name, row in field_info(parameters).items():
         if row.scale in scales and isinstance(values[name], float):
             scale = scales[row.scale]
-            found[name] = Quantity(values[name] * scale.value, scale.unit)
+            quantities[name] = Quantity(values[name] * scale.value, scale.unit)
         elif row.unit not in ("", "1"):
-            found[name] = Quantity(values[name], row.unit)
-    return found
+            quantities[name] = Quantity(values[name], row.unit)
+    return quantities
 
 
 def _scales(p: Parameters) -> dict[str, Quantity]:
-    """Return what numbers are multiples of, as their declarations write it.
+    """Return the quantities of which numbers are multiples, by ``scale`` of their declaration.
 
     An overlap relative to the radii of a pair has no unit.
     """

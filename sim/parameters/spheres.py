@@ -1,45 +1,51 @@
-"""Parameters of spheres with contact laws of the chute's kind, whatever drives them."""
+"""Parameters of spheres on a plane, common to chute and conveyor."""
 
 import math
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self
 
 from pydantic import model_validator
 
+from sim.base.additions import attribute_errors_to, plain_name
+from sim.base.plugins import module_names
 from sim.parameters.common import MAX_PARTICLES, Parameters, Real, broken_rule
 from sim.parameters.roles import declare
 
-#: Particle-steps per second on one core of a present-day server up to a depth, and the power by
-#: which the rate falls with depth above it: there are more contacts per particle.
+#: Particle-steps per second on one core of a present-day server up to a depth, that depth, and the
+#: exponent with which the rate falls above it, as there are more contacts per particle.
 RATE = 45.0e6
 RATE_DEPTH = 5.0
 RATE_EXPONENT = -0.55
 
-#: Velocity in √(gσ) of the impacts that a time step of Hertz's law has to resolve.
-IMPACT = 10
-
-#: Largest overlap of an impact in diameters for which the laws of small overlaps stand: twice that
+#: Largest overlap of an impact, in diameters, at which laws of small overlaps are valid: twice that
 #: of the paper's softest spheres.
-SMALL = 0.1
+SMALL_OVERLAP = 0.1
 
-_TOO_SOFT = (
-    f"overlap by more than {100 * SMALL:g} % of a diameter, beyond the range of the contact law; a "
-    "larger stiffness cures it"
+_OVERLAP_CAVEAT = (
+    f"overlap by more than {100 * SMALL_OVERLAP:g} % of a diameter, beyond the range of the "
+    "contact law; a larger stiffness cures it"
 )
 
-#: By which share of it the depth of whole particles may differ from the one asked for unsaid.
-COARSE = 0.01
+#: Largest relative difference of the depth of whole particles from the requested one without a
+#: caveat.
+DEPTH_TOLERANCE = 0.01
 
-_COARSE = (
-    f"whole particles in the cell have a depth that differs by more than {100 * COARSE:g} % from "
-    "the one asked for; a wider cell cures it"
+_DEPTH_CAVEAT = (
+    "whole particles in the cell have a depth that differs by more than "
+    f"{100 * DEPTH_TOLERANCE:g} % from the one asked for; a wider cell cures it"
 )
 
-#: Skin of the neighbor list, in diameters, and how many neighbors of a sphere are usual in it.
+#: Skin of the neighbor list, in diameters, and the usual number of neighbors of a sphere in it.
 SKIN, USUAL_NEIGHBORS = 0.2, 8
+
+if TYPE_CHECKING:
+    LawName = str
+else:
+    #: Names of the laws that ship, those of their files, the default first.
+    LawName = Literal[tuple(dict.fromkeys(("walton_braun", *module_names("sim.laws"))))]
 
 SlidingDirection = Literal["printed", "slip"]
 
-#: What is declared of the direction of a sliding friction, whatever its default.
+#: Declaration of ``sliding_direction`` without its default.
 SLIDING: dict[str, Any] = {
     "description": "a friction cut to its limit has the direction of the printed sum, which does "
     "not settle where spheres slip by more than 2 μ F_N/K0 in a step, or that of the old force "
@@ -51,7 +57,7 @@ SLIDING: dict[str, Any] = {
 
 
 class SphereParameters(Parameters):
-    """Particles that rotate and slide, and the plane that they are on.
+    """Particles that rotate and slide on a plane.
 
     Lengths in diameters; a concrete system adds ``angle``, ``initial_velocity`` and the lengths of
     a run.
@@ -61,8 +67,8 @@ class SphereParameters(Parameters):
     axes: ClassVar[int] = 3
     # Twelve neighbors of equal size, and more where sizes differ or overlaps are large.
     most_contacts: ClassVar[int] = 10
-    smallest: ClassVar[dict[str, Any]] = {"depth": 0.2, "cell": 5}
-    kept: ClassVar[tuple[str, ...]] = (
+    smallest_values: ClassVar[dict[str, Any]] = {"depth": 0.2, "cell": 5}
+    fixed_parameters: ClassVar[tuple[str, ...]] = (
         *("seed", "depth", "cell", "diameter", "diameter_spread", "mass"),
         *("bumps", "bump_coverage", "bump_arrangement"),
         *("restitution", "stiffness", "law", "tangential_ratio", "tangential_exponent"),
@@ -100,7 +106,7 @@ class SphereParameters(Parameters):
         description="friction coefficient between particles and plane (omitted: friction)",
         equation="Walton, Sec. 3",
         ge=0,
-        default_factory=lambda given: given["friction"],
+        default_factory=lambda values: values["friction"],
     )
     restitution: Real = declare(
         0.85,
@@ -121,7 +127,7 @@ class SphereParameters(Parameters):
         id_part="stiffness",
         gt=0,
     )
-    law: Literal["walton_braun", "spring_dashpot", "hertz", "drag"] = declare(
+    law: LawName = declare(
         "walton_braun",
         description="contact law: Walton and Braun's; the linear spring and dashpot with a linear "
         "tangential spring that most DEM codes use; Hertz's and Mindlin's, at an overlap of σ/100 "
@@ -168,7 +174,7 @@ class SphereParameters(Parameters):
         role="numerics",
         changes_start=True,
         ge=3,
-        default_factory=lambda given: 10 if given["depth"] <= 10 else 5,
+        default_factory=lambda values: 10 if values["depth"] <= 10 else 5,
     )
     diameter: Real = declare(
         1e-3,
@@ -325,40 +331,38 @@ class SphereParameters(Parameters):
 
     @classmethod
     def hint(cls, key: str, value: Any) -> str:
-        """Say what may have been meant by a value."""
+        """Return a hint on a wrong value of a parameter, or an empty text."""
         if key == "law" and isinstance(value, str):
             return "a plug-in's, where plugins of the study or TALUS_PLUGINS name the plug-in"
         return ""
 
     @property
     def collision_time(self) -> float:
-        """Duration of a binary collision of the lightest particles, s, with m* = m/2.
-
-        t_c = (π/2) √(m*/K1) (1 + e); of spring and dashpot π √(m*/K) √(1 + (ln e/π)²); of Hertz's
-        force 2.87 (m*²/(R* E*² v))^(1/5) at a velocity of 10 √(gσ).
-        """
-        spread = self.diameter_spread
-        lightest = self.mass * (1 - spread) ** 3 / (1 + spread**2)
-        loading = math.pi / 2 * math.sqrt(lightest / 2 / self.stiffness)
-        if self.law == "hertz":
-            radius = self.diameter * (1 - spread) / 4
-            speed = IMPACT * self.velocity_unit
-            return 2.87 * ((lightest / 2 / self.effective_modulus) ** 2 / (radius * speed)) ** 0.2
-        if self.law in ("spring_dashpot", "drag"):
-            return 2 * loading * math.hypot(1, math.log(self.restitution) / math.pi)
-        return loading * (1 + self.restitution)
+        """Duration of the shortest collision, s, as the law of the point gives it."""
+        law = self.option("law")
+        with attribute_errors_to("law", plain_name(self.law)):
+            time = float(law.collision_time(self))
+            if not 0 < time < math.inf:
+                raise ValueError(f"a collision takes {time} s")
+        return time
 
     @property
-    def effective_modulus(self) -> float:
-        """E* of Hertz's law, Pa: the force of two spheres that overlap by σ/100 is that of K1.
+    def lightest_mass(self) -> float:
+        """Mass of the lightest particles, kg."""
+        spread = self.diameter_spread
+        return self.mass * (1 - spread) ** 3 / (1 + spread**2)
 
-        (4/3) E* √(σ/4) (σ/100)^(3/2) = K1 σ/100.
+    @property
+    def loading_time(self) -> float:
+        """Time for which two of the lightest particles press a spring K1, s.
+
+        (π/2) √(m*/K1), with m* = m/2.
         """
-        return 15 * self.stiffness / self.diameter
+        return math.pi / 2 * math.sqrt(self.lightest_mass / 2 / self.stiffness)
 
     @property
     def period(self) -> float:
-        """Length along x after which all comes again, m."""
+        """Length of the periodic cell along x, m."""
         return self.cell * self.diameter
 
     @property
@@ -367,35 +371,35 @@ class SphereParameters(Parameters):
         return max(1, round(self.depth * self.cell * self._breadth))
 
     @property
-    def glued(self) -> int:
-        """Spheres glued to the plane: their circles cover the share of it that is wanted."""
+    def glued_particles(self) -> int:
+        """Number of spheres glued to the plane, from the share of it that they cover."""
         if not self.bumps:
             return 0
         if self.bump_arrangement == "ordered":
             return self.bump_rows ** (1 if self.is_flat else 2)
-        return max(1, round(self.bump_coverage * self._area / self._covered_by_a_bump))
+        return max(1, round(self.bump_coverage * self._area / self._bump_area))
 
     @property
     def bump_rows(self) -> int:
-        """Glued spheres in a row of an ordered arrangement, which do not overlap."""
-        wanted = self.bump_coverage * self._area / self._covered_by_a_bump
-        rows = round(wanted if self.is_flat else wanted**0.5)
+        """Glued spheres in a row of an ordered arrangement, where they do not overlap."""
+        number = self.bump_coverage * self._area / self._bump_area
+        rows = round(number if self.is_flat else number**0.5)
         return max(1, min(rows, math.floor(self.cell / self.bumps)))
 
     @property
     def effective_particles(self) -> float:
-        """Spheres that move, and for how many the glued ones count: small ones lie dense.
+        """Number of moving spheres with the same work and memory as moving and glued ones.
 
-        The neighbor list holds all that are within a skin of each other.
+        Glued spheres count by their pairs in the neighbor list, at least 1: small ones are dense.
         """
         reach = self.bumps + SKIN
-        within = 2 * reach if self.is_flat else math.pi * reach**2
-        pairs = 0.5 * within * self.glued / self._area
-        return self.particles + self.glued * max(1.0, pairs / USUAL_NEIGHBORS)
+        area = 2 * reach if self.is_flat else math.pi * reach**2
+        pairs = 0.5 * area * self.glued_particles / self._area
+        return self.particles + self.glued_particles * max(1.0, pairs / USUAL_NEIGHBORS)
 
     @property
     def is_flat(self) -> bool:
-        """Whether all particles lie in one plane, y = 0."""
+        """True where all particles lie in one plane, y = 0."""
         return False
 
     @property
@@ -409,25 +413,29 @@ class SphereParameters(Parameters):
         return self.cell * self._breadth
 
     @property
-    def _covered_by_a_bump(self) -> float:
-        """Area of a glued sphere's circle in squared diameters; 0 where it is below all numbers."""
+    def _bump_area(self) -> float:
+        """Area of a glued sphere's circle in squared diameters; 0 where it underflows."""
         return math.pi / 4 * self.bumps**2
 
     def caveat_of(self, overlap: float) -> str:
-        """Say so when spheres have overlapped by more than the contact law bears."""
-        return f"spheres {_TOO_SOFT}" if overlap > SMALL else ""
+        """Return a warning of an overlap beyond the range of the contact law, or an empty text."""
+        return f"spheres {_OVERLAP_CAVEAT}" if overlap > SMALL_OVERLAP else ""
 
-    def _caveat_at(self, speed: float, what: str) -> str:
-        """Say so when impacts at a speed (m/s) overlap by more than the contact law bears.
+    def _caveat_at(self, speed: float, source: str) -> str:
+        """Return warnings of impacts at a speed (m/s) and of the depth, or an empty text.
 
-        Spheres that meet head-on at a speed v overlap by v √(m/2K1). And say so when no whole
-        number of particles has the depth.
+        Spheres that meet head-on at a speed v overlap by v √(m/2K1), which may be beyond the range
+        of the contact law. The depth of whole particles may differ from the requested one.
         """
         overlap = speed * math.sqrt(0.5 * self.mass / self.stiffness) / self.diameter
-        told = [f"impacts at {what} {_TOO_SOFT}"] if overlap > SMALL else []
-        if abs(self.particles - self.depth * self._area) > COARSE * self.depth * self._area:
-            told.append(_COARSE)
-        return "; ".join(told)
+        is_large = overlap > self.option("law").max_overlap
+        caveats = [f"impacts at {source} {_OVERLAP_CAVEAT}"] if is_large else []
+        if (
+            abs(self.particles - self.depth * self._area)
+            > DEPTH_TOLERANCE * self.depth * self._area
+        ):
+            caveats.append(_DEPTH_CAVEAT)
+        return "; ".join(caveats)
 
     @property
     def cores(self) -> int:
@@ -440,16 +448,15 @@ class SphereParameters(Parameters):
         return RATE * (max(RATE_DEPTH, self.depth) / RATE_DEPTH) ** RATE_EXPONENT
 
     @model_validator(mode="after")
-    def _of_one_mass_for_dashpots(self) -> Self:
-        # The damping that gives the restitution wanted depends on the masses of both partners.
-        if self.law == "spring_dashpot":
+    def _require_masses_of_the_law(self) -> Self:
+        if self.option("law").one_mass:
             for name in ("diameter_spread", "bumps"):
                 if getattr(self, name):
-                    raise broken_rule(name, getattr(self, name), "0 with law: spring_dashpot")
+                    raise broken_rule(name, getattr(self, name), f"0 with law: {self.law}")
         return self
 
     @model_validator(mode="after")
-    def _of_drags_alone(self) -> Self:
+    def _require_drag_for_shear_damping(self) -> Self:
         usual = type(self).model_fields["shear_damping"].default
         if self.law != "drag" and self.shear_damping != usual:
             allowed = f"{usual:g} unless law is drag, whose it is"
@@ -457,20 +464,20 @@ class SphereParameters(Parameters):
         return self
 
     @model_validator(mode="after")
-    def _of_bumps_to_arrange(self) -> Self:
+    def _require_bumps_to_arrange(self) -> Self:
         if self.bump_arrangement != "random" and not self.bumps:
             allowed = "random unless there are bumps, whose arrangement it is"
             raise broken_rule("bump_arrangement", self.bump_arrangement, allowed)
         return self
 
     @model_validator(mode="after")
-    def _of_feasible_count(self) -> Self:
+    def _require_feasible_count(self) -> Self:
         if not self.depth * self._area <= MAX_PARTICLES:
             allowed = f"a value that gives at most {MAX_PARTICLES:.0e} particles in the cell"
             raise broken_rule("depth", self.depth, allowed)
-        room = (MAX_PARTICLES - self.particles) * self._covered_by_a_bump
-        few = not self.bumps or self.bump_coverage * self._area <= room
-        if not (few and self.effective_particles <= MAX_PARTICLES):
+        room = (MAX_PARTICLES - self.particles) * self._bump_area
+        has_room = not self.bumps or self.bump_coverage * self._area <= room
+        if not (has_room and self.effective_particles <= MAX_PARTICLES):
             allowed = (
                 f"a value that gives at most {MAX_PARTICLES:.0e} particles, glued ones included, "
                 "which count more the denser they are"

@@ -5,22 +5,21 @@ from typing import Any
 
 from sim.parameters import SYSTEMS, field_info
 
-#: The protocols in words, by system. Walton gives no lengths, so what is run once and no longer is
-#: ours.
+#: The protocols in words, by system. Walton gives no lengths of runs, so the fixed length is ours.
 PROTOCOLS = {
     "chute": {"published": "fixed length", "converged": "converged"},
     "belt": {"published": "published protocol", "converged": "converged protocol"},
     "conveyor": {"published": "fixed length", "converged": "converged"},
 }
 
-#: Characters of a name that are told, and of a longer one the last ones that are.
+#: Longest name that is written in full, and how many last characters of a longer one are written.
 LONG, END = 54, 16
 
 
 def quantity(system: str, name: str, values: Sequence[Any]) -> str:
-    """Write ``symbol = value unit`` for one or several values of a parameter.
+    """Return ``symbol = value unit`` for one or several values of a parameter.
 
-    One without a symbol goes by its name.
+    Without a symbol the name is used.
 
     >>> quantity("belt", "frequency", [20.0, 50.0])
     'f = 20, 50 Hz'
@@ -36,19 +35,19 @@ def quantity(system: str, name: str, values: Sequence[Any]) -> str:
 
 
 def _number(value: float) -> str:
-    """Write a number with four digits, without a power of ten below a million."""
+    """Return a number with four digits, or six from 10,000 on; no exponent below a million."""
     return f"{value:.4g}" if abs(value) < 1e4 else f"{value:,.6g}"
 
 
 def setting(system: str, name: str, value: object) -> str:
-    """Write one value of a parameter, choices by name: ``θ = 16°``, ``integrator verlet``.
+    """Return one value of a parameter in words: ``θ = 16°``, ``integrator verlet``.
 
-    Datasets have numbers for what is true or false:
+    Datasets store booleans as numbers:
 
     >>> setting("conveyor", "rotation", 0.0), setting("chute", "stress_profiles", True)
     ('no rotation', 'stress_profiles')
 
-    Of a long name, as of a run, the end tells it from others.
+    Of a long text, such as the id of a run, only the end is written.
 
     >>> run = "chute-depth5-friction0.4-restitution0.85-stiffness100-angle2-f9db71a0"
     >>> setting("chute", "start_from", ""), setting("chute", "start_from", run)

@@ -1,4 +1,4 @@
-"""What both papers gave on one page, as a page of docs/: its numbers are those published."""
+"""The page of docs/ that sums up the results of both papers, with the published numbers."""
 
 import json
 import sys
@@ -7,10 +7,9 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from sim.report.claims import PAPERS, VERDICTS, counts, read_claims
-from sim.report.numbers import measured
+from sim.report.claims import PAPERS, VERDICTS, count_verdicts, read_claims
+from sim.report.numbers import template, value_with_interval
 from sim.report.publish import PUBLISHED
-from sim.report.templating import template
 
 
 def page(claims: Mapping[str, Mapping[str, Any]], runs: Mapping[str, Mapping[str, Any]]) -> str:
@@ -21,19 +20,19 @@ def page(claims: Mapping[str, Mapping[str, Any]], runs: Mapping[str, Mapping[str
     claims : mapping
         The claims of both papers, as `sim.report.claims.read_claims` returns them, by id.
     runs : mapping
-        ``provenance.json`` of what is published, by the short name of the paper.
+        ``provenance.json`` of the published studies, by the short name of the paper.
 
     Raises
     ------
     ValueError
-        When a claim has another verdict than the sentence about it is written for, or a number is
-        of no check: the template is then to be read and written anew.
+        When a claim has another verdict than its sentence assumes, or a number belongs to no check.
+        The template must then be rewritten.
     """
     return (
         template("abstract.md.j2").render(
             claim=partial(_claim, claims),
             number=partial(_number, claims),
-            counts=counts(list(claims.values())),
+            counts=count_verdicts(list(claims.values())),
             statements=len(claims),
             papers=PAPERS,
             verdicts=VERDICTS,
@@ -44,22 +43,25 @@ def page(claims: Mapping[str, Mapping[str, Any]], runs: Mapping[str, Mapping[str
 
 
 def _claim(claims: Mapping[str, Mapping[str, Any]], name: str, verdict: str) -> str:
-    """Return the id of a claim that a sentence rests on, if it has the verdict told there."""
-    found = claims[name]["verdict"]
-    if found != verdict:
-        raise ValueError(f"{name} is {found!r} and no more {verdict!r}: rewrite what is told of it")
+    """Return the id of a claim, after a check that it has the verdict that a sentence assumes."""
+    current = claims[name]["verdict"]
+    if current != verdict:
+        raise ValueError(
+            f"{name} is {current!r} and no more {verdict!r}: rewrite what is told of it"
+        )
     return name
 
 
 def _number(
     claims: Mapping[str, Mapping[str, Any]], name: str, what: str, interval: bool = True
 ) -> str:
-    """Return what a check of a claim measured, under its headline's reading and protocol.
+    """Return the measured value of a check under the headline reading and the deciding protocol.
 
-    It comes with the half width of its 95 % interval, where it has one, or to three digits.
+    ``what`` names the check. The value has the half width of its 95 % interval, or three digits
+    where ``interval`` is false or there is none.
     """
     claim = claims[name]
-    found = [
+    checks = [
         check
         for variant in claim["variants"]
         if variant["reading"] == claim["headline"] and not variant["control"]
@@ -67,20 +69,20 @@ def _number(
         for check in variant["checks"]
         if check["what"] == what
     ]
-    if len(found) != 1:
-        raise ValueError(f"{name} has {len(found)} checks {what!r} instead of one")
-    value, half_width = found[0]["value"], found[0]["half_width"]
-    told = measured(value, half_width) if interval and half_width else f"{value:.3g}"
-    return told.replace("-", "\N{MINUS SIGN}")
+    if len(checks) != 1:
+        raise ValueError(f"{name} has {len(checks)} checks {what!r} instead of one")
+    value, half_width = checks[0]["value"], checks[0]["half_width"]
+    text = value_with_interval(value, half_width) if interval and half_width else f"{value:.3g}"
+    return text.replace("-", "\N{MINUS SIGN}")
 
 
 def main(published: Path = PUBLISHED) -> str:
-    """Return the page from what is published of both papers."""
+    """Return the page of the published studies of both papers."""
     folders = {paper: published / f"paper_{paper}" for paper in PAPERS}
     claims = {
-        one["id"]: one
+        claim["id"]: claim
         for folder in folders.values()
-        for one in read_claims(folder / "claims.json", replaceable=False)
+        for claim in read_claims(folder / "claims.json", replaceable=False)
     }
     runs = {
         paper: json.loads((folder / "provenance.json").read_text(encoding="utf-8"))

@@ -1,17 +1,16 @@
-"""Claims and the evidence for their verdicts as the report shows them."""
+"""Rows of the report for claims and the evidence of their verdicts."""
 
 import hashlib
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from sim.base.damage import checked_read
-from sim.base.sealed_json import read_sealed
+from sim.base.seals import checked_read, parse_sealed_json
 from sim.parameters.words import PROTOCOLS
-from sim.report.numbers import bounds, measured, strip, threshold, with_chance
+from sim.report.numbers import bounds, strip, threshold, value_with_interval, value_with_p
 from sim.study.catalogue import FIGURES
 
-#: Verdicts from the best, each with its tone and its sign.
+#: Verdicts, best first, each with its tone and its sign.
 VERDICTS = {
     "reproduced": ("good", "✓"),
     "reproduced in part": ("part-good", "◐"),
@@ -22,7 +21,7 @@ VERDICTS = {
     "untestable": ("none", "–"),
 }
 
-#: What a check may be besides.
+#: The further outcome of a check that does not vote.
 REPORTED = {"reported": ("none", "i")}
 
 PAPERS = {"walton": "Walton", "gallas": "Gallas et al."}
@@ -34,9 +33,9 @@ _MODEL = "Experiments on the model itself"
 
 
 def read_claims(path: Path, replaceable: bool = True) -> list[dict[str, Any]]:
-    """Return the claims that `sim.claims.written` has written; none where there is no such file.
+    """Return the claims that `sim.claims.verdict_files` has written; empty without a file.
 
-    A damaged file is set aside if it is ``replaceable``, as the workflow makes it again.
+    A damaged file is set aside if it is ``replaceable``: the workflow can make it again.
 
     Raises
     ------
@@ -47,57 +46,61 @@ def read_claims(path: Path, replaceable: bool = True) -> list[dict[str, Any]]:
 
 
 def require_table(folder: Path) -> None:
-    """Refuse a table of verdicts, ``claims.csv``, that is not the one written with the claims.
+    """Raise an error unless ``claims.csv``, the table of verdicts, was written with the claims.
 
     Raises
     ------
     InputError
         Where it, or ``claims.json``, is missing.
     DamagedError
-        When it has changed since, or ``claims.json`` cannot be read.
+        When the table has changed since, or ``claims.json`` cannot be read.
     """
     table = folder / "claims.csv"
     with checked_read(table, "table of verdicts", replaceable=True):
-        told = _read(folder / "claims.json")[table.name]
-        if hashlib.sha256(table.read_bytes()).hexdigest() != told:
+        recorded = _read(folder / "claims.json")[table.name]
+        if hashlib.sha256(table.read_bytes()).hexdigest() != recorded:
             raise ValueError("the checksum is wrong")
 
 
 def _read(path: Path, replaceable: bool = True) -> dict[str, Any]:
     with checked_read(path, "table of verdicts", replaceable=replaceable):
-        return read_sealed(path.read_text(encoding="utf-8"))
+        return parse_sealed_json(path.read_text(encoding="utf-8"))
 
 
-def counts(claims: Sequence[Mapping[str, Any]]) -> dict[str, dict[str, int]]:
-    """Return how many claims of each paper have each verdict, by the short name of the paper."""
+def count_verdicts(claims: Sequence[Mapping[str, Any]]) -> dict[str, dict[str, int]]:
+    """Return the number of claims by the short name of the paper and by verdict."""
     return {
         paper: {
-            verdict: sum(one["paper"] == paper and one["verdict"] == verdict for one in claims)
+            verdict: sum(
+                claim["paper"] == paper and claim["verdict"] == verdict for claim in claims
+            )
             for verdict in VERDICTS
         }
         for paper in PAPERS
-        if any(one["paper"] == paper for one in claims)
+        if any(claim["paper"] == paper for claim in claims)
     }
 
 
-def judged_by_runs(claims: Iterable[Mapping[str, Any]]) -> bool:
-    """Return whether there is a claim, not on the contact model alone, that was tested."""
-    return any(one["kind"] != "model" and one["verdict"] != "untestable" for one in claims)
+def has_tested_claims(claims: Iterable[Mapping[str, Any]]) -> bool:
+    """Return whether any claim was tested by runs; those on the contact model do not count."""
+    return any(claim["kind"] != "model" and claim["verdict"] != "untestable" for claim in claims)
 
 
 def engine_checks(claims: Iterable[Mapping[str, Any]]) -> dict[str, int]:
-    """Return how many claims on the contact law alone were ``tested``, and how many ``held``."""
-    checks = [one for one in claims if one["kind"] == "model" and one["verdict"] != "untestable"]
-    held = sum(one["verdict"] == "reproduced" for one in checks)
-    return {"tested": len(checks), "held": held}
+    """Return how many claims on the contact law alone were ``tested`` and ``reproduced``."""
+    checks = [
+        claim for claim in claims if claim["kind"] == "model" and claim["verdict"] != "untestable"
+    ]
+    reproduced = sum(claim["verdict"] == "reproduced" for claim in checks)
+    return {"tested": len(checks), "reproduced": reproduced}
 
 
 def claim_rows(
     claims: Iterable[Mapping[str, Any]],
     runs: Iterable[Mapping[str, Any]],
-    drawn: Iterable[str],
+    figure_names: Iterable[str],
 ) -> list[dict[str, Any]]:
-    """Return one row per claim with all that its evidence needs to be shown.
+    """Return one row per claim with everything that the templates show of its evidence.
 
     Parameters
     ----------
@@ -105,10 +108,10 @@ def claim_rows(
         Claims, as `read_claims` returns them.
     runs : iterable of mapping
         The table of runs, as `sim.report.runs.run_rows` returns it.
-    drawn : iterable of str
+    figure_names : iterable of str
         Names of the figures in the report.
     """
-    drawn = set(drawn)
+    figure_names = set(figure_names)
     rows = {run["point"]: run for run in runs}
     numbers = {point: run["number"] for point, run in rows.items()}
     return [
@@ -116,20 +119,20 @@ def claim_rows(
             **claim,
             "author": PAPERS.get(claim["paper"], ""),
             "figures": [
-                {"name": name, "title": FIGURES[name].paper, "drawn": name in drawn}
+                {"name": name, "title": FIGURES[name].paper, "drawn": name in figure_names}
                 for name in claim["figures"]
             ],
             "by_protocol": {
-                one["protocol"]: one["verdict"]
-                for one in claim["variants"]
-                if one["reading"] == claim["headline"]
+                variant["protocol"]: variant["verdict"]
+                for variant in claim["variants"]
+                if variant["reading"] == claim["headline"]
             },
-            "depends": [what for what in ("protocol", "reading") if claim[f"{what}_dependent"]],
+            "depends": [name for name in ("protocol", "reading") if claim[f"{name}_dependent"]],
             "by_number": [
-                {**one, "checks": [_check(check, numbers) for check in one["checks"]]}
-                for one in claim["by_number"]
+                {**entry, "checks": [_check(check, numbers) for check in entry["checks"]]}
+                for entry in claim["by_number"]
             ],
-            "variants": [_variant(one, claim, numbers) for one in claim["variants"]],
+            "variants": [_variant(variant, claim, numbers) for variant in claim["variants"]],
             "cost": _cost(claim, rows),
         }
         for claim in claims
@@ -139,24 +142,31 @@ def claim_rows(
 def _cost(
     claim: Mapping[str, Any], runs: Mapping[str, Mapping[str, Any]]
 ) -> dict[str, float] | None:
-    """Return how many points the checks under the headline reading rest on, and their core time."""
-    usual = [one for one in claim["variants"] if one["reading"] == claim["headline"]]
-    points = {point for one in usual for check in one["checks"] for point in check["points"]}
-    known = [runs[point]["wall_time"] for point in points if point in runs]
-    return {"points": len(known), "seconds": float(sum(known))} if known else None
+    """Return number and core time (s) of the points behind the checks of the headline reading."""
+    headline_variants = [
+        variant for variant in claim["variants"] if variant["reading"] == claim["headline"]
+    ]
+    points = {
+        point
+        for variant in headline_variants
+        for check in variant["checks"]
+        for point in check["points"]
+    }
+    seconds = [runs[point]["wall_time"] for point in points if point in runs]
+    return {"points": len(seconds), "seconds": float(sum(seconds))} if seconds else None
 
 
 def _variant(
     variant: Mapping[str, Any], claim: Mapping[str, Any], numbers: Mapping[str, int]
 ) -> dict[str, Any]:
     system = claim.get("system") or SYSTEM[claim["paper"]]
-    words = PROTOCOLS[system].get(variant["protocol"], _MODEL).capitalize()
-    usual = variant["reading"] == claim["headline"]
-    named = "" if variant["reading"] == "default" else f", {variant['reading']}"
+    title = PROTOCOLS[system].get(variant["protocol"], _MODEL).capitalize()
+    is_headline = variant["reading"] == claim["headline"]
+    reading = "" if variant["reading"] == "default" else f", {variant['reading']}"
     return {
         **variant,
-        "title": words + named,
-        "usual": usual,
+        "title": title + reading,
+        "usual": is_headline,
         "unsteady": variant.get("unsteady", ""),
         "checks": [_check(check, numbers) for check in variant["checks"]],
     }
@@ -165,7 +175,7 @@ def _variant(
 def _check(check: Mapping[str, Any], numbers: Mapping[str, int]) -> dict[str, Any]:
     return {
         **check,
-        "measured": _measured(check),
+        "measured": _measured_text(check),
         "bounds": bounds(check),
         "threshold": threshold(check["low"], check["high"]),
         "strip": None if check["verdict"] == "reported" else strip(check),
@@ -173,8 +183,8 @@ def _check(check: Mapping[str, Any], numbers: Mapping[str, int]) -> dict[str, An
     }
 
 
-def _measured(check: Mapping[str, Any]) -> str:
-    """Write what a check measured: with its interval, or with the p-value of its test."""
+def _measured_text(check: Mapping[str, Any]) -> str:
+    """Write the measured value of a check with its interval, or with the p-value of its test."""
     if check["tested"]:
-        return with_chance(check["value"], check["p_holds"])
-    return measured(check["value"], check["half_width"])
+        return value_with_p(check["value"], check["p_holds"])
+    return value_with_interval(check["value"], check["half_width"])

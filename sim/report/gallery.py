@@ -1,4 +1,4 @@
-"""Figures and animations as the report shows them."""
+"""Entries of figures and animations for the report."""
 
 import base64
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -8,10 +8,10 @@ from xml.etree import ElementTree
 
 import pandas as pd
 
-from sim.base.damage import checked_read
+from sim.base.seals import checked_read
 from sim.study.catalogue import FigureSpec
 
-#: Figures of the first screen, where a study has them.
+#: Figures of the first screen, if a study has them.
 HEADLINE = ("walton_2", "gallas_1a", "gallas_1b", "gallas_1c")
 
 _MEDIA = {
@@ -23,17 +23,17 @@ _MEDIA = {
 
 _KINDS = {".svg": "picture", ".png": "picture", ".gif": "animation", ".csv": "table of a figure"}
 
-#: Pictures wider than this, in heights, get the whole width of the page.
-_BROAD = 1.8
+#: Ratio of width to height above which pictures get the whole width of the page.
+_BROAD_ASPECT = 1.8
 
-#: Columns of a table that an alternative text tells the range of.
-_TOLD = 3
+#: Number of columns whose ranges an alternative text gives.
+_RANGES_SHOWN = 3
 
 
 #: Heading of the plots that the study file itself defines.
-OWN = "Plots of the study"
+OWN_GROUP = "Plots of the study"
 
-#: Gives the address under which a page finds a file.
+#: Returns the address under which a page finds a file.
 Address = Callable[[Path], str]
 
 
@@ -48,13 +48,13 @@ def figure_entries(
     Parameters
     ----------
     specs : iterable of FigureSpec
-        What they are.
+        The specifications of the figures.
     folder : Path
         Folder of their files.
     claims : sequence of mapping
         Claims with their ``id`` and the names of their ``figures``.
     address : callable
-        `data_uri`, which puts the files into the page, or `beside`, which links them.
+        `data_uri`, which puts the files into the page, or `relative_link`, which links them.
 
     Raises
     ------
@@ -77,14 +77,14 @@ def figure_entries(
 def figure_entry(spec: FigureSpec, folder: Path, address: Address) -> dict[str, Any]:
     """Return title, caption and addresses of the files of one figure.
 
-    An animation has its first picture in place of the figure, and ``animation`` beside it.
+    The ``picture`` of an animation is its first frame, and ``animation`` is its address.
     """
     name = spec.name
     files = {suffix: folder / f"{name}{suffix}" for suffix in (*_MEDIA, ".caption.txt")}
     with checked_read(files[".caption.txt"], "caption", replaceable=True):
         caption = files[".caption.txt"].read_text(encoding="utf-8").strip()
     with checked_read(files[".csv"], _KINDS[".csv"], replaceable=True):
-        held = ranges(pd.read_csv(files[".csv"]))
+        data_text = describe_ranges(pd.read_csv(files[".csv"]))
     entry = {
         "name": name,
         "title": spec.title,
@@ -96,14 +96,14 @@ def figure_entry(spec: FigureSpec, folder: Path, address: Address) -> dict[str, 
     if spec.animated:
         return entry | {
             "group": "Animations",
-            "alt": f"{spec.title}: first picture of an animation, {held}.",
+            "alt": f"{spec.title}: first picture of an animation, {data_text}.",
             "broad": False,
             "picture": address(files[".png"]),
             "animation": address(files[".gif"]),
         }
     return entry | {
-        "group": spec.paper.partition(",")[0] or OWN,
-        "alt": f"{spec.title}: {held}.",
+        "group": spec.paper.partition(",")[0] or OWN_GROUP,
+        "alt": f"{spec.title}: {data_text}.",
         "broad": _is_broad(files[".svg"]),
         "picture": address(files[".svg"]),
     }
@@ -113,27 +113,27 @@ def _is_broad(svg: Path) -> bool:
     with checked_read(svg, _KINDS[".svg"], replaceable=True):
         box = ElementTree.parse(svg).getroot().attrib["viewBox"]
         width, height = map(float, box.split()[2:])
-    return width > _BROAD * height
+    return width > _BROAD_ASPECT * height
 
 
-def headline(entries: Sequence[Mapping[str, Any]]) -> list[Mapping[str, Any]]:
-    """Return the figures of the first screen: those of the papers' main results, or the first."""
+def headline_figures(entries: Sequence[Mapping[str, Any]]) -> list[Mapping[str, Any]]:
+    """Return the figures of the first screen: those in `HEADLINE`, or else the first figure."""
     return [entry for entry in entries if entry["name"] in HEADLINE] or list(entries[:1])
 
 
-def ranges(table: pd.DataFrame) -> str:
-    """Say in words what a table of data holds: its rows and the ranges of its first numbers.
+def describe_ranges(table: pd.DataFrame) -> str:
+    """Write how many rows a table of data has, and the ranges of its first numbers.
 
-    >>> ranges(pd.DataFrame({"depth [σ]": [1, 40], "law": ["a", "b"]}))
+    >>> describe_ranges(pd.DataFrame({"depth [σ]": [1, 40], "law": ["a", "b"]}))
     '2 rows of data, depth [σ] from 1 to 40'
     """
     numbers = table.select_dtypes("number")
     varying = [name for name in numbers if numbers[name].nunique() > 1]
-    # What was measured comes behind the parameters, and must not be missing.
-    told = dict.fromkeys(
-        [*varying[:_TOLD], *(name for name in varying if name.startswith("mean velocity"))]
+    # The mean velocity follows the parameters and is always included.
+    names = dict.fromkeys(
+        [*varying[:_RANGES_SHOWN], *(name for name in varying if name.startswith("mean velocity"))]
     )
-    parts = [f"{name} from {table[name].min():.3g} to {table[name].max():.3g}" for name in told]
+    parts = [f"{name} from {table[name].min():.3g} to {table[name].max():.3g}" for name in names]
     return ", ".join([f"{len(table)} rows of data", *parts])
 
 
@@ -144,6 +144,6 @@ def data_uri(path: Path) -> str:
     return f"data:{_MEDIA[path.suffix]};base64,{content}"
 
 
-def beside(path: Path) -> str:
-    """Return where a page finds a file of a figure in the folder ``figures`` beside it."""
+def relative_link(path: Path) -> str:
+    """Return the link from a page to a file in the folder ``figures`` beside it."""
     return f"figures/{path.name}"

@@ -1,13 +1,13 @@
-"""What a run file holds, in words; and the point file that would make it again."""
+"""A summary of a run file as text, and the point file that reproduces it."""
 
 import json
 from pathlib import Path
 
 import netCDF4
 
-from sim.engine.stored_run import opened, parameters_of
-from sim.parameters import Parameters, as_yaml, complete, field_info
-from sim.parameters.observables import SCALARS
+from sim.engine.stored_run import open_run_file, parameters_of
+from sim.parameters import Parameters, as_yaml, complete_values, field_info
+from sim.parameters.variables import SCALARS
 
 _PER_REPLICATE = tuple(name for name in SCALARS if name != "replicate_seed")
 _PROVENANCE = (
@@ -29,7 +29,7 @@ def describe(path: str | Path, as_point: bool = False) -> str:
     path : str or Path
         The run file.
     as_point : bool
-        Give the text of a point file that reproduces the run instead.
+        Return the text of a point file that reproduces the run instead.
 
     Raises
     ------
@@ -37,7 +37,7 @@ def describe(path: str | Path, as_point: bool = False) -> str:
         When there is no such file, or it is not a run file.
     """
     path = Path(path)
-    with opened(path) as file:
+    with open_run_file(path) as file:
         parameters = parameters_of(file, path)
         return as_yaml(parameters).rstrip() if as_point else _summary(file, parameters)
 
@@ -49,25 +49,25 @@ def _summary(file: netCDF4.Dataset, parameters: Parameters) -> str:
         head.append(f"reason: {file.getncattr('reason')}")
     sections = [
         [*head, f"particles: {parameters.particles:,}", f"dimensions: {sizes}"],
-        ["parameters", *_indented(_parameter_lines(parameters))],
-        ["replicates", *_indented(_replicate_lines(file))],
-        ["provenance", *_indented(_attribute_lines(file))],
+        ["parameters", *_indent(_parameter_lines(parameters))],
+        ["replicates", *_indent(_replicate_lines(file))],
+        ["provenance", *_indent(_attribute_lines(file))],
     ]
     return "\n\n".join("\n".join(lines) for lines in sections)
 
 
-def _indented(rows: list[tuple[str, str]]) -> list[str]:
+def _indent(rows: list[tuple[str, str]]) -> list[str]:
     width = max(len(name) for name, _ in rows)
     return [f"  {name:<{width}}  {text}".rstrip() for name, text in rows]
 
 
 def _parameter_lines(parameters: Parameters) -> list[tuple[str, str]]:
-    values = complete(parameters)
+    values = complete_values(parameters)
     lines = []
     for name, row in field_info(parameters).items():
         value, unit = values[name], row.scale or row.unit
-        shown = f"{value:g}" if isinstance(value, float) else json.dumps(value).strip('"')
-        lines.append((name, shown if unit in ("", "1") else f"{shown} {unit}"))
+        text = f"{value:g}" if isinstance(value, float) else json.dumps(value).strip('"')
+        lines.append((name, text if unit in ("", "1") else f"{text} {unit}"))
     limits = parameters.limits.items()
     return lines + [(name, f"{value:.6g} m s-2") for name, (value, _) in limits]
 

@@ -1,46 +1,55 @@
-"""Numbers with their intervals and thresholds in words and on a strip."""
+"""Text of the report: numbers with intervals and thresholds, and the templates of pages."""
 
+import shlex
 from collections.abc import Mapping
 from math import isfinite
+from pathlib import Path
 from typing import Any
 
+import jinja2
 from uncertainties import ufloat
 
-#: Intervals smaller than this part of their value do not set its digits.
+from sim.base.words import duration
+
+#: Relative width of an interval below which it does not set the digits of its value.
 _EXACT = 1e-4
 
-#: p-values below it are not told apart.
-_LEAST = 1e-4
+#: Smallest p-value that is written as a number.
+_LEAST_P = 1e-4
 
-#: Part of a strip that is left free on either side of what it shows.
+#: Free margin on either side of a strip, relative to the shown range.
 _MARGIN = 0.1
 
+TEMPLATES = Path(__file__).parent / "templates"
 
-def finite(value: float) -> float | None:
-    """Return a number, or ``None`` for one that is endless or unknown."""
+
+def finite_or_none(value: float) -> float | None:
+    """Return a number, or ``None`` where it is infinite or not-a-number."""
     return value if isfinite(value) else None
 
 
-def with_chance(value: float | None, chance: float | None) -> str:
-    """Write a statistic with the p-value of its test, of one that decides nothing without.
+def value_with_p(value: float | None, chance: float | None) -> str:
+    """Write a statistic with the p-value of its test, or alone where there is none.
 
-    >>> with_chance(0.8, 0.0123), with_chance(0.8, 1e-9), with_chance(0.33333, None)
+    >>> value_with_p(0.8, 0.0123), value_with_p(0.8, 1e-9), value_with_p(0.33333, None)
     ('0.8, p = 0.012', '0.8, p < 0.0001', '0.333')
     """
     if value is None or chance is None:
         return "–" if value is None else f"{value:.3g}"
-    return f"{value:.3g}, p " + (f"= {chance:.2g}" if chance >= _LEAST else f"< {_LEAST:g}")
+    return f"{value:.3g}, p " + (f"= {chance:.2g}" if chance >= _LEAST_P else f"< {_LEAST_P:g}")
 
 
-def measured(value: float | None, half_width: float | None) -> str:
+def value_with_interval(value: float | None, half_width: float | None) -> str:
     """Write a value with the half width of its interval, to two digits of the latter.
 
-    >>> measured(0.51234, 0.0123), measured(3, 0), measured(3, None), measured(None, None)
-    ('0.512 ± 0.012', '3', '3 ± ?', '–')
+    >>> value_with_interval(0.51234, 0.0123), value_with_interval(3, 0)
+    ('0.512 ± 0.012', '3')
+    >>> value_with_interval(3, None), value_with_interval(None, None)
+    ('3 ± ?', '–')
 
-    Of a value that is known far better than anybody asks, five digits are enough.
+    A value with a far smaller interval has five digits.
 
-    >>> measured(0.123456789, 2e-9)
+    >>> value_with_interval(0.123456789, 2e-9)
     '0.12346 ± 2e-09'
     """
     if value is None:
@@ -55,7 +64,7 @@ def measured(value: float | None, half_width: float | None) -> str:
 
 
 def percent(share: float) -> str:
-    """Write a share in percent to two digits, one that is not known as a dash.
+    """Write a share in percent with two digits, or a dash where it is unknown.
 
     >>> percent(0.0031), percent(24_012.0), percent(float("nan"))
     ('0.31', '2,400,000', '–')
@@ -64,7 +73,7 @@ def percent(share: float) -> str:
 
 
 def threshold(low: float | None, high: float | None) -> str:
-    """Write what a value must be: ``> low``, ``< high`` or ``low to high``.
+    """Write the allowed range of a value: ``> low``, ``< high`` or ``low to high``.
 
     >>> threshold(0.7, None), threshold(None, 0.02), threshold(15, 17)
     ('> 0.7', '< 0.02', '15 to 17')
@@ -75,7 +84,7 @@ def threshold(low: float | None, high: float | None) -> str:
 
 
 def bounds(check: Mapping[str, Any]) -> str:
-    """Write the bounds of one side at 95 % that decide a check: those towards its thresholds.
+    """Write the one-sided 95 % bounds that decide a check: those towards its thresholds.
 
     >>> bounds({"value": 2.0, "bound": 0.5, "low": 1.0, "high": None})
     'above 1.5'
@@ -87,29 +96,29 @@ def bounds(check: Mapping[str, Any]) -> str:
         return ""
     low, high = f"{value - bound:.3g}", f"{value + bound:.3g}"
     if check["low"] is None or check["high"] is None:
-        holds = (check["low"] is None) == (check.get("verdict") == "not reproduced")
-        return f"above {low}" if holds else f"below {high}"
+        is_lower = (check["low"] is None) == (check.get("verdict") == "not reproduced")
+        return f"above {low}" if is_lower else f"below {high}"
     return f"{low} to {high}"
 
 
 def strip(check: Mapping[str, Any]) -> dict[str, float] | None:
-    """Return where value, bounds and the range allowed lie on a strip, in percent of its width.
+    """Return positions of value, bounds and allowed range on a strip, in percent of its width.
 
     Returns
     -------
     dict or None
-        ``value``, ``start`` and ``length`` of what lies between the bounds of one side, ``low`` and
-        ``width`` of the range allowed; ``None`` where the bounds are not finite.
+        ``value``; ``start`` and ``length`` of the interval between the one-sided bounds; ``low``
+        and ``width`` of the allowed range. ``None`` where value or bound is unknown.
     """
     value, half_width = check["value"], check["bound"]
     if value is None or half_width is None:
         return None
     limits = [limit for limit in (check["low"], check["high"]) if limit is not None]
     ends = [*limits, value - half_width, value + half_width]
-    shown = max(ends) - min(ends) or 1.0
+    span = max(ends) - min(ends) or 1.0
 
-    def place(where: float) -> float:
-        return round(100 * ((where - min(ends)) / shown + _MARGIN) / (1 + 2 * _MARGIN), 1)
+    def place(number: float) -> float:
+        return round(100 * ((number - min(ends)) / span + _MARGIN) / (1 + 2 * _MARGIN), 1)
 
     low = 0.0 if check["low"] is None else place(check["low"])
     high = 100.0 if check["high"] is None else place(check["high"])
@@ -121,3 +130,19 @@ def strip(check: Mapping[str, Any]) -> dict[str, float] | None:
         "low": low,
         "width": round(high - low, 1),
     }
+
+
+def template(name: str) -> jinja2.Template:
+    """Return a template of a page; undefined names raise an error.
+
+    Values are escaped in HTML, but not in Markdown.
+    """
+    environment = jinja2.Environment(
+        loader=jinja2.FileSystemLoader(TEMPLATES),
+        autoescape=".html" in name,
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters |= {"duration": duration, "percent": percent, "quoted": shlex.quote}
+    return environment.get_template(name)

@@ -1,4 +1,4 @@
-"""Runs of points that are no longer in a study: which there are, and away with them."""
+"""List or remove the runs of points that are no longer in a study."""
 
 from pathlib import Path
 
@@ -8,7 +8,7 @@ from sim.study.load import load_study
 
 
 def show(study_path: Path, results: Path, remove: bool) -> list[str]:
-    """Return a line per orphaned run of a study with its size, and a closing one.
+    """Return a line per orphaned run of a study with its size, and a line with the total.
 
     Parameters
     ----------
@@ -17,13 +17,12 @@ def show(study_path: Path, results: Path, remove: bool) -> list[str]:
     results : Path
         Folder of all results.
     remove : bool
-        Remove run files, states and logs of these points, too.
+        Also remove run files, states and logs of these points.
 
     Raises
     ------
     InputError
-        When rounds of refinement are still to come, which may ask for any of the runs that are
-        there.
+        When rounds of refinement are still to come, as these may need any of the present runs.
     """
     study = load_study(study_path, results)
     status = survey(study, results)

@@ -1,4 +1,4 @@
-"""The page as a whole: what it is made from, its summary, its template."""
+"""The report as a whole: its sources, its summary and its template."""
 
 from collections import Counter
 from pathlib import Path
@@ -6,34 +6,34 @@ from typing import Any
 
 import xarray as xr
 
-from sim.base.files import replacing
+from sim.base.files import atomic_write
 from sim.base.program import __version__
-from sim.base.words import counted
+from sim.base.words import count_text
 from sim.dataset.agreement import require_agreement
-from sim.dataset.caveats import CLOSED
+from sim.dataset.caveats import CLOSED_SHARE
 from sim.dataset.results import Results, load_results
-from sim.figures.drawn import require_unchanged
+from sim.figures.figure_records import require_unchanged
 from sim.report.claims import (
     PAPERS,
     REPORTED,
     VERDICTS,
     claim_rows,
-    counts,
+    count_verdicts,
     engine_checks,
-    judged_by_runs,
+    has_tested_claims,
     read_claims,
 )
-from sim.report.gallery import Address, data_uri, figure_entries, headline
+from sim.report.gallery import Address, data_uri, figure_entries, headline_figures
+from sim.report.numbers import template
 from sim.report.readings import reading_tables
 from sim.report.runs import (
     adopted_datasets,
     boundary_rows,
     parameter_rows,
     run_rows,
+    state_of,
     varied_columns,
 )
-from sim.report.state import state_of
-from sim.report.templating import template
 from sim.study.load import Study, load_study
 
 
@@ -50,24 +50,24 @@ def build(study_path: str | Path, results: str | Path = "results") -> Path:
     Returns
     -------
     Path
-        The file written. It appears complete or not at all. Without a ``claims.json`` in the
-        folder it says that the claims have not been judged.
+        The file written. It appears complete or not at all. Without a ``claims.json``, it says that
+        the claims have not been judged.
 
     Raises
     ------
     InputError
-        When the dataset, the verdicts or a file of a figure is damaged, or it or that is missing,
-        naming it, or the study has changed since the dataset was made.
+        When the dataset, the verdicts or a file of a figure is damaged, when the dataset or a file
+        of a figure is missing, or when the study has changed since the dataset was made.
     """
     study = load_study(study_path, results)
     folder = Path(results) / study.name
-    found = load_results(folder / "dataset.nc")
-    require_agreement(study, found, folder / "dataset.nc")
+    results_of_study = load_results(folder / "dataset.nc")
+    require_agreement(study, results_of_study, folder / "dataset.nc")
     require_unchanged(study.entries.values(), folder / "figures")
     output = folder / "report.html"
-    with replacing(output) as temporary:
+    with atomic_write(output) as temporary:
         claims = read_claims(folder / "claims.json")
-        page = render(study, found, folder / "figures", claims, data_uri)
+        page = render(study, results_of_study, folder / "figures", claims, data_uri)
         temporary.write_text(page, encoding="utf-8")
     return output
 
@@ -90,9 +90,10 @@ def render(
     figures : Path
         Folder of its figures.
     claims : list of dict
-        Its claims with their verdicts, as `sim.claims.written` writes them; empty if not judged.
+        Its claims with their verdicts, as `sim.claims.verdict_files` writes them; empty if they
+        have not been judged.
     address : callable
-        Puts figures into the page or links them, see `sim.report.gallery.figure_entries`.
+        Embeds figures in the page or links them, see `sim.report.gallery.figure_entries`.
     """
     dataset = results.dataset
     caveats = Counter(str(text) for text in dataset["caveat"].values if text).most_common()
@@ -106,10 +107,10 @@ def render(
         run["adopted"], _ = results.adopted.get(run["point"], ("", ""))
         page = Path("pages") / f"{run['point']}.html"
         run["page"] = page.as_posix() if (figures.parent / page).is_file() else ""
-    every = claim_rows(claims, runs, study.figures)
-    rows = [row for row in every if row["paper"] in PAPERS]
+    all_rows = claim_rows(claims, runs, study.figures)
+    rows = [row for row in all_rows if row["paper"] in PAPERS]
     entries = figure_entries(study.entries.values(), figures, rows, address)
-    order = _order(study, entries, judged_by_runs(rows))
+    order = _page_order(study, entries, has_tested_claims(rows))
     return template("report.html.j2").render(
         study=study,
         study_files={file.name: file.read_text(encoding="utf-8") for file in study.sources},
@@ -118,61 +119,61 @@ def render(
         verdicts=VERDICTS,
         outcomes=VERDICTS | REPORTED,
         claims=rows,
-        own_claims=[row for row in every if row not in rows],
-        counts=counts(rows),
+        own_claims=[row for row in all_rows if row not in rows],
+        counts=count_verdicts(rows),
         reading_tables=reading_tables(rows, results) if "claims" in order["parts"] else [],
-        judged_by_runs=judged_by_runs(rows),
+        has_tested_claims=has_tested_claims(rows),
         **order,
         plots=[
             entry | {"points": [run for run in runs if entry["name"] in run["plots"]]}
             for entry in entries
             if entry["own"]
         ],
-        headline=headline(entries),
+        headline=headline_figures(entries),
         checks=engine_checks(rows),
         state=state_of(runs),
         runs=runs,
         varied=varied_columns(dataset) if order["own"] else [],
         parameters=parameter_rows(dataset),
         boundaries=boundary_rows(study, results.boundaries),
-        energy_limit=CLOSED,
-        provenance=_provenance(dataset) | _adopted(results) | _plugins(study),
+        energy_limit=CLOSED_SHARE,
+        provenance=_provenance(dataset) | _adopted_provenance(results) | _plugin_provenance(study),
     )
 
 
-def _order(study: Study, entries: list[dict[str, Any]], tested: bool) -> dict[str, Any]:
-    """Return whether a study is one's own, its gallery, and the sections behind the summary.
+def _page_order(study: Study, entries: list[dict[str, Any]], has_tested: bool) -> dict[str, Any]:
+    """Return whether a study is one's own, its gallery, and the sections after the summary.
 
-    It is unless all its figures are of the papers. Its plots and its points then come first, and
-    claims of the papers last, where it feeds figures of theirs and its runs test some.
+    A study is one's own if it defines plots or feeds no figure of the papers. Its plots and points
+    then come first. Figures of the papers and, if its runs test some, their claims come last.
     """
-    own = bool(study.plots) or not study.figures
+    is_own = bool(study.plots) or not study.figures
     gallery = [entry for entry in entries if not entry["own"]]
-    parts = ["claims", "figures"] if tested else ["figures", "claims"]
-    if own:
+    parts = ["claims", "figures"] if has_tested else ["figures", "claims"]
+    if is_own:
         parts = [
             "runs",
             *(["figures"] if gallery else []),
-            *(["claims"] if gallery and tested else []),
+            *(["claims"] if gallery and has_tested else []),
         ]
-    return {"own": own, "gallery": gallery, "parts": parts}
+    return {"own": is_own, "gallery": gallery, "parts": parts}
 
 
 def _summary(dataset: xr.Dataset, runs: list[dict[str, Any]]) -> dict[str, Any]:
-    """Return the numbers of the first screen: what was run, and what it took."""
-    completed, sound = dataset["status"] == "completed", dataset["caveat"] == ""
-    missing = dataset["missing_energy"].where(completed)
+    """Return the numbers of the first screen: runs, results, cost and versions."""
+    is_completed, is_sound = dataset["status"] == "completed", dataset["caveat"] == ""
+    missing_energy = dataset["missing_energy"].where(is_completed)
     return {
         "points": len(runs),
         "failed": sum(run["regime"] == "failed" for run in runs),
         "replicates": int((dataset["status"] != "").sum()),
-        "completed": int(completed.sum()),
+        "completed": int(is_completed.sum()),
         "regimes": Counter(run["regime"] for run in runs).most_common(),
         "steps": int(dataset["steps"].sum()),
         "wall_time": float(dataset["wall_time"].sum()),
-        "missing_energy": float(missing.where(sound).max()),
-        "missing_with_caveat": float(missing.where(~sound).max()),
-        "with_caveat": int((~sound).sum()),
+        "missing_energy": float(missing_energy.where(is_sound).max()),
+        "missing_with_caveat": float(missing_energy.where(~is_sound).max()),
+        "with_caveat": int((~is_sound).sum()),
         "dates": _dates(dataset.attrs["first_run"], dataset.attrs["last_run"]),
         "talus": __version__,
         "source_hash": dataset.attrs["source_hash"],
@@ -188,20 +189,20 @@ def _dates(first: str, last: str) -> str:
     return " to ".join(dict.fromkeys((first[:10], last[:10])))
 
 
-def _adopted(results: Results) -> dict[str, str]:
-    """Return how many points come from which adopted datasets."""
-    told = "; ".join(
-        f"{counted(row['points'], 'point')} from dataset {row['dataset']}, "
+def _adopted_provenance(results: Results) -> dict[str, str]:
+    """Return a line of provenance with the number of points from each adopted dataset."""
+    text = "; ".join(
+        f"{count_text(row['points'], 'point')} from dataset {row['dataset']}, "
         f"run {_dates(row['from'], row['to'])}"
         for row in adopted_datasets(results)
     )
-    return {"Adopted": told} if told else {}
+    return {"Adopted": text} if text else {}
 
 
-def _plugins(study: Study) -> dict[str, str]:
-    """Return the plug-ins of a study with the hashes of their content."""
-    told = ", ".join(f"{one.name} ({one.code})" for one in study.plugins)
-    return {"Plug-ins": told} if told else {}
+def _plugin_provenance(study: Study) -> dict[str, str]:
+    """Return a line of provenance with the plug-ins of a study and the hashes of their content."""
+    text = ", ".join(f"{plugin.name} ({plugin.code})" for plugin in study.plugins)
+    return {"Plug-ins": text} if text else {}
 
 
 def _provenance(dataset: xr.Dataset) -> dict[str, str]:

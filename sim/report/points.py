@@ -1,4 +1,4 @@
-"""The points of a study as a table to read and as JSON for other programs."""
+"""The points of a study, as a table and as JSON."""
 
 import json
 import sys
@@ -10,25 +10,25 @@ import psutil
 from sim.base.errors import InputError
 from sim.base.files import require_writable
 from sim.base.program import program
-from sim.base.words import counted, duration
-from sim.dataset.adopted import Adopted
-from sim.dataset.starts import require_start_files
-from sim.parameters import complete
+from sim.base.words import count_text, duration
+from sim.dataset.adopted import AdoptedPoints
+from sim.dataset.run_file import require_start_files
+from sim.parameters import complete_values
 from sim.study.cost import Estimate, estimate
-from sim.study.figure_points import left_out
+from sim.study.figure_points import omission_notes
 from sim.study.load import Point, Study, load_study
-from sim.study.refine import PARTS, divided
+from sim.study.refine import PARTS, divide_range
 
 CORES = 2
 MEGABYTE = 1e6
 
-#: Most points that the line of a caveat names.
+#: Most points named in the line of a caveat.
 MOST_NAMED = 3
 
 _HEADINGS = ("id", "system", "particles", "steps", "core time", "figures", "series")
 _RIGHT = {"particles", "steps", "core time"}
 
-_NONE: Mapping[str, str] = {}
+_NOTHING_ADOPTED: Mapping[str, str] = {}
 
 
 def show(study_path: Path, results: Path, format: str) -> str:
@@ -38,36 +38,36 @@ def show(study_path: Path, results: Path, format: str) -> str:
     for warning in warnings(study, results):
         print(f"warning: {warning}", file=sys.stderr)
     points = {key: point.parameters for key, point in study.points.items()}
-    sources = Adopted(study, results / study.name).sources(points)
-    adopted = {key: held.dataset.stem for key, held in sources.items()}
+    sources = AdoptedPoints(study, results / study.name).sources(points)
+    adopted = {key: source.dataset.stem for key, source in sources.items()}
     return as_json(study, adopted) if format == "json" else as_table(study, adopted)
 
 
-def as_table(study: Study, adopted: Mapping[str, str] = _NONE) -> str:
-    """Return one aligned line per point; below, what figures leave out, caveats, and the totals.
+def as_table(study: Study, adopted: Mapping[str, str] = _NOTHING_ADOPTED) -> str:
+    """Return an aligned line per point, then plots, points that figures omit, caveats and totals.
 
-    ``adopted`` are the datasets from which points are taken, by id of the point.
-    ``steps`` and ``core time`` are over all replicates of a point.
+    ``adopted`` are the names of the datasets from which points are adopted, by id of the point.
+    ``steps`` and ``core time`` are sums over all replicates of a point.
     """
     costs = _costs(study)
     rows = [_row(point, costs[point.id]) for point in study.points.values()]
     sections = [
-        aligned(_HEADINGS, rows, _RIGHT),
-        _plots(study),
-        left_out(study),
-        _caveats(study),
+        align_table(_HEADINGS, rows, _RIGHT),
+        _plot_lines(study),
+        omission_notes(study),
+        _caveat_lines(study),
         [
-            _totals(list(costs.values())),
-            *_adopted(adopted, costs),
-            *_trajectories(list(costs.values())),
-            *([_refinement(study)] if study.rounds else []),
-            *([_decisions(study.decide.budget)] if study.decide else []),
+            _total_line(list(costs.values())),
+            *_adopted_lines(adopted, costs),
+            *_trajectory_lines(list(costs.values())),
+            *([_refinement_line(study)] if study.rounds else []),
+            *([_decision_line(study.decide.budget)] if study.decide else []),
         ],
     ]
     return "\n\n".join("\n".join(lines) for lines in sections if lines)
 
 
-def as_json(study: Study, adopted: Mapping[str, str] = _NONE) -> str:
+def as_json(study: Study, adopted: Mapping[str, str] = _NOTHING_ADOPTED) -> str:
     """Return the study, its points with all parameters, and the totals as JSON; see `as_table`."""
     costs = _costs(study)
     points = [
@@ -83,7 +83,7 @@ def as_json(study: Study, adopted: Mapping[str, str] = _NONE) -> str:
             "steps": costs[point.id].steps,
             "core_seconds": round(costs[point.id].core_seconds, 3),
             "trajectory_megabytes": round(costs[point.id].trajectory, 3),
-            "parameters": complete(point.parameters),
+            "parameters": complete_values(point.parameters),
         }
         for point in study.points.values()
     ]
@@ -99,11 +99,11 @@ def as_json(study: Study, adopted: Mapping[str, str] = _NONE) -> str:
 
 
 def warnings(study: Study, results: Path) -> Iterator[str]:
-    """Yield what would keep the study from being run here: too little memory, no place to write."""
-    here = psutil.virtual_memory().total / MEGABYTE
+    """Yield obstacles to a run of the study here: too little memory, or no permission to write."""
+    memory = psutil.virtual_memory().total / MEGABYTE
     for key, cost in _costs(study).items():
-        if cost.memory > here:
-            yield f"{key}: needs about {cost.memory:,} MB of memory, this machine has {here:,.0f}"
+        if cost.memory > memory:
+            yield f"{key}: needs about {cost.memory:,} MB of memory, this machine has {memory:,.0f}"
     try:
         require_writable(results / study.name, f"{study.path}: study")
     except InputError as error:
@@ -126,10 +126,10 @@ def _row(point: Point, cost: Estimate) -> tuple[str, ...]:
     )
 
 
-def aligned(
+def align_table(
     headings: Sequence[str], rows: Sequence[tuple[str, ...]], right: Container[str]
 ) -> list[str]:
-    """Return a table as lines; the columns whose headings are in ``right`` end together."""
+    """Return a table as lines; the columns with headings in ``right`` are right-aligned."""
     columns = list(zip(headings, *rows, strict=True))
     widths = [max(map(len, column)) for column in columns]
     lines = []
@@ -142,53 +142,53 @@ def aligned(
     return lines
 
 
-def _plots(study: Study) -> list[str]:
-    """Return a line per plot of the study's own."""
+def _plot_lines(study: Study) -> list[str]:
+    """Return a line per plot that the study file defines."""
     return [
-        f"plot {name}: {spec.title} ({counted(len(study.figures[name]), 'point')})"
+        f"plot {name}: {spec.title} ({count_text(len(study.figures[name]), 'point')})"
         for name, spec in study.plots.items()
     ]
 
 
-def _caveats(study: Study) -> list[str]:
-    """Return a line per caveat that is known before any run, with the first points it is of."""
-    found: dict[str, list[str]] = {}
+def _caveat_lines(study: Study) -> list[str]:
+    """Return a line per caveat that is known before any run, with its first points."""
+    ids_by_caveat: dict[str, list[str]] = {}
     for point in study.points.values():
         if point.parameters.caveat:
-            found.setdefault(point.parameters.caveat, []).append(point.id)
+            ids_by_caveat.setdefault(point.parameters.caveat, []).append(point.id)
     return [
-        f"caveat for {len(ids):,} of {counted(len(study.points), 'point')}: {text} "
+        f"caveat for {len(ids):,} of {count_text(len(study.points), 'point')}: {text} "
         f"({', '.join(ids[:MOST_NAMED])}"
         + (f" and {len(ids) - MOST_NAMED:,} more)" if len(ids) > MOST_NAMED else ")")
-        for text, ids in found.items()
+        for text, ids in ids_by_caveat.items()
     ]
 
 
-def _totals(costs: Sequence[Estimate]) -> str:
+def _total_line(costs: Sequence[Estimate]) -> str:
     steps = sum(cost.steps for cost in costs)
     total = sum(cost.core_seconds for cost in costs)
     longest = max(cost.core_seconds for cost in costs)
     return (
-        f"{counted(len(costs), 'point')}, {steps:,} steps, estimated core time {duration(total)}, "
-        f"on {CORES} cores {duration(max(total / CORES, longest))}; computing alone, without "
-        "compilation, Snakemake and figures"
+        f"{count_text(len(costs), 'point')}, {steps:,} steps, estimated core time "
+        f"{duration(total)}, on {CORES} cores {duration(max(total / CORES, longest))}; "
+        "computing alone, without compilation, Snakemake and figures"
     )
 
 
-def _adopted(adopted: Mapping[str, str], costs: Mapping[str, Estimate]) -> list[str]:
-    """Return the line that says how many points are adopted, and what the others take."""
+def _adopted_lines(adopted: Mapping[str, str], costs: Mapping[str, Estimate]) -> list[str]:
+    """Return a line with the number of adopted points and the core time of the others, if any."""
     if not adopted:
         return []
-    left = sum(cost.core_seconds for key, cost in costs.items() if key not in adopted)
+    seconds = sum(cost.core_seconds for key, cost in costs.items() if key not in adopted)
     names = ", ".join(sorted(set(adopted.values())))
     return [
-        f"{counted(len(adopted), 'point')} adopted from {names}, not to be run; "
-        f"core time of the others {duration(left)}"
+        f"{count_text(len(adopted), 'point')} adopted from {names}, not to be run; "
+        f"core time of the others {duration(seconds)}"
     ]
 
 
-def _trajectories(costs: Sequence[Estimate]) -> list[str]:
-    """Return the line that says what trajectories take on the disk, where there are any."""
+def _trajectory_lines(costs: Sequence[Estimate]) -> list[str]:
+    """Return a line with the disk space of trajectories, if there are any."""
     sizes = [cost.trajectory for cost in costs if cost.trajectory]
     if not sizes:
         return []
@@ -198,18 +198,24 @@ def _trajectories(costs: Sequence[Estimate]) -> list[str]:
     ]
 
 
-def _decisions(budget: float) -> str:
+def _decision_line(budget: float) -> str:
     return f"decisions ({program()} decide) may add up to {budget:g} core hours"
 
 
-def _refinement(study: Study) -> str:
-    """Say what rounds of refinement add where no run is undecided: one gap divided in each."""
+def _refinement_line(study: Study) -> str:
+    """Write what rounds of refinement add: each divides one gap per boundary.
+
+    The estimate assumes that no run is undecided.
+    """
     count, total = 0, 0.0
     for boundary in study.boundaries:
-        first = [estimate(boundary.at(value)) for value in divided(boundary.low, boundary.high)]
-        added = (PARTS - 1) * boundary.rounds
-        count += added
-        total += added * sum(cost.core_seconds for cost in first) / len(first)
+        estimates = [
+            estimate(boundary.parameters_at(value))
+            for value in divide_range(boundary.low, boundary.high)
+        ]
+        points_added = (PARTS - 1) * boundary.rounds
+        count += points_added
+        total += points_added * sum(cost.core_seconds for cost in estimates) / len(estimates)
     return (
         f"{study.rounds} rounds of refinement for {len(study.boundaries):,} boundaries: about "
         f"{count:,} further points, estimated core time {duration(total)}"

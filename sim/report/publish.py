@@ -1,4 +1,4 @@
-"""Publishing a study: a folder with all that a reader needs, small enough for a repository."""
+"""Publish a study: a folder with everything a reader needs, small enough for a repository."""
 
 import hashlib
 import json
@@ -8,27 +8,30 @@ from pathlib import Path
 
 from sim.base.errors import InputError
 from sim.base.files import require_writable
+from sim.base.seals import checked_read
 from sim.dataset.agreement import require_agreement
+from sim.dataset.boundaries import format_csv
 from sim.dataset.results import Results, load_results
-from sim.report.claims import read_claims
-from sim.report.gallery import beside
-from sim.report.integrity import require_intact
+from sim.figures.figure_records import require_unchanged
+from sim.figures.render import derive_texts
+from sim.report.claims import read_claims, require_table
+from sim.report.gallery import relative_link
 from sim.report.page import render
 from sim.report.runs import adopted_datasets
 from sim.study.extra_amounts import extra_amounts_file
 from sim.study.load import Study, load_study
 
-#: Where published studies lie, beside the results of everybody's own.
+#: Folder of the published studies, beside the results of other studies.
 PUBLISHED = Path("results/published")
 
-#: What a published study consists of besides its figures.
-NEEDED = ("dataset.nc", "claims.json", "claims.csv")
+#: Result files of a published study besides its figures.
+RESULT_FILES = ("dataset.nc", "claims.json", "claims.csv")
 
-#: What is made for it, and the checksums of all files.
-MADE = PROVENANCE, REPORT, CHECKSUMS = "provenance.json", "report.html", "SHA256SUMS"
+#: Files that are generated: provenance, report, and the checksums of all files.
+GENERATED_FILES = PROVENANCE, REPORT, CHECKSUMS = "provenance.json", "report.html", "SHA256SUMS"
 
 #: Largest size of all published studies together, bytes.
-LARGEST = 40_000_000
+MOST_BYTES = 40_000_000
 
 
 def publish(
@@ -36,11 +39,11 @@ def publish(
 ) -> Path:
     """Copy report, figures, dataset and verdicts of a study to ``<target>/<study>``.
 
-    Of figures that do not move only the pictures that scale are published. The study file and
-    those of its parts go with them, ``provenance.json``: versions, hash of the engine's sources,
-    dates and cost, and ``SHA256SUMS``, the checksums of all, for ``sha256sum --check``. The report
-    links its figures, which would be there twice otherwise. What was published of the study before
-    is replaced after all is copied.
+    Still figures are published as SVG only. The study file and the files of its parts are copied,
+    too. ``provenance.json`` has versions, hash of the engine's sources, dates and cost, and
+    ``SHA256SUMS`` has the checksums of all files, for ``sha256sum --check``. The report links its
+    figures, so that they are stored once. An earlier publication of the study is replaced after
+    everything is copied.
 
     Returns
     -------
@@ -50,24 +53,26 @@ def publish(
     Raises
     ------
     InputError
-        When something is missing, damaged or not of the study as its file is now, when something
-        else lies in the place, or when all published studies together would be too large.
+        When a file is missing, damaged or outdated, when something else occupies the target, or
+        when all published studies together would be too large.
     """
     study = load_study(study_path, results)
     folder = Path(results) / study.name
-    bought = [extra_amounts_file(folder).name] if extra_amounts_file(folder).is_file() else []
-    names = [*_published_files(study), *bought]
-    _require_there(folder, names)
+    extra_files = [extra_amounts_file(folder).name] if extra_amounts_file(folder).is_file() else []
+    names = [*_published_files(study), *extra_files]
+    _require_files(folder, names)
     _require_distinct(study.sources, names)
     output, temporary = target / study.name, target / f".{study.name}.part"
     require_writable(target, "--to")
     _require_replaceable(output, folder, target)
-    found = load_results(folder / "dataset.nc")
-    require_agreement(study, found, folder / "dataset.nc")
-    require_intact(study, found, folder)
+    dataset_results = load_results(folder / "dataset.nc")
+    require_agreement(study, dataset_results, folder / "dataset.nc")
+    require_intact(study, dataset_results, folder)
     claims = read_claims(folder / "claims.json")
-    page = render(study, found, folder / "figures", claims, beside)
-    made = json.dumps(provenance(found), indent=1, ensure_ascii=False, allow_nan=False)
+    page = render(study, dataset_results, folder / "figures", claims, relative_link)
+    provenance_text = json.dumps(
+        provenance(dataset_results), indent=1, ensure_ascii=False, allow_nan=False
+    )
     shutil.rmtree(temporary, ignore_errors=True)
     try:
         (temporary / "figures").mkdir(parents=True)
@@ -75,7 +80,7 @@ def publish(
             shutil.copyfile(folder / name, temporary / name)
         for file in study.sources:
             shutil.copyfile(file, temporary / file.name)
-        (temporary / PROVENANCE).write_text(made + "\n", encoding="utf-8")
+        (temporary / PROVENANCE).write_text(provenance_text + "\n", encoding="utf-8")
         (temporary / REPORT).write_text(page, encoding="utf-8")
         write_checksums(temporary)
         _require_small(temporary, output, target)
@@ -86,39 +91,41 @@ def publish(
 
 
 def _published_files(study: Study) -> list[str]:
-    """Return the names of the result files of a study that are published as they are."""
+    """Return the names of the result files of a study that are published unchanged."""
     figures = (
         f"figures/{name}{end}"
         for name, spec in study.entries.items()
         for end in spec.suffixes
         if spec.animated or end != ".png"
     )
-    return [*NEEDED, *(["boundaries.csv"] if study.boundaries else []), *figures]
+    return [*RESULT_FILES, *(["boundaries.csv"] if study.boundaries else []), *figures]
 
 
-def _require_there(folder: Path, names: Sequence[str]) -> None:
-    """Refuse results of a study that has not been run to its end."""
+def _require_files(folder: Path, names: Sequence[str]) -> None:
+    """Raise an error where a result file is missing: the study has not been run to its end."""
     for name in names:
         if not (folder / name).is_file():
             raise InputError(f"{folder / name}: missing; run the study to its end first")
 
 
 def _require_distinct(files: Sequence[Path], names: Sequence[str]) -> None:
-    """Refuse study files that are named like something else that is published."""
-    taken = {Path(name).parts[0] for name in (*names, *MADE, "boundaries.csv")}
+    """Raise an error where a study file has the name of another published file."""
+    published_names = {Path(name).parts[0] for name in (*names, *GENERATED_FILES, "boundaries.csv")}
     for file in files:
-        if file.name in taken:
+        if file.name in published_names:
             allowed = f"another name, as {file.name} is published of every study"
             raise InputError.of_value(file, "", file.name, allowed)
 
 
 def _require_replaceable(output: Path, folder: Path, target: Path) -> None:
-    """Refuse to put a published study in the place of results, or of anything but another one."""
-    own, place = folder.resolve(), output.resolve()
-    apart = not (place.is_relative_to(own) or own.is_relative_to(place))
-    published = not output.exists() or (output / PROVENANCE).is_file()
-    # A link would be put aside in the place of what it leads to.
-    if output.is_symlink() or not (apart and published):
+    """Raise an error where the publication would replace results or anything else but another."""
+    study_folder, destination = folder.resolve(), output.resolve()
+    is_apart = not (
+        destination.is_relative_to(study_folder) or study_folder.is_relative_to(destination)
+    )
+    is_publication = not output.exists() or (output / PROVENANCE).is_file()
+    # A link would be set aside instead of its target.
+    if output.is_symlink() or not (is_apart and is_publication):
         allowed = (
             f"a folder whose {output.name} is new or an earlier publication, not results or a link"
         )
@@ -126,7 +133,7 @@ def _require_replaceable(output: Path, folder: Path, target: Path) -> None:
 
 
 def write_checksums(folder: Path) -> None:
-    """Write the checksums of all files in a folder to a file there."""
+    """Write the checksums of all files in a folder to ``SHA256SUMS`` there."""
     files = sorted(path for path in folder.rglob("*") if path.is_file() and path.name != CHECKSUMS)
     lines = [
         f"{hashlib.sha256(path.read_bytes()).hexdigest()}  {path.relative_to(folder).as_posix()}\n"
@@ -136,30 +143,30 @@ def write_checksums(folder: Path) -> None:
 
 
 def _require_small(temporary: Path, output: Path, target: Path) -> None:
-    """Refuse a folder that makes all published studies together too large."""
+    """Raise an error where all published studies together would be too large."""
     others = [
         path
         for path in target.iterdir()
         if path.is_dir() and path != output and not path.name.startswith(".")
     ]
-    total = sum(map(size, [temporary, *others]))
-    if total > LARGEST:
-        allowed = f"at most {LARGEST / 1e6:g} MB"
+    total = sum(map(folder_size, [temporary, *others]))
+    if total > MOST_BYTES:
+        allowed = f"at most {MOST_BYTES / 1e6:g} MB"
         raise InputError.of_value(target, "", f"{total / 1e6:.1f} MB", allowed)
 
 
 def _replace(temporary: Path, output: Path) -> None:
-    """Put a folder in the place of another, which is gone only when the new one is there."""
-    aside = output.with_name(f".{output.name}.old")
-    shutil.rmtree(aside, ignore_errors=True)
+    """Replace a folder by another; the old one is removed once the new one is in place."""
+    old = output.with_name(f".{output.name}.old")
+    shutil.rmtree(old, ignore_errors=True)
     if output.exists():
-        output.replace(aside)
+        output.replace(old)
     temporary.replace(output)
-    shutil.rmtree(aside, ignore_errors=True)
+    shutil.rmtree(old, ignore_errors=True)
 
 
-def size(folder: Path) -> int:
-    """Return the size of all files in a folder, bytes."""
+def folder_size(folder: Path) -> int:
+    """Return the total size of all files in a folder, bytes."""
     return sum(path.stat().st_size for path in folder.rglob("*") if path.is_file())
 
 
@@ -182,3 +189,44 @@ def provenance(results: Results) -> dict[str, object]:
         "hash of the engine's sources": data.attrs["source_hash"],
         "libraries": data.attrs["versions"],
     }
+
+
+def require_intact(study: Study, results: Results, folder: Path) -> None:
+    """Raise an error unless figures, tables and verdicts are unchanged and match the dataset.
+
+    The data and captions of figures and the table of boundaries are derived again from the dataset,
+    which takes little time.
+
+    Raises
+    ------
+    InputError
+        Where a file is missing.
+    DamagedError
+        For the first file that differs; it is set aside.
+    """
+    require_unchanged(study.entries.values(), folder / "figures")
+    for name, spec in study.entries.items():
+        data, caption = derive_texts(spec, results)
+        _require_text(folder / f"figures/{name}.csv", data, "table of a figure")
+        _require_text(folder / f"figures/{name}.caption.txt", caption, "caption")
+    if study.boundaries:
+        _require_text(folder / "boundaries.csv", format_csv(study, results.boundaries), "table")
+    require_table(folder)
+    _require_points(folder / "claims.json", set(results.dataset["point"].values.tolist()))
+
+
+def _require_text(path: Path, expected: str, kind: str) -> None:
+    with checked_read(path, kind, replaceable=True):
+        if path.read_text(encoding="utf-8") != expected:
+            raise ValueError("not what the dataset gives")
+
+
+def _require_points(path: Path, points: set[str]) -> None:
+    """Raise an error where verdicts rest on points that the dataset lacks."""
+    variants = [variant for claim in read_claims(path) for variant in claim["variants"]]
+    judged = {
+        point for variant in variants for check in variant["checks"] for point in check["points"]
+    }
+    with checked_read(path, "table of verdicts", replaceable=True):
+        if not points.issuperset(judged):
+            raise ValueError("verdicts on points that the dataset has not")

@@ -1,4 +1,4 @@
-"""The page of a run: what it is, what came out, its pictures, its log, how to run it alone."""
+"""The page of a run: parameters, results, pictures, log, and how to run it alone."""
 
 import base64
 import hashlib
@@ -13,22 +13,22 @@ from typing import Any
 import numpy as np
 
 from sim.base.errors import InputError
-from sim.base.files import read_regular, read_seal, replacing, require_writable
+from sim.base.files import atomic_write, read_regular, require_writable
+from sim.base.seals import read_seal
 from sim.dataset.run_file import RunFile
-from sim.engine.stored_run import opened, parameters_of
-from sim.parameters import Parameters, as_yaml, complete, default_of, field_info
+from sim.engine.stored_run import open_run_file, parameters_of
+from sim.parameters import Parameters, as_yaml, complete_values, default_of, field_info
 from sim.parameters.words import setting
-from sim.report.numbers import measured
-from sim.report.templating import template
+from sim.report.numbers import template, value_with_interval
 
-#: Last lines of a log that are shown.
-LINES = 40
+#: Number of lines shown from the end of a log.
+LOG_LINES = 40
 
-#: How pages begin.
+#: Pattern of the first line of a page: a hash of the run and of the code.
 _MARK = rb"<!-- [0-9a-f]{64} -->\n"
 
-#: Attributes of a run that say what made it.
-_MADE = ("created", "engine_version", "machine")
+#: Attributes of a run on its origin.
+_PROVENANCE = ("created", "engine_version", "machine")
 
 
 def write_pages(
@@ -45,16 +45,16 @@ def write_pages(
     report : str
         Address of the report of the study, for a link on each page.
     code : str
-        Stands for the code that makes pages. With it, those are left as they are that it has made
-        of the same run.
+        Hash of the code that makes pages. If given, pages that this code made from the same run are
+        left unchanged.
     processes : int
-        How many are made side by side.
+        Number of processes.
 
     Raises
     ------
     InputError
-        When the folder cannot be written, something else has the name of a page, two runs have one
-        name, or a run file is missing or damaged.
+        When the folder cannot be written, another file has the name of a page, two runs have the
+        same name, or a run file is missing or damaged.
     """
     names = [path.stem for path in paths]
     for path in paths:
@@ -72,13 +72,13 @@ def write_pages(
 
 def _write(path: Path, folder: Path, report: str, code: str) -> None:
     output = folder / f"{path.stem}.html"
-    with opened(path) as file:
+    with open_run_file(path) as file:
         mark = f"<!-- {hashlib.sha256(f'{code} {read_seal(path)}'.encode()).hexdigest()} -->\n"
         if code and _begins_with(output, mark.encode()):
             return
         parameters = parameters_of(file, path)
-        page = _page(RunFile(file), parameters, _log_of(path), report)
-    with replacing(output) as temporary:
+        page = _page(RunFile(file), parameters, _log_end(path), report)
+    with atomic_write(output) as temporary:
         temporary.write_text(mark + page, encoding="utf-8")
 
 
@@ -89,76 +89,81 @@ def _begins_with(path: Path, mark: bytes) -> bool:
         return False
 
 
-def _log_of(path: Path) -> str:
-    """Return the end of the log of a run of a study, empty where there is none."""
+def _log_end(path: Path) -> str:
+    """Return the last lines of the log of a run of a study; empty without a log."""
     log = path.absolute().parent.with_name("logs") / "runs" / f"{path.stem}.log"
     try:
         lines = read_regular(log).decode("utf-8", "replace").splitlines()
     except OSError:
         return ""
-    return "\n".join(lines[-LINES:])
+    return "\n".join(lines[-LOG_LINES:])
 
 
 def _page(run: RunFile, parameters: Parameters, log: str, report: str) -> str:
-    # A second, which those do without whose pages are there.
+    # This import takes a second, which is saved where all pages are up to date.
     from sim.figures.run import pictures
     from sim.figures.run_particles import animation
 
-    drawn = {
-        title: _address("image/svg+xml", svg.encode())
+    images = {
+        title: _data_uri("image/svg+xml", svg.encode())
         for title, svg in pictures(run, parameters).items()
     }
-    moving = animation(run, parameters)
+    movie = animation(run, parameters)
     attributes = run.attrs
     return template("run.html.j2").render(
         point=attributes["point_id"],
         system=parameters.system,
-        said=said(parameters),
+        unusual=unusual_parameters(parameters),
         status=attributes["status"],
         reason=attributes["reason"],
         caveat=attributes.get("caveat", ""),
         particles=parameters.particles,
         replicates=_replicates(run),
-        pictures=drawn,
-        animation=_address("image/webp", moving) if moving else "",
+        pictures=images,
+        animation=_data_uri("image/webp", movie) if movie else "",
         parameters=_parameters(parameters),
         point_file=as_yaml(parameters),
         log=log,
         report=report,
-        made={name: attributes[name] for name in _MADE if name in attributes},
+        origin={name: attributes[name] for name in _PROVENANCE if name in attributes},
     )
 
 
-def _address(kind: str, content: bytes) -> str:
+def _data_uri(kind: str, content: bytes) -> str:
     return f"data:{kind};base64,{base64.b64encode(content).decode('ascii')}"
 
 
-def said(parameters: Parameters) -> str:
-    """Return the parameters of a point that differ from the paper's, in words."""
-    values = complete(parameters)
-    unusual = [
+def unusual_parameters(parameters: Parameters) -> str:
+    """Write the parameters of a point that differ from the paper's."""
+    values = complete_values(parameters)
+    texts = [
         setting(parameters.system, name, value)
         for name, value in values.items()
         if name != "system" and value != default_of(type(parameters), name, values)
     ]
-    return ", ".join(unusual) or "all as in the paper"
+    return ", ".join(texts) or "all as in the paper"
 
 
 def _replicates(run: RunFile) -> list[dict[str, Any]]:
-    """Return a row per replicate: what it came to."""
+    """Return a row per replicate with its results."""
     rows = []
     for number, status in enumerate(np.asarray(run["status"])):
-        held = {
+        texts = {
             name: np.asarray(run[name])[number]
             for name in ("regime", "quality", "stopped", "reason")
         }
         values = (float(run[name][number]) for name in ("velocity", "velocity_half_width"))
         rows.append(
-            {name: str(value) for name, value in held.items()}
+            {name: str(value) for name, value in texts.items()}
             | {
                 "number": number,
                 "status": str(status),
-                "velocity": measured(*(one if np.isfinite(one) else None for one in values)),
+                "velocity": value_with_interval(
+                    *(
+                        number_or_nan if np.isfinite(number_or_nan) else None
+                        for number_or_nan in values
+                    )
+                ),
                 "overlap": float(run["max_overlap"][number]),
                 "residual": float(run["energy_residual"][number]),
                 "samples": float(run["independent_samples"][number]),
@@ -170,7 +175,7 @@ def _replicates(run: RunFile) -> list[dict[str, Any]]:
 
 def _parameters(parameters: Parameters) -> list[dict[str, Any]]:
     """Return a row per parameter: its value, unit and meaning, and whether it is the paper's."""
-    values = complete(parameters)
+    values = complete_values(parameters)
     return [
         {
             "name": name,

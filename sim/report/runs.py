@@ -1,29 +1,41 @@
-"""Rows of the tables of runs, boundaries and parameters."""
+"""Rows of the tables of runs, boundaries and parameters, and counts of the points by result."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import pandas as pd
 import xarray as xr
 
+from sim.dataset.caveats import UNSOUND_SHARE
 from sim.dataset.replicates import outcomes
 from sim.dataset.results import Results
 from sim.parameters import SYSTEMS, Parameters, default_of, field_info
-from sim.parameters.roles import amounts
+from sim.parameters.roles import amount_parameters
 from sim.parameters.words import setting
-from sim.report.numbers import finite, measured
+from sim.report.numbers import finite_or_none, value_with_interval
 from sim.study.load import Study
 
 #: Most columns of parameters in the table of points.
 MOST_VARIED = 6
 
+#: Regimes of points whose runs are too short to decide, or contradict each other.
+OPEN_REGIMES = ("undetermined", "mixed")
+
+#: The parameter that makes time steps shorter, by system.
+SHORTER_STEPS = {
+    "chute": "steps_per_collision",
+    "belt": "steps_per_cycle",
+    "conveyor": "steps_per_collision",
+}
+
 
 def run_rows(dataset: xr.Dataset, caveats: Sequence[str]) -> list[dict[str, Any]]:
-    """Return one row per point: how long it ran, what came out, what it took.
+    """Return one row per point: length of its runs, results and cost.
 
-    ``number`` counts the points from 1, ``caveat`` the texts in ``caveats``; 0 without one.
-    ``start`` (s, mean over replicates) is where averaging begins, ``samples`` are all independent
-    ones behind the mean velocity; NaN where not known.
+    ``number`` counts the points from 1. ``caveat`` is the number of its text in ``caveats``, from
+    1, or 0 without one. ``start`` (s) is the time at which averaging begins, mean over replicates.
+    ``samples`` is the number of independent samples behind the mean velocity. Unknown numbers are
+    NaN.
     """
     rows = []
     table = {
@@ -34,31 +46,33 @@ def run_rows(dataset: xr.Dataset, caveats: Sequence[str]) -> list[dict[str, Any]
         "missing_energy": dataset["missing_energy"].max("replicate").values,
         "samples": dataset["independent_samples"].sum("replicate", min_count=1).values,
     }
-    held = {
+    columns = {
         name: dataset[name].values
         for name in ("point", "system", "protocol", "series", "replicates", "caveat")
     }
-    for index, found in enumerate(outcomes(dataset)):
-        caveat = str(held["caveat"][index])
+    for index, outcome in enumerate(outcomes(dataset)):
+        caveat = str(columns["caveat"][index])
         rows.append(
             {
                 "number": index + 1,
-                "point": str(held["point"][index]),
-                "system": str(held["system"][index]),
-                "protocol": str(held["protocol"][index]),
-                "series": str(held["series"][index]).split(),
-                "replicates": int(held["replicates"][index]),
+                "point": str(columns["point"][index]),
+                "system": str(columns["system"][index]),
+                "protocol": str(columns["protocol"][index]),
+                "series": str(columns["series"][index]).split(),
+                "replicates": int(columns["replicates"][index]),
                 **{name: values[index].item() for name, values in table.items()},
                 "caveat": caveats.index(caveat) + 1 if caveat else 0,
-                "measured": measured(*map(finite, (found["velocity"], found["half_width"]))),
-                **found,
+                "measured": value_with_interval(
+                    *map(finite_or_none, (outcome["velocity"], outcome["half_width"]))
+                ),
+                **outcome,
             }
         )
     return rows
 
 
 def adopted_datasets(results: Results) -> list[dict[str, Any]]:
-    """Return one row per adopted dataset: its name, how many points are from it, when they ran."""
+    """Return one row per adopted dataset: name, number of its points, and when they ran."""
     created: dict[str, list[str]] = {}
     for dataset, when in results.adopted.values():
         created.setdefault(dataset, []).append(when)
@@ -68,9 +82,9 @@ def adopted_datasets(results: Results) -> list[dict[str, Any]]:
     ]
 
 
-def boundary_rows(study: Study, found: pd.DataFrame) -> list[dict[str, Any]]:
-    """Return one row per boundary for the table of boundaries, its place in the grid in words."""
-    rows = found.to_dict("records")
+def boundary_rows(study: Study, boundaries: pd.DataFrame) -> list[dict[str, Any]]:
+    """Return one row per boundary for the table of boundaries, its position in the grid as text."""
+    rows = boundaries.to_dict("records")
     for row, boundary in zip(rows, study.boundaries, strict=True):
         row["at"] = "; ".join(
             setting(row["system"], name, value) for name, value in boundary.grid.items()
@@ -81,26 +95,38 @@ def boundary_rows(study: Study, found: pd.DataFrame) -> list[dict[str, Any]]:
 
 
 def varied_columns(dataset: xr.Dataset) -> list[dict[str, Any]]:
-    """Return columns for the table of points: parameters that vary and follow from no others.
+    """Return columns for the table of points: parameters that vary independently of others.
 
-    Lengths of runs are left out. ``texts`` are the values, one per point, empty where a point's
-    system has no such parameter.
+    Amounts are left out. ``texts`` are the values, one per point, empty where the system of a point
+    has no such parameter.
     """
     columns: dict[str, dict[str, Any]] = {}
     for system, model in SYSTEMS.items():
-        own = (dataset["system"] == system).values.nonzero()[0]
-        known = {name: dataset[name].values for name in model.model_fields if name in dataset}
-        rows = [{name: held[index] for name, held in known.items()} for index in own]
-        for name in known:
+        indices = (dataset["system"] == system).values.nonzero()[0]
+        values_by_name = {
+            name: dataset[name].values for name in model.model_fields if name in dataset
+        }
+        rows = [
+            {name: values[index] for name, values in values_by_name.items()} for index in indices
+        ]
+        for name in values_by_name:
             usual = (row[name] == default_of(model, name, row) for row in rows)
-            if name in amounts(model) or len({row[name] for row in rows}) < 2 or all(usual):
+            if (
+                name in amount_parameters(model)
+                or len({row[name] for row in rows}) < 2
+                or all(usual)
+            ):
                 continue
-            declared, is_number = field_info(model)[name], known[name].dtype.kind == "f"
+            declared, is_number = field_info(model)[name], values_by_name[name].dtype.kind == "f"
             unit = declared.scale or _unit_text(declared.unit)
             heading = f"{declared.symbol or name} ({unit})" if unit else declared.symbol or name
-            empty = {"heading": heading, "number": is_number, "texts": [""] * len(known[name])}
-            column = columns.setdefault(name, empty)
-            for index, row in zip(own, rows, strict=True):
+            new_column = {
+                "heading": heading,
+                "number": is_number,
+                "texts": [""] * len(values_by_name[name]),
+            }
+            column = columns.setdefault(name, new_column)
+            for index, row in zip(indices, rows, strict=True):
                 column["texts"][index] = f"{row[name]:.6g}" if is_number else str(row[name])
     return list(columns.values())[:MOST_VARIED]
 
@@ -130,8 +156,49 @@ def _unit_text(unit: str) -> str:
 
 
 def _values(values: Sequence[Any], model: type[Parameters], name: str) -> str:
-    """List distinct values in order, numbers with up to six digits, and what is true or false."""
+    """List distinct values in order: numbers with up to six digits, Booleans as true or false."""
     distinct = sorted(set(values))
     if model.model_fields[name].annotation is bool:
         return ", ".join("true" if value else "false" for value in distinct)
     return ", ".join(f"{v:.6g}" if isinstance(v, float) else str(v) for v in distinct)
+
+
+def state_of(runs: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+    """Return counts of the points of a study by result, and advice.
+
+    Parameters
+    ----------
+    runs : sequence of mapping
+        The table of runs, as `sim.report.runs.run_rows` returns it.
+
+    Returns
+    -------
+    dict
+        Numbers of ``points``: all, ``completed`` with at least one replicate, ``failed``,
+        ``undetermined`` (or with replicates that contradict each other), and ``unsound``, whose
+        energies do not add up. ``worst`` is the row of the worst unsound point, and ``advice`` the
+        parameter that improves it. ``longer`` are the amounts that make runs of undetermined points
+        longer, and ``drifting`` is the number of these points that drift.
+    """
+    undetermined = [run for run in runs if run["regime"] in OPEN_REGIMES]
+    unsound = [run for run in runs if run["missing_energy"] > UNSOUND_SHARE]
+    worst = max(unsound, key=lambda run: run["missing_energy"], default=None)
+    failed = sum(run["regime"] == "failed" for run in runs)
+    return {
+        "points": len(runs),
+        "completed": len(runs) - failed,
+        "failed": failed,
+        "undetermined": len(undetermined),
+        "longer": sorted({_amount_to_raise(run) for run in undetermined}),
+        "drifting": sum(run["quality"] == "drifting" for run in undetermined),
+        "unsound": len(unsound),
+        "worst": worst,
+        "advice": SHORTER_STEPS[worst["system"]] if worst else "",
+    }
+
+
+def _amount_to_raise(run: Mapping[str, Any]) -> str:
+    """Return the amount that makes the runs of a point longer, so that stored runs are kept."""
+    if run["protocol"] == "published":
+        return "average"
+    return "limit" if "limit" in run["stopped"] else "target"

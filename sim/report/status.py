@@ -1,4 +1,4 @@
-"""How far a study is: the state of every point, from what lies in its folder of results."""
+"""The progress of a study: the state of every point, from the files in its folder of results."""
 
 import re
 import socket
@@ -11,14 +11,14 @@ from pathlib import Path
 import numpy as np
 import psutil
 
-from sim.base.damage import UNREADABLE
-from sim.dataset.adopted import Adopted, Held
+from sim.base.seals import UNREADABLE
+from sim.dataset.adopted import AdoptedPoint, AdoptedPoints
 from sim.dataset.caveats import caveat_of_run
 from sim.dataset.rounds import known_points, round_files
-from sim.dataset.summary import summary_of
+from sim.dataset.run_file import summary_of
 from sim.engine.identity import NUMERICS, numerics_of
 from sim.engine.progress import CREDIT, Progress, may_end_early, progress_file, read_progress
-from sim.engine.stored_run import holds
+from sim.engine.stored_run import has_enough
 from sim.parameters import Parameters, amounts
 from sim.study.cost import PROCESS_TIME, estimate
 from sim.study.extra_amounts import ExtraAmounts, read_extra_amounts, with_extra_amounts
@@ -26,21 +26,20 @@ from sim.study.load import Study
 
 STATES = ("done", "failed", "adopted", "running", "interrupted", "waiting")
 
-#: Those that a point comes to.
-ENDED = STATES[:3]
+#: States in which a point has ended.
+ENDED_STATES = STATES[:3]
 
-#: Names of run files, and of states and progress files, of which a point that was stopped midway
-#: may have nothing else.
+#: Names of run files, states and progress files; a point stopped midway may have only the latter.
 RUN_FILES = re.compile(r"([^.].*)\.nc|\.([^.].*)\.nc\.(?:state|progress)")
 
-#: Seconds by which the start of a process may seem later than it was: the kernel tells the time of
-#: its own start in whole seconds.
+#: Seconds by which the start of a process may seem later than it was: the kernel gives its boot
+#: time in whole seconds.
 START_ERROR = 2.0
 
 
 @dataclass(frozen=True)
 class PointStatus:
-    """How far one point is.
+    """The progress of one point.
 
     Attributes
     ----------
@@ -51,13 +50,13 @@ class PointStatus:
     reason : str
         Why it failed.
     progress : Progress or None
-        What its run said last, while it is running or interrupted.
+        Last progress report of its run, while it is running or interrupted.
     core_seconds : float
-        What its run took, wherever it was made: of a point that is done, failed or adopted.
+        Core time (s) of the run of a point that is done, failed or adopted, wherever it was made.
     outdated : bool
         Whether other numerics made its run file.
     caveat : str
-        What to know before trusting it, empty if nothing.
+        Its caveat, empty if there is none.
     """
 
     state: str
@@ -71,20 +70,20 @@ class PointStatus:
 
 @dataclass(frozen=True)
 class Budget:
-    """What rounds of decisions may add and have added, both in core hours."""
+    """Core hours that rounds of decisions may add in total, and core hours spent."""
 
     hours: float
     spent: float
 
     @property
-    def left(self) -> float:
+    def hours_left(self) -> float:
         """Core hours that they may still add."""
         return max(0.0, self.hours - self.spent)
 
 
 @dataclass(frozen=True)
 class StudyStatus:
-    """How far a study is.
+    """The progress of a study.
 
     Attributes
     ----------
@@ -93,18 +92,18 @@ class StudyStatus:
     points : dict
         `PointStatus` by id, in the order of the study.
     core_seconds_left : float
-        Estimate for all that is not done, failed or adopted, on one core.
+        Estimate for all points that are not done, failed or adopted, on one core.
     longest_left : float
-        Longest time (s) that one of those points still takes on its own threads.
+        Longest time (s) that one of those points still needs on its own threads.
     at_most : bool
-        Whether these times are bounds, because runs may end before their total.
+        Whether these times are upper bounds, because runs may end early.
     rounds_left : int
-        Rounds of refinement whose points are not known yet, and in none of these times.
+        Rounds of refinement whose points are not known yet; these times do not include them.
     orphans : tuple of str
-        Points no longer in the study that have run files, or states of a run that was stopped. None
-        as long as rounds are to come, which may ask for any.
+        Points no longer in the study that have run files, or states of a stopped run. Empty while
+        rounds are to come, as these may need any of them.
     budget : Budget, optional
-        That of a study that decides something.
+        The budget of a study with a ``decide`` section.
     """
 
     name: str
@@ -120,8 +119,8 @@ class StudyStatus:
     @property
     def counts(self) -> dict[str, int]:
         """Number of points in each of `STATES`."""
-        found = [point.state for point in self.points.values()]
-        return {state: found.count(state) for state in STATES}
+        states = [point.state for point in self.points.values()]
+        return {state: states.count(state) for state in STATES}
 
     @property
     def caveats(self) -> int:
@@ -131,8 +130,8 @@ class StudyStatus:
     @property
     def is_over(self) -> bool:
         """Whether every point, those of rounds included, is done, failed or adopted."""
-        ended = all(point.state in ENDED for point in self.points.values())
-        return ended and not self.rounds_left
+        has_ended = all(point.state in ENDED_STATES for point in self.points.values())
+        return has_ended and not self.rounds_left
 
     @property
     def cores(self) -> int:
@@ -141,19 +140,19 @@ class StudyStatus:
 
     @property
     def core_seconds(self) -> float:
-        """What the points that are done, failed or adopted took, on one core."""
+        """Core time (s) of the points that are done, failed or adopted."""
         return sum(point.core_seconds for point in self.points.values())
 
     @property
-    def left(self) -> float | None:
-        """Estimated seconds to the end on as many cores as are used now; none while none is."""
+    def seconds_left(self) -> float | None:
+        """Estimated seconds to the end on the cores that are used now; None while none is used."""
         if self.is_over:
             return 0.0
         return max(self.core_seconds_left / self.cores, self.longest_left) if self.cores else None
 
 
 def survey(study: Study, results: str | Path = "results") -> StudyStatus:
-    """Look how far a study is. A study that has not been started has all its points waiting.
+    """Return the progress of a study; before its start, all points are waiting.
 
     Parameters
     ----------
@@ -171,113 +170,122 @@ def survey(study: Study, results: str | Path = "results") -> StudyStatus:
     extra = read_extra_amounts(folder) if study.decide else ExtraAmounts()
     study = replace(study, points=with_extra_amounts(study.points, extra))
     parameters = known_points(study, folder)
-    adopted = Adopted(study, folder).sources(parameters)
+    adopted = AdoptedPoints(study, folder).sources(parameters)
     runs = folder / "runs"
     try:
         present = {path.name for path in runs.iterdir()}
     except OSError:
         present = set()
     points = {
-        key: _look(key, value, runs, present, adopted.get(key)) for key, value in parameters.items()
+        key: _point_status(key, value, runs, present, adopted.get(key))
+        for key, value in parameters.items()
     }
     to_come = study.rounds - len(round_files(study, folder))
-    there = {found[1] or found[2] for name in present if (found := RUN_FILES.fullmatch(name))}
-    orphans = () if to_come else tuple(sorted(there - points.keys()))
-    left = _left(points, parameters)
+    stored = {match[1] or match[2] for name in present if (match := RUN_FILES.fullmatch(name))}
+    orphans = () if to_come else tuple(sorted(stored - points.keys()))
+    time_left = _time_left(points, parameters)
     budget = _budget(study.decide.budget, points, extra) if study.decide else None
-    return StudyStatus(study.name, study.title, points, *left, to_come, orphans, budget)
+    return StudyStatus(study.name, study.title, points, *time_left, to_come, orphans, budget)
 
 
 def _budget(hours: float, points: Mapping[str, PointStatus], extra: ExtraAmounts) -> Budget:
-    taken = sum(point.core_seconds for point in points.values()) / 3600
-    return Budget(hours, max(0.0, taken - extra.before) if extra.amounts else 0.0)
+    spent = sum(point.core_seconds for point in points.values()) / 3600
+    return Budget(hours, max(0.0, spent - extra.before) if extra.amounts else 0.0)
 
 
-def _look(
-    key: str, parameters: Parameters, runs: Path, present: set[str], adopted: Held | None
+def _point_status(
+    key: str, parameters: Parameters, runs: Path, present: set[str], adopted: AdoptedPoint | None
 ) -> PointStatus:
-    """Find the state of one point. A run that goes on counts more than an earlier one's file."""
+    """Return the status of one point; a running run takes precedence over an earlier run file."""
     threads = parameters.cores
     path = runs / f"{key}.nc"
-    said = read_progress(path) if progress_file(path).name in present else None
-    if said and said.point != key:
-        said = None
-    if said and _goes_on(said):
-        return PointStatus("running", threads, progress=said)
+    progress = read_progress(path) if progress_file(path).name in present else None
+    if progress and progress.point != key:
+        progress = None
+    if progress and _is_running(progress):
+        return PointStatus("running", threads, progress=progress)
     if adopted:
-        took = float(np.nansum(adopted.scalars_of(parameters)["wall_time"])) * threads
-        return PointStatus("adopted", threads, core_seconds=took, caveat=adopted.caveat)
+        core_seconds = float(np.nansum(adopted.wanted_scalars(parameters)["wall_time"])) * threads
+        return PointStatus("adopted", threads, core_seconds=core_seconds, caveat=adopted.caveat)
     if path.name in present:
         try:
-            return _finished(path, path.stat().st_mtime_ns, parameters)
+            return _read_ended(path, path.stat().st_mtime_ns, parameters)
         except FileNotFoundError:
-            # Damaged, it has been set aside in between.
+            # A damaged file has been set aside in the meantime.
             pass
-    return PointStatus("interrupted" if said else "waiting", threads, progress=said)
+    return PointStatus("interrupted" if progress else "waiting", threads, progress=progress)
 
 
-def _goes_on(said: Progress) -> bool:
-    """Return whether the process that wrote a progress file still lives, as far as one can see."""
-    if said.host != socket.gethostname():
-        return said.updated - timedelta(seconds=CREDIT) <= datetime.now(UTC) <= said.expires
+def _is_running(progress: Progress) -> bool:
+    """Return whether the process that wrote a progress file is alive, as far as is visible here."""
+    if progress.host != socket.gethostname():
+        return progress.updated - timedelta(seconds=CREDIT) <= datetime.now(UTC) <= progress.expires
     try:
-        process = psutil.Process(said.pid)
-        # A process that started after the last word of the run has got its number.
-        is_older = process.create_time() <= said.updated.timestamp() + START_ERROR
+        process = psutil.Process(progress.pid)
+        # A process that started after the last report has reused the process id.
+        is_older = process.create_time() <= progress.updated.timestamp() + START_ERROR
         return is_older and process.status() != psutil.STATUS_ZOMBIE
     except psutil.Error:
         return False
 
 
 @cache
-def _finished(path: Path, changed: int, parameters: Parameters) -> PointStatus:
-    """Read from its file how the run of a point ended.
+def _read_ended(path: Path, changed: int, parameters: Parameters) -> PointStatus:
+    """Return the status of a point from its run file.
 
-    ``changed`` (ns) tells one file of a name from the next, so that a watch opens each file once.
+    ``changed`` (ns) is the time of the file. It is part of the cache key, so that each version of a
+    file is opened once.
     """
     threads = parameters.cores
     try:
         run = summary_of(path, amounts(parameters))
-        held, caveat = run.attrs, caveat_of_run(run, parameters)
-        wall_time = float(held.get("wall_time", 0.0))
+        attributes, caveat = run.attrs, caveat_of_run(run, parameters)
+        wall_time = float(attributes.get("wall_time", 0.0))
     except FileNotFoundError:
         raise
     except UNREADABLE:
-        held = {}
-    if held.get("point_id") != path.stem or held.get("status") not in ("completed", "failed"):
+        attributes = {}
+    if attributes.get("point_id") != path.stem or attributes.get("status") not in (
+        "completed",
+        "failed",
+    ):
         reason = f"{path}: not the run file of this point; delete it and rerun"
         return PointStatus("failed", threads, reason)
-    outdated = numerics_of(held) != NUMERICS
-    if not outdated and not holds(path, parameters):
-        # It is to grow.
+    outdated = numerics_of(attributes) != NUMERICS
+    if not outdated and not has_enough(path, parameters):
+        # The run must still grow.
         return PointStatus("waiting", threads)
     return PointStatus(
-        "done" if held["status"] == "completed" else "failed",
+        "done" if attributes["status"] == "completed" else "failed",
         threads,
-        reason=str(held.get("reason", "")),
+        reason=str(attributes.get("reason", "")),
         core_seconds=max(0.0, wall_time) * threads,
         outdated=outdated,
         caveat=caveat,
     )
 
 
-def _left(
+def _time_left(
     points: Mapping[str, PointStatus], parameters: Mapping[str, Parameters]
 ) -> tuple[float, float, bool]:
     """Return `core_seconds_left`, `longest_left` and `at_most` of a study."""
     factors = _factors(points, parameters)
     total, longest, at_most = 0.0, 0.0, False
     for key, point in points.items():
-        if point.state in ENDED:
+        if point.state in ENDED_STATES:
             continue
         values = parameters[key]
-        known = point.progress.left if point.progress and point.state == "running" else None
-        if known is None:
+        seconds_left = (
+            point.progress.remaining_seconds
+            if point.progress and point.state == "running"
+            else None
+        )
+        if seconds_left is None:
             factor = factors.get(_kind(values))
-            core_seconds = PROCESS_TIME + _computing(values) * (factor or 1.0)
+            core_seconds = PROCESS_TIME + _computing_seconds(values) * (factor or 1.0)
             is_bound = factor is None
         else:
-            core_seconds, is_bound = known * point.threads, True
+            core_seconds, is_bound = seconds_left * point.threads, True
         total += core_seconds
         longest = max(longest, core_seconds / point.threads)
         at_most |= is_bound and may_end_early(values)
@@ -287,25 +295,25 @@ def _left(
 def _factors(
     points: Mapping[str, PointStatus], parameters: Mapping[str, Parameters]
 ) -> dict[tuple[str, bool], float]:
-    """Return by kind how many times as long as estimated the points took that are done."""
-    took: dict[tuple[str, bool], float] = {}
+    """Return by kind the ratio of measured to estimated time, over the points that are done."""
+    measured: dict[tuple[str, bool], float] = {}
     estimated: dict[tuple[str, bool], float] = {}
     for key, point in points.items():
         if point.state == "done" and point.core_seconds > 0:
-            kind, computing = _kind(parameters[key]), _computing(parameters[key])
-            took[kind] = took.get(kind, 0.0) + point.core_seconds
+            kind, computing = _kind(parameters[key]), _computing_seconds(parameters[key])
+            measured[kind] = measured.get(kind, 0.0) + point.core_seconds
             estimated[kind] = estimated.get(kind, 0.0) + computing
-    return {kind: took[kind] / estimated[kind] for kind in took}
+    return {kind: measured[kind] / estimated[kind] for kind in measured}
 
 
 def _kind(parameters: Parameters) -> tuple[str, bool]:
-    """Return which points tell how long this one takes: those that end early do so alone."""
+    """Return the kind of a point: points of one kind share the ratio in `_factors`."""
     return parameters.system, may_end_early(parameters)
 
 
-def _computing(parameters: Parameters) -> float:
+def _computing_seconds(parameters: Parameters) -> float:
     """Return the estimated core seconds of a run without the start of its process.
 
-    That is what a run file tells of.
+    The times in run files exclude that start, too.
     """
     return estimate(parameters).core_seconds - PROCESS_TIME

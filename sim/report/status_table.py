@@ -1,4 +1,4 @@
-"""How far a study is, as a screenful to read and as JSON for other programs."""
+"""The progress of a study, as text for a screen and as JSON."""
 
 import json
 import shutil
@@ -9,12 +9,12 @@ from pathlib import Path
 from typing import Any
 
 from sim.base.errors import InputError
-from sim.base.words import counted, duration, printable
-from sim.report.points import aligned
-from sim.report.status import ENDED, PointStatus, StudyStatus, survey
+from sim.base.words import count_text, duration, printable
+from sim.report.points import align_table
+from sim.report.status import ENDED_STATES, PointStatus, StudyStatus, survey
 from sim.study.load import DEFAULT_STUDY, load_study
 
-#: What makes a terminal start a new screen, and the seconds of a day.
+#: Control sequence that clears a terminal, and seconds of a day.
 CLEAR = "\x1b[H\x1b[2J"
 DAY = 86_400
 
@@ -22,20 +22,20 @@ DAY = 86_400
 MOST_STARTED = 8
 MOST_FAILED = 5
 
-_STARTED = ("point", "state", "done", "rate", "elapsed", "time left")
+_HEADINGS = ("point", "state", "done", "rate", "elapsed", "time left")
 _RIGHT = {"done", "rate", "elapsed", "time left"}
 
-#: Characters of a point's hash with its hyphen, which a shortened name keeps.
+#: Length of the hash of a point with its hyphen, which shortened names keep.
 _HASH = 9
 
 
 def show(study_path: Path | None, results: Path, format: str, watch: float | None) -> None:
-    """Print how far a study is, as ``text`` or ``json``; every ``watch`` seconds until it is over.
+    """Print the progress of a study as ``text`` or ``json``; every ``watch`` seconds until its end.
 
     Raises
     ------
     InputError
-        When ``watch`` is no time to wait, or ``results`` no folder.
+        When ``watch`` is out of range, or ``results`` is not a folder.
     """
     if watch is not None and not 1 <= watch <= DAY:
         raise InputError.of_value("--watch", "", watch, f"a number in [1, {DAY}]")
@@ -54,24 +54,24 @@ def show(study_path: Path | None, results: Path, format: str, watch: float | Non
 
 
 def as_text(status: StudyStatus, width: int | None = None) -> str:
-    """Return the counts, what runs, what failed and the time left.
+    """Return counts, running and failed points, and the time left as text.
 
     Parameters
     ----------
     status : StudyStatus
-        What to show.
+        The progress of the study.
     width : int, optional
-        Columns of the screen; names and reasons are shortened to fit. Whole when omitted.
+        Columns of the screen, to which names and reasons are shortened. If omitted, they are whole.
     """
     counts = ", ".join(f"{count:,} {state}" for state, count in status.counts.items() if count)
     if status.caveats:
         counts += f"; {status.caveats:,} with a caveat"
     name = f"{status.name}: {status.title}" if status.title else status.name
     sections = [
-        [name, f"{counted(len(status.points), 'point')}: {counts}"],
-        _started(status, width),
-        _failed(status, width),
-        _closing(status),
+        [name, f"{count_text(len(status.points), 'point')}: {counts}"],
+        _started_lines(status, width),
+        _failed_lines(status, width),
+        _closing_lines(status),
     ]
     return "\n\n".join("\n".join(lines) for lines in sections if lines)
 
@@ -83,11 +83,11 @@ def as_json(status: StudyStatus) -> str:
         "title": status.title,
         "counts": status.counts,
         "caveats": status.caveats,
-        "points": [_point(key, point) for key, point in status.points.items()],
+        "points": [_point_entry(key, point) for key, point in status.points.items()],
         "cores": status.cores,
         "core_seconds": round(status.core_seconds, 3),
         "core_seconds_left": round(status.core_seconds_left, 3),
-        "seconds_left": _rounded(status.left),
+        "seconds_left": _round_seconds(status.seconds_left),
         "at_most": status.at_most,
         "rounds_left": status.rounds_left,
         "orphans": list(status.orphans),
@@ -96,7 +96,7 @@ def as_json(status: StudyStatus) -> str:
     return json.dumps(document, indent=2, ensure_ascii=False)
 
 
-def _started(status: StudyStatus, width: int | None) -> list[str]:
+def _started_lines(status: StudyStatus, width: int | None) -> list[str]:
     """Return a line per point that is running or was interrupted, running ones first."""
     started = [
         (key, point)
@@ -108,26 +108,28 @@ def _started(status: StudyStatus, width: int | None) -> list[str]:
         return []
     rows = [_row(key, point) for key, point in started[:MOST_STARTED]]
     if width is not None:
-        others = len(aligned(_STARTED, [("", *row[1:]) for row in rows], _RIGHT)[0]) - len("point")
+        others = len(align_table(_HEADINGS, [("", *row[1:]) for row in rows], _RIGHT)[0]) - len(
+            "point"
+        )
         rows = [(shortened(row[0], width - others), *row[1:]) for row in rows]
     unit = "rate in million particle-steps per second"
-    return [*aligned(_STARTED, rows, _RIGHT), *_more(started, MOST_STARTED), unit]
+    return [*align_table(_HEADINGS, rows, _RIGHT), *_more_line(started, MOST_STARTED), unit]
 
 
 def _row(key: str, point: PointStatus) -> tuple[str, ...]:
-    said = point.progress
-    assert said is not None, "what has started has said how far it is"
+    progress = point.progress
+    assert progress is not None, "what has started has said how far it is"
     return (
         key,
         point.state,
-        f"{said.percent} %",
-        f"{said.rate / 1e6:.1f}",
-        duration(said.elapsed),
-        said.time_left if point.state == "running" else "-",
+        f"{progress.percent} %",
+        f"{progress.rate / 1e6:.1f}",
+        duration(progress.elapsed),
+        progress.remaining_time if point.state == "running" else "-",
     )
 
 
-def _failed(status: StudyStatus, width: int | None) -> list[str]:
+def _failed_lines(status: StudyStatus, width: int | None) -> list[str]:
     """Return a line per point that failed, with its reason."""
     failed = [(key, point) for key, point in status.points.items() if point.state == "failed"]
     lines = ["failed"] if failed else []
@@ -137,41 +139,43 @@ def _failed(status: StudyStatus, width: int | None) -> list[str]:
         if width is not None and len(line) > width:
             line = f"{shortened(key, width - len(reason) - 2)}: {reason}"[:width]
         lines.append(line)
-    return [*lines, *_more(failed, MOST_FAILED)]
+    return [*lines, *_more_line(failed, MOST_FAILED)]
 
 
-def _more(entries: Sequence[Any], most: int) -> list[str]:
+def _more_line(entries: Sequence[Any], most: int) -> list[str]:
     return [f"and {len(entries) - most:,} more"] if len(entries) > most else []
 
 
-def _closing(status: StudyStatus) -> list[str]:
-    """Return the time left, or what the study took; and what will be computed again."""
+def _closing_lines(status: StudyStatus) -> list[str]:
+    """Return lines on the time left or taken, rounds, budget, outdated points and orphans."""
     lines = []
     about = "at most" if status.at_most else "about"
     if status.is_over:
         lines.append(f"time of all runs {duration(status.core_seconds)}")
-    elif status.left is None:
+    elif status.seconds_left is None:
         time = duration(status.core_seconds_left)
         lines.append(f"nothing is running; core time left {about} {time}")
     else:
         cores = f"{status.cores:,} core" + "s" * (status.cores > 1)
-        lines.append(f"time left {about} {duration(status.left)} on {cores}")
+        lines.append(f"time left {about} {duration(status.seconds_left)} on {cores}")
     if status.rounds_left:
         lines.append(f"rounds of refinement to come, not counted: {status.rounds_left}")
     if status.budget:
-        held = status.budget
-        hours = f"{held.spent:.2g} of {held.hours:g} core hours spent, {held.left:.2g} left"
+        budget = status.budget
+        hours = (
+            f"{budget.spent:.2g} of {budget.hours:g} core hours spent, {budget.hours_left:.2g} left"
+        )
         lines.append(f"decisions: {hours}")
     outdated = sum(point.outdated for point in status.points.values())
     if outdated:
-        lines.append(f"of other numerics, to be run again: {counted(outdated, 'point')}")
+        lines.append(f"of other numerics, to be run again: {count_text(outdated, 'point')}")
     if status.orphans:
         lines.append(f"runs of no point of the study: {len(status.orphans):,} (sim orphans)")
     return lines
 
 
 def shortened(name: str, width: int) -> str:
-    """Shorten the name of a point in its readable part; the hash stays.
+    """Shorten the readable part of the name of a point, and keep its hash.
 
     >>> shortened("chute-depth5-friction0.4-0123abcd", 20)
     'chute-dept…-0123abcd'
@@ -180,19 +184,21 @@ def shortened(name: str, width: int) -> str:
     return name if len(name) <= width else f"{name[: width - _HASH - 1]}…{name[-_HASH:]}"
 
 
-def _point(key: str, point: PointStatus) -> dict[str, Any]:
-    said = point.progress
+def _point_entry(key: str, point: PointStatus) -> dict[str, Any]:
+    progress = point.progress
     entry: dict[str, Any] = {"id": key, "state": point.state}
-    if said:
+    if progress:
         entry |= {
-            "done": said.done,
-            "total": said.total,
-            "particle_steps_per_second": round(said.rate),
-            "elapsed": _rounded(said.elapsed),
-            "seconds_left": _rounded(said.left) if point.state == "running" else None,
-            "at_most": said.at_most,
+            "done": progress.done,
+            "total": progress.total,
+            "particle_steps_per_second": round(progress.rate),
+            "elapsed": _round_seconds(progress.elapsed),
+            "seconds_left": _round_seconds(progress.remaining_seconds)
+            if point.state == "running"
+            else None,
+            "at_most": progress.at_most,
         }
-    if point.state in ENDED:
+    if point.state in ENDED_STATES:
         entry |= {"core_seconds": round(point.core_seconds, 3), "outdated": point.outdated}
         entry |= {"reason": point.reason} if point.reason else {}
         entry |= {"caveat": point.caveat} if point.caveat else {}
@@ -200,12 +206,16 @@ def _point(key: str, point: PointStatus) -> dict[str, Any]:
 
 
 def _budget(status: StudyStatus) -> dict[str, float] | None:
-    """Return the budget of decisions in core hours, none where nothing is to be decided."""
+    """Return the budget of decisions in core hours, or None without one."""
     if status.budget is None:
         return None
-    held = status.budget
-    return {"hours": held.hours, "spent": round(held.spent, 4), "left": round(held.left, 4)}
+    budget = status.budget
+    return {
+        "hours": budget.hours,
+        "spent": round(budget.spent, 4),
+        "left": round(budget.hours_left, 4),
+    }
 
 
-def _rounded(seconds: float | None) -> float | None:
+def _round_seconds(seconds: float | None) -> float | None:
     return None if seconds is None else round(seconds, 3)

@@ -1,11 +1,11 @@
-"""All claims with their first verdict, the present one and why it changed, as a page of docs/."""
+"""The page of docs/ with all claims: first verdict, present verdict, and reason of the change."""
 
 import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from sim.report.claims import PAPERS, VERDICTS, counts, read_claims
+from sim.report.claims import PAPERS, VERDICTS, count_verdicts, read_claims
 from sim.report.publish import PUBLISHED
 
 _HEAD = """\
@@ -35,15 +35,15 @@ def page(claims: Sequence[Mapping[str, Any]]) -> str:
     """
     parts = [_HEAD, _totals(claims)]
     for paper, author in PAPERS.items():
-        rows = [_row(one) for one in claims if one["paper"] == paper]
+        rows = [_row(claim) for claim in claims if claim["paper"] == paper]
         heads = "| claim | first | now | by number of ours | why |\n| --- | --- | --- | --- | --- |"
         parts.append("\n".join([f"## {author}\n", heads, *rows, ""]))
     return "\n".join(parts)
 
 
 def _totals(claims: Sequence[Mapping[str, Any]]) -> str:
-    """Return how many claims have each verdict, first and now."""
-    now = counts(claims)
+    """Return a table with the number of claims by verdict and paper, first and now."""
+    now = count_verdicts(claims)
     rows = [
         f"| {verdict} | "
         + " | ".join(
@@ -60,24 +60,26 @@ def _totals(claims: Sequence[Mapping[str, Any]]) -> str:
 
 def _row(claim: Mapping[str, Any]) -> str:
     first, now = claim["first"], claim["verdict"]
-    changed = first["verdict"] != now
-    verdict = f"**{now}**" if changed else now
+    has_changed = first["verdict"] != now
+    verdict = f"**{now}**" if has_changed else now
     if claim["part_verdicts"]:
         verdict += ": " + ", ".join(
-            f"{part} {each}" for part, each in claim["part_verdicts"].items()
+            f"{part} {part_verdict}" for part, part_verdict in claim["part_verdicts"].items()
         )
     if claim["protocol_dependent"]:
         verdict += "; depends on the protocol"
-    numbers = ", ".join(f"{one['value']:g}: {one['verdict']}" for one in claim["by_number"])
+    numbers = ", ".join(
+        f"{number['value']:g}: {number['verdict']}" for number in claim["by_number"]
+    )
     title = f"{claim['id']} {claim['title']}"
     return f"| {title} | {first['verdict']} | {verdict} | {numbers} | {first['why']} |"
 
 
 def main(published: Path = PUBLISHED) -> str:
-    """Return the page from what is published of both papers."""
+    """Return the page of the published studies of both papers."""
     files = (published / f"paper_{paper}" / "claims.json" for paper in PAPERS)
-    found = [read_claims(file, replaceable=False) for file in files]
-    return page([claim for claims in found for claim in claims])
+    claim_lists = [read_claims(file, replaceable=False) for file in files]
+    return page([claim for claims in claim_lists for claim in claims])
 
 
 if __name__ == "__main__":

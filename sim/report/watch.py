@@ -1,9 +1,11 @@
-"""What a workflow shows while it runs: a line per point that has finished, a bar on a terminal."""
+"""Output of a running workflow: a line per finished point or failed job, a bar on a terminal."""
 
+import logging
 import os
 import sys
 import threading
 import time
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from pathlib import Path
 
@@ -13,24 +15,43 @@ from sim.base.words import duration
 from sim.study.cost import estimate
 from sim.study.load import Study
 
-#: Seconds between two looks at the folder of runs.
+#: Seconds between two checks of the folder of runs.
 PAUSE = 1.0
 
-#: Points of which each is told where no terminal shows a bar; of more, failures alone, and how far
-#: the study is after every twentieth part.
-FEW = 30
+#: Most points for which each gets a line without a terminal. With more points, only failures do,
+#: and the progress of the study is written after every twentieth part.
+FEW_POINTS = 30
 
-#: What a bar shows on a terminal.
-BAR = "{desc}: {n_fmt} of {total_fmt} points |{bar:30}| {postfix}"
+#: Format of the bar on a terminal.
+BAR_FORMAT = "{desc}: {n_fmt} of {total_fmt} points |{bar:30}| {postfix}"
+
+#: The event of a failed job in Snakemake's log.
+EVENT = "job_error"
+
+#: Beginnings of uninformative sentences in Snakemake's messages on failed jobs of a cluster.
+ADVICE = ("Detailed failure reason unavailable", "For further error details")
+
+#: Beginnings of Snakemake's messages on outputs of failed jobs without a backup, on the whole
+#: command of a job, and on turns of the scheduler.
+NO_NEWS = (
+    "Cannot restore ",
+    "RuleException:\nCalledProcessError ",
+    "Select jobs to execute",
+    "Execute ",
+)
+
+#: Seconds by which the time of a file may precede its writing: file systems store ticks or whole
+#: seconds, and those of a cluster have their own clocks.
+CLOCKS_DIFFER_BY = 2.0
 
 
 class Watch(threading.Thread):
-    """Looks at the run files and logs of a study from a thread until it is told to end.
+    """Thread that follows the run files and logs of a study until `end` is called.
 
     Parameters
     ----------
     study : Study
-        The study. Points of rounds of refinement are told when they are there.
+        The study. Points of rounds of refinement are reported once they have run files.
     folder : Path
         Its results: ``runs`` and ``logs/runs``.
     """
@@ -38,76 +59,85 @@ class Watch(threading.Thread):
     def __init__(self, study: Study, folder: Path):
         super().__init__(daemon=True)
         self._runs, self._logs = folder / "runs", folder / "logs" / "runs"
-        self._seconds = {
+        self._estimates = {
             point.id: estimate(point.parameters).core_seconds for point in study.points.values()
         }
-        self._over = threading.Event()
-        self._began = time.monotonic()
-        self._known = self._look()
-        self._failed, self._name = 0, study.name
-        there = self._known.keys() & self._seconds.keys()
-        self._left = sum(self._seconds[name] for name in self._seconds.keys() - there)
-        self._spent = 0.0
-        self._told = 20 * len(there) // max(1, len(self._seconds))
+        self._ended = threading.Event()
+        self._start_time = time.monotonic()
+        self._inodes = self._read_run_files()
+        self._failed_count, self._name = 0, study.name
+        present = self._inodes.keys() & self._estimates.keys()
+        self._seconds_left = sum(self._estimates[name] for name in self._estimates.keys() - present)
+        self._seconds_done = 0.0
+        self._twentieths_written = 20 * len(present) // max(1, len(self._estimates))
         self._bar = tqdm(
             desc=study.name,
-            total=len(self._seconds),
-            initial=len(there),
-            bar_format=BAR,
+            total=len(self._estimates),
+            initial=len(present),
+            bar_format=BAR_FORMAT,
             file=sys.stderr,
             disable=not sys.stderr.isatty(),
         )
 
     def run(self) -> None:
-        """Look again and again."""
-        while not self._over.wait(PAUSE):
-            self._tell()
+        """Report finished points at intervals of `PAUSE`."""
+        while not self._ended.wait(PAUSE):
+            self._report()
 
     def end(self) -> None:
-        """Tell what has finished since, and end."""
-        self._over.set()
+        """Stop the thread, and report the points that have finished since."""
+        self._ended.set()
         if self.is_alive():
             self.join()
-        self._tell()
+        self._report()
         self._bar.close()
 
     def write(self, line: str) -> None:
         """Write a line, above the bar if there is one."""
         self._bar.write(line, file=sys.stderr)
 
-    def _look(self) -> dict[str, int]:
-        """Return the points with a run file, and the number of the file, new with each file."""
-        found = {}
+    def _read_run_files(self) -> dict[str, int]:
+        """Return the inode of each run file by point; each new file has another."""
+        inodes = {}
         with suppress(FileNotFoundError), os.scandir(self._runs) as entries:
             for entry in entries:
                 if entry.name.endswith(".nc") and not entry.name.startswith("."):
                     with suppress(FileNotFoundError):
-                        found[entry.name.removesuffix(".nc")] = entry.inode()
-        return found
+                        inodes[entry.name.removesuffix(".nc")] = entry.inode()
+        return inodes
 
-    def _tell(self) -> None:
-        """Write a line for each point that has finished since the last look; move the bar."""
-        found = self._look()
-        for name in found:
-            if self._known.get(name) != found[name]:
-                line = self._result(name)
+    def _report(self) -> None:
+        """Write a line for each point that has finished since the last check, and move the bar."""
+        inodes = self._read_run_files()
+        for name in inodes:
+            if self._inodes.get(name) != inodes[name]:
+                line = self._result_line(name)
                 failed = "failed" in line
-                self._failed += failed
-                if failed or not self._bar.disable or len(self._seconds) <= FEW:
+                self._failed_count += failed
+                if failed or not self._bar.disable or len(self._estimates) <= FEW_POINTS:
                     self.write(line)
-                if name not in self._known:
-                    seconds = self._seconds.get(name, 0.0)
-                    self._left, self._spent = self._left - seconds, self._spent + seconds
-                    self._bar.update(name in self._seconds)
-        self._known |= found
-        self._bar.set_postfix_str(self._state())
-        done, all_ = len(found.keys() & self._seconds.keys()), len(self._seconds)
-        if self._bar.disable and all_ > FEW and 20 * done // all_ > self._told:
-            self._told = 20 * done // all_
-            print(f"{self._name}: {done} of {all_} points, {self._state()}", file=sys.stderr)
+                if name not in self._inodes:
+                    seconds = self._estimates.get(name, 0.0)
+                    self._seconds_left, self._seconds_done = (
+                        self._seconds_left - seconds,
+                        self._seconds_done + seconds,
+                    )
+                    self._bar.update(name in self._estimates)
+        self._inodes |= inodes
+        self._bar.set_postfix_str(self._state_text())
+        finished, total = len(inodes.keys() & self._estimates.keys()), len(self._estimates)
+        if (
+            self._bar.disable
+            and total > FEW_POINTS
+            and 20 * finished // total > self._twentieths_written
+        ):
+            self._twentieths_written = 20 * finished // total
+            print(
+                f"{self._name}: {finished} of {total} points, {self._state_text()}", file=sys.stderr
+            )
 
-    def _result(self, name: str) -> str:
-        """Return the line with the result in the log of a run."""
+    def _result_line(self, name: str) -> str:
+        """Return the last line with the result in the log of a run."""
         with suppress(OSError):
             lines = (self._logs / f"{name}.log").read_text(encoding="utf-8").splitlines()
             results = [line for line in lines if line.startswith(f"{name}: ")]
@@ -115,11 +145,53 @@ class Watch(threading.Thread):
                 return results[-1]
         return f"{name}: done"
 
-    def _state(self) -> str:
-        """Say how many points are running and have failed, and how long the rest may take."""
+    def _state_text(self) -> str:
+        """Write how many points are running and have failed, and the estimated time left."""
         running = sum(1 for _ in self._runs.glob(".*.progress"))
-        text = f"{running} running, {self._failed} failed"
-        if self._spent > 0 and self._left > 0:
-            seconds = (time.monotonic() - self._began) * self._left / self._spent
+        text = f"{running} running, {self._failed_count} failed"
+        if self._seconds_done > 0 and self._seconds_left > 0:
+            seconds = (
+                (time.monotonic() - self._start_time) * self._seconds_left / self._seconds_done
+            )
             text += f", about {duration(seconds)} left"
         return text
+
+
+def is_news(record: logging.LogRecord) -> bool:
+    """Return whether a message of Snakemake adds to the lines of points and failed jobs."""
+    return not record.getMessage().startswith(NO_NEWS)
+
+
+class FailedJobs(logging.Handler):
+    """Log handler that writes a line for each failed job of Snakemake.
+
+    Parameters
+    ----------
+    write : callable
+        Called with each line.
+    """
+
+    def __init__(self, write: Callable[[str], object]):
+        super().__init__()
+        self._write = write
+        self._since = time.time() - CLOCKS_DIFFER_BY
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Write the line of a failed job; ignore other records."""
+        fields = record.__dict__
+        if fields.get("event") == EVENT:
+            logs = [Path(path) for path in fields["log"]]
+            name = logs[0].stem if logs else fields["rule_name"]
+            message = (fields["rule_msg"] or "").partition("\n")[0]
+            for advice in ADVICE:
+                message = message.partition(advice)[0].rstrip(". ")
+            parts = (name, "job failed", message, self._last_line(logs))
+            self._write(": ".join(filter(None, parts)))
+
+    def _last_line(self, logs: Sequence[Path]) -> str:
+        """Return the last line of the first log if this workflow wrote it, else which to see."""
+        with suppress(OSError, IndexError):
+            if logs[0].stat().st_mtime >= self._since:
+                return logs[0].read_text(encoding="utf-8", errors="replace").splitlines()[-1]
+        # A job that could not be resubmitted has the empty log of its first attempt.
+        return "".join(f"see {path}" for path in logs[-1:] if path.exists() and path.stat().st_size)

@@ -1,4 +1,4 @@
-"""Short points that share a process: its start costs more than they do."""
+"""Batches of short points: they share a process, whose start costs more than they do."""
 
 import hashlib
 from collections.abc import Mapping
@@ -8,45 +8,49 @@ from math import ceil
 from sim.parameters import Parameters
 from sim.study.cost import PROCESS_TIME, estimate
 
-#: Seconds of computing that a batch should take, the least and the most; between them each core has
-#: one. A point that takes more than half of the most has a process of its own.
-LEAST, MOST = 3.0, 60.0
+#: Limits on the computing time (s) of a batch. Between them, there is one batch for every core.
+#: A point that takes more than half of the maximum has a process of its own.
+MIN_BATCH_SECONDS, MAX_BATCH_SECONDS = 3.0, 60.0
 
-#: Points of a batch at most: Snakemake looks through all of them for each.
-CROWD = 50
+#: Maximum number of points in a batch: for each point, Snakemake looks through the whole batch.
+MAX_BATCH_POINTS = 50
 
 
-def batches(points: Mapping[str, Parameters], cores: float | None) -> dict[str, list[str]]:
-    """Return the batches of short points: names, and the ids of their points, longest first.
+def plan_batches(points: Mapping[str, Parameters], cores: float | None) -> dict[str, list[str]]:
+    """Return a map from the name of each batch of short points to their ids, longest first.
 
     Parameters
     ----------
     points : mapping
-        Points that are to be run, by id. Those that take long or several threads, and one that
-        would be alone, are in no batch.
+        Points to be run, by id. A point is in no batch if it takes long, needs several threads or
+        would be the only one of its batch.
     cores : float, optional
-        On how many they run. Where nobody knows, as on a cluster, batches are as long as can be:
-        there each is a job, which takes seconds to start.
+        Number of cores that they run on. If it is unknown, as on a cluster, batches are as long as
+        allowed: there, each batch is a job, which takes seconds to start.
     """
     seconds = {}
     for name, point in points.items():
         cost = estimate(point)
-        if cost.threads == 1 and cost.core_seconds - PROCESS_TIME <= MOST / 2:
+        if cost.threads == 1 and cost.core_seconds - PROCESS_TIME <= MAX_BATCH_SECONDS / 2:
             seconds[name] = cost.core_seconds - PROCESS_TIME
     total = sum(seconds.values())
-    share = min(max(total / cores, LEAST), MOST) if cores else MOST
-    number = max(ceil(total / share), ceil(len(seconds) / CROWD))
-    found: list[list[str]] = [[] for _ in range(number)]
-    open_ = [(0.0, each) for each in range(number)]
-    # The longest first, each to the batch that takes least: so all end at about the same time.
+    batch_seconds = (
+        min(max(total / cores, MIN_BATCH_SECONDS), MAX_BATCH_SECONDS)
+        if cores
+        else MAX_BATCH_SECONDS
+    )
+    number = max(ceil(total / batch_seconds), ceil(len(seconds) / MAX_BATCH_POINTS))
+    batches: list[list[str]] = [[] for _ in range(number)]
+    open_batches = [(0.0, index) for index in range(number)]
+    # Longest points first, each to the shortest batch: all batches end at about the same time.
     for name in sorted(seconds, key=lambda name: (-seconds[name], name)):
-        full, each = heappop(open_)
-        found[each].append(name)
-        if len(found[each]) < CROWD:
-            heappush(open_, (full + seconds[name], each))
-    return {_name(members): members for members in found if len(members) > 1}
+        seconds_taken, index = heappop(open_batches)
+        batches[index].append(name)
+        if len(batches[index]) < MAX_BATCH_POINTS:
+            heappush(open_batches, (seconds_taken + seconds[name], index))
+    return {_batch_name(members): members for members in batches if len(members) > 1}
 
 
-def _name(members: list[str]) -> str:
-    """Return a name that no other batch has."""
+def _batch_name(members: list[str]) -> str:
+    """Return a name for a batch, unique to its points."""
     return f"batch_{hashlib.sha256(' '.join(members).encode()).hexdigest()[:8]}"

@@ -1,4 +1,4 @@
-"""``init`` and ``study``: a study file to start from, and the workflow that runs a study."""
+"""Commands ``init`` (write a study file to start from) and ``study`` (run a study)."""
 
 import getpass
 import os
@@ -9,77 +9,85 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from sim.base.errors import InputError
-from sim.base.files import require_writable
-from sim.base.packaged import packaged
-from sim.base.private import Unfit, caches, own_temporary, private_folder
-from sim.base.program import program
+from sim.base.files import (
+    NotPrivateError,
+    cache_folder,
+    private_folder,
+    require_writable,
+    user_temporary_folder,
+)
+from sim.base.program import package_folder, program
 from sim.study.entries import ALLOWED_NAME, NAME
 from sim.study.load import load_study
 
-#: Endings of study files.
-YAML = (".yaml", ".yml")
+#: Suffixes of study files.
+YAML_SUFFIXES = (".yaml", ".yml")
 
 
 def init(target: Path, model: str) -> str:
-    """Write a study file, to be changed into one's own, and return a line that says what is next.
+    """Write a copy of a shipped study for the user to edit; return a line with the next command.
 
     Parameters
     ----------
     target : Path
-        The file, after which the study is named; or a folder for one named after the model.
+        The file, which gives the study its name; or a folder, for a file named after the model.
     model : str
-        Which of the studies that come with Talus is copied.
+        Name of the study to copy, one of those that come with Talus.
 
     Raises
     ------
     InputError
-        When there is no such study, the file gives no name to a study, or it is there already.
+        If there is no such study, the file's name cannot name a study, or the file exists.
     """
-    texts = _models()
+    texts = _template_texts()
     if model not in texts:
         raise InputError.of_value("--from", "", model, "one of " + ", ".join(texts))
-    is_file = target.name.lower().endswith(YAML)
+    is_file = target.name.lower().endswith(YAML_SUFFIXES)
     path = target if is_file else target / f"{model}.yaml"
-    if path.suffix not in YAML or not re.match(NAME, path.stem) or len(path.stem) > 60:
+    if path.suffix not in YAML_SUFFIXES or not re.match(NAME, path.stem) or len(path.stem) > 60:
         raise InputError.of_value("init", "", str(path), f"{ALLOWED_NAME['allowed']}, then .yaml")
     require_writable(path.parent, "init")
     path.parent.mkdir(parents=True, exist_ok=True)
-    named = re.compile(rf"(?<=^study: ){model}\b|\b{model}(?=\.yaml)|(?<=results/){model}\b", re.M)
-    schema = f"$schema={packaged('config') / 'schema.json'}"
+    name_pattern = re.compile(
+        rf"(?<=^study: ){model}\b|\b{model}(?=\.yaml)|(?<=results/){model}\b", re.M
+    )
+    schema = f"$schema={package_folder('config') / 'schema.json'}"
     try:
         with path.open("x", encoding="utf-8") as file:
-            file.write(named.sub(path.stem, texts[model]).replace("$schema=schema.json", schema))
+            file.write(
+                name_pattern.sub(path.stem, texts[model]).replace("$schema=schema.json", schema)
+            )
     except FileExistsError:
         raise InputError(f"{path}: is there already, and stays as it is") from None
     return f"{path}: written; {program()} study {path} runs it"
 
 
-def _models() -> dict[str, str]:
-    """Return the texts of the studies that come with Talus by name, but of those with parts."""
-    texts = {path.stem: path.read_text("utf-8") for path in packaged("config").glob("*.yaml")}
+def _template_texts() -> dict[str, str]:
+    """Return the texts of the studies that come with Talus by name, except those with parts."""
+    texts = {path.stem: path.read_text("utf-8") for path in package_folder("config").glob("*.yaml")}
     return {name: texts[name] for name in sorted(texts) if "\nparts:" not in texts[name]}
 
 
 def study(study_path: Path, cores: int | None, profile: str | None, extra: Sequence[str]) -> int:
-    """Check a study, then become the Snakemake that runs it in the present folder.
+    """Check a study, then replace this process by the Snakemake that runs it in the current folder.
 
-    Signals and exit code are Snakemake's own, as this process turns into it.
+    Signals and exit code are therefore Snakemake's own.
 
     Parameters
     ----------
     study_path : Path
         The study file.
     cores : int, optional
-        Cores to use; by default all that there are, or as many as a profile says.
+        Number of cores to use; by default the number in the profile, else all cores.
     profile : str, optional
-        Folder of a profile of Snakemake, or the name of one that comes with Talus.
+        Folder of a Snakemake profile, or the name of one that comes with Talus.
     extra : sequence of str
-        Further arguments of Snakemake.
+        Further arguments for Snakemake.
 
     Raises
     ------
     InputError
-        For anything that would keep the study from being run as written.
+        For any mistake that prevents the study from being run as written.
     """
     if cores is not None and cores < 1:
         raise InputError.of_value("--cores", "", cores, "an integer >= 1")
@@ -87,38 +95,40 @@ def study(study_path: Path, cores: int | None, profile: str | None, extra: Seque
         raise InputError.of_value("study", "", "-", "a file: Snakemake reads it again and again")
     load_study(study_path)
     if profile:
-        own = packaged("workflow") / "profiles" / profile
+        own = package_folder("workflow") / "profiles" / profile
         extra = ["--profile", str(own if own.is_dir() else profile), *extra]
-    # With a profile it would limit what is asked of a cluster.
-    command = snakemake(study_path, cores or (None if profile else "all"), extra)
+    # With a profile, the number of cores would limit the jobs on a cluster, too.
+    command = snakemake_command(study_path, cores or (None if profile else "all"), extra)
     sys.stdout.flush()
-    os.execve(command[0], command, os.environ | _lacking())
+    os.execve(command[0], command, os.environ | _missing_environment())
 
 
-def snakemake(study_path: Path, cores: int | str | None, extra: Sequence[str] = ()) -> list[str]:
+def snakemake_command(
+    study_path: Path, cores: int | str | None, extra: Sequence[str] = ()
+) -> list[str]:
     """Return the command that runs a study with the workflow of this package."""
     options = [] if cores is None else ["--cores", str(cores)]
     path = str(study_path)
-    # Else it would be an option.
+    # A path that begins with a hyphen would be read as an option.
     options += ["--configfile", f"./{path}" if path.startswith("-") else path]
-    # Last of the two, as a name that follows --configfile is one more of its files.
-    options += ["--snakefile", str(packaged("workflow") / "Snakefile")]
-    # What lies in the present folder is none of Python's business.
+    # --configfile takes all names that follow it, so another option must come next.
+    options += ["--snakefile", str(package_folder("workflow") / "Snakefile")]
+    # -P: Python must import no module from the current folder.
     return [sys.executable, "-P", "-m", "snakemake", *options, *extra]
 
 
-def _lacking() -> dict[str, str]:
-    """Return what Snakemake needs of the environment and does not have, as in many containers."""
-    lacking = {}
+def _missing_environment() -> dict[str, str]:
+    """Return the environment variables that Snakemake needs and that many containers lack."""
+    missing = {}
     try:
         getpass.getuser()
     except (KeyError, OSError):
-        lacking["USER"] = f"user{os.geteuid()}"
+        missing["USER"] = f"user{os.geteuid()}"
     try:
-        require_writable(caches(), "XDG_CACHE_HOME")
+        require_writable(cache_folder(), "XDG_CACHE_HOME")
     except (InputError, RuntimeError):
         try:
-            lacking["XDG_CACHE_HOME"] = str(private_folder(own_temporary()))
-        except (OSError, Unfit):
-            lacking["XDG_CACHE_HOME"] = tempfile.mkdtemp(prefix="talus-")
-    return lacking
+            missing["XDG_CACHE_HOME"] = str(private_folder(user_temporary_folder()))
+        except (OSError, NotPrivateError):
+            missing["XDG_CACHE_HOME"] = tempfile.mkdtemp(prefix="talus-")
+    return missing

@@ -1,4 +1,4 @@
-"""What a point costs before it is run: particles, steps, time on one core."""
+"""Estimated cost of a point before it is run: particles, steps, time on one core."""
 
 from dataclasses import dataclass
 
@@ -7,22 +7,34 @@ from sim.parameters import Parameters
 #: Seconds to start a process and write its file.
 PROCESS_TIME = 0.9
 
-#: MB of a process and of each of its particles, with room to spare.
+#: Memory (MB) of a process, and of each of its particles, with a margin.
 PROCESS_MEMORY = 300.0
 PARTICLE_MEMORY = 4e-3
 
-#: MB that frames of a trajectory take while a run is written, for each that they have, and on the
-#: disk: in the run file and in the states beside it.
+#: Space that a trajectory takes, per MB of its frames: in memory while a run file is written, and
+#: on the disk, where the run file and the saved states beside it both hold the frames.
 TRAJECTORY_MEMORY = 3.5
 TRAJECTORY_DISK = 2.0
 
 
 @dataclass(frozen=True)
 class Estimate:
-    """Size and cost of a point: ``steps`` is over all replicates, ``core_seconds`` on one core.
+    """Size and cost of a point.
 
-    ``threads`` of each of its runs, the memory (MB) to reserve for it, and what its trajectories
-    take on the disk (MB), at most.
+    Attributes
+    ----------
+    particles : int
+        Number of particles.
+    steps : int
+        Time steps of all replicates together.
+    core_seconds : float
+        Time on one core (s).
+    threads : int
+        Threads of each of its runs.
+    memory : int
+        Memory (MB) to reserve.
+    trajectory : float
+        Maximum disk space (MB) of its trajectories.
     """
 
     particles: int
@@ -34,15 +46,15 @@ class Estimate:
 
 
 def estimate(parameters: Parameters) -> Estimate:
-    """Estimate what all replicates of a point take together, glued particles included."""
-    every = parameters.effective_particles
+    """Estimate the cost of all replicates of a point together, glued particles included."""
+    particles = parameters.effective_particles
     steps = parameters.replicates * (parameters.settling_steps + parameters.steps)
     frames = 1e-6 * parameters.trajectory_bytes
     return Estimate(
         particles=parameters.particles,
         steps=steps,
-        core_seconds=PROCESS_TIME + steps * every / parameters.rate,
+        core_seconds=PROCESS_TIME + steps * particles / parameters.rate,
         threads=parameters.cores,
-        memory=round(PROCESS_MEMORY + PARTICLE_MEMORY * every + TRAJECTORY_MEMORY * frames),
+        memory=round(PROCESS_MEMORY + PARTICLE_MEMORY * particles + TRAJECTORY_MEMORY * frames),
         trajectory=TRAJECTORY_DISK * frames,
     )

@@ -11,15 +11,15 @@ from sim.parameters.common import Real, broken_rule
 from sim.study.catalogue import FIGURES
 from sim.study.refine import MAX_ROUNDS, PARTS, further_rounds
 
-#: Categories of Unicode that would move the cursor or turn the line where a title is shown, or hold
-#: no letters; and the most letters of a title.
-_UNSHOWN, _LONGEST = ("Cc", "Cf", "Cn", "Co", "Cs", "Zl", "Zp"), 300
+#: Unicode categories without letters, some of which move the cursor or reverse the line where a
+#: title is shown; and the maximum length of a title.
+_UNPRINTABLE, _MAX_TITLE_LENGTH = ("Cc", "Cf", "Cn", "Co", "Cs", "Zl", "Zp"), 300
 
 
-def require_shown(text: str, key: str = "title", longest: int = _LONGEST) -> None:
-    """Refuse a text that is no line of letters; raises the error of a validator."""
-    if len(text) > longest or any(category(letter) in _UNSHOWN for letter in text):
-        allowed = f"one line of at most {longest} letters, without control or direction marks"
+def require_printable(text: str, key: str = "title", max_length: int = _MAX_TITLE_LENGTH) -> None:
+    """Raise the error of a validator unless a text is one line of printable letters."""
+    if len(text) > max_length or any(category(letter) in _UNPRINTABLE for letter in text):
+        allowed = f"one line of at most {max_length} letters, without control or direction marks"
         raise broken_rule(key, text, allowed)
 
 
@@ -30,18 +30,18 @@ class Strict(BaseModel):
 def optional(
     description: str | None, json_schema: dict[str, Any] | None = None, **options: Any
 ) -> Any:
-    """Declare a key that may be left out, when it reads as ``None``, but not be given as null.
+    """Declare an optional key: ``None`` if the file omits it, but null is not a valid value.
 
-    A key with nothing behind it is a slip, not a wish for the default. ``json_schema`` is what the
-    schema says besides.
+    A key without a value is a mistake, not a request for the default. ``json_schema`` holds
+    further entries for the JSON schema.
     """
 
-    def changed(schema: dict[str, Any]) -> None:
+    def adapt_schema(schema: dict[str, Any]) -> None:
         schema.pop("default", None)
         schema.update(json_schema or {})
 
-    changed.allowed = (json_schema or {}).get("allowed", "")  # type: ignore[attr-defined]
-    return Field(None, description=description, json_schema_extra=changed, **options)
+    adapt_schema.allowed = (json_schema or {}).get("allowed", "")  # type: ignore[attr-defined]
+    return Field(None, description=description, json_schema_extra=adapt_schema, **options)
 
 
 class Some(Strict):
@@ -51,18 +51,18 @@ class Some(Strict):
 
     @classmethod
     def hint(cls, key: str, value: Any) -> str:
-        """Say what may have been meant by a value, or by a key that is not known."""
+        """Return a hint at the intended value or key, empty if there is none."""
         if isinstance(value, list) and not issubclass(cls, Lists):
             return "a list of values belongs under grid"
-        if said := getattr(cls.parameters, "hint", lambda key, value: "")(key, value):
-            return str(said)
-        others = [name for name, model in SYSTEMS.items() if key in model.model_fields]
-        own = cls.parameters.model_fields["system"].default
-        known = f"{key} is a parameter of the {' and the '.join(others)}"
-        return known if others and own not in others else ""
+        if system_hint := getattr(cls.parameters, "hint", lambda key, value: "")(key, value):
+            return str(system_hint)
+        systems = [name for name, model in SYSTEMS.items() if key in model.model_fields]
+        system = cls.parameters.model_fields["system"].default
+        text = f"{key} is a parameter of the {' and the '.join(systems)}"
+        return text if systems and system not in systems else ""
 
-    def given(self) -> dict[str, Any]:
-        """Return the values that the file sets here, numbers in canonical form."""
+    def explicit_values(self) -> dict[str, Any]:
+        """Return the values that the file sets here, with numbers in canonical form."""
         return self.model_dump(exclude_unset=True)
 
 
@@ -72,7 +72,7 @@ class Lists(Some):
     model_config = ConfigDict(json_schema_extra={"minProperties": 1})
 
     @model_validator(mode="after")
-    def _of_one_parameter_at_least(self) -> Self:
+    def _require_one_parameter(self) -> Self:
         if not self.model_fields_set:
             raise broken_rule("", {}, "at least one parameter with a list of values")
         return self
@@ -100,10 +100,10 @@ class _Family(Strict):
 
     @classmethod
     def hint(cls, key: str, value: Any) -> str:
-        """Say what may have been meant by a value, or by a key that is not known."""
+        """Return a hint at the intended value or key, empty if there is none."""
         if key == "figures" and isinstance(value, str) and value in FIGURES:
-            (own,) = get_args(cls.model_fields["system"].annotation)
-            return f"a figure of the {own}; {value} is one of the {FIGURES[value].system}"
+            (system,) = get_args(cls.model_fields["system"].annotation)
+            return f"a figure of the {system}; {value} is one of the {FIGURES[value].system}"
         if any(key in model.model_fields for model in SYSTEMS.values()):
             return "parameters belong under base, grid or cases"
         return ""
@@ -119,21 +119,21 @@ class _Family(Strict):
     grid: Lists = optional("one point (boundary) for every combination of the values listed")
 
     if TYPE_CHECKING:
-        # Declared where it stands in the reference, after the keys of its kind of family.
+        # The subclasses declare it, so that it follows their own keys in the reference.
         overrides: list[Override]
 
     @model_validator(mode="after")
-    def _overrides_leave_the_grid_alone(self) -> Self:
-        varied = self.grid.model_fields_set if self.grid else set()
+    def _require_overrides_outside_grid(self) -> Self:
+        grid_names = self.grid.model_fields_set if self.grid else set()
         for index, override in enumerate(self.overrides):
-            for name in sorted(varied & override.set.model_fields_set):
+            for name in sorted(grid_names & override.set.model_fields_set):
                 key = f"overrides[{index}].set.{name}"
                 value = getattr(override.set, name)
                 raise broken_rule(key, value, f"parameters other than grid.{name} of the series")
         return self
 
     @model_validator(mode="after")
-    def _grid_tells_points_apart(self) -> Self:
+    def _require_one_amount_in_grid(self) -> Self:
         for name in sorted(self.grid.model_fields_set & AMOUNTS if self.grid else ()):
             values = getattr(self.grid, name)
             if len(values) > 1:
@@ -150,12 +150,12 @@ class SeriesFile(_Family):
     figures: list[str] = Field([], description="figures that the series feeds")
 
 
-#: A claim of the papers, all claims, or one of a plug-in.
+#: Pattern of the id of a claim of the papers, ``all``, or the name of a plug-in's judge.
 CLAIM = r"^(W([1-9]|1[0-9]|2[0-6])|G([1-9]|[12][0-9]|3[0-6])|all|[a-z][a-z0-9_]{0,39})$"
 
 ALLOWED_CLAIM = "W1 to W26, G1 to G36, all, or the name of a judge of a plug-in"
 
-#: Kind of what plug-ins add to the claims.
+#: Kind of the plug-in additions that judge claims.
 JUDGE = "judge"
 
 
@@ -182,10 +182,10 @@ class DecideFile(Strict):
     )
 
     @model_validator(mode="after")
-    def _something(self) -> Self:
-        known = {*additions(JUDGE), "all"}
+    def _require_goal(self) -> Self:
+        names = {*additions(JUDGE), "all"}
         for index, name in enumerate(self.claims or []):
-            if name[0].islower() and name not in known:
+            if name[0].islower() and name not in names:
                 raise broken_rule(f"claims[{index}]", name, ALLOWED_CLAIM)
         if self.claims is None and self.precision is None:
             raise broken_rule("claims", None, "claims, precision, or both")
@@ -208,7 +208,7 @@ class BoundaryFile(_Family):
     figures: list[str] = Field([], description="figures that are fed")
 
     @model_validator(mode="after")
-    def _range_and_tolerance_fit(self) -> Self:
+    def _require_valid_range(self) -> Self:
         low, high = self.range
         if not low < high:
             raise broken_rule("range", self.range, "two numbers, the lower one first")
@@ -218,12 +218,14 @@ class BoundaryFile(_Family):
         return self
 
     @model_validator(mode="after")
-    def _one_place_sets_what_the_boundary_is_along(self) -> Self:
-        places = {"base": self.base, "grid": self.grid}
-        places |= {f"overrides[{i}].set": one.set for i, one in enumerate(self.overrides)}
-        for path, place in places.items():
-            if place and self.along in place.model_fields_set:
-                value = getattr(place, self.along)
+    def _require_along_unset(self) -> Self:
+        sections = {"base": self.base, "grid": self.grid}
+        sections |= {
+            f"overrides[{i}].set": override.set for i, override in enumerate(self.overrides)
+        }
+        for path, section in sections.items():
+            if section and self.along in section.model_fields_set:
+                value = getattr(section, self.along)
                 allowed = f"parameters other than {self.along}, which the boundary is along"
                 raise broken_rule(f"{path}.{self.along}", value, allowed)
         return self

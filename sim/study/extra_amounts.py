@@ -1,22 +1,25 @@
-"""Amounts of points that rounds of decisions have added to a study, kept in ``bought.json``."""
+"""Amounts that rounds of decisions have added to points, saved in ``bought.json``."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from sim.base.damage import checked_read
-from sim.base.files import replacing
-from sim.base.sealed_json import as_sealed, read_sealed
-from sim.parameters import AMOUNTS, Parameters, more
+from sim.base.files import atomic_write
+from sim.base.seals import checked_read, parse_sealed_json, to_sealed_json
+from sim.parameters import AMOUNTS, Parameters, with_larger_amounts
 from sim.study.model import Point
 
 
 @dataclass(frozen=True)
 class ExtraAmounts:
-    """How much is wanted beyond the study file.
+    """Amounts beyond those of the study file.
 
-    ``amounts`` by id of the point and name of the amount; ``before`` are the core hours that the
-    study had taken when the first round was bought.
+    Attributes
+    ----------
+    amounts : mapping
+        Amounts by id of the point and name of the amount.
+    before : float
+        Core hours that the study had taken before the first round was added.
     """
 
     amounts: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
@@ -24,59 +27,66 @@ class ExtraAmounts:
 
 
 def extra_amounts_file(folder: Path) -> Path:
-    """Return the path of the extra amounts of a study with its results in a folder."""
+    """Return the path of the extra amounts of a study whose results are in ``folder``."""
     return folder / "bought.json"
 
 
 def read_extra_amounts(folder: Path) -> ExtraAmounts:
-    """Return the extra amounts of a study, none without a file; a damaged one is set aside.
+    """Return the extra amounts of a study; there are none without a file.
 
-    Raises ``InputError`` when it cannot be read.
+    A damaged file is renamed. Raises ``InputError`` if it cannot be read.
     """
     path = extra_amounts_file(folder)
     if not path.exists():
         return ExtraAmounts()
     with checked_read(path, "list of what was bought", replaceable=True):
-        held = read_sealed(path.read_text(encoding="utf-8"))
+        document = parse_sealed_json(path.read_text(encoding="utf-8"))
         amounts = {
-            point: {name: _usable(name, value) for name, value in wanted.items()}
-            for point, wanted in held["amounts"].items()
+            point: {name: _checked_amount(name, value) for name, value in wanted_amounts.items()}
+            for point, wanted_amounts in document["amounts"].items()
         }
-        return ExtraAmounts(amounts, float(held["before"]))
+        return ExtraAmounts(amounts, float(document["before"]))
 
 
-def _usable(name: str, value: float) -> float:
-    """Return an amount that a point may have; raise ``ValueError`` for any other."""
-    most = 1000 if name == "replicates" else 1e12
-    if name not in AMOUNTS or not 0 < float(value) <= most:
+def _checked_amount(name: str, value: float) -> float:
+    """Return an amount if a point may have it; raise ``ValueError`` otherwise."""
+    maximum = 1000 if name == "replicates" else 1e12
+    if name not in AMOUNTS or not 0 < float(value) <= maximum:
         raise ValueError(f"{name}: {value} is no amount of a run")
     return float(value)
 
 
 def write_extra_amounts(folder: Path, extra: ExtraAmounts) -> None:
-    """Write the extra amounts of a study, complete or not at all."""
+    """Write the extra amounts of a study; the file is complete or does not appear."""
     document = {"before": extra.before, "amounts": extra.amounts}
-    with replacing(extra_amounts_file(folder)) as temporary:
-        temporary.write_text(as_sealed(document), encoding="utf-8")
+    with atomic_write(extra_amounts_file(folder)) as temporary:
+        temporary.write_text(to_sealed_json(document), encoding="utf-8")
 
 
 def with_extra_amounts(points: Mapping[str, Point], extra: ExtraAmounts) -> dict[str, Point]:
     """Return points with their extra amounts.
 
-    What points start from has as many replicates as they have.
+    A point that others start from gets at least as many replicates as they have.
     """
-    grown = {
-        name: replace(point, parameters=_grown(point.parameters, extra.amounts.get(name, {})))
+    new_points = {
+        name: replace(
+            point, parameters=_with_larger_amounts(point.parameters, extra.amounts.get(name, {}))
+        )
         for name, point in points.items()
     }
-    for point in list(grown.values()):
-        name, wanted = point.parameters.start_from, {"replicates": point.parameters.replicates}
-        while name in grown:
-            source = grown[name]
-            grown[name] = replace(source, parameters=more(source.parameters, wanted))
+    for point in list(new_points.values()):
+        name, wanted_amounts = (
+            point.parameters.start_from,
+            {"replicates": point.parameters.replicates},
+        )
+        while name in new_points:
+            source = new_points[name]
+            new_points[name] = replace(
+                source, parameters=with_larger_amounts(source.parameters, wanted_amounts)
+            )
             name = source.parameters.start_from
-    return grown
+    return new_points
 
 
-def _grown(parameters: Parameters, wanted: Mapping[str, float]) -> Parameters:
-    return more(parameters, wanted) if wanted else parameters
+def _with_larger_amounts(parameters: Parameters, wanted_amounts: Mapping[str, float]) -> Parameters:
+    return with_larger_amounts(parameters, wanted_amounts) if wanted_amounts else parameters

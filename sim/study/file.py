@@ -1,4 +1,4 @@
-"""What a study file may contain, as pydantic models: validation, schema and reference in one."""
+"""Pydantic models of a study file, the source of validation, schema and reference."""
 
 from collections.abc import Collection, Iterable, Mapping
 from functools import cache, reduce
@@ -33,130 +33,144 @@ from sim.study.entries import (
     Some,
     Strict,
     optional,
-    require_shown,
+    require_printable,
 )
 from sim.study.plot_file import PlotFile
-from sim.study.ranges import expanded, expanded_integers, with_ranges
+from sim.study.ranges import allow_range_in_schema, expand_integer_range, expand_range
 
-#: Names of folders of results that are no study's: where published studies lie.
-_RESERVED = ("published",)
+#: Names that no study may have: folders of results that hold published studies.
+_RESERVED_NAMES = ("published",)
 
-#: Of the first system, in whose words the reference tells the keys of a boundary.
-_WHAT_CHANGES = (
+#: Description of the key ``of`` in the first system, whose models the reference shows.
+_OF_DESCRIPTION = (
     "what changes there: flow (arrested or not), acceleration (accelerating or not), transport "
     "(belt: mean velocity beyond 10 % of the belt's or not)"
 )
 
-#: Figures of a system that feeds none.
-_NONE_YET = Annotated[list[str], Field(max_length=0)]
+#: Type of the key ``figures`` of a system that feeds no figure.
+_NO_FIGURES = Annotated[list[str], Field(max_length=0)]
 
 
-class Models(NamedTuple):
-    """What a study file may contain of one system."""
+class SystemModels(NamedTuple):
+    """Models of the parts of a study file that concern one system."""
 
-    some: type[Some]
+    parameters: type[Some]
     readings: type[Lists]
     override: type[Override]
     series: type[SeriesFile]
     boundary: type[BoundaryFile]
 
 
-def _models_of(system: str) -> Models:
-    """Make the models of the entries of a study file concrete with the parameters of a system."""
+def _system_models(system: str) -> SystemModels:
+    """Return the models of the entries of a study file with the parameters of a system."""
     model, first = SYSTEMS[system], next(iter(SYSTEMS))
-    # No boundary is along what no flow depends on: lengths of runs, how often samples are taken.
-    idle = roles.numerical(model) - set(roles.changing_start(model))
+    # No boundary is along a parameter that flows do not depend on, such as the length of a run.
+    excluded = roles.numerical_parameters(model) - set(roles.start_parameters(model))
     numbers = [
         name
         for name, field in model.model_fields.items()
-        if field.annotation is float and name not in idle
+        if field.annotation is float and name not in excluded
     ]
     figures = [name for name, spec in FIGURES.items() if spec.system == system]
-    some, lists = _given(Some, system), _given(Lists, system)
-    readings = _given(Readings, system, roles.readings(model))
-    override = _concrete(
+    values, lists = _with_parameters(Some, system), _with_parameters(Lists, system)
+    readings = _with_parameters(Readings, system, roles.reading_parameters(model))
+    override = _with_field_types(
         Override,
         system,
         f"Parameters of the {system} that change at the points where others have certain values.",
-        {"when": lists, "set": some},
+        {"when": lists, "set": values},
     )
     shared: dict[str, Any] = {
         "system": Literal[system],
-        "base": some,
+        "base": values,
         "grid": lists,
-        "overrides": _list_of(override),
-        "figures": _list_of(Literal[tuple(figures)]) if figures else _NONE_YET,
+        "overrides": _list_type(override),
+        "figures": _list_type(Literal[tuple(figures)]) if figures else _NO_FIGURES,
     }
-    series = _concrete(
+    series = _with_field_types(
         SeriesFile,
         system,
         f"A series of points of the {system}. Without grid and cases, the base is its one point.",
-        shared | {"cases": _list_of(some)},
+        shared | {"cases": _list_type(values)},
     )
-    boundary = _concrete(
+    boundary = _with_field_types(
         BoundaryFile,
         system,
         f"A boundary between regimes of the {system}, for each combination of the grid.",
         shared | {"of": Literal[model.boundaries], "along": Literal[tuple(numbers)]},
-        **({"of": Field(description=_WHAT_CHANGES)} if system == first else {}),
+        **({"of": Field(description=_OF_DESCRIPTION)} if system == first else {}),
     )
-    return Models(some, readings, override, series, boundary)
+    return SystemModels(values, readings, override, series, boundary)
 
 
-def _given(base: type[Some], system: str, names: Collection[str] | None = None) -> Any:
-    """Make ``base`` concrete with the parameters of a system, or some of them, each optional."""
+def _with_parameters(base: type[Some], system: str, names: Collection[str] | None = None) -> Any:
+    """Return a model based on ``base`` with the parameters of a system as optional fields.
+
+    ``names`` limits the fields to these parameters.
+    """
     fields: dict[str, Any] = {}
-    for key, declared in SYSTEMS[system].model_fields.items():
+    for key, parameter in SYSTEMS[system].model_fields.items():
         if key == "system" or (names is not None and key not in names):
             continue
-        value: Any = declared.annotation
-        if declared.metadata:
-            value = Annotated[(value, *declared.metadata)]
-        said = optional(declared.description)
+        value: Any = parameter.annotation
+        if parameter.metadata:
+            value = Annotated[(value, *parameter.metadata)]
+        field = optional(parameter.description)
         if issubclass(base, Lists):
-            value = Annotated[_list_of(value), Field(min_length=1)]
-            if declared.annotation in (int, float):
-                spread = expanded_integers if declared.annotation is int else expanded
-                value = Annotated[value, BeforeValidator(spread)]
-                said = Field(None, description=declared.description, json_schema_extra=with_ranges)
-        fields[key] = value, said
+            value = Annotated[_list_type(value), Field(min_length=1)]
+            if parameter.annotation in (int, float):
+                expand = expand_integer_range if parameter.annotation is int else expand_range
+                value = Annotated[value, BeforeValidator(expand)]
+                field = Field(
+                    None, description=parameter.description, json_schema_extra=allow_range_in_schema
+                )
+        fields[key] = value, field
     name = f"{system.capitalize()}{base.__name__}"
-    made = create_model(name, __base__=base, __doc__=base.__doc__, **fields)
-    made.parameters = SYSTEMS[system]
-    return made
+    model = create_model(name, __base__=base, __doc__=base.__doc__, **fields)
+    model.parameters = SYSTEMS[system]
+    return model
 
 
-def _concrete(
-    base: type[BaseModel], system: str, doc: str, types: dict[str, Any], **said: Any
+def _with_field_types(
+    base: type[BaseModel], system: str, doc: str, types: dict[str, Any], **replacements: Any
 ) -> Any:
-    """Give fields of ``base`` the types that they have in a system; ``said`` replaces others."""
+    """Return a model based on ``base`` whose fields have the types of a system.
+
+    ``replacements`` replaces the declarations of fields by name.
+    """
     fields: dict[str, Any] = {
-        name: (kind, said.get(name, base.model_fields[name])) for name, kind in types.items()
+        name: (kind, replacements.get(name, base.model_fields[name]))
+        for name, kind in types.items()
     }
     name = f"{system.capitalize()}{base.__name__.removesuffix('File')}"
     return create_model(name, __base__=base, __doc__=doc, **fields)
 
 
-def _list_of(kind: Any) -> Any:
-    """Return the type of a list of entries whose type is not known before the program runs."""
+def _list_type(kind: Any) -> Any:
+    """Return the type ``list[kind]``, for a ``kind`` that is only known at run time."""
     return GenericAlias(list, (kind,))
 
 
-def _any_of(kinds: Iterable[type[BaseModel]]) -> Any:
-    """Return the type of an entry of any system, which its key ``system`` tells."""
+def _union_type(kinds: Iterable[type[BaseModel]]) -> Any:
+    """Return the union of the types of an entry, discriminated by its key ``system``."""
     return Annotated[reduce(or_, kinds), Field(discriminator="system")]
 
 
-def _by_system(systems: Mapping[str, Models], kind: str, said: str) -> dict[str, Any]:
-    """Return a key for each system that may be left out, with one of its `Models` behind it."""
+def _system_fields(
+    systems: Mapping[str, SystemModels], kind: str, description: str
+) -> dict[str, Any]:
+    """Return an optional field for each system, whose type is one of its `SystemModels`.
+
+    ``kind`` names that model; ``description`` has a placeholder for the system.
+    """
     return {
-        system: (getattr(one, kind), optional(said.format(system)))
-        for system, one in systems.items()
+        system: (getattr(models, kind), optional(description.format(system)))
+        for system, models in systems.items()
     }
 
 
 if TYPE_CHECKING:
-    # What the type below is at most, for a reader that does not run the catalogue.
+    # An upper bound of the type below, for type checkers, which do not run the catalogue.
     _FigureName = str
 else:
     _FigureName = Literal[tuple(FIGURES)]
@@ -178,7 +192,7 @@ class StudyFile(Strict):
         pattern=NAME,
         max_length=60,
         description="name of the study and of its folder of results, not published",
-        json_schema_extra=ALLOWED_NAME | {"not": {"enum": list(_RESERVED)}},
+        json_schema_extra=ALLOWED_NAME | {"not": {"enum": list(_RESERVED_NAMES)}},
     )
     title: str = Field("", description="one line for the report")
     figures: list[_FigureName] = optional(
@@ -223,62 +237,65 @@ class StudyFile(Strict):
     )
 
     @model_validator(mode="after")
-    def _of_a_name_of_its_own(self) -> Self:
-        if self.study in _RESERVED:
-            allowed = f"a name other than {', '.join(_RESERVED)}, where published studies lie"
+    def _require_unreserved_name(self) -> Self:
+        if self.study in _RESERVED_NAMES:
+            allowed = f"a name other than {', '.join(_RESERVED_NAMES)}, where published studies lie"
             raise broken_rule("study", self.study, allowed)
-        require_shown(self.title)
+        require_printable(self.title)
         return self
 
     @model_validator(mode="after")
-    def _of_some_points(self) -> Self:
+    def _require_points(self) -> Self:
         if not self.series and not self.boundaries and not self.parts:
             raise broken_rule("series", None, "at least one series, boundaries, or parts")
         return self
 
 
 class FileModels(NamedTuple):
-    """What study files may contain: of each system, under keys of all, and the whole."""
+    """Models of study files: of each system, of the keys that all systems share, of the whole."""
 
-    systems: dict[str, Models]
+    systems: dict[str, SystemModels]
     defaults: type[Strict]
     readings: type[Strict]
     study: type[StudyFile]
 
 
 def file_models() -> FileModels:
-    """Return what study files may contain with the parameters that plug-ins have added by now."""
-    return _file_models(tuple(SYSTEMS.values()))
+    """Return the models of study files, with the parameters that plug-ins have added so far."""
+    return _build_file_models(tuple(SYSTEMS.values()))
 
 
 @cache
-def _file_models(parameters: tuple[type[Parameters], ...]) -> FileModels:
-    """Return those of the present `SYSTEMS`, which ``parameters`` are."""
-    systems = {system: _models_of(system) for system in SYSTEMS}
+def _build_file_models(parameters: tuple[type[Parameters], ...]) -> FileModels:
+    """Return the models for the present `SYSTEMS`; ``parameters`` (its values) is the cache key."""
+    systems = {system: _system_models(system) for system in SYSTEMS}
     defaults = create_model(
         "Defaults",
         __base__=Strict,
         __doc__="Parameters shared by all series of a system.",
-        **_by_system(systems, "some", "shared by all series of the {}"),
+        **_system_fields(systems, "parameters", "shared by all series of the {}"),
     )
     readings = create_model(
         "SharedReadings",
         __base__=Strict,
         __doc__="Readings of the papers under which all series of a system are run.",
-        **_by_system(
+        **_system_fields(
             systems,
             "readings",
             "of the {}: every combination; figures and boundaries take the first",
         ),
     )
-    said = StudyFile.model_fields
+    fields = StudyFile.model_fields
     types: dict[str, Any] = {
-        "defaults": (defaults, Field(defaults(), description=said["defaults"].description)),
-        "readings": (readings, Field(readings(), description=said["readings"].description)),
-        "series": (_list_of(_any_of(one.series for one in systems.values())), said["series"]),
+        "defaults": (defaults, Field(defaults(), description=fields["defaults"].description)),
+        "readings": (readings, Field(readings(), description=fields["readings"].description)),
+        "series": (
+            _list_type(_union_type(models.series for models in systems.values())),
+            fields["series"],
+        ),
         "boundaries": (
-            _list_of(_any_of(one.boundary for one in systems.values())),
-            said["boundaries"],
+            _list_type(_union_type(models.boundary for models in systems.values())),
+            fields["boundaries"],
         ),
     }
     doc = "A study: series of points, boundaries to be found, and the figures they feed."
@@ -286,13 +303,13 @@ def _file_models(parameters: tuple[type[Parameters], ...]) -> FileModels:
     return FileModels(systems, defaults, readings, study)
 
 
-def validated(mapping: Any, source: str) -> StudyFile:
-    """Validate the contents of a study file; the points themselves come later.
+def validate_study(mapping: Any, source: str) -> StudyFile:
+    """Validate the contents of a study file, without its points, and return its model.
 
     Raises
     ------
     InputError
-        Naming file, key, value and what is allowed.
+        With the file, the key, its value and the allowed values.
     """
     model = file_models().study
     try:

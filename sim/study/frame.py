@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from sim.base.errors import InputError
-from sim.parameters import complete
+from sim.parameters import complete_values
 from sim.study.cost import estimate
 from sim.study.load import load_study, parse_study
 
@@ -14,24 +14,24 @@ if TYPE_CHECKING:
 
 
 def points(study: str | Path | Mapping[str, Any]) -> "pd.DataFrame":
-    """Return the points of a study, a row each with its id, in the order of the study.
+    """Return the points of a study as a table: one row per point, in the order of the study.
 
     Parameters
     ----------
     study : str, Path or mapping
-        The study file, or what such a file would contain.
+        The study file, or a mapping with the contents of one.
 
     Returns
     -------
     pandas.DataFrame
-        Columns are all parameters in the units of a study file, ``particles``, ``core_seconds`` as
-        estimated for all replicates, ``series`` and ``figures``. What is a parameter of the other
-        system alone is missing.
+        The index holds the ids of the points. Columns are all parameters in the units of a study
+        file, ``particles``, ``core_seconds`` (an estimate for all replicates), ``series`` and
+        ``figures``. Parameters that the system of a point does not have are missing.
 
     Raises
     ------
     InputError
-        For anything that would keep the study from being run as written.
+        For any mistake that prevents the study from being run as written.
 
     Examples
     --------
@@ -42,19 +42,19 @@ def points(study: str | Path | Mapping[str, Any]) -> "pd.DataFrame":
     import pandas as pd
 
     if isinstance(study, Mapping):
-        read = parse_study(dict(study), "points", None)
+        validated_study = parse_study(dict(study), "points", None)
     elif isinstance(study, (str, Path)):
-        read = load_study(study, None)
+        validated_study = load_study(study, None)
     else:
         raise InputError.of_value("points", "study", study, "the path of a study file or a mapping")
     rows = {
-        point.id: complete(point.parameters)
+        point.id: complete_values(point.parameters)
         | {
             "particles": point.parameters.particles,
             "core_seconds": estimate(point.parameters).core_seconds,
             "series": point.series,
             "figures": point.figures,
         }
-        for point in read.points.values()
+        for point in validated_study.points.values()
     }
     return pd.DataFrame.from_dict(rows, orient="index").rename_axis("point")

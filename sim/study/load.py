@@ -1,4 +1,4 @@
-"""From a study file and its parts to points, boundaries and figures."""
+"""Read a study file and its parts, and expand them to points, boundaries and figures."""
 
 import re
 from dataclasses import replace
@@ -10,54 +10,59 @@ from sim.base.errors import InputError
 from sim.base.files import require_writable
 from sim.base.plugins import PATTERN, load
 from sim.base.yaml import read_yaml
-from sim.parameters import RUN_FILE, require_alike
+from sim.parameters import RUN_FILE, require_compatible_source
 from sim.study.catalogue import FigureSpec
 from sim.study.cost import Estimate, estimate
 from sim.study.extra_amounts import read_extra_amounts, with_extra_amounts
 from sim.study.figure_points import points_of_figures
 from sim.study.model import Boundary, Point, Study
-from sim.study.plots import plots_of, points_shown
-from sim.study.points import MAX_POINTS, as_member, collected, require_same
-from sim.study.series import every_reading
+from sim.study.plots import plot_specs, points_of_plot
+from sim.study.points import (
+    MAX_POINTS,
+    expand_study_file,
+    point_with_membership,
+    require_same_point,
+)
+from sim.study.series import readings_by_system
 
 __all__ = [
     "Boundary",
     "Estimate",
     "Point",
     "Study",
-    "as_member",
     "estimate",
     "load_study",
     "parse_study",
+    "point_with_membership",
 ]
 
-#: The study that is meant when none is named.
+#: Study to use if none is named.
 DEFAULT_STUDY = Path("config/quick.yaml")
 
-#: Most points of which each has a page.
+#: Maximum number of points of a study with a page for each point.
 MAX_PAGES = 1000
 
 
 def load_study(
     path: str | Path, results: str | Path | None = "results", plugins: bool = True
 ) -> Study:
-    """Read a study file and work out its points.
+    """Return the study that a study file describes.
 
     Parameters
     ----------
     path : str or Path
         The study file.
     results : str, Path or None
-        Folder that the study's own folder of results is, or will be, in; it must be writable.
-        Nothing, where nothing will be written.
+        Folder of the study's own folder of results, which must be writable. ``None`` if nothing
+        will be written.
     plugins : bool
-        Load the plug-ins that it names, which runs their code: not where it is results that name
-        the study.
+        Whether to load the plug-ins that the study names, which runs their code. It should be false
+        if the path of the study comes from a folder of results.
 
     Raises
     ------
     InputError
-        For anything that would keep the study from being run as written.
+        For any mistake that prevents the study from being run as written.
     """
     return parse_study(read_yaml(path), path, results, plugins)
 
@@ -65,31 +70,31 @@ def load_study(
 def parse_study(
     mapping: Any, path: str | Path, results: str | Path | None = "results", plugins: bool = True
 ) -> Study:
-    """Work out the points of the study that ``mapping``, read from ``path``, describes.
+    """Return the study that ``mapping``, read from ``path``, describes.
 
     See `load_study`.
     """
     source, folder = str(path), Path(path).parent
-    used = _load_plugins(mapping, Path(path)) if plugins else ()
-    file, study, fed = collected(mapping, Path(path))
+    loaded_plugins = _load_plugins(mapping, Path(path)) if plugins else ()
+    file, study, feeds = expand_study_file(mapping, Path(path))
     plots: dict[str, FigureSpec] = {}
     for index, name in enumerate(file.parts or []):
-        own = _part(folder / name, source, index)
-        used += _load_plugins(own, folder / name) if plugins else ()
-        part_file, part, also = collected(own, folder / name)
-        study = _with_part(study, part, f"{source}: parts[{index}]")
-        plots |= plots_of(part_file, part, str(folder / name), plots)
-        fed = also | fed
+        part_mapping = _read_part(folder / name, source, index)
+        loaded_plugins += _load_plugins(part_mapping, folder / name) if plugins else ()
+        part_file, part, part_feeds = expand_study_file(part_mapping, folder / name)
+        study = _merge_part(study, part, f"{source}: parts[{index}]")
+        plots |= plot_specs(part_file, part, str(folder / name), plots)
+        feeds = part_feeds | feeds
     if len(study.points) > MAX_POINTS:
         allowed = f"at most {MAX_POINTS:,} points in the study"
         raise InputError.of_value(source, "parts", f"{len(study.points):,} points", allowed)
     if file.pages and len(study.points) > MAX_PAGES:
         allowed = f"false, for more than {MAX_PAGES:,} points"
         raise InputError.of_value(source, "pages", True, allowed)
-    _require_starts(study, source)
-    figures = points_of_figures(file, study.points.values(), fed, source)
-    plots = plots_of(file, study, source, plots) | plots
-    figures |= {name: points_shown(spec, study.points.values()) for name, spec in plots.items()}
+    _require_valid_starts(study, source)
+    figures = points_of_figures(file, study.points.values(), feeds, source)
+    plots = plot_specs(file, study, source, plots) | plots
+    figures |= {name: points_of_plot(spec, study.points.values()) for name, spec in plots.items()}
     if results is not None:
         require_writable(Path(results) / file.study, f"{source}: study")
     points = study.points
@@ -100,17 +105,18 @@ def parse_study(
         points=points,
         figures=figures,
         plots=plots,
-        readings=every_reading(file),
+        readings=readings_by_system(file),
         decide=file.decide,
         pages=file.pages,
-        plugins=tuple(dict.fromkeys(used)),
+        plugins=tuple(dict.fromkeys(loaded_plugins)),
     )
 
 
 def _load_plugins(mapping: Any, path: Path) -> tuple[Plugin, ...]:
-    """Load and return the plug-ins that a study file names, if that key is what it should be.
+    """Load and return the plug-ins that a study file names; none if the key is malformed.
 
-    What is not is refused with the rest of the file, for which plug-ins must be known.
+    The rest of the file can only be validated once plug-ins are loaded, so a malformed key is
+    refused then.
     """
     names = mapping.get("plugins") if isinstance(mapping, dict) else None
     if isinstance(names, list) and all(
@@ -120,27 +126,27 @@ def _load_plugins(mapping: Any, path: Path) -> tuple[Plugin, ...]:
     return ()
 
 
-def _require_starts(study: Study, source: str) -> None:
-    """Refuse a point that starts from what is none of the study's points, nor a run file."""
+def _require_valid_starts(study: Study, source: str) -> None:
+    """Raise ``InputError`` if a point starts from neither a point of the study nor a run file."""
     for point in study.points.values():
         start = point.parameters.start_from
         if start in study.points:
-            require_alike(point.parameters, study.points[start].parameters, source)
-        elif start and not (start.endswith(RUN_FILE) and _is_there(Path(start))):
+            require_compatible_source(point.parameters, study.points[start].parameters, source)
+        elif start and not (start.endswith(RUN_FILE) and _is_file(Path(start))):
             allowed = "the id of a point of the study, or a run file (*.nc) that is there"
             raise InputError.of_value(source, "start_from", start, allowed)
 
 
-def _is_there(path: Path) -> bool:
-    """Return whether there is a file; a name that is too long is that of none."""
+def _is_file(path: Path) -> bool:
+    """True where ``path`` is a file; a name that is too long is none."""
     try:
         return path.is_file()
     except OSError:
         return False
 
 
-def _part(path: Path, source: str, index: int) -> Any:
-    """Return the contents of a part, which has no parts of its own."""
+def _read_part(path: Path, source: str, index: int) -> Any:
+    """Return the contents of a part; raise ``InputError`` if it has parts of its own."""
     try:
         mapping = read_yaml(path)
     except InputError as error:
@@ -151,17 +157,18 @@ def _part(path: Path, source: str, index: int) -> Any:
     return mapping
 
 
-def _with_part(study: Study, part: Study, source: str) -> Study:
-    """Return a study with the points, series, boundaries and figures of a part as well."""
+def _merge_part(study: Study, part: Study, source: str) -> Study:
+    """Return a study with the points, series and boundaries of a part added."""
     for name in part.series:
         if name in study.series:
             allowed = "a part without a series of a name that another has"
             raise InputError.of_value(source, f"series {name}", part.path.name, allowed)
     points = dict(study.points)
-    for one in part.points.values():
-        for name in one.series:
-            points[one.id] = as_member(points, one.parameters, name, one.figures + one.left_out)
-        require_same(points[one.id], one.parameters, source)
+    for point in part.points.values():
+        figures = point.figures + point.left_out
+        for name in point.series:
+            points[point.id] = point_with_membership(points, point.parameters, name, figures)
+        require_same_point(points[point.id], point.parameters, source)
     return replace(
         study,
         files=study.files + part.files,

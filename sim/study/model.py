@@ -1,4 +1,4 @@
-"""What a study is: points, boundaries to be found, figures."""
+"""Model of a study: points, boundaries to be found, figures."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -14,9 +14,9 @@ from sim.study.refine import further_rounds
 
 @dataclass(frozen=True)
 class Point:
-    """One run of a study, however many series and figures it serves.
+    """One point of a study, which may belong to several series and figures.
 
-    ``left_out`` are figures that its series feed and that do not show it.
+    ``left_out`` holds the figures that its series feed but that do not show it.
     """
 
     id: str
@@ -28,22 +28,22 @@ class Point:
 
 @dataclass(frozen=True)
 class Boundary:
-    """One boundary to be found, all parameters but one fixed.
+    """One boundary to be found, with all parameters but one fixed.
 
     Attributes
     ----------
     name : str
-        Shared by the boundaries of one entry of the study file, which its ``grid`` tells apart.
+        Name of its entry in the study file; boundaries of one entry differ in ``grid``.
     of, along : str
-        What changes at the boundary; the parameter along which it is looked for.
+        What changes at the boundary; the parameter along which it is searched.
     low, high, tolerance : float
-        Range of that parameter and width of the interval wanted.
+        Range of that parameter, and required width of the interval that contains the boundary.
     grid : dict
-        Values of the grid that this boundary is for.
+        Values of the grid that belong to this boundary.
     figures : tuple of str
         Figures that it feeds.
-    at : callable
-        Gives the parameters of the point at a value of ``along``.
+    parameters_at : callable
+        Function: value of ``along`` → parameters of the point there.
     """
 
     name: str
@@ -54,11 +54,11 @@ class Boundary:
     tolerance: float
     grid: dict[str, Any]
     figures: tuple[str, ...]
-    at: Callable[[float], Parameters]
+    parameters_at: Callable[[float], Parameters]
 
     @property
     def rounds(self) -> int:
-        """Rounds of refinement after the first."""
+        """Number of rounds of refinement after the first."""
         return further_rounds(self.low, self.high, self.tolerance)
 
 
@@ -69,25 +69,25 @@ class Study:
     Attributes
     ----------
     name, title : str
-        Name of the folder of results; one line for the report.
+        Name of the study and of its folder of results; one line for the report.
     files : tuple of Path
         The study file, then those of its parts.
     points : dict
-        Points by id, in the order of the file; equal points of several series appear once. Of the
-        boundaries, the first round.
+        Points by id, in the order of the file; equal points of several series appear once. They
+        include the points of the first round of the boundaries.
     series, figures : dict
         Ids of the points of each series (or boundary) and of each figure, in order.
     boundaries : tuple of Boundary
         Boundaries to be found.
     plots : mapping
-        Its own plots, by name, as entries like those of the catalogue; they are among ``figures``.
+        Its own plots by name, as entries like those of the catalogue; ``figures`` has them, too.
     readings : mapping
-        By system the readings of its paper under which every series is run, each as what differs
-        from the defaults.
+        Readings of the paper under which every series is run, by system. Each reading maps the
+        parameters that differ from their defaults to values.
     decide : DecideFile or None
-        What is to be decided by more replicates; those bought so far are in the points' parameters.
+        What more replicates are to decide. The parameters of the points include those added so far.
     pages : bool
-        Whether each of its points, those of later rounds aside, has a page.
+        Whether each point has a page, except points of later rounds.
     plugins : tuple of Plugin
         The plug-ins that it and its parts name.
     """
@@ -107,13 +107,13 @@ class Study:
 
     @property
     def entries(self) -> dict[str, FigureSpec]:
-        """What each figure of the study is, by name."""
+        """Entries of the figures of the study, by name."""
         return {name: self.plots.get(name) or FIGURES[name] for name in self.figures}
 
     @property
     def sources(self) -> tuple[Path, ...]:
-        """The study file, those of its parts, and the plug-ins that are files beside them."""
-        return self.files + tuple(Path(one.place) for one in self.plugins if one.is_file)
+        """The study file, the files of its parts, and the plug-ins that are files beside them."""
+        return self.files + tuple(Path(plugin.place) for plugin in self.plugins if plugin.is_file)
 
     @property
     def path(self) -> Path:
@@ -122,5 +122,5 @@ class Study:
 
     @property
     def rounds(self) -> int:
-        """Rounds of refinement after the first that the boundaries may take."""
+        """Maximum number of rounds of refinement after the first."""
         return max((boundary.rounds for boundary in self.boundaries), default=0)

@@ -1,36 +1,36 @@
-"""An entry under ``plots`` of a study file: which observable is drawn against which parameters."""
+"""Entry under ``plots`` of a study file: which observable is drawn against which parameters."""
 
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import AfterValidator, BeforeValidator, Field, WithJsonSchema, model_validator
 
-from sim.base.additions import NAME as PLUGGED
+from sim.base.additions import NAME as PLUGIN_NAME
 from sim.parameters.common import Real, broken_rule
 from sim.study.catalogue import FIGURES
-from sim.study.entries import ALLOWED_NAME, NAME, Strict, optional, require_shown
-from sim.study.plot_beside import LARGEST, MOST_BESIDE, BesideFile
-from sim.study.plot_kinds import KINDS, like, own_plots
+from sim.study.entries import ALLOWED_NAME, NAME, Strict, optional, require_printable
+from sim.study.plot_beside import MAX_BESIDE, MAX_MAGNITUDE, BesideFile
+from sim.study.plot_kinds import KINDS, base_kind, own_plots
 from sim.study.plottable import every_name
 
 
-def _known(kind: str) -> str:
-    known = [*KINDS, *own_plots()]
-    if kind not in known:
-        raise broken_rule("", kind, "one of " + ", ".join(known))
+def _require_known_kind(kind: str) -> str:
+    kinds = [*KINDS, *own_plots()]
+    if kind not in kinds:
+        raise broken_rule("", kind, "one of " + ", ".join(kinds))
     return kind
 
 
-#: One of `KINDS`, or of a plug-in.
+#: Type of a kind of plot: one of `KINDS`, or a kind of a plug-in.
 Kind = Annotated[
     str,
-    AfterValidator(_known),
-    WithJsonSchema({"anyOf": [{"enum": list(KINDS)}, {"type": "string", "pattern": PLUGGED}]}),
+    AfterValidator(_require_known_kind),
+    WithJsonSchema({"anyOf": [{"enum": list(KINDS)}, {"type": "string", "pattern": PLUGIN_NAME}]}),
 ]
 
-#: What the colour of a map may be besides an observable.
+#: Value of ``colour`` that is no observable: a map of regimes.
 REGIME = "regime"
 
-#: The key of the observable of each kind of plot, and what it is if not given.
+#: Key of the observable of each kind of plot, and its default.
 OBSERVABLE: dict[str, tuple[str, str]] = {
     "curves": ("y", "velocity"),
     "map": ("colour", REGIME),
@@ -39,16 +39,16 @@ OBSERVABLE: dict[str, tuple[str, str]] = {
     "distribution": ("y", "velocity"),
 }
 
-#: The key of a second observable of the kinds that can show one against another.
-SECOND = {"curves": "x", "profiles": "y"}
+#: Key of the second observable, for the kinds that can show one observable against another.
+SECOND_KEY = {"curves": "x", "profiles": "y"}
 
-#: Kinds that have a place for data beside.
-_TAKE_BESIDE = ("curves", "profiles", "map")
+#: Kinds that can show data beside their own.
+_KINDS_WITH_BESIDE = ("curves", "profiles", "map")
 
-#: What is allowed as heights to show slices between.
-_BETWEEN = "two heights in diameters, 0 or more, the lower one first"
+#: Allowed values of ``between``, for messages.
+_ALLOWED_BETWEEN = "two heights in diameters, 0 or more, the lower one first"
 
-#: Keys of the parameters that stand on the axes of each kind, and what to know of keys it lacks.
+#: Keys of the parameters on the axes of each kind; and hints for keys that a kind does not have.
 AXES: dict[str, tuple[str, ...]] = {
     "curves": ("x",),
     "map": ("x", "y"),
@@ -56,13 +56,13 @@ AXES: dict[str, tuple[str, ...]] = {
     "time_series": (),
     "distribution": ("x",),
 }
-_LACKING = {
+_MISSING_KEY_HINTS = {
     ("map", "curves"): "no curves on a map; panels tell further parameters apart",
     ("time_series", "x"): "nothing: x is the time",
 }
 
-#: Axes that each kind of plot can make logarithmic.
-_LOG: dict[str, tuple[str, ...]] = {
+#: Axes of each kind of plot that can be logarithmic.
+_LOG_AXES: dict[str, tuple[str, ...]] = {
     "curves": ("x", "y"),
     "map": ("x", "y", "colour"),
     "profiles": ("x",),
@@ -71,18 +71,18 @@ _LOG: dict[str, tuple[str, ...]] = {
 }
 
 
-def _listed(value: Any) -> Any:
+def _as_list(value: Any) -> Any:
     return [value] if isinstance(value, str) else value
 
 
-#: A name, or a list of names.
+#: Type of a list of names, for which a file may give a single name.
 Names = Annotated[
     list[str],
-    BeforeValidator(_listed),
+    BeforeValidator(_as_list),
     WithJsonSchema({"anyOf": [{"type": "string"}, {"type": "array", "items": {"type": "string"}}]}),
 ]
 
-_ANY = {"examples": every_name()}
+_OBSERVABLE_EXAMPLES = {"examples": every_name()}
 
 
 class PlotFile(Strict):
@@ -107,15 +107,16 @@ class PlotFile(Strict):
     x: str = optional(
         "parameter on the horizontal axis, of `curves` also another observable; of `profiles` the "
         "observable (velocity)",
-        json_schema=_ANY,
+        json_schema=_OBSERVABLE_EXAMPLES,
     )
     y: str = optional(
         "observable on the vertical axis (velocity); of a `map` a parameter; of `profiles` an "
         "observable over the height, in each slice shown against x (omitted: the height itself)",
-        json_schema=_ANY,
+        json_schema=_OBSERVABLE_EXAMPLES,
     )
     colour: str = optional(
-        "of a `map`: observable that the colour shows, or `regime` (omitted)", json_schema=_ANY
+        "of a `map`: observable that the colour shows, or `regime` (omitted)",
+        json_schema=_OBSERVABLE_EXAMPLES,
     )
     curves: Names = optional(
         "parameter, or list of them, that tells curves apart",
@@ -134,15 +135,15 @@ class PlotFile(Strict):
     )
     between: list[Real] = optional(
         "of `profiles`: heights above the base between which slices are shown, in diameters",
-        json_schema={"allowed": _BETWEEN},
+        json_schema={"allowed": _ALLOWED_BETWEEN},
         min_length=2,
         max_length=2,
     )
     beside: list[BesideFile] = optional(
         "data that are not of the study, drawn beside it: of `curves`, `profiles` and `map`",
         min_length=1,
-        max_length=MOST_BESIDE,
-        json_schema={"allowed": f"a list of at most {MOST_BESIDE} mappings with label and points"},
+        max_length=MAX_BESIDE,
+        json_schema={"allowed": f"a list of at most {MAX_BESIDE} mappings with label and points"},
     )
     log: list[Literal["x", "y", "colour"]] = Field(
         [],
@@ -151,79 +152,85 @@ class PlotFile(Strict):
     )
 
     @model_validator(mode="after")
-    def _of_a_name_of_its_own(self) -> Self:
+    def _require_unused_name(self) -> Self:
         if self.name.lower() in FIGURES:
             raise broken_rule("name", self.name, "a name that no figure of the catalogue has")
-        require_shown(self.title)
+        require_printable(self.title)
         return self
 
     @model_validator(mode="after")
-    def _with_the_keys_of_its_kind(self) -> Self:
-        observed, _ = OBSERVABLE[self.like]
-        has = {observed, self.second, "panels", *AXES[self.like]}
-        has |= set() if self.like == "map" else {"curves"}
+    def _require_keys_of_kind(self) -> Self:
+        observable_key, _ = OBSERVABLE[self.base_kind]
+        allowed_keys = {observable_key, self.second_key, "panels", *AXES[self.base_kind]}
+        allowed_keys |= set() if self.base_kind == "map" else {"curves"}
         for key in ("x", "y", "colour", "curves", "panels"):
             value = getattr(self, key)
-            if value is not None and key not in has:
-                allowed = _LACKING.get((self.like, key), f"{key} of a map alone")
+            if value is not None and key not in allowed_keys:
+                allowed = _MISSING_KEY_HINTS.get((self.base_kind, key), f"{key} of a map alone")
                 raise broken_rule(key, value, allowed)
-            if value is None and key in AXES[self.like]:
-                other = ", or an observable" if SECOND.get(self.like) == key else ""
-                raise broken_rule(key, value, f"a parameter that the points vary{other}")
+            if value is None and key in AXES[self.base_kind]:
+                alternative = ", or an observable" if SECOND_KEY.get(self.base_kind) == key else ""
+                raise broken_rule(key, value, f"a parameter that the points vary{alternative}")
         for number, axis in enumerate(self.log):
-            known = _LOG[self.like] + (("y",) if self.like == "profiles" and self.y else ())
-            if self.like == "map" and self.observable == REGIME:
-                known = ("x", "y")
-            if axis not in known:
-                allowed = "one of " + ", ".join(known)
+            axes = _LOG_AXES[self.base_kind] + (
+                ("y",) if self.base_kind == "profiles" and self.y else ()
+            )
+            if self.base_kind == "map" and self.observable == REGIME:
+                axes = ("x", "y")
+            if axis not in axes:
+                allowed = "one of " + ", ".join(axes)
                 raise broken_rule(f"log[{number}]", axis, allowed)
         return self
 
     @model_validator(mode="after")
-    def _with_heights_of_profiles(self) -> Self:
+    def _require_valid_heights(self) -> Self:
         if self.between is None:
             return self
-        if self.like != "profiles":
+        if self.base_kind != "profiles":
             raise broken_rule("between", self.between, "between of profiles alone")
         low, high = self.between
         if not 0 <= low < high:
-            raise broken_rule("between", self.between, _BETWEEN)
+            raise broken_rule("between", self.between, _ALLOWED_BETWEEN)
         return self
 
     @model_validator(mode="after")
-    def _with_data_beside_that_have_a_place(self) -> Self:
+    def _require_drawable_beside(self) -> Self:
         labels: set[str] = set()
-        for number, one in enumerate(self.beside or []):
-            if self.kind not in _TAKE_BESIDE:
-                allowed = f"no data beside, which are of {', '.join(_TAKE_BESIDE)} alone"
-                raise broken_rule("beside", one.label, allowed)
-            if one.label in labels:
-                raise broken_rule(f"beside[{number}].label", one.label, "a label of its own")
-            labels.add(one.label)
-            for place, point in enumerate(one.points):
-                low = [axis for axis, at in zip("xy", point, strict=True) if at < 1 / LARGEST]
+        for number, data in enumerate(self.beside or []):
+            if self.kind not in _KINDS_WITH_BESIDE:
+                allowed = f"no data beside, which are of {', '.join(_KINDS_WITH_BESIDE)} alone"
+                raise broken_rule("beside", data.label, allowed)
+            if data.label in labels:
+                raise broken_rule(f"beside[{number}].label", data.label, "a label of its own")
+            labels.add(data.label)
+            for index, point in enumerate(data.points):
+                low = [
+                    axis
+                    for axis, value in zip("xy", point, strict=True)
+                    if value < 1 / MAX_MAGNITUDE
+                ]
                 if axes := [axis for axis in low if axis in self.log]:
-                    allowed = f"numbers >= {1 / LARGEST:g} on the logarithmic axis {axes[0]}"
-                    raise broken_rule(f"beside[{number}].points[{place}]", point, allowed)
+                    allowed = f"numbers >= {1 / MAX_MAGNITUDE:g} on the logarithmic axis {axes[0]}"
+                    raise broken_rule(f"beside[{number}].points[{index}]", point, allowed)
         return self
 
     @property
-    def like(self) -> str:
-        """Kind of Talus whose keys it takes."""
-        return like(self.kind)
+    def base_kind(self) -> str:
+        """Kind of Talus whose keys this plot takes."""
+        return base_kind(self.kind)
 
     @property
     def observable(self) -> str:
-        """Name of what is shown."""
-        key, usual = OBSERVABLE[self.like]
-        return getattr(self, key) or usual
+        """Name of the observable that is shown, or ``regime``."""
+        key, default = OBSERVABLE[self.base_kind]
+        return getattr(self, key) or default
 
     @property
-    def second(self) -> str:
-        """Key of a second observable, empty where the kind shows none."""
-        return SECOND.get(self.like, "")
+    def second_key(self) -> str:
+        """Key of the second observable, empty if the kind shows none."""
+        return SECOND_KEY.get(self.base_kind, "")
 
     @property
-    def on_axes(self) -> tuple[str, ...]:
-        """What stands on the axes where a parameter may: parameters, unless it is ``second``."""
-        return tuple(getattr(self, key) for key in AXES[self.like])
+    def axis_names(self) -> tuple[str, ...]:
+        """Names on the axes that show parameters; at ``second_key`` it may be an observable."""
+        return tuple(getattr(self, key) for key in AXES[self.base_kind])

@@ -1,23 +1,23 @@
-"""Kinds of plot of a study's own points: those of Talus, and those that plug-ins declare."""
+"""Kinds of plot of a study's own points: the kinds of Talus, and those that plug-ins declare."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from sim.base.additions import add, additions
-from sim.base.declared import require_function, require_one_of
+from sim.base.require import require_function, require_one_of
 
 if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.figure import Figure
 
-#: Those of Talus; docs/plots.md tells what they show.
+#: Kinds of Talus; docs/plots.md describes them.
 KINDS = ("curves", "map", "profiles", "time_series", "distribution")
 
-#: Kind of these additions.
+#: Kind of the plug-in additions that are kinds of plot.
 PLOT = "plot"
 
-#: Gives the picture from the data of a figure, `sim.figures.data.FigureData`.
+#: Function: data of a figure (`sim.figures.data.FigureData`) → picture.
 Drawing = Callable[[Any], "Figure"]
 
 
@@ -38,46 +38,46 @@ def plot_kind(
     table: "Callable[[Any], pd.DataFrame] | None" = None,
     notes: Callable[[Any], Sequence[str]] | None = None,
 ) -> Callable[[Drawing], Drawing]:
-    """Declare a kind of plot; the function below draws it.
+    """Declare a kind of plot; the decorated function draws it.
 
-    That gets the data of a figure: its ``spec``, a table ``rows`` of its points, and the
-    ``results`` of the study; it returns a figure of matplotlib.
+    The function gets the data of a figure: its ``spec``, a table ``rows`` of its points, and the
+    ``results`` of the study. It returns a matplotlib figure.
 
     Parameters
     ----------
     name : str
         The ``kind`` that study files give.
     like : str
-        Kind of Talus whose keys it takes, with all that is checked of them.
+        Kind of Talus whose keys it takes; the same checks apply.
     table, notes : callable, optional
-        Give the data behind the picture, and sentences of the caption; those of ``like`` if
-        omitted.
+        Functions that return the data behind the picture, and the sentences of the caption. By
+        default, those of ``like``.
     """
     require_one_of(f"plot {name}: like", like, KINDS)
-    for what, function in (("table", table), ("notes", notes)):
+    for role, function in (("table", table), ("notes", notes)):
         if function is not None:
-            require_function(f"plot {name}: {what}", function, takes=1)
+            require_function(f"plot {name}: {role}", function, takes=1)
 
-    def declared(draw: Drawing) -> Drawing:
+    def register(draw: Drawing) -> Drawing:
         require_function(f"plot {name}", draw, takes=1)
         add(PLOT, name, OwnPlot(like, draw, table, notes), KINDS)
         return draw
 
-    return declared
+    return register
 
 
 def own_plots() -> dict[str, OwnPlot]:
     """Return the kinds that plug-ins have declared."""
-    return {name: one.value for name, one in additions(PLOT).items()}
+    return {name: addition.value for name, addition in additions(PLOT).items()}
 
 
-def like(kind: str) -> str:
-    """Return the kind of Talus whose keys a kind takes."""
-    own = own_plots()
-    return own[kind].like if kind in own else kind
+def base_kind(kind: str) -> str:
+    """Return the kind of Talus whose keys a kind takes; a kind of Talus is its own base."""
+    plots = own_plots()
+    return plots[kind].like if kind in plots else kind
 
 
-def code_of(kind: str) -> dict[str, str]:
-    """Return what tells the code that draws a kind, for options of a figure: nothing of Talus'."""
-    held = additions(PLOT)
-    return {"plugin": held[kind].plugin.code} if kind in held else {}
+def plugin_code(kind: str) -> dict[str, str]:
+    """Return the code hash of a kind's plug-in as an option of a figure; empty for Talus' kinds."""
+    plots = additions(PLOT)
+    return {"plugin": plots[kind].plugin.code} if kind in plots else {}

@@ -1,4 +1,4 @@
-"""From the plots of a study file to entries of the same kind as the catalogue's."""
+"""Convert the plots of a study file to figure entries like those of the catalogue."""
 
 from collections.abc import Iterable, Sequence
 from typing import Any
@@ -14,181 +14,200 @@ from sim.parameters import (
     roles,
 )
 from sim.study.catalogue import FigureSpec
-from sim.study.figure_points import require_places
+from sim.study.figure_points import require_distinct_positions
 from sim.study.file import StudyFile
 from sim.study.model import Point, Study
-from sim.study.plot_checks import Refused, require_nothing_else, require_parameters, varying_of
+from sim.study.plot_checks import (
+    PlotErrorMaker,
+    require_distinct_map_points,
+    require_parameters,
+    varying_parameters,
+)
 from sim.study.plot_file import AXES, OBSERVABLE, REGIME, PlotFile
-from sim.study.plot_kinds import code_of
-from sim.study.plot_words import lead_of, title_of
+from sim.study.plot_kinds import plugin_code
+from sim.study.plot_words import caption_lead, default_title
 from sim.study.plottable import SHOWN_BY, Observable, every_name
 
 
-def plots_of(
-    file: StudyFile, study: Study, source: str, taken: Iterable[str] = ()
+def plot_specs(
+    file: StudyFile, study: Study, source: str, other_names: Iterable[str] = ()
 ) -> dict[str, FigureSpec]:
-    """Return the plots of a study file as entries of figures, by name.
+    """Return a map from the name of each plot of a study file to its figure entry.
 
     Parameters
     ----------
     file : StudyFile
         The file.
     study : Study
-        Its points and series.
+        The study, with points and series.
     source : str
         The file's name, for messages.
-    taken : iterable of str
-        Names that other plots of the study have.
+    other_names : iterable of str
+        Names of other plots of the study.
 
     Raises
     ------
     InputError
-        For names that clash, unknown series, parameters or observables, parameters that do not
-        vary, and points that a plot could not tell apart.
+        For clashing names; unknown series, parameters or observables; parameters that do not
+        vary; and points that a plot could not tell apart.
     """
-    found: dict[str, FigureSpec] = {}
-    for number, one in enumerate(file.plots or []):
+    specs: dict[str, FigureSpec] = {}
+    for number, plot in enumerate(file.plots or []):
 
-        def refused(key: str, value: Any, allowed: str, number: int = number) -> InputError:
+        def plot_error(key: str, value: Any, allowed: str, number: int = number) -> InputError:
             return InputError.of_value(source, f"plots[{number}].{key}", value, allowed)
 
         # Some file systems do not tell capitals from small letters.
-        if one.name.lower() in map(str.lower, (*found, *taken)):
-            raise refused("name", one.name, "a name that no other plot has, capitals or not")
-        found[one.name] = _entry(one, study, refused, source, f"plots[{number}]")
-    return found
+        if plot.name.lower() in map(str.lower, (*specs, *other_names)):
+            raise plot_error("name", plot.name, "a name that no other plot has, capitals or not")
+        specs[plot.name] = _plot_spec(plot, study, plot_error, source, f"plots[{number}]")
+    return specs
 
 
-def points_shown(spec: FigureSpec, points: Iterable[Point]) -> tuple[str, ...]:
+def points_of_plot(spec: FigureSpec, points: Iterable[Point]) -> tuple[str, ...]:
     """Return the ids of the points of a study that a plot shows."""
     return tuple(
         point.id for point in points if spec.is_fed_by(point.parameters.system, point.series)
     )
 
 
-def _entry(one: PlotFile, study: Study, refused: Refused, source: str, path: str) -> FigureSpec:
-    """Return a plot as an entry like those of the catalogue."""
-    names = _series(one, study, refused)
+def _plot_spec(
+    plot: PlotFile, study: Study, plot_error: PlotErrorMaker, source: str, path: str
+) -> FigureSpec:
+    """Return the figure entry of a plot."""
+    names = _series_names(plot, study, plot_error)
     points = [point for point in study.points.values() if set(point.series) & set(names)]
-    system = _system(one, points, refused)
+    system = _plot_system(plot, points, plot_error)
     points = [point for point in points if point.parameters.system == system]
-    key, _ = OBSERVABLE[one.like]
-    is_map = one.like == "map" and one.observable == REGIME
-    observable = None if is_map else _observable(one, key, one.observable, system, points, refused)
-    second = _second(one, system, points, refused)
-    axes = () if second else one.on_axes
-    curves, panels = tuple(one.curves or ()), one.panels or ""
-    require_parameters(one, axes, system, points, refused)
+    key, _ = OBSERVABLE[plot.base_kind]
+    is_map = plot.base_kind == "map" and plot.observable == REGIME
+    observable = (
+        None if is_map else _observable(plot, key, plot.observable, system, points, plot_error)
+    )
+    second = _second_observable(plot, system, points, plot_error)
+    axes = () if second else plot.axis_names
+    curves, panels = tuple(plot.curves or ()), plot.panels or ""
+    require_parameters(plot, axes, system, points, plot_error)
     spec = FigureSpec(
-        name=one.name,
-        kind=f"plot_{one.kind}",
+        name=plot.name,
+        kind=f"plot_{plot.kind}",
         paper="",
         system=system,
-        title=one.title or title_of(one, observable, second),
+        title=plot.title or default_title(plot, observable, second),
         axes=axes,
         curves=curves + ((panels,) if panels else ()),
-        lead=lead_of(one, observable, second, system),
-        named=_named(system, [point.parameters for point in points]),
+        lead=caption_lead(plot, observable, second, system),
+        named=_caption_parameters(system, [point.parameters for point in points]),
         series=tuple(names),
         options={
-            "show": one.observable,
+            "show": plot.observable,
             "second": second.name if second else "",
-            "between": tuple(one.between or ()),
+            "between": tuple(plot.between or ()),
             "beside": tuple(
-                (each.label, tuple(map(tuple, each.points)), each.line) for each in one.beside or ()
+                (data.label, tuple(map(tuple, data.points)), data.line)
+                for data in plot.beside or ()
             ),
             "panels": panels,
             "curves": curves,
-            "units": one.units,
-            "log": tuple(one.log),
+            "units": plot.units,
+            "log": tuple(plot.log),
         }
-        | code_of(one.kind),
+        | plugin_code(plot.kind),
     )
-    if one.like == "map":
-        require_nothing_else(spec, points, refused)
-    require_places(spec, points, source, path)
+    if plot.base_kind == "map":
+        require_distinct_map_points(spec, points, plot_error)
+    require_distinct_positions(spec, points, source, path)
     return spec
 
 
-def _series(one: PlotFile, study: Study, refused: Refused) -> Sequence[str]:
-    for number, name in enumerate(one.series or []):
+def _series_names(plot: PlotFile, study: Study, plot_error: PlotErrorMaker) -> Sequence[str]:
+    for number, name in enumerate(plot.series or []):
         if name not in study.series:
-            raise refused(f"series[{number}]", name, "one of " + ", ".join(study.series))
-    return one.series or list(study.series)
+            raise plot_error(f"series[{number}]", name, "one of " + ", ".join(study.series))
+    return plot.series or list(study.series)
 
 
-def _system(one: PlotFile, points: Sequence[Point], refused: Refused) -> str:
-    """Return the system of a plot: what it says, or that of all its points."""
-    there = list(dict.fromkeys(point.parameters.system for point in points))
-    if one.system is None and len(there) > 1:
-        raise refused("system", None, "one of " + ", ".join(there) + ", as the series have several")
-    system = one.system or there[0]
-    if system not in there:
-        raise refused("system", system, f"a system of its series: {', '.join(there)}")
+def _plot_system(plot: PlotFile, points: Sequence[Point], plot_error: PlotErrorMaker) -> str:
+    """Return the system of a plot: the value of its key, or the only system of its points."""
+    systems = list(dict.fromkeys(point.parameters.system for point in points))
+    if plot.system is None and len(systems) > 1:
+        raise plot_error(
+            "system", None, "one of " + ", ".join(systems) + ", as the series have several"
+        )
+    system = plot.system or systems[0]
+    if system not in systems:
+        raise plot_error("system", system, f"a system of its series: {', '.join(systems)}")
     return system
 
 
-def _second(
-    one: PlotFile, system: str, points: Sequence[Point], refused: Refused
+def _second_observable(
+    plot: PlotFile, system: str, points: Sequence[Point], plot_error: PlotErrorMaker
 ) -> Observable | None:
-    """Return the observable on the other axis too; nothing where a parameter is there, or may be.
+    """Return the second observable; ``None`` if a parameter is on that axis, or may be.
 
-    What is neither is refused with the parameters.
+    A name of neither kind is refused later, with the parameters.
     """
-    name = getattr(one, one.second) if one.second else None
-    if name is None or (one.second in AXES[one.like] and name not in every_name()):
+    name = getattr(plot, plot.second_key) if plot.second_key else None
+    if name is None or (plot.second_key in AXES[plot.base_kind] and name not in every_name()):
         return None
-    if name == one.observable:
-        key, _ = OBSERVABLE[one.like]
-        raise refused(one.second, name, f"an observable other than {key}")
-    return _observable(one, one.second, name, system, points, refused)
+    if name == plot.observable:
+        key, _ = OBSERVABLE[plot.base_kind]
+        raise plot_error(plot.second_key, name, f"an observable other than {key}")
+    return _observable(plot, plot.second_key, name, system, points, plot_error)
 
 
 def _observable(
-    one: PlotFile, key: str, name: str, system: str, points: Sequence[Point], refused: Refused
+    plot: PlotFile,
+    key: str,
+    name: str,
+    system: str,
+    points: Sequence[Point],
+    plot_error: PlotErrorMaker,
 ) -> Observable:
-    """Return an observable that a plot shows, which its key names."""
-    known = SHOWN_BY[one.like](system)
-    found = known.get(name)
-    if found is None:
-        raise refused(key, name, _instead(one, name, system, list(known)))
-    if found.asked_by and not all(
-        getattr(point.parameters, found.asked_by, False) for point in points
+    """Return the observable that a key of a plot names; raise ``InputError`` for other names."""
+    observables = SHOWN_BY[plot.base_kind](system)
+    observable = observables.get(name)
+    if observable is None:
+        raise plot_error(key, name, _observable_hint(plot, name, system, list(observables)))
+    if observable.asked_by and not all(
+        getattr(point.parameters, observable.asked_by, False) for point in points
     ):
-        allowed = f"points with {found.asked_by}: true, without which it is not kept"
-        raise refused(key, name, allowed)
-    return found
+        allowed = f"points with {observable.asked_by}: true, without which it is not kept"
+        raise plot_error(key, name, allowed)
+    return observable
 
 
-def _instead(one: PlotFile, name: str, system: str, known: list[str]) -> str:
-    """Say what may be meant by an observable that a kind of plot does not know."""
+def _observable_hint(plot: PlotFile, name: str, system: str, names: list[str]) -> str:
+    """Return the allowed values for a message on an observable that a plot cannot show."""
     for other in SYSTEMS:
-        if other != system and name in SHOWN_BY[one.like](other):
+        if other != system and name in SHOWN_BY[plot.base_kind](other):
             return f"an observable of the {system}; {name} is one of the {other}"
-    for kind, shown in SHOWN_BY.items():
-        if name in shown(system):
-            return f"an observable of {one.kind}; {name} is shown by kind: {kind}"
-    return did_you_mean(name, known) + "one of " + ", ".join(known)
+    for kind, observables in SHOWN_BY.items():
+        if name in observables(system):
+            return f"an observable of {plot.kind}; {name} is shown by kind: {kind}"
+    return did_you_mean(name, names) + "one of " + ", ".join(names)
 
 
-#: Parameters that captions tell elsewhere, or not at all.
-_APART = {"system", "protocol", "start_from"}
+#: Parameters that captions give elsewhere or not at all.
+_NOT_IN_CAPTION = {"system", "protocol", "start_from"}
 
 
-def _named(system: str, points: Sequence[Parameters]) -> tuple[str, ...]:
-    """Return the parameters that a caption gives: those that name points, vary or are not usual."""
+def _caption_parameters(system: str, points: Sequence[Parameters]) -> tuple[str, ...]:
+    """Return the parameters in a caption: part of ids, varied, or different from the default."""
     model = SYSTEMS[system]
     rows, always = field_info(model), {*roles.id_parts(model), "transient", "average"}
     unusual = {
         name
         for name, row in rows.items()
         if name not in NUMERICAL
-        and name not in _APART
+        and name not in _NOT_IN_CAPTION
         and row.default is not None
-        and any(getattr(one, name) != canonical_number(row.default) for one in points)
+        and any(getattr(point, name) != canonical_number(row.default) for point in points)
     }
-    chosen = always | unusual | set(varying_of(points))
-    if all(getattr(one, "friction_plane", 0) == getattr(one, "friction", 0) for one in points):
-        # A plane as rough as the particles.
+    chosen = always | unusual | set(varying_parameters(points))
+    if all(
+        getattr(point, "friction_plane", 0) == getattr(point, "friction", 0) for point in points
+    ):
+        # The plane has the friction of the particles.
         chosen -= {"friction_plane"}
-    return tuple(name for name in rows if name in chosen and name not in _APART)
+    return tuple(name for name in rows if name in chosen and name not in _NOT_IN_CAPTION)

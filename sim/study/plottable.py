@@ -1,29 +1,10 @@
 """What plots can show: observables by their names in study files, with units and meanings."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from sim.parameters import SYSTEMS
-from sim.parameters.observables import (
-    ASKED_FOR,
-    BELT_FORCES,
-    LACKING,
-    LEFT_OUT,
-    MEASURES,
-    PROFILES,
-    SCALARS,
-    SERIES,
-)
 from sim.parameters.own import own_observables
-
-#: Parameters without which an observable is not kept.
-_ASKED_BY = (
-    dict.fromkeys(ASKED_FOR, "stress_profiles")
-    | {"fluctuation_temperature_profile": "fluctuation_profiles"}
-    | dict.fromkeys((*BELT_FORCES, "belt_force_phase"), "belt_forces")
-)
-
-_PROFILE = "_profile"
+from sim.parameters.variables import Variable, plotted_name, variables_of
 
 
 @dataclass(frozen=True)
@@ -53,45 +34,35 @@ class Observable:
 
 
 def numbers(system: str) -> dict[str, Observable]:
-    """Return what is one number per replicate: scalars, measures, means of profiles, plug-ins'."""
-    scalars = _own(system, SCALARS | MEASURES)
-    found = {
-        name: Observable(name, name, unit, meaning, asked_by=_ASKED_BY.get(name, ""))
-        for name, (unit, meaning) in scalars.items()
-        if unit
-    }
+    """Return the numbers per replicate: scalars, measures, means of profiles, plug-ins'."""
+    rows = variables_of("scalar", "measure", system=system)
+    scalars = {name: _observable(name, row) for name, row in rows.items() if row.unit}
     means = {
-        name: Observable(
-            name, one.source, one.unit, f"{one.meaning}, mean of all particles", True, one.asked_by
-        )
+        name: replace(one, meaning=f"{one.meaning}, mean of all particles", is_mean=True)
         for name, one in profiles(system).items()
-        if name not in found
+        if name not in scalars
     }
-    own = {
-        name: Observable(name, name, one.unit, one.meaning)
-        for name, one in own_observables(system).items()
-    }
-    return found | means | own
+    own = {name: _observable(name, one.variable) for name, one in own_observables(system).items()}
+    return scalars | means | own
 
 
 def profiles(system: str) -> dict[str, Observable]:
-    """Return what is known over the height."""
+    """Return the profiles over the height that datasets keep, averages of the window."""
     return {
-        (name := source.removesuffix(_PROFILE)): Observable(
-            name, source, unit, meaning, asked_by=_ASKED_BY.get(source, "")
-        )
-        for source, (unit, meaning) in _own(system, PROFILES | ASKED_FOR).items()
+        (name := plotted_name(source)): _observable(name, row)
+        for source, row in variables_of("profile", system=system).items()
+        if system in row.in_datasets and not row.of
     }
 
 
 def series(system: str) -> dict[str, Observable]:
-    """Return what run files hold as time series."""
-    return {
-        (name := source.removeprefix("mean_")): Observable(
-            name, source, unit, meaning, asked_by=_ASKED_BY.get(source, "")
-        )
-        for source, (unit, meaning) in SERIES.get(system, {}).items()
-    }
+    """Return the time series of run files."""
+    rows = variables_of("series", system=system)
+    return {(name := plotted_name(source)): _observable(name, row) for source, row in rows.items()}
+
+
+def _observable(name: str, row: Variable) -> Observable:
+    return Observable(name, row.name, row.unit, row.meaning, asked_by=row.asked_by)
 
 
 #: Observables that each kind of plot can show, by system.
@@ -108,9 +79,3 @@ def every_name() -> list[str]:
     """Return the names of the observables of all kinds of plot and systems."""
     named = (SHOWN_BY[kind](system) for kind in SHOWN_BY for system in SYSTEMS)
     return list(dict.fromkeys(name for each in named for name in each))
-
-
-def _own(system: str, rows: Mapping[str, tuple[str, str]]) -> dict[str, tuple[str, str]]:
-    """Return the rows of what a system has."""
-    lacking = LACKING[system] | LEFT_OUT[system] if system in LACKING else MEASURES.keys()
-    return {name: row for name, row in rows.items() if name not in lacking}

@@ -1,4 +1,4 @@
-"""From one validated study file to its points and boundaries."""
+"""Expand one validated study file to points and boundaries."""
 
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
@@ -8,157 +8,166 @@ from pathlib import Path
 from typing import Any
 
 from sim.base.errors import InputError
-from sim.parameters import Parameters, amounts, more, point_id, roles
+from sim.parameters import Parameters, amounts, point_id, roles, with_larger_amounts
 from sim.study.catalogue import FIGURES
 from sim.study.entries import BoundaryFile, SeriesFile
-from sim.study.file import StudyFile, validated
+from sim.study.file import StudyFile, validate_study
 from sim.study.model import Boundary, Point, Study
-from sim.study.refine import PARTS, divided, further_rounds
-from sim.study.series import Draft, finished, starts
+from sim.study.refine import PARTS, divide_range, further_rounds
+from sim.study.series import Draft, apply_overrides, make_drafts
 
 MAX_POINTS = 100_000
 
-#: Where each figure is fed: name -> (study file, key).
-Fed = dict[str, tuple[str, str]]
+#: Where a study feeds each figure: name of the figure → (study file, key).
+FigureFeeds = dict[str, tuple[str, str]]
 
 
-def collected(mapping: Any, path: Path) -> tuple[StudyFile, Study, Fed]:
-    """Return a study file, the study without its parts and figures, and where it feeds those."""
+def expand_study_file(mapping: Any, path: Path) -> tuple[StudyFile, Study, FigureFeeds]:
+    """Return a study file, its study without parts and figures, and where it feeds figures."""
     source = str(path)
-    file = validated(mapping, source)
+    file = validate_study(mapping, source)
     _require_distinct_names(file, source)
     _require_feasible_number(file, source)
     points: dict[str, Point] = {}
     series: dict[str, tuple[str, ...]] = {}
-    for place, one in _entries(file, "series"):
+    for key, entry in _paths_and_entries(file, "series"):
         members = [
-            (finished(one, draft, place, source), _fed(one.figures, draft))
-            for draft in starts(file, one, place)
+            (apply_overrides(entry, draft, key, source), _figures_fed(entry.figures, draft))
+            for draft in make_drafts(file, entry, key)
         ]
-        series[one.name] = _add(points, one, members, source)
+        series[entry.name] = _add_points(points, entry, members, source)
     boundaries: list[Boundary] = []
-    for place, one in _entries(file, "boundaries"):
-        found = list(_boundaries(file, one, place, source))
-        first = [each.at(value) for each in found for value in divided(each.low, each.high)]
-        members = [(parameters, one.figures) for parameters in first]
-        series[one.name] = _add(points, one, members, source)
-        boundaries += found
-    fed = {
-        name: (source, f"{place}.figures[{index}]")
-        for place, one in reversed(_entries(file, "series") + _entries(file, "boundaries"))
-        for index, name in enumerate(one.figures)
+    for key, entry in _paths_and_entries(file, "boundaries"):
+        entry_boundaries = list(_boundaries(file, entry, key, source))
+        members = [
+            (boundary.parameters_at(value), entry.figures)
+            for boundary in entry_boundaries
+            for value in divide_range(boundary.low, boundary.high)
+        ]
+        series[entry.name] = _add_points(points, entry, members, source)
+        boundaries += entry_boundaries
+    feeds = {
+        name: (source, f"{key}.figures[{index}]")
+        for key, entry in reversed(
+            _paths_and_entries(file, "series") + _paths_and_entries(file, "boundaries")
+        )
+        for index, name in enumerate(entry.figures)
     }
     study = Study(file.study, file.title, (path,), points, series, {}, tuple(boundaries))
-    return file, study, fed
+    return file, study, feeds
 
 
-def _entries(file: StudyFile, key: str) -> list[tuple[str, Any]]:
-    """Return the series or the boundaries of a study with their places in the file."""
-    return [(f"{key}[{index}]", one) for index, one in enumerate(getattr(file, key) or [])]
+def _paths_and_entries(file: StudyFile, key: str) -> list[tuple[str, Any]]:
+    """Return pairs of the key in the file and the entry, of all series or of all boundaries."""
+    return [(f"{key}[{index}]", entry) for index, entry in enumerate(getattr(file, key) or [])]
 
 
 def _require_distinct_names(file: StudyFile, source: str) -> None:
-    seen: set[str] = set()
-    for path, one in _entries(file, "series") + _entries(file, "boundaries"):
-        if one.name in seen:
+    names: set[str] = set()
+    for path, entry in _paths_and_entries(file, "series") + _paths_and_entries(file, "boundaries"):
+        if entry.name in names:
             allowed = "a name that no other series has"
-            raise InputError.of_value(source, f"{path}.name", one.name, allowed)
-        seen.add(one.name)
+            raise InputError.of_value(source, f"{path}.name", entry.name, allowed)
+        names.add(entry.name)
 
 
 def _require_feasible_number(file: StudyFile, source: str) -> None:
-    """Refuse too many points before a single one is made."""
+    """Raise ``InputError`` for too many points, before any point is made."""
     total = 0
-    for path, one in _entries(file, "series") + _entries(file, "boundaries"):
-        lists = one.grid.given().values() if one.grid else []
-        if isinstance(one, SeriesFile):
-            read = getattr(file.readings, one.system)
-            times = prod(map(len, read.given().values())) if read else 1
-            total += times * ((prod(map(len, lists)) if lists else 0) + len(one.cases or []))
+    for path, entry in _paths_and_entries(file, "series") + _paths_and_entries(file, "boundaries"):
+        lists = entry.grid.explicit_values().values() if entry.grid else []
+        if isinstance(entry, SeriesFile):
+            readings = getattr(file.readings, entry.system)
+            number = prod(map(len, readings.explicit_values().values())) if readings else 1
+            total += number * ((prod(map(len, lists)) if lists else 0) + len(entry.cases or []))
         else:
-            total += prod(map(len, lists)) * _most_points(one)
+            total += prod(map(len, lists)) * _max_points(entry)
         if total > MAX_POINTS:
             allowed = f"at most {MAX_POINTS:,} points in the study"
             raise InputError.of_value(source, f"{path}.grid", f"{total:,} points", allowed)
 
 
-def _most_points(one: BoundaryFile) -> int:
-    """Return how many points a boundary takes at most: two gaps are divided in every round."""
-    low, high = one.range
-    return PARTS + 1 + 2 * (PARTS - 1) * further_rounds(low, high, one.tolerance)
+def _max_points(entry: BoundaryFile) -> int:
+    """Return the maximum number of points of a boundary: each round divides at most two gaps."""
+    low, high = entry.range
+    return PARTS + 1 + 2 * (PARTS - 1) * further_rounds(low, high, entry.tolerance)
 
 
-def _boundaries(file: StudyFile, one: BoundaryFile, path: str, source: str) -> Iterator[Boundary]:
-    """Yield the boundaries of one entry, both ends of their ranges validated."""
+def _boundaries(file: StudyFile, entry: BoundaryFile, path: str, source: str) -> Iterator[Boundary]:
+    """Yield the boundaries of one entry, after validating both ends of their ranges."""
 
-    def point(start: Draft, value: float, place: str = "range") -> Parameters:
-        there = Draft(
-            start.values | {one.along: value}, start.paths | {one.along: f"{path}.{place}"}
+    def parameters_at(base: Draft, value: float, key: str = "range") -> Parameters:
+        draft = Draft(
+            base.values | {entry.along: value}, base.paths | {entry.along: f"{path}.{key}"}
         )
-        return finished(one, there, path, source)
+        return apply_overrides(entry, draft, path, source)
 
-    for start in starts(file, one, path):
-        for index, value in enumerate(one.range):
-            point(start, value, f"range[{index}]")
-        grid = {name: start.values[name] for name in one.grid.given()} if one.grid else {}
+    for base in make_drafts(file, entry, path):
+        for index, value in enumerate(entry.range):
+            parameters_at(base, value, f"range[{index}]")
+        grid = (
+            {name: base.values[name] for name in entry.grid.explicit_values()} if entry.grid else {}
+        )
         yield Boundary(
-            name=one.name,
-            of=one.of,
-            along=one.along,
-            low=one.range[0],
-            high=one.range[1],
-            tolerance=one.tolerance,
+            name=entry.name,
+            of=entry.of,
+            along=entry.along,
+            low=entry.range[0],
+            high=entry.range[1],
+            tolerance=entry.tolerance,
             grid=grid,
-            figures=tuple(one.figures),
-            at=partial(point, start),
+            figures=tuple(entry.figures),
+            parameters_at=partial(parameters_at, base),
         )
 
 
-def _fed(figures: Iterable[str], draft: Draft) -> list[str]:
-    """Return the figures that a point feeds; under another reading, those with a curve for it."""
-    return [name for name in figures if draft.other <= set(FIGURES[name].curves)]
+def _figures_fed(figures: Iterable[str], draft: Draft) -> list[str]:
+    """Return the figures that a point feeds; under another reading, those with a curve for that."""
+    return [name for name in figures if draft.other_readings <= set(FIGURES[name].curves)]
 
 
-def _add(
+def _add_points(
     points: dict[str, Point],
-    one: SeriesFile | BoundaryFile,
+    entry: SeriesFile | BoundaryFile,
     members: Iterable[tuple[Parameters, Iterable[str]]],
     source: str,
 ) -> tuple[str, ...]:
-    """Add points with their figures, or series and figures, to ``points``; return their ids."""
-    keys = {}
-    for each, figures in members:
-        point = as_member(points, each, one.name, figures)
-        require_same(point, each, source)
-        keys[point.id] = points[point.id] = point
-    return tuple(keys)
+    """Add ``members``, pairs of parameters and figures, to ``points``; return their ids."""
+    ids = {}
+    for parameters, figures in members:
+        point = point_with_membership(points, parameters, entry.name, figures)
+        require_same_point(point, parameters, source)
+        ids[point.id] = points[point.id] = point
+    return tuple(ids)
 
 
-def require_same(point: Point, parameters: Parameters, source: str) -> None:
-    """Refuse parameters that have the id of another point; raises `InputError`."""
-    usual = {name: getattr(point.parameters, name) for name in roles.amounts(type(parameters))}
-    if parameters.model_copy(update=usual) != point.parameters:
+def require_same_point(point: Point, parameters: Parameters, source: str) -> None:
+    """Raise `InputError` if parameters differ from a point of the same id in more than amounts."""
+    same_amounts = {
+        name: getattr(point.parameters, name) for name in roles.amount_parameters(type(parameters))
+    }
+    if parameters.model_copy(update=same_amounts) != point.parameters:
         raise InputError(
             f"{source}: two different points have the id {point.id}; change either's seed"
         )
 
 
-def as_member(
+def point_with_membership(
     points: dict[str, Point], parameters: Parameters, series: str, figures: Iterable[str]
 ) -> Point:
-    """Return the point among ``points``, or a new one, as a member of a series and of figures.
+    """Return the point of ``parameters``, old or new, as a member of a series and of figures.
 
-    Of how much of it is asked in one place and in another, the more is run.
-    Of the figures it joins those that show it; the others leave it out.
+    Its amounts are the larger of the old and the new ones. It joins the figures that show it; the
+    others leave it out.
     """
     key = point_id(parameters)
-    known = points.get(key, Point(key, parameters, (), ()))
-    asked = dict.fromkeys((*known.figures, *known.left_out, *figures))
-    shows = {name: FIGURES[name].shows(parameters) for name in asked}
+    point = points.get(key, Point(key, parameters, (), ()))
+    names = dict.fromkeys((*point.figures, *point.left_out, *figures))
+    shows = {name: FIGURES[name].shows(parameters) for name in names}
     return replace(
-        known,
-        parameters=more(known.parameters, amounts(parameters)),
-        series=tuple(dict.fromkeys((*known.series, series))),
-        figures=tuple(name for name in asked if shows[name]),
-        left_out=tuple(name for name in asked if not shows[name]),
+        point,
+        parameters=with_larger_amounts(point.parameters, amounts(parameters)),
+        series=tuple(dict.fromkeys((*point.series, series))),
+        figures=tuple(name for name in names if shows[name]),
+        left_out=tuple(name for name in names if not shows[name]),
     )

@@ -1,4 +1,4 @@
-"""JSON schema and parameter reference, both derived from the models and written to ``config/``."""
+"""JSON schema and parameter reference: derived from the models, written to ``config/``."""
 
 import json
 from collections.abc import Iterable, Sequence
@@ -24,17 +24,17 @@ END = "<!-- reference: end -->"
 
 
 def schema() -> dict[str, Any]:
-    """Return the JSON schema that study files and point files both satisfy.
+    """Return the JSON schema of study files and point files.
 
-    A file with ``system`` at its top is a point, any other one a study.
+    A file with ``system`` at its top level is a point; any other file is a study.
     """
     models: tuple[type[BaseModel], ...] = (file_models().study, *SYSTEMS.values())
     _, definitions = models_json_schema([(model, "validation") for model in models])
     references: list[dict[str, Any]] = [{"$ref": f"#/$defs/{model.__name__}"} for model in models]
     study, point, *others = references
     for system, other in zip(list(SYSTEMS)[1:], others, strict=True):
-        named = {"properties": {"system": {"const": system}}}
-        point = {"if": named, "then": other, "else": point}
+        condition = {"properties": {"system": {"const": system}}}
+        point = {"if": condition, "then": other, "else": point}
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "title": "Talus study or point",
@@ -53,7 +53,7 @@ def schema_text() -> str:
 
 def reference_text() -> str:
     """Return the reference of all keys and parameters as Markdown."""
-    # The keys of the entries are the same in every system.
+    # The entries have the same keys in every system, so the first one stands for all.
     file = file_models()
     entries = next(iter(file.systems.values()))
     parts = [
@@ -81,13 +81,13 @@ def reference_text() -> str:
     return "\n\n".join(parts) + "\n"
 
 
-def with_reference(guide: str, source: str) -> str:
-    """Return the text of a guide with the reference between its markers brought up to date.
+def insert_reference(guide: str, source: str) -> str:
+    """Return the text of a guide with the current reference between its markers.
 
     Raises
     ------
     InputError
-        When the markers are not both there, in order.
+        If a marker is missing, or they are in the wrong order.
     """
     before, begin, rest = guide.partition(BEGIN)
     _, end, after = rest.partition(END)
@@ -97,7 +97,7 @@ def with_reference(guide: str, source: str) -> str:
 
 
 def show(folder: Path | None) -> str | None:
-    """Return the schema, or write it with the reference where a folder is given."""
+    """Return the schema, or write it and the reference if a folder is given."""
     if folder is None:
         return schema_text().rstrip()
     write(folder)
@@ -110,11 +110,11 @@ def write(folder: Path) -> None:
     Raises
     ------
     InputError
-        When the guide is missing or has no markers, or a file cannot be written.
+        If the guide is missing or has no markers, or a file cannot be written.
     """
     guide = folder / GUIDE_NAME
     try:
-        text = with_reference(guide.read_text(encoding="utf-8"), str(guide))
+        text = insert_reference(guide.read_text(encoding="utf-8"), str(guide))
         guide.write_text(text, encoding="utf-8")
         (folder / SCHEMA_NAME).write_text(schema_text(), encoding="utf-8")
     except OSError as error:
@@ -130,22 +130,24 @@ def _keys_table(model: type[BaseModel]) -> str:
 
 
 def _observables_table() -> str:
-    shown: dict[str, dict[str, Any]] = {}
+    entries: dict[str, dict[str, Any]] = {}
     for system in SYSTEMS:
         for kind, observables in SHOWN_BY.items():
-            for one in observables(system).values():
-                held = shown.setdefault(one.name, {"one": one, "kinds": {}, "systems": {}})
-                held["kinds"][kind] = held["systems"][system] = True
+            for observable in observables(system).values():
+                entry = entries.setdefault(
+                    observable.name, {"observable": observable, "kinds": {}, "systems": {}}
+                )
+                entry["kinds"][kind] = entry["systems"][system] = True
     rows = [
         (
             f"`{name}`",
-            ", ".join(held["kinds"]),
-            ", ".join(held["systems"]),
-            held["one"].unit,
-            held["one"].meaning.removesuffix(", mean of all particles"),
-            f"`{held['one'].asked_by}`" if held["one"].asked_by else "",
+            ", ".join(entry["kinds"]),
+            ", ".join(entry["systems"]),
+            entry["observable"].unit,
+            entry["observable"].meaning.removesuffix(", mean of all particles"),
+            f"`{entry['observable'].asked_by}`" if entry["observable"].asked_by else "",
         )
-        for name, held in shown.items()
+        for name, entry in entries.items()
     ]
     return _table(("observable", "shown by", "system", "unit", "meaning", "needs"), rows)
 
@@ -163,15 +165,15 @@ def _figures_table() -> str:
         ),
         [
             (
-                f"`{one.name}`",
-                one.title,
-                one.paper,
-                one.system,
-                ", ".join(one.axes),
-                ", ".join(one.curves),
-                "; ".join(f"{name} {listed}" for name, listed in one.taken.items()),
+                f"`{spec.name}`",
+                spec.title,
+                spec.paper,
+                spec.system,
+                ", ".join(spec.axes),
+                ", ".join(spec.curves),
+                "; ".join(f"{name} {values}" for name, values in spec.taken.items()),
             )
-            for one in FIGURES.values()
+            for spec in FIGURES.values()
         ],
     )
 

@@ -1,4 +1,4 @@
-"""Points of a study while they are collected: defaults to overrides, under every reading."""
+"""Drafts of the points of a study: from defaults to overrides, under every reading."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
@@ -12,104 +12,114 @@ from sim.study.file import StudyFile
 
 @dataclass
 class Draft:
-    """Values of one point while they are collected, and where each stands in the file.
+    """Values of a point while they are collected, with the key of each in the file.
 
-    ``other`` are the readings in which it differs from those that the study gives first.
+    ``other_readings`` names the readings that differ from the first one in the study.
     """
 
     values: dict[str, Any] = field(default_factory=dict)
     paths: dict[str, str] = field(default_factory=dict)
-    other: frozenset[str] = frozenset()
+    other_readings: frozenset[str] = frozenset()
 
     def with_values(self, values: dict[str, Any], path: str) -> "Draft":
         """Return a copy in which ``values``, given at ``path``, replace earlier ones."""
         paths = {name: f"{path}.{name}" for name in values}
         return replace(self, values=self.values | values, paths=self.paths | paths)
 
-    def with_choice(self, lists: dict[str, list[Any]], chosen: Sequence[int], path: str) -> "Draft":
-        """Return a copy with one value of each list at ``path``, those of the numbers chosen."""
-        places = dict(zip(lists, chosen, strict=True))
-        values = {name: lists[name][number] for name, number in places.items()}
-        paths = {name: f"{path}.{name}[{number}]" for name, number in places.items()}
+    def with_choice(
+        self, lists: dict[str, list[Any]], indices: Sequence[int], path: str
+    ) -> "Draft":
+        """Return a copy with one value of each list at ``path``, by its index in the list."""
+        choice = dict(zip(lists, indices, strict=True))
+        values = {name: lists[name][index] for name, index in choice.items()}
+        paths = {name: f"{path}.{name}[{index}]" for name, index in choice.items()}
         return replace(self, values=self.values | values, paths=self.paths | paths)
 
 
-def starts(file: StudyFile, one: SeriesFile | BoundaryFile, path: str) -> Iterator[Draft]:
-    """Yield what the points of a series, or the boundaries of an entry, start from.
+def make_drafts(file: StudyFile, entry: SeriesFile | BoundaryFile, path: str) -> Iterator[Draft]:
+    """Yield the drafts of the points of a series, or of the boundaries of an entry.
 
     Parameters
     ----------
     file : StudyFile
         The study.
-    one : SeriesFile or BoundaryFile
-        The series or the entry.
+    entry : SeriesFile or BoundaryFile
+        The series, or the entry with boundaries.
     path : str
-        Where it stands in the file.
+        Its key in the file.
     """
-    cases = one.cases if isinstance(one, SeriesFile) else None
-    for draft in _bases(file, one, path):
-        if one.grid:
-            lists = one.grid.given()
-            for chosen in _combinations(lists):
-                yield draft.with_choice(lists, chosen, f"{path}.grid")
+    cases = entry.cases if isinstance(entry, SeriesFile) else None
+    for draft in _base_drafts(file, entry, path):
+        if entry.grid:
+            lists = entry.grid.explicit_values()
+            for indices in _combinations(lists):
+                yield draft.with_choice(lists, indices, f"{path}.grid")
         for index, case in enumerate(cases or []):
-            yield draft.with_values(case.given(), f"{path}.cases[{index}]")
-        if not one.grid and not cases:
+            yield draft.with_values(case.explicit_values(), f"{path}.cases[{index}]")
+        if not entry.grid and not cases:
             yield draft
 
 
-def _bases(file: StudyFile, one: SeriesFile | BoundaryFile, path: str) -> Iterator[Draft]:
-    """Yield what all points of a series share under each reading, of a boundary under the first."""
-    draft = Draft({"system": one.system}, {"system": f"{path}.system"})
-    shared, readings = getattr(file.defaults, one.system), getattr(file.readings, one.system)
+def _base_drafts(file: StudyFile, entry: SeriesFile | BoundaryFile, path: str) -> Iterator[Draft]:
+    """Yield the base of a series under each reading, or of boundaries under the first one."""
+    draft = Draft({"system": entry.system}, {"system": f"{path}.system"})
+    shared, readings = getattr(file.defaults, entry.system), getattr(file.readings, entry.system)
     if shared:
-        draft = draft.with_values(shared.given(), f"defaults.{one.system}")
-    lists = readings.given() if readings else {}
-    for chosen in _combinations(lists):
-        if any(chosen) and not isinstance(one, SeriesFile):
+        draft = draft.with_values(shared.explicit_values(), f"defaults.{entry.system}")
+    lists = readings.explicit_values() if readings else {}
+    for indices in _combinations(lists):
+        if any(indices) and not isinstance(entry, SeriesFile):
             return
-        read = draft.with_choice(lists, chosen, f"readings.{one.system}")
-        base = read.with_values(one.base.given(), f"{path}.base") if one.base else read
-        other = (name for name, number in zip(lists, chosen, strict=True) if number)
-        yield replace(base, other=frozenset(other))
+        base = draft.with_choice(lists, indices, f"readings.{entry.system}")
+        if entry.base:
+            base = base.with_values(entry.base.explicit_values(), f"{path}.base")
+        other_readings = (name for name, index in zip(lists, indices, strict=True) if index)
+        yield replace(base, other_readings=frozenset(other_readings))
 
 
-def every_reading(file: StudyFile) -> dict[str, list[dict[str, Any]]]:
-    """Return by system the readings of every series, each as what differs from the defaults."""
-    found = {}
+def readings_by_system(file: StudyFile) -> dict[str, list[dict[str, Any]]]:
+    """Return the readings of all series by system, each as values that differ from the defaults."""
+    readings = {}
     for system, model in SYSTEMS.items():
-        lists, usual = getattr(file.readings, system), model()
+        lists, default = getattr(file.readings, system), model()
         if lists:
-            given = lists.given()
-            every = (dict(zip(given, values, strict=True)) for values in product(*given.values()))
-            found[system] = [
-                {name: value for name, value in one.items() if value != getattr(usual, name)}
-                for one in every
+            choices = lists.explicit_values()
+            combinations = (
+                dict(zip(choices, values, strict=True)) for values in product(*choices.values())
+            )
+            readings[system] = [
+                {name: value for name, value in reading.items() if value != getattr(default, name)}
+                for reading in combinations
             ]
-    return found
+    return readings
 
 
 def _combinations(lists: dict[str, list[Any]]) -> Iterator[tuple[int, ...]]:
-    """Yield the numbers of the values for every combination of some lists, the first ones first."""
+    """Yield the indices of the values of every combination of some lists, in lexical order."""
     yield from product(*(range(len(values)) for values in lists.values()))
 
 
-def finished(one: SeriesFile | BoundaryFile, draft: Draft, path: str, source: str) -> Parameters:
-    """Apply the overrides whose conditions a point meets, later ones last, and validate it.
+def apply_overrides(
+    entry: SeriesFile | BoundaryFile, draft: Draft, path: str, source: str
+) -> Parameters:
+    """Return the validated parameters of a draft, with the overrides whose conditions it meets.
 
-    Conditions look at the point as it is before any override, omitted parameters included.
+    Conditions apply to the point before any override, defaults included. Later overrides win.
 
     Raises
     ------
     InputError
-        Naming the place in the file and what is allowed.
+        With the key in the file and the allowed values.
     """
     before = parse_point(draft.values, source, draft.paths)
-    met = [
-        (override.set.given(), f"{path}.overrides[{index}].set")
-        for index, override in enumerate(one.overrides)
-        if all(getattr(before, name) in values for name, values in override.when.given().items())
+    changes = [
+        (override.set.explicit_values(), f"{path}.overrides[{index}].set")
+        for index, override in enumerate(entry.overrides)
+        if all(
+            getattr(before, name) in values
+            for name, values in override.when.explicit_values().items()
+        )
     ]
-    for values, place in met:
-        draft = draft.with_values(values, place)
-    return parse_point(draft.values, source, draft.paths) if met else before
+    for values, key in changes:
+        draft = draft.with_values(values, key)
+    return parse_point(draft.values, source, draft.paths) if changes else before

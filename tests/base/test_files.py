@@ -8,12 +8,12 @@ import sys
 
 import pytest
 
-from sim.base.files import alone, open_regular, read_regular, replacing
+from sim.base.files import atomic_write, file_lock, open_regular, read_regular
 
 
 def test_a_finished_file_takes_its_name(tmp_path):
     path = tmp_path / "made.txt"
-    with replacing(path) as temporary:
+    with atomic_write(path) as temporary:
         temporary.write_text("new")
         assert not path.exists()
     assert path.read_text() == "new"
@@ -23,7 +23,7 @@ def test_a_finished_file_takes_its_name(tmp_path):
 def test_an_error_leaves_the_old_file_alone(tmp_path):
     path = tmp_path / "made.txt"
     path.write_text("old")
-    with pytest.raises(ZeroDivisionError), replacing(path) as temporary:
+    with pytest.raises(ZeroDivisionError), atomic_write(path) as temporary:
         temporary.write_text("half")
         raise ZeroDivisionError
     assert path.read_text() == "old"
@@ -34,20 +34,20 @@ def test_what_a_killed_process_left_is_removed_and_what_a_living_one_writes_is_n
     path = tmp_path / "made.txt"
     dead = subprocess.Popen([sys.executable, "-c", ""])
     dead.wait()
-    left = tmp_path / f".made.txt.{dead.pid}.part"
-    written = tmp_path / f".made.txt.{os.getppid()}.part"
+    leftover = tmp_path / f".made.txt.{dead.pid}.part"
+    in_progress = tmp_path / f".made.txt.{os.getppid()}.part"
     other = tmp_path / f".other.txt.{dead.pid}.part"
-    for file in (left, written, other):
+    for file in (leftover, in_progress, other):
         file.write_text("half")
-    with replacing(path) as temporary:
+    with atomic_write(path) as temporary:
         temporary.write_text("new")
-    assert sorted(tmp_path.iterdir()) == sorted([path, written, other])
+    assert sorted(tmp_path.iterdir()) == sorted([path, in_progress, other])
 
 
 @pytest.mark.parametrize("name", [None, "temporary", "other"])
 def test_what_keeps_a_file_from_being_written_names_it(name, tmp_path):
     path = tmp_path / "made.txt"
-    with pytest.raises(OSError) as caught, replacing(path) as temporary:
+    with pytest.raises(OSError) as caught, atomic_write(path) as temporary:
         names = {None: (), "temporary": (str(temporary),), "other": ("other",)}
         raise OSError(errno.ENOSPC, "No space left on device", *names[name])
     assert (caught.value.errno, caught.value.strerror) == (errno.ENOSPC, "No space left on device")
@@ -60,7 +60,7 @@ def test_nobody_waits_where_the_file_system_knows_no_locks(number, tmp_path, mon
         raise OSError(number, "no locks")
 
     monkeypatch.setattr("fcntl.flock", flock)
-    with alone(tmp_path / "made.txt") as first, alone(tmp_path / "made.txt") as second:
+    with file_lock(tmp_path / "made.txt") as first, file_lock(tmp_path / "made.txt") as second:
         assert (first, second) == (False, False)
     assert not list(tmp_path.iterdir())
 
@@ -70,17 +70,17 @@ def test_who_gives_up_waiting_leaves_the_lock_to_its_holder(tmp_path, monkeypatc
         raise KeyboardInterrupt
 
     monkeypatch.setattr("time.sleep", interrupted)
-    held = tmp_path / ".made.txt.lock"
-    with held.open("w") as file:
+    lock = tmp_path / ".made.txt.lock"
+    with lock.open("w") as file:
         fcntl.flock(file, fcntl.LOCK_EX)
-        with pytest.raises(KeyboardInterrupt), alone(tmp_path / "made.txt"):
+        with pytest.raises(KeyboardInterrupt), file_lock(tmp_path / "made.txt"):
             pass
-    assert list(tmp_path.iterdir()) == [held]
+    assert list(tmp_path.iterdir()) == [lock]
     assert "waiting for another process that makes the same file" in caplog.text
 
 
 def test_a_folder_that_takes_no_files_is_no_lack_of_locks(tmp_path):
-    with pytest.raises(FileNotFoundError), alone(tmp_path / "nowhere" / "made.txt"):
+    with pytest.raises(FileNotFoundError), file_lock(tmp_path / "nowhere" / "made.txt"):
         pass
 
 
@@ -88,26 +88,26 @@ def test_a_link_in_the_place_of_the_lock_leads_to_nothing_that_is_changed(tmp_pa
     precious = tmp_path / "precious"
     precious.write_text("kept")
     (tmp_path / ".made.txt.lock").symlink_to(precious)
-    with alone(tmp_path / "made.txt"):
+    with file_lock(tmp_path / "made.txt"):
         assert precious.read_text() == "kept"
     assert precious.read_text() == "kept"
 
 
-@pytest.mark.parametrize("what", ["pipe", "device", "folder"])
-def test_only_files_are_opened(what, tmp_path):
-    path = tmp_path / what
-    if what == "pipe":
+@pytest.mark.parametrize("kind", ["pipe", "device", "folder"])
+def test_only_files_are_opened(kind, tmp_path):
+    path = tmp_path / kind
+    if kind == "pipe":
         os.mkfifo(path)
-        # With somebody at the other end opening it would not even wait.
-        held = os.open(path, os.O_RDWR)
-    elif what == "device":
+        # With an open other end, opening the pipe would not even wait.
+        end = os.open(path, os.O_RDWR)
+    elif kind == "device":
         path.symlink_to(os.devnull)
     else:
         path.mkdir()
-    with pytest.raises(OSError, match=f"not a regular file.*{what}"):
+    with pytest.raises(OSError, match=f"not a regular file.*{kind}"):
         open_regular(path)
-    if what == "pipe":
-        os.close(held)
+    if kind == "pipe":
+        os.close(end)
 
 
 def test_a_link_to_a_file_is_read(tmp_path):

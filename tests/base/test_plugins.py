@@ -16,7 +16,7 @@ from sim.base.additions import additions, codes
 from sim.base.errors import InputError
 from sim.base.plugins import load
 from sim.study.load import load_study
-from tests.made.plugins import alone, forgotten
+from tests.made.plugins import restore_plugins, without_plugins
 from tests.made.processes import ROOT
 
 RIGHT = """\
@@ -29,12 +29,12 @@ STUDY = "study: s\nplugins: [{}]\nseries: [{{name: a, system: chute}}]\n"
 
 
 @pytest.fixture(autouse=True)
-def _forget() -> Iterator[None]:
-    with forgotten():
+def _restore() -> Iterator[None]:
+    with restore_plugins():
         yield
 
 
-def written(folder: Path, text: str = RIGHT, name: str = "mine.py") -> Path:
+def write_study(folder: Path, text: str = RIGHT, name: str = "mine.py") -> Path:
     (folder / name).write_text(text)
     path = folder / "s.yaml"
     path.write_text(STUDY.format(name))
@@ -42,7 +42,7 @@ def written(folder: Path, text: str = RIGHT, name: str = "mine.py") -> Path:
 
 
 def test_a_study_loads_its_plugins_once_and_says_so(tmp_path, capsys):
-    study = load_study(written(tmp_path), None)
+    study = load_study(write_study(tmp_path), None)
     again = load_study(tmp_path / "s.yaml", None)
     assert study.plugins == again.plugins and set(additions("observable")) == {"answer"}
     code = study.plugins[0].code
@@ -52,10 +52,10 @@ def test_a_study_loads_its_plugins_once_and_says_so(tmp_path, capsys):
 
 
 def test_parts_bring_their_plugins(tmp_path):
-    written(tmp_path)
+    write_study(tmp_path)
     whole = tmp_path / "whole.yaml"
     whole.write_text("study: w\nparts: [s.yaml]\n")
-    assert [one.name for one in load_study(whole, None).plugins] == ["mine.py"]
+    assert [plugin.name for plugin in load_study(whole, None).plugins] == ["mine.py"]
 
 
 @pytest.mark.parametrize(
@@ -85,7 +85,7 @@ def test_parts_bring_their_plugins(tmp_path):
                 "drift",
                 "particles",
                 "time_step",
-                "own_option",
+                "option",
                 "offered",
                 "dict",
                 "point",
@@ -108,7 +108,7 @@ def test_parts_bring_their_plugins(tmp_path):
 )
 def test_what_is_wrong_with_a_plugin_is_one_line_and_nothing_of_it_stays(tmp_path, text, why):
     with pytest.raises(InputError) as caught:
-        load_study(written(tmp_path, text), None)
+        load_study(write_study(tmp_path, text), None)
     message = str(caught.value)
     assert message.startswith(f"{tmp_path}/s.yaml: plugins[0]: got 'mine.py'; allowed: a Python")
     assert why in message and "\n" not in message
@@ -169,21 +169,21 @@ MOTION = "motion('m', make=dict, state=dict, "
 )
 def test_what_is_no_declaration_is_one_line_with_its_place(tmp_path, call, why):
     with pytest.raises(InputError) as caught:
-        load_study(written(tmp_path, f"import sim\nsim.{call}\n"), None)
+        load_study(write_study(tmp_path, f"import sim\nsim.{call}\n"), None)
     message = str(caught.value)
     assert "; line 2: " in message and why in message and message.isprintable()
 
 
 @pytest.mark.parametrize("name", ["../mine.py", "/tmp/mine.py", "a/mine.py", "mine.txt", "-m", ""])
 def test_a_plugin_lies_beside_the_study(tmp_path, name):
-    path = written(tmp_path)
+    path = write_study(tmp_path)
     path.write_text(STUDY.format(f"'{name}'"))
     with pytest.raises(InputError, match=r"plugins\[0\]: got .*; allowed: a Python file beside"):
         load_study(path, None)
 
 
 def test_a_plugin_that_is_not_there_is_named(tmp_path):
-    path = written(tmp_path)
+    path = write_study(tmp_path)
     (tmp_path / "mine.py").unlink()
     with pytest.raises(InputError, match=r"got 'mine.py'; .*: No such file"):
         load_study(path, None)
@@ -193,9 +193,9 @@ def test_a_plugin_that_is_not_there_is_named(tmp_path):
 
 
 def test_an_edited_plugin_needs_a_new_process(tmp_path):
-    path = written(tmp_path)
+    path = write_study(tmp_path)
     load_study(path, None)
-    written(tmp_path, RIGHT.replace("42", "43"))
+    write_study(tmp_path, RIGHT.replace("42", "43"))
     with pytest.raises(InputError, match="has one of this name in this process; start another"):
         load_study(path, None)
 
@@ -203,14 +203,14 @@ def test_an_edited_plugin_needs_a_new_process(tmp_path):
 def test_a_job_takes_no_other_text_than_that_with_which_its_study_was_started(
     tmp_path, monkeypatch
 ):
-    (plugin,) = load_study(written(tmp_path), None).plugins
-    monkeypatch.setenv(plugins.VARIABLE, plugin.pinned)
-    with alone():
+    (plugin,) = load_study(write_study(tmp_path), None).plugins
+    monkeypatch.setenv(plugins.VARIABLE, plugin.pinned_name)
+    with without_plugins():
         plugins.load_from_environment()
         assert set(additions("observable")) == {"answer"}
-    written(tmp_path, RIGHT.replace("42", "43"))
+    write_study(tmp_path, RIGHT.replace("42", "43"))
     with (
-        alone(),
+        without_plugins(),
         pytest.raises(InputError, match=r"mine.py .*: edited since this study was started"),
     ):
         plugins.load_from_environment()
@@ -221,10 +221,10 @@ def test_installed_packages_add_by_their_entry_points(tmp_path, monkeypatch):
     package.mkdir()
     (package / "__init__.py").write_text("")
     (package / "own.py").write_text(RIGHT)
-    told = tmp_path / "talus_answers-1.dist-info"
-    told.mkdir()
-    (told / "METADATA").write_text("Metadata-Version: 2.1\nName: talus_answers\nVersion: 1\n")
-    (told / "entry_points.txt").write_text("[talus.plugins]\nanswers = talus_answers.own\n")
+    metadata = tmp_path / "talus_answers-1.dist-info"
+    metadata.mkdir()
+    (metadata / "METADATA").write_text("Metadata-Version: 2.1\nName: talus_answers\nVersion: 1\n")
+    (metadata / "entry_points.txt").write_text("[talus.plugins]\nanswers = talus_answers.own\n")
     monkeypatch.syspath_prepend(tmp_path)
     (plugin,) = load(["answers"], Path(), "here")
     assert plugin.place == "answers" and not plugin.is_file
@@ -236,7 +236,7 @@ def test_installed_packages_add_by_their_entry_points(tmp_path, monkeypatch):
 
 
 def test_results_that_name_a_study_run_none_of_its_code(tmp_path):
-    path = written(tmp_path)
+    path = write_study(tmp_path)
     load_study(path, None, plugins=False)
     assert not plugins.places()
 
@@ -254,27 +254,27 @@ def test_a_plugin_changes_nothing_of_the_process_that_talus_relies_on(tmp_path, 
     )
     monkeypatch.chdir(tmp_path)
 
-    def now() -> tuple:
+    def state() -> tuple:
         mask = os.umask(0)
         os.umask(mask)
         return sys.getrecursionlimit(), Path.cwd(), mask, list(sys.path), np.geterr()
 
-    before = now()
+    before = state()
     for text, loads in ((lines + RIGHT, True), (lines + "1 / 0\n", False)):
-        with forgotten(), nullcontext() if loads else pytest.raises(InputError):
-            load_study(written(tmp_path, text), None)
-        assert now() == before
-        assert not any(one[0] == "error" and one[1] is None for one in warnings.filters[:3])
-        assert any(one[1] and one[1].match("of mine") for one in warnings.filters)
+        with restore_plugins(), nullcontext() if loads else pytest.raises(InputError):
+            load_study(write_study(tmp_path, text), None)
+        assert state() == before
+        assert not any(entry[0] == "error" and entry[1] is None for entry in warnings.filters[:3])
+        assert any(entry[1] and entry[1].match("of mine") for entry in warnings.filters)
 
 
 def test_commands_load_what_the_environment_names(tmp_path):
-    written(tmp_path)
+    write_study(tmp_path)
     command = [sys.executable, "-m", "sim", "schema"]
-    for place, code, told in (("mine.py", 0, "plug-in"), ("none.py", 2, "error: TALUS_PLUGINS[0]")):
+    for place, code, text in (("mine.py", 0, "plug-in"), ("none.py", 2, "error: TALUS_PLUGINS[0]")):
         environment = {plugins.VARIABLE: str(tmp_path / place), "PATH": "/bin"}
         done = subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True)
-        assert done.returncode == code and done.stderr.startswith(told)
+        assert done.returncode == code and done.stderr.startswith(text)
 
 
 def test_a_plugin_that_is_imported_adds_nothing(tmp_path, monkeypatch):

@@ -1,28 +1,30 @@
-"""What tests of judges share: the verdict on made-up points."""
+"""Helpers for tests of judges: the verdict on synthetic points."""
 
 from sim.claims.evidence import Evidence
-from sim.claims.verdict import NOT_REPRODUCED, together
+from sim.claims.verdict import NOT_REPRODUCED, combined_verdict
 from tests.made.results import headline_number, made_results
 
 
 def checks_on(judge, points, boundaries=()) -> list:
-    """What a judge checks on points of the published protocol."""
+    """Return the checks of a judge on points of the published protocol."""
     return judge(
         Evidence(made_results(*points, boundaries=boundaries), "published"), *headline_number(judge)
     )
 
 
 def verdict_on(judge, points, boundaries=()) -> str:
-    """The verdict of a judge on points of the published protocol."""
-    return together(checks_on(judge, points, boundaries))
+    """Return the verdict of a judge on points of the published protocol."""
+    return combined_verdict(checks_on(judge, points, boundaries))
 
 
 def by_part(checks) -> dict[str, str]:
-    """The verdict on each part of a claim."""
+    """Return the verdict on each part of a claim."""
     names = dict.fromkeys(check.part for check in checks)
-    return {name: together(check for check in checks if check.part == name) for name in names}
+    return {
+        name: combined_verdict(check for check in checks if check.part == name) for name in names
+    }
 
 
-def failed(checks) -> list[str]:
-    """What was not reproduced."""
+def failed_quantities(checks) -> list[str]:
+    """Return the quantities that were not reproduced."""
     return [check.what for check in checks if check.verdict == NOT_REPRODUCED]

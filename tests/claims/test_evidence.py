@@ -1,4 +1,4 @@
-"""Evidence: which point answers a question, and with which interval."""
+"""Evidence: the point selected for given parameters, and its intervals."""
 
 import numpy as np
 import pytest
@@ -6,9 +6,9 @@ import pytest
 from sim.base.plugins import load_plugins
 from sim.claims.checks import above
 from sim.claims.evidence import Evidence
-from sim.claims.place import joined
+from sim.claims.place import replicate_mean
 from sim.claims.verdict import SIGMAS, Unbounded, Untestable
-from tests.made.plugins import forgotten
+from tests.made.plugins import restore_plugins
 from tests.made.processes import ROOT
 from tests.made.results import made_boundary, made_point, made_results
 
@@ -22,28 +22,28 @@ def belt(velocity=0.1, **parameters):
 
 
 def test_what_is_not_named_has_the_papers_value():
-    found = evidence(belt(0.1, frequency=30), belt(0.2, frequency=30, amplitude=1.5))
-    assert found.at("belt", frequency=30).velocity.nominal_value == pytest.approx(0.1)
-    assert found.at("belt", frequency=30, amplitude=1.5)["amplitude"] == 1.5
+    study = evidence(belt(0.1, frequency=30), belt(0.2, frequency=30, amplitude=1.5))
+    assert study.at("belt", frequency=30).velocity.nominal_value == pytest.approx(0.1)
+    assert study.at("belt", frequency=30, amplitude=1.5)["amplitude"] == 1.5
     with pytest.raises(Untestable, match="no published run of the belt at frequency 40"):
-        found.at("belt", frequency=40)
+        study.at("belt", frequency=40)
     with pytest.raises(Untestable, match="no published run of the belt at the paper's values"):
         evidence(belt(0.2, amplitude=1.5)).at("belt")
 
 
 def test_a_law_of_a_plugin_goes_by_its_name():
-    with forgotten():
+    with restore_plugins():
         load_plugins(ROOT / "docs" / "examples" / "hertz_mindlin.py")
-        found = evidence(
+        study = evidence(
             made_point("chute", {"velocity": 1.0}, depth=3),
             made_point("chute", {"velocity": 2.0}, depth=3, law="hertz_mindlin"),
         )
-        place = found.at("chute", depth=3, law="hertz_mindlin")
+        place = study.at("chute", depth=3, law="hertz_mindlin")
         assert place.velocity.nominal_value == pytest.approx(2)
-        assert found.at("chute", depth=3, law=place["law"])["law"].startswith("hertz_mindlin.")
-        assert list(found.line("chute", "depth", law="hertz_mindlin")) == [3]
+        assert study.at("chute", depth=3, law=place["law"])["law"].startswith("hertz_mindlin.")
+        assert list(study.line("chute", "depth", law="hertz_mindlin")) == [3]
         with pytest.raises(Untestable, match="law hertz_mind,"):
-            found.at("chute", depth=3, law="hertz_mind")
+            study.at("chute", depth=3, law="hertz_mind")
 
 
 def test_protocols_and_readings_are_kept_apart():
@@ -53,10 +53,10 @@ def test_protocols_and_readings_are_kept_apart():
         belt(0.3, belt_ghost="centred"),
     )
     assert evidence(*points).at("belt").velocity.nominal_value == pytest.approx(0.1)
-    found = evidence(*points, protocol="converged").at("belt")
-    assert found.velocity.nominal_value == pytest.approx(0.2)
-    found = evidence(*points, reading={"belt_ghost": "centred"}).at("belt")
-    assert found.velocity.nominal_value == pytest.approx(0.3)
+    place = evidence(*points, protocol="converged").at("belt")
+    assert place.velocity.nominal_value == pytest.approx(0.2)
+    place = evidence(*points, reading={"belt_ghost": "centred"}).at("belt")
+    assert place.velocity.nominal_value == pytest.approx(0.3)
 
 
 def test_numerical_settings_may_be_any_but_defaults_and_richer_points_come_first():
@@ -76,17 +76,17 @@ def test_the_plane_has_the_friction_of_the_spheres_unless_named():
         made_point("chute", {"velocity": 1.0}, friction=0.5),
         made_point("chute", {"velocity": 2.0}, friction=0.5, friction_plane=0.4),
     )
-    for found in (evidence(*points), evidence(*points[::-1])):
-        assert found.at("chute", friction=0.5).velocity.nominal_value == pytest.approx(1)
-    mixed = found.at("chute", friction=0.5, friction_plane=0.4)
+    for study in (evidence(*points), evidence(*points[::-1])):
+        assert study.at("chute", friction=0.5).velocity.nominal_value == pytest.approx(1)
+    mixed = study.at("chute", friction=0.5, friction_plane=0.4)
     assert mixed.velocity.nominal_value == pytest.approx(2)
 
 
 def test_a_line_is_in_order_and_leaves_out_what_failed():
     lost = made_point("belt", {"velocity": 0.3, "status": "failed"}, frequency=50)
-    found = evidence(belt(frequency=40), belt(frequency=20), lost)
-    assert list(found.line("belt", "frequency")) == [20, 40]
-    assert found.line("belt", "frequency", amplitude=1.5) == {}
+    study = evidence(belt(frequency=40), belt(frequency=20), lost)
+    assert list(study.line("belt", "frequency")) == [20, 40]
+    assert study.line("belt", "frequency", amplitude=1.5) == {}
 
 
 def test_intervals_are_students_and_never_below_the_own_error():
@@ -96,7 +96,7 @@ def test_intervals_are_students_and_never_below_the_own_error():
     half_width = 4.3027 * np.std(values, ddof=1) / np.sqrt(3)
     assert SIGMAS * place.value("shear_power").std_dev == pytest.approx(half_width, rel=1e-4)
     assert SIGMAS * place.velocity.std_dev == pytest.approx(half_width, rel=1e-4)
-    assert joined(np.array([1.0])).std_dev == np.inf
+    assert replicate_mean(np.array([1.0])).std_dev == np.inf
 
 
 def test_two_replicates_that_disagree_are_uncertain_whatever_each_thinks_of_itself():
@@ -105,31 +105,36 @@ def test_two_replicates_that_disagree_are_uncertain_whatever_each_thinks_of_itse
     half_width = SIGMAS * pair.value("acceleration", half_width="acceleration_half_width").std_dev
     assert half_width == pytest.approx(12.706 * 0.2, rel=1e-3)
     single = made_point("belt", {**scalars, "acceleration": 0.2}, replicates=1, frequency=30)
-    alone = evidence(single).at("belt", frequency=30)
-    half_width = SIGMAS * alone.value("acceleration", half_width="acceleration_half_width").std_dev
+    single_run = evidence(single).at("belt", frequency=30)
+    half_width = (
+        SIGMAS * single_run.value("acceleration", half_width="acceleration_half_width").std_dev
+    )
     assert half_width == pytest.approx(0.01)
 
 
 def test_what_single_runs_know_of_themselves_are_errors_or_half_widths():
-    own = {"base_shear": 1.0, "base_shear_error": 0.1, "acceleration": 1.0}
-    made = made_point("chute", own | {"acceleration_half_width": 0.3}, replicates=1)
-    place = evidence(made).at("chute")
+    scalars = {"base_shear": 1.0, "base_shear_error": 0.1, "acceleration": 1.0}
+    point = made_point("chute", scalars | {"acceleration_half_width": 0.3}, replicates=1)
+    place = evidence(point).at("chute")
     assert place.value("base_shear", "base_shear_error").std_dev == pytest.approx(0.1)
-    found = place.value("acceleration", half_width="acceleration_half_width")
-    assert SIGMAS * found.std_dev == pytest.approx(0.3)
+    acceleration = place.value("acceleration", half_width="acceleration_half_width")
+    assert SIGMAS * acceleration.std_dev == pytest.approx(0.3)
 
 
 @pytest.mark.parametrize(("regime", "samples"), [("arrested", np.inf), ("accelerating", 15)])
 def test_flows_at_rest_alone_need_no_samples(regime, samples):
-    said = {"velocity": 1.0, "regime": regime, "independent_samples": [3.0] * 5}
-    assert evidence(made_point("chute", said)).at("chute").samples == samples
+    scalars = {"velocity": 1.0, "regime": regime, "independent_samples": [3.0] * 5}
+    assert evidence(made_point("chute", scalars)).at("chute").samples == samples
 
 
 def test_samples_are_those_of_all_replicates_and_those_of_the_poorest_place_count():
     rich = made_point("belt", {"velocity": 0.2, "independent_samples": 10.0}, frequency=30)
     poor = made_point("belt", {"velocity": 0.1, "independent_samples": 1.0}, frequency=20)
-    found = evidence(rich, poor)
-    places = found.at("belt", frequency=30), found.at("belt", frequency=20)
+    study = evidence(rich, poor)
+    places = (
+        study.at("belt", frequency=30),
+        study.at("belt", frequency=20),
+    )
     assert [place.samples for place in places] == pytest.approx([50, 5], rel=0.01)
     check = above("gain", places[0].velocity - places[1].velocity, 0, places)
     assert check.samples == places[1].samples
@@ -137,8 +142,8 @@ def test_samples_are_those_of_all_replicates_and_those_of_the_poorest_place_coun
 
 
 def test_a_measure_of_profiles_has_the_interval_of_its_replicates():
-    made = made_point("belt", {"velocity": 0.1}, {"number_density": lambda z: 1e6 + 0 * z})
-    place = evidence(made).at("belt")
+    point = made_point("belt", {"velocity": 0.1}, {"number_density": lambda z: 1e6 + 0 * z})
+    place = evidence(point).at("belt")
     peak = place.measure(lambda z, density: density.max(), "number_density")
     assert peak.nominal_value == pytest.approx(1e6, rel=1e-9)
     assert SIGMAS * peak.std_dev == pytest.approx(1e3 * 2.7764 / np.sqrt(5), rel=1e-3)
@@ -150,14 +155,14 @@ def test_the_narrowest_bracket_of_a_boundary_is_its_interval():
         made_boundary("belt", "transport", "frequency", 15.5, 15.75, steps_per_cycle=4000),
         made_boundary("belt", "transport", "frequency", 12.0, 13.0, amplitude=1.5),
     ]
-    found = evidence(belt(), boundaries=brackets)
-    onset = found.boundary("belt", "transport", "frequency")
+    study = evidence(belt(), boundaries=brackets)
+    onset = study.boundary("belt", "transport", "frequency")
     assert onset.nominal_value == pytest.approx(15.625)
     # The ends of the bracket are bounds of one side.
     assert SIGMAS * onset.std_dev == pytest.approx(0.125 * 1.96 / 1.645, rel=1e-3)
-    assert found.boundary("belt", "transport", "frequency", amplitude=1.5).nominal_value == 12.5
+    assert study.boundary("belt", "transport", "frequency", amplitude=1.5).nominal_value == 12.5
     with pytest.raises(Untestable, match="no boundary of transport"):
-        found.boundary("belt", "transport", "frequency", amplitude=0.5)
+        study.boundary("belt", "transport", "frequency", amplitude=0.5)
 
 
 def test_a_boundary_is_none_where_one_seed_of_it_has_none():
@@ -165,14 +170,14 @@ def test_a_boundary_is_none_where_one_seed_of_it_has_none():
         return made_boundary("belt", "transport", "frequency", low, low + 0.25, **parameters)
 
     lacking = [onset(15.5, seed=1), onset(np.nan, seed=2, verdict="none")]
-    found = evidence(belt(), boundaries=lacking)
+    study = evidence(belt(), boundaries=lacking)
     with pytest.raises(Unbounded, match="frequency at the paper's values found from seed 2"):
-        found.boundary("belt", "transport", "frequency")
+        study.boundary("belt", "transport", "frequency")
     finer = [onset(15.0, seed=seed, steps_per_cycle=4000) for seed in (1, 2)]
     other = [onset(12.0, seed=seed, amplitude=1.5) for seed in (1, 2)]
-    found = evidence(belt(), boundaries=[*lacking, *finer, *other])
-    assert found.boundary("belt", "transport", "frequency").nominal_value == 15.125
-    assert found.boundary("belt", "transport", "frequency", amplitude=1.5).nominal_value == 12.125
+    study = evidence(belt(), boundaries=[*lacking, *finer, *other])
+    assert study.boundary("belt", "transport", "frequency").nominal_value == 15.125
+    assert study.boundary("belt", "transport", "frequency", amplitude=1.5).nominal_value == 12.125
 
 
 def test_a_boundary_may_be_required_to_know_how_much_seeds_differ():
@@ -181,8 +186,8 @@ def test_a_boundary_may_be_required_to_know_how_much_seeds_differ():
             made_boundary("chute", "flow", "angle", 13, 13.25, depth=n, seed=seed)
             for n, seed in depths_and_seeds
         ]
-        found = evidence(made_point("chute"), boundaries=brackets)
-        return SIGMAS * found.boundary("chute", "flow", "angle", seeds=True, depth=5).std_dev
+        study = evidence(made_point("chute"), boundaries=brackets)
+        return SIGMAS * study.boundary("chute", "flow", "angle", seeds=True, depth=5).std_dev
 
     assert half_width((5, 1), (10, 1), (10, 2)) == np.inf
     assert half_width((5, 1), (5, 2)) == pytest.approx(0.125 * 1.96 / 1.645, rel=1e-3)

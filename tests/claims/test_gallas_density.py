@@ -25,7 +25,7 @@ from sim.claims.verdict import (
     SIGMAS,
     Untestable,
 )
-from tests.made.paper_belt import BEAD, checks_of, density, published, verdict_of
+from tests.made.paper_belt import BEAD, checks_of, density, paper_point, verdict_of
 from tests.made.results import made_results
 
 FREQUENCIES = (10, 20, 60, 80)
@@ -34,12 +34,12 @@ PAIRS = ((10, 10), (0, 50), (50, 50), (50, 100))
 
 def row(frequencies=FREQUENCIES, **rest):
     """Return points at several frequencies."""
-    return [published(frequency=frequency, **rest) for frequency in frequencies]
+    return [paper_point(frequency=frequency, **rest) for frequency in frequencies]
 
 
 def changed(points, profile, **parameters):
     """Return points, one of them with another density over height (m⁻²)."""
-    new = published(profiles={"number_density": profile}, **parameters)
+    new = paper_point(profiles={"number_density": profile}, **parameters)
     assert new.id in {point.id for point in points}
     return [new if point.id == new.id else point for point in points]
 
@@ -68,7 +68,7 @@ def test_a_plateau_of_density():
 @pytest.mark.parametrize("slices", [1, 2])
 @pytest.mark.parametrize(("end", "fall"), [(9.0, 0.5), (8.6, 1.5), (9.4, 0.1)])
 def test_a_plateau_ends_where_the_density_begins_to_fall(slices, end, fall):
-    """Means over slices of whole or half diameters, of a constant that falls off linearly."""
+    """The density is a constant that falls off linearly, averaged over whole or half diameters."""
     fine = (np.arange(20_000) + 0.5) / 1000
     exact = 1e6 * np.clip(1 - (fine - end) / fall, 0, 1)
     number = exact.reshape(20 * slices, -1).mean(axis=1)
@@ -77,13 +77,13 @@ def test_a_plateau_ends_where_the_density_begins_to_fall(slices, end, fall):
 
 
 def test_grids_of_cells_and_of_points_count_other_beads():
-    """Beads that lie on the belt are at half a diameter: at no point but in the first cell."""
+    """Beads on the belt are at half a diameter: at no grid point, but in the first cell."""
     thin = {"height": (np.arange(60) + 0.5) * BEAD / 2, "slice_height": 0.5}
     place = np.arange(60)
     lying = np.where(place == 1, 2.0, 0) + np.where((place > 2) & (place < 20), 1.0, 0)
     profiles = {"number_density": lambda _: lying, "number_density_at_phase_0": lambda _: lying}
     results = made_results(
-        *(published(frequency=f, profiles=profiles, **thin) for f in (20, 60, 80))
+        *(paper_point(frequency=f, profiles=profiles, **thin) for f in (20, 60, 80))
     )
     for grid, share in (("centres", 1.0), ("points", 0.0)):
         checks = g16(Evidence(replace(results, grid=grid), "published"))
@@ -97,7 +97,7 @@ def test_a_plateau_that_differs_from_bed_to_bed_decides_nothing():
     heights = (np.arange(200) + 0.5) * BEAD
     waves = [0.2, -0.2, 0.25, -0.1, 0.0]
     uneven = [block(heights) * (1 + wave * np.sin(heights / BEAD * 2)) for wave in waves]
-    points = [published(profiles={"number_density": np.array(uneven)}, frequency=10)]
+    points = [paper_point(profiles={"number_density": np.array(uneven)}, frequency=10)]
     assert checks_of(g15, points)[0].verdict == INCONCLUSIVE
 
 
@@ -122,7 +122,7 @@ def test_a_gas_above_the_bed():
     points = row((10, 60, 80))
     assert verdict_of(g18, points) == REPRODUCED
     assert verdict_of(g18, changed(points, block, frequency=60)) == NOT_REPRODUCED
-    gas = published(frequency=80).parameters
+    gas = paper_point(frequency=80).parameters
     assert verdict_of(g18, changed(points, density(gas), frequency=10)) == NOT_REPRODUCED
     with pytest.raises(Untestable, match="frequency 10"):
         checks_of(g18, row((60, 80)))
@@ -133,14 +133,16 @@ def angles(excess, noise=0.01, values=(30, 45, 60, 90)):
     random = np.random.default_rng(7)
     points = []
     for angle in values:
-        usual = published(frequency=60, vibration_angle=angle)
+        usual = paper_point(frequency=60, vibration_angle=angle)
         shape = density(usual.parameters)(usual.height)
         factor = 1 + (excess if angle == 30 else 0.0) * np.sign(usual.height - 8 * BEAD)
         # The beads of a bed are the same at all angles, and so is a part of its deviation.
-        own = 1 + 0.05 * np.linspace(-1, 1, 5)[:, None]
-        values = own * factor * shape + noise * shape.max() * random.normal(size=(5, shape.size))
+        bed_factor = 1 + 0.05 * np.linspace(-1, 1, 5)[:, None]
+        values = bed_factor * factor * shape + noise * shape.max() * random.normal(
+            size=(5, shape.size)
+        )
         points.append(
-            published(profiles={"number_density": values}, frequency=60, vibration_angle=angle)
+            paper_point(profiles={"number_density": values}, frequency=60, vibration_angle=angle)
         )
     return points
 
@@ -159,9 +161,9 @@ def test_the_largest_difference_is_that_of_the_same_beds_and_not_made_by_chance(
     beds = random.normal(size=(1, 5, 1))
     shift = np.zeros((4, 1, 30))
     shift[1, 0, 7] = 0.1
-    found = largest_difference(beds + shift)
-    assert found.nominal_value == pytest.approx(0.1)
-    assert found.std_dev == pytest.approx(0, abs=1e-12)
+    difference = largest_difference(beds + shift)
+    assert difference.nominal_value == pytest.approx(0.1)
+    assert difference.std_dev == pytest.approx(0, abs=1e-12)
     chance = largest_difference(beds + 0.1 * random.normal(size=(4, 5, 30)))
     assert abs(chance.nominal_value) < SIGMAS * chance.std_dev
 
@@ -172,7 +174,7 @@ def test_beds_are_compared_with_themselves_where_one_has_failed():
     values = points[1].profiles["number_density"].copy()
     status = ["completed"] * 5
     status[1], values[1] = "failed", np.nan
-    points[1] = published(
+    points[1] = paper_point(
         {"status": status}, {"number_density": values}, frequency=60, vibration_angle=45
     )
     assert checks_of(g19, points)[0].verdict == whole[0].verdict == REPRODUCED
@@ -181,7 +183,7 @@ def test_beds_are_compared_with_themselves_where_one_has_failed():
 def friction(profiles=None, **rest):
     """Return points at several pairs of damping, those of ``profiles`` with other densities."""
     return [
-        published(
+        paper_point(
             profiles={"number_density": profiles[pair]} if pair in (profiles or {}) else None,
             frequency=80,
             damping=pair[0],
@@ -204,8 +206,8 @@ def test_fewer_beads_at_the_belt_are_not_the_claim():
     loose = density(friction()[0].parameters)
     fewer = {(10, 10): lambda height: loose(height) * np.where(height < 2 * BEAD, 0.5, 1)}
     checks = checks_of(g20, friction(fewer))
-    found = [check.verdict for check in checks]
-    assert found == [REPRODUCED, REPORTED] * 3 + [NOT_REPRODUCED, REPRODUCED]
+    verdicts = [check.verdict for check in checks]
+    assert verdicts == [REPRODUCED, REPORTED] * 3 + [NOT_REPRODUCED, REPRODUCED]
 
 
 def test_a_gas_above_does_not_widen_the_layer():

@@ -1,4 +1,4 @@
-"""Judges of claims about the mean velocity, on belts that do what the paper says and others."""
+"""Judges of claims about the mean velocity, on belts that follow the paper and on others."""
 
 from functools import partial
 
@@ -9,11 +9,11 @@ from sim.claims.gallas_flux import g1, g2, g8
 from sim.claims.gallas_flux import g13 as judge_g13
 from sim.claims.gallas_onset import g14 as judge_g14
 from sim.claims.verdict import INCONCLUSIVE, NOT_REPRODUCED, REPORTED, REPRODUCED, Untestable
-from tests.made.paper_belt import checks_of, published, verdict_of
+from tests.made.paper_belt import checks_of, paper_point, verdict_of
 from tests.made.results import made_results
 
-#: Judges with the numbers of ours that give the verdict.
-g13, g14 = partial(judge_g13, weak=0.15), partial(judge_g14, least=0.02)
+#: Judges with our headline numbers.
+g13, g14 = partial(judge_g13, max_change=0.15), partial(judge_g14, threshold=0.02)
 
 FREQUENCIES = (10, 15, 16, 18, 20, 25, 30, 40, 50, 60, 80, 100)
 
@@ -21,7 +21,7 @@ FREQUENCIES = (10, 15, 16, 18, 20, 25, 30, 40, 50, 60, 80, 100)
 def rows(name, values, frequencies=(20, 50, 80), **rest):
     """Return points at all frequencies and values of a parameter."""
     return [
-        published(**{name: value}, frequency=frequency, **rest)
+        paper_point(**{name: value}, frequency=frequency, **rest)
         for value in values
         for frequency in frequencies
     ]
@@ -29,12 +29,12 @@ def rows(name, values, frequencies=(20, 50, 80), **rest):
 
 def base(**rest):
     """Return the row of frequencies with the paper's other parameters."""
-    return [published(frequency=frequency, **rest) for frequency in FREQUENCIES]
+    return [paper_point(frequency=frequency, **rest) for frequency in FREQUENCIES]
 
 
 def replaced(points, scalars, **parameters):
-    """Return points with one of them anew, with other scalars."""
-    new = published(scalars, **parameters)
+    """Return points, one of them replaced by one with other scalars."""
+    new = paper_point(scalars, **parameters)
     assert new.id in {point.id for point in points}
     return [new if point.id == new.id else point for point in points]
 
@@ -103,7 +103,7 @@ def test_angles_are_compared_from_20_hz_on_and_with_several_beds():
 
 def test_large_amplitudes_are_faster_and_other_damping_is_reported():
     points = rows("amplitude", (0.5, 1, 1.5), (25, 50))
-    marker = published(frequency=50, damping=10, shear_damping=10)
+    marker = paper_point(frequency=50, damping=10, shear_damping=10)
     checks = checks_of(g8, [*points, marker])
     assert [check.verdict for check in checks] == [REPRODUCED, REPORTED]
     slow = points
@@ -128,14 +128,14 @@ def test_stiffness_hardly_matters():
 
 
 def test_with_the_restitution_kept_stiffer_beads_are_compared_with_the_usual_ones():
-    usual = [published({"velocity": 0.1}, frequency=f) for f in (20, 50, 80)]
+    usual = [paper_point({"velocity": 0.1}, frequency=f) for f in (20, 50, 80)]
     stiff = {"stiffness_keeps": "restitution"}
-    kept = [
-        published({"velocity": 0.1}, frequency=f, stiffness=y, **stiff)
+    stiffer = [
+        paper_point({"velocity": 0.1}, frequency=f, stiffness=y, **stiff)
         for f in (20, 50, 80)
         for y in (700, 2000, 5000)
     ]
-    evidence = Evidence(made_results(*usual, *kept), "published", stiff)
+    evidence = Evidence(made_results(*usual, *stiffer), "published", stiff)
     checks = [check for check in g13(evidence) if check.what.startswith("change of V")]
     assert len(checks) == 9 and {check.verdict for check in checks} == {REPRODUCED}
 
@@ -152,16 +152,16 @@ def test_the_limit_of_the_stiffness_is_reported():
 
 
 def test_what_is_weak_is_a_number_of_ours():
-    usual = published(frequency=80).scalars["velocity"].mean()
+    usual = paper_point(frequency=80).scalars["velocity"].mean()
     slower = {"velocity": 0.88 * usual}
     points = replaced(rows("stiffness", STIFF), slower, frequency=80, stiffness=2000)
     assert verdict_of(g13, points) == REPRODUCED
-    assert verdict_of(partial(judge_g13, weak=0.1), points) == NOT_REPRODUCED
+    assert verdict_of(partial(judge_g13, max_change=0.1), points) == NOT_REPRODUCED
 
 
 def test_a_denser_bed_of_stiffer_beads_is_not_the_claim():
     points = rows("stiffness", STIFF)
-    dense = published(
+    dense = paper_point(
         profiles={"number_density": lambda height: 2e6 * (height < 5e-3)},
         frequency=20,
         stiffness=700,
@@ -172,8 +172,10 @@ def test_a_denser_bed_of_stiffer_beads_is_not_the_claim():
 
 def halved(frequencies=(14, 14.5, 15, 15.5, 16, 17, 20, 80), **rest):
     """Return rows of the whole system and of half of it."""
-    small = [published(frequency=each, beads=100, width=10, **rest) for each in frequencies]
-    return small + [published(frequency=each, **rest) for each in frequencies]
+    small = [
+        paper_point(frequency=frequency, beads=100, width=10, **rest) for frequency in frequencies
+    ]
+    return small + [paper_point(frequency=frequency, **rest) for frequency in frequencies]
 
 
 def test_half_the_system_is_enough():

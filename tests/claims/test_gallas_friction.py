@@ -7,20 +7,22 @@ import pytest
 from sim.claims.gallas_friction import g9, g10, g11, g36
 from sim.claims.gallas_friction import g12 as judge_g12
 from sim.claims.verdict import INCONCLUSIVE, NOT_REPRODUCED, REPRODUCED, Untestable
-from tests.made.paper_belt import checks_of, published, verdict_of
+from tests.made.paper_belt import checks_of, paper_point, verdict_of
 
-g12 = partial(judge_g12, weak=0.15)
+g12 = partial(judge_g12, max_change=0.15)
 
 SHEAR = (0, 10, 20, 50, 100)
 
 
 def line(velocities=None, values=SHEAR, frequencies=(20, 50), **rest):
     """Return points along the shear friction coefficient, with velocities (m/s) if given."""
-    given = [None] * len(values) if velocities is None else [{"velocity": v} for v in velocities]
+    scalars_by_value = (
+        [None] * len(values) if velocities is None else [{"velocity": v} for v in velocities]
+    )
     return [
-        published(scalars, frequency=frequency, shear_damping=shear, **rest)
+        paper_point(scalars, frequency=frequency, shear_damping=shear, **rest)
         for frequency in frequencies
-        for shear, scalars in zip(values, given, strict=True)
+        for shear, scalars in zip(values, scalars_by_value, strict=True)
     ]
 
 
@@ -41,7 +43,7 @@ def test_velocities_that_drift_decide_nothing(judge):
     values = (0, 10, 20, 50, 100)
     drift = {"acceleration": 0.0025, "acceleration_half_width": 1e-5}
     points = [
-        published({"velocity": 0.1 + shear / 1e4} | drift, frequency=f, shear_damping=shear)
+        paper_point({"velocity": 0.1 + shear / 1e4} | drift, frequency=f, shear_damping=shear)
         for f in (20, 50, 80)
         for shear in values
     ]
@@ -53,7 +55,7 @@ def test_velocities_that_drift_decide_nothing(judge):
 def test_velocities_must_be_known_not_to_drift(half_width, verdict):
     steady = {"acceleration": 0.0, "acceleration_half_width": half_width}
     points = [
-        published({"velocity": velocity} | steady, frequency=f, shear_damping=shear)
+        paper_point({"velocity": velocity} | steady, frequency=f, shear_damping=shear)
         for f in (20, 50)
         for shear, velocity in ((0, 0.0), (10, 0.1), (20, 0.102), (50, 0.105), (100, 0.108))
     ]
@@ -65,12 +67,12 @@ def test_beads_that_do_not_move_have_no_slope():
 
 
 def still(velocities, frequencies=(20, 50)):
-    """Return points without shear friction, velocities (m/s) per bed, beside usual ones."""
+    """Return points without shear friction, velocities (m/s) per bed, and the usual points."""
     free = [
-        published({"velocity": velocities}, frequency=frequency, shear_damping=0)
+        paper_point({"velocity": velocities}, frequency=frequency, shear_damping=0)
         for frequency in frequencies
     ]
-    return [*free, *(published(frequency=frequency) for frequency in (20, 50))]
+    return [*free, *(paper_point(frequency=frequency) for frequency in (20, 50))]
 
 
 @pytest.mark.parametrize(
@@ -121,8 +123,8 @@ def test_scatter_needs_several_beds():
     ],
 )
 def test_strong_shear_friction_hardly_matters(velocity, scatter, verdict):
-    usual = published({"velocity": 0.25}, frequency=80, scatter=scatter)
-    strong = published({"velocity": velocity}, frequency=80, shear_damping=100, scatter=scatter)
+    usual = paper_point({"velocity": 0.25}, frequency=80, scatter=scatter)
+    strong = paper_point({"velocity": velocity}, frequency=80, shear_damping=100, scatter=scatter)
     assert verdict_of(g12, [usual, strong]) == verdict
     with pytest.raises(Untestable, match="shear_damping 100"):
         checks_of(g12, [usual])

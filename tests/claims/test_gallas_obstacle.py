@@ -11,18 +11,20 @@ from sim.claims.verdict import (
     REPRODUCED,
     Untestable,
 )
-from tests.made.paper_belt import BEAD, checks_of, published, velocity, verdict_of
+from tests.made.paper_belt import BEAD, checks_of, paper_point, velocity, verdict_of
 
 SIZES = (0, 0.5, 1.5, 2.5)
 
 
 def rows(velocities=None, sizes=SIZES, **rest):
     """Return points at two frequencies and several diameters, with velocities (m/s) if given."""
-    given = [None] * len(sizes) if velocities is None else [{"velocity": v} for v in velocities]
+    scalars_by_size = (
+        [None] * len(sizes) if velocities is None else [{"velocity": v} for v in velocities]
+    )
     return [
-        published(scalars, frequency=frequency, obstacle=size, **rest)
+        paper_point(scalars, frequency=frequency, obstacle=size, **rest)
         for frequency in (20, 80)
-        for size, scalars in zip(sizes, given, strict=True)
+        for size, scalars in zip(sizes, scalars_by_size, strict=True)
     ]
 
 
@@ -44,7 +46,7 @@ def test_an_obstacle_slows_the_flow():
     ],
 )
 def test_no_turbulence(share, verdict):
-    points = [published({"backflow": share}, frequency=80, obstacle=each) for each in (1.5, 2.5)]
+    points = [paper_point({"backflow": share}, frequency=80, obstacle=size) for size in (1.5, 2.5)]
     assert verdict_of(g33, points) == verdict
     with pytest.raises(Untestable, match=r"obstacle 2\.5"):
         checks_of(g33, points[:1])
@@ -53,11 +55,12 @@ def test_no_turbulence(share, verdict):
 def blocked(local, scatter=1e-3, far_height=1.2):
     """Return beds with and without an obstacle, slowed everywhere or only close to it.
 
-    Its paths are 1.2 times as high as without, those far away ``far_height`` times.
+    Behind it the paths are 1.2 times as high as without it, and ``far_height`` times as high far
+    away.
     """
     points = []
     for frequency in (20, 80):
-        free = published(frequency=frequency)
+        free = paper_point(frequency=frequency)
         speed = velocity(free.parameters)
 
         def along(column, speed=speed):
@@ -67,7 +70,7 @@ def blocked(local, scatter=1e-3, far_height=1.2):
         height = free.scalars["path_vertical"].mean()
         scalars = {"path_vertical": 1.2 * height, "path_vertical_far": far_height * height}
         profiles = {"column_velocity": along}
-        stopped = published(scalars, profiles, frequency=frequency, obstacle=1.5, scatter=scatter)
+        stopped = paper_point(scalars, profiles, frequency=frequency, obstacle=1.5, scatter=scatter)
         points += [free, stopped]
     return points
 
@@ -93,7 +96,7 @@ def test_shares_of_the_slow_down_are_taken_bed_by_bed():
         shape = np.where(np.abs(np.arange(20) - 9.5) < 5, 0.4, 0.5)
         for size, slowed in ((0, np.ones(20)), (1.5, shape)):
             profiles = {"column_velocity": uneven * slowed}
-            points.append(published(profiles=profiles, frequency=frequency, obstacle=size))
+            points.append(paper_point(profiles=profiles, frequency=frequency, obstacle=size))
     check = checks_of(g34, points)[1]
     assert check.value == pytest.approx(0.25 / 0.55)
     assert check.half_width == pytest.approx(0, abs=1e-9)
@@ -101,6 +104,8 @@ def test_shares_of_the_slow_down_are_taken_bed_by_bed():
 
 def test_a_uniform_slow_down_has_half_of_it_far_away():
     points = [
-        published(frequency=frequency, obstacle=size) for frequency in (20, 80) for size in (0, 1.5)
+        paper_point(frequency=frequency, obstacle=size)
+        for frequency in (20, 80)
+        for size in (0, 1.5)
     ]
     assert checks_of(g34, points)[1].value == pytest.approx(0.5)

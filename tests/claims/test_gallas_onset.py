@@ -7,19 +7,19 @@ import pytest
 
 from sim.claims import gallas_onset
 from sim.claims.evidence import Evidence
-from sim.claims.gallas_onset import onset
+from sim.claims.gallas_onset import find_onset
 from sim.claims.table import claims
 from sim.claims.verdict import INCONCLUSIVE, NOT_REPRODUCED, REPRODUCED, Untestable, plan
 from sim.parameters.belt import ONSET_TRANSPORT
 from tests.claims.judging import by_part
-from tests.made.paper_belt import checks_of, published, velocity, verdict_of
+from tests.made.paper_belt import checks_of, paper_point, velocity, verdict_of
 from tests.made.results import made_boundary, made_results
 
 #: The share of A_x ω that counts as transport, that of boundaries.
 LEAST = ONSET_TRANSPORT
 
 g3, g4, g5, g6, g7, g35 = (
-    partial(getattr(gallas_onset, name), least=LEAST)
+    partial(getattr(gallas_onset, name), threshold=LEAST)
     for name in ("g3", "g4", "g5", "g6", "g7", "g35")
 )
 
@@ -33,14 +33,16 @@ MOVING = 0.15
 
 def scan(frequencies=SCAN, **parameters):
     """Return a row of frequencies."""
-    return [published(frequency=frequency, **parameters) for frequency in frequencies]
+    return [paper_point(frequency=frequency, **parameters) for frequency in frequencies]
 
 
 def early(start, frequencies=SCAN, **parameters):
-    """Return a row of frequencies that transports from ``start`` (Hz) on."""
+    """Return a row of frequencies with transport from ``start`` (Hz) on."""
     return [
-        published({"velocity": MOVING if each >= start else 0.0}, frequency=each, **parameters)
-        for each in frequencies
+        paper_point(
+            {"velocity": MOVING if frequency >= start else 0.0}, frequency=frequency, **parameters
+        )
+        for frequency in frequencies
     ]
 
 
@@ -52,10 +54,10 @@ def boundary(low, high, **parameters):
     ]
 
 
-def found(points, boundaries=()):
-    """Return nominal value and half width (Hz) of the onset at the paper's parameters."""
+def onset_interval(points, boundaries=()):
+    """Return value and half width (Hz) of the onset at the paper's parameters."""
     evidence = Evidence(made_results(*points, boundaries=boundaries), "published")
-    value = onset(evidence, LEAST).frequency
+    value = find_onset(evidence, LEAST).frequency
     return value.nominal_value, 1.96 * value.std_dev
 
 
@@ -67,73 +69,77 @@ def crossing(low, high, share):
 def test_a_scan_finds_where_the_mean_passes_a_tenth_of_the_belt():
     speed = 1e-3 * 2 * np.pi * 16
     points = early(16)
-    value, half_width = found(points)
+    value, half_width = onset_interval(points)
     assert value == pytest.approx(crossing(15.5, 16, MOVING / speed))
     assert half_width == pytest.approx(0.25)
 
 
 def test_beds_that_differ_widen_the_interval():
     spread = [
-        published({"velocity": [0, 0, 0, 0.045]}, replicates=4, frequency=15.5)
+        paper_point({"velocity": [0, 0, 0, 0.045]}, replicates=4, frequency=15.5)
         if point.parameters.frequency == 15.5
         else point
         for point in early(16, replicates=4)
     ]
-    value, half_width = found(spread)
+    value, half_width = onset_interval(spread)
     assert 15 < value < 15.5 and half_width > 0.4
 
 
 def test_single_beds_that_creep_to_and_fro_are_no_transport():
     creeping = [
-        published({"velocity": [0.005, -0.005, 0.006, -0.005, 0.0]}, frequency=each)
-        for each in (12, 13, 14, 15)
+        paper_point({"velocity": [0.005, -0.005, 0.006, -0.005, 0.0]}, frequency=frequency)
+        for frequency in (12, 13, 14, 15)
     ]
-    value, _ = found([*creeping, *early(16, (16, 17, 18, 20))])
+    value, _ = onset_interval([*creeping, *early(16, (16, 17, 18, 20))])
     assert 15 < value < 16
 
 
 def test_frequencies_may_have_more_beds_than_others():
-    points = [published(frequency=10, replicates=16), *early(16)]
-    assert found(points) == pytest.approx(found(early(16)), abs=1e-3)
+    points = [paper_point(frequency=10, replicates=16), *early(16)]
+    assert onset_interval(points) == pytest.approx(onset_interval(early(16)), abs=1e-3)
 
 
 def test_a_bed_that_failed_somewhere_counts_elsewhere():
     points = early(16)
     failed = {"status": ["completed", "failed", "completed", "completed", "completed"]}
-    points[SCAN.index(15.5)] = published({"velocity": 0.0} | failed, frequency=15.5)
-    assert found(points) == pytest.approx(found(early(16)), abs=1e-3)
+    points[SCAN.index(15.5)] = paper_point({"velocity": 0.0} | failed, frequency=15.5)
+    assert onset_interval(points) == pytest.approx(onset_interval(early(16)), abs=1e-3)
 
 
 def test_beds_that_nowhere_meet_are_no_scan():
     points = []
-    for frequency, known in ((15, (0, 1)), (17, (2, 3))):
-        status = ["completed" if bed in known else "failed" for bed in range(4)]
-        points.append(published({"status": status}, frequency=frequency, replicates=4))
+    for frequency, beds in ((15, (0, 1)), (17, (2, 3))):
+        status = ["completed" if bed in beds else "failed" for bed in range(4)]
+        points.append(paper_point({"status": status}, frequency=frequency, replicates=4))
     with pytest.raises(Untestable, match="no scan of the frequency with two beds"):
-        found(points)
+        onset_interval(points)
 
 
 def test_a_scan_in_coarse_steps_tells_no_onset():
     with pytest.raises(Untestable, match="steps of 1 Hz between 15 and 17 Hz"):
-        found(early(16, (14, 15, 17, 18, 20)))
+        onset_interval(early(16, (14, 15, 17, 18, 20)))
 
 
 def test_the_onset_is_a_function_of_what_counts_as_transport():
     evidence = Evidence(made_results(*early(16)), "published")
-    onsets = [onset(evidence, least).frequency.nominal_value for least in (0.02, 0.1, 0.2)]
+    onsets = [find_onset(evidence, least).frequency.nominal_value for least in (0.02, 0.1, 0.2)]
     assert onsets == sorted(onsets) and onsets[-1] > onsets[0]
 
 
 def test_single_beds_of_a_refinement_are_no_scan():
-    refined = [published(frequency=each, replicates=1) for each in (15.25, 15.75, 16.25, 17.5)]
-    assert found([*early(16), *refined]) == found(early(16))
+    refined = [
+        paper_point(frequency=frequency, replicates=1) for frequency in (15.25, 15.75, 16.25, 17.5)
+    ]
+    assert onset_interval([*early(16), *refined]) == onset_interval(early(16))
 
 
 def test_few_beds_at_a_frequency_that_tells_it_widen_the_interval():
     def half_width(beds):
-        near = published({"velocity": [0.01, 0.03] * (beds // 2)}, frequency=15.5, replicates=beds)
-        line = [near if each.parameters.frequency == 15.5 else each for each in early(16)]
-        return found(line)[1]
+        near = paper_point(
+            {"velocity": [0.01, 0.03] * (beds // 2)}, frequency=15.5, replicates=beds
+        )
+        line = [near if point.parameters.frequency == 15.5 else point for point in early(16)]
+        return onset_interval(line)[1]
 
     assert half_width(2) > 6 * half_width(4)
 
@@ -144,35 +150,35 @@ def test_boundaries_are_those_of_the_headline():
 
 
 def test_boundaries_serve_where_they_tell_it_better():
-    point = [published(frequency=30)]
+    point = [paper_point(frequency=30)]
     # Its ends are bounds of one side.
     bound = 0.125 * 1.96 / 1.645
-    assert found(point, boundary(15.0, 15.25)) == pytest.approx((15.125, bound), rel=1e-3)
+    assert onset_interval(point, boundary(15.0, 15.25)) == pytest.approx((15.125, bound), rel=1e-3)
     two = [boundary(15.0, 15.25)[0], boundary(16.0, 16.25)[1]]
-    value, half_width = found(point, two)
+    value, half_width = onset_interval(point, two)
     assert value == pytest.approx(15.625)
     assert half_width == pytest.approx(12.7 * 0.5, rel=0.01)
-    told = found(early(16), boundary(15.5, 15.75))
-    assert told == pytest.approx((15.625, bound), rel=1e-3)
+    interval = onset_interval(early(16), boundary(15.5, 15.75))
+    assert interval == pytest.approx((15.625, bound), rel=1e-3)
 
 
 def test_a_boundary_from_one_seed_says_nothing_of_other_beds():
-    one = boundary(15.0, 15.25)[:1]
-    assert found([published(frequency=30)], one)[1] == np.inf
-    assert found(early(16), one) == found(early(16))
+    boundary_row = boundary(15.0, 15.25)[:1]
+    assert onset_interval([paper_point(frequency=30)], boundary_row)[1] == np.inf
+    assert onset_interval(early(16), boundary_row) == onset_interval(early(16))
 
 
 @pytest.mark.parametrize(
-    ("points", "what"),
+    ("points", "message"),
     [
         ([], "no scan of the frequency with two beds; no boundary"),
         (scan((17, 18, 20)), "beds flow at the lowest, 17 Hz"),
         (scan((14, 15)), "beds do not flow at the highest, 15 Hz"),
     ],
 )
-def test_what_holds_no_onset_is_untestable(points, what):
-    with pytest.raises(Untestable, match=what):
-        found([*points, published(frequency=30, vibration_angle=60)])
+def test_what_holds_no_onset_is_untestable(points, message):
+    with pytest.raises(Untestable, match=message):
+        onset_interval([*points, paper_point(frequency=30, vibration_angle=60)])
 
 
 def angles(start=None):
@@ -193,10 +199,10 @@ def test_what_half_a_step_leaves_open_no_number_of_beds_decides():
     beds = angles(start=15.35)
     open_ones = [check for check in checks_of(g3, beds) if check.verdict == INCONCLUSIVE]
     assert [check.what for check in open_ones] == ["onset at 30 degrees"]
-    assert open_ones[0].times == np.inf and "finer steps" in plan(open_ones[0])
+    assert open_ones[0].replicate_factor == np.inf and "finer steps" in plan(open_ones[0])
     scattered = {"velocity": [0, 0, 0, 0.1]}
     wide = [
-        published(scattered, replicates=4, frequency=15.5, vibration_angle=30)
+        paper_point(scattered, replicates=4, frequency=15.5, vibration_angle=30)
         if point.parameters.frequency == 15.5 and point.parameters.vibration_angle == 30
         else point
         for point in beds
@@ -208,14 +214,14 @@ def test_what_half_a_step_leaves_open_no_number_of_beds_decides():
 def damped(last):
     """Return the onsets at five pairs of damping, the last one chosen."""
     return [
-        one
+        boundary_row
         for (damping, shear), low in zip(PAIRS, (15.5, 15.75, 15.5, 15.75, last), strict=True)
-        for one in boundary(low, low + 0.25, damping=damping, shear_damping=shear)
+        for boundary_row in boundary(low, low + 0.25, damping=damping, shear_damping=shear)
     ]
 
 
 def test_onset_whatever_the_damping():
-    point = [published()]
+    point = [paper_point()]
     assert verdict_of(g4, point, boundaries=damped(15.75)) == REPRODUCED
     assert verdict_of(g4, point, boundaries=damped(17)) == NOT_REPRODUCED
     assert verdict_of(g4, point, boundaries=damped(16.5)) == INCONCLUSIVE
@@ -233,7 +239,7 @@ def test_onset_at_a_larger_amplitude():
     assert parts(points) == {"a": REPRODUCED, "b": REPRODUCED}
     assert parts(points, 15) == {"a": INCONCLUSIVE, "b": REPRODUCED}
     assert parts(points, 13) == {"a": NOT_REPRODUCED, "b": REPRODUCED}
-    moving = [published({"velocity": 0.07}, frequency=15, amplitude=1.5), points[1]]
+    moving = [paper_point({"velocity": 0.07}, frequency=15, amplitude=1.5), points[1]]
     assert parts(moving) == {"a": REPRODUCED, "b": NOT_REPRODUCED}
     with pytest.raises(Untestable, match=r"amplitude 1\.5"):
         checks_of(g5, scan())
@@ -256,11 +262,11 @@ def test_onset_at_a_smaller_amplitude():
     ("low", "verdict"), [(15.75, REPRODUCED), (14, NOT_REPRODUCED), (15, INCONCLUSIVE)]
 )
 def test_onset_at_the_acceleration_of_gravity(low, verdict):
-    assert verdict_of(g7, [published()], boundaries=boundary(low, low + 0.25)) == verdict
+    assert verdict_of(g7, [paper_point()], boundaries=boundary(low, low + 0.25)) == verdict
 
 
 def test_the_acceleration_is_that_of_the_belt():
-    check = checks_of(g7, [published()], boundaries=boundary(16, 16))[0]
+    check = checks_of(g7, [paper_point()], boundaries=boundary(16, 16))[0]
     assert check.value == pytest.approx((2 * 3.14159 * 16) ** 2 * 1e-3 / 10, rel=1e-4)
 
 
@@ -284,7 +290,7 @@ def test_a_sharp_threshold():
 
 def test_a_slow_rise_is_not_a_sharp_threshold():
     slow = [
-        published(
+        paper_point(
             {"velocity": velocity(point.parameters) * min(1, frequency / 40)}, frequency=frequency
         )
         for frequency, point in zip(SHARP, scan(SHARP), strict=True)

@@ -10,10 +10,10 @@ from sim.claims.verdict import (
     REPORTED,
     REPRODUCED,
     Untestable,
-    together,
+    combined_verdict,
 )
 from tests.claims.judging import by_part
-from tests.made.paper_belt import checks_of, published, verdict_of
+from tests.made.paper_belt import checks_of, paper_point, verdict_of
 
 PANELS = {
     "a": {"frequency": 10},
@@ -28,7 +28,7 @@ PANELS = {
 def panels(changed="", scalars=None, **rest):
     """Return the points of Fig. 4; that of one panel has other measures."""
     return [
-        published(scalars if name == changed else None, **parameters, **rest)
+        paper_point(scalars if name == changed else None, **parameters, **rest)
         for name, parameters in PANELS.items()
     ]
 
@@ -53,19 +53,19 @@ def test_from_ellipses_to_a_stream():
     ],
 )
 def test_other_paths_are_not_those_of_the_paper(panel, scalars, wrong):
-    found = by_part(checks_of(g24, panels(panel, scalars)))
-    assert found == {part: NOT_REPRODUCED if part in wrong else REPRODUCED for part in "abcd"}
+    verdicts = by_part(checks_of(g24, panels(panel, scalars)))
+    assert verdicts == {part: NOT_REPRODUCED if part in wrong else REPRODUCED for part in "abcd"}
 
 
 @pytest.mark.parametrize(
-    ("missing", "left"),
+    ("missing", "tested"),
     [("a", "cd"), ("steeper", "bcd"), ("b", "acd"), ("c", "abd"), ("d", "abd"), ("e", "abc")],
 )
-def test_a_part_whose_panel_is_missing_is_not_tested(missing, left):
+def test_a_part_whose_panel_is_missing_is_not_tested(missing, tested):
     points = dict(zip(PANELS, panels(), strict=True))
     del points[missing]
-    found = by_part(checks_of(g24, list(points.values())))
-    assert found == dict.fromkeys(left, REPRODUCED)
+    verdicts = by_part(checks_of(g24, list(points.values())))
+    assert verdicts == dict.fromkeys(tested, REPRODUCED)
 
 
 STREAMS = (
@@ -79,7 +79,7 @@ STREAMS = (
 def streams(changed=None, **rest):
     """Return points at 80 Hz; those named by their place have paths of that height (m)."""
     return [
-        published(
+        paper_point(
             {"path_vertical": changed[index]} if index in (changed or {}) else None,
             frequency=80,
             **parameters,
@@ -90,15 +90,15 @@ def streams(changed=None, **rest):
 
 
 def test_what_makes_a_stream():
-    def found(points):
+    def part_verdicts(points):
         checks = checks_of(g25, points)
-        return [together(check for check in checks if check.part == part) for part in "ab"]
+        return [combined_verdict(check for check in checks if check.part == part) for part in "ab"]
 
-    assert found(streams()) == [REPRODUCED] * 2
-    assert found(streams({0: 1e-2, 2: 1e-6})) == [NOT_REPRODUCED, REPRODUCED]
-    assert found(streams({3: 1e-6})) == [REPRODUCED, NOT_REPRODUCED]
-    assert found(streams({3: 3e-4}, replicates=2))[1] == INCONCLUSIVE
-    assert found(streams()[:3])[0] == REPRODUCED
+    assert part_verdicts(streams()) == [REPRODUCED] * 2
+    assert part_verdicts(streams({0: 1e-2, 2: 1e-6})) == [NOT_REPRODUCED, REPRODUCED]
+    assert part_verdicts(streams({3: 1e-6})) == [REPRODUCED, NOT_REPRODUCED]
+    assert part_verdicts(streams({3: 3e-4}, replicates=2))[1] == INCONCLUSIVE
+    assert part_verdicts(streams()[:3])[0] == REPRODUCED
     with pytest.raises(Untestable, match="shear_damping 10"):
         checks_of(g25, streams()[1:2])
 
@@ -106,9 +106,9 @@ def test_what_makes_a_stream():
 def blocked(scalars=None, **rest):
     """Return points at 80 Hz with an obstacle, and without it at 80 and 20 Hz."""
     return [
-        published(scalars, frequency=80, obstacle=1.5, **rest),
-        published(frequency=80, **rest),
-        published(frequency=20, **rest),
+        paper_point(scalars, frequency=80, obstacle=1.5, **rest),
+        paper_point(frequency=80, **rest),
+        paper_point(frequency=20, **rest),
     ]
 
 
@@ -123,7 +123,7 @@ def test_paths_behind_an_obstacle():
 
 
 def test_slower_paths_as_flat_as_before_are_not_those_at_20_hz():
-    flat = published(frequency=80).scalars["path_vertical"]
+    flat = paper_point(frequency=80).scalars["path_vertical"]
     checks = checks_of(g32, blocked({"path_vertical": flat, "path_drift": 1e-4}))
     assert [check.verdict for check in checks] == [REPRODUCED, REPORTED]
 

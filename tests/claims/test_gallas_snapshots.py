@@ -9,18 +9,18 @@ from sim.claims.gallas_snapshots import g26 as judge_g26
 from sim.claims.gallas_snapshots import g27 as judge_g27
 from sim.claims.gallas_snapshots import g28
 from sim.claims.verdict import INCONCLUSIVE, NOT_REPRODUCED, REPRODUCED, Untestable
-from tests.made.paper_belt import BEAD, checks_of, published, verdict_of
+from tests.made.paper_belt import BEAD, checks_of, paper_point, verdict_of
 
-g26, g27 = partial(judge_g26, empty=0.03), partial(judge_g27, empty=0.03)
+g26, g27 = partial(judge_g26, max_occupancy=0.03), partial(judge_g27, max_occupancy=0.03)
 
 LOOSE = {"frequency": 40, "vibration_angle": 30, "damping": 10, "shear_damping": 10}
 PANELS = {"a": {"frequency": 10, "vibration_angle": 60}, "b": LOOSE, "c": {"frequency": 100}}
 
 
 def panels(changed="", scalars=None, profiles=None, **rest):
-    """Return the points of Figs. 5a to 5c; that of one panel is another."""
+    """Return the points of Figs. 5a to 5c, the one of panel ``changed`` with other data."""
     return [
-        published(
+        paper_point(
             scalars if name == changed else None,
             profiles if name == changed else None,
             **parameters,
@@ -54,11 +54,11 @@ def test_other_pictures_are_not_those_of_the_paper(panel, scalars, profiles):
 def occupied(*shares, frequencies=(20, 80, 100), phase=0.01):
     """Return points with shares of the beads near the mean belt position.
 
-    Of a given one at the beginning of the cycle, if any.
+    ``phase`` is the share at the beginning of the cycle, if any.
     """
     early = {"base_occupancy_at_phase_0": nan if phase is None else phase}
     return [
-        published({"base_occupancy": share} | early, frequency=frequency)
+        paper_point({"base_occupancy": share} | early, frequency=frequency)
         for frequency, share in zip(frequencies, shares, strict=True)
     ]
 
@@ -86,7 +86,7 @@ def test_a_void_is_one_at_the_beginning_of_the_cycle_too():
 
 def test_what_makes_a_void_is_a_number_of_ours():
     points = occupied(0.1, 0.025, 0.001)
-    assert verdict_of(partial(judge_g27, empty=0.02), points) == NOT_REPRODUCED
+    assert verdict_of(partial(judge_g27, max_occupancy=0.02), points) == NOT_REPRODUCED
 
 
 def test_a_void_needs_all_frequencies():
@@ -95,15 +95,15 @@ def test_a_void_needs_all_frequencies():
 
 
 def test_more_friction_more_compact():
-    firm, soft = published(frequency=100), published(frequency=100, damping=1)
+    firm, soft = paper_point(frequency=100), paper_point(frequency=100, damping=1)
     assert verdict_of(g28, [firm, soft]) == REPRODUCED
-    dense = published(
+    dense = paper_point(
         profiles={"packing_profile": lambda height: 0.8 * (height < 20 * BEAD)},
         frequency=100,
         damping=1,
     )
     assert verdict_of(g28, [firm, dense]) == NOT_REPRODUCED
-    noisy = [published(frequency=100, damping=each, scatter=0.5) for each in (50, 1)]
+    noisy = [paper_point(frequency=100, damping=damping, scatter=0.5) for damping in (50, 1)]
     assert verdict_of(g28, noisy) == INCONCLUSIVE
     with pytest.raises(Untestable, match="damping 1"):
         checks_of(g28, [firm])

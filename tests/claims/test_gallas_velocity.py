@@ -4,11 +4,17 @@ import numpy as np
 import pytest
 
 from sim.claims.gallas_velocity import g21, g22, g23, g29, g30
-from sim.claims.verdict import INCONCLUSIVE, NOT_REPRODUCED, REPRODUCED, Untestable, together
+from sim.claims.verdict import (
+    INCONCLUSIVE,
+    NOT_REPRODUCED,
+    REPRODUCED,
+    Untestable,
+    combined_verdict,
+)
 from tests.made.paper_belt import (
     BEAD,
     checks_of,
-    published,
+    paper_point,
     temperature_profile,
     velocity_profile,
     verdict_of,
@@ -18,9 +24,9 @@ FREQUENCIES = (10, 20, 60, 80)
 
 
 def row(frequencies=FREQUENCIES, profiles=None, **rest):
-    """Return points at several frequencies; some have profiles of their own, by frequency."""
+    """Return points at several frequencies; ``profiles`` replaces profiles by frequency."""
     return [
-        published(profiles=(profiles or {}).get(frequency), frequency=frequency, **rest)
+        paper_point(profiles=(profiles or {}).get(frequency), frequency=frequency, **rest)
         for frequency in frequencies
     ]
 
@@ -28,13 +34,13 @@ def row(frequencies=FREQUENCIES, profiles=None, **rest):
 def test_a_plateau_of_velocity():
     def parts(points):
         checks = checks_of(g21, points)
-        return [together(check for check in checks if check.part == part) for part in "abc"]
+        return [combined_verdict(check for check in checks if check.part == part) for part in "abc"]
 
-    young = published(frequency=80, damping=10, shear_damping=10)
+    young = paper_point(frequency=80, damping=10, shear_damping=10)
     assert parts([*row(), young]) == [REPRODUCED] * 3
     shear = {60: {"velocity_profile": lambda height: 0.02 * height / BEAD}}
     assert parts([*row(profiles=shear), young])[0] == NOT_REPRODUCED
-    fast = velocity_profile(published(frequency=60).parameters, lag=-0.3)
+    fast = velocity_profile(paper_point(frequency=60).parameters, lag=-0.3)
     ends = {60: {"velocity_profile": fast}}
     assert parts([*row(profiles=ends), young]) == [REPRODUCED, NOT_REPRODUCED, REPRODUCED]
     # Of runs that have relaxed no fall is asked for.
@@ -51,7 +57,7 @@ def test_a_plateau_with_waves_of_their_own_in_each_bed_decides_nothing():
 
 
 def started(fast_lag=0.0, long_lag=0.1, short_lag=0.4, initial=20.0, scatter=1e-3):
-    """Return runs from rest under both protocols and ones started fast, with lags at the top."""
+    """Return runs from rest under both protocols, and fast starts, with lags at the top."""
     points = []
     for damping in (10, 50):
         where = {"frequency": 80, "damping": damping, "shear_damping": damping, "scatter": scatter}
@@ -60,9 +66,9 @@ def started(fast_lag=0.0, long_lag=0.1, short_lag=0.4, initial=20.0, scatter=1e-
             (long_lag, {"protocol": "converged"}),
             (fast_lag, {"protocol": "published", "initial_velocity": initial}),
         ):
-            usual = published(**where, **rest)
+            usual = paper_point(**where, **rest)
             profile = velocity_profile(usual.parameters, lag)
-            points.append(published(profiles={"velocity_profile": profile}, **where, **rest))
+            points.append(paper_point(profiles={"velocity_profile": profile}, **where, **rest))
     return points
 
 
@@ -83,7 +89,7 @@ def test_relaxation_needs_both_protocols_and_a_start_that_is_fast():
 
 def angles(values=(30, 45, 60, 90), **rest):
     """Return points at several angles."""
-    return [published(frequency=60, vibration_angle=angle, **rest) for angle in values]
+    return [paper_point(frequency=60, vibration_angle=angle, **rest) for angle in values]
 
 
 def test_plateau_against_frequency_and_angle():
@@ -108,7 +114,7 @@ def test_the_surface_becomes_fluid_first():
 
 
 def test_a_few_stray_beads_above_the_surface_hide_no_temperature():
-    usual = published(frequency=20)
+    usual = paper_point(frequency=20)
     hot = temperature_profile(usual.parameters)(usual.height)
     above = usual.profiles["number_density"] < 1e-3 * usual.profiles["number_density"].max()
     points = row((18, 20), {20: {"fluctuation_temperature_profile": np.where(above, np.nan, hot)}})
@@ -119,7 +125,7 @@ def test_a_few_stray_beads_above_the_surface_hide_no_temperature():
 
 
 def test_a_surface_that_is_hot_in_some_beds_alone_decides_nothing():
-    usual = published(frequency=20)
+    usual = paper_point(frequency=20)
     hot = temperature_profile(usual.parameters)(usual.height)
     some = np.array([hot, hot, hot, np.full_like(hot, 0.02), np.full_like(hot, 0.02)])
     points = row((18, 20), {20: {"fluctuation_temperature_profile": some}})
@@ -131,8 +137,8 @@ def waves(early, later=2.0, **rest):
     usual = {"early_wave_power": early, "wave_power": later}
     loose = {"vibration_angle": 30, "damping": 10, "shear_damping": 10}
     return [
-        published(usual, frequency=40, **rest),
-        published(usual, frequency=40, **loose, **rest),
+        paper_point(usual, frequency=40, **rest),
+        paper_point(usual, frequency=40, **loose, **rest),
     ]
 
 

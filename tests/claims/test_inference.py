@@ -6,28 +6,32 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from sim.claims.inference import outranks, share_above, share_of, superior, trend
-from sim.claims.verdict import INCONCLUSIVE, NOT_REPRODUCED, REPRODUCED, RISK, least
+from sim.claims.inference import mann_whitney_p, outranks, share_above, share_interval, trend
+from sim.claims.verdict import INCONCLUSIVE, NOT_REPRODUCED, REPRODUCED, RISK, holm_p
 from tests.made.results import spread
 
 
 def groups(*means, replicates=5, scatter=0.1):
-    """Replicates about some means."""
+    """Return replicates about several means."""
     return [mean + scatter * spread(replicates) for mean in means]
 
 
 def test_the_trend_is_jonckheeres():
     """Jonckheere's statistic counts pairs in order; its normal p-value is that of Kendall's τ."""
     rng = np.random.default_rng(4)
-    found = [rng.normal(size=n) + 0.3 * k for k, n in enumerate((4, 6, 5, 3))]
+    samples = [rng.normal(size=n) + 0.3 * k for k, n in enumerate((4, 6, 5, 3))]
     pairs = [
-        (a, b) for i, one in enumerate(found) for two in found[i + 1 :] for a in one for b in two
+        (a, b)
+        for i, first in enumerate(samples)
+        for second in samples[i + 1 :]
+        for a in first
+        for b in second
     ]
-    counted = sum(b > a for a, b in pairs)
-    sizes, total = np.array([len(one) for one in found]), sum(map(len, found))
+    rising = sum(b > a for a, b in pairs)
+    sizes, total = np.array([len(first) for first in samples]), sum(map(len, samples))
     variance = (total**2 * (2 * total + 3) - (sizes**2 * (2 * sizes + 3)).sum()) / 72
-    z = (counted - len(pairs) / 2) / np.sqrt(variance)
-    assert trend("x", [found]).holding == pytest.approx(stats.norm.sf(z), rel=1e-6)
+    z = (rising - len(pairs) / 2) / np.sqrt(variance)
+    assert trend("x", [samples]).p_holds == pytest.approx(stats.norm.sf(z), rel=1e-6)
 
 
 @pytest.mark.parametrize(
@@ -57,15 +61,15 @@ def test_a_monotone_trend_has_no_step_the_other_way():
 def test_a_dip_shows_however_fine_the_steps():
     rise, steps = [0.5, 1.0, 1.5, 2.0], np.linspace(2.0, 1.75, 6)[1:]
     fine = groups(*rise, *steps, 2.5, 3.0, replicates=8)
-    neighbours = [superior(low, high) for low, high in pairwise(fine)]
-    assert least(neighbours) > RISK
-    held = trend("x", [fine], monotone=True)
-    assert held.verdict == NOT_REPRODUCED
-    assert held.holding == 1
+    neighbours = [mann_whitney_p(low, high) for low, high in pairwise(fine)]
+    assert holm_p(neighbours) > RISK
+    check = trend("x", [fine], monotone=True)
+    assert check.verdict == NOT_REPRODUCED
+    assert check.p_holds == 1
 
 
 def test_strata_are_compared_within():
-    """Within each the quantity falls, over both it rises."""
+    """The quantity falls within each stratum and rises from one to the other."""
     strata = [groups(3, 2, 1), groups(13, 12, 11)]
     assert trend("x", strata).verdict == NOT_REPRODUCED
     mixed = [groups(1, 2, 3), groups(1, 2, 3), groups(1, 2, 3), groups(3, 2, 1)]
@@ -74,14 +78,14 @@ def test_strata_are_compared_within():
 
 
 def test_ranks_need_no_distribution():
-    """Two states of one sample, whose mean is that of the other."""
-    ours, theirs = np.array([2.0, 2.1, 2.2, 2.3, 2.4]), np.array([1.0, 1.1, 1.2, 1.3, 6.4])
-    assert ours.mean() == theirs.mean()
-    assert outranks("x", ours, theirs[:4], ()).verdict == REPRODUCED
-    assert outranks("x", theirs[:4], ours, ()).verdict == NOT_REPRODUCED
-    assert outranks("x", ours, theirs, ()).value == 0.8
+    """One sample mixes two states, and its mean equals that of the other sample."""
+    first, second = np.array([2.0, 2.1, 2.2, 2.3, 2.4]), np.array([1.0, 1.1, 1.2, 1.3, 6.4])
+    assert first.mean() == second.mean()
+    assert outranks("x", first, second[:4], ()).verdict == REPRODUCED
+    assert outranks("x", second[:4], first, ()).verdict == NOT_REPRODUCED
+    assert outranks("x", first, second, ()).value == 0.8
     # Exact: all of 3 above all of 4 is one of 35 orders.
-    assert superior(np.array([5.0, 6, 7]), np.array([1.0, 2, 3, 4])) == pytest.approx(1 / 35)
+    assert mann_whitney_p(np.array([5.0, 6, 7]), np.array([1.0, 2, 3, 4])) == pytest.approx(1 / 35)
 
 
 @pytest.mark.parametrize(
@@ -93,4 +97,4 @@ def test_shares_of_runs_are_exact(count, number, verdict):
 
 
 def test_the_interval_of_a_share_is_wilsons():
-    assert share_of(18, 23) == pytest.approx((0.581, 0.903), abs=1e-3)
+    assert share_interval(18, 23) == pytest.approx((0.581, 0.903), abs=1e-3)

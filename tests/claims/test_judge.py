@@ -1,4 +1,4 @@
-"""Verdicts on claims: protocols, readings, and what is written of them."""
+"""Verdicts on claims: protocols, readings and the files written."""
 
 import json
 from dataclasses import replace
@@ -11,19 +11,19 @@ import pytest
 from sim.claims import judge
 from sim.claims.checks import above
 from sim.claims.judgement import MODEL, Judgement, Variant
-from sim.claims.readings import DEFAULT, GRID, in_words, readings_of, readings_run
+from sim.claims.readings import DEFAULT, GRID, reading_label, readings_of, readings_with_runs
 from sim.claims.table import Number, claims
 from sim.claims.verdict import (
-    IN_PART,
     INCONCLUSIVE,
     NOT_REPRODUCED,
-    ON_THE_READING,
     PAPER_INCONSISTENT,
+    READING_DEPENDENT,
     REPRODUCED,
+    REPRODUCED_IN_PART,
     UNTESTABLE,
     Check,
 )
-from sim.claims.written import as_mapping, as_table
+from sim.claims.verdict_files import as_mapping, as_table
 from sim.dataset.grids import GRIDS
 from sim.parameters import SYSTEMS, ChuteParameters, roles
 from sim.report.claims import SYSTEM
@@ -34,22 +34,22 @@ from tests.made.results import made_point, made_results
 HOLDS = Check("x", 2.0, 0.1, 1.0, 3.0, points=("p",), samples=50.0)
 FAILS = Check("y", 4.0, 0.1, 1.0, 3.0)
 OPEN = Check("z", 3.0, 0.1, 1.0, 3.0)
-LACKING = Variant("converged", DEFAULT, reason="no runs")
+NO_RUNS = Variant("converged", DEFAULT, reason="no runs")
 
 
 def judged(*variants: Variant) -> Judgement:
     return Judgement(claims()[0], variants)
 
 
-def of(check: Check, protocol: str = "published", reading: str = DEFAULT) -> Variant:
+def variant_of(check: Check, protocol: str = "published", reading: str = DEFAULT) -> Variant:
     return Variant(protocol, reading, (check,))
 
 
 def test_the_table_holds_every_claim_once_in_order_with_a_judge():
-    found = [claim.id for claim in claims()]
-    assert found == [f"W{n}" for n in range(1, 27)] + [f"G{n}" for n in range(1, 37)]
+    ids = [claim.id for claim in claims()]
+    assert ids == [f"W{n}" for n in range(1, 27)] + [f"G{n}" for n in range(1, 37)]
     for claim in claims():
-        assert claim.judging().__doc__, claim.id
+        assert claim.judge_function().__doc__, claim.id
         assert set(claim.figures) <= set(FIGURES)
         assert claim.needs or claim.kind == "model"
 
@@ -57,17 +57,24 @@ def test_the_table_holds_every_claim_once_in_order_with_a_judge():
 @pytest.mark.parametrize(
     ("variants", "verdict"),
     [
-        ([of(HOLDS, "converged"), of(HOLDS)], REPRODUCED),
-        ([of(FAILS, "converged"), of(HOLDS)], NOT_REPRODUCED),
+        ([variant_of(HOLDS, "converged"), variant_of(HOLDS)], REPRODUCED),
+        ([variant_of(FAILS, "converged"), variant_of(HOLDS)], NOT_REPRODUCED),
         # What a flow that has not relaxed says is shown and gives no verdict.
-        ([of(OPEN, "converged"), of(FAILS)], INCONCLUSIVE),
-        ([LACKING, of(FAILS)], NOT_REPRODUCED),
-        ([LACKING, of(OPEN)], INCONCLUSIVE),
-        ([LACKING], UNTESTABLE),
-        ([LACKING, of(HOLDS, reading="other")], UNTESTABLE),
-        ([of(HOLDS), of(FAILS, reading="other")], ON_THE_READING),
-        ([of(HOLDS), of(OPEN, reading="other")], REPRODUCED),
-        ([of(OPEN), of(FAILS, reading="other"), of(HOLDS, reading="third")], ON_THE_READING),
+        ([variant_of(OPEN, "converged"), variant_of(FAILS)], INCONCLUSIVE),
+        ([NO_RUNS, variant_of(FAILS)], NOT_REPRODUCED),
+        ([NO_RUNS, variant_of(OPEN)], INCONCLUSIVE),
+        ([NO_RUNS], UNTESTABLE),
+        ([NO_RUNS, variant_of(HOLDS, reading="other")], UNTESTABLE),
+        ([variant_of(HOLDS), variant_of(FAILS, reading="other")], READING_DEPENDENT),
+        ([variant_of(HOLDS), variant_of(OPEN, reading="other")], REPRODUCED),
+        (
+            [
+                variant_of(OPEN),
+                variant_of(FAILS, reading="other"),
+                variant_of(HOLDS, reading="third"),
+            ],
+            READING_DEPENDENT,
+        ),
     ],
 )
 def test_the_converged_protocol_decides_where_it_was_run(variants, verdict):
@@ -75,40 +82,40 @@ def test_the_converged_protocol_decides_where_it_was_run(variants, verdict):
 
 
 def test_only_contradictions_make_a_claim_dependent():
-    assert judged(of(HOLDS, "converged"), of(FAILS)).protocol_dependent
-    assert not judged(of(HOLDS, "converged"), of(OPEN)).protocol_dependent
-    other = of(FAILS, reading="belt_ghost centred")
-    assert judged(of(HOLDS), other).reading_dependent
-    assert not judged(of(HOLDS), other).protocol_dependent
-    assert judged(of(HOLDS), other).verdict == ON_THE_READING
+    assert judged(variant_of(HOLDS, "converged"), variant_of(FAILS)).protocol_dependent
+    assert not judged(variant_of(HOLDS, "converged"), variant_of(OPEN)).protocol_dependent
+    other = variant_of(FAILS, reading="belt_ghost centred")
+    assert judged(variant_of(HOLDS), other).reading_dependent
+    assert not judged(variant_of(HOLDS), other).protocol_dependent
+    assert judged(variant_of(HOLDS), other).verdict == READING_DEPENDENT
 
 
 def test_of_many_readings_one_that_differs_must_do_so_clearly():
-    """p = 0.01 of one that fails is clear among two readings, and not as one of twelve."""
+    """A failure with p = 0.01 is clear among two readings, but not with correction for twelve."""
     likely = Check("z", 0.0, nan, 0.0, inf, tested=(1.0, 0.01))
-    other = of(likely, reading="belt_ghost centred")
-    alike = [of(HOLDS, reading=f"corrections = {number}") for number in range(10)]
-    assert judged(of(HOLDS), other).reading_dependent
-    assert not judged(of(HOLDS), other, *alike).reading_dependent
+    other = variant_of(likely, reading="belt_ghost centred")
+    alike = [variant_of(HOLDS, reading=f"corrections = {number}") for number in range(10)]
+    assert judged(variant_of(HOLDS), other).reading_dependent
+    assert not judged(variant_of(HOLDS), other, *alike).reading_dependent
 
 
 def test_a_control_is_no_reading():
-    control = replace(of(FAILS, reading="integrator verlet"), control="no reading")
-    assert judged(of(HOLDS), control).verdict == REPRODUCED
+    control = replace(variant_of(FAILS, reading="integrator verlet"), control="no reading")
+    assert judged(variant_of(HOLDS), control).verdict == REPRODUCED
     belt = readings_of("belt")
-    assert belt.is_control({"belt_ghost": "centred", "integrator": "verlet"})
-    assert not belt.is_control({"belt_ghost": "centred"})
+    assert belt.control_reason({"belt_ghost": "centred", "integrator": "verlet"})
+    assert not belt.control_reason({"belt_ghost": "centred"})
 
 
 def test_every_reading_has_the_words_that_leave_it_open_or_is_a_control():
     for system in SYSTEM.values():
         model, declared = SYSTEMS[system], readings_of(system)
-        for name in set(roles.readings(model)) - declared.open.keys():
+        for name in set(roles.reading_parameters(model)) - declared.open.keys():
             others = set(get_args(model.model_fields[name].annotation)) - {getattr(model(), name)}
             assert others, f"{name}: neither open nor a choice of which all others are controls"
-            assert all(declared.is_control({name: value}) for value in others), name
+            assert all(declared.control_reason({name: value}) for value in others), name
         assert declared.open.keys() == (
-            declared.open.keys() & set(roles.readings(model))
+            declared.open.keys() & set(roles.reading_parameters(model))
             | declared.rows.keys()
             | ({GRID} if declared.grids else set())
         )
@@ -117,7 +124,7 @@ def test_every_reading_has_the_words_that_leave_it_open_or_is_a_control():
         assert all(words.count('"') >= 2 for words in declared.open.values())
 
 
-def of_part(part: str, check: Check) -> Check:
+def on_part(part: str, check: Check) -> Check:
     return replace(check, part=part)
 
 
@@ -125,35 +132,37 @@ def of_part(part: str, check: Check) -> Check:
     ("converged", "published", "verdict"),
     [
         ([("a", HOLDS), ("b", HOLDS)], [], REPRODUCED),
-        ([("a", HOLDS), ("b", FAILS)], [], IN_PART),
-        ([("a", HOLDS), ("b", OPEN)], [], IN_PART),
+        ([("a", HOLDS), ("b", FAILS)], [], REPRODUCED_IN_PART),
+        ([("a", HOLDS), ("b", OPEN)], [], REPRODUCED_IN_PART),
         ([("a", OPEN), ("b", FAILS)], [], NOT_REPRODUCED),
         # Each part is decided by its own protocol, a part without runs is not reproduced yet.
         ([("a", HOLDS)], [("a", FAILS), ("b", HOLDS)], REPRODUCED),
-        ([("a", HOLDS)], [("a", HOLDS)], IN_PART),
+        ([("a", HOLDS)], [("a", HOLDS)], REPRODUCED_IN_PART),
     ],
 )
 def test_a_claim_that_says_two_things_may_hold_in_part(converged, published, verdict):
     claim = claims()[0].model_copy(update={"parts": {"a": "one thing", "b": "another"}})
     variants = [
-        Variant(protocol, DEFAULT, tuple(of_part(part, check) for part, check in checks))
+        Variant(protocol, DEFAULT, tuple(on_part(part, check) for part, check in checks))
         for protocol, checks in (("converged", converged), ("published", published))
         if checks
     ]
     assert Judgement(claim, tuple(variants)).verdict == verdict
     torn = claim.model_copy(update={"contradiction": "both cannot be"})
     assert Judgement(torn, tuple(variants)).verdict == PAPER_INCONSISTENT
-    assert Judgement(torn, (LACKING,)).verdict == UNTESTABLE
+    assert Judgement(torn, (NO_RUNS,)).verdict == UNTESTABLE
 
 
 def test_a_verdict_is_told_as_a_function_of_a_number_that_is_ours():
     number = Number(what="weak", values=[0.1, 0.15], headline=0.15)
     claim = claims()[0].model_copy(update={"number": number})
-    variant = Variant("published", DEFAULT, (HOLDS,), others={0.1: (FAILS,), 0.15: (HOLDS,)})
-    one = Judgement(claim, (variant,))
-    assert one.by_number == {0.1: NOT_REPRODUCED, 0.15: REPRODUCED}
-    document = as_mapping([one], "made")["claims"][0]
-    assert [each["verdict"] for each in document["by_number"]] == [NOT_REPRODUCED, REPRODUCED]
+    variant = Variant(
+        "published", DEFAULT, (HOLDS,), checks_by_number={0.1: (FAILS,), 0.15: (HOLDS,)}
+    )
+    judgement = Judgement(claim, (variant,))
+    assert judgement.by_number == {0.1: NOT_REPRODUCED, 0.15: REPRODUCED}
+    document = as_mapping([judgement], "made")["claims"][0]
+    assert [row["verdict"] for row in document["by_number"]] == [NOT_REPRODUCED, REPRODUCED]
     assert document["by_number"][0]["checks"][0]["what"] == "y"
     with pytest.raises(ValueError, match="headline"):
         Number(what="weak", values=[0.1, 0.2], headline=0.15)
@@ -167,21 +176,21 @@ def test_readings_are_what_points_have_beyond_the_defaults():
         made_point("belt", {"velocity": 0.1}, integrator="verlet", belt_ghost="centred"),
         made_point("chute", {"velocity": 0.1}, friction_cap="after"),
     )
-    assert readings_run(results, "belt") == [
+    assert readings_with_runs(results, "belt") == [
         {"integrator": "verlet"},
         {"belt_ghost": "centred", "integrator": "verlet"},
         {GRID: "edges"},
         {GRID: "points"},
     ]
-    assert readings_run(results, "chute") == [{"friction_cap": "after"}]
+    assert readings_with_runs(results, "chute") == [{"friction_cap": "after"}]
 
 
 def test_base_rows_of_another_cell_or_stiffness_are_readings():
     results = made_results(
-        *(made_point("chute", {"velocity": 0.1}, **one) for one in ({}, {"cell": 5})),
+        *(made_point("chute", {"velocity": 0.1}, **settings) for settings in ({}, {"cell": 5})),
         made_point("chute", {"velocity": 0.1}, stiffness=1000, friction_cap="after"),
     )
-    assert readings_run(results, "chute") == [
+    assert readings_with_runs(results, "chute") == [
         {"friction_cap": "after"},
         {"cell": 5},
         {"stiffness": 1000},
@@ -194,25 +203,30 @@ def test_readings_without_the_runs_of_a_claim_are_left_out(monkeypatch):
         made_point("chute", {"velocity": 0.1}, friction_cap="after"),
         made_point("belt", {"velocity": 0.1}, integrator="verlet"),
     )
-    for one in judge.judge(results):
-        assert one.claim.paper == {"chute": "walton", "belt": "gallas"}[one.claim.system]
-        flows = [variant for variant in one.variants if variant.protocol != MODEL]
+    for judgement in judge.judge(results):
+        assert (
+            judgement.claim.paper == {"chute": "walton", "belt": "gallas"}[judgement.claim.system]
+        )
+        flows = [variant for variant in judgement.variants if variant.protocol != MODEL]
         assert all(variant.reading == DEFAULT or variant.checks for variant in flows)
 
 
 @pytest.mark.parametrize(("named", "readings"), [({}, 2), ({"cell": 5}, 1)])
 def test_a_claim_that_names_what_a_reading_changes_is_judged_once(monkeypatch, named, readings):
-    flows = (made_point("chute", {"velocity": 0.1}, depth=5, **one) for one in ({}, {"cell": 5}))
-    every = list(judge._evidence(made_results(*flows), "chute"))
+    flows = (
+        made_point("chute", {"velocity": 0.1}, depth=5, **settings)
+        for settings in ({}, {"cell": 5})
+    )
+    evidence = list(judge._evidence(made_results(*flows), "chute"))
 
-    def judging(evidence):
+    def judge_function(evidence):
         place = evidence.at("chute", depth=5, **named)
         return [above("V", place.velocity, 0, [place])]
 
     claim = next(claim for claim in claims() if claim.system == "chute" and claim.kind == "flow")
-    monkeypatch.setattr(type(claim), "judging", lambda _: judging)
-    found = list(judge._variants(claim, every))
-    assert len({one.reading for one in found if one.checks}) == readings
+    monkeypatch.setattr(type(claim), "judge_function", lambda _: judge_function)
+    variants = list(judge._variants(claim, evidence))
+    assert len({variant.reading for variant in variants if variant.checks}) == readings
 
 
 @pytest.mark.parametrize(("looks_at", "readings"), [("number_density", 3), ("velocity", 1)])
@@ -221,7 +235,7 @@ def test_a_grid_is_a_reading_of_claims_that_look_at_profiles(monkeypatch, looks_
     profiles = {"number_density": lambda z: np.exp(-z / BEAD)}
     bed = made_point("belt", {"velocity": 0.1}, profiles, height=height, slice_height=0.5)
 
-    def judging(evidence):
+    def judge_function(evidence):
         place = evidence.at("belt")
         if looks_at == "velocity":
             return [above("V", place.velocity, 0, [place])]
@@ -229,19 +243,19 @@ def test_a_grid_is_a_reading_of_claims_that_look_at_profiles(monkeypatch, looks_
         return [above("z", middle, 0, [place])]
 
     claim = next(claim for claim in claims() if claim.system == "belt" and claim.kind == "flow")
-    monkeypatch.setattr(type(claim), "judging", lambda _: judging)
-    found = judge._variants(claim, list(judge._evidence(made_results(bed), "belt")))
-    told = [one.reading for one in found if one.checks]
-    assert len(set(told)) == len(told) == readings
-    grids = [in_words("belt", {GRID: name}) for name in readings_of("belt").grids]
-    assert told[1:] == grids[: readings - 1]
+    monkeypatch.setattr(type(claim), "judge_function", lambda _: judge_function)
+    variants = judge._variants(claim, list(judge._evidence(made_results(bed), "belt")))
+    labels = [variant.reading for variant in variants if variant.checks]
+    assert len(set(labels)) == len(labels) == readings
+    grids = [reading_label("belt", {GRID: name}) for name in readings_of("belt").grids]
+    assert labels[1:] == grids[: readings - 1]
 
 
 def test_what_is_written_is_plain_json_and_one_row_per_check():
-    judgements = [judged(of(HOLDS, "converged"), of(FAILS)), judged(LACKING)]
+    judgements = [judged(variant_of(HOLDS, "converged"), variant_of(FAILS)), judged(NO_RUNS)]
     text = json.dumps(as_mapping(judgements, "made"), allow_nan=False)
     document = json.loads(text)
-    assert [one["decided_by"] for one in document["claims"]] == ["converged", ""]
+    assert [row["decided_by"] for row in document["claims"]] == ["converged", ""]
     first = document["claims"][0]
     assert first["verdict"] == REPRODUCED and first["protocol_dependent"]
     check = first["variants"][0]["checks"][0]
@@ -273,25 +287,27 @@ def test_the_table_has_the_first_verdict_those_on_parts_and_those_by_number():
     number = Number(what="weak", values=[0.1, 0.15], headline=0.15)
     parts = {"a": "one thing", "b": "another"}
     claim = claims()[0].model_copy(update={"number": number, "parts": parts})
-    checks = of_part("a", HOLDS), of_part("b", OPEN)
-    others = {0.1: (of_part("a", FAILS), of_part("b", FAILS)), 0.15: checks}
-    table = as_table([Judgement(claim, (Variant("published", DEFAULT, checks, others=others),))])
+    checks = on_part("a", HOLDS), on_part("b", OPEN)
+    others = {0.1: (on_part("a", FAILS), on_part("b", FAILS)), 0.15: checks}
+    table = as_table(
+        [Judgement(claim, (Variant("published", DEFAULT, checks, checks_by_number=others),))]
+    )
     assert set(table["first verdict"]) == {claim.first.verdict}
     assert list(table["part"]) == ["a", "b"]
     assert list(table["verdict on the part"]) == [REPRODUCED, INCONCLUSIVE]
-    by_number = f"0.1: {NOT_REPRODUCED}; 0.15: {IN_PART}"
+    by_number = f"0.1: {NOT_REPRODUCED}; 0.15: {REPRODUCED_IN_PART}"
     assert set(table["verdict by number"]) == {by_number}
-    assert list(as_table([judged(of(HOLDS))])["verdict on the part"]) == [""]
+    assert list(as_table([judged(variant_of(HOLDS))])["verdict on the part"]) == [""]
 
 
 def test_a_study_of_nothing_relevant_leaves_the_claims_on_flows_untestable():
     results = made_results(made_point("belt", {"velocity": 0.1}, diameter_spread=0.1))
     judgements = judge.judge(results)
-    assert {one.claim.system for one in judgements} == {"belt"}
+    assert {judgement.claim.system for judgement in judgements} == {"belt"}
     assert {claim.system for claim in claims()} == set(SYSTEM.values())
-    for one in judgements:
-        assert one.verdict == UNTESTABLE, one.claim.id
-        assert all(variant.reason for variant in one.variants), one.claim.id
+    for judgement in judgements:
+        assert judgement.verdict == UNTESTABLE, judgement.claim.id
+        assert all(variant.reason for variant in judgement.variants), judgement.claim.id
 
 
 def test_the_contact_law_is_judged_under_its_readings_too(monkeypatch):
@@ -305,8 +321,8 @@ def test_the_contact_law_is_judged_under_its_readings_too(monkeypatch):
     ]
     monkeypatch.setattr(judge, "MODEL_READINGS", ({}, *readings))
     (first,) = [claim for claim in claims() if claim.id == "W1"]
-    found = {one.reading: one.verdict(()) for one in judge._variants(first, [])}
-    assert found == {
+    verdicts = {variant.reading: variant.verdict(()) for variant in judge._variants(first, [])}
+    assert verdicts == {
         DEFAULT: REPRODUCED,
         "γ = 0; overlap_memory shrink; friction_cap after": REPRODUCED,
         "γ = 1; overlap_memory reset; friction_cap before": NOT_REPRODUCED,
@@ -314,7 +330,7 @@ def test_the_contact_law_is_judged_under_its_readings_too(monkeypatch):
 
 
 def test_every_reading_of_the_contact_law_is_judged():
-    """Each other value of a reading of the law, one at a time."""
+    """Each other value of a reading of the law is judged, one at a time."""
     law = {"overlap_memory", "friction_cap", "sliding_direction"}
     others = [
         {name: value}

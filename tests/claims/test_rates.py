@@ -1,4 +1,4 @@
-"""How often the judge is right on synthetic flows; `python -m benchmarks.judging` has the table."""
+"""Error rates of the judges on synthetic flows; `python -m benchmarks.judging` has the table."""
 
 import numpy as np
 import pytest
@@ -7,14 +7,14 @@ from benchmarks.judging import (
     KINDS,
     STATEMENTS,
     half_width,
-    often,
+    joint_rates,
+    majority_rates,
     rates,
-    several,
+    rates_by_replicates,
     steadiness,
-    tightening,
 )
 
-#: What is wrong by more than chance of so many trials is wrong.
+#: Trials per rate; a rate must lie within the scatter of so many trials.
 FEW, MANY = 25, 400
 
 
@@ -25,10 +25,10 @@ def at_most(share: float, trials: int) -> float:
 
 @pytest.mark.parametrize("statement", ["bound", "trend"])
 def test_what_is_true_by_two_half_widths_holds_and_what_is_false_does_not(statement):
-    held, failed = rates(statement, "correlated", 3, 2, FEW)
-    assert held >= 0.8 and failed <= at_most(0.05, FEW)
-    held, _ = rates(statement, "correlated", 3, 0, FEW)
-    assert held <= at_most(0.05, FEW)
+    reproduced, not_reproduced = rates(statement, "correlated", 3, 2, FEW)
+    assert reproduced >= 0.8 and not_reproduced <= at_most(0.05, FEW)
+    reproduced, _ = rates(statement, "correlated", 3, 0, FEW)
+    assert reproduced <= at_most(0.05, FEW)
 
 
 def test_more_replicates_tighten_an_interval_as_one_over_their_root():
@@ -39,8 +39,8 @@ def test_more_replicates_tighten_an_interval_as_one_over_their_root():
 
 
 def test_a_claim_of_many_votes_needs_all_and_fails_with_one():
-    assert several(3, 3, 3, 4, 10)[0] >= 0.8
-    assert several(3, 3, -3, 4, 10) == (0.0, pytest.approx(1.0, abs=0.2))
+    assert joint_rates(3, 3, 3, 4, 10)[0] >= 0.8
+    assert joint_rates(3, 3, -3, 4, 10) == (0.0, pytest.approx(1.0, abs=0.2))
 
 
 def test_steady_flows_are_steady_and_others_not():
@@ -50,9 +50,9 @@ def test_steady_flows_are_steady_and_others_not():
 
 
 def test_a_share_of_half_is_not_often():
-    held, failed = often(0.5, 20, 400)
-    assert max(held, failed) <= at_most(0.05, 400)
-    assert often(0.9, 20, 200)[0] >= 0.8
+    reproduced, not_reproduced = majority_rates(0.5, 20, 400)
+    assert max(reproduced, not_reproduced) <= at_most(0.05, 400)
+    assert majority_rates(0.9, 20, 200)[0] >= 0.8
 
 
 @pytest.mark.long
@@ -60,21 +60,21 @@ def test_a_share_of_half_is_not_often():
 @pytest.mark.parametrize("statement", STATEMENTS)
 @pytest.mark.parametrize("replicates", [3, 8])
 def test_rates_of_all_statements_on_all_flows(statement, kind, replicates):
-    held, failed = rates(statement, kind, replicates, 2, MANY)
+    reproduced, not_reproduced = rates(statement, kind, replicates, 2, MANY)
     # An equality of flows in several states is nowhere so far from its margin.
-    assert np.isnan(held) or (held >= 0.8 and failed <= at_most(0.05, MANY))
+    assert np.isnan(reproduced) or (reproduced >= 0.8 and not_reproduced <= at_most(0.05, MANY))
     for distance in (0, -1):
-        held, _ = rates(statement, kind, replicates, distance, MANY)
-        assert held <= at_most(0.05, MANY)
+        reproduced, _ = rates(statement, kind, replicates, distance, MANY)
+        assert reproduced <= at_most(0.05, MANY)
 
 
 @pytest.mark.long
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("statement", STATEMENTS)
 def test_more_replicates_never_make_a_verdict_worse(statement, kind):
-    held = np.array(tightening(statement, kind, (3, 6, 12, 24, 48), 100))
-    if np.isnan(held).all():
+    reproduced = np.array(rates_by_replicates(statement, kind, (3, 6, 12, 24, 48), 100))
+    if np.isnan(reproduced).all():
         assert (statement, kind) == ("equality", "two states")
         return
     # What hundred trials may scatter.
-    assert (np.diff(held) > -0.1).all() and held[-1] > 0.9
+    assert (np.diff(reproduced) > -0.1).all() and reproduced[-1] > 0.9

@@ -1,14 +1,14 @@
-"""Statements on many quantities at once."""
+"""Statements about many quantities at once."""
 
 import numpy as np
 import pytest
 
-from sim.claims.trends import least, mean_of_others
+from sim.claims.trends import mean_of_others, smallest_mean
 from tests.made.results import spread
 
 
 def interval(rows) -> tuple[float, float]:
-    value = least(np.asarray(rows, float))
+    value = smallest_mean(np.asarray(rows, float))
     half_width = 1.96 * value.std_dev
     return value.nominal_value - half_width, value.nominal_value + half_width
 

@@ -1,4 +1,4 @@
-"""Checks: which verdict follows from a value, its interval, its thresholds and its samples."""
+"""Checks: verdicts from a value, its interval, its thresholds and its samples."""
 
 from dataclasses import replace
 from math import inf, nan
@@ -16,9 +16,9 @@ from sim.claims.verdict import (
     REPRODUCED,
     SIGMAS,
     Check,
-    least,
+    combined_verdict,
+    holm_p,
     plan,
-    together,
 )
 
 
@@ -68,7 +68,7 @@ def test_helpers_turn_standard_deviations_into_intervals():
 HOLDS, FAILS, OPEN = (Check("x", value, 0.1, 0.0, 1.0) for value in (0.5, 2.0, 1.0))
 BARELY = Check("x", 1.09, 0.1, 0.0, 1.0)
 CLEARLY = Check("x", 1.3, 0.1, 0.0, 1.0)
-TOLD = Check("x", 1.0, inf, -inf, inf)
+REPORT = Check("x", 1.0, inf, -inf, inf)
 
 
 @pytest.mark.parametrize(
@@ -77,32 +77,32 @@ TOLD = Check("x", 1.0, inf, -inf, inf)
         ([HOLDS, HOLDS], REPRODUCED),
         ([HOLDS, OPEN], INCONCLUSIVE),
         ([HOLDS, OPEN, FAILS], NOT_REPRODUCED),
-        ([HOLDS, TOLD], REPRODUCED),
+        ([HOLDS, REPORT], REPRODUCED),
         ([BARELY], NOT_REPRODUCED),
         ([BARELY, *[HOLDS] * 9], INCONCLUSIVE),
         ([CLEARLY, *[HOLDS] * 9], NOT_REPRODUCED),
         ([replace(CLEARLY, freedom=1), *[HOLDS] * 9], INCONCLUSIVE),
-        ([TOLD], INCONCLUSIVE),
+        ([REPORT], INCONCLUSIVE),
         ([], INCONCLUSIVE),
     ],
 )
 def test_all_checks_must_hold_and_one_must_fail_as_one_of_so_many(checks, verdict):
-    assert together(checks) == verdict
+    assert combined_verdict(checks) == verdict
 
 
 @pytest.mark.parametrize(
     "silent", [replace(CLEARLY, votes=False), replace(CLEARLY, withheld="too young")]
 )
 def test_what_has_no_vote_fails_nothing(silent):
-    assert together([HOLDS, silent]) == (INCONCLUSIVE if silent.withheld else REPRODUCED)
+    assert combined_verdict([HOLDS, silent]) == (INCONCLUSIVE if silent.withheld else REPRODUCED)
     assert silent.verdict == (INCONCLUSIVE if silent.withheld else REPORTED)
 
 
 def test_p_values_are_those_of_one_sided_tests():
     """Two standard errors from the threshold, 1 - Φ(2) = 0.02275."""
     check = Check("x", 1.0, 0.5 * 1.959964, 0.0, inf)
-    assert check.holding == pytest.approx(0.02275, abs=1e-5)
-    assert check.failing == pytest.approx(1 - 0.02275, abs=1e-5)
+    assert check.p_holds == pytest.approx(0.02275, abs=1e-5)
+    assert check.p_fails == pytest.approx(1 - 0.02275, abs=1e-5)
     assert check.bound == pytest.approx(0.5 * 1.644854)
 
 
@@ -115,9 +115,9 @@ def test_a_statistic_without_an_interval_has_its_own_p_values():
 
 
 def test_the_smallest_of_several_p_values_counts_for_all():
-    assert least([0.01, 0.02, 0.03, 0.005]) == pytest.approx(0.02)
-    assert least([0.6, 0.7]) == 1.0
-    assert least([]) == 1.0
+    assert holm_p([0.01, 0.02, 0.03, 0.005]) == pytest.approx(0.02)
+    assert holm_p([0.6, 0.7]) == 1.0
+    assert holm_p([]) == 1.0
 
 
 @pytest.mark.parametrize(
@@ -137,7 +137,7 @@ def test_what_would_decide_an_open_check_is_told(check, text):
 
 
 def test_what_is_only_reported_decides_nothing():
-    assert TOLD.verdict == REPORTED
+    assert REPORT.verdict == REPORTED
 
 
 def test_few_replicates_seldom_fail_by_chance_however_many_checks_there_are():
@@ -146,13 +146,15 @@ def test_few_replicates_seldom_fail_by_chance_however_many_checks_there_are():
     values = rng.normal(size=(claims, 20, 3))
     means, errors = values.mean(axis=2), values.std(axis=2, ddof=1) / np.sqrt(3)
     widths = stdtrit(2, 0.975) * errors
-    failed = 0
+    failures = 0
     for mean, width in zip(means, widths, strict=True):
         pairs = zip(mean, width, strict=True)
-        checks = [Check("x", each, half, 0.0, inf, freedom=2.0) for each, half in pairs]
-        failed += together(checks) == NOT_REPRODUCED
+        checks = [
+            Check("x", value, half_width, 0.0, inf, freedom=2.0) for value, half_width in pairs
+        ]
+        failures += combined_verdict(checks) == NOT_REPRODUCED
     # One in twenty, and what 400 claims may scatter.
-    assert failed / claims < 0.05 + 2 * np.sqrt(0.05 * 0.95 / claims)
+    assert failures / claims < 0.05 + 2 * np.sqrt(0.05 * 0.95 / claims)
 
 
 def test_half_widths_are_told_in_the_deviations_of_tables():

@@ -1,11 +1,17 @@
-"""Judges of flows as a whole: verdicts on made-up flows that are right, wrong, few or scattered."""
+"""Judges of flows as a whole: verdicts on correct, wrong, few or scattered synthetic flows."""
 
 import numpy as np
 import pytest
 
-from sim.claims.verdict import INCONCLUSIVE, NOT_REPRODUCED, REPRODUCED, Untestable, together
+from sim.claims.verdict import (
+    INCONCLUSIVE,
+    NOT_REPRODUCED,
+    REPRODUCED,
+    Untestable,
+    combined_verdict,
+)
 from sim.claims.walton_flows import w5, w9, w24, w26
-from tests.claims.judging import checks_on, failed, verdict_on
+from tests.claims.judging import checks_on, failed_quantities, verdict_on
 from tests.made.chute_flows import SLOPE, SPEEDS, base_flows, flow
 from tests.made.results import made_point
 
@@ -47,7 +53,9 @@ def test_one_leaking_replicate_fails_the_ledger_wherever_it_is():
     leaking = flow(8, {"missing_energy": [1e-5, 0.006, 1e-5, 1e-5, 1e-5]}, depth=5, friction=0.5)
     checks = checks_on(w5, [*base_flows(), leaking])
     assert checks[0].value == pytest.approx(0.006) and checks[0].points == (leaking.id,)
-    assert failed(checks) == ["largest share of the energy that a ledger lacks, 11 points"]
+    assert failed_quantities(checks) == [
+        "largest share of the energy that a ledger lacks, 11 points"
+    ]
 
 
 def test_a_replicate_without_a_ledger_leaves_the_claim_open():
@@ -70,25 +78,25 @@ def test_the_deepest_flow_counts_with_the_lowest_velocity_of_any_window():
     drift = {"acceleration": 0.1 * SLOPE}
     windows = [flow(v, drift, depth=40, transient=t) for v, t in ((50, 60), (3, 250))]
     others = base_flows({n: speed for n, speed in SPEEDS.items() if n < 40})
-    alone, bounded = (checks_on(w9, [*others, *more])[0] for more in (windows[:1], windows))
-    assert alone.value > bounded.value > 0
-    assert alone.verdict == REPRODUCED
+    single, bounded = (checks_on(w9, [*others, *more])[0] for more in (windows[:1], windows))
+    assert single.value > bounded.value > 0
+    assert single.verdict == REPRODUCED
 
 
 def test_cells_are_not_mixed():
     """Flows in the narrow cell are twice as fast at any depth, which is no trend."""
     wide = base_flows({n: 8 + 0.1 * n for n in (1.24, 2.5, 5, 10)})
     narrow = [flow(v, depth=n, cell=5) for n, v in ((10, 19), (20, 18), (40, 17))]
-    one, two = (
+    first, second = (
         checks_on(w9, [*more, flow(4, depth=1.5), flow(5, depth=2)])[0]
         for more in ([*wide, *narrow], [*wide, *narrow[1:]])
     )
-    assert two.value > one.value
+    assert second.value > first.value
 
 
 def test_flows_that_accelerate_have_no_place_in_the_order():
     trend = {"acceleration": 0.02 * SLOPE}
-    points = [one for one in base_flows() if one.parameters.depth != 5]
+    points = [point for point in base_flows() if point.parameters.depth != 5]
     assert "7 depths" in checks_on(w9, [*points, flow(60, trend, depth=5)])[0].what
     few = {n: speed for n, speed in SPEEDS.items() if n < 20}
     with pytest.raises(Untestable, match=r"1\.24 to 20"):
@@ -99,7 +107,7 @@ def test_the_sum_of_the_losses_is_shown_and_does_not_vote():
     right = flow(8, depth=5)
     power = {name: 0.9 * right.scalars[name] for name in ("normal_power", "frictional_power")}
     checks = checks_on(w24, [flow(8, power, depth=5)])
-    assert together(checks) == REPRODUCED
+    assert combined_verdict(checks) == REPRODUCED
     assert checks[-1].value == pytest.approx(0.9) and not checks[-1].votes
 
 
@@ -114,7 +122,7 @@ def test_dissipation_by_collisions_alone_fails():
     right = flow(8, depth=5)
     power = {"normal_power": 1.98 * right.scalars["normal_power"]}
     power["frictional_power"] = 0.02 * right.scalars["frictional_power"]
-    assert failed(checks_on(w24, [flow(8, power, depth=5)])) == [
+    assert failed_quantities(checks_on(w24, [flow(8, power, depth=5)])) == [
         "share of friction in the losses, n = 5"
     ]
 
@@ -129,9 +137,9 @@ def test_balances_that_single_flows_leave_open_are_decided_together():
     scattered = {
         "base_shear": flow(8, depth=5).scalars["base_shear"] * [1, 0.994, 1.006, 0.99, 1.01]
     }
-    one = flow(8, scattered, depth=5)
-    assert verdict_on(w26, [one]) == INCONCLUSIVE
-    assert verdict_on(w26, [one, *base_flows({1.24: 4.4, 2.5: 4.8})]) == REPRODUCED
+    point = flow(8, scattered, depth=5)
+    assert verdict_on(w26, [point]) == INCONCLUSIVE
+    assert verdict_on(w26, [point, *base_flows({1.24: 4.4, 2.5: 4.8})]) == REPRODUCED
 
 
 def test_too_few_independent_samples_decide_nothing():

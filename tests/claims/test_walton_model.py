@@ -1,38 +1,38 @@
-"""The experiments on the model pass on the engine and fail on laws and systems that are wrong."""
+"""Experiments on the model: they pass on the engine and fail on wrong laws and systems."""
 
 import numpy as np
 import pytest
 
 from sim.claims.contacts import contact_path
 from sim.claims.judge import MODEL_READINGS
-from sim.claims.verdict import NOT_REPRODUCED, REPRODUCED, together
+from sim.claims.verdict import NOT_REPRODUCED, REPRODUCED, combined_verdict
 from sim.claims.walton_model import w1, w2, w3, w4
 from sim.engine.boundary.drive import Gravity
 from sim.engine.contact.walton_braun import walton_braun
 from sim.engine.systems.chute import Chute
-from tests.claims.judging import failed
+from tests.claims.judging import failed_quantities
 from tests.engine_motion.helpers import LAWS
 
 
 @pytest.mark.parametrize("judge", [w1, w2, w3, w4])
 def test_the_engine_is_as_the_paper_says(judge):
     checks = judge()
-    assert together(checks) == REPRODUCED, failed(checks)
+    assert combined_verdict(checks) == REPRODUCED, failed_quantities(checks)
 
 
 @pytest.mark.long
 @pytest.mark.parametrize("reading", MODEL_READINGS[1:])
 def test_under_other_readings_the_model_is_judged_as_published(reading):
-    found = {judge.__name__: together(judge(reading)) for judge in (w1, w2, w3, w4)}
+    verdicts = {judge.__name__: combined_verdict(judge(reading)) for judge in (w1, w2, w3, w4)}
     reset = reading.get("overlap_memory") == "reset"
-    expected = dict.fromkeys(found, REPRODUCED) | ({"w1": NOT_REPRODUCED} if reset else {})
-    assert found == expected
+    expected = dict.fromkeys(verdicts, REPRODUCED) | ({"w1": NOT_REPRODUCED} if reset else {})
+    assert verdicts == expected
 
 
 def test_a_reading_reaches_the_engine():
-    """That of `reset` returns more energy than the paper's."""
-    assert together(w1(LAWS[2])) == NOT_REPRODUCED
-    assert together(w1(LAWS[1])) == together(w4(LAWS[1])) == REPRODUCED
+    """The reading `reset` returns more energy than the paper's law."""
+    assert combined_verdict(w1(LAWS[2])) == NOT_REPRODUCED
+    assert combined_verdict(w1(LAWS[1])) == combined_verdict(w4(LAWS[1])) == REPRODUCED
 
 
 def test_a_restitution_off_by_little_more_than_a_thousandth_is_found_whatever_the_partner():
@@ -40,7 +40,10 @@ def test_a_restitution_off_by_little_more_than_a_thousandth_is_found_whatever_th
         p = chute.parameters
         chute.laws = (walton_braun(p.stiffness, 1.002 * p.restitution, p.friction),) * 2
 
-    assert [what.split(", ")[-1] for what in failed(w1(change=elastic))] == ["pairs", "plane"]
+    assert [quantity.split(", ")[-1] for quantity in failed_quantities(w1(change=elastic))] == [
+        "pairs",
+        "plane",
+    ]
 
 
 def test_a_restitution_that_depends_on_the_speed_is_found():
@@ -49,45 +52,45 @@ def test_a_restitution_that_depends_on_the_speed_is_found():
     def heavy(chute):
         chute.drive = Gravity((0.0, 0.0, -0.1))
 
-    found = failed(w1(change=heavy))
-    assert "change of e over three decades of speed, plane" in found
-    assert not any("pairs" in what for what in found)
+    quantities = failed_quantities(w1(change=heavy))
+    assert "change of e over three decades of speed, plane" in quantities
+    assert not any("pairs" in quantity for quantity in quantities)
 
 
 def linear(law, *contact):
-    """The contact with a stiffness that does not fall."""
+    """Return the contact with a stiffness that does not fall."""
     exponent = law.stiffening.exponent and 0.0
     law = walton_braun(law.loading, 0.85, law.limit.friction, tangential_exponent=exponent)
     return contact_path(law, *contact)
 
 
 def kinked(law, overlap, normal, slip):
-    """Friction that is a tenth softer where it has reversed: a corner at zero."""
+    """Return friction that is a tenth softer where it has reversed: a corner at zero."""
     force, friction, memory = contact_path(law, overlap, normal, slip)
     return force, np.where(friction < 0, 0.9 * friction, friction), memory
 
 
 def drifting(law, overlap, normal, slip):
-    """Friction that forgets a little with every step."""
+    """Return friction that decays a little with every step."""
     force, friction, memory = contact_path(law, overlap, normal, slip)
     return force, friction * (1 - 5e-7 * np.arange(len(friction)))[:, None], memory
 
 
 def test_a_stiffness_that_does_not_fall_is_found():
-    assert any("(1 - T/μF_N)^γ" in what for what in failed(w2(path=linear)))
+    assert any("(1 - T/μF_N)^γ" in quantity for quantity in failed_quantities(w2(path=linear)))
 
 
 def test_a_loop_with_a_corner_is_found():
-    assert any("jump" in what for what in failed(w2(path=kinked)))
+    assert any("jump" in quantity for quantity in failed_quantities(w2(path=kinked)))
 
 
 def test_a_loop_that_does_not_close_is_found():
-    assert any("opening" in what for what in failed(w2(path=drifting)))
+    assert any("opening" in quantity for quantity in failed_quantities(w2(path=drifting)))
 
 
 @pytest.mark.parametrize("path", [kinked, drifting])
 def test_a_friction_that_is_not_the_linear_spring_is_found(path):
-    assert len(failed(w3(path=path))) >= 1
+    assert len(failed_quantities(w3(path=path))) >= 1
 
 
 def test_a_flow_that_feels_its_orientations_is_found():
@@ -97,4 +100,4 @@ def test_a_flow_that_feels_its_orientations_is_found():
             if parameters.orientations:
                 self.spheres.velocity[0, 0] *= 1 + 1e-14
 
-    assert failed(w4(chute=Turned)) == ["numbers of the last state that differ"]
+    assert failed_quantities(w4(chute=Turned)) == ["numbers of the last state that differ"]

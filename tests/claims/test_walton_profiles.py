@@ -1,18 +1,28 @@
-"""Judges of profiles: verdicts on made-up flows that are right, wrong, few or scattered."""
+"""Judges of profiles: verdicts on correct, wrong, few or scattered synthetic flows."""
 
 import numpy as np
 import pytest
 
-from sim.claims.place import joined
+from sim.claims.place import replicate_mean
 from sim.claims.verdict import INCONCLUSIVE, NOT_REPRODUCED, REPORTED, REPRODUCED, Untestable
 from sim.claims.walton_profiles import _densest_inner, w10, w11, w12, w13, w14, w17, w18
-from tests.claims.judging import checks_on, failed, verdict_on
-from tests.made.chute_flows import PACKING, PAPER, SIZE, SLOPE, SPEEDS, UNIT, base_flows, bent, flow
+from tests.claims.judging import checks_on, failed_quantities, verdict_on
+from tests.made.chute_flows import (
+    PACKING,
+    PAPER,
+    SIZE,
+    SLOPE,
+    SPEEDS,
+    UNIT,
+    base_flows,
+    flow,
+    kinked_profile,
+)
 from tests.made.results import SCATTER
 
 
 def shaped(depth, velocity=lambda z: UNIT * z, packing=None, scalars=None, **options):
-    """A flow of the base case with profiles: functions of the height in diameters, or arrays."""
+    """Return a flow of the base case with profiles: functions of height/diameter, or arrays."""
 
     def profile(shape):
         return (lambda height: shape(height / SIZE)) if callable(shape) else shape
@@ -23,12 +33,12 @@ def shaped(depth, velocity=lambda z: UNIT * z, packing=None, scalars=None, **opt
 
 
 def filled_to(depth: float):
-    """The packing of a bed that is filled evenly up to a height in diameters."""
+    """Return the packing of a bed that is filled evenly up to a height in diameters."""
     return lambda z: PACKING * (z < depth)
 
 
 def wavy(z, dip: float):
-    """Velocity that rises but for a dip of its slope at one diameter."""
+    """Return a velocity that rises but for a dip of its slope at one diameter."""
     return UNIT * (z - dip * np.clip(z - 1, 0, 0.5))
 
 
@@ -59,12 +69,12 @@ def test_statements_on_all_bins_need_many_replicates(judge):
     [(2.0, 0.0, REPRODUCED), (2.0, 0.1, NOT_REPRODUCED), (9.0, 0.0, NOT_REPRODUCED)],
 )
 def test_plug_over_a_shear_layer(knee, rest, verdict):
-    flows = [shaped(n, bent(n / 10 * knee, n, rest)) for n in (10, 20, 40)]
+    flows = [shaped(n, kinked_profile(n / 10 * knee, n, rest)) for n in (10, 20, 40)]
     assert verdict_on(w11, flows) == verdict
 
 
 def test_plugs_are_counted_over_all_starts_and_cells():
-    plug, sheared = bent(2, 10), bent(2, 10, 0.2)
+    plug, sheared = kinked_profile(2, 10), kinked_profile(2, 10, 0.2)
     points = [
         *(shaped(10, plug, cell=5, initial_velocity=v) for v in (8, 16, 30)),
         shaped(10, sheared),
@@ -84,7 +94,7 @@ def test_plugs_are_counted_over_all_starts_and_cells():
 
 def test_runs_that_accelerate_are_no_plugs():
     runs = {"regime": ["accelerating", "steady", "steady", "steady", "steady"]}
-    points = [shaped(10, bent(2, 10), scalars=runs), shaped(20, bent(2, 20))]
+    points = [shaped(10, kinked_profile(2, 10), scalars=runs), shaped(20, kinked_profile(2, 20))]
     assert "10 runs" not in checks_on(w11, points)[0].what
     assert checks_on(w11, points)[1].what.endswith("cells of 5 σ, 5 runs")
     assert checks_on(w11, points)[2].what.endswith("cells of 10 σ, 4 runs")
@@ -92,7 +102,7 @@ def test_runs_that_accelerate_are_no_plugs():
 
 def test_plugs_need_cells_of_two_widths():
     with pytest.raises(Untestable, match="two widths"):
-        checks_on(w11, [shaped(20, bent(2, 20))])
+        checks_on(w11, [shaped(20, kinked_profile(2, 20))])
 
 
 @pytest.mark.parametrize("judge", [w14, w17])
@@ -102,7 +112,7 @@ def test_deep_flows_must_be_there(judge):
 
 
 def thinning(z, bump: float):
-    """Packing that falls with height, but for a bump in the upper half of the second layer."""
+    """Return a packing that falls with height, but for a bump in the upper half of layer two."""
     return np.clip(0.5 - 0.15 * z + bump * ((z > 1.5) & (z < 2)), 0, None)
 
 
@@ -142,7 +152,7 @@ def test_a_single_layer_cannot_thin_out():
 
 
 def domed(z, peak: float, depth: float):
-    """Packing with its maximum at half the depth, or its minimum where ``peak`` is negative."""
+    """Return a packing with its maximum at half the depth, or its minimum if ``peak`` < 0."""
     inside = 0.5 + peak * np.sin(np.pi * z / depth)
     layers = 1 + 0.2 * np.cos(2 * np.pi * z)
     return np.where(z < depth, inside * layers, 0)
@@ -170,7 +180,9 @@ def test_the_densest_of_even_layers_is_not_clear_of_them():
     for _ in range(2000):
         rows = rng.normal(size=(3, 8))
         differences = _densest_inner(rows) - rows[:, 0]
-        gained.append(joined(differences).nominal_value > 1.96 * joined(differences).std_dev)
+        gained.append(
+            replicate_mean(differences).nominal_value > 1.96 * replicate_mean(differences).std_dev
+        )
     assert np.mean(gained) == pytest.approx(0.025, abs=0.012)
 
 
@@ -189,7 +201,7 @@ def test_maximum_inside_needs_all_intermediate_flows_with_replicates(missing):
 
 
 def block(plug: float = 0.62, sheared: float = 0.5, ripple: float = 0.0, gap: float = 1, **options):
-    """A flow at depth 40 with a shear layer of four diameters under a plug.
+    """Return a flow at depth 40 with a shear layer of four diameters under a plug.
 
     ``gap`` is the packing under the lowest centres over that of the shear layer.
     """
@@ -199,7 +211,7 @@ def block(plug: float = 0.62, sheared: float = 0.5, ripple: float = 0.0, gap: fl
         layer = sheared * np.where(z < 0.5, gap, 1)
         return np.where(z < 4, layer, np.where(z < 60, rippled, 0))
 
-    velocity = np.tile(bent(4.2, 40, replicates=1), (5, 1))
+    velocity = np.tile(kinked_profile(4.2, 40, replicates=1), (5, 1))
     return [shaped(40, velocity, packing, **{"transient": 2000} | options)]
 
 
@@ -217,7 +229,7 @@ def block(plug: float = 0.62, sheared: float = 0.5, ripple: float = 0.0, gap: fl
 )
 def test_block_over_a_looser_layer(options, wrong):
     checks = checks_on(w14, block(**options))
-    assert [what.removesuffix(", n = 40") for what in failed(checks)] == wrong
+    assert [quantity.removesuffix(", n = 40") for quantity in failed_quantities(checks)] == wrong
     assert verdict_on(w14, block(**options)) == (NOT_REPRODUCED if wrong else REPRODUCED)
 
 
@@ -250,7 +262,7 @@ def test_a_block_of_stiffer_spheres_counts_where_the_softest_does_not_last():
 
 
 def with_depths(*depths, scatter=SCATTER, **options):
-    """Flows at four depths in cells of 5 diameters."""
+    """Return flows at four depths in cells of 5 diameters, with given shear depths."""
     return [
         shaped(n, scalars={"shear_depth": depth * SIZE}, scatter=scatter, cell=5, **options)
         for n, depth in zip((5, 10, 20, 40), depths, strict=True)
@@ -275,7 +287,7 @@ def test_shear_depths_of_stiffer_spheres_count_where_the_softest_do_not_last():
 def test_flows_of_unlike_cells_ages_or_too_few_depths_are_not_compared():
     points = with_depths(3.2, 3, 2, 1.5)
     young = shaped(40, scalars={"shear_depth": SIZE}, cell=5, transient=40)
-    reasons = [checks_on(w17, found)[0].withheld for found in (points[1:], [*points[:3], young])]
+    reasons = [checks_on(w17, flows)[0].withheld for flows in (points[1:], [*points[:3], young])]
     assert reasons[0] == "n = 10, 20, 40 alone in one cell"
     # A young flow is left out, not compared.
     assert reasons[1] == "n = 5, 10, 20 alone in one cell"
@@ -286,13 +298,13 @@ def test_flows_of_unlike_cells_ages_or_too_few_depths_are_not_compared():
     [(0.5, SCATTER, REPRODUCED), (0.1, SCATTER, REPRODUCED), (0.0, SCATTER, NOT_REPRODUCED)],
 )
 def test_slowest_flow_shears_throughout(rest, scatter, verdict):
-    slowest = shaped(1, bent(1.5, 10, rest, scatter=scatter), filled_to(4))
+    slowest = shaped(1, kinked_profile(1.5, 10, rest, scatter=scatter), filled_to(4))
     assert verdict_on(w18, [slowest, shaped(1.24), shaped(2.5)]) == verdict
 
 
 def test_slowest_flow_of_uncertain_shape_decides_nothing():
     rests = np.array([0.0, 0.01, 0.05, 0.2, 0.6])
-    rows = np.vstack([bent(1.5, 10, rest, replicates=1) for rest in rests])
+    rows = np.vstack([kinked_profile(1.5, 10, rest, replicates=1) for rest in rests])
     slowest = shaped(1, rows, filled_to(4))
     assert verdict_on(w18, [slowest, shaped(1.24), shaped(2.5)]) == INCONCLUSIVE
     with pytest.raises(Untestable, match="three flows"):
@@ -306,8 +318,8 @@ def test_a_flow_that_drifts_decides_nothing_on_profiles(judge):
         shaped(n, packing=filled_to(n + 3), replicates=8, scalars=drift)
         for n in (1, 1.24, 2, 3.5, 5, 10)
     ]
-    found = {check.verdict for check in checks_on(judge, flows)}
-    assert found - {REPORTED} == {INCONCLUSIVE}
+    verdicts = {check.verdict for check in checks_on(judge, flows)}
+    assert verdicts - {REPORTED} == {INCONCLUSIVE}
 
 
 def test_a_flow_slower_with_height_everywhere_does_not_shear_evenly():

@@ -1,4 +1,4 @@
-"""Judges of what the spheres are like: verdicts on flows that are right, wrong, few, scattered."""
+"""Judges of properties of the spheres: verdicts on correct, wrong, few or scattered flows."""
 
 from dataclasses import replace
 
@@ -12,16 +12,16 @@ from sim.claims.verdict import (
     REPRODUCED,
     RISK,
     Untestable,
-    together,
+    combined_verdict,
 )
 from sim.claims.walton_properties import w15, w16, w20, w21, w22
-from tests.claims.judging import by_part, checks_on, failed, verdict_on
-from tests.made.chute_flows import PACKING, SIZE, SLOPE, SPEEDS, base_flows, bent, flow
+from tests.claims.judging import by_part, checks_on, failed_quantities, verdict_on
+from tests.made.chute_flows import PACKING, SIZE, SLOPE, SPEEDS, base_flows, flow, kinked_profile
 from tests.made.results import SCATTER
 
 
 def parts(judge, points) -> dict[str, str]:
-    """The verdict on each part of a claim."""
+    """Return the verdict on each part of a claim."""
     return by_part(checks_on(judge, points))
 
 
@@ -32,21 +32,21 @@ def test_the_base_case_alone_tests_nothing(judge):
 
 
 def ordered_flow(share, knee=2, rest=0.0, **options):
-    """A flow with a crystalline share, riding as a plug on ``knee`` diameters or sheared."""
+    """Return a flow with a crystalline share: a plug on ``knee`` diameters, or sheared."""
     scalars = {"crystalline_share": share, "layer_order": 0.6}
     return flow(15, scalars, riding(options["depth"], knee, rest), **options)
 
 
 def riding(depth, knee=2, rest=0.0, replicates=5):
-    """Profiles of a plug on ``knee`` diameters."""
+    """Return profiles of a plug on ``knee`` diameters."""
     return {
-        "velocity_profile": bent(knee, depth, rest, replicates),
+        "velocity_profile": kinked_profile(knee, depth, rest, replicates),
         "packing_profile": lambda z: PACKING * (z < depth * SIZE / 0.9),
     }
 
 
 def crystals(share=0.8, spread=0.3, bumps=0.1, wide=0.6, rest=0.0, scatter=0.01):
-    """Flows with crystalline plugs and their three controls, in which the order is weaker."""
+    """Return flows with crystalline plugs, and their three controls with weaker order."""
     options = {"scatter": scatter}
     return [
         *(ordered_flow(share, depth=n, **options) for n in (10, 20, 40)),
@@ -77,18 +77,18 @@ def test_crystals_of_uncertain_extent_decide_nothing():
 
 
 def test_a_plug_is_not_compared_with_a_flow_that_shears():
-    found = parts(w15, crystals(rest=0.5))
-    assert found == {"a": REPRODUCED, "b": INCONCLUSIVE, "c": REPRODUCED, "d": REPRODUCED}
+    verdicts = parts(w15, crystals(rest=0.5))
+    assert verdicts == {"a": REPRODUCED, "b": INCONCLUSIVE, "c": REPRODUCED, "d": REPRODUCED}
 
 
 @pytest.mark.parametrize(("control", "part"), [(4, "b"), (5, "c"), (6, "d")])
 def test_a_part_without_its_control_has_no_verdict(control, part):
-    found = parts(w15, [one for k, one in enumerate(crystals()) if k != control])
-    assert set("abcd") - set(found) == {part}
+    verdicts = parts(w15, [point for k, point in enumerate(crystals()) if k != control])
+    assert set("abcd") - set(verdicts) == {part}
 
 
 def resilient(speeds=(13, 9, 7), depths=(1.4, 2, 2.9), n=5, **options):
-    """Flows at one depth along the restitution."""
+    """Return flows at one depth along the restitution."""
     return [
         flow(speed, {"shear_depth": depth * SIZE}, depth=n, restitution=e, **options)
         for e, speed, depth in zip((0.7, 0.85, 0.95), speeds, depths, strict=True)
@@ -105,7 +105,7 @@ def resilient(speeds=(13, 9, 7), depths=(1.4, 2, 2.9), n=5, **options):
     ],
 )
 def test_more_elastic_is_slower_and_deeper(changes, wrong):
-    assert len(failed(checks_on(w16, resilient(**changes)))) == wrong
+    assert len(failed_quantities(checks_on(w16, resilient(**changes)))) == wrong
     assert verdict_on(w16, resilient(**changes)) == (NOT_REPRODUCED if wrong else REPRODUCED)
 
 
@@ -115,7 +115,7 @@ def test_velocities_too_close_or_few_decide_nothing():
 
 
 def test_several_states_of_a_depth_are_ranked():
-    """Of one restitution half the runs are in another state: no mean, but a trend."""
+    """At one restitution half the runs are in another state: there is no mean, but a trend."""
     points = resilient()
     states = flow([9, 9, 9, 20, 20], {"shear_depth": 2 * SIZE}, depth=5)
     assert verdict_on(w16, [points[0], states, points[2]]) == REPRODUCED
@@ -138,11 +138,11 @@ def test_flows_without_replicates_are_left_out():
 def test_the_lowest_restitution_is_reported():
     slow = flow(4, depth=5, restitution=0.6)
     checks = checks_on(w16, [*resilient(), slow])
-    assert together(checks) == REPRODUCED and checks[-1].verdict == REPORTED
+    assert combined_verdict(checks) == REPRODUCED and checks[-1].verdict == REPORTED
 
 
 def soft(median=0.003, dynamic=0.05, static=None, replicates=5, **options):
-    """Flows of the softest spheres with quantiles of their overlaps."""
+    """Return flows of the softest spheres with quantiles of their overlaps."""
     options["replicates"] = replicates
     thin = {"median_overlap": median, "overlap_999": 0.025}
     deep = {"median_overlap": 0.003, "overlap_999": dynamic}
@@ -166,13 +166,13 @@ def soft(median=0.003, dynamic=0.05, static=None, replicates=5, **options):
     ],
 )
 def test_overlaps_of_the_softest_spheres(changes, wrong):
-    found = parts(w20, soft(**changes))
-    assert set(found) == ({"a", "b", "c"} if "static" in changes else {"a", "b"})
-    assert {part for part, verdict in found.items() if verdict != REPRODUCED} == set(wrong)
+    verdicts = parts(w20, soft(**changes))
+    assert set(verdicts) == ({"a", "b", "c"} if "static" in changes else {"a", "b"})
+    assert {part for part, verdict in verdicts.items() if verdict != REPRODUCED} == set(wrong)
 
 
 def mixed(point, riders, **scalars):
-    """A flow of which so many of ten replicates ride as a plug, the others shear throughout."""
+    """Return a flow with ``riders`` of ten replicates as a plug; the others shear throughout."""
     depth = point["depth"]
     profiles = riding(depth, replicates=10)
     sheared = riding(depth, knee=depth, replicates=10)["velocity_profile"]
@@ -198,7 +198,7 @@ def test_uncertain_overlaps_decide_nothing():
 
 
 def stiff(slower=0.6, deeper=2.0, shallow=1.01, hotter=3.0, scatter=SCATTER, **options):
-    """Deep and shallow flows at two stiffnesses, with the ratios of the stiffer to the softer."""
+    """Return deep and shallow flows at two stiffnesses; arguments are ratios, stiff over soft."""
     points = []
     for n in (1.24, 2.5, 20, 40):
         for stiffness in (100, 1000):
@@ -210,7 +210,7 @@ def stiff(slower=0.6, deeper=2.0, shallow=1.01, hotter=3.0, scatter=SCATTER, **o
                     speed,
                     {"shear_depth": (deeper if hard else 1) * SIZE},
                     {
-                        "velocity_profile": bent(2, n, replicates=5),
+                        "velocity_profile": kinked_profile(2, n, replicates=5),
                         "packing_profile": lambda z, n=n: PACKING * (z < n * SIZE),
                         # What moves in the bottom layer and high above it does not count.
                         "vertical_temperature_profile": lambda z, heat=heat: np.where(
@@ -237,8 +237,8 @@ def stiff(slower=0.6, deeper=2.0, shallow=1.01, hotter=3.0, scatter=SCATTER, **o
     ],
 )
 def test_stiffer_spheres(changes, wrong):
-    found = parts(w21, stiff(**changes))
-    assert found == {part: NOT_REPRODUCED if part in wrong else REPRODUCED for part in "ab"}
+    verdicts = parts(w21, stiff(**changes))
+    assert verdicts == {part: NOT_REPRODUCED if part in wrong else REPRODUCED for part in "ab"}
 
 
 def test_stiffer_spheres_hop():
@@ -255,29 +255,31 @@ def test_stiffer_spheres_with_scattered_flows_decide_nothing():
 
 def test_flows_of_other_ages_are_not_compared():
     aged = [*stiff()[:-1], *stiff(transient=900)[-1:]]
-    checks = [check for check in checks_on(w21, aged) if check.part == "b" and check.deciding]
+    checks = [check for check in checks_on(w21, aged) if check.part == "b" and check.has_vote]
     assert [bool(check.withheld) for check in checks] == [False, False, True, True]
     assert "flows of ages 300 and 900" in checks[-1].withheld
 
 
-@pytest.mark.parametrize(("transient", "kept"), [(600.02, True), (607, False)])
-def test_ages_are_equal_within_a_sample(transient, kept):
+@pytest.mark.parametrize(("transient", "comparable"), [(600.02, True), (607, False)])
+def test_ages_are_equal_within_a_sample(transient, comparable):
     aged = [*stiff()[:-1], *stiff(transient=transient)[-1:]]
-    checks = [check for check in checks_on(w21, aged) if check.part == "b" and check.deciding]
-    assert (not checks[-1].withheld) == kept
+    checks = [check for check in checks_on(w21, aged) if check.part == "b" and check.has_vote]
+    assert (not checks[-1].withheld) == comparable
 
 
 def test_stiffer_spheres_are_shown_beside():
     plug = stiff()[4].profiles
     fast = flow(26, {"shear_depth": 3 * SIZE}, plug, depth=20, stiffness=10_000)
     checks = checks_on(w21, [*stiff(), fast])
-    assert failed(checks) == []
-    (slower,) = (one for one in checks if one.what.startswith("share of pairs slower with 10000"))
-    assert slower.failing <= RISK and not slower.votes
+    assert failed_quantities(checks) == []
+    (slower,) = (
+        check for check in checks if check.what.startswith("share of pairs slower with 10000")
+    )
+    assert slower.p_fails <= RISK and not slower.votes
 
 
 def runaway(points, number: int):
-    """Points, one of them as if it ran away."""
+    """Return points, one of them as if it ran away."""
     gain = np.full(5, 0.1 * SLOPE)
     scalars = points[number].scalars | {"acceleration": gain}
     return [*points[:number], replace(points[number], scalars=scalars), *points[number + 1 :]]
@@ -313,7 +315,7 @@ def test_where_no_soft_flow_lasts_at_the_deepest_the_next_depth_decides(judge, p
 def test_crystals_of_stiffer_spheres_count_where_no_soft_flow_lasts():
     hard = [ordered_flow(0.3, depth=n, cell=5, stiffness=1000) for n in (10, 20, 40)]
     assert parts(w15, [*crystals(), *hard])["a"] == REPRODUCED
-    found = checks_on(w15, [*runaway(crystals(), 2), *hard])
-    told = [check.what for check in found if check.part == "a" and check.deciding]
-    assert told[-1] == "crystalline share of the plug, n = 40, K1 = 1000 N/m"
-    assert by_part(found)["a"] == NOT_REPRODUCED
+    checks = checks_on(w15, [*runaway(crystals(), 2), *hard])
+    labels = [check.what for check in checks if check.part == "a" and check.has_vote]
+    assert labels[-1] == "crystalline share of the plug, n = 40, K1 = 1000 N/m"
+    assert by_part(checks)["a"] == NOT_REPRODUCED

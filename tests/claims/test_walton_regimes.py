@@ -1,4 +1,4 @@
-"""Judges of regimes: verdicts on made-up flows that are right, wrong, few or scattered."""
+"""Judges of regimes: verdicts on correct, wrong, few or scattered synthetic flows."""
 
 from math import radians, tan
 
@@ -7,7 +7,7 @@ import pytest
 from sim.claims.chute import CELLS
 from sim.claims.verdict import INCONCLUSIVE, NOT_REPRODUCED, REPRODUCED, Untestable
 from sim.claims.walton_regimes import SLIPPERY, w6, w7, w8, w19, w23, w25
-from tests.claims.judging import by_part, checks_on, failed, verdict_on
+from tests.claims.judging import by_part, checks_on, failed_quantities, verdict_on
 from tests.made.chute_flows import PAPER, SLOPE, SPEEDS, WIDE, base_flows, flow
 from tests.made.results import made_boundary
 
@@ -15,7 +15,7 @@ TANGENT = tan(radians(PAPER.angle))
 
 
 def accelerating(gain: float, error: float = 1e-3, speed: float = 60, **options):
-    """A flow with dV/dt in g sin θ, known within a standard error."""
+    """Return a flow with dV/dt in g sin θ, known within a standard error."""
     trend = {
         "acceleration": gain * SLOPE,
         "acceleration_error": error * SLOPE,
@@ -26,7 +26,7 @@ def accelerating(gain: float, error: float = 1e-3, speed: float = 60, **options)
 
 
 def slippery(change: float = 1.0, error: float = 1e-3, depths=(0.5, 10, 40)):
-    """Flows that slide as a block does, but for a factor at depth 10."""
+    """Return flows that slide as a block does, but for a factor at depth 10."""
     return [
         accelerating((change if n == 10 else 1) * (1 - mu / TANGENT), error, friction=mu, depth=n)
         for mu in SLIPPERY
@@ -122,8 +122,8 @@ def from_two_seeds(low: float) -> list[dict[str, object]]:
 def test_thin_flows_that_drift_or_are_fast_fail():
     others = base_flows({n: speed for n, speed in SPEEDS.items() if n != 1.5})
     drifting = accelerating(0.02, 1e-3, 4.5, depth=1.5)
-    assert failed(checks_on(w8, [*others, drifting])) == ["dV/dt over g sin θ, n = 1.5"]
-    assert failed(checks_on(w8, [*others, flow(5.2, depth=1.5)])) == [
+    assert failed_quantities(checks_on(w8, [*others, drifting])) == ["dV/dt over g sin θ, n = 1.5"]
+    assert failed_quantities(checks_on(w8, [*others, flow(5.2, depth=1.5)])) == [
         "V at n = 1.5 over that at n = 2.5"
     ]
     unsure = flow(4.5, {"acceleration_half_width": 0.05 * SLOPE}, depth=1.5)
@@ -132,7 +132,7 @@ def test_thin_flows_that_drift_or_are_fast_fail():
 
 
 def test_the_least_depth_may_be_of_the_other_protocol():
-    outside = [one | {"protocol": "converged"} for one in from_two_seeds(0.7)]
+    outside = [boundary | {"protocol": "converged"} for boundary in from_two_seeds(0.7)]
     assert checks_on(w8, base_flows(), outside)[-1].value == pytest.approx(0.75)
 
 
@@ -149,11 +149,11 @@ def test_thin_flows_must_be_two_and_long():
 
 
 def test_points_that_a_bisection_leaves_do_not_count():
-    left = [
+    leftovers = [
         accelerating(0.5, speed=40, depth=1.1, replicates=1),
         flow(3, depth=3, replicates=1),
     ]
-    assert verdict_on(w8, [*base_flows(), *left]) == REPRODUCED
+    assert verdict_on(w8, [*base_flows(), *leftovers]) == REPRODUCED
     assert verdict_on(w19, [*swept(), flow(3, depth=5, friction=0.35, replicates=1)]) == REPRODUCED
     with pytest.raises(Untestable, match="replicates"):
         checks_on(w8, base_flows(replicates=1))
@@ -168,7 +168,7 @@ RESTING = {
 
 
 def swept(steady=(0.32, 0.4), arrested=(0.65, 0.8), moving=(), depth=5, starts=(0.5, 1.0)):
-    """A sweep of friction at one depth; rough flows are started slowly."""
+    """Return a sweep of friction at one depth; rough flows are started slowly."""
     return [
         *(flow(8, friction=mu, depth=depth) for mu in steady),
         *(
@@ -181,7 +181,7 @@ def swept(steady=(0.32, 0.4), arrested=(0.65, 0.8), moving=(), depth=5, starts=(
 
 
 def parts(judge, points) -> dict[str, str]:
-    """The verdict on each part of a claim."""
+    """Return the verdict on each part of a claim."""
     return by_part(checks_on(judge, points))
 
 
@@ -199,7 +199,7 @@ def test_flows_in_the_wrong_regime_fail():
 
 
 def test_slopes_of_a_depth_count_together():
-    """Each friction leaves its slope open by itself."""
+    """Each friction alone leaves its slope open."""
     wide = {"acceleration_half_width": 0.025 * SLOPE}
     points = [flow(8, wide, friction=mu, depth=5) for mu in (0.32, 0.35, 0.4)]
     assert parts(w19, points)["a"] == REPRODUCED
@@ -208,16 +208,18 @@ def test_slopes_of_a_depth_count_together():
 
 
 def test_the_time_until_a_flow_rests_is_reported():
-    waited = [one for one in checks_on(w19, swept()) if one.what.startswith("time until at rest")]
-    assert len(waited) == 4 and not any(one.deciding for one in waited)
-    assert waited[0].value == pytest.approx(0.5 / PAPER.time_unit)
+    reports = [
+        check for check in checks_on(w19, swept()) if check.what.startswith("time until at rest")
+    ]
+    assert len(reports) == 4 and not any(check.has_vote for check in reports)
+    assert reports[0].value == pytest.approx(0.5 / PAPER.time_unit)
 
 
 def test_fast_starts_beyond_twice_the_tangent_are_reported():
     fast = flow(3, friction=0.8, depth=5)
     assert parts(w19, [*swept(), fast])["b"] == REPRODUCED
     checks = checks_on(w19, [*swept(starts=()), fast])
-    assert [one.deciding for one in checks if one.part == "b"] == [False]
+    assert [check.has_vote for check in checks if check.part == "b"] == [False]
 
 
 def test_flows_that_slow_decide_nothing_and_those_that_go_on_fail():
@@ -238,7 +240,7 @@ def test_replicates_that_do_not_all_rest_decide_nothing(other):
 
 
 def started(late: float = 1.0, scatter: float = 1e-3, depths=(2.5, 5), scalars=None):
-    """Flows after three starts, the fast one with another velocity and what ``scalars`` say."""
+    """Return flows after three starts; the fast start has its own velocity and ``scalars``."""
     return [
         flow(
             SPEEDS[n] * (late if start == 2 else 1),
@@ -286,7 +288,7 @@ def test_starts_must_be_far_from_the_steady_velocity():
 
 
 def test_a_start_must_be_near_the_steady_velocity():
-    far = [one for one in started() if one.parameters.initial_velocity != SPEEDS[5]]
+    far = [point for point in started() if point.parameters.initial_velocity != SPEEDS[5]]
     with pytest.raises(Untestable, match="n = 5"):
         checks_on(w23, far)
 

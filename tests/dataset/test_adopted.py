@@ -1,4 +1,4 @@
-"""A study goes on from datasets: what they have is not run, and the result is the same."""
+"""A study goes on from datasets: their points are not run, and the result is the same."""
 
 import shutil
 import signal
@@ -11,17 +11,16 @@ import pytest
 import xarray as xr
 
 from sim.__main__ import main
-from sim.base.damage import DamagedError
 from sim.base.errors import InputError
+from sim.base.seals import DamagedError
 from sim.dataset import adopt as adopt_module
 from sim.dataset import earlier
 from sim.dataset.adopt import adopt
-from sim.dataset.adopted import Adopted
+from sim.dataset.adopted import AdoptedPoints
 from sim.dataset.build import build
 from sim.dataset.results import load_results
 from sim.dataset.rounds import write_round
 from sim.engine.identity import NUMERICS
-from sim.parameters.observables import LACKING
 from sim.report.points import as_table, show
 from sim.report.publish import provenance
 from sim.report.runs import adopted_datasets
@@ -29,16 +28,16 @@ from sim.report.status import survey
 from sim.study.load import load_study
 from tests.made.folder import Folder
 from tests.made.mixed import PATHS, SHOWN, Mixed, ids
-from tests.made.netcdf import changing, store
-from tests.made.plugins import forgotten
+from tests.made.netcdf import edit_file, store
+from tests.made.plugins import restore_plugins
 from tests.made.processes import ROOT
 from tests.made.runs import make_regimes, write_run
 
 HALF, REST = (0, 1, 4), (2, 3, 5)
 
 
-def groups(path: Path) -> dict[str, xr.Dataset]:
-    """Return the groups of a dataset, without what says that rows were adopted."""
+def read_groups(path: Path) -> dict[str, xr.Dataset]:
+    """Return the groups of a dataset, without the column ``adopted``."""
     with xr.open_datatree(path) as tree:
         found = {node.path: node.to_dataset(inherit=False).load() for node in tree.subtree}
     found["/runs"] = found["/runs"].drop_vars("adopted")
@@ -46,14 +45,14 @@ def groups(path: Path) -> dict[str, xr.Dataset]:
 
 
 def assert_same(one: Path, other: Path) -> None:
-    first, second = groups(one), groups(other)
+    first, second = read_groups(one), read_groups(other)
     assert list(first) == list(second)
     for name in first:
         xr.testing.assert_identical(first[name], second[name])
 
 
 @pytest.fixture(scope="module")
-def whole(tmp_path_factory) -> Mixed:
+def complete_study(tmp_path_factory) -> Mixed:
     """A study of all points with its dataset, made from run files."""
     study = Mixed(tmp_path_factory.mktemp("whole"))
     for number in range(6):
@@ -63,8 +62,8 @@ def whole(tmp_path_factory) -> Mixed:
 
 
 @pytest.fixture(scope="module")
-def half(tmp_path_factory) -> Path:
-    """The dataset of a study under way that has half of its runs."""
+def half_dataset(tmp_path_factory) -> Path:
+    """The dataset of an unfinished study that has half of its runs."""
     study = Mixed(tmp_path_factory.mktemp("half"))
     for number in HALF:
         study.write(number)
@@ -80,25 +79,25 @@ def study(tmp_path) -> Mixed:
     return study
 
 
-def adopted(study: Mixed) -> set[str]:
+def adopted_ids(study: Mixed) -> set[str]:
     held = load_study(study.path, study.results)
     points = {key: point.parameters for key, point in held.points.items()}
-    return set(Adopted(held, study.output.parent).sources(points))
+    return set(AdoptedPoints(held, study.output.parent).sources(points))
 
 
-def test_a_study_goes_on_from_half_of_its_runs(study, half, whole):
-    said = adopt(study.path, half, study.results)
+def test_a_study_goes_on_from_half_of_its_runs(study, half_dataset, complete_study):
+    said = adopt(study.path, half_dataset, study.results)
     (there,) = (study.output.parent / "adopted").iterdir()
-    assert said == f"made: {half} covers 3 of 6 points; adopted as {there}"
-    assert adopt(study.path, half, study.results) == said
-    assert adopted(study) == set(ids(study, *HALF))
+    assert said == f"made: {half_dataset} covers 3 of 6 points; adopted as {there}"
+    assert adopt(study.path, half_dataset, study.results) == said
+    assert adopted_ids(study) == set(ids(study, *HALF))
     status = survey(load_study(study.path, study.results), study.results)
     assert (status.counts["adopted"], status.counts["waiting"]) == (3, 3)
     assert status.core_seconds == pytest.approx(1.5 * (1 + 3 + 2))
     for number in REST:
         study.write(number)
     build(study.path, study.results)
-    assert_same(study.output, whole.output)
+    assert_same(study.output, complete_study.output)
     # And again, from the earlier dataset where that has rows of run files.
     again = study.output.read_bytes()
     assert build(study.path, study.results).read_bytes() == again
@@ -106,24 +105,24 @@ def test_a_study_goes_on_from_half_of_its_runs(study, half, whole):
     row = {"dataset": there.stem, "points": 3, "from": "2026-01-01T00:00:00Z"}
     assert adopted_datasets(results) == [row | {"to": "2026-01-01T00:00:00Z"}]
     assert provenance(results)["points from adopted datasets"] == adopted_datasets(results)
-    assert set(results.adopted) == adopted(study)
+    assert set(results.adopted) == adopted_ids(study)
 
 
-def test_a_dataset_of_adopted_points_alone_can_be_adopted(study, whole, tmp_path):
-    adopt(study.path, whole.output, study.results)
+def test_a_dataset_of_adopted_points_alone_can_be_adopted(study, complete_study, tmp_path):
+    adopt(study.path, complete_study.output, study.results)
     output = build(study.path, study.results)
-    assert_same(output, whole.output)
+    assert_same(output, complete_study.output)
     other = Mixed(tmp_path / "other")
     other.path.parent.mkdir()
     other.save(*range(6), shown=PATHS)
     adopt(other.path, output, other.results)
-    assert len(adopted(other)) == 6
+    assert len(adopted_ids(other)) == 6
 
 
-def test_a_run_file_that_holds_enough_goes_before(study, whole):
-    adopt(study.path, whole.output, study.results)
+def test_a_run_file_that_holds_enough_goes_before(study, complete_study):
+    adopt(study.path, complete_study.output, study.results)
     study.write(3, velocity=0.7)
-    assert adopted(study) == set(ids(study, 0, 1, 2, 4, 5))
+    assert adopted_ids(study) == set(ids(study, 0, 1, 2, 4, 5))
     build(study.path, study.results)
     results = load_results(study.output)
     point = ids(study, 3)[0]
@@ -132,32 +131,34 @@ def test_a_run_file_that_holds_enough_goes_before(study, whole):
     assert velocity == pytest.approx(0.7)
 
 
-def test_of_more_replicates_the_first_are_taken(study, whole, tmp_path):
+def test_of_more_replicates_the_first_are_taken(study, complete_study, tmp_path):
     text = study.path.read_text().replace("'replicates': 4", "'replicates': 1")
     study.path.write_text(text)
-    adopt(study.path, whole.output, study.results)
+    adopt(study.path, complete_study.output, study.results)
     build(study.path, study.results)
-    shutil.copytree(whole.runs, tmp_path / "straight" / "made" / "runs")
+    shutil.copytree(complete_study.runs, tmp_path / "straight" / "made" / "runs")
     assert_same(study.output, build(study.path, tmp_path / "straight"))
     assert load_results(study.output).dataset.sizes["replicate"] == 3
 
 
-def test_a_point_of_which_more_is_wanted_is_run(study, whole):
+def test_a_point_of_which_more_is_wanted_is_run(study, complete_study):
     text = study.path.read_text()
     study.path.write_text(text.replace("'replicates': 4", "'replicates': 5"))
-    assert "covers 5 of 6 points" in adopt(study.path, whole.output, study.results)
+    assert "covers 5 of 6 points" in adopt(study.path, complete_study.output, study.results)
     point = ids(study, 5)[0]
-    assert point not in adopted(study)
+    assert point not in adopted_ids(study)
     status = survey(load_study(study.path, study.results), study.results)
     assert status.points[point].state == "waiting"
     with pytest.raises(InputError, match=f"{point}.nc: no such run file"):
         build(study.path, study.results)
     # Another dataset may have it.
     study.path.write_text(text)
-    assert "covers 6 of 6" in adopt(study.path, whole.output, study.results)
+    assert "covers 6 of 6" in adopt(study.path, complete_study.output, study.results)
 
 
-def test_of_two_datasets_that_which_has_just_what_is_wanted_is_taken(study, whole, tmp_path):
+def test_of_two_datasets_that_which_has_just_what_is_wanted_is_taken(
+    study, complete_study, tmp_path
+):
     other = Mixed(tmp_path / "other")
     other.path.parent.mkdir()
     other.points = [
@@ -169,10 +170,10 @@ def test_of_two_datasets_that_which_has_just_what_is_wanted_is_taken(study, whol
     text = other.path.read_text().replace("}]}", ", 'average': %g}]}")
     other.path.write_text(text % tuple(other.points[number].average for number in (0, 3)))
     longer = build(other.path, other.results)
-    for path in (longer, whole.output):
+    for path in (longer, complete_study.output):
         adopt(study.path, path, study.results)
     held = load_study(study.path, study.results)
-    source = Adopted(held, study.output.parent).source
+    source = AdoptedPoints(held, study.output.parent).source
     point = ids(study, 0)[0]
     wanted = held.points[point].parameters
     assert source(point, wanted).scalars["velocity"][0] == pytest.approx(0.5)
@@ -180,14 +181,14 @@ def test_of_two_datasets_that_which_has_just_what_is_wanted_is_taken(study, whol
     assert source(point, more).scalars["velocity"][0] == pytest.approx(0.9)
 
 
-def test_a_point_that_is_shown_needs_its_state(study, whole, tmp_path):
+def test_a_point_that_is_shown_needs_its_state(study, complete_study, tmp_path):
     hidden = Mixed(tmp_path / "hidden")
-    shutil.copytree(whole.results, hidden.results)
+    shutil.copytree(complete_study.results, hidden.results)
     dataset = tmp_path / "hidden.nc"
-    hidden.afresh(*range(6))
+    hidden.build_afresh(*range(6))
     shutil.copy(hidden.output, dataset)
     assert "covers 5 of 6" in adopt(study.path, dataset, study.results)
-    assert adopted(study) == set(ids(study, *({*range(6)} - {SHOWN})))
+    assert adopted_ids(study) == set(ids(study, *({*range(6)} - {SHOWN})))
 
 
 @pytest.mark.parametrize(
@@ -197,53 +198,61 @@ def test_a_point_that_is_shown_needs_its_state(study, whole, tmp_path):
         "plots: [{name: p, kind: time_series, y: velocity, series: [s0]}]\n",
     ],
 )
-def test_what_is_drawn_from_run_files_needs_them(more, study, whole):
+def test_what_is_drawn_from_run_files_needs_them(more, study, complete_study):
     study.path.write_text(study.path.read_text().replace("series:", f"{more}series:", 1))
     if more.startswith("pages"):
         with pytest.raises(InputError, match="covers no point"):
-            adopt(study.path, whole.output, study.results)
+            adopt(study.path, complete_study.output, study.results)
     else:
-        assert "covers 5 of 6" in adopt(study.path, whole.output, study.results)
-        assert adopted(study) == set(ids(study, 1, 2, 3, 4, 5))
+        assert "covers 5 of 6" in adopt(study.path, complete_study.output, study.results)
+        assert adopted_ids(study) == set(ids(study, 1, 2, 3, 4, 5))
 
 
-def test_what_other_code_has_read_is_taken_if_it_knew_all_names(study, whole, monkeypatch):
-    adopt(study.path, whole.output, study.results)
-    monkeypatch.setattr(earlier, "_own_code", lambda: "other")
-    assert len(adopted(study)) == 6
+def test_what_other_code_has_read_is_taken_if_it_knew_all_names(study, complete_study, monkeypatch):
+    adopt(study.path, complete_study.output, study.results)
+    monkeypatch.setattr(earlier, "_package_hash", lambda: "other")
+    assert len(adopted_ids(study)) == 6
     build(study.path, study.results)
-    xr.testing.assert_identical(xr.load_dataset(study.output), xr.load_dataset(whole.output))
-    names = earlier.names_read()
-    monkeypatch.setattr(earlier, "names_read", lambda: names | {"new_measure"})
-    monkeypatch.setattr(earlier, "_own_code", lambda: "another")
-    assert adopted(study) == set()
-    belt = LACKING["belt"] | {"new_measure"}
-    monkeypatch.setattr(earlier, "LACKING", LACKING | {"belt": belt})
-    monkeypatch.setattr(earlier, "_own_code", lambda: "a third")
-    assert adopted(study) == set(ids(study, 3, 4, 5))
-    monkeypatch.setattr(adopt_module, "names_unknown", lambda made, system: ["new_measure"])
+    xr.testing.assert_identical(
+        xr.load_dataset(study.output), xr.load_dataset(complete_study.output)
+    )
+    names = earlier.stored_names
+    monkeypatch.setattr(earlier, "stored_names", lambda *system: names(*system) | {"new_measure"})
+    monkeypatch.setattr(earlier, "_package_hash", lambda: "another")
+    assert adopted_ids(study) == set()
+    new_names = {"chute": {"new_measure"}}
+    monkeypatch.setattr(
+        earlier, "stored_names", lambda *system: names(*system) | new_names.get(*system, set())
+    )
+    monkeypatch.setattr(earlier, "_package_hash", lambda: "a third")
+    assert adopted_ids(study) == set(ids(study, 3, 4, 5))
+    monkeypatch.setattr(adopt_module, "missing_variables", lambda made, system: ["new_measure"])
     with pytest.raises(InputError, match="got 'a dataset that cannot have new_measure'; allowed"):
-        adopt(study.path, whole.output, study.results)
+        adopt(study.path, complete_study.output, study.results)
 
 
-def test_a_system_of_a_later_version_keeps_no_other_from_being_adopted(study, whole, tmp_path):
-    later = Path(shutil.copy(whole.output, tmp_path / "later.nc"))
-    with changing(later) as file:
+def test_a_system_of_a_later_version_keeps_no_other_from_being_adopted(
+    study, complete_study, tmp_path
+):
+    later = Path(shutil.copy(complete_study.output, tmp_path / "later.nc"))
+    with edit_file(later) as file:
         row = file["point"][:].tolist().index(*ids(study, 5))
         file["system"][row] = "drum"
     assert "covers 5 of 6 points" in adopt(study.path, later, study.results)
-    assert adopted(study) == set(ids(study, *range(5)))
+    assert adopted_ids(study) == set(ids(study, *range(5)))
 
 
-def test_an_observable_of_one_system_keeps_no_other_from_being_adopted(study, whole, tmp_path):
+def test_an_observable_of_one_system_keeps_no_other_from_being_adopted(
+    study, complete_study, tmp_path
+):
     (tmp_path / "mine.py").write_text(
         "import sim\n@sim.observable('answer', system='chute', unit='1', meaning='m')\n"
         "def answer(run):\n    return 42\n"
     )
     study.path.write_text(study.path.read_text() + "plugins: [mine.py]\n")
-    with forgotten():
-        assert "covers 3 of 6 points" in adopt(study.path, whole.output, study.results)
-        assert adopted(study) == set(ids(study, 3, 4, 5))
+    with restore_plugins():
+        assert "covers 3 of 6 points" in adopt(study.path, complete_study.output, study.results)
+        assert adopted_ids(study) == set(ids(study, 3, 4, 5))
 
 
 def test_what_a_point_starts_from_is_run_with_it(tmp_path):
@@ -267,7 +276,7 @@ def test_what_a_point_starts_from_is_run_with_it(tmp_path):
         assert found == expected
 
 
-def refused(study: Mixed, dataset: Path, *words: str) -> None:
+def assert_refused(study: Mixed, dataset: Path, *words: str) -> None:
     """Check that a dataset is refused in one line, before anything is written."""
     with pytest.raises(InputError) as error:
         adopt(study.path, dataset, study.results)
@@ -276,30 +285,32 @@ def refused(study: Mixed, dataset: Path, *words: str) -> None:
     assert not study.results.exists()
 
 
-def test_what_cannot_be_used_is_refused(study, whole, tmp_path):
-    content = whole.output.read_bytes()
+def test_what_cannot_be_used_is_refused(study, complete_study, tmp_path):
+    content = complete_study.output.read_bytes()
     path = tmp_path / "bad.nc"
-    refused(study, path, "no such dataset")
+    assert_refused(study, path, "no such dataset")
     for bad in (b"", content[: len(content) // 2], content[:-1], content + b"x"):
         path.write_bytes(bad)
-        refused(study, path, "checksum")
+        assert_refused(study, path, "checksum")
     store(xr.Dataset({"depth": 1.0}), path)
-    refused(study, path, "not a dataset (no study in it)")
-    run = next(whole.runs.glob("*.nc"))
-    refused(study, run, "not a dataset (no study in it)")
+    assert_refused(study, path, "not a dataset (no study in it)")
+    run = next(complete_study.runs.glob("*.nc"))
+    assert_refused(study, run, "not a dataset (no study in it)")
     path.write_bytes(content)
-    with changing(path) as file:
+    with edit_file(path) as file:
         file["runs"].renameVariable("wanted", "unknown")
-    refused(study, path, "how much of each point")
+    assert_refused(study, path, "how much of each point")
     path.write_bytes(content)
-    with changing(path) as file:
+    with edit_file(path) as file:
         file.numerics = str(NUMERICS + 1)
-    refused(study, path, f"numerics: got '{NUMERICS + 1}'; allowed: {NUMERICS}")
+    assert_refused(study, path, f"numerics: got '{NUMERICS + 1}'; allowed: {NUMERICS}")
     study.path.write_text("study: made\nseries: [{name: a, system: chute, cases: [{depth: 7}]}]\n")
-    refused(study, whole.output, "covers no point of", "of 1 point it has 0")
+    assert_refused(study, complete_study.output, "covers no point of", "of 1 point it has 0")
     text = "study: made\nseries: [{name: a, system: chute, cases: [{depth: 2, replicates: 9}]}]\n"
     study.path.write_text(text)
-    refused(study, whole.output, "of 1 point it has 1, none with all that is wanted of it")
+    assert_refused(
+        study, complete_study.output, "of 1 point it has 1, none with all that is wanted of it"
+    )
 
 
 def test_rows_of_other_numerics_are_not_taken(study, tmp_path):
@@ -308,17 +319,17 @@ def test_rows_of_other_numerics_are_not_taken(study, tmp_path):
     write_run(made.runs, made.points[3], numerics=NUMERICS + 1)
     made.build(0, 3)
     assert "covers 1 of 6" in adopt(study.path, made.output, study.results)
-    assert adopted(study) == set(ids(study, 0))
+    assert adopted_ids(study) == set(ids(study, 0))
 
 
-def test_the_command_ends_with_one_line_and_2(study, whole, capsys):
+def test_the_command_ends_with_one_line_and_2(study, complete_study, capsys):
     path = study.path.with_name("bad.nc")
-    path.write_bytes(whole.output.read_bytes()[:-100])
+    path.write_bytes(complete_study.output.read_bytes()[:-100])
     words = ["--results", str(study.results)]
     assert main(["adopt", str(study.path), str(path), *words]) == 2
     said = capsys.readouterr().err
     assert said.startswith(f"error: {path}: damaged or not a dataset") and said.count("\n") == 1
-    assert main(["adopt", str(study.path), str(whole.output), *words]) == 0
+    assert main(["adopt", str(study.path), str(complete_study.output), *words]) == 0
     assert "covers 6 of 6 points" in capsys.readouterr().out
 
 
@@ -329,19 +340,19 @@ def test_what_is_no_file_is_set_aside_like_one_that_is_damaged(study, kind):
     there.mkdir() if kind == "folder" else there.symlink_to("nowhere")
     said = rf"x\.nc: damaged or not a dataset that .* \(no file, .*now {there.name}.damaged: rerun"
     with pytest.raises(DamagedError, match=said):
-        adopted(study)
-    assert adopted(study) == set()
+        adopted_ids(study)
+    assert adopted_ids(study) == set()
 
 
-def test_one_that_is_damaged_later_is_set_aside_and_its_points_are_run(study, whole):
-    adopt(study.path, whole.output, study.results)
+def test_one_that_is_damaged_later_is_set_aside_and_its_points_are_run(study, complete_study):
+    adopt(study.path, complete_study.output, study.results)
     (there,) = (study.output.parent / "adopted").iterdir()
     content = there.read_bytes()
     there.write_bytes(content[: len(content) // 2] + content[len(content) // 2 + 1 :])
     with pytest.raises(DamagedError, match=f"now {there.name}.damaged: rerun the study"):
         build(study.path, study.results)
-    assert adopted(study) == set()
-    adopt(study.path, whole.output, study.results)
+    assert adopted_ids(study) == set()
+    adopt(study.path, complete_study.output, study.results)
     assert there.read_bytes() == content
 
 
@@ -355,19 +366,19 @@ adopt(*map(Path, {paths}))
 """
 
 
-def test_one_that_is_killed_leaves_nothing_half(study, whole):
-    paths = [str(path) for path in (study.path, whole.output, study.results)]
+def test_one_that_is_killed_leaves_nothing_half(study, complete_study):
+    paths = [str(path) for path in (study.path, complete_study.output, study.results)]
     done = subprocess.run([sys.executable, "-c", KILLED.format(paths=paths)], cwd=ROOT)
     assert done.returncode == -signal.SIGKILL
     folder = study.output.parent / "adopted"
     (left,) = folder.iterdir()
-    assert left.suffix == ".part" and adopted(study) == set()
-    adopt(study.path, whole.output, study.results)
-    assert [path.suffix for path in folder.iterdir()] == [".nc"] and len(adopted(study)) == 6
+    assert left.suffix == ".part" and adopted_ids(study) == set()
+    adopt(study.path, complete_study.output, study.results)
+    assert [path.suffix for path in folder.iterdir()] == [".nc"] and len(adopted_ids(study)) == 6
 
 
-def test_points_says_what_is_adopted(study, half):
-    adopt(study.path, half, study.results)
+def test_points_says_what_is_adopted(study, half_dataset):
+    adopt(study.path, half_dataset, study.results)
     (there,) = (study.output.parent / "adopted").iterdir()
     told = f"3 points adopted from {there.stem}, not to be run; core time of the others "
     assert told in show(study.path, study.results, "table")

@@ -1,4 +1,4 @@
-"""A dataset has of each point what the study asks for, however much its run file holds."""
+"""A dataset has the amounts of the study, even where run files hold more."""
 
 import netCDF4
 import numpy as np
@@ -7,7 +7,7 @@ import xarray as xr
 
 from sim.base.errors import InputError
 from sim.dataset.build import build
-from sim.dataset.summary import summary_of
+from sim.dataset.run_file import summary_of
 from sim.engine.run import run_point
 from sim.parameters import amounts
 from sim.report.status import survey
@@ -26,13 +26,13 @@ SHORT, LONG = "average: 2, replicates: 1", "average: 4, replicates: 2"
 
 
 @pytest.fixture(scope="module")
-def short(tmp_path_factory) -> xr.Dataset:
-    """The dataset of the short study, whose runs have never been longer."""
-    return made(tmp_path_factory.mktemp("short"), SHORT)
+def short_dataset(tmp_path_factory) -> xr.Dataset:
+    """The dataset of the short study, whose runs were never longer."""
+    return run_study(tmp_path_factory.mktemp("short"), SHORT)
 
 
-def made(folder, *lengths) -> xr.Dataset:
-    """Run a study of some lengths, one after the other; return the dataset of the last."""
+def run_study(folder, *lengths) -> xr.Dataset:
+    """Run a study with several lengths in turn; return the dataset of the last."""
     path = folder / "grown.yaml"
     for length in lengths:
         path.write_text(STUDY % length)
@@ -47,24 +47,24 @@ def assert_equal(one: xr.Dataset, other: xr.Dataset) -> None:
     xr.testing.assert_equal(one.drop_vars(CLOCK), other.drop_vars(CLOCK))
 
 
-def test_more_than_is_asked_for_is_left_out(tmp_path, short):
-    grown = made(tmp_path, SHORT, LONG)
+def test_more_than_is_asked_for_is_left_out(tmp_path, short_dataset):
+    grown = run_study(tmp_path, SHORT, LONG)
     assert grown.sizes["replicate"] == 2 and (grown["average"] == 4).all()
     study = load_study(tmp_path / "grown.yaml", tmp_path)
     assert survey(study, tmp_path).is_over
-    assert_equal(made(tmp_path, SHORT), short)
+    assert_equal(run_study(tmp_path, SHORT), short_dataset)
     assert survey(load_study(tmp_path / "grown.yaml", tmp_path), tmp_path).is_over
 
 
 def test_a_point_that_is_to_grow_waits(tmp_path):
-    made(tmp_path, SHORT)
+    run_study(tmp_path, SHORT)
     (tmp_path / "grown.yaml").write_text(STUDY % LONG)
     status = survey(load_study(tmp_path / "grown.yaml", tmp_path), tmp_path)
     assert status.counts["waiting"] == 2 and not status.is_over
 
 
 def test_a_point_that_is_to_grow_is_not_read(tmp_path):
-    made(tmp_path, SHORT)
+    run_study(tmp_path, SHORT)
     (tmp_path / "grown.yaml").write_text(STUDY % LONG)
     with pytest.raises(InputError, match=r"\.nc: holds .*average 2 of .*average 4") as error:
         build(tmp_path / "grown.yaml", tmp_path)
@@ -73,13 +73,13 @@ def test_a_point_that_is_to_grow_is_not_read(tmp_path):
 
 
 def test_a_summary_is_that_of_what_is_wanted(tmp_path):
-    made(tmp_path, SHORT, LONG)
+    run_study(tmp_path, SHORT, LONG)
     for length in (SHORT, LONG):
         (tmp_path / "grown.yaml").write_text(STUDY % length)
         for point in load_study(tmp_path / "grown.yaml", tmp_path).points.values():
             path = tmp_path / "grown" / "runs" / f"{point.id}.nc"
-            told = summary_of(path, amounts(point.parameters)).scalars
+            scalars = summary_of(path, amounts(point.parameters)).scalars
             with netCDF4.Dataset(path) as file:
                 group = file["shorter_1"] if length == SHORT else file
                 expected = group["velocity"][: point.parameters.replicates]
-            np.testing.assert_array_equal(told["velocity"], expected)
+            np.testing.assert_array_equal(scalars["velocity"], expected)

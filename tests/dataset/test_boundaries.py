@@ -13,27 +13,27 @@ from sim.__main__ import main
 from sim.base.errors import InputError
 from sim.dataset import side_by_side
 from sim.dataset.boundaries import build
-from sim.dataset.boundary_table import read_table
 from sim.dataset.build import build as build_dataset
-from sim.dataset.rounds import added_points, from_files, refined, sides_of, write_round
+from sim.dataset.results import read_table
+from sim.dataset.rounds import add_rounds, added_points, find_sides, side_reader, write_round
 from sim.parameters import parse_point, point_id
 from sim.study.load import load_study
 from tests.made.runs import make_regimes, make_study, write_run
 
 
 @pytest.fixture(scope="module")
-def made(tmp_path_factory) -> tuple[Path, Path]:
+def study_results(tmp_path_factory) -> tuple[Path, Path]:
     return make_regimes(tmp_path_factory.mktemp("made"))
 
 
 @pytest.fixture(scope="module")
-def dataset(made) -> Path:
-    return build_dataset(*made)
+def dataset(study_results) -> Path:
+    return build_dataset(*study_results)
 
 
 @pytest.fixture(scope="module")
-def rows(made, dataset) -> dict[tuple, dict]:
-    with build(*made).open(newline="") as file:
+def rows(study_results, dataset) -> dict[tuple, dict]:
+    with build(*study_results).open(newline="") as file:
         rows = list(csv.DictReader(file))
     return {(row["name"], row["depth"] or row["amplitude"]): row for row in rows}
 
@@ -62,8 +62,8 @@ def test_rows_say_what_lies_on_either_side(rows):
     assert rows["onset", "1"]["unit"] == "Hz"
 
 
-def test_the_dataset_has_the_points_of_all_rounds(made, dataset):
-    study_path, results = made
+def test_the_dataset_has_the_points_of_all_rounds(study_results, dataset):
+    study_path, results = study_results
     runs = results / "regimes" / "runs"
     with xr.open_dataset(dataset) as opened:
         points = set(opened["point"].values)
@@ -73,18 +73,20 @@ def test_the_dataset_has_the_points_of_all_rounds(made, dataset):
     assert points == {path.stem for path in runs.glob("*.nc")}
     assert len(read_table(dataset)) == len(load_study(study_path, results).boundaries)
     study = load_study(study_path, results)
-    study = refined(study, sides_of(study.boundaries, from_files(study, runs), lambda _: None))
+    study = add_rounds(
+        study, find_sides(study.boundaries, side_reader(study, runs), lambda _: None)
+    )
     assert set(study.series["onset"]) <= set(study.figures["belt_onset"]) <= points
 
 
-def test_no_round_is_read_again_for_the_next_dataset(made, dataset, monkeypatch):
+def test_no_round_is_read_again_for_the_next_dataset(study_results, dataset, monkeypatch):
     whole = dataset.read_bytes()
     monkeypatch.setattr(side_by_side, "read_run", None)
-    assert build_dataset(*made).read_bytes() == whole
+    assert build_dataset(*study_results).read_bytes() == whole
 
 
-def test_a_round_holds_new_points_alone(made):
-    study_path, results = made
+def test_a_round_holds_new_points_alone(study_results):
+    study_path, results = study_results
     study = load_study(study_path, results)
     rounds = [
         json.loads(write_round(study_path, number, results).read_text())
@@ -97,8 +99,8 @@ def test_a_round_holds_new_points_alone(made):
         assert point_id(parse_point(mapping, "round")) == key
 
 
-def test_a_round_follows_from_the_runs_before_it(made, tmp_path):
-    study_path, results = made
+def test_a_round_follows_from_the_runs_before_it(study_results, tmp_path):
+    study_path, results = study_results
     study = load_study(study_path, results)
     runs = tmp_path / "runs"
     shutil.copytree(results / "regimes" / "runs", runs)
@@ -115,18 +117,20 @@ def test_a_round_follows_from_the_runs_before_it(made, tmp_path):
         added_points(study, 2, runs)
 
 
-def test_both_commands_say_what_they_wrote(made, dataset, capsys):
-    options = [str(made[0]), "--results", str(made[1])]
+def test_both_commands_say_what_they_wrote(study_results, dataset, capsys):
+    options = [str(study_results[0]), "--results", str(study_results[1])]
     assert main(["boundaries", *options]) == 0
     assert main(["refine", *options, "1"]) == 0
-    written = [Path(line).relative_to(made[1]) for line in capsys.readouterr().out.splitlines()]
+    written = [
+        Path(line).relative_to(study_results[1]) for line in capsys.readouterr().out.splitlines()
+    ]
     assert written == [Path("regimes/boundaries.csv"), Path("regimes/rounds/1.json")]
 
 
 @pytest.mark.parametrize("number", [0, 3])
-def test_a_round_that_the_study_has_not_is_refused(number, made):
+def test_a_round_that_the_study_has_not_is_refused(number, study_results):
     with pytest.raises(InputError, match=f"ROUND: got {number}; allowed: .* 1 to 2"):
-        write_round(made[0], number, made[1])
+        write_round(study_results[0], number, study_results[1])
 
 
 def test_a_study_without_boundaries_has_no_table(tmp_path):

@@ -1,4 +1,4 @@
-"""On which side a run is: regimes, velocities, replicates that fail or disagree."""
+"""The side of a run: regimes, velocities, replicates that fail or disagree."""
 
 from math import nan
 

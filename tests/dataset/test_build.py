@@ -13,34 +13,34 @@ from sim.dataset.results import load_results
 from sim.parameters import BeltParameters, ChuteParameters, point_id
 from sim.study.load import load_study
 from tests.made.figures import make_built_study
-from tests.made.netcdf import ROUNDED, changing, store
+from tests.made.netcdf import ROUNDING, edit_file, store
 from tests.made.runs import FAILURE, HEIGHTS, is_hurt, is_lost, made_velocity, make_study, write_run
 
 
 @pytest.fixture(scope="module")
-def made(tmp_path_factory) -> tuple[Path, Path]:
+def study_results(tmp_path_factory) -> tuple[Path, Path]:
     return make_built_study(tmp_path_factory.mktemp("made"))
 
 
 @pytest.fixture(scope="module")
-def built(made) -> Path:
-    return made[1] / "made" / "dataset.nc"
+def dataset_path(study_results) -> Path:
+    return study_results[1] / "made" / "dataset.nc"
 
 
 @pytest.fixture(scope="module")
-def dataset(built) -> xr.Dataset:
-    with xr.open_dataset(built) as opened:
+def dataset(dataset_path) -> xr.Dataset:
+    with xr.open_dataset(dataset_path) as opened:
         return opened.load()
 
 
-def test_every_point_of_the_study_is_there_in_its_order(made, dataset):
-    study = load_study(*made)
+def test_every_point_of_the_study_is_there_in_its_order(study_results, dataset):
+    study = load_study(*study_results)
     assert list(dataset["point"].values) == list(study.points)
     assert dataset.sizes["replicate"] == 3
 
 
-def test_scalars_are_those_of_the_runs(made, dataset):
-    for point in load_study(*made).points.values():
+def test_scalars_are_those_of_the_runs(study_results, dataset):
+    for point in load_study(*study_results).points.values():
         if is_lost(point.parameters) or is_hurt(point.parameters):
             continue
         mean, regime = made_velocity(point.parameters)
@@ -49,8 +49,8 @@ def test_scalars_are_those_of_the_runs(made, dataset):
         assert set(row["regime"].values[: point.parameters.replicates]) == {regime}
 
 
-def test_replicates_are_told_together_too(made, dataset):
-    point = next(iter(load_study(*made).points.values()))
+def test_replicates_are_told_together_too(study_results, dataset):
+    point = next(iter(load_study(*study_results).points.values()))
     mean, regime = made_velocity(point.parameters)
     row = dataset.sel(point=point.id)
     assert float(row["point_velocity"]) == pytest.approx(mean, abs=1e-12)
@@ -67,8 +67,8 @@ def test_missing_replicates_are_padded(dataset):
     assert pair["status"].values[2] == ""
 
 
-def test_failures_keep_their_whole_reason(made, dataset):
-    lost = [p.id for p in load_study(*made).points.values() if is_lost(p.parameters)]
+def test_failures_keep_their_whole_reason(study_results, dataset):
+    lost = [p.id for p in load_study(*study_results).points.values() if is_lost(p.parameters)]
     assert len(lost) == 1
     row = dataset.sel(point=lost[0])
     assert list(row["status"].values[:2]) == ["failed", "failed"]
@@ -151,9 +151,9 @@ def test_a_netcdf_file_that_is_no_run_is_named(tmp_path):
         read_run(path)
 
 
-def test_profiles_of_both_systems_lie_in_groups(made, built):
-    results = load_results(built)
-    study = load_study(*made)
+def test_profiles_of_both_systems_lie_in_groups(study_results, dataset_path):
+    results = load_results(dataset_path)
+    study = load_study(*study_results)
     for point in study.points.values():
         if is_lost(point.parameters):
             continue
@@ -163,11 +163,11 @@ def test_profiles_of_both_systems_lie_in_groups(made, built):
         assert values.shape == (point.parameters.replicates - lost, HEIGHTS)
         assert height == pytest.approx((np.arange(HEIGHTS) + 0.5) * 1e-3)
         velocities = row["velocity"].values[np.isfinite(row["velocity"].values)]
-        assert values.mean(axis=1) == pytest.approx(velocities, rel=ROUNDED)
+        assert values.mean(axis=1) == pytest.approx(velocities, rel=ROUNDING)
 
 
-def test_profiles_have_nine_binary_digits(built):
-    values = xr.load_dataset(built, group="chute").velocity_profile.values
+def test_profiles_have_nine_binary_digits(dataset_path):
+    values = xr.load_dataset(dataset_path, group="chute").velocity_profile.values
     mantissas = np.frexp(values[np.isfinite(values)])[0]
     assert mantissas.size > 0
     # The first of the digits is not stored, being a one.
@@ -182,12 +182,12 @@ def test_last_samples_are_kept_of_chutes_alone(parameters, is_kept, tmp_path):
     write_run(tmp_path, parameters)
     path = tmp_path / f"{point_id(parameters)}.nc"
     last = "velocity_profile_instantaneous"
-    with changing(path) as file:
-        made = file["velocity_profile"]
-        file.createVariable(last, made.dtype, made.dimensions)[:] = made[:]
+    with edit_file(path) as file:
+        profile = file["velocity_profile"]
+        file.createVariable(last, profile.dtype, profile.dimensions)[:] = profile[:]
     assert (last in read_run(path).values) == is_kept
 
 
-def test_the_whole_file_opens_as_a_tree(built):
-    with xr.open_datatree(built) as tree:
+def test_the_whole_file_opens_as_a_tree(dataset_path):
+    with xr.open_datatree(dataset_path) as tree:
         assert set(tree["chute"]["run"].values) <= set(tree["point"].values)

@@ -21,7 +21,7 @@ POINTS = {
     "chute": {"system": "chute", "depth": 1.5, "cell": 4},
 }
 
-#: What the checker says that is explained in docs/data.md.
+#: Messages of the checker that docs/data.md explains.
 EXPLAINED = ("Coordinate variable 'time' should have standard_name='time', found: 'None'",)
 
 
@@ -113,7 +113,7 @@ def test_the_points_of_one_system_come_without_what_the_other_has(dataset):
 
 
 def complaints(path: Path, report: Path) -> list[str]:
-    """Return what the compliance checker says of a file, each message once."""
+    """Return the messages of the compliance checker for a file, each once."""
     checker = pytest.importorskip("compliance_checker.runner")
     checker.CheckSuite.load_all_available_checkers()
     with contextlib.redirect_stdout(io.StringIO()):

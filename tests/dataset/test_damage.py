@@ -14,13 +14,13 @@ import numpy as np
 import pytest
 
 from sim.__main__ import main
-from sim.base.damage import DamagedError
 from sim.base.errors import InputError
-from sim.base.files import alone, is_damaged, seal
+from sim.base.files import file_lock
+from sim.base.seals import DamagedError, is_damaged, seal
 from sim.dataset.gather import read_run
 from sim.engine.run import run_point
 from sim.engine.warm import warm
-from sim.parameters import canonical, point_id
+from sim.parameters import canonical_values, point_id
 from sim.report import page
 from tests.engine.test_states import assert_same
 from tests.engine_motion.points import belt_point
@@ -48,17 +48,17 @@ def path(tmp_path) -> Path:
 
 
 def assert_refused_or_true(path: Path, content: bytes, expected) -> bool:
-    """Assert that a file is set aside or read as it should be; return whether it was refused."""
+    """Assert that a file is set aside or read correctly; return whether it was refused."""
     path.write_bytes(content)
     aside = path.with_name(f"{path.name}.damaged")
     try:
-        found = read_run(path)
+        row = read_run(path)
     except DamagedError as error:
         assert str(error).startswith(f"{path}: damaged") and "\n" not in str(error)
         assert not path.exists() and aside.read_bytes() == content
         return True
-    assert path.exists() and found.values.keys() == expected.values.keys()
-    for name, values in found.values.items():
+    assert path.exists() and row.values.keys() == expected.values.keys()
+    for name, values in row.values.items():
         np.testing.assert_array_equal(values, expected.values[name])
     return False
 
@@ -119,13 +119,13 @@ def test_what_other_programs_have_changed_is_no_run_file(content, tmp_path):
 
 
 @pytest.fixture
-def made(tmp_path) -> tuple[Path, Path]:
+def study_results(tmp_path) -> tuple[Path, Path]:
     """A study with its run files, dataset and figures."""
     return make_figures(tmp_path)
 
 
-def test_all_damaged_runs_of_a_study_are_set_aside_at_once(made, capsys):
-    study, results = made
+def test_all_damaged_runs_of_a_study_are_set_aside_at_once(study_results, capsys):
+    study, results = study_results
     runs = sorted((results / "made" / "runs").iterdir())
     before = (results / "made" / "dataset.nc").read_bytes()
     runs[0].write_bytes(runs[0].read_bytes()[:1000])
@@ -140,8 +140,8 @@ def test_all_damaged_runs_of_a_study_are_set_aside_at_once(made, capsys):
 
 @pytest.mark.parametrize("damage", ["truncated", "flipped", "empty"])
 @pytest.mark.parametrize("command", ["figure", "report"])
-def test_a_damaged_dataset_is_named_and_set_aside(made, damage, command, capsys):
-    study, results = made
+def test_a_damaged_dataset_is_named_and_set_aside(study_results, damage, command, capsys):
+    study, results = study_results
     path = results / "made" / "dataset.nc"
     whole = path.read_bytes()
     path.write_bytes(
@@ -171,8 +171,8 @@ def test_a_file_named_by_mistake_is_left_where_it_is(tmp_path, content):
 
 
 @pytest.mark.parametrize("suffix", [".csv", ".svg", ".caption.txt"])
-def test_a_damaged_figure_is_named_and_set_aside(made, suffix):
-    study, results = made
+def test_a_damaged_figure_is_named_and_set_aside(study_results, suffix):
+    study, results = study_results
     path = results / "made" / "figures" / f"walton_2{suffix}"
     path.write_bytes(b"\xff\xfe\x00" + path.read_bytes()[:40])
     with pytest.raises(DamagedError, match=r"rerun the study"):
@@ -181,12 +181,12 @@ def test_a_damaged_figure_is_named_and_set_aside(made, suffix):
     assert not (results / "made" / "report.html").exists()
 
 
-def limited(output: Path, size: int | None) -> subprocess.CompletedProcess:
+def run_with_limit(output: Path, size: int | None) -> subprocess.CompletedProcess:
     """Run LONG in a process that cannot write files longer than ``size`` bytes: a full disk."""
     limit = (size, size) if size else (resource.RLIM_INFINITY, resource.RLIM_INFINITY)
     return program(
         *("run", "-", "--output", str(output), "--quiet"),
-        input=json.dumps(canonical(LONG)),
+        input=json.dumps(canonical_values(LONG)),
         env=os.environ | {"TALUS_CHECKPOINT_SECONDS": "0"},
         preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, limit) if size else None,
     )
@@ -195,7 +195,7 @@ def limited(output: Path, size: int | None) -> subprocess.CompletedProcess:
 def test_a_full_disk_ends_in_one_line_and_a_rerun_repairs_it(tmp_path):
     warm([LONG])
     output = tmp_path / "run.nc"
-    done = limited(output, 20_000)
+    done = run_with_limit(output, 20_000)
     assert done.returncode == 1, done.stderr
     lines = done.stderr.splitlines()
     assert (
@@ -203,7 +203,7 @@ def test_a_full_disk_ends_in_one_line_and_a_rerun_repairs_it(tmp_path):
     )
     assert lines[-1].startswith("error: ") and "Traceback" not in done.stderr
     assert not list(tmp_path.iterdir())
-    again = limited(output, None)
+    again = run_with_limit(output, None)
     assert (again.returncode, again.stderr) == (0, "")
     assert {path.name for path in tmp_path.iterdir()} == {"run.nc", ".run.nc.state"}
 
@@ -212,8 +212,8 @@ def test_a_full_disk_ends_in_one_line_and_a_rerun_repairs_it(tmp_path):
     ("command", "name", "size"),
     [("dataset", "dataset.nc", 20_000), ("figure", "figures/walton_2", 3000)],
 )
-def test_a_full_disk_is_told_with_the_name_of_the_file(made, command, name, size):
-    study, results = made
+def test_a_full_disk_is_told_with_the_name_of_the_file(study_results, command, name, size):
+    study, results = study_results
     path = results / "made" / name
     words = {
         "dataset": [str(study), "--results", str(results)],
@@ -234,14 +234,14 @@ def test_an_old_result_outlives_a_full_disk(tmp_path, content):
     warm([LONG])
     output = tmp_path / "run.nc"
     output.write_bytes(content)
-    assert limited(output, 20_000).returncode == 1
+    assert run_with_limit(output, 20_000).returncode == 1
     assert output.read_bytes() == content
 
 
 def test_two_processes_of_one_run_do_not_meet(tmp_path):
     warm([LONG])
     output = tmp_path / "run.nc"
-    with alone(output):
+    with file_lock(output):
         pair = [start_run(LONG, output) for _ in range(2)]
         for process in pair:
             while "waiting for another process" not in (said := process.stderr.readline()):
@@ -257,7 +257,7 @@ def test_two_processes_of_one_run_do_not_meet(tmp_path):
 def test_who_waits_computes_what_the_other_did_not_finish(tmp_path, caplog):
     warm([POINT])
     output = tmp_path / "run.nc"
-    with alone(output):
+    with file_lock(output):
         waiting = threading.Thread(target=run_point, args=(POINT, output, True))
         waiting.start()
         wait_until(lambda: "waiting for another" in caplog.text or not waiting.is_alive())
@@ -271,7 +271,7 @@ def test_one_at_a_time(tmp_path):
 
     def work() -> None:
         nonlocal inside, most
-        with alone(tmp_path / "file"):
+        with file_lock(tmp_path / "file"):
             inside += 1
             most = max(most, inside)
             time.sleep(0.005)

@@ -1,4 +1,4 @@
-"""A dataset made from an earlier one and few run files is that made from all of them."""
+"""A dataset made from an earlier one and a few run files equals one made from all run files."""
 
 import random
 import shutil
@@ -7,13 +7,13 @@ from pathlib import Path
 import pytest
 import xarray as xr
 
-from sim.base.files import seal
+from sim.base.seals import seal
 from sim.dataset import earlier, gather, side_by_side
 from tests.made.mixed import PATHS, POINTS, SHOWN, STATES, Mixed, ids
 from tests.made.netcdf import store
 
-#: The points of which there is a dataset, by number.
-HELD = (0, 3)
+#: Numbers of the points in the dataset.
+STORED = (0, 3)
 
 
 @pytest.fixture(scope="module")
@@ -23,7 +23,7 @@ def original(tmp_path_factory) -> Path:
     study = Mixed(folder)
     for number in range(len(POINTS)):
         study.write(number)
-    study.build(*HELD)
+    study.build(*STORED)
     return folder
 
 
@@ -34,53 +34,53 @@ def study(original, tmp_path) -> Mixed:
 
 
 @pytest.fixture
-def read(monkeypatch) -> list[str]:
+def points_read(monkeypatch) -> list[str]:
     """Return a list of the ids of points whose run files are read."""
-    found: list[str] = []
+    ids_read: list[str] = []
 
-    def read_run(path: Path, wanted=None, shown: bool = False):
-        found.append(path.stem)
-        return gather.read_run(path, wanted, shown)
+    def read_run(path: Path, amounts=None, has_state: bool = False):
+        ids_read.append(path.stem)
+        return gather.read_run(path, amounts, has_state)
 
     monkeypatch.setattr(side_by_side, "read_run", read_run)
-    return found
+    return ids_read
 
 
-def test_nothing_is_read_again(study, read):
-    assert study.build(*HELD) == study.output.read_bytes()
-    assert read == []
+def test_nothing_is_read_again(study, points_read):
+    assert study.build(*STORED) == study.output.read_bytes()
+    assert points_read == []
 
 
-def test_nothing_is_read_again_once_the_dataset_is_removed(study, read):
+def test_nothing_is_read_again_once_the_dataset_is_removed(study, points_read):
     whole = study.output.read_bytes()
     study.output.unlink()
-    assert study.build(*HELD) == whole
-    assert read == []
+    assert study.build(*STORED) == whole
+    assert points_read == []
 
 
-def test_points_that_come_are_read_and_those_that_go_leave_no_trace(study, read):
+def test_points_that_come_are_read_and_those_that_go_leave_no_trace(study, points_read):
     steps = random.Random(1)
-    held = set(HELD)
+    held = set(STORED)
     for _ in range(4):
         numbers = steps.sample(range(6), steps.randrange(1, 7))
-        read.clear()
+        points_read.clear()
         found = study.build(*numbers)
-        assert set(read) == set(ids(study, *set(numbers) - held))
-        assert found == study.afresh(*numbers)
+        assert set(points_read) == set(ids(study, *set(numbers) - held))
+        assert found == study.build_afresh(*numbers)
         held = set(numbers)
 
 
-def test_a_run_file_that_was_made_anew_is_read(study, read):
+def test_a_run_file_that_was_made_anew_is_read(study, points_read):
     before = study.output.read_bytes()
     study.write(3, velocity=0.7)
-    found = study.build(*HELD)
-    assert read == ids(study, 3)
-    assert found != before and found == study.afresh(*HELD)
+    found = study.build(*STORED)
+    assert points_read == ids(study, 3)
+    assert found != before and found == study.build_afresh(*STORED)
 
 
-def test_particles_are_kept_for_as_long_as_a_figure_shows_them(study, read):
-    paths, states = (study.afresh(3, SHOWN, shown=figure) for figure in (PATHS, STATES))
-    hidden = study.afresh(3, SHOWN)
+def test_particles_are_kept_for_as_long_as_a_figure_shows_them(study, points_read):
+    paths, states = (study.build_afresh(3, SHOWN, shown=figure) for figure in (PATHS, STATES))
+    hidden = study.build_afresh(3, SHOWN)
     assert len({paths, states, hidden}) == 3
     for figure, content, is_read in (
         (STATES, states, True),
@@ -89,18 +89,18 @@ def test_particles_are_kept_for_as_long_as_a_figure_shows_them(study, read):
         (STATES, states, False),
         ("", hidden, False),
     ):
-        read.clear()
+        points_read.clear()
         assert study.build(3, SHOWN, shown=figure) == content
-        assert read == ids(study, SHOWN) * is_read
+        assert points_read == ids(study, SHOWN) * is_read
 
 
-def test_what_other_code_has_read_is_read_again(study, read, monkeypatch):
-    monkeypatch.setattr(earlier, "reading_code", lambda: "other")
-    study.build(*HELD)
-    assert read == ids(study, *HELD)
+def test_what_other_code_has_read_is_read_again(study, points_read, monkeypatch):
+    monkeypatch.setattr(earlier, "reader_hash", lambda: "other")
+    study.build(*STORED)
+    assert points_read == ids(study, *STORED)
 
 
-def test_a_dataset_that_is_damaged_or_none_is_not_used(study, read):
+def test_a_dataset_that_is_damaged_or_none_is_not_used(study, points_read):
     whole = study.output.read_bytes()
     store(xr.Dataset({"depth": 1.0}), study.path.with_name("other.nc"))
     other = study.path.with_name("other.nc")
@@ -108,7 +108,7 @@ def test_a_dataset_that_is_damaged_or_none_is_not_used(study, read):
     half = len(whole) // 2
     flipped = whole[:half] + bytes([whole[half] ^ 1]) + whole[half + 1 :]
     for content in (b"", whole[:half], flipped, other.read_bytes()):
-        (study.output.parent / earlier.EARLIER).write_bytes(content)
-        read.clear()
-        assert study.build(*HELD) == whole
-        assert read == ids(study, *HELD)
+        (study.output.parent / earlier.EARLIER_FILE).write_bytes(content)
+        points_read.clear()
+        assert study.build(*STORED) == whole
+        assert points_read == ids(study, *STORED)

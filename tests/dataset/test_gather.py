@@ -5,15 +5,14 @@ import pytest
 import xarray as xr
 
 from sim.dataset.combine import profiles
-from sim.dataset.gather import STATE
-from sim.dataset.measures.belt import columns
-from sim.dataset.rows import OVER_HEIGHT, Rows
-from sim.engine.observe.arrays import AT_PHASE_0, PHASED, SNAPSHOTS
-from sim.parameters.observables import ASKED_FOR, PROFILES
+from sim.dataset.gather import STATE_VARIABLES
+from sim.dataset.measures.belt import column_means
+from sim.dataset.rows import Rows
+from sim.parameters.variables import variables_of
 
 
-def run(name, width, slices, replicates):
-    """Return what is kept of a run on a belt ``width`` (mm) long."""
+def run_row(name, width, slices, replicates):
+    """Return the row of a run on a belt ``width`` (mm) long."""
     squares = np.arange(width) + 0.5
     field = xr.Dataset(
         {
@@ -25,26 +24,33 @@ def run(name, width, slices, replicates):
         },
         coords={"column": 1e-3 * squares, "level": [0.0, 1e-3]},
     )
-    held = {
+    arrays = {
         "height": 1e-3 * np.arange(slices),
         "number_density": np.ones((replicates, slices)),
     }
-    values = {key: one[np.newaxis] for key, one in (held | columns(field)).items()}
+    values = {key: one[np.newaxis] for key, one in (arrays | column_means(field)).items()}
     return Rows([name], {}, values, {})
 
 
 def test_belts_of_different_lengths_are_filled_up():
-    found = profiles([run("long", 6, 4, 3), run("short", 3, 5, 2)], ["long", "short"], 3)
-    assert found.sizes == {"run": 2, "replicate": 3, "slice": 5, "square": 6}
-    short = found.sel(run="short")
+    dataset = profiles([run_row("long", 6, 4, 3), run_row("short", 3, 5, 2)], ["long", "short"], 3)
+    assert dataset.sizes == {"run": 2, "replicate": 3, "slice": 5, "square": 6}
+    short = dataset.sel(run="short")
     assert short["column"].values[:3] == pytest.approx([0.5e-3, 1.5e-3, 2.5e-3])
     assert np.isnan(short["column"].values[3:]).all()
     assert short["column_velocity"].values[1, :3] == pytest.approx([0.5, 1.5, 2.5])
     assert np.isnan(short["column_velocity"].values[2]).all()
-    assert np.isnan(found.sel(run="long")["height"].values[4:]).all()
+    assert np.isnan(dataset.sel(run="long")["height"].values[4:]).all()
 
 
 def test_every_profile_and_what_pictures_show_of_particles_is_kept():
-    assert set(PROFILES) < set(OVER_HEIGHT)
-    assert {name + AT_PHASE_0 for name in PHASED} | set(ASKED_FOR) < set(OVER_HEIGHT)
-    assert set(SNAPSHOTS) - set(STATE) == {"particle_spin", "orientation"}
+    rows = variables_of("profile").values()
+    unread = {row.name for row in rows if not row.in_datasets}
+    parts = ("number_density", "granular_temperature_profile", "vertical_temperature_profile")
+    assert {name for name in unread if not name.endswith("_history")} == {
+        f"{name}_instantaneous" for name in parts
+    }
+    assert variables_of("particle").keys() - set(STATE_VARIABLES) == {
+        "particle_spin",
+        "orientation",
+    }

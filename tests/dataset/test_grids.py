@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from sim.base.errors import InputError
-from sim.dataset.grids import GRIDS, number_of, on_grid
+from sim.dataset.grids import GRIDS, number_density_name, regrid
 from tests.made.results import made_point, made_results
 
 BEAD = 1e-3
@@ -15,7 +15,7 @@ BEADS = np.array([0.1, 0.4, 0.6, 0.6, 1.2, 1.6, 1.9, 2.1, 2.4, 5.9])
 SPEEDS = np.array([1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0])
 
 
-def counted(edges):
+def count_beads(edges):
     """Number and mean velocity of the beads between edges (⟨d⟩)."""
     number = np.histogram(BEADS, edges)[0].astype(float)
     moved = np.histogram(BEADS, edges, weights=SPEEDS)[0]
@@ -26,7 +26,7 @@ def counted(edges):
 @pytest.fixture
 def halves():
     """Number density per half slice, and the mean velocity there, of one replicate."""
-    number, velocity = counted(np.arange(13) / 2)
+    number, velocity = count_beads(np.arange(13) / 2)
     return number[None] / 0.5, velocity[None]
 
 
@@ -39,23 +39,23 @@ def halves():
     ],
 )
 def test_halves_add_up_to_what_counting_on_the_grid_gives(halves, grid, edges, places):
-    number, velocity = counted(edges)
-    density, height = on_grid(grid, BEAD, HALVES, "number_density", halves[0], None)
+    number, velocity = count_beads(edges)
+    density, height = regrid(grid, BEAD, HALVES, "number_density", halves[0], None)
     assert density[0] == pytest.approx(number)
     assert height == pytest.approx(places * BEAD)
-    found, height = on_grid(grid, BEAD, HALVES, "velocity_profile", halves[1], halves[0])
+    found, height = regrid(grid, BEAD, HALVES, "velocity_profile", halves[1], halves[0])
     assert found[0] == pytest.approx(velocity, nan_ok=True)
     assert height == pytest.approx(places * BEAD)
 
 
 def test_slices_of_a_diameter_are_two_of_the_grids_as_they_are():
     height, values = (np.arange(6) + 0.5) * BEAD, np.arange(6.0)[None]
-    found, places = on_grid("centres", BEAD, height, "packing_profile", values, None)
+    found, places = regrid("centres", BEAD, height, "packing_profile", values, None)
     assert found is values and places is height
-    found, places = on_grid("edges", BEAD, height, "packing_profile", values, None)
+    found, places = regrid("edges", BEAD, height, "packing_profile", values, None)
     assert np.array_equal(found, values) and places == pytest.approx(height - BEAD / 2)
     with pytest.raises(ValueError, match="grid of points: its slices are 1 ⟨d⟩"):
-        on_grid("points", BEAD, height, "packing_profile", values, None)
+        regrid("points", BEAD, height, "packing_profile", values, None)
 
 
 @pytest.mark.parametrize("thickness", [0.4, 2.0])
@@ -63,21 +63,21 @@ def test_slices_that_do_not_fill_the_cells_are_refused(thickness):
     height, values = (np.arange(6) + 0.5) * thickness * BEAD, np.ones((1, 6))
     for grid in GRIDS[:3]:
         with pytest.raises(ValueError, match=f"its slices are {thickness:g}"):
-            on_grid(grid, BEAD, height, "number_density", values, None)
-    assert on_grid("slices", BEAD, height, "number_density", values, None) == (values, height)
+            regrid(grid, BEAD, height, "number_density", values, None)
+    assert regrid("slices", BEAD, height, "number_density", values, None) == (values, height)
 
 
 def test_what_is_not_known_stays_unknown():
     blank = np.full((2, 12), np.nan)
     for name in ("number_density_at_phase_0", "velocity_profile_at_phase_0"):
-        assert np.isnan(on_grid("points", BEAD, HALVES, name, blank, blank)[0]).all()
+        assert np.isnan(regrid("points", BEAD, HALVES, name, blank, blank)[0]).all()
     with pytest.raises(ValueError, match="it needs the number density"):
-        on_grid("points", BEAD, HALVES, "velocity_profile", blank, None)
+        regrid("points", BEAD, HALVES, "velocity_profile", blank, None)
 
 
 def test_a_profile_goes_with_the_number_density_of_its_time():
-    assert number_of("velocity_profile") == "number_density"
-    assert number_of("packing_profile_at_phase_0") == "number_density_at_phase_0"
+    assert number_density_name("velocity_profile") == "number_density"
+    assert number_density_name("packing_profile_at_phase_0") == "number_density_at_phase_0"
 
 
 def test_results_give_any_run_on_the_grid_that_is_asked_for():

@@ -1,17 +1,17 @@
-"""What the replicates of a point say together."""
+"""Statistics pooled over the replicates of a point."""
 
 import numpy as np
 import pytest
 
 from sim.base.statistics import student_half_width
-from sim.dataset.replicates import mean_interval, outcome, slope_interval
+from sim.dataset.replicates import mean_interval, outcome, pooled_half_width
 
 #: 1 % of g sin θ at the paper's angle and the drift of a target of 2 % allow more than this (m/s²).
 NONE = 1e-3
 
 
 def point(regimes, velocities=None, slopes=0.0, slope_half_width=NONE, samples=50.0, **words):
-    """A chute point of 10 s windows, one replicate per regime, at 1 m/s unless told otherwise."""
+    """A chute point of 10 s windows, one replicate per regime, at 1 m/s by default."""
     count = len(regimes)
     usual = {"quality": "reliable", "stopped": "length", "reason": "", "status": "completed"}
     numbers = {
@@ -33,7 +33,7 @@ def point(regimes, velocities=None, slopes=0.0, slope_half_width=NONE, samples=5
 
 
 def test_the_interval_over_replicates_is_students():
-    """Of 1, 2, 3: the standard deviation is 1, the quantile of two degrees of freedom 4.3027."""
+    """1, 2, 3 have a standard deviation of 1; the quantile of two degrees of freedom is 4.3027."""
     assert student_half_width(np.array([1.0, 2.0, 3.0])) == pytest.approx(
         4.30265 / 3**0.5, rel=1e-5
     )
@@ -50,7 +50,7 @@ def test_slopes_that_scatter_as_each_run_knows_average_out():
     rng = np.random.default_rng(3)
     for count in (2, 8, 32):
         own = np.full(count, 1.96)
-        found = np.array([slope_interval(rng.normal(size=count), own) for _ in range(400)])
+        found = np.array([pooled_half_width(rng.normal(size=count), own) for _ in range(400)])
         assert np.median(found) == pytest.approx(1.96 / np.sqrt(count))
 
 
@@ -60,13 +60,13 @@ def test_the_interval_of_a_slope_holds_however_much_replicates_differ(count, bet
     rng = np.random.default_rng([count, int(10 * between)])
     slopes = rng.normal(size=(1500, count)) * np.hypot(1.0, between)
     own = np.full(count, 1.96)
-    held = [abs(one.mean()) < slope_interval(one, own) for one in slopes]
+    held = [abs(one.mean()) < pooled_half_width(one, own) for one in slopes]
     assert np.mean(held) > 0.9
 
 
 def test_slopes_of_different_states_do_not():
     slopes = np.array([10.0, -10.0, 10.0, -10.0])
-    assert slope_interval(slopes, np.full(4, 0.1)) == student_half_width(slopes)
+    assert pooled_half_width(slopes, np.full(4, 0.1)) == student_half_width(slopes)
 
 
 @pytest.mark.parametrize(
@@ -90,7 +90,7 @@ def test_the_regime_is_that_of_the_mean_slope(regimes, slopes, together):
 
 
 def test_a_trend_that_single_runs_leave_open_is_decided_by_many():
-    """Each knows its slope to 0.05, the negligible one is 0.01 m/s²."""
+    """Each replicate has its slope to ± 0.05; the negligible slope is 0.01 m/s²."""
     rng = np.random.default_rng(1)
     slopes = rng.normal(0, 0.05 / 1.96, 200)
     few, many = (

@@ -1,4 +1,4 @@
-"""Run files read by several processes, or by the workers of a cluster, are read as by one."""
+"""Several processes, or the workers of a cluster, read the same rows as one process."""
 
 import subprocess
 import sys
@@ -11,7 +11,7 @@ import pytest
 
 from sim.base.errors import InputError
 from sim.dataset import side_by_side
-from sim.dataset.rows import Rows, merged
+from sim.dataset.rows import Rows, merge_rows
 from sim.dataset.side_by_side import File, read_files
 from sim.parameters import amounts, parse_point
 from tests.made.processes import ROOT, wait_until
@@ -20,7 +20,7 @@ from tests.made.runs import write_run
 
 @pytest.fixture(scope="module")
 def files(tmp_path_factory) -> list[File]:
-    """Run files of both systems and of different numbers of replicates."""
+    """Run files of two systems and of different numbers of replicates."""
     runs = tmp_path_factory.mktemp("runs")
     given = [
         {"system": system, "replicates": count, "gravity": gravity}
@@ -32,26 +32,28 @@ def files(tmp_path_factory) -> list[File]:
 
 
 @pytest.fixture
-def few(monkeypatch) -> None:
-    """Let processes start for two files, each of which is handed over by itself."""
-    monkeypatch.setattr(side_by_side, "FEW", 2)
+def small_batches(monkeypatch) -> None:
+    """Let processes start for two files, each of them a batch."""
+    monkeypatch.setattr(side_by_side, "MIN_FILES", 2)
     monkeypatch.setattr(side_by_side, "BATCH", 1)
 
 
-def assert_equal(found: list[Rows], expected: list[Rows]) -> None:
-    for one, other in zip(merged(found), merged(expected), strict=True):
+def assert_equal(rows: list[Rows], expected: list[Rows]) -> None:
+    for one, other in zip(merge_rows(rows), merge_rows(expected), strict=True):
         assert (one.points, one.origin) == (other.points, other.origin)
         assert list(one.values) == list(other.values)
         for name, values in one.values.items():
             np.testing.assert_array_equal(values, other.values[name])
 
 
-def test_processes_read_what_one_reads(files, few):
+def test_processes_read_what_one_reads(files, small_batches):
     assert_equal(read_files(files, processes=2), read_files(files))
 
 
 @pytest.mark.parametrize("processes", [1, 2])
-def test_all_that_is_wrong_is_counted_and_the_first_is_named(files, few, tmp_path, processes):
+def test_all_that_is_wrong_is_counted_and_the_first_is_named(
+    files, small_batches, tmp_path, processes
+):
     broken = tmp_path / "broken.nc"
     broken.write_text("not netCDF")
     missing = [(tmp_path / f"{name}.nc", {}, False) for name in "ab"]
@@ -60,12 +62,12 @@ def test_all_that_is_wrong_is_counted_and_the_first_is_named(files, few, tmp_pat
     assert (tmp_path / "broken.nc.damaged").exists()
 
 
-def test_processes_end_with_their_parent(files, few):
-    """Killed, it can tell them nothing."""
+def test_processes_end_with_their_parent(files, small_batches):
+    """A killed parent cannot tell them to end."""
     lines = (
         "import os, signal\n"
         "from sim.dataset import side_by_side\n"
-        "with side_by_side._processes(2) as how:\n"
+        "with side_by_side._process_pool(2) as how:\n"
         "    children = {how['pool'].submit(os.getpid).result() for _ in range(9)}\n"
         "    children = [process.pid for process in how['pool']._processes.values()]\n"
         "    print(*children, flush=True)\n"
@@ -93,7 +95,7 @@ def cluster():
         yield cluster
 
 
-def test_a_cluster_reads_what_one_process_reads(files, few, cluster, monkeypatch):
+def test_a_cluster_reads_what_one_process_reads(files, small_batches, cluster, monkeypatch):
     expected = read_files(files)
     monkeypatch.chdir(files[0][0].parent)
     relative = [(Path(path.name), *others) for path, *others in files]
@@ -101,7 +103,7 @@ def test_a_cluster_reads_what_one_process_reads(files, few, cluster, monkeypatch
 
 
 def test_workers_with_other_code_are_refused(files, cluster, monkeypatch):
-    monkeypatch.setattr(side_by_side, "reading_code", lambda: threading.current_thread().name)
+    monkeypatch.setattr(side_by_side, "reader_hash", lambda: threading.current_thread().name)
     with pytest.raises(InputError, match="--dask-scheduler: its workers have not this program"):
         read_files(files, scheduler=cluster.scheduler_address)
 

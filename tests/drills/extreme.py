@@ -16,7 +16,7 @@ from annotated_types import Ge, Gt, Le, Lt
 from sim.base.errors import InputError
 from sim.engine.run import run_point
 from sim.engine.systems.belt import SETTLING_LIMIT
-from sim.parameters import SYSTEMS, Parameters, canonical, parse_point, point_id
+from sim.parameters import SYSTEMS, Parameters, canonical_values, parse_point, point_id
 from sim.study.cost import estimate
 
 #: A short run of each system, and the most seconds that a point may be estimated to take.
@@ -74,7 +74,7 @@ def outcome(point: Parameters, folder: Path) -> dict:
         "code": code,
         "status": status,
         "finite": bool(np.isfinite(velocity).all()),
-        "point": canonical(point),
+        "point": canonical_values(point),
     }
 
 

@@ -13,7 +13,7 @@ from sim.dataset.gather import read_run
 from sim.dataset.results import load_results
 from sim.engine.run import run_point
 from sim.engine.states import States
-from sim.figures.drawn import DRAWN, require_unchanged
+from sim.figures.figure_records import RECORD_FILE, require_unchanged
 from sim.parameters import point_id
 from sim.report.claims import read_claims, require_table
 from sim.study.extra_amounts import (
@@ -100,7 +100,7 @@ def test_no_flipped_bit_is_served_as_a_number(stored, flips, capsys):
         try:
             assert stored[path]() == expected, f"{path.name}, bit {place}"
             # Unread, as the notes on figures that another program has written between the words.
-            assert path.name == DRAWN, f"{path.name}, bit {place}"
+            assert path.name == RECORD_FILE, f"{path.name}, bit {place}"
         except InputError:
             refused += 1
         path.write_bytes(content)

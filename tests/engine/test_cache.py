@@ -9,9 +9,9 @@ import pytest
 from sim.base.errors import InputError
 from sim.engine import cache
 from sim.engine import compile as engine
-from sim.engine.identity import COMPILED, source_hash
+from sim.engine.identity import COMPILED_PARTS, source_hash
 
-NAME = source_hash(COMPILED)
+NAME = source_hash(COMPILED_PARTS)
 
 
 @pytest.fixture(autouse=True)
@@ -27,27 +27,27 @@ def temporary(tmp_path, monkeypatch) -> Path:
         raise RuntimeError("Could not determine home directory.")
 
     monkeypatch.setattr(Path, "home", unknown)
-    cache._temporary.cache_clear()
+    cache._temporary_folder.cache_clear()
     yield folder
-    cache._temporary.cache_clear()
+    cache._temporary_folder.cache_clear()
 
 
 def test_it_follows_the_environment(tmp_path, monkeypatch):
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "shared"))
     assert cache.cache_directory() == tmp_path / "shared" / "talus" / NAME
     monkeypatch.setenv("TALUS_CACHE_DIR", str(tmp_path / "mine"))
-    found = cache.cache_directory()
-    assert found == tmp_path / "mine" / NAME
-    assert stat.S_IMODE(found.stat().st_mode) == 0o700
+    folder = cache.cache_directory()
+    assert folder == tmp_path / "mine" / NAME
+    assert stat.S_IMODE(folder.stat().st_mode) == 0o700
 
 
 def test_without_a_home_it_is_a_temporary_one_of_the_user_and_said_once(temporary, caplog):
-    found = {cache.cache_directory() for _ in range(3)}
-    assert found == {temporary / f"talus-{os.geteuid()}" / NAME}
-    assert len(caplog.messages) == 1 and str(*found) in caplog.text
+    folders = {cache.cache_directory() for _ in range(3)}
+    assert folders == {temporary / f"talus-{os.geteuid()}" / NAME}
+    assert len(caplog.messages) == 1 and str(*folders) in caplog.text
 
 
-def planted(folder: Path, how: str, monkeypatch) -> None:
+def plant(folder: Path, how: str, monkeypatch) -> None:
     """Make a folder as somebody else would, before it is looked for."""
     if how == "link":
         (folder.parent / "elsewhere").mkdir()
@@ -66,10 +66,10 @@ def planted(folder: Path, how: str, monkeypatch) -> None:
 def test_a_folder_that_others_have_planted_is_not_used(how, temporary, monkeypatch):
     owner = os.geteuid() + (how == "other")
     predictable = temporary / f"talus-{owner}"
-    planted(predictable, how, monkeypatch)
-    found = cache.cache_directory()
-    assert found.parent == temporary and found != predictable
-    assert stat.S_IMODE(found.stat().st_mode) == 0o700
+    plant(predictable, how, monkeypatch)
+    folder = cache.cache_directory()
+    assert folder.parent == temporary and folder != predictable
+    assert stat.S_IMODE(folder.stat().st_mode) == 0o700
 
 
 @pytest.mark.parametrize(
@@ -77,7 +77,7 @@ def test_a_folder_that_others_have_planted_is_not_used(how, temporary, monkeypat
     [("link", "is a link"), ("open", "others can write"), ("other", "belongs to user")],
 )
 def test_a_folder_that_is_named_and_not_ones_own_is_refused(how, message, tmp_path, monkeypatch):
-    planted(tmp_path / NAME, how, monkeypatch)
+    plant(tmp_path / NAME, how, monkeypatch)
     monkeypatch.setenv("TALUS_CACHE_DIR", str(tmp_path))
     with pytest.raises(InputError, match=rf"environment: TALUS_CACHE_DIR: .*{message}.*allowed: "):
         cache.cache_directory()
@@ -111,7 +111,7 @@ def test_a_full_disk_keeps_no_code_and_stops_no_run(caplog):
     def save():
         raise OSError(28, "No space left on device")
 
-    keep = engine._if_possible(save)
+    keep = engine._ignore_write_errors(save)
     keep()
     keep()
     assert caplog.messages == ["compiled code is not kept: No space left on device"]

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from sim.engine.compile import numba
-from sim.engine.identity import COMPILED, ENGINE, PACKAGE, source_files, source_hash
+from sim.engine.identity import COMPILED_PARTS, ENGINE_PARTS, PACKAGE, source_files, source_hash
 from sim.engine.systems import build
 from tests.engine_motion.points import belt_point, chute_point
 from tests.made.processes import ROOT
@@ -67,7 +67,7 @@ def test_compiled_code_lies_in_a_folder_of_its_sources(tmp_path, monkeypatch):
     monkeypatch.setenv("TALUS_CACHE_DIR", str(tmp_path))
     _, misses = hits_and_misses(CONTACT)
     assert misses >= 1
-    assert [path.name for path in tmp_path.iterdir()] == [source_hash(COMPILED)]
+    assert [path.name for path in tmp_path.iterdir()] == [source_hash(COMPILED_PARTS)]
     hits, misses = hits_and_misses(CONTACT)
     assert misses == 0
     assert hits >= 1
@@ -80,7 +80,7 @@ def test_a_later_process_compiles_nothing():
     assert hits >= 3
 
 
-@pytest.mark.parametrize("parts", [ENGINE, COMPILED])
+@pytest.mark.parametrize("parts", [ENGINE_PARTS, COMPILED_PARTS])
 def test_hash_changes_with_any_file_of_its_parts_and_with_no_other(parts, tmp_path, monkeypatch):
     package = tmp_path / "sim"
     shutil.copytree(PACKAGE, package, ignore=shutil.ignore_patterns("__pycache__"))
@@ -106,7 +106,7 @@ def test_compiling_is_told_once_and_is_no_work():
 @pytest.mark.parametrize("given", [chute_point(depth=1, cell=4), belt_point(beads=5, width=5)])
 def test_the_time_of_the_loop_is_without_what_is_compiled_in_it(given, monkeypatch):
     system = build(given, 0)
-    holder, name = (system, "_advance") if given.system == "belt" else (system._call, "advance")
+    holder, name = (system, "_advance") if given.system == "belt" else (system._kernels, "advance")
     advance = getattr(holder, name)
 
     def advance_and_compile(*arguments):

@@ -7,9 +7,8 @@ import numpy as np
 import pytest
 
 from sim.engine.replicate import Replicate
-from sim.engine.run import run_point
-from sim.engine.stages import read_stages
-from sim.engine.stored_run import answering, current_status
+from sim.engine.run import read_stages, run_point
+from sim.engine.stored_run import current_status, find_group
 from sim.parameters import Parameters, amounts, point_id
 from tests.engine_motion.points import belt_point, chute_point
 from tests.golden import CLOCK, contents, digest
@@ -28,31 +27,31 @@ OPEN = {
 }
 
 
-def grown(point: Parameters, **changes) -> Parameters:
+def with_amounts(point: Parameters, **changes) -> Parameters:
     """Return the same point with other amounts."""
     return point.model_copy(update=changes)
 
 
-def ran(path: Path, *points: Parameters) -> Path:
+def run_points(path: Path, *points: Parameters) -> Path:
     """Run points into the same file, one after the other."""
     for point in points:
         assert run_point(point, path, quiet=True) == 0
     return path
 
 
-class Counted:
-    """Counts the samples that are computed while it watches."""
+class SampleCounter:
+    """Counts the samples that are computed by ``Replicate.run``."""
 
     def __init__(self, monkeypatch):
         self.samples = 0
-        advanced = Replicate.run
+        original = Replicate.run
 
-        def run(replicate, told, keeper, origin):
+        def run(replicate, report_steps, keeper, origin):
             def counting(steps):
                 self.samples += steps // replicate.parameters.sample_steps
-                told(steps)
+                report_steps(steps)
 
-            return advanced(replicate, counting, keeper, origin)
+            return original(replicate, counting, keeper, origin)
 
         monkeypatch.setattr(Replicate, "run", run)
 
@@ -61,62 +60,62 @@ WAYS = {
     "replicates": (CHUTE, {"replicates": 4}),
     "average": (CHUTE, {"average": 11.0}),
     "both": (BELT, {"average": 5.0, "replicates": 3}),
-    "limit": (grown(BELT, **CONVERGED), {"limit": 16.0}),
-    "readings": (grown(BELT, **OPEN), {"average": 5.0, "replicates": 3}),
-    "frames": (grown(BELT, trajectory=0.5), {"average": 5.0, "replicates": 3}),
-    "frames of more": (grown(BELT, trajectory=0.5), {"replicates": 3}),
-    "profiles": (grown(CHUTE, stress_profiles=True), {"average": 11.0, "replicates": 3}),
+    "limit": (with_amounts(BELT, **CONVERGED), {"limit": 16.0}),
+    "readings": (with_amounts(BELT, **OPEN), {"average": 5.0, "replicates": 3}),
+    "frames": (with_amounts(BELT, trajectory=0.5), {"average": 5.0, "replicates": 3}),
+    "frames of more": (with_amounts(BELT, trajectory=0.5), {"replicates": 3}),
+    "profiles": (with_amounts(CHUTE, stress_profiles=True), {"average": 11.0, "replicates": 3}),
 }
 
 
 @pytest.mark.parametrize("way", WAYS)
 def test_a_run_that_grows_has_the_bits_of_a_long_one(way, tmp_path, monkeypatch):
     point, changes = WAYS[way]
-    whole = ran(tmp_path / "whole.nc", grown(point, **changes))
-    path = ran(tmp_path / "run.nc", point)
+    whole = run_points(tmp_path / "whole.nc", with_amounts(point, **changes))
+    path = run_points(tmp_path / "run.nc", point)
     with netCDF4.Dataset(path) as short, netCDF4.Dataset(whole) as long:
         more = long["steps"][:].sum() - short["steps"][:].sum()
         step = point.sample_steps
-    counted = Counted(monkeypatch)
-    ran(path, grown(point, **changes))
+    counter = SampleCounter(monkeypatch)
+    run_points(path, with_amounts(point, **changes))
     assert digest(path) == digest(whole)
-    assert counted.samples * step == more > 0
+    assert counter.samples * step == more > 0
 
 
 def test_growth_in_several_steps_ends_at_the_same_bits(tmp_path):
-    whole = ran(tmp_path / "whole.nc", grown(BELT, average=5.0, replicates=3))
-    path = ran(
+    whole = run_points(tmp_path / "whole.nc", with_amounts(BELT, average=5.0, replicates=3))
+    path = run_points(
         tmp_path / "run.nc",
-        grown(BELT, replicates=1),
-        grown(BELT, average=4.0),
-        grown(BELT, average=4.0, replicates=3),
-        grown(BELT, average=5.0, replicates=1),
+        with_amounts(BELT, replicates=1),
+        with_amounts(BELT, average=4.0),
+        with_amounts(BELT, average=4.0, replicates=3),
+        with_amounts(BELT, average=5.0, replicates=1),
     )
     assert digest(path) == digest(whole)
 
 
 def test_less_than_is_held_is_current_and_answered_as_if_no_more_had_been_run(tmp_path):
-    short = ran(tmp_path / "short.nc", BELT)
-    path = ran(tmp_path / "run.nc", BELT, grown(BELT, average=5.0))
+    short = run_points(tmp_path / "short.nc", BELT)
+    path = run_points(tmp_path / "run.nc", BELT, with_amounts(BELT, average=5.0))
     before = path.stat().st_ino
-    for wanted in (BELT, grown(BELT, replicates=1), grown(BELT, average=4.0)):
+    for wanted in (BELT, with_amounts(BELT, replicates=1), with_amounts(BELT, average=4.0)):
         assert current_status(path, wanted) == "completed"
-    ran(path, BELT)
+    run_points(path, BELT)
     assert path.stat().st_ino == before
     with netCDF4.Dataset(path) as file, netCDF4.Dataset(short) as other:
-        group = answering(file, amounts(BELT))
+        group = find_group(file, amounts(BELT))
         assert group.name == "shorter_1"
         for name, variable in group.variables.items():
             if name not in CLOCK:
                 np.testing.assert_array_equal(variable[...], other[name][...], name)
-        assert answering(file, amounts(grown(BELT, average=4.0))).name == "/"
-        assert answering(file, amounts(grown(BELT, average=6.0))) is None
-        assert answering(file, amounts(grown(BELT, replicates=3))) is None
+        assert find_group(file, amounts(with_amounts(BELT, average=4.0))).name == "/"
+        assert find_group(file, amounts(with_amounts(BELT, average=6.0))) is None
+        assert find_group(file, amounts(with_amounts(BELT, replicates=3))) is None
 
 
 def test_a_file_that_grows_keeps_the_frames_of_the_longest_run_alone(tmp_path):
-    framed = grown(BELT, trajectory=0.5)
-    path = ran(tmp_path / "run.nc", framed, grown(framed, average=5.0))
+    framed = with_amounts(BELT, trajectory=0.5)
+    path = run_points(tmp_path / "run.nc", framed, with_amounts(framed, average=5.0))
     with netCDF4.Dataset(path) as file:
         assert file["trajectory_position"].shape[:2] == (2, 12)
         assert "average" in file["shorter_1"].variables
@@ -125,32 +124,36 @@ def test_a_file_that_grows_keeps_the_frames_of_the_longest_run_alone(tmp_path):
 
 def test_what_is_asked_next_adds_to_what_is_held(tmp_path):
     """Longer runs first, then more replicates of the short ones: both are wanted now."""
-    path = ran(tmp_path / "run.nc", grown(BELT, average=5.0), grown(BELT, replicates=3))
-    assert digest(path) == digest(ran(tmp_path / "w.nc", grown(BELT, average=5.0, replicates=3)))
+    path = run_points(
+        tmp_path / "run.nc", with_amounts(BELT, average=5.0), with_amounts(BELT, replicates=3)
+    )
+    assert digest(path) == digest(
+        run_points(tmp_path / "w.nc", with_amounts(BELT, average=5.0, replicates=3))
+    )
 
 
 @pytest.mark.parametrize("changes", [{"replicates": 3}, {"average": 5.0}])
 def test_without_its_states_a_run_grows_all_the_same(changes, tmp_path, monkeypatch):
-    path = ran(tmp_path / "run.nc", BELT)
+    path = run_points(tmp_path / "run.nc", BELT)
     (tmp_path / ".run.nc.state").unlink()
-    counted, longer = Counted(monkeypatch), grown(BELT, **changes)
-    ran(path, longer)
+    counter, longer = SampleCounter(monkeypatch), with_amounts(BELT, **changes)
+    run_points(path, longer)
     again = 1 if "replicates" in changes else 2
-    assert counted.samples == again * longer.longest_samples
-    assert digest(path) == digest(ran(tmp_path / "whole.nc", longer))
+    assert counter.samples == again * longer.longest_samples
+    assert digest(path) == digest(run_points(tmp_path / "whole.nc", longer))
 
 
 def test_states_of_a_longer_run_are_none_of_a_shorter_one(tmp_path, caplog):
     """The run file is gone, and less is wanted: as much is run, no more."""
-    ran(tmp_path / "run.nc", grown(BELT, average=5.0)).unlink()
-    path = ran(tmp_path / "run.nc", BELT)
+    run_points(tmp_path / "run.nc", with_amounts(BELT, average=5.0)).unlink()
+    path = run_points(tmp_path / "run.nc", BELT)
     assert "longer than is wanted" in caplog.text
-    assert digest(path) == digest(ran(tmp_path / "whole.nc", BELT))
+    assert digest(path) == digest(run_points(tmp_path / "whole.nc", BELT))
 
 
 def test_a_replicate_that_failed_stays_failed_and_the_others_go_on(tmp_path, monkeypatch):
     hopeless = chute_point(depth=1.24, cell=4, transient=2, average=4, overlap_limit=1e-9)
-    longer = grown(hopeless, average=8.0)
+    longer = with_amounts(hopeless, average=8.0)
     for point in (hopeless, longer):
         assert run_point(point, tmp_path / "run.nc", quiet=True, record_failure=True) == 0
     run_point(longer, tmp_path / "whole.nc", quiet=True)
@@ -158,26 +161,26 @@ def test_a_replicate_that_failed_stays_failed_and_the_others_go_on(tmp_path, mon
 
 
 def test_what_is_read_from_a_run_file_is_what_was_written(tmp_path):
-    path = ran(tmp_path / "run.nc", BELT, grown(BELT, average=5.0))
+    path = run_points(tmp_path / "run.nc", BELT, with_amounts(BELT, average=5.0))
     longest, shortest = read_stages(path, BELT)
-    assert longest.parameters == grown(BELT, average=5.0) and shortest.parameters == BELT
-    held = contents(path)
+    assert longest.parameters == with_amounts(BELT, average=5.0) and shortest.parameters == BELT
+    stored = contents(path)
     for index, record in enumerate(longest.records):
         for kind in (record.series, record.profiles, record.tables, record.scalars):
             for name, value in kind.items():
                 if name not in CLOCK:
-                    np.testing.assert_array_equal(value, held[name][index], name)
+                    np.testing.assert_array_equal(value, stored[name][index], name)
 
 
 def test_a_file_of_another_point_is_no_start(tmp_path):
-    path = ran(tmp_path / "run.nc", BELT)
-    other = grown(BELT, seed=7)
+    path = run_points(tmp_path / "run.nc", BELT)
+    other = with_amounts(BELT, seed=7)
     assert read_stages(path, other) == [] and current_status(path, other) == ""
-    assert digest(ran(path, other)) == digest(ran(tmp_path / "other.nc", other))
+    assert digest(run_points(path, other)) == digest(run_points(tmp_path / "other.nc", other))
 
 
 def test_how_much_is_wanted_is_no_part_of_the_name():
     for point in (CHUTE, BELT):
-        names = {point_id(grown(point, **{name: 7})) for name in amounts(point)}
+        names = {point_id(with_amounts(point, **{name: 7})) for name in amounts(point)}
         assert names == {point_id(point)}
-        assert point_id(grown(point, transient=7.0)) != point_id(point)
+        assert point_id(with_amounts(point, transient=7.0)) != point_id(point)

@@ -13,18 +13,18 @@ from tests.made.processes import start_run, wait_until
 
 #: Runs that last: one of a long average, one whose bed never comes to rest, one that is shaken
 #: before for long.
-LASTING = {
+LONG_RUNS = {
     "flow": belt_point(frequency=20, average=1e5),
     "fall": belt_point(beads=400, settle_velocity_squared=1e-15),
     "prior shaking": belt_point(prior_frequency=20, prior_cycles=10**5),
 }
 
 
-@pytest.fixture(params=LASTING)
+@pytest.fixture(params=LONG_RUNS)
 def process(request, tmp_path):
     """A long run that has kept a state."""
-    point = LASTING[request.param]
-    warm([LASTING["flow"]])
+    point = LONG_RUNS[request.param]
+    warm([LONG_RUNS["flow"]])
     often = os.environ | {"TALUS_CHECKPOINT_SECONDS": "0.01"}
     process = start_run(point, tmp_path / "run.nc", env=often)
     wait_until((tmp_path / ".run.nc.state").exists, process)
@@ -63,11 +63,11 @@ def test_without_anything_to_save_an_interrupt_ends_at_once(signals):
 
 
 def test_the_second_interrupt_ends_at_once(signals):
-    told = []
-    signal.signal(signal.SIGTERM, lambda *_: told.append("save"))
+    calls = []
+    signal.signal(signal.SIGTERM, lambda *_: calls.append("save"))
     signal.signal(signal.SIGINT, save_and_end)
     signal.raise_signal(signal.SIGINT)
-    assert told == ["save"]
+    assert calls == ["save"]
     with pytest.raises(KeyboardInterrupt):
         signal.raise_signal(signal.SIGINT)
-    assert told == ["save"]
+    assert calls == ["save"]

@@ -8,7 +8,7 @@ import xarray as xr
 
 from sim.base.errors import InputError
 from sim.engine.run import run_point
-from sim.engine.states import States, packed, unpacked
+from sim.engine.states import States, pack, unpack
 from sim.parameters import Parameters, parse_point, point_id
 from sim.study.load import parse_study
 from tests.engine_motion.points import belt_point, chute_point
@@ -92,10 +92,10 @@ def test_contacts_that_remember_other_numbers_are_refused(tmp_path, caplog):
     first = run(tmp_path, point)
     states = States(first, point)
     for number in range(point.replicates):
-        state = unpacked(states._archives[number])
+        state = unpack(states._archives[number])
         held = state["moving.memory"]
         state["moving.memory"] = np.pad(held, ((0, 0), (0, 7 - held.shape[1]), (0, 0)))
-        states._archives[number] = packed(state)
+        states._archives[number] = pack(state)
     states.save()
     with pytest.raises(InputError, match=r"the state of its replicate 0 in .* beside it; remove"):
         run(tmp_path, point, start_from=first.stem, angle=20.0)

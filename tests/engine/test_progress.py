@@ -44,20 +44,20 @@ def log(caplog):
 
 
 def test_log_lines_become_rarer(clock, output, log):
-    said = []
-    with progress(POINT, output) as advanced:
+    seconds = []
+    with progress(POINT, output) as advance:
         for second in range(5, 1000, 5):
             clock.time += 5.0
-            advanced(1)
-            said += [second] * (len(log.messages) - len(said))
-    assert said == [10, 30, 70, 150, 310, 610, 910]
+            advance(1)
+            seconds += [second] * (len(log.messages) - len(seconds))
+    assert seconds == [10, 30, 70, 150, 310, 610, 910]
 
 
 def test_a_line_says_how_far_how_fast_and_how_long_still(clock, output, log):
-    with progress(POINT, output) as advanced:
-        advanced(0)
+    with progress(POINT, output) as advance:
+        advance(0)
         clock.time += 100.0
-        advanced(STEPS // 4)
+        advance(STEPS // 4)
     (line,) = log.messages
     rate = STEPS // 4 * POINT.particles / 100.0 / 1e6
     assert line == (
@@ -68,19 +68,19 @@ def test_a_line_says_how_far_how_fast_and_how_long_still(clock, output, log):
 
 def test_a_run_still_in_its_first_sample_has_no_rate(clock, output, log):
     """It may be compiling, which tells nothing of what is to come."""
-    with progress(POINT, output) as advanced:
+    with progress(POINT, output) as advance:
         clock.time += 100.0
-        advanced(10)
-        assert read_progress(output).left is None
+        advance(10)
+        assert read_progress(output).remaining_seconds is None
     assert log.messages == [f"{point_id(POINT)}: 0 % of {STEPS:,} steps"]
 
 
 def test_a_run_that_may_end_early_has_bounds_only(clock, output, log):
     point = chute_point(protocol="converged", depth=2, cell=5, transient=100, average=100)
-    with progress(point, output) as advanced:
-        advanced(0)
+    with progress(point, output) as advance:
+        advance(0)
         clock.time += 100.0
-        advanced(point.steps // 4)
+        advance(point.steps // 4)
     assert f"of at most {point.steps:,} steps" in log.messages[0]
     assert "at most 5.0 min left" in log.messages[0]
 
@@ -88,44 +88,49 @@ def test_a_run_that_may_end_early_has_bounds_only(clock, output, log):
 @pytest.mark.parametrize(("quiet", "terminal"), [(True, False), (False, True)])
 def test_no_lines_when_quiet_or_beside_a_bar(clock, output, log, monkeypatch, quiet, terminal):
     monkeypatch.setattr(sys.stderr, "isatty", lambda: terminal)
-    with progress(POINT, output, quiet=quiet) as advanced:
+    with progress(POINT, output, quiet=quiet) as advance:
         clock.time += 1000.0
-        advanced(5)
+        advance(5)
     assert log.messages == []
 
 
 def test_a_bar_shows_on_a_terminal(clock, output, capsys, monkeypatch):
     monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
-    with progress(POINT, output, done=STEPS // 2) as advanced:
-        advanced(STEPS // 2)
+    with progress(POINT, output, done=STEPS // 2) as advance:
+        advance(STEPS // 2)
     assert "100%" in capsys.readouterr().err
-    with progress(POINT, output, quiet=True) as advanced:
-        advanced(STEPS)
+    with progress(POINT, output, quiet=True) as advance:
+        advance(STEPS)
     assert capsys.readouterr().err == ""
 
 
 def test_the_file_tells_the_run_until_it_ends(clock, output):
     point = belt_point(replicates=3)
-    with progress(point, output) as advanced:
+    with progress(point, output) as advance:
         start = read_progress(output)
-        assert (start.done, start.rate, start.left, start.time_left) == (0, 0, None, "unknown")
-        advanced(0)
+        assert (start.done, start.rate, start.remaining_seconds, start.remaining_time) == (
+            0,
+            0,
+            None,
+            "unknown",
+        )
+        advance(0)
         clock.time += 50.0
-        advanced(point.steps)
+        advance(point.steps)
         now = read_progress(output)
     assert (now.point, now.pid, now.particles) == (point_id(point), os.getpid(), point.particles)
     assert (now.done, now.total, now.percent) == (point.steps, 3 * point.steps, 33)
     assert now.rate == pytest.approx(point.steps * point.particles / 50.0)
-    assert (now.elapsed, now.left) == pytest.approx((50.0, 100.0))
+    assert (now.elapsed, now.remaining_seconds) == pytest.approx((50.0, 100.0))
     assert list(output.parent.iterdir()) == []
 
 
 def test_what_comes_before_the_first_sample_does_not_slow_the_rate(clock, output):
-    with progress(POINT, output) as advanced:
+    with progress(POINT, output) as advance:
         clock.time += 100.0
-        advanced(10)
+        advance(10)
         clock.time += 5.0
-        advanced(50)
+        advance(50)
         now = read_progress(output)
     assert now.rate == pytest.approx(10 * POINT.particles)
     assert now.elapsed == 105.0
@@ -133,10 +138,10 @@ def test_what_comes_before_the_first_sample_does_not_slow_the_rate(clock, output
 
 def test_the_file_is_not_written_all_the_time(clock, output):
     written = set()
-    with progress(POINT, output) as advanced:
+    with progress(POINT, output) as advance:
         for _ in range(100):
             clock.time += 0.1
-            advanced(1)
+            advance(1)
             written.add(read_progress(output).done)
     assert len(written) in (5, 6)
 
@@ -150,31 +155,31 @@ def test_the_file_goes_with_a_run_that_raises(clock, output, error):
 
 
 def test_a_run_that_resumes_counts_what_lies_behind_it(clock, output):
-    with progress(POINT, output, done=STEPS // 2) as advanced:
-        advanced(0)
+    with progress(POINT, output, done=STEPS // 2) as advance:
+        advance(0)
         assert read_progress(output).percent == 50
         clock.time += 10.0
-        advanced(STEPS // 4)
+        advance(STEPS // 4)
         now = read_progress(output)
     assert now.percent == 75
     assert now.rate == pytest.approx(STEPS // 4 * POINT.particles / 10.0)
-    assert now.left == pytest.approx(10.0, rel=1e-3)
+    assert now.remaining_seconds == pytest.approx(10.0, rel=1e-3)
 
 
 def test_a_file_that_cannot_be_written_does_not_end_the_run(clock, tmp_path):
-    with progress(POINT, tmp_path / "none" / "run.nc") as advanced:
+    with progress(POINT, tmp_path / "none" / "run.nc") as advance:
         clock.time += 10.0
-        advanced(1)
+        advance(1)
 
 
 def test_slow_samples_are_given_more_time(clock, output):
-    with progress(POINT, output) as advanced:
+    with progress(POINT, output) as advance:
         clock.time += 5.0
-        advanced(1)
+        advance(1)
         now = read_progress(output)
         assert (now.expires - now.updated).total_seconds() == CREDIT
         clock.time += 1000.0
-        advanced(1)
+        advance(1)
         now = read_progress(output)
     assert (now.expires - now.updated).total_seconds() > 1000.0
 
@@ -183,7 +188,7 @@ def test_files_that_say_nothing_are_nothing(clock, output):
     with progress(POINT, output):
         text = progress_file(output).read_text()
         assert read_progress(output) is not None
-        held = json.loads(text)
+        fields = json.loads(text)
         broken = [b"", b"\xff\x00", text[: len(text) // 2].encode(), b"[1]", b"null", b"{}"]
         for change in (
             {"rate": "fast"},
@@ -194,7 +199,7 @@ def test_files_that_say_nothing_are_nothing(clock, output):
             {"pid": 10**30},
             {"updated": "2026-01-01T00:00:00"},
         ):
-            broken.append(json.dumps(held | change).encode())
+            broken.append(json.dumps(fields | change).encode())
         for content in broken:
             progress_file(output).write_bytes(content)
             assert read_progress(output) is None, content

@@ -7,7 +7,7 @@ import pytest
 from sim.__main__ import main
 from sim.engine.dynamics.status import BlowUp
 from sim.engine.replicate import Replicate
-from sim.engine.run import BLOWN_UP, run_point
+from sim.engine.run import BLOW_UP_CODE, run_point
 from sim.engine.systems import build
 from sim.engine.systems.belt import Belt
 from sim.engine.systems.chute import Chute
@@ -19,13 +19,13 @@ BELT = belt_point(beads=12, width=5, transient=1, average=2, replicates=2)
 HOPELESS = chute_point(depth=1.24, cell=4, transient=2, average=4, replicates=2, overlap_limit=1e-9)
 
 
-class Nobody:
+class NoKeeper:
     """Keeps no states."""
 
     def offer(self, replicate: Replicate) -> None:
         pass
 
-    def heed(self) -> None:
+    def check_signals(self) -> None:
         pass
 
     def keep(self, replicate: Replicate) -> None:
@@ -34,7 +34,7 @@ class Nobody:
 
 def run(replicate: Replicate):
     """Run a replicate to its end without anyone watching."""
-    return replicate.run(lambda steps: None, Nobody())
+    return replicate.run(lambda steps: None, NoKeeper())
 
 
 def blow_up_of_whole_steps(monkeypatch, system: type, after: int = 3) -> None:
@@ -107,21 +107,21 @@ def test_a_bed_that_does_not_settle_is_tried_with_half_the_step_too():
 
 def test_progress_counts_no_sample_twice(monkeypatch):
     blow_up_of_whole_steps(monkeypatch, Chute)
-    told = []
-    Replicate(CHUTE, 0).run(told.append, Nobody())
-    assert sum(told) == CHUTE.steps
+    reported = []
+    Replicate(CHUTE, 0).run(reported.append, NoKeeper())
+    assert sum(reported) == CHUTE.steps
 
 
 def test_a_failed_run_names_the_command_that_gives_its_point(tmp_path, caplog, capsys):
     output = tmp_path / "run.nc"
-    assert run_point(HOPELESS, output, quiet=True) == BLOWN_UP
+    assert run_point(HOPELESS, output, quiet=True) == BLOW_UP_CODE
     (hint,) = (line for line in caplog.messages if "to see the failure again" in line)
     assert main(hint.partition(": python -m sim ")[2].split()) == 0
     path = tmp_path / "point.yaml"
     path.write_text(capsys.readouterr().out)
     assert load_point(path) == HOPELESS
-    assert main(["run", str(path), "-o", str(tmp_path / "again.nc"), "--quiet"]) == BLOWN_UP
+    assert main(["run", str(path), "-o", str(tmp_path / "again.nc"), "--quiet"]) == BLOW_UP_CODE
     with netCDF4.Dataset(output) as one, netCDF4.Dataset(tmp_path / "again.nc") as other:
         assert other["reason"][0] == one["reason"][0]
-    left = {each.name for each in tmp_path.iterdir() if not each.name.startswith(".")}
-    assert left == {"again.nc", "point.yaml", "run.nc"}
+    names = {path.name for path in tmp_path.iterdir() if not path.name.startswith(".")}
+    assert names == {"again.nc", "point.yaml", "run.nc"}

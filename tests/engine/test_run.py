@@ -13,10 +13,10 @@ import pytest
 from sim.__main__ import main
 from sim.engine.identity import NUMERICS, source_hash
 from sim.engine.observe import estimate
-from sim.engine.run import BLOWN_UP, run_point
-from sim.parameters import as_yaml, canonical, field_info, parse_point, point_id
+from sim.engine.run import BLOW_UP_CODE, run_point
+from sim.parameters import as_yaml, canonical_values, field_info, parse_point, point_id
 from tests.engine_motion.points import belt_point, chute_point
-from tests.made.netcdf import changing
+from tests.made.netcdf import edit_file
 from tests.made.processes import ROOT
 
 CHUTE = {"depth": 1.24, "cell": 4, "transient": 3, "average": 5, "replicates": 2}
@@ -126,7 +126,7 @@ def test_sizes_are_those_of_the_point(ran):
 def test_every_parameter_is_in_the_file_with_unit_and_meaning(ran):
     point, file = ran
     rows, values = field_info(point), {}
-    for name, value in canonical(point).items():
+    for name, value in canonical_values(point).items():
         found = file[name][...]
         values[name] = found if isinstance(value, str) else type(value)(found)
         assert file[name].long_name == rows[name].description
@@ -196,7 +196,7 @@ def test_replicates_are_independent_runs(ran):
 def test_same_seed_gives_the_same_bits_in_another_process(point, tmp_path):
     assert run_point(point, tmp_path / "here.nc", quiet=True) == 0
     command = [sys.executable, "-m", "sim", "run", "-", "-o", str(tmp_path / "there.nc"), "--quiet"]
-    text = json.dumps(canonical(point))
+    text = json.dumps(canonical_values(point))
     done = subprocess.run(command, cwd=ROOT, input=text, capture_output=True, text=True, check=True)
     assert (done.stdout, done.stderr) == ("", "")
     here, there = read(tmp_path / "here.nc"), read(tmp_path / "there.nc")
@@ -217,7 +217,7 @@ def test_first_replicate_is_the_same_with_and_without_others(tmp_path):
 
 def test_a_blow_up_is_recorded_with_its_reason_and_what_came_before(tmp_path):
     point = chute_point(**SOFT | {"replicates": 2})
-    assert run_point(point, tmp_path / "run.nc", quiet=True) == BLOWN_UP == 3
+    assert run_point(point, tmp_path / "run.nc", quiet=True) == BLOW_UP_CODE == 3
     assert run_point(point, tmp_path / "run.nc", quiet=True, record_failure=True) == 0
     with netCDF4.Dataset(tmp_path / "run.nc") as file:
         file.set_auto_mask(False)
@@ -236,13 +236,13 @@ def test_a_blow_up_is_recorded_with_its_reason_and_what_came_before(tmp_path):
 
 def test_a_tiny_overlap_limit_stops_the_first_contact(tmp_path):
     point = chute_point(**CHUTE | {"overlap_limit": 1e-9})
-    assert run_point(point, tmp_path / "run.nc", quiet=True) == BLOWN_UP
+    assert run_point(point, tmp_path / "run.nc", quiet=True) == BLOW_UP_CODE
     assert set(read(tmp_path / "run.nc")["status"]) == {"failed"}
 
 
 def test_a_bed_that_fails_to_settle_is_recorded_too(tmp_path):
     point = belt_point(**BELT | {"beads": 100, "stiffness": 1.0})
-    assert run_point(point, tmp_path / "run.nc", quiet=True) == BLOWN_UP
+    assert run_point(point, tmp_path / "run.nc", quiet=True) == BLOW_UP_CODE
     content = read(tmp_path / "run.nc")
     assert all("while the bed settles" in text for text in content["reason"])
     assert (content["steps"] == 0).all() and np.isnan(content["mean_velocity"]).all()
@@ -289,16 +289,16 @@ def test_a_run_file_of_the_same_point_is_kept_and_no_other(tmp_path, capsys):
     whole = output.read_bytes()
     output.write_bytes(whole[: len(whole) // 2])
     assert made_anew(other)
-    with changing(output) as file:
+    with edit_file(output) as file:
         file.source_hash = "0123456789ab"
         file.versions = "numpy 1.0"
     assert not made_anew(other)
-    with changing(output) as file:
+    with edit_file(output) as file:
         file.numerics = NUMERICS + 1
     assert made_anew(other)
     # Engines before the first number are known by the hash of their sources.
     for source, anew in (("0b14a980090c", False), ("0123456789ab", True)):
-        with changing(output) as file:
+        with edit_file(output) as file:
             if "numerics" in file.ncattrs():
                 file.delncattr("numerics")
             file.source_hash = source

@@ -18,9 +18,9 @@ from sim.base.errors import InputError
 from sim.engine import states
 from sim.engine.replicate import Replicate
 from sim.engine.run import run_point
-from sim.engine.states import SHARE, States, checkpoint_interval, packed, unpacked
+from sim.engine.states import SHARE, States, checkpoint_interval, pack, unpack
 from sim.engine.warm import warm
-from sim.parameters import Parameters, canonical
+from sim.parameters import Parameters, canonical_values
 from tests.engine_motion.points import belt_point, chute_point, pause_within_samples
 from tests.golden import contents, digest
 from tests.made.processes import ROOT, program
@@ -82,7 +82,7 @@ def test_a_run_continued_from_a_checkpoint_gives_the_same_bits(name, share, tmp_
 
 
 #: The program, but it waits for its standard input to end some samples after a checkpoint.
-HELD = """
+WAITING_PROGRAM = """
 import itertools, runpy, sys
 from sim.engine.states import States
 
@@ -99,12 +99,12 @@ runpy.run_module("sim", run_name="__main__")
 """
 
 
-def computing(output: Path, point: Path) -> subprocess.Popen:
+def start_computing(output: Path, point: Path) -> subprocess.Popen:
     """Start a run of LONG and return it once it is well beyond its first checkpoint."""
     warm([LONG])
-    point.write_text(json.dumps(canonical(LONG)))
+    point.write_text(json.dumps(canonical_values(LONG)))
     process = subprocess.Popen(
-        [sys.executable, "-c", HELD, "run", str(point), "--output", str(output)],
+        [sys.executable, "-c", WAITING_PROGRAM, "run", str(point), "--output", str(output)],
         cwd=ROOT,
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
@@ -124,7 +124,7 @@ def point_file(tmp_path_factory) -> Path:
 
 def test_a_killed_run_goes_on_where_it_was(tmp_path, point_file):
     output = tmp_path / "run.nc"
-    first = computing(output, point_file)
+    first = start_computing(output, point_file)
     first.send_signal(signal.SIGKILL)
     first.communicate()
     assert not output.exists()
@@ -136,7 +136,7 @@ def test_a_killed_run_goes_on_where_it_was(tmp_path, point_file):
     assert_same(output, tmp_path / "whole.nc")
 
 
-class Watching:
+class SamplingKeeper:
     """Keeps every tenth of the states that are offered before the first sample."""
 
     def __init__(self):
@@ -146,9 +146,9 @@ class Watching:
     def offer(self, replicate: Replicate) -> None:
         self.offered += 1
         if replicate.system.stage and self.offered % 10 == 0:
-            self.states.append(unpacked(packed(replicate.state())))
+            self.states.append(unpack(pack(replicate.state())))
 
-    def heed(self) -> None:
+    def check_signals(self) -> None:
         pass
 
     def keep(self, replicate: Replicate) -> None:
@@ -158,11 +158,11 @@ class Watching:
 def test_a_bed_that_has_not_settled_yet_goes_on_where_it_was(monkeypatch):
     point = POINTS["belt shaken before"]
     pause_within_samples(monkeypatch, point)
-    watching = Watching()
-    whole = Replicate(point, 0).run(lambda steps: None, watching)
-    assert {state["told.stage"] for state in watching.states} == {"falling", "shaken before"}
-    for state in watching.states[:: len(watching.states) // 6]:
-        again = Replicate.restored(point, 0, state).run(lambda steps: None, Watching())
+    keeper = SamplingKeeper()
+    whole = Replicate(point, 0).run(lambda steps: None, keeper)
+    assert {state["told.stage"] for state in keeper.states} == {"falling", "shaken before"}
+    for state in keeper.states[:: len(keeper.states) // 6]:
+        again = Replicate.from_state(point, 0, state).run(lambda steps: None, SamplingKeeper())
         assert np.array_equal(again.snapshots["position"], whole.snapshots["position"])
         assert np.array_equal(again.series["mean_velocity"], whole.series["mean_velocity"])
 
@@ -170,22 +170,22 @@ def test_a_bed_that_has_not_settled_yet_goes_on_where_it_was(monkeypatch):
 def test_before_there_is_a_state_a_run_ends_at_once(tmp_path):
     with pytest.raises(SystemExit) as ended, States(tmp_path / "run.nc", POINTS["belt"]):
         signal.raise_signal(signal.SIGTERM)
-    assert ended.value.code == states.TERMINATED
+    assert ended.value.code == states.TERMINATION_CODE
     assert not list(tmp_path.iterdir())
 
 
 def test_after_the_end_a_run_ends_with_what_was_kept(tmp_path):
-    kept, replicate = States(tmp_path / "run.nc", POINTS["belt"]), started(POINTS["belt"])
+    kept, replicate = States(tmp_path / "run.nc", POINTS["belt"]), start_replicate(POINTS["belt"])
     with pytest.raises(SystemExit), kept:
         kept.offer(replicate)
         kept.keep(replicate)
         signal.raise_signal(signal.SIGTERM)
         replicate.system.advance()
-        kept.heed()
-    assert read(tmp_path).recorder.taken == 1
+        kept.check_signals()
+    assert read(tmp_path).recorder.sample_count == 1
 
 
-def started(parameters: Parameters) -> Replicate:
+def start_replicate(parameters: Parameters) -> Replicate:
     """Return a replicate after its first samples."""
     replicate = Replicate(parameters, 0)
     replicate.system.settle()
@@ -198,7 +198,7 @@ def started(parameters: Parameters) -> Replicate:
 def saved(tmp_path) -> States:
     """The states of a run of the belt, of which the first replicate has begun."""
     made = States(tmp_path / "run.nc", POINTS["belt"])
-    made.keep(started(POINTS["belt"]))
+    made.keep(start_replicate(POINTS["belt"]))
     made.save()
     return made
 
@@ -224,7 +224,7 @@ def assert_set_aside(
 
 def test_what_was_saved_is_read(saved, tmp_path):
     one, other = read(tmp_path), read(tmp_path)
-    assert one.recorder.taken == 1
+    assert one.recorder.sample_count == 1
     assert one.recorder.system is one.system
     assert one.system.advance() == other.system.advance()
 
@@ -268,7 +268,7 @@ def test_states_of_other_code_are_set_aside(tmp_path, name, words, caplog, monke
     with monkeypatch.context() as patched:
         patched.setattr(states, name, 0)
         made = States(tmp_path / "run.nc", POINTS["belt"])
-        made.keep(started(POINTS["belt"]))
+        made.keep(start_replicate(POINTS["belt"]))
         made.save()
     assert_set_aside(tmp_path, caplog, words)
 
@@ -278,7 +278,7 @@ def test_states_of_another_point_are_set_aside(saved, tmp_path, caplog):
     assert_set_aside(tmp_path, caplog, "other point", other)
 
 
-def changed(state: dict, changes: dict) -> dict:
+def with_changes(state: dict, changes: dict) -> dict:
     """Return a state with other values at some places, without those that are none."""
     return {name: one for name, one in (state | changes).items() if one is not None}
 
@@ -299,8 +299,8 @@ def changed(state: dict, changes: dict) -> dict:
 )
 def test_a_state_of_another_shape_is_none_of_the_replicate(saved, changes, words, tmp_path, caplog):
     """Sealed, of this run, and yet written by a program that keeps other things."""
-    state = started(POINTS["belt"]).state()
-    saved._archives[0] = packed(changed(state, changes))
+    state = start_replicate(POINTS["belt"]).state()
+    saved._archives[0] = pack(with_changes(state, changes))
     saved.save()
     with caplog.at_level(logging.WARNING):
         assert read(tmp_path) is None
@@ -308,7 +308,7 @@ def test_a_state_of_another_shape_is_none_of_the_replicate(saved, changes, words
     assert "replicate 0 starts anew" in warning and words in warning
 
 
-@pytest.mark.parametrize("archive", [b"", b"no archive", packed({})[:-5]])
+@pytest.mark.parametrize("archive", [b"", b"no archive", pack({})[:-5]])
 def test_what_is_no_state_is_told_and_left_alone(saved, archive, tmp_path, caplog):
     saved._archives[0] = archive
     saved.save()
@@ -324,7 +324,7 @@ def test_nothing_that_lies_in_a_file_is_run(saved, tmp_path, caplog):
         with archive.open("trap", "w") as member:
             np.lib.format.write_array(member, np.array([Trap()], object), allow_pickle=True)
     with pytest.raises(ValueError, match="allow_pickle"):
-        unpacked(buffer.getvalue())
+        unpack(buffer.getvalue())
     assert not Trap.sprung
 
 
@@ -338,7 +338,7 @@ class Trap:
 
 
 def test_states_are_written_when_they_are_due_and_not_before(tmp_path):
-    replicate = started(POINTS["belt"])
+    replicate = start_replicate(POINTS["belt"])
     now = States(tmp_path / "now.nc", POINTS["belt"], 0.0)
     now.offer(replicate)
     assert now.path.exists()
@@ -357,7 +357,8 @@ def test_writing_takes_no_more_than_its_share_of_the_time(tmp_path, monkeypatch)
 
     monkeypatch.setattr("sim.engine.states.time", SimpleNamespace(monotonic=lambda: now))
     monkeypatch.setattr(States, "save", slow)
-    kept, replicate = States(tmp_path / "run.nc", POINTS["belt"], 0.0), started(POINTS["belt"])
+    kept = States(tmp_path / "run.nc", POINTS["belt"], 0.0)
+    replicate = start_replicate(POINTS["belt"])
     while now < 5.0:
         kept.offer(replicate)
         now += 0.01
@@ -368,7 +369,7 @@ def test_writing_takes_no_more_than_its_share_of_the_time(tmp_path, monkeypatch)
 def test_states_that_cannot_be_written_stop_no_run(tmp_path, caplog):
     kept = States(tmp_path / "missing" / "run.nc", POINTS["belt"], 0.0)
     with caplog.at_level(logging.WARNING):
-        kept.offer(started(POINTS["belt"]))
+        kept.offer(start_replicate(POINTS["belt"]))
     (warning,) = caplog.messages
     assert "no states are kept: No such file" in warning
 
@@ -392,21 +393,21 @@ def test_the_interval_is_a_number_of_seconds(text, monkeypatch):
 def test_wall_time_counts_on_in_another_process(monkeypatch):
     now = 5.0
     monkeypatch.setattr("sim.engine.replicate.time", SimpleNamespace(monotonic=lambda: now))
-    replicate = started(POINTS["belt"])
+    replicate = start_replicate(POINTS["belt"])
     now = 7.0
     state = replicate.state()
     now = 1000.0
-    replicate = Replicate.restored(POINTS["belt"], 0, state)
+    replicate = Replicate.from_state(POINTS["belt"], 0, state)
     now = 1003.0
     assert replicate.seconds == pytest.approx(5.0)
 
 
 def test_a_run_that_is_asked_to_end_saves_first(tmp_path, point_file):
-    process = computing(tmp_path / "run.nc", point_file)
+    process = start_computing(tmp_path / "run.nc", point_file)
     process.send_signal(signal.SIGTERM)
     errors = process.communicate()[1]
     assert process.returncode == 143, errors
     assert errors.splitlines()[-1].endswith("terminated; the next start continues from here")
     left = {path.name for path in tmp_path.iterdir()}
     assert left == {".run.nc.state", ".run.nc.progress"}
-    assert read(tmp_path, LONG).recorder.taken > 0
+    assert read(tmp_path, LONG).recorder.sample_count > 0

@@ -8,7 +8,7 @@ from tests.engine_motion.helpers import appended, gathered_sums
 SPECIAL = np.array([np.nan, -np.nan, 0.0, -0.0, np.inf, -np.inf, 5e-324, -5e-324, 1.0, -1.0])
 
 
-def found(gap, size: int, first: int, free: int) -> np.ndarray:
+def appended_numbers(gap, size: int, first: int, free: int) -> np.ndarray:
     """What is appended to a list of which ``free`` entries are taken, which must stay."""
     out = np.arange(900, 900 + free + size + 8).astype(np.uint32)
     count = appended(gap, size, first, out, free)
@@ -23,7 +23,7 @@ def test_numbers_of_negative_gaps_are_appended_in_their_order(size):
         gap = rng.exponential(size=size + 3) * np.where(rng.random(size + 3) < share, -1.0, 1.0)
         for first, free in ((0, 0), (1000, 3), (2**32 - 64, 17)):
             expected = first + np.flatnonzero(gap[:size] < 0.0)
-            assert np.array_equal(found(gap, size, first, free), expected)
+            assert np.array_equal(appended_numbers(gap, size, first, free), expected)
 
 
 @pytest.mark.parametrize("size", range(1, 41))
@@ -31,7 +31,7 @@ def test_neither_zeros_nor_what_is_not_a_number_is_negative(size):
     rng = np.random.default_rng(size)
     for _ in range(20):
         gap = rng.choice(SPECIAL, size)
-        assert np.array_equal(found(gap, size, 5, 2), 5 + np.flatnonzero(gap < 0.0))
+        assert np.array_equal(appended_numbers(gap, size, 5, 2), 5 + np.flatnonzero(gap < 0.0))
 
 
 def test_no_more_than_eight_entries_behind_the_last_are_overwritten():

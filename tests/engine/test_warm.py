@@ -45,15 +45,15 @@ def test_warming_runs_every_kernel_of_a_run():
 def test_the_command_says_what_it_compiles():
     lines = (
         "import logging, sys, sim.engine.warm\n"
-        "def told(*_):\n"
+        "def log_compiling(*_):\n"
         "    logging.getLogger('talus').info('compiling')\n"
-        "sim.engine.warm.warm = told\n"
+        "sim.engine.warm.warm = log_compiling\n"
         "from sim.__main__ import main\n"
         "sys.exit(main(['warm']))\n"
     )
     command = [sys.executable, "-c", lines]
-    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
-    assert (done.returncode, done.stderr) == (0, "compiling\n")
+    process = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
+    assert (process.returncode, process.stderr) == (0, "compiling\n")
 
 
 def test_systems_may_be_warmed_side_by_side(monkeypatch):

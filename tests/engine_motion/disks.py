@@ -8,7 +8,7 @@ from sim.engine.contact.spring_damping import SpringDamping
 from sim.engine.dynamics.cells import make_box
 from sim.engine.dynamics.disks import make_disks
 from sim.engine.dynamics.gear import Gear
-from sim.engine.dynamics.neighbors import empty_pair_list, grown, make_search
+from sim.engine.dynamics.neighbors import double_room, empty_pair_list, make_search
 from sim.engine.systems import shaking
 from tests.engine_motion.helpers import BEAD, BEAD_MASS, bead_law, initial_order, run_on
 
@@ -97,4 +97,4 @@ class DiskMotion:
 
     def make_room(self) -> None:
         """Double the room of the list."""
-        self.pairs = grown(self.pairs)
+        self.pairs = double_room(self.pairs)

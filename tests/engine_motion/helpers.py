@@ -8,9 +8,9 @@ import numba
 import numpy as np
 
 from sim.engine.boundary.belt import belt_state
-from sim.engine.compile import FASTMATH, append_negative, kernel, vectorised
+from sim.engine.compile import FASTMATH, append_negative, assume_no_alias, kernel
 from sim.engine.contact.damping import disk_force
-from sim.engine.contact.friction import blank, contact_force
+from sim.engine.contact.friction import blank_memory, contact_force
 from sim.engine.contact.roots import cube_root, inverse_square_root
 from sim.engine.contact.spring_damping import SpringDamping, spring_damping
 from sim.engine.contact.walton_braun import WaltonBraun, walton_braun
@@ -127,7 +127,7 @@ def appended(gap, size, first, out, free):
 @kernel
 def gathered_sums(source, index, out):
     """Add ``source`` at ``index`` to ``out``, under the promise that no two arrays overlap."""
-    vectorised()
+    assume_no_alias()
     for k in range(index.size):
         out[k] += source[index[k]]
 
@@ -152,7 +152,7 @@ def meet(gate, rounds, rank, count):
 @kernel
 def dissipated_energy(law, overlap):
     """Energy that the law says a contact of spheres has lost along overlaps (n,), without slip."""
-    lost, memory, still = 0.0, blank(law), (0.0, 0.0, 0.0)
+    lost, memory, still = 0.0, blank_memory(law), (0.0, 0.0, 0.0)
     for k in range(overlap.size):
         approach = overlap[k] - (overlap[k - 1] if k else 0.0)
         _, _, memory, energy = contact_force(

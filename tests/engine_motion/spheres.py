@@ -7,8 +7,14 @@ import numpy as np
 from sim.engine.boundary.drive import Gravity
 from sim.engine.boundary.plane import make_plane
 from sim.engine.dynamics.cells import make_box
-from sim.engine.dynamics.neighbors import empty_pair_list, grown
-from sim.engine.dynamics.spheres import SOLID, enlarged, make_memory, make_scratch, make_spheres
+from sim.engine.dynamics.neighbors import double_room, empty_pair_list
+from sim.engine.dynamics.spheres import (
+    SOLID,
+    enlarge_memory,
+    make_memory,
+    make_scratch,
+    make_spheres,
+)
 from sim.engine.dynamics.team import Team
 from sim.engine.systems import leap_frog
 from sim.engine.systems.sharing import Thread
@@ -85,8 +91,8 @@ class SphereMotion:
 
     def make_room(self) -> None:
         """Double the room of the list."""
-        self.pairs = grown(self.pairs)
-        self.memory = enlarged(self.memory, len(self.pairs.touching))
+        self.pairs = double_room(self.pairs)
+        self.memory = enlarge_memory(self.memory, len(self.pairs.touching))
 
     def _ordered(self, columns) -> np.ndarray:
         return initial_order(columns, self.spheres.label)

@@ -15,15 +15,15 @@ from sim.dataset.results import Results, load_results
 from sim.figures.animation import Animation
 from sim.figures.data import FigureData, figure_data
 from sim.figures.kind import load_kind
-from sim.figures.render import derived, entry, render
+from sim.figures.render import derive_texts, find_spec, render
 from sim.figures.style import SETTINGS
 from sim.study.catalogue import FIGURES
 
 _loaded = cache(load_results)
 
 
-def fed(name: str, results: Results | Path) -> FigureData:
-    """Return what feeds a figure, of a dataset that is loaded once."""
+def data_of_figure(name: str, results: Results | Path) -> FigureData:
+    """Return the data of a figure, from a dataset that is loaded once."""
     return figure_data(_loaded(results) if isinstance(results, Path) else results, FIGURES[name])
 
 
@@ -34,19 +34,19 @@ def picture(data: FigureData) -> Figure | Animation:
 
 
 def drawn(name: str, results: Results | Path) -> tuple[Any, FigureData]:
-    """Return a figure as its kind draws it, and what it was drawn from."""
-    data = load_kind(FIGURES[name].kind).select(fed(name, results))
+    """Return a figure as its kind draws it, and its data."""
+    data = load_kind(FIGURES[name].kind).select(data_of_figure(name, results))
     return picture(data), data
 
 
 def texts(name: str, dataset: Path) -> tuple[pd.DataFrame, str]:
-    """Return what the files with the data and the caption of a figure hold."""
-    data, caption = derived(FIGURES[name], _loaded(dataset))
+    """Return the contents of the files with the data and the caption of a figure."""
+    data, caption = derive_texts(FIGURES[name], _loaded(dataset))
     return pd.read_csv(io.StringIO(data)), caption
 
 
 def table(data: FigureData) -> pd.DataFrame:
-    """Return the data behind a figure."""
+    """Return the plotted data of a figure."""
     return load_kind(data.spec.kind).table(data)
 
 
@@ -63,4 +63,4 @@ def dashes(line: Line2D) -> object:
 
 def draw(name: str, dataset: Path, folder: Path) -> list[Path]:
     """Draw a figure of the catalogue; return its files."""
-    return render(entry(name), dataset, folder)
+    return render(find_spec(name), dataset, folder)

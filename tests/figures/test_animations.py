@@ -8,7 +8,7 @@ from PIL import Image
 from sim.dataset.results import load_results
 from sim.figures import belt_animation, chute_animation
 from sim.study.catalogue import FIGURES
-from tests.figures.drawing import draw, drawn, fed, picture, without_particles
+from tests.figures.drawing import data_of_figure, draw, drawn, picture, without_particles
 
 ANIMATIONS = [name for name, spec in FIGURES.items() if spec.animated]
 LARGEST = 1.5e6
@@ -79,7 +79,7 @@ def test_the_slowest_of_the_rough_flows_is_drawn(results):
 
 
 def test_a_point_without_a_path_says_so(results):
-    data = without_particles(fed("animation_block", results))
+    data = without_particles(data_of_figure("animation_block", results))
     moving = picture(belt_animation.select(data))
     assert moving.frames == 1
     assert [text.get_text() for text in moving.figure.axes[0].texts] == ["no motion stored"]

@@ -16,7 +16,7 @@ from sim.figures.belt_snapshots import round_speed
 from sim.figures.render import settle
 from sim.figures.style import DOTTED
 from sim.study.catalogue import FIGURES
-from tests.figures.drawing import dashes, draw, drawn, fed, picture, texts
+from tests.figures.drawing import dashes, data_of_figure, draw, drawn, picture, texts
 from tests.made.netcdf import store
 
 PATHS = ("gallas_4a", "gallas_4b", "gallas_4c", "gallas_4d", "gallas_4e", "gallas_7a", "gallas_7c")
@@ -131,14 +131,14 @@ def test_labels_are_in_the_picture_and_the_legend_is_above_the_titles(name, belt
 
 
 def test_of_several_points_the_one_nearest_to_the_paper_is_shown(belt_dataset):
-    data = fed("gallas_4a", belt_dataset)
+    data = data_of_figure("gallas_4a", belt_dataset)
     other = data.rows.assign(point="other", belt_ghost="centred")
     both = replace(data, rows=pd.concat([other, data.rows], ignore_index=True))
     assert list(select(both).rows["belt_ghost"]) == ["below"]
 
 
 def test_beads_beyond_the_tallest_picture_are_counted(belt_dataset):
-    data = fed("gallas_4a", load_results(belt_dataset))
+    data = data_of_figure("gallas_4a", load_results(belt_dataset))
     path = data.results.particles(data.rows["point"].iloc[0])["path"]
     path[:, :2, 1] += 1.5 * TALLEST * data.rows["diameter"].iloc[0]
     (axes,) = picture(data).axes

@@ -11,9 +11,9 @@ from sim.dataset.results import load_results
 from sim.figures.belt_profiles import DENSITY, THIN, VELOCITY, profiles
 from sim.figures.style import DASH_DOT, DOTTED, LONG_DASH, SHORT_DASH
 from sim.parameters import BeltParameters
-from tests.figures.drawing import dashes, draw, drawn, fed, texts
+from tests.figures.drawing import dashes, data_of_figure, draw, drawn, texts
 from tests.figures.made_belt import SPREAD, plateau, transport
-from tests.made.netcdf import ROUNDED, store
+from tests.made.netcdf import ROUNDING, store
 
 FREQUENCIES = {"f = 10 Hz": "-", "f = 20 Hz": LONG_DASH, "f = 60 Hz": DASH_DOT, "f = 80 Hz": DOTTED}
 ANGLES = {"α = π/2": DOTTED, "α = π/3": DASH_DOT, "α = π/4": "-", "α = π/6": SHORT_DASH}
@@ -72,8 +72,8 @@ def test_the_profiles_are_those_of_the_dataset_in_the_units_of_the_axes(name, be
         )
         expected = plateau(parameters) if quantity is DENSITY else transport(parameters)
         part = table[table["point"] == row["point"]]
-        assert part["mean"].to_numpy() == pytest.approx(expected, rel=ROUNDED)
-        widths = pytest.approx(expected * HALF_WIDTH, abs=5 * expected * ROUNDED)
+        assert part["mean"].to_numpy() == pytest.approx(expected, rel=ROUNDING)
+        widths = pytest.approx(expected * HALF_WIDTH, abs=5 * expected * ROUNDING)
         assert part["half_width"].to_numpy() == widths
         assert part["z"].to_numpy() == pytest.approx(np.arange(len(part)) + 0.5)
         assert part["z"].iloc[-1] + 1 > 10 / plateau(parameters) > part["z"].iloc[-1]
@@ -84,8 +84,8 @@ def test_bands_span_the_interval(belt_dataset):
     for band in figure.axes[0].collections:
         heights = band.get_paths()[0].vertices[:, 1]
         middle = plateau(BeltParameters(frequency=60))
-        assert heights.min() == pytest.approx(middle * (1 - HALF_WIDTH), rel=5 * ROUNDED)
-        assert heights.max() == pytest.approx(middle * (1 + HALF_WIDTH), rel=5 * ROUNDED)
+        assert heights.min() == pytest.approx(middle * (1 - HALF_WIDTH), rel=5 * ROUNDING)
+        assert heights.max() == pytest.approx(middle * (1 + HALF_WIDTH), rel=5 * ROUNDING)
     assert len(figure.axes[0].collections) == len(data.rows)
 
 
@@ -138,7 +138,7 @@ def test_data_and_caption(name, belt_dataset):
 
 
 def test_a_slice_that_is_empty_in_a_replicate_has_no_velocity(belt_dataset):
-    data = fed("gallas_3a", load_results(belt_dataset))
+    data = data_of_figure("gallas_3a", load_results(belt_dataset))
     point = data.rows["point"].iloc[0]
     belt = data.results.profiles["belt"]
     belt["velocity_profile"].loc[{"run": point, "replicate": 1, "slice": 2}] = np.nan
@@ -148,7 +148,7 @@ def test_a_slice_that_is_empty_in_a_replicate_has_no_velocity(belt_dataset):
 
 
 def test_a_profile_ends_where_it_is_too_thin(belt_dataset):
-    data = fed("gallas_2a", load_results(belt_dataset))
+    data = data_of_figure("gallas_2a", load_results(belt_dataset))
     point = data.rows["point"].iloc[0]
     density = data.results.profiles["belt"]["number_density"]
     for place, factor in ((20, 1.01), (25, 0.99)):

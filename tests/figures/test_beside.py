@@ -1,10 +1,10 @@
-"""Data beside a study's own: drawn apart, told in the legend, the caption and the data."""
+"""Foreign data in plots: drawn apart, and named in legend, caption and data."""
 
 import numpy as np
 import pytest
 from matplotlib.lines import Line2D
 
-from sim.figures.beside import _MARKERS
+from sim.figures.foreign_data import _MARKERS
 from sim.figures.kind import load_kind
 from sim.figures.regimes import MARKS
 from sim.figures.style import COLOURS, MARKERS
@@ -15,9 +15,9 @@ MEASURED = {"label": "_glass $d$", "points": [[0.3, 0.5], [0.45, 0.9]]}
 LAW = {"label": "law", "points": [[0.3, 0.4], [0.6, 0.2], [0.6, 0.1]], "line": True}
 
 
-def there(axes, one: dict) -> list[Line2D]:
-    """Return what is drawn of data beside on some axes."""
-    at = np.array(one["points"], float)
+def foreign_lines(axes, data_set: dict) -> list[Line2D]:
+    """Return the artists of a foreign data set on some axes."""
+    at = np.array(data_set["points"], float)
     return [line for line in axes.lines if np.array_equal(line.get_xydata(), at)]
 
 
@@ -40,11 +40,11 @@ SLICES = {"kind": "profiles", "x": "granular_temperature", "y": "packing"}
     ],
 )
 def test_data_beside_are_in_every_panel_the_legend_the_caption_and_the_data(plot, x, y):
-    _, own, _ = drawn(plot)
+    _, study_rows, _ = drawn(plot)
     figure, rows, data = drawn(plot | {"beside": [MEASURED, LAW]})
     panels = [axes for axes in figure.axes if axes.get_label() != "<colorbar>"]
     for axes in panels:
-        (markers,), (line,) = there(axes, MEASURED), there(axes, LAW)
+        (markers,), (line,) = foreign_lines(axes, MEASURED), foreign_lines(axes, LAW)
         assert markers.get_linestyle() == "None" and markers.get_marker() in _MARKERS
         assert line.get_marker() == "None" and line.get_linestyle() != "-"
         assert not {markers.get_color(), line.get_color()} & set(COLOURS)
@@ -56,15 +56,15 @@ def test_data_beside_are_in_every_panel_the_legend_the_caption_and_the_data(plot
     assert {"_glass $d$", "law"} <= shown_texts(figure)
     text = " ".join(load_kind(data.spec.kind).notes(data))
     assert "not simulated here: _glass $d$ (markers); law (line)." in text
-    assert len(rows) == len(own) + 5 and "not of this study" not in own
+    assert len(rows) == len(study_rows) + 5 and "not of this study" not in study_rows
     beside = rows[rows["not of this study"].notna()]
     assert beside["not of this study"].tolist() == ["_glass $d$"] * 2 + ["law"] * 3
-    assert beside["point"].isna().all() and rows["point"].notna().sum() == len(own)
-    told = beside.dropna(axis=1, how="all").drop(columns="not of this study")
+    assert beside["point"].isna().all() and rows["point"].notna().sum() == len(study_rows)
+    foreign = beside.dropna(axis=1, how="all").drop(columns="not of this study")
     points = np.array([*MEASURED["points"], *LAW["points"]])
-    assert told.filter(regex=f"^{x}").iloc[:, 0].tolist() == points[:, 0].tolist()
-    assert told.filter(regex=f"^{y}").iloc[:, 0].tolist() == points[:, 1].tolist()
-    assert told.shape[1] == 2
+    assert foreign.filter(regex=f"^{x}").iloc[:, 0].tolist() == points[:, 0].tolist()
+    assert foreign.filter(regex=f"^{y}").iloc[:, 0].tolist() == points[:, 1].tolist()
+    assert foreign.shape[1] == 2
 
 
 def test_a_label_that_a_curve_has_too_is_another_entry():

@@ -10,9 +10,9 @@ import pytest
 from sim.dataset.results import load_results
 from sim.figures import chute_row
 from sim.figures.style import DOTTED, PALE
-from tests.figures.drawing import dashes, draw, drawn, fed, picture, without_particles
+from tests.figures.drawing import dashes, data_of_figure, draw, drawn, picture, without_particles
 from tests.figures.made_chute import SPREAD
-from tests.made.netcdf import ROUNDED
+from tests.made.netcdf import ROUNDING
 
 ROWS = {f"walton_1_{number}": depth for number, depth in enumerate((1.24, 2.5, 5, 10, 20, 40), 1)}
 
@@ -46,9 +46,9 @@ def test_instantaneous_profiles_are_solid_and_averages_dotted(results, name):
         assert dashes(found["instantaneous"]) == "-"
         assert dashes(found["cumulative average"]) == (0, DOTTED[1])
         ratio = found["instantaneous"].get_xdata() / found["cumulative average"].get_xdata()
-        assert ratio == pytest.approx(1.5 * (1 + SPREAD[0]), rel=2 * ROUNDED)
+        assert ratio == pytest.approx(1.5 * (1 + SPREAD[0]), rel=2 * ROUNDING)
         if mean:
-            assert found["cumulative average"].get_xdata() == pytest.approx(mean, rel=ROUNDED)
+            assert found["cumulative average"].get_xdata() == pytest.approx(mean, rel=ROUNDING)
 
 
 def test_flows_of_two_stiffnesses_are_told_apart(results):
@@ -63,7 +63,7 @@ def test_heights_are_in_diameters_and_velocities_in_two_units(results):
     figure, _ = drawn("walton_1_4", results)
     velocity = figure.axes[0]
     line = lines(velocity)["cumulative average"]
-    assert line.get_xdata() == pytest.approx(0.1 * line.get_ydata(), rel=ROUNDED)
+    assert line.get_xdata() == pytest.approx(0.1 * line.get_ydata(), rel=ROUNDING)
     assert line.get_ydata().max() == pytest.approx(np.pi / 3 * 10, abs=0.25)
     (top,) = velocity.child_axes
     figure.draw_without_rendering()
@@ -79,10 +79,12 @@ def test_every_replicate_is_a_pale_line_within_the_panel_and_there_is_no_band(re
         ]
         average = lines(axes)["cumulative average"].get_xdata()
         ratios = np.array([line.get_xdata() for line in pale]) / average
-        assert ratios == pytest.approx(np.outer(1 + SPREAD, np.ones(len(average))), rel=2 * ROUNDED)
+        assert ratios == pytest.approx(
+            np.outer(1 + SPREAD, np.ones(len(average))), rel=2 * ROUNDING
+        )
         assert max(line.get_xdata().max() for line in pale) < axes.get_xlim()[1]
         if mean:
-            assert average == pytest.approx(mean, rel=ROUNDED)
+            assert average == pytest.approx(mean, rel=ROUNDING)
 
 
 def test_the_converged_protocol_lies_beside_the_published_one(results):
@@ -97,7 +99,7 @@ def test_the_converged_protocol_lies_beside_the_published_one(results):
 
 
 def test_flows_of_another_cell_come_behind_and_say_so(results):
-    data = fed("walton_1_3", results)
+    data = data_of_figure("walton_1_3", results)
     one = data.rows[data.rows["protocol"] == "published"]
     rows = pd.concat([one.assign(cell=cell) for cell in (5.0, 10.0, 20.0)])
     figure = chute_row.draw(replace(data, rows=rows))
@@ -111,10 +113,10 @@ def test_flows_of_another_cell_come_behind_and_say_so(results):
 
 @pytest.mark.parametrize(("name", "share"), [("walton_1_4", 0.5), ("walton_1_5", 1.0)])
 def test_deep_flows_show_the_whole_cell_and_others_a_portion(results, name, share):
-    row = fed(name, results).rows.to_dict("records")[0]
+    row = data_of_figure(name, results).rows.to_dict("records")[0]
     state = results.particles(row["point"])
     scene = chute_row.Scene(row, state, np.array([1e-2]), np.array([0.0, 1.0]), 60)
-    assert scene.shown == pytest.approx(np.array([3e-3, share * 3e-3]))
+    assert scene.shown_size == pytest.approx(np.array([3e-3, share * 3e-3]))
 
 
 def test_files_tell_units_replicates_protocols_and_the_paper(chute_dataset, tmp_path):
@@ -136,7 +138,7 @@ def test_files_tell_units_replicates_protocols_and_the_paper(chute_dataset, tmp_
     assert set(table["flow"]) == {"fixed length", "converged"}
     velocity = table["velocity, cumulative average [m s-1]"]
     assert velocity[table["flow"] == "fixed length"].to_numpy() == pytest.approx(
-        0.1 * table["height [σ]"][table["flow"] == "fixed length"].to_numpy(), rel=ROUNDED
+        0.1 * table["height [σ]"][table["flow"] == "fixed length"].to_numpy(), rel=ROUNDING
     )
     second = table["velocity, replicate 2 [m s-1]"] / velocity
     assert second.to_numpy() == pytest.approx(1 + SPREAD[1], rel=0.06)
@@ -144,5 +146,5 @@ def test_files_tell_units_replicates_protocols_and_the_paper(chute_dataset, tmp_
 
 
 def test_a_flow_without_stored_particles_still_has_its_profiles(results):
-    figure = picture(without_particles(fed("walton_1_1", results)))
+    figure = picture(without_particles(data_of_figure("walton_1_1", results)))
     assert "no configuration stored" in [text.get_text() for text in figure.axes[2].texts]

@@ -14,10 +14,10 @@ from matplotlib.figure import Figure
 
 from sim.base.errors import InputError
 from sim.figures import chute_curves
-from sim.figures.style import DASH_DOT, LONE_BESIDE, SHORT_DASH
+from sim.figures.style import DASH_DOT, PALE_MARKER_SIZE, SHORT_DASH
 from sim.study.load import load_study
 from tests.figures import drawing
-from tests.figures.drawing import dashes, draw, fed, picture
+from tests.figures.drawing import dashes, data_of_figure, draw, picture
 from tests.made.figures import make_built_study
 from tests.made.netcdf import store
 from tests.made.runs import FAILURE, is_hurt, is_lost
@@ -115,7 +115,7 @@ def test_dampings_of_fig_1b_are_markers_without_lines(dataset_path):
 
 
 def test_converged_dampings_of_fig_1b_are_large_pale_markers_of_the_same_look(dataset_path):
-    data = fed("gallas_1b", dataset_path)
+    data = data_of_figure("gallas_1b", dataset_path)
     converged = data.rows.assign(protocol="converged")
     both = replace(data, rows=pd.concat([data.rows, converged], ignore_index=True))
     axes = picture(both).axes[0]
@@ -123,7 +123,7 @@ def test_converged_dampings_of_fig_1b_are_large_pale_markers_of_the_same_look(da
     pale = {
         (line.get_marker(), line.get_color())
         for line in markers
-        if line.get_alpha() and line.get_markersize() == LONE_BESIDE
+        if line.get_alpha() and line.get_markersize() == PALE_MARKER_SIZE
     }
     assert pale == {("^", "#009e73"), ("X", "#cc79a7"), ("s", "#e69f00")}
     plain = {(line.get_marker(), line.get_color()) for line in markers if not line.get_alpha()}

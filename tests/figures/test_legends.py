@@ -4,12 +4,12 @@ import matplotlib as mpl
 import pytest
 
 from sim.figures.render import settle
-from sim.figures.style import LOOKS, SETTINGS, cycled
+from sim.figures.style import LOOKS, SETTINGS, cycle_style
 from tests.figures.made_plots import drawn
 from tests.made.results import made_point
 
 
-def many(number):
+def flows_of_frictions(number):
     return [
         made_point("chute", {"velocity": 1.0}, friction=0.2 + one / 1000, angle=angle)
         for one in range(number)
@@ -28,14 +28,14 @@ def boxes(figure):
 
 @pytest.mark.filterwarnings("error:constrained_layout not applied")
 def test_a_figure_grows_with_its_legend():
-    figure, _, _ = drawn({"x": "angle", "curves": "friction"}, many(LOOKS))
+    figure, _, _ = drawn({"x": "angle", "curves": "friction"}, flows_of_frictions(LOOKS))
     legend, axes = boxes(figure)
     assert len(figure.legends[0].texts) == LOOKS
     assert legend.y0 >= axes.y1 and legend.y1 <= 1 and axes.height * figure.get_figheight() > 2
 
 
 def test_more_curves_than_looks_are_counted():
-    figure, _, _ = drawn({"x": "angle", "curves": "friction"}, many(LOOKS + 1))
+    figure, _, _ = drawn({"x": "angle", "curves": "friction"}, flows_of_frictions(LOOKS + 1))
     (text,) = figure.legends[0].texts
     assert text.get_text().split() == f"{LOOKS + 1} curves, which the data names".split()
 
@@ -43,7 +43,9 @@ def test_more_curves_than_looks_are_counted():
 def test_a_long_label_has_lines():
     label = "Somebody and Others (2001), glass $^3$, 20\N{DEGREE SIGN}, run III"
     beside = [{"label": label, "points": [[16, 1]]}]
-    figure, _, _ = drawn({"x": "angle", "curves": "friction", "beside": beside}, many(2))
+    figure, _, _ = drawn(
+        {"x": "angle", "curves": "friction", "beside": beside}, flows_of_frictions(2)
+    )
     legend, _ = boxes(figure)
     assert legend.x0 >= 0 and legend.x1 <= 1
     text = figure.legends[0].texts[-1].get_text()
@@ -51,6 +53,6 @@ def test_a_long_label_has_lines():
 
 
 def test_no_two_looks_share_colour_and_marker():
-    looks = [cycled(index) for index in range(LOOKS)]
+    looks = [cycle_style(index) for index in range(LOOKS)]
     assert len({(one.colour, one.marker) for one in looks}) == LOOKS
     assert len({(one.colour, str(one.dashes)) for one in looks}) == LOOKS

@@ -18,17 +18,17 @@ from sim.figures.curves import _draw_points
 from sim.figures.data import figure_data
 from sim.figures.kind import load_kind
 from sim.figures.quantity import Quantity
-from sim.figures.render import derived
+from sim.figures.render import derive_texts
 from sim.figures.style import SETTINGS, CurveStyle
 from tests.figures.made_plots import GRID, drawn, flows, made
-from tests.made.plugins import forgotten
+from tests.made.plugins import restore_plugins
 from tests.made.processes import ROOT
 from tests.made.results import MadePoint, made_point
 
 
 def caption_of(plot: Mapping, points: Sequence[MadePoint]) -> str:
     spec, results = made(plot, points)
-    return derived(spec, results)[1]
+    return derive_texts(spec, results)[1]
 
 
 def at_frictions(*scalars: Mapping, replicates: int = 3) -> list[MadePoint]:
@@ -142,7 +142,7 @@ def test_notes_of_a_plugin_move_no_cursor(tmp_path, notes, said):
         "import sim\n"
         f"sim.plot_kind('own', like='curves', notes=lambda data: {notes})(lambda data: None)\n"
     )
-    with forgotten():
+    with restore_plugins():
         load_plugins(path)
         plot = {"kind": "own", "x": "friction", "curves": "angle"}
         if notes == "None":
@@ -167,7 +167,7 @@ def test_texts_of_users_are_drawn_as_they_are_written(tmp_path):
     law = law.replace('symbol="E", unit="Pa"', 'symbol="_E_$1^2", unit="US$/frac"')
     own = 'sim.observable("cost", system="chute", unit="$_2^{", meaning="a $b")(len)'
     (tmp_path / "own.py").write_text(f"{law}\n{own}\n".replace("/frac", r"\\frac"))
-    with forgotten():
+    with restore_plugins():
         load_plugins(tmp_path / "own.py")
         points = [
             made_point(

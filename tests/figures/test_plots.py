@@ -12,7 +12,7 @@ from sim.base.errors import InputError
 from sim.base.statistics import student_half_width
 from sim.dataset.results import load_results
 from sim.figures.kind import load_kind
-from sim.figures.render import derived, render
+from sim.figures.render import derive_texts, render
 from sim.figures.ticks import set_ticks
 from sim.figures.units import scale_of, unit_of
 from sim.study.load import load_study
@@ -35,7 +35,7 @@ def test_curves_name_what_varies_and_every_value_has_a_number():
     assert len(rows) == 6
 
 
-def measured(x: Mapping[float, Sequence[float]], angles=(16, 17)) -> list[MadePoint]:
+def flows_of_depths(x: Mapping[float, Sequence[float]], angles=(16, 17)) -> list[MadePoint]:
     """Return flows of some shear depths (diameters), one per replicate, by their frictions."""
     return [
         made_point(
@@ -51,12 +51,12 @@ def measured(x: Mapping[float, Sequence[float]], angles=(16, 17)) -> list[MadePo
 
 
 def lines(axes) -> list[np.ndarray]:
-    """Return where the curves of a plot go along x."""
+    """Return the x values of the curves of a plot."""
     return [line.get_xdata() for line in axes.lines if line.get_linestyle() not in ("None", "none")]
 
 
 def test_curves_against_a_number_are_joined_in_its_order_with_bars_both_ways():
-    points = measured({0.3: (3, 3.3, 3.6), 0.4: (1, 1.1, 1.2), 0.6: (2, 2, 2.3)})
+    points = flows_of_depths({0.3: (3, 3.3, 3.6), 0.4: (1, 1.1, 1.2), 0.6: (2, 2, 2.3)})
     plot = {"x": "shear_depth", "curves": "angle", "units": "natural"}
     figure, rows, _ = drawn(plot, points)
     (axes,) = figure.axes
@@ -73,7 +73,7 @@ def test_curves_against_a_number_are_joined_in_its_order_with_bars_both_ways():
 
 
 def test_a_cloud_of_points_is_not_joined_and_choices_tell_curves_apart():
-    points = measured({0.3: (3,), 0.4: (1,), 0.6: (2,)})
+    points = flows_of_depths({0.3: (3,), 0.4: (1,), 0.6: (2,)})
     figure, _, data = drawn({"x": "shear_depth"}, points)
     (axes,) = figure.axes
     assert not lines(axes) and not figure.legends
@@ -87,8 +87,8 @@ def test_a_cloud_of_points_is_not_joined_and_choices_tell_curves_apart():
 
 
 def test_what_is_not_above_zero_has_no_place_on_a_logarithmic_axis():
-    points = measured({0.3: (3, 3.1), 0.4: (0, 0), 0.6: (2, 2.1)}, angles=(16,))
-    points += measured({0.3: (1, 1.1), 0.4: (1, 1.1), 0.6: (1, 1.1)}, angles=(17,))
+    points = flows_of_depths({0.3: (3, 3.1), 0.4: (0, 0), 0.6: (2, 2.1)}, angles=(16,))
+    points += flows_of_depths({0.3: (1, 1.1), 0.4: (1, 1.1), 0.6: (1, 1.1)}, angles=(17,))
     figure, rows, data = drawn({"x": "shear_depth", "panels": "angle", "log": ["x"]}, points)
     assert figure.axes[0].get_xscale() == "log"
     assert [len(one) for axes in figure.axes for one in lines(axes) if len(one)] == [2, 3]
@@ -100,7 +100,7 @@ def test_what_is_not_above_zero_has_no_place_on_a_logarithmic_axis():
     ("widest", "ticks"), [(30, {"1", "2", "5", "10", "20"}), (9e4, {"1", "10", "100"})]
 )
 def test_a_logarithmic_axis_of_many_decades_has_a_tick_for_each_alone(widest, ticks):
-    points = measured({0.3: (1, 1.1), 0.6: (widest, widest)}, angles=(16,))
+    points = flows_of_depths({0.3: (1, 1.1), 0.6: (widest, widest)}, angles=(16,))
     plot = {"x": "shear_depth", "units": "natural", "log": ["x"]}
     figure, *_ = drawn(plot, points)
     (axes,) = figure.axes
@@ -329,7 +329,7 @@ def test_time_series_are_read_from_run_files(run_study, tmp_path):
     assert files[3].read_text().startswith("Velocity: mean velocity down the slope, weighted by")
     (dataset.parent / "runs" / f"{next(iter(study.points))}.nc").unlink()
     with pytest.raises(InputError, match="no such run file"):
-        derived(spec, load_results(dataset))
+        derive_texts(spec, load_results(dataset))
 
 
 @pytest.mark.parametrize(

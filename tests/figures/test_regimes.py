@@ -14,7 +14,7 @@ from sim.figures.boundaries import BOUNDARIES, boundary_sentence
 from sim.figures.regimes import MARKS, creeping
 from sim.study.catalogue import FIGURES
 from tests.figures import drawing
-from tests.figures.drawing import draw, fed, picture
+from tests.figures.drawing import data_of_figure, draw, picture
 from tests.made.figures import make_built_regimes
 from tests.made.netcdf import store
 
@@ -97,7 +97,7 @@ def test_nothing_joins_the_bars(dataset_path):
 
 
 def test_bars_of_one_place_stand_side_by_side_and_kinds_differ_in_colour_and_marker(dataset_path):
-    data = fed("belt_onset", dataset_path)
+    data = data_of_figure("belt_onset", dataset_path)
     other = data.boundaries.assign(vibration_angle=60.0)
     both = replace(data, boundaries=pd.concat([data.boundaries, other]))
     axes = picture(both).axes[0]
@@ -118,7 +118,7 @@ def test_bars_of_one_place_stand_side_by_side_and_kinds_differ_in_colour_and_mar
 
 
 def test_flows_that_creep_are_told_from_those_that_flow(dataset_path):
-    data = fed("regimes_friction", dataset_path)
+    data = data_of_figure("regimes_friction", dataset_path)
     unit = sqrt(9.8e-3)
     rows = data.rows.assign(velocity=data.rows["velocity"].where(data.rows.index > 2, 0.09 * unit))
     rows.loc[:2, "regime"] = ["accelerating", "undetermined", "arrested"]

@@ -1,4 +1,4 @@
-"""Several figures in one job: those that are as they would be drawn are left out."""
+"""Several figures in one job: those that are up to date are skipped."""
 
 from dataclasses import replace
 
@@ -6,14 +6,14 @@ import pytest
 
 from sim.base.errors import InputError
 from sim.figures import several
-from sim.figures.drawn import DRAWN
-from sim.figures.several import draw_several
+from sim.figures.figure_records import RECORD_FILE
+from sim.figures.several import draw_figures
 from sim.study.catalogue import FIGURES
 
 NAMES = ("gallas_2b", "gallas_6")
 
 
-def written(spec, dataset_path, folder):
+def write_files(spec, dataset_path, folder):
     """Write a figure's files without drawing it."""
     if spec.name == "walton_2":
         raise InputError("no point feeds walton_2")
@@ -23,8 +23,8 @@ def written(spec, dataset_path, folder):
 
 @pytest.fixture(autouse=True)
 def quick(monkeypatch):
-    """Take the drawing from the processes, which are forks of this one."""
-    monkeypatch.setattr(several, "render", written)
+    """Replace the drawing in the processes, which are forks of this one."""
+    monkeypatch.setattr(several, "render", write_files)
 
 
 @pytest.fixture
@@ -38,12 +38,14 @@ def dataset(tmp_path):
 def folder(dataset, tmp_path):
     made = tmp_path / "figures"
     made.mkdir()
-    draw_several(NAMES, dataset, made, processes=2, code="a")
+    draw_figures(NAMES, dataset, made, processes=2, code="a")
     return made
 
 
 def times(folder):
-    return {path.name: path.stat().st_mtime_ns for path in folder.iterdir() if path.name != DRAWN}
+    return {
+        path.name: path.stat().st_mtime_ns for path in folder.iterdir() if path.name != RECORD_FILE
+    }
 
 
 def redrawn(before, folder):
@@ -58,25 +60,25 @@ def test_all_files_of_all_figures_are_there(folder):
 
 def test_the_same_is_not_drawn_again(folder, dataset):
     before = times(folder)
-    draw_several(NAMES, dataset, folder, code="a")
+    draw_figures(NAMES, dataset, folder, code="a")
     assert redrawn(before, folder) == set()
 
 
 @pytest.mark.parametrize("code", ["b", ""])
 def test_other_code_or_none_draws_all(folder, dataset, code):
     before = times(folder)
-    draw_several(NAMES, dataset, folder, code=code)
+    draw_figures(NAMES, dataset, folder, code=code)
     assert redrawn(before, folder) == set(NAMES)
 
 
 def test_a_file_that_was_lost_or_changed_is_drawn_again(folder, dataset):
     before = times(folder)
     (folder / "gallas_6.csv").write_text("changed")
-    draw_several(NAMES, dataset, folder, code="a")
+    draw_figures(NAMES, dataset, folder, code="a")
     assert redrawn(before, folder) == {"gallas_6"}
     (folder / "gallas_2b.png").unlink()
     before = times(folder)
-    draw_several(NAMES, dataset, folder, code="a")
+    draw_figures(NAMES, dataset, folder, code="a")
     assert redrawn(before | {"gallas_2b.png": 0}, folder) == {"gallas_2b"}
 
 
@@ -84,7 +86,7 @@ def test_a_changed_entry_of_the_catalogue_is_drawn_again(folder, dataset, monkey
     before = times(folder)
     changed = replace(FIGURES["gallas_6"], title="another")
     monkeypatch.setitem(FIGURES, "gallas_6", changed)
-    draw_several(NAMES, dataset, folder, code="a")
+    draw_figures(NAMES, dataset, folder, code="a")
     assert redrawn(before, folder) == {"gallas_6"}
 
 
@@ -94,40 +96,40 @@ def test_a_changed_plot_of_the_study_is_drawn_again_alone(dataset, tmp_path):
     text = "study: own\nseries: [{name: a, system: belt, grid: {frequency: [20, 50]}}]\nplots:\n"
     text += "- {name: one, x: frequency}\n- {name: two, x: frequency, y: backflow}\n"
     study.write_text(text)
-    draw_several(("one", "two"), dataset, made, code="a", study_path=study)
+    draw_figures(("one", "two"), dataset, made, code="a", study_path=study)
     before = times(made)
     study.write_text(text.replace("backflow", "path_drift"))
-    draw_several(("one", "two"), dataset, made, code="a", study_path=study)
+    draw_figures(("one", "two"), dataset, made, code="a", study_path=study)
     assert redrawn(before, made) == {"two"}
     with pytest.raises(InputError, match="one of walton_1_1"):
-        draw_several(("one",), dataset, made)
+        draw_figures(("one",), dataset, made)
 
 
 def test_another_dataset_draws_all(folder, dataset):
     dataset.write_text("other")
     before = times(folder)
-    draw_several(NAMES, dataset, folder, code="a")
+    draw_figures(NAMES, dataset, folder, code="a")
     assert redrawn(before, folder) == set(NAMES)
 
 
 def test_one_that_cannot_be_drawn_keeps_no_other_from_it(dataset, folder):
     (folder / "gallas_6.svg").unlink()
     with pytest.raises(InputError, match="no point feeds walton_2"):
-        draw_several(("walton_2", "gallas_6"), dataset, folder, code="a")
+        draw_figures(("walton_2", "gallas_6"), dataset, folder, code="a")
     assert (folder / "gallas_6.svg").exists()
 
 
 def test_an_unknown_figure_is_refused_before_any_is_drawn(dataset, folder):
     before = times(folder)
     with pytest.raises(InputError, match="surprise"):
-        draw_several(("gallas_6", "surprise"), dataset, folder)
+        draw_figures(("gallas_6", "surprise"), dataset, folder)
     assert redrawn(before, folder) == set()
 
 
 def test_a_name_that_is_unknown_without_a_study_may_be_a_plot_of_one(dataset, folder, tmp_path):
     with pytest.raises(InputError, match=r"got 'velocity'; allowed: with --study STUDY\.yaml a"):
-        draw_several(["velocity"], dataset, folder)
+        draw_figures(["velocity"], dataset, folder)
     study = tmp_path / "own.yaml"
     study.write_text("study: own\nseries: [{name: one, system: chute, cases: [{}]}]\n")
     with pytest.raises(InputError, match=r"got 'velocity'; allowed: one of walton_1_1, "):
-        draw_several(["velocity"], dataset, folder, study_path=study)
+        draw_figures(["velocity"], dataset, folder, study_path=study)

@@ -10,14 +10,14 @@ from matplotlib.markers import CARETDOWN, CARETUP
 from sim.base.errors import InputError
 from sim.base.statistics import student_half_width
 from sim.figures.quantity import measures
-from tests.figures.drawing import draw, fed, picture
+from tests.figures.drawing import data_of_figure, draw, picture
 from tests.figures.made_chute import SPREAD
 from tests.made.netcdf import store
 
 
 @pytest.fixture(scope="module")
 def data(chute_dataset):
-    return fed("shear_depth", chute_dataset)
+    return data_of_figure("shear_depth", chute_dataset)
 
 
 def test_every_material_is_a_curve_over_the_depths(data):

@@ -5,8 +5,8 @@ from typing import Literal, get_args, get_origin
 
 import pytest
 
-from sim.engine.states import TERMINATED, States
-from sim.parameters import SYSTEMS, complete
+from sim.engine.states import TERMINATION_CODE, States
+from sim.parameters import SYSTEMS, complete_values
 from tests.engine_motion.points import pause_within_samples
 from tests.golden import (
     BITS,
@@ -72,7 +72,7 @@ def test_a_run_that_goes_on_from_a_checkpoint_has_the_same_bits(name, tmp_path, 
         try:
             computed(POINTS[name], folder)
         except SystemExit as ended:
-            assert ended.code == TERMINATED
+            assert ended.code == TERMINATION_CODE
     assert starts > 2
     assert digest(path) == whole
 
@@ -90,7 +90,7 @@ OF_TWO_RUNS = {"start_from"}
 
 @pytest.mark.parametrize("system", SYSTEMS)
 def test_every_option_and_two_values_of_every_number_occur(system):
-    taken = [complete(point) for point in POINTS.values() if point.system == system]
+    taken = [complete_values(point) for point in POINTS.values() if point.system == system]
     for name, field in SYSTEMS[system].model_fields.items():
         values = {point[name] for point in taken}
         if name in OF_TWO_RUNS:

@@ -1,4 +1,4 @@
-"""Made-up chute flows in the paper's units, right in every respect unless told otherwise."""
+"""Made-up chute flows in the paper's units, which by default satisfy all claims."""
 
 from collections.abc import Mapping, Sequence
 from math import cos, radians, sin
@@ -12,10 +12,10 @@ PAPER = ChuteParameters()
 SIZE, UNIT = PAPER.diameter, PAPER.velocity_unit
 SLOPE = PAPER.gravity * sin(radians(PAPER.angle))
 
-#: Mean velocities in √(gσ) by depth, as the paper has them.
+#: Mean velocities in √(gσ) by depth, as in the paper.
 SPEEDS = {1: 4.2, 1.24: 4.4, 1.5: 4.5, 2: 4.6, 2.5: 4.8, 3.5: 6, 5: 8.2, 10: 15, 20: 25, 40: 30}
 
-#: What a flow says that gains a tenth of its weight along the slope.
+#: Values of a flow that accelerates by a tenth of g sin θ.
 RUNAWAY = {"regime": "accelerating", "acceleration": 0.1 * SLOPE}
 
 #: Half widths of 95 % intervals of few samples in standard errors.
@@ -33,7 +33,7 @@ def flow(
 ) -> MadePoint:
     """Return a flow at a mean velocity in √(gσ), in balance with its weight.
 
-    ``scalars`` replace what follows from that; ``options`` are those of `made_point`.
+    ``scalars`` replace the values of such a flow; ``options`` are those of `made_point`.
     """
     settings = {key: value for key, value in options.items() if key in type(PAPER).model_fields}
     point = ChuteParameters(**settings)
@@ -55,8 +55,8 @@ def flow(
         "frictional_power": power,
         "shear_depth": 2 * SIZE,
     }
-    given = {"scatter": SCATTER} | options
-    return made_point("chute", usual | dict(scalars or {}), profiles, **given)
+    options = {"scatter": SCATTER} | options
+    return made_point("chute", usual | dict(scalars or {}), profiles, **options)
 
 
 def base_flows(speeds: Mapping[float, float] = SPEEDS, **options: object) -> list[MadePoint]:
@@ -64,7 +64,7 @@ def base_flows(speeds: Mapping[float, float] = SPEEDS, **options: object) -> lis
     return [flow(speed, depth=depth, **options) for depth, speed in speeds.items()]
 
 
-def bent(
+def kinked_profile(
     knee: float, depth: float, rest: float = 0.0, replicates: int = 5, scatter: float = SCATTER
 ) -> np.ndarray:
     """Return velocities (R, H) that rise up to ``knee`` diameters, then ``rest`` times as steeply.

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from sim.dataset.build import build
-from sim.figures.several import draw_several
+from sim.figures.several import draw_figures
 from sim.study.load import load_study
 from tests.made.once import once
 from tests.made.runs import make_regimes, make_study
@@ -30,5 +30,5 @@ def make_figures(folder: Path) -> tuple[Path, Path]:
     """Make the study of `make_study` with its dataset and figures; return file and results."""
     study_path, results = make_built_study(folder)
     names = list(load_study(study_path, results).figures)
-    draw_several(names, results / "made" / "dataset.nc", results / "made" / "figures", code="made")
+    draw_figures(names, results / "made" / "dataset.nc", results / "made" / "figures", code="made")
     return study_path, results

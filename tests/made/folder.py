@@ -42,9 +42,9 @@ class Folder:
     def finish(self, key: str, **how) -> Path:
         return write_run(self.runs, self.study.points[key].parameters, **how)
 
-    def say(self, key: str, **changes) -> Path:
+    def write_progress(self, key: str, **changes) -> Path:
         """Write the progress file of a run of this process that is halfway."""
-        said = {
+        values = {
             "point": key,
             "done": 500,
             "total": 1000,
@@ -60,7 +60,7 @@ class Folder:
         }
         self.runs.mkdir(parents=True, exist_ok=True)
         path = progress_file(self.runs / f"{key}.nc")
-        path.write_text(Progress(**said | changes).model_dump_json())
+        path.write_text(Progress(**values | changes).model_dump_json())
         return path
 
     def survey(self) -> StudyStatus:

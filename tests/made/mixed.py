@@ -1,4 +1,4 @@
-"""A study of points that differ in all that a dataset lines up, with made-up run files."""
+"""A study of points with different systems and shapes of arrays, with made-up run files."""
 
 from pathlib import Path
 
@@ -9,7 +9,7 @@ from sim.dataset.build import build
 from sim.parameters import Parameters, parse_point, point_id
 from tests.made.runs import write_run
 
-#: Points that differ in all that is lined up: systems, replicates, slices, squares, variables.
+#: Points that differ in systems, replicates, slices, squares and variables.
 POINTS = [
     {"system": "chute", "depth": 2},
     {"system": "chute", "depth": 5, "replicates": 3},
@@ -24,24 +24,30 @@ SHOWN, PATHS, STATES = 4, "gallas_7a", "gallas_7b"
 
 
 def arrays(parameters: Parameters) -> dict[str, object]:
-    """Return arrays as long as the point is large, and some that only some runs have."""
+    """Return arrays whose lengths depend on the point, and some that only some runs have."""
     count, slices = parameters.replicates, parameters.replicates + 3
-    made = {
+    variables = {
         "height": ("height", np.arange(slices) * 1e-3),
         "velocity_profile": (("replicate", "height"), np.ones((count, slices))),
     }
     if parameters.system == "belt":
         squares = round(parameters.width)
         dims, field = ("replicate", "column", "level"), np.ones((count, squares, 2))
-        made |= {"column": ("column", np.arange(squares) * 1e-3), "level": ("level", [0.0, 1e-3])}
-        made |= {"field_velocity": (dims, field), "field_density": (dims, field)}
+        variables |= {
+            "column": ("column", np.arange(squares) * 1e-3),
+            "level": ("level", [0.0, 1e-3]),
+        }
+        variables |= {"field_velocity": (dims, field), "field_density": (dims, field)}
         dims = ("replicate", "frame", "particle", "axis")
-        made |= {"position": (dims, np.ones((count, 2, 3, 2))), "axis": ("axis", ["x", "z"])}
+        variables |= {"position": (dims, np.ones((count, 2, 3, 2))), "axis": ("axis", ["x", "z"])}
         dims = ("replicate", "path_time", "particle", "axis")
-        made |= {"path": (dims, np.ones((count, 4, 3, 2))), "path_time": ("path_time", np.ones(4))}
+        variables |= {
+            "path": (dims, np.ones((count, 4, 3, 2))),
+            "path_time": ("path_time", np.ones(4)),
+        }
     elif count == 2:
-        made["transient_end"] = ("replicate", np.full(count, np.nan))
-    return made
+        variables["transient_end"] = ("replicate", np.full(count, np.nan))
+    return variables
 
 
 class Mixed:
@@ -77,9 +83,9 @@ class Mixed:
         self.save(*numbers, shown=shown)
         return build(self.path, self.results).read_bytes()
 
-    def afresh(self, *numbers: int, shown: str = "") -> bytes:
-        """Make it from run files alone."""
-        (self.output.parent / earlier.EARLIER).unlink(missing_ok=True)
+    def build_afresh(self, *numbers: int, shown: str = "") -> bytes:
+        """Make the dataset from run files alone, without rows of an earlier one."""
+        (self.output.parent / earlier.EARLIER_FILE).unlink(missing_ok=True)
         return self.build(*numbers, shown=shown)
 
 

@@ -1,4 +1,4 @@
-"""netCDF files that a test writes or changes, sealed like those of the program."""
+"""NetCDF files that tests write or change, sealed like those of the program."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -8,10 +8,10 @@ from typing import Any
 import netCDF4
 import xarray as xr
 
-from sim.base.files import seal
+from sim.base.seals import seal
 
-#: How far a profile in a dataset is from that in the run file at most, relative.
-ROUNDED = 2.0**-10
+#: Largest relative difference of a profile in a dataset from that in the run file.
+ROUNDING = 2.0**-10
 
 
 def store(dataset: xr.Dataset, path: Path, **options: Any) -> None:
@@ -21,8 +21,8 @@ def store(dataset: xr.Dataset, path: Path, **options: Any) -> None:
 
 
 @contextmanager
-def changing(path: Path) -> Iterator[netCDF4.Dataset]:
-    """Open a file to be changed in a block."""
+def edit_file(path: Path) -> Iterator[netCDF4.Dataset]:
+    """Open a file for changes in a block, then seal it."""
     with netCDF4.Dataset(path, "a") as file:
         yield file
     seal(path)

@@ -12,25 +12,25 @@ from filelock import FileLock
 Maker = Callable[[Path], tuple[Path, Path]]
 
 
-class Kept:
-    """Where the first folder of each maker lies, the same for all workers; conftest.py sets it."""
+class SharedFolder:
+    """Folder with the first results of each maker, shared by all workers; conftest.py sets it."""
 
     folder: Path
 
 
 def once(make: Maker) -> Maker:
-    """Return a maker whose folders are copies of the first that ``make`` has filled."""
+    """Return a maker that runs ``make`` once and copies its folder afterwards."""
 
     @wraps(make)
     def copied(folder: Path) -> tuple[Path, Path]:
         name = f"{make.__module__}.{make.__name__}"
-        original, done = Kept.folder / name, Kept.folder / f"{name}.json"
-        with FileLock(Kept.folder / f"{name}.lock"):
+        original, done = SharedFolder.folder / name, SharedFolder.folder / f"{name}.json"
+        with FileLock(SharedFolder.folder / f"{name}.lock"):
             if not done.exists():
                 shutil.rmtree(original, ignore_errors=True)
                 original.mkdir()
-                made = [path.relative_to(original).as_posix() for path in make(original)]
-                done.write_text(json.dumps(made))
+                paths = [path.relative_to(original).as_posix() for path in make(original)]
+                done.write_text(json.dumps(paths))
         shutil.copytree(original, folder, dirs_exist_ok=True)
         study, results = json.loads(done.read_text())
         return folder / study, folder / results

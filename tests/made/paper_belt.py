@@ -1,11 +1,11 @@
-"""A belt that does all that Gallas, Herrmann and Sokołowski say, as made-up points."""
+"""Made-up points of a belt with all results of Gallas, Herrmann and Sokołowski."""
 
 from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
 from sim.claims.evidence import Evidence
-from sim.claims.verdict import Check, together
+from sim.claims.verdict import Check, combined_verdict
 from sim.parameters import BeltParameters, parse_point
 from tests.made.results import MadePoint, headline_number, made_point, made_results
 
@@ -14,7 +14,7 @@ BEAD = 1e-3
 
 
 def onset(belt: BeltParameters) -> float:
-    """Return where transport begins, Hz."""
+    """Return the frequency at which transport begins, Hz."""
     return 17.8 if belt.amplitude < 1 else 15.8
 
 
@@ -72,7 +72,7 @@ def temperature_profile(belt: BeltParameters) -> Callable:
 
 
 def paths(belt: BeltParameters) -> dict[str, float]:
-    """Return the measures of the paths."""
+    """Return the measures of the particles' paths."""
     free = belt.shear_damping == 0
     drift = 1e-6 if free else velocity(belt) / belt.frequency
     flat = 100 / (belt.damping + belt.shear_damping + 1) * belt.vibration_angle / 45
@@ -89,7 +89,7 @@ def paths(belt: BeltParameters) -> dict[str, float]:
     }
 
 
-def published(
+def paper_point(
     scalars: Mapping[str, object] | None = None,
     profiles: Mapping[str, object] | None = None,
     *,
@@ -98,7 +98,7 @@ def published(
     height: np.ndarray | None = None,
     **parameters: object,
 ) -> MadePoint:
-    """Return a point of the belt as the paper has it, but for what is given."""
+    """Return a point of the belt as in the paper, with some values replaced."""
     belt = parse_point({"system": "belt"} | parameters, "tests/claims/paper_belt.py")
     usual = {
         "velocity": velocity(belt),
@@ -135,11 +135,11 @@ def checks_of(
     boundaries: Sequence[Mapping[str, object]] = (),
     protocol: str = "published",
 ) -> list[Check]:
-    """Return what a judge checks on made-up points."""
-    found = made_results(*points, boundaries=boundaries)
-    return judge(Evidence(found, protocol), *headline_number(judge))
+    """Return the checks of a judge on made-up points."""
+    results = made_results(*points, boundaries=boundaries)
+    return judge(Evidence(results, protocol), *headline_number(judge))
 
 
 def verdict_of(judge: Callable, points: Sequence[MadePoint], **rest: object) -> str:
     """Return the verdict of a judge on made-up points."""
-    return together(checks_of(judge, points, **rest))
+    return combined_verdict(checks_of(judge, points, **rest))

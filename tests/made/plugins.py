@@ -1,4 +1,4 @@
-"""Plug-ins in tests: what one adds is gone behind it."""
+"""Plug-ins in tests: their additions are removed after each test."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -7,25 +7,25 @@ from sim.base import additions, plugins
 
 
 @contextmanager
-def forgotten() -> Iterator[None]:
-    """Forget, in the end, the plug-ins that were loaded in the block."""
-    loaded = dict(plugins._plugins)
-    added = {kind: dict(held) for kind, held in additions._additions.items()}
+def restore_plugins() -> Iterator[None]:
+    """Remove, at the end of the block, the plug-ins that were loaded in it."""
+    plugins_before = dict(plugins._plugins)
+    additions_before = {kind: dict(entries) for kind, entries in additions._additions.items()}
     try:
         yield
     finally:
         plugins._plugins.clear()
-        plugins._plugins.update(loaded)
+        plugins._plugins.update(plugins_before)
         additions._additions.clear()
-        additions._additions.update(added)
-        additions.changed()
+        additions._additions.update(additions_before)
+        additions.notify_listeners()
 
 
 @contextmanager
-def alone() -> Iterator[None]:
-    """Be, in the block, like a process that has loaded no plug-in."""
-    with forgotten():
+def without_plugins() -> Iterator[None]:
+    """Run the block as in a process without plug-ins."""
+    with restore_plugins():
         plugins._plugins.clear()
         additions._additions.clear()
-        additions.changed()
+        additions.notify_listeners()
         yield

@@ -1,7 +1,6 @@
-"""Processes of the program, and waiting for what they do.
+"""Processes of the program, and waiting for their effects.
 
-A busy machine may take any time, so tests wait until something happens or those who could do it
-have ended.
+A busy machine may take any time, so tests wait for an effect or for the end of the processes.
 """
 
 import json
@@ -12,16 +11,16 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-from sim.parameters import Parameters, canonical
+from sim.parameters import Parameters, canonical_values
 
 ROOT = Path(__file__).parents[2]
 
-#: Seconds after which a process hangs that should have refused its input, on any machine.
+#: Seconds after which a process counts as hanging, on any machine.
 HANG = 3600.0
 
 
 def wait_until(is_so: Callable[[], bool], *processes: subprocess.Popen) -> None:
-    """Wait until something is so; fail once the processes that could bring it about have ended."""
+    """Wait until ``is_so()`` is true; fail if all the processes end before."""
     while not is_so():
         if processes and all(process.poll() is not None for process in processes):
             assert is_so(), "ended before it happened"
@@ -29,7 +28,7 @@ def wait_until(is_so: Callable[[], bool], *processes: subprocess.Popen) -> None:
 
 
 def program(*words: str, **options) -> subprocess.CompletedProcess:
-    """Let ``python -m sim`` run to its end and return what it said."""
+    """Run ``python -m sim`` to its end; return the finished process with its output."""
     options = {"capture_output": True, "text": True, "timeout": HANG} | options
     return subprocess.run([sys.executable, "-m", "sim", *words], cwd=ROOT, **options)
 
@@ -49,15 +48,14 @@ def start_run(parameters: Parameters, output: Path, **options) -> subprocess.Pop
         text=True,
         **options,
     )
-    process.stdin.write(json.dumps(canonical(parameters)))
+    process.stdin.write(json.dumps(canonical_values(parameters)))
     process.stdin.close()
     process.stdin = None
     return process
 
 
 def in_process(folder: Path, lines: str) -> None:
-    """Run lines in a folder, in a process of their own: others have the engine without what they
-    add."""
+    """Run lines of Python in a folder, in a new process, whose engine has no earlier additions."""
     environment = os.environ | {"PYTHONPATH": str(ROOT), "TALUS_CACHE_DIR": str(folder / "cache")}
     command = [sys.executable, "-c", lines]
     done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True)

@@ -1,4 +1,4 @@
-"""Folders in which workflows run, with a copy of the project or without, and what they say."""
+"""Folders in which workflows run, with or without a copy of the project, and their output."""
 
 import re
 import shutil
@@ -15,7 +15,7 @@ STUDY = "tiny.yaml"
 
 
 def copy_tree(tree: Path) -> Path:
-    """Copy what a workflow needs into a folder, and return that.
+    """Copy the files that a workflow needs into a folder; return the folder.
 
     Only for tests that edit the project: a copy compiles the engine anew.
     """
@@ -28,9 +28,9 @@ def copy_tree(tree: Path) -> Path:
 
 
 def bare_folder(folder: Path, study: str = STUDY) -> Path:
-    """Copy a study of ``tests/data`` alone into a folder; return the folder.
+    """Copy only a study of ``tests/data`` into a folder; return the folder.
 
-    Workflows there are those of the project itself, whose engine other tests have compiled.
+    Workflows there use the project itself, whose engine other tests have compiled.
     """
     shutil.copy(ROOT / "tests" / "data" / study, folder / study)
     return folder
@@ -38,49 +38,49 @@ def bare_folder(folder: Path, study: str = STUDY) -> Path:
 
 def command(folder: Path, *arguments: str, study: str = STUDY) -> list[str]:
     """Return the command of a workflow: of the copy in a folder, or of the project."""
-    copied = folder / "Snakefile"
-    snakefile = copied if copied.exists() else ROOT / "Snakefile"
-    # What the profile keeps quiet about is what tests look at.
-    spoken = ["--quiet", "host", "--cores", "2", "--snakefile", str(snakefile)]
-    options = [*spoken, *arguments, "--configfile", study]
+    copy = folder / "Snakefile"
+    snakefile = copy if copy.exists() else ROOT / "Snakefile"
+    # Tests read output that the profile suppresses.
+    output = ["--quiet", "host", "--cores", "2", "--snakefile", str(snakefile)]
+    options = [*output, *arguments, "--configfile", study]
     return [sys.executable, "-m", "snakemake", *options]
 
 
 def snakemake(tree: Path, *arguments: str, study: str = STUDY) -> subprocess.CompletedProcess:
-    """Let a workflow run to its end and return what it said."""
+    """Run a workflow to its end; return the finished process with its output."""
     _, _, _, *words = command(tree, *arguments, study=study)
     return snakemake_in(tree, words)
 
 
-def jobs(said: str) -> dict[str, int]:
-    """Return how many jobs of each rule a workflow announces, the targets left out."""
-    table = said.partition("Job stats:")[2].partition("\n\n")[0]
-    found: Counter[str] = Counter()
+def jobs(output: str) -> dict[str, int]:
+    """Return the number of jobs of each rule in a workflow's output, without the targets."""
+    table = output.partition("Job stats:")[2].partition("\n\n")[0]
+    counts: Counter[str] = Counter()
     for name, count in re.findall(r"^(\w+) +(\d+)$", table, re.M):
-        found["batch" if name.startswith("batch_") else name] += int(count)
+        counts["batch" if name.startswith("batch_") else name] += int(count)
     targets = ("all", "default", "runs", "total")
-    return {name: count for name, count in found.items() if name not in targets}
+    return {name: count for name, count in counts.items() if name not in targets}
 
 
-def points(said: str) -> list[str]:
-    """Return the points that a workflow announces or runs, in its order."""
+def points(output: str) -> list[str]:
+    """Return the points in a workflow's output, in their order."""
     rule = r"^(?:local)?rule (?:run|batch_\w+):\n.*\n +output: (.*)$"
-    outputs = [path for output in re.findall(rule, said, re.M) for path in output.split(", ")]
-    return [Path(path.removesuffix(" (update)")).stem for path in outputs]
+    paths = [path for line in re.findall(rule, output, re.M) for path in line.split(", ")]
+    return [Path(path.removesuffix(" (update)")).stem for path in paths]
 
 
 def plan(tree: Path, *arguments: str, study: str = STUDY) -> str:
-    """Return what a dry run says."""
+    """Return the output of a dry run."""
     dry = snakemake(tree, "-n", *arguments, study=study)
     assert dry.returncode == 0, dry.stderr
     return dry.stdout + dry.stderr
 
 
-def planned(tree: Path, *arguments: str, study: str = STUDY) -> dict[str, int]:
-    """Return how many jobs of each rule a dry run announces."""
+def planned_jobs(tree: Path, *arguments: str, study: str = STUDY) -> dict[str, int]:
+    """Return the number of jobs of each rule in a dry run."""
     return jobs(plan(tree, *arguments, study=study))
 
 
 def planned_points(tree: Path, *arguments: str, study: str = STUDY) -> set[str]:
-    """Return the points that a dry run announces."""
+    """Return the points in a dry run."""
     return set(points(plan(tree, *arguments, study=study)))

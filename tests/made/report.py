@@ -1,4 +1,4 @@
-"""A made-up study with everything a report can show: verdicts of each kind, an animation."""
+"""A made-up study with all contents of a report: verdicts of each kind, an animation."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -12,7 +12,7 @@ from PIL import Image
 from sim.claims.judgement import Judgement, Variant
 from sim.claims.table import Claim, First, Number
 from sim.claims.verdict import Check
-from sim.claims.written import write
+from sim.claims.verdict_files import write
 from sim.dataset.results import load_results
 from sim.report.claims import read_claims
 from sim.report.gallery import data_uri
@@ -32,7 +32,7 @@ boundaries:
   - {name: onset, system: belt, of: transport, along: frequency, range: [11, 27], tolerance: 0.25}
 """
 
-FOUND = {
+BOUNDARY_ROW = {
     "name": "onset",
     "system": "belt",
     "along": "frequency",
@@ -47,7 +47,7 @@ FOUND = {
 
 
 def made_claims(points: list[str]) -> list[Judgement]:
-    """Return claims, one of each verdict; W9 depends on the protocol, G4 on a reading."""
+    """Return judgements of claims; W9 depends on the protocol, G4 on a reading."""
     chute = next(point for point in points if DEPTH in point)
     belt = next(point for point in points if FREQUENCY in point)
     good = Check("ρ of V and n", 0.91, 0.02, 0.5, 1.5, points=(chute,), samples=40.0)
@@ -98,7 +98,11 @@ def made_claims(points: list[str]) -> list[Judgement]:
                 "Stiffness hardly matters",
                 number=Number(what="weak", values=[0.1, 0.15], headline=0.15),
             ),
-            (Variant("published", "default", (bad,), others={0.1: (good,), 0.15: (bad,)}),),
+            (
+                Variant(
+                    "published", "default", (bad,), checks_by_number={0.1: (good,), 0.15: (bad,)}
+                ),
+            ),
         ),
         Judgement(
             _claim("W21", "Stiffer is slower", parts={"a": "shallow", "b": "deep"}),
@@ -113,8 +117,8 @@ def made_claims(points: list[str]) -> list[Judgement]:
         Judgement(
             _claim("G31", "Obstacles slow the flow"),
             tuple(
-                Variant(each, "default", reason="no obstacle")
-                for each in ("converged", "published")
+                Variant(protocol, "default", reason="no obstacle")
+                for protocol in ("converged", "published")
             ),
         ),
     ]
@@ -136,12 +140,12 @@ def _claim(name: str, title: str, **others) -> Claim:
 
 
 def write_claims(path: Path, points: list[str]) -> None:
-    """Write what the judge would write about the made-up claims, as JSON and as CSV."""
+    """Write the judgements of the made-up claims as JSON and as CSV."""
     write(made_claims(points), "made", path.parent)
 
 
 @contextmanager
-def animated(folder: Path) -> Iterator[str]:
+def register_animation(folder: Path) -> Iterator[str]:
     """Make the files of an animation in ``folder`` and register it; yield its name."""
     pictures = [Image.new("RGB", (64, 48), (shade, 90, 160)) for shade in (40, 120, 200)]
     pictures[0].save(folder / f"{ANIMATION}.png")
@@ -165,11 +169,11 @@ def make_page(folder: Path) -> Path:
     write_claims(made / "claims.json", list(study.points))
     (folder / "onset.yaml").write_text(BOUNDARY)
     bounds = load_study(folder / "onset.yaml", results)
-    with animated(made / "figures") as name:
+    with register_animation(made / "figures") as name:
         study = replace(study, boundaries=bounds.boundaries, figures={**study.figures, name: ()})
         page = render(
             study,
-            replace(load_results(made / "dataset.nc"), boundaries=pd.DataFrame([FOUND])),
+            replace(load_results(made / "dataset.nc"), boundaries=pd.DataFrame([BOUNDARY_ROW])),
             made / "figures",
             read_claims(made / "claims.json"),
             data_uri,

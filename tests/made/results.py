@@ -1,4 +1,4 @@
-"""Results made up for judges: points whose every number and profile is known, without files."""
+"""Made-up results for judges: points with known numbers and profiles, without files."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -11,19 +11,19 @@ from scipy.special import ndtri
 from sim.claims.table import claims
 from sim.dataset.replicates import outcomes
 from sim.dataset.results import Results
-from sim.parameters import SYSTEMS, Parameters, complete, field_info, parse_point, point_id
+from sim.parameters import SYSTEMS, Parameters, complete_values, field_info, parse_point, point_id
 
 #: A number, one per replicate, or a word.
-Given = float | str | Sequence[float]
+ScalarValues = float | str | Sequence[float]
 
-#: Scatter of replicates relative to the value, where a point does not name its own.
+#: Default scatter of replicates relative to the value.
 SCATTER = 1e-3
 
-#: Height of a slice and number of slices, in diameters, unless a point names its heights.
+#: Default height of a slice, in diameters, and default number of slices.
 SLICE = {"chute": 0.25, "belt": 1.0}
 SLICES = 200
 
-#: What every completed replicate says of itself unless told otherwise.
+#: Default values of every completed replicate.
 USUAL = {
     "regime": "steady",
     "quality": "reliable",
@@ -52,7 +52,7 @@ class MadePoint:
 
 
 def spread(replicates: int) -> np.ndarray:
-    """Return numbers of mean 0 and standard deviation 1, like normal ones but the same always."""
+    """Return fixed numbers with mean 0, standard deviation 1 and a normal distribution."""
     if replicates == 1:
         return np.zeros(1)
     values = ndtri((np.arange(replicates) + 0.5) / replicates)
@@ -61,7 +61,7 @@ def spread(replicates: int) -> np.ndarray:
 
 def made_point(
     system: str,
-    scalars: Mapping[str, Given] | None = None,
+    scalars: Mapping[str, ScalarValues] | None = None,
     profiles: Mapping[str, Callable[[np.ndarray], np.ndarray] | np.ndarray] | None = None,
     *,
     replicates: int = 5,
@@ -69,13 +69,13 @@ def made_point(
     height: np.ndarray | None = None,
     **parameters: object,
 ) -> MadePoint:
-    """Return a point; what is not given says that all went well.
+    """Return a point; omitted values are those of a good run.
 
     Parameters
     ----------
     system : {'chute', 'belt'}
     scalars : mapping, optional
-        SI values by name of anything in `sim.parameters.observables.SCALARS` or of measures: one
+        SI values by name of anything in `sim.parameters.variables.SCALARS` or of measures: one
         number (replicates then scatter about it), one per replicate, or a word.
     profiles : mapping, optional
         By name: a function of the heights (m), whose values then scatter over replicates as a
@@ -87,14 +87,14 @@ def made_point(
     height : (H,) array, optional
         Centres of the slices, m.
     **parameters
-        Those that differ from the paper's.
+        Parameters that differ from the paper.
     """
     point = parse_point(
         {"system": system, "replicates": replicates} | parameters, "tests.made.results"
     )
     factors = 1.0 + scatter * spread(replicates)
     values = {
-        name: _replicated(each, factors) for name, each in (USUAL | dict(scalars or {})).items()
+        name: _replicated(value, factors) for name, value in (USUAL | dict(scalars or {})).items()
     }
     own = np.abs(values.get("velocity", np.full(replicates, np.nan))) * scatter
     usual = {"velocity": own, "velocity_error": own / 2, "velocity_half_width": own}
@@ -107,13 +107,13 @@ def made_point(
     values = usual | values
     if height is None:
         height = (np.arange(SLICES) + 0.5) * SLICE[system] * point.diameter
-    made = {
-        name: np.outer(factors, each(_centres(name, point, height)))
-        if callable(each)
-        else np.asarray(each, float)
-        for name, each in (profiles or {}).items()
+    arrays = {
+        name: np.outer(factors, profile(_centres(name, point, height)))
+        if callable(profile)
+        else np.asarray(profile, float)
+        for name, profile in (profiles or {}).items()
     }
-    return MadePoint(point, values, made, height)
+    return MadePoint(point, values, arrays, height)
 
 
 def made_results(
@@ -142,8 +142,8 @@ def made_results(
         for system in {point.parameters.system for point in points}
     }
     columns = None if boundaries else ["system", "of", "along", "low", "high"]
-    found = pd.DataFrame(list(boundaries), columns=columns)
-    return Results(root.assign(_together(root)), profiles, found, dict(particles or {}))
+    table = pd.DataFrame(list(boundaries), columns=columns)
+    return Results(root.assign(_together(root)), profiles, table, dict(particles or {}))
 
 
 def made_boundary(
@@ -156,11 +156,11 @@ def made_boundary(
     verdict: str = "found",
     **parameters: object,
 ) -> dict[str, object]:
-    """Return a boundary between ``low`` and ``high``; what is not given is the paper's."""
+    """Return a boundary between ``low`` and ``high``; omitted parameters are the paper's."""
     point = parse_point({"system": system} | parameters, "tests.made.results")
     settings = {
         name: value if isinstance(value, str) else float(value)
-        for name, value in complete(point).items()
+        for name, value in complete_values(point).items()
     }
     declared = field_info(point)[along]
     return settings | {
@@ -181,26 +181,26 @@ def made_boundary(
 
 
 def _is_along(name: str) -> bool:
-    """Return whether a profile runs along the belt."""
+    """True where a profile runs along the belt."""
     return name.startswith("column")
 
 
 def _centres(name: str, point: Parameters, height: np.ndarray) -> np.ndarray:
-    """Return where a profile has its values (m)."""
+    """Return the positions (m) of a profile's values."""
     if not _is_along(name):
         return height
     return (np.arange(round(point.width)) + 0.5) * point.diameter
 
 
-def _replicated(given: Given, factors: np.ndarray) -> np.ndarray:
+def _replicated(values: ScalarValues, factors: np.ndarray) -> np.ndarray:
     """Return one value per replicate."""
-    if isinstance(given, str):
-        return np.full(factors.size, given, object)
-    if np.ndim(given) == 0:
-        return float(given) * factors
-    if all(isinstance(each, str) for each in given):
-        return np.array(given, object)
-    return np.asarray(given, float)
+    if isinstance(values, str):
+        return np.full(factors.size, values, object)
+    if np.ndim(values) == 0:
+        return float(values) * factors
+    if all(isinstance(value, str) for value in values):
+        return np.array(values, object)
+    return np.asarray(values, float)
 
 
 def _table(points: Sequence[MadePoint], name: str, count: int) -> np.ndarray:
@@ -214,7 +214,7 @@ def _table(points: Sequence[MadePoint], name: str, count: int) -> np.ndarray:
 
 
 def _coordinates(points: Sequence[MadePoint]) -> dict[str, object]:
-    """Return ids, particle numbers and every parameter of both systems, as a dataset does."""
+    """Return ids, particle numbers and every parameter of all systems, as in a dataset."""
     empty = np.full(len(points), "", object)
     labels = {
         "point": [point.id for point in points],
@@ -234,11 +234,11 @@ def _coordinates(points: Sequence[MadePoint]) -> dict[str, object]:
 
 
 def _together(root: xr.Dataset) -> dict[str, object]:
-    """Return what replicates say together, under the names of the dataset."""
-    found = outcomes(root)
+    """Return statistics pooled over replicates, under the names of the dataset."""
+    rows = outcomes(root)
     names = {"velocity": float, "half_width": float, "regime": object, "quality": object}
     return {
-        f"point_{name}": ("point", np.array([each[name] for each in found], kind))
+        f"point_{name}": ("point", np.array([row[name] for row in rows], kind))
         for name, kind in names.items()
     }
 
@@ -269,6 +269,8 @@ def _padded(rows: Sequence[np.ndarray], shape: tuple[int, ...]) -> np.ndarray:
 
 
 def headline_number(judge: Callable) -> tuple[float, ...]:
-    """The number that a judge is given for the headline verdict, if it takes one."""
-    numbers = [claim.number for claim in claims() if claim.number and claim.judging() is judge]
+    """Return the number of a judge's headline verdict, empty where the judge takes none."""
+    numbers = [
+        claim.number for claim in claims() if claim.number and claim.judge_function() is judge
+    ]
     return tuple(number.headline for number in numbers[:1])

@@ -1,4 +1,4 @@
-"""Synthetic run files: what the engine writes, in miniature and with the answer known."""
+"""Synthetic run files: small ones as the engine writes them, with known answers."""
 
 from collections.abc import Mapping, Sequence
 from math import cos, nan, radians, sin
@@ -8,13 +8,12 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from sim.base.files import seal
-from sim.base.summary import append_summary
+from sim.base.seals import append_summary, seal
 from sim.dataset.rounds import added_points
 from sim.engine.identity import NUMERICS
 from sim.engine.observe.force_balance import base_forces
-from sim.parameters import Parameters, amounts, canonical, field_info, point_id
-from sim.parameters.observables import SCALARS
+from sim.parameters import Parameters, amounts, canonical_values, field_info, point_id
+from sim.parameters.variables import SCALARS
 from sim.study.load import load_study
 from tests.made.once import once
 
@@ -36,7 +35,7 @@ def write_run(
     numerics: int = NUMERICS,
     arrays: Mapping[str, Any] | None = None,
 ) -> Path:
-    """Write ``<folder>/<point id>.nc`` after the contract of a run file.
+    """Write ``<folder>/<point id>.nc`` by the contract of a run file.
 
     Parameters
     ----------
@@ -55,7 +54,7 @@ def write_run(
     gain : float
         Velocity gained at a constant rate over the run, in √(g·diameter).
     arrays : mapping
-        Further variables, or others in place of those made up here.
+        Further variables, or replacements of those made up here.
     """
     count = parameters.replicates
     velocities = np.broadcast_to(np.asarray(velocity, dtype=float), count).copy()
@@ -68,8 +67,8 @@ def write_run(
     path = folder / f"{point_id(parameters)}.nc"
     dataset.to_netcdf(path)
     scalars = {name: dataset[name].values.tolist() for name in SCALARS if name in dataset}
-    told = {"attributes": dataset.attrs, "held": [amounts(parameters)], "scalars": scalars}
-    append_summary(path, told)
+    summary = {"attributes": dataset.attrs, "held": [amounts(parameters)], "scalars": scalars}
+    append_summary(path, summary)
     seal(path)
     return path
 
@@ -134,7 +133,7 @@ def _scalars(
     count = len(velocities)
     lost = [index in failed for index in range(count)]
     acceleration = 2.0 if regime == "accelerating" else 1e-8
-    # A trend that cannot be told is what leaves a regime open.
+    # A regime is undetermined where the trend is uncertain.
     unsure = 1.0 if regime == "undetermined" else 1e-7
     numbers = {
         "velocity": (velocities, "m s-1"),
@@ -153,11 +152,11 @@ def _scalars(
         "replicate_seed": (parameters.seed + np.arange(count), "1"),
     }
     words = {
-        "regime": ["undetermined" if gone else regime for gone in lost],
-        "quality": ["failed" if gone else "reliable" for gone in lost],
-        "stopped": ["failure" if gone else "length" for gone in lost],
-        "status": ["failed" if gone else "completed" for gone in lost],
-        "reason": [FAILURE if gone else "" for gone in lost],
+        "regime": ["undetermined" if failure else regime for failure in lost],
+        "quality": ["failed" if failure else "reliable" for failure in lost],
+        "stopped": ["failure" if failure else "length" for failure in lost],
+        "status": ["failed" if failure else "completed" for failure in lost],
+        "reason": [FAILURE if failure else "" for failure in lost],
     }
     data = {name: ("replicate", array, {"units": unit}) for name, (array, unit) in numbers.items()}
     return data | {
@@ -168,7 +167,7 @@ def _scalars(
 def _parameters(parameters: Parameters) -> dict[str, Any]:
     rows = field_info(parameters)
     data: dict[str, Any] = {"particles": ((), parameters.particles, {"units": "1"})}
-    for name, value in canonical(parameters).items():
+    for name, value in canonical_values(parameters).items():
         attrs = {"long_name": rows[name].description}
         if rows[name].unit:
             attrs["units"] = rows[name].unit
@@ -249,12 +248,12 @@ def made_velocity(parameters: Parameters) -> tuple[float, str]:
 
 
 def is_lost(parameters: Parameters) -> bool:
-    """Whether the made-up study loses all replicates of a point."""
+    """True where all replicates of a point fail in the made-up study."""
     return parameters.system == "chute" and (parameters.depth, parameters.restitution) == (10, 0.7)
 
 
 def is_hurt(parameters: Parameters) -> bool:
-    """Whether the made-up study loses the first replicate of a point."""
+    """True where the first replicate of a point fails in the made-up study."""
     return parameters.system == "chute" and (parameters.depth, parameters.restitution) == (5, 0.7)
 
 

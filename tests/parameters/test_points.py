@@ -12,13 +12,13 @@ from sim.parameters import (
     BeltParameters,
     ChuteParameters,
     as_yaml,
-    canonical,
     canonical_json,
-    complete,
+    canonical_values,
+    complete_values,
+    defaults_of_added,
     field_info,
     parse_point,
     point_id,
-    unsaid,
 )
 
 
@@ -28,8 +28,10 @@ def test_a_follower_given_explicitly_is_the_same_point():
 
 def test_equal_numbers_are_one_point():
     pairs = [(0.1 + 0.2, 0.3), (0.7 * 0.5, 0.35), (1, 1.0), (4e-1, 0.4)]
-    for one, other in pairs:
-        assert point_id(ChuteParameters(friction=one)) == point_id(ChuteParameters(friction=other))
+    for first, second in pairs:
+        assert point_id(ChuteParameters(friction=first)) == point_id(
+            ChuteParameters(friction=second)
+        )
 
 
 def test_minus_zero_is_zero():
@@ -45,7 +47,7 @@ def test_ids_show_what_differs_from_the_paper_and_hide_what_is_numerical():
 
 @pytest.mark.parametrize("system", SYSTEMS)
 def test_every_parameter_is_in_the_id_but_how_much_is_wanted(system):
-    changed = {
+    new_values = {
         "seed": 2,
         "replicates": 2,
         "prior_cycles": 2,
@@ -66,39 +68,39 @@ def test_every_parameter_is_in_the_id_but_how_much_is_wanted(system):
         "corrections": 2,
         "start_from": "run.nc",
     }
-    needed = {"ghost_mass": {"damping_mass": "reduced"}}
-    needed["trajectory_contacts"] = {"trajectory": 1}
+    others = {"ghost_mass": {"damping_mass": "reduced"}}
+    others["trajectory_contacts"] = {"trajectory": 1}
     if system != "belt":
-        needed["shear_damping"] = {"law": "drag"}
-        needed["bump_arrangement"] = {"bumps": 1}
+        others["shear_damping"] = {"law": "drag"}
+        others["bump_arrangement"] = {"bumps": 1}
     default = SYSTEMS[system]()
     for name, row in field_info(default).items():
         if name == "system":
             continue
         value = getattr(default, name)
-        if isinstance(value, str) and name not in changed:
+        if isinstance(value, str) and name not in new_values:
             new = next(word for word in re.findall(r"\w+", row.allowed)[::-1] if word != value)
         else:
-            new = changed.get(name, 0.9 * value if value else 0.5)
-        rest = {"system": system} | needed.get(name, {})
+            new = new_values.get(name, 0.9 * value if value else 0.5)
+        rest = {"system": system} | others.get(name, {})
         point = parse_point(rest | {name: new}, "point.yaml")
         same = point_id(point) == point_id(parse_point(rest, "point.yaml"))
         assert same == (name in AMOUNTS), name
 
 
 def test_a_parameter_added_later_is_in_the_name_where_it_is_used_alone():
-    """Points from before it keep their name, and so do those of today that leave its default."""
+    """Older points keep their ids, and so do new points with its default."""
     usual = BeltParameters()
     for name, value in (("slice_height", 0.5), ("corrections", 2), ("phase_0_profiles", True)):
-        default = unsaid("belt")[name]
-        assert name not in canonical(usual) and name not in canonical_json(usual)
-        assert complete(usual)[name] == default
+        default = defaults_of_added("belt")[name]
+        assert name not in canonical_values(usual) and name not in canonical_json(usual)
+        assert complete_values(usual)[name] == default
         assert point_id(BeltParameters(**{name: default})) == point_id(usual)
         used = BeltParameters(**{name: value})
-        assert canonical(used) == canonical(usual) | {name: value}
-        assert parse_point(canonical(used), "point.yaml") == used
+        assert canonical_values(used) == canonical_values(usual) | {name: value}
+        assert parse_point(canonical_values(used), "point.yaml") == used
     assert "-corrections2-" in point_id(BeltParameters(corrections=2))
-    assert unsaid("chute") == {
+    assert defaults_of_added("chute") == {
         "start_from": "",
         "stress_profiles": False,
         "trajectory": 0,
@@ -112,8 +114,8 @@ def test_a_parameter_added_later_is_in_the_name_where_it_is_used_alone():
 @pytest.mark.parametrize("system", SYSTEMS)
 def test_a_point_file_has_every_parameter(system):
     point = SYSTEMS[system]()
-    assert parse_yaml(as_yaml(point), "point.yaml") == complete(point)
-    assert set(complete(point)) == set(SYSTEMS[system].model_fields)
+    assert parse_yaml(as_yaml(point), "point.yaml") == complete_values(point)
+    assert set(complete_values(point)) == set(SYSTEMS[system].model_fields)
 
 
 def test_ids_read_well():

@@ -5,7 +5,7 @@ import math
 import pytest
 
 from sim.base.errors import InputError
-from sim.parameters import complete, parse_point
+from sim.parameters import complete_values, parse_point
 
 WALTON = {
     "depth": 5,
@@ -54,7 +54,7 @@ GALLAS = {
 }
 
 
-REFUSED = [
+REFUSALS = [
     ("chute", "average", 0.2, "at least sample_interval = 0.25"),
     ("chute", "depth", 0, "> 0"),
     ("chute", "depth", -1, "> 0"),
@@ -106,13 +106,13 @@ REFUSED = [
 ]
 
 
-@pytest.mark.parametrize(("system", "published"), [("chute", WALTON), ("belt", GALLAS)])
-def test_omitted_parameters_have_the_papers_values(system, published):
-    values = complete(parse_point({"system": system}, "point.yaml"))
-    assert {name: values[name] for name in published} == pytest.approx(published)
+@pytest.mark.parametrize(("system", "paper_values"), [("chute", WALTON), ("belt", GALLAS)])
+def test_omitted_parameters_have_the_papers_values(system, paper_values):
+    values = complete_values(parse_point({"system": system}, "point.yaml"))
+    assert {name: values[name] for name in paper_values} == pytest.approx(paper_values)
 
 
-@pytest.mark.parametrize(("system", "key", "value", "allowed"), REFUSED)
+@pytest.mark.parametrize(("system", "key", "value", "allowed"), REFUSALS)
 def test_refusals_name_file_key_and_range(system, key, value, allowed):
     with pytest.raises(InputError) as caught:
         parse_point({"system": system, key: value}, "point.yaml")
@@ -135,7 +135,7 @@ def test_a_run_too_long_for_its_samples_is_refused():
 
 
 @pytest.mark.parametrize(
-    ("given_values", "boundary"),
+    ("values", "boundary"),
     [
         ({"system": "chute"}, {"restitution": 1}),
         ({"system": "chute"}, {"restitution": 0.001}),
@@ -149,8 +149,8 @@ def test_a_run_too_long_for_its_samples_is_refused():
         ({"system": "belt"}, {"beads": 1}),
     ],
 )
-def test_boundaries_that_belong_to_the_range_are_accepted(given_values, boundary):
-    parameters = parse_point(given_values | boundary, "point.yaml")
+def test_boundaries_that_belong_to_the_range_are_accepted(values, boundary):
+    parameters = parse_point(values | boundary, "point.yaml")
     assert all(getattr(parameters, name) == value for name, value in boundary.items())
 
 

@@ -1,4 +1,4 @@
-"""Roles of parameters: what one declaration says is found wherever it matters."""
+"""Roles of parameters: one declaration takes effect everywhere."""
 
 import json
 import os
@@ -11,16 +11,16 @@ import pytest
 
 from sim.parameters import NUMERICAL, SYSTEMS, parse_point, point_id
 from sim.parameters.roles import (
-    added,
-    changing_start,
+    added_parameters,
     declarations,
     id_parts,
-    numerical,
-    readings,
+    numerical_parameters,
+    reading_parameters,
+    start_parameters,
 )
 
 ROOT = Path(__file__).parents[2]
-STORED = json.loads(Path(__file__).with_name("ids.json").read_text(encoding="utf-8"))
+STORED_IDS = json.loads(Path(__file__).with_name("ids.json").read_text(encoding="utf-8"))
 
 NEW_PARAMETERS = """
     humidity: Real = declare(
@@ -44,7 +44,7 @@ NEW_PARAMETERS = """
     @property
     def time_unit("""
 
-LOOK = """
+PARAMETER_PROGRAM = """
 import json
 from sim.engine.warm import variants
 from sim.parameters import NUMERICAL, SYSTEMS, BeltParameters, field_info, parse_point, point_id
@@ -69,15 +69,15 @@ print(json.dumps({
     "text": [setting("belt", name, value) for name, value in
              (("humidity", 60.0), ("wetting", "full"))],
     "variants": [point.wetting for point in variants(points)],
-    "readings": roles.readings(BeltParameters),
-    "start": roles.changing_start(BeltParameters),
+    "readings": roles.reading_parameters(BeltParameters),
+    "start": roles.start_parameters(BeltParameters),
     "numerical": "patience" in NUMERICAL and "humidity" not in NUMERICAL,
     "places": [place(humidity=1) != place(), place(wetting="full") != place(),
                place(patience=9) != place()],
 }))
 """
 
-STUDY = """
+STUDY_PROGRAM = """
 import json
 import jsonschema
 from sim.base.errors import InputError
@@ -98,21 +98,22 @@ study = {
 }
 jsonschema.validate(study, schema())
 jsonschema.validate({"system": "drum", "frequency": 30}, schema())
-loaded = parse_study(study, "study.yaml", None)
-refused = []
+loaded_study = parse_study(study, "study.yaml", None)
+messages = []
 for entry in ({"depth": [1]}, {"frequency": [-1]}):
     study["series"][0]["grid"] = entry
     try:
         parse_study(study, "study.yaml", None)
     except InputError as error:
-        refused.append(str(error))
+        messages.append(str(error))
 print(json.dumps({
-    "points": {key: one.parameters.damping for key, one in loaded.points.items()
-               if "a" in one.series},
-    "boundaries": len(loaded.boundaries),
-    "cost": all(estimate(one.parameters).core_seconds > 0 for one in loaded.points.values()),
+    "points": {key: point.parameters.damping for key, point in loaded_study.points.items()
+               if "a" in point.series},
+    "boundaries": len(loaded_study.boundaries),
+    "cost": all(estimate(point.parameters).core_seconds > 0
+                for point in loaded_study.points.values()),
     "reference": "### Parameters of the drum" in reference_text(),
-    "refused": refused,
+    "refused": messages,
 }))
 """
 
@@ -120,8 +121,8 @@ print(json.dumps({
 @pytest.fixture
 def package(tmp_path):
     """A copy of the package that may be changed."""
-    ignored = shutil.ignore_patterns("__pycache__")
-    return shutil.copytree(ROOT / "sim", tmp_path / "sim", ignore=ignored)
+    ignore = shutil.ignore_patterns("__pycache__")
+    return shutil.copytree(ROOT / "sim", tmp_path / "sim", ignore=ignore)
 
 
 def change(path: Path, old: str, new: str) -> None:
@@ -130,8 +131,8 @@ def change(path: Path, old: str, new: str) -> None:
     path.write_text(text.replace(old, new), encoding="utf-8")
 
 
-def seen(package: Path, code: str) -> dict:
-    """What a program prints that imports this copy of the package."""
+def run_in_copy(package: Path, code: str) -> dict:
+    """Return the JSON that a program prints which imports this copy of the package."""
     done = subprocess.run(
         [sys.executable, "-c", code],
         cwd=package.parent,
@@ -143,31 +144,31 @@ def seen(package: Path, code: str) -> dict:
     return json.loads(done.stdout)
 
 
-@pytest.mark.parametrize(("values", "name"), STORED, ids=[name for _, name in STORED])
+@pytest.mark.parametrize(("values", "name"), STORED_IDS, ids=[name for _, name in STORED_IDS])
 def test_points_keep_their_ids(values, name):
     assert point_id(parse_point(values, "point")) == name
 
 
 @pytest.mark.parametrize("model", SYSTEMS.values())
 def test_roles_fit_together(model):
-    assert set(changing_start(model)) <= numerical(model)
-    assert not {*id_parts(model), *readings(model)} & numerical(model)
+    assert set(start_parameters(model)) <= numerical_parameters(model)
+    assert not {*id_parts(model), *reading_parameters(model)} & numerical_parameters(model)
     assert len(set(id_parts(model).values())) == len(id_parts(model))
 
 
 def test_a_name_has_one_role_in_all_systems():
     for model in SYSTEMS.values():
-        assert set(model.model_fields) & NUMERICAL == numerical(model)
+        assert set(model.model_fields) & NUMERICAL == numerical_parameters(model)
 
 
 def test_what_is_added_is_no_part_of_every_name_and_has_a_default_of_its_own():
     for model in SYSTEMS.values():
-        assert not set(added(model)) & {*id_parts(model), "system"}
-        assert not any(model.model_fields[name].default_factory for name in added(model))
+        assert not set(added_parameters(model)) & {*id_parts(model), "system"}
+        assert not any(model.model_fields[name].default_factory for name in added_parameters(model))
 
 
 def test_readings_are_told_choices_first():
-    assert readings(SYSTEMS["chute"]) == (
+    assert reading_parameters(SYSTEMS["chute"]) == (
         "law",
         "overlap_memory",
         "friction_cap",
@@ -179,34 +180,34 @@ def test_readings_are_told_choices_first():
 
 @pytest.mark.parametrize("model", SYSTEMS.values())
 def test_the_smallest_point_is_a_point(model):
-    point = model(**model.smallest)
+    point = model(**model.smallest_values)
     assert point.particles <= 5
-    assert set(model.smallest) <= set(declarations(model))
+    assert set(model.smallest_values) <= set(declarations(model))
 
 
 def test_a_parameter_is_added_in_one_place(package):
     change(
         package / "parameters" / "belt.py", "\n    @property\n    def time_unit(", NEW_PARAMETERS
     )
-    found = seen(package, LOOK)
-    assert found["schema"]["unit"] == "m s-2" and found["schema"]["symbol"] == "H"
-    assert found["lists"] == ["humidity", "wetting", "patience"]
-    (row,) = found["reference"]
+    output = run_in_copy(package, PARAMETER_PROGRAM)
+    assert output["schema"]["unit"] == "m s-2" and output["schema"]["symbol"] == "H"
+    assert output["lists"] == ["humidity", "wetting", "patience"]
+    (row,) = output["reference"]
     assert row == "| `humidity` | H | m s-2 | a number >= 0 | 40 | how wet the air is |  |"
-    dry, humid, wet, both = found["ids"]
+    dry, humid, wet, both = output["ids"]
     usual = "belt-frequency20-amplitude1-angle45-damping50-shear50-humidity"
     assert dry.startswith(f"{usual}40-") and humid.startswith(f"{usual}60-")
     assert wet.startswith(f"{usual}40-wetting-full-") and both.startswith(f"{usual}60-wetting-")
-    assert found["patient"].rpartition("-")[0] == dry.rpartition("-")[0]
-    assert found["patient"] != dry
-    usual, hasty = found["hasty"]
+    assert output["patient"].rpartition("-")[0] == dry.rpartition("-")[0]
+    assert output["patient"] != dry
+    usual, hasty = output["hasty"]
     assert usual == dry and "-haste4-" in hasty
-    assert found["text"] == ["H = 60 m/s²", "wetting full"]
-    assert found["variants"] == ["none", "full"]
-    assert "wetting" in found["readings"] and "humidity" not in found["readings"]
-    assert "patience" in found["start"]
-    assert found["numerical"]
-    assert found["places"] == [True, True, False]
+    assert output["text"] == ["H = 60 m/s²", "wetting full"]
+    assert output["variants"] == ["none", "full"]
+    assert "wetting" in output["readings"] and "humidity" not in output["readings"]
+    assert "patience" in output["start"]
+    assert output["numerical"]
+    assert output["places"] == [True, True, False]
 
 
 def test_a_system_is_added_to_studies_by_its_parameters(package):
@@ -214,19 +215,19 @@ def test_a_system_is_added_to_studies_by_its_parameters(package):
     belt = (folder / "belt.py").read_text(encoding="utf-8")
     drum = belt.replace("BeltParameters", "DrumParameters").replace('"belt"', '"drum"')
     (folder / "drum.py").write_text(drum, encoding="utf-8")
-    imported = "from sim.parameters.chute import ChuteParameters\n"
-    new = f"{imported}from sim.parameters.drum import DrumParameters\n"
-    change(folder / "points.py", imported, new)
+    old = "from sim.parameters.chute import ChuteParameters\n"
+    new = f"{old}from sim.parameters.drum import DrumParameters\n"
+    change(folder / "points.py", old, new)
     change(
         folder / "points.py",
         '"belt": BeltParameters,\n',
         '"belt": BeltParameters,\n    "drum": DrumParameters,\n',
     )
-    found = seen(package, STUDY)
-    assert sorted(found["points"].values()) == [10, 50]
-    assert all(key.startswith("drum-frequency") for key in found["points"])
-    assert found["boundaries"] == 1
-    assert found["cost"] and found["reference"]
-    unknown, low = found["refused"]
+    output = run_in_copy(package, STUDY_PROGRAM)
+    assert sorted(output["points"].values()) == [10, 50]
+    assert all(key.startswith("drum-frequency") for key in output["points"])
+    assert output["boundaries"] == 1
+    assert output["cost"] and output["reference"]
+    unknown, low = output["refused"]
     assert "series[0].grid.depth: unknown key" in unknown
     assert "series[0].grid.frequency[0]: got -1; allowed: a number > 0" in low

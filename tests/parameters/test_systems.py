@@ -1,4 +1,4 @@
-"""What follows from the parameters: defaults that follow others, SI units, lengths of runs."""
+"""Values derived from parameters: dependent defaults, SI units, lengths of runs."""
 
 import math
 
@@ -72,10 +72,10 @@ def test_parameters_are_immutable():
 
 def test_damping_follows_the_stiffness_where_the_restitution_is_held():
     assert BeltParameters(stiffness=4000).normal_damping == 500
-    held = {"stiffness_keeps": "restitution"}
-    assert BeltParameters(stiffness=4000, **held).normal_damping == pytest.approx(1000)
-    assert BeltParameters(**held).normal_damping == 500
-    soft, hard = (BeltParameters(stiffness=y, shear_damping=0, **held) for y in (1000, 9000))
+    reading = {"stiffness_keeps": "restitution"}
+    assert BeltParameters(stiffness=4000, **reading).normal_damping == pytest.approx(1000)
+    assert BeltParameters(**reading).normal_damping == 500
+    soft, hard = (BeltParameters(stiffness=y, shear_damping=0, **reading) for y in (1000, 9000))
     assert soft.settling_step / hard.settling_step == pytest.approx(3)
 
 

@@ -21,5 +21,5 @@ def test_a_parameter_without_a_symbol_goes_by_its_name(system, name, words):
 
 def test_no_two_parameters_of_a_system_are_written_alike():
     for system, model in SYSTEMS.items():
-        written = {setting(system, name, 2) for name in model.model_fields}
-        assert len(written) == len(model.model_fields)
+        texts = {setting(system, name, 2) for name in model.model_fields}
+        assert len(texts) == len(model.model_fields)

@@ -12,9 +12,9 @@ from sim.base.yaml import parse_yaml
 from sim.parameters import (
     SYSTEMS,
     Parameters,
-    canonical,
     canonical_json,
     canonical_number,
+    canonical_values,
     parse_point,
     point_id,
 )
@@ -89,16 +89,16 @@ def test_canonical_numbers_are_fixed_points(value):
 
 @given(POINTS)
 def test_the_canonical_form_is_a_fixed_point(point):
-    values = canonical(point)
+    values = canonical_values(point)
     again = parse_point(values, "point.yaml")
-    assert again == point and canonical(again) == values
+    assert again == point and canonical_values(again) == values
     assert canonical_json(again) == canonical_json(point)
     assert parse_point(parse_yaml(canonical_json(point), "point.yaml"), "point.yaml") == point
 
 
 @given(POINTS)
 def test_the_defaults_that_a_point_takes_are_its_own_if_given(point):
-    rest = canonical(point)
+    rest = canonical_values(point)
     model = type(point)
     omitted = {"system": rest["system"]} | {
         name: value for name, value in rest.items() if name in point.model_fields_set
@@ -111,7 +111,7 @@ def test_ids_are_safe_names_of_files(point):
     name = point_id(point)
     assert re.fullmatch(rf"{point.system}-[a-z0-9._-]+-[0-9a-f]{{8}}", name)
     assert len(name) < 180
-    assert point_id(parse_point(canonical(point), "p")) == name
+    assert point_id(parse_point(canonical_values(point), "p")) == name
 
 
 def without_amounts(point: Parameters) -> Parameters:
@@ -130,7 +130,7 @@ def test_points_have_one_id_if_they_are_equal_but_for_amounts(one, other):
 def test_a_change_of_any_parameter_but_an_amount_changes_the_id(point, data):
     name = data.draw(st.sampled_from(sorted(type(point).model_fields)).filter("system".__ne__))
     value = data.draw(allowed(type(point).model_fields[name]))
-    changed = read(canonical(point) | {name: value})
+    changed = read(canonical_values(point) | {name: value})
     assert (point_id(changed) == point_id(point)) == (name in AMOUNTS or changed == point)
 
 

@@ -3,8 +3,8 @@
 import pytest
 
 from sim.claims.verdict import VERDICTS as JUDGED
-from sim.claims.written import as_mapping
-from sim.report.claims import VERDICTS, claim_rows, counts, judged_by_runs, read_claims
+from sim.claims.verdict_files import as_mapping
+from sim.report.claims import VERDICTS, claim_rows, count_verdicts, has_tested_claims, read_claims
 from sim.report.numbers import strip
 from tests.made.report import DEPTH, FREQUENCY, made_claims
 
@@ -24,7 +24,7 @@ def test_every_verdict_has_a_sign():
 
 
 def test_they_are_counted_by_paper(rows):
-    found = counts(list(rows.values()))
+    found = count_verdicts(list(rows.values()))
     assert list(found) == ["walton", "gallas"]
     assert found["walton"]["reproduced"] == 2
     assert found["walton"]["reproduced in part"] == 1
@@ -104,7 +104,7 @@ def test_no_file_is_no_claims(tmp_path):
 
 
 def test_claims_on_the_model_are_not_judged_by_runs(rows):
-    assert judged_by_runs(rows.values())
-    assert judged_by_runs([rows["G3"]])
-    assert not judged_by_runs([rows["W1"], rows["G31"]])
-    assert not judged_by_runs([])
+    assert has_tested_claims(rows.values())
+    assert has_tested_claims([rows["G3"]])
+    assert not has_tested_claims([rows["W1"], rows["G31"]])
+    assert not has_tested_claims([])

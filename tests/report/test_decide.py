@@ -12,7 +12,7 @@ import pytest
 
 from sim.__main__ import main
 from sim.base.errors import InputError
-from sim.base.sealed_json import as_sealed
+from sim.base.seals import to_sealed_json
 from sim.claims.table import claims
 from sim.claims.verdict import Check
 from sim.dataset.build import build
@@ -20,7 +20,7 @@ from sim.report import decide as deciding
 from sim.study.entries import CLAIM
 from sim.study.extra_amounts import extra_amounts_file
 from sim.study.load import load_study
-from tests.made.netcdf import changing
+from tests.made.netcdf import edit_file
 from tests.made.runs import write_run
 
 STUDY = """\
@@ -154,8 +154,8 @@ def judged(name: str, **by_reading: list[Check]) -> SimpleNamespace:
     return SimpleNamespace(
         claim=SimpleNamespace(id=name, system="chute"),
         headline="default",
-        open=lambda reading: by_reading.get(reading.rpartition(" ")[-1], []),
-        short=lambda reading: [],
+        open_checks=lambda reading: by_reading.get(reading.rpartition(" ")[-1], []),
+        short_points=lambda reading: [],
     )
 
 
@@ -165,7 +165,7 @@ def test_open_claims_get_the_replicates_of_their_points(made, monkeypatch, capsy
     check = Check("x", 1.5, 0.6, 1.0, 9.0, points=(first,), samples=99)
     judgements = [judged("W8", default=[check]), judged("W9", default=[check, check])]
     monkeypatch.setattr(deciding, "judge", lambda results: judgements)
-    assert 1 < check.times < 4
+    assert 1 < check.replicate_factor < 4
     folder.decide()
     out = capsys.readouterr().out
     assert out.startswith("W9: replicates of 1 point") and "W8" not in out
@@ -240,8 +240,8 @@ def test_a_damaged_list_of_what_was_bought_is_set_aside(damage, made, capsys):
     texts = {
         "torn": text[:-20],
         "a digit": text[:digit] + str((int(text[digit]) + 1) % 10) + text[digit + 1 :],
-        "unknown": as_sealed({"before": 0, "amounts": {point: {"foo": 2}}}),
-        "endless": as_sealed({"before": 0, "amounts": {point: {"average": 1e300}}}),
+        "unknown": to_sealed_json({"before": 0, "amounts": {point: {"foo": 2}}}),
+        "endless": to_sealed_json({"before": 0, "amounts": {point: {"average": 1e300}}}),
     }
     path.write_text(texts[damage])
     capsys.readouterr()
@@ -254,7 +254,7 @@ def test_runs_that_are_too_short_for_a_claim_get_longer(made, monkeypatch, capsy
     folder = made("budget: 10, claims: [W9], longer: 3")
     first, _ = folder.points
     judgement = judged("W9")
-    judgement.short = lambda reading: [first]
+    judgement.short_points = lambda reading: [first]
     monkeypatch.setattr(deciding, "judge", lambda results: [judgement])
 
     def average() -> list[float]:
@@ -278,7 +278,7 @@ def test_runs_that_end_before_their_limit_get_more_beside_them(ended, tmp_path, 
 
     def written(*arguments, **options):
         path = write(*arguments, **options)
-        with changing(path) as file:
+        with edit_file(path) as file:
             file["stopped"][:] = np.array([ended] * file["stopped"].size, object)
         return path
 
@@ -286,7 +286,7 @@ def test_runs_that_end_before_their_limit_get_more_beside_them(ended, tmp_path, 
     folder.run()
     first, _ = folder.points
     judgement = judged("W9")
-    judgement.short = lambda reading: [first]
+    judgement.short_points = lambda reading: [first]
     monkeypatch.setattr(deciding, "judge", lambda results: [judgement])
     limit = next(iter(folder.points.values())).parameters.limit
     folder.decide()

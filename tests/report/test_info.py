@@ -6,11 +6,11 @@ import pytest
 import yaml
 
 from sim.__main__ import main
-from sim.base.files import seal
+from sim.base.seals import seal
 from sim.parameters import BeltParameters, ChuteParameters, load_point
 from sim.report.info import describe
 from tests.made.figures import make_built_study
-from tests.made.netcdf import changing
+from tests.made.netcdf import edit_file
 from tests.made.runs import FAILURE, write_run
 
 POINTS = [
@@ -59,7 +59,7 @@ def test_a_dataset_is_called_one(tmp_path, capsys):
 
 def test_nothing_of_a_run_file_from_elsewhere_moves_the_cursor(tmp_path, capsys):
     path = write_run(tmp_path, ChuteParameters(), 0.5)
-    with changing(path) as file:
+    with edit_file(path) as file:
         file.command = "a\x1b[31mX\u202eb\x07"
     # As whoever has made it may have sealed it.
     seal(path)

@@ -6,13 +6,13 @@ from pathlib import Path
 
 import pytest
 
-from sim.claims.written import write
+from sim.claims.verdict_files import write
 from sim.dataset.build import build as build_dataset
-from sim.figures.several import draw_several
+from sim.figures.several import draw_figures
 from sim.parameters import ChuteParameters, amounts
 from sim.report.page import build
 from sim.report.publish import publish
-from sim.report.state import state_of
+from sim.report.runs import state_of
 from sim.study.load import load_study
 from tests.made.report import write_claims
 from tests.made.runs import write_run
@@ -47,7 +47,7 @@ def made(folder: Path, figures: str = "", judged: bool = True) -> tuple[Path, Pa
             arrays=slows,
         )
     dataset = build_dataset(study_path, results)
-    draw_several(
+    draw_figures(
         list(study.figures), dataset, dataset.parent / "figures", code="x", study_path=study_path
     )
     if not judged:

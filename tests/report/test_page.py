@@ -8,12 +8,11 @@ from pathlib import Path
 import pytest
 import xarray as xr
 
-from sim.base.damage import DamagedError
 from sim.base.errors import InputError
-from sim.base.sealed_json import as_sealed, read_sealed
+from sim.base.seals import DamagedError, parse_sealed_json, to_sealed_json
 from sim.dataset.build import build as build_dataset
 from sim.dataset.results import load_results
-from sim.figures.several import draw_several
+from sim.figures.several import draw_figures
 from sim.report.claims import read_claims
 from sim.report.gallery import data_uri
 from sim.report.page import build, render
@@ -150,9 +149,9 @@ def test_verdicts_are_counted(page):
 def test_a_study_that_tests_no_claim_says_so_once_and_shows_its_figures_first(made, page):
     path = made[1] / "made" / "claims.json"
     content = path.read_text(encoding="utf-8")
-    document = read_sealed(content)
+    document = parse_sealed_json(content)
     kept = [one for one in document["claims"] if one["id"] in ("W1", "G31")]
-    path.write_text(as_sealed(document | {"claims": kept}), encoding="utf-8")
+    path.write_text(to_sealed_json(document | {"claims": kept}), encoding="utf-8")
     found = read(made)
     path.write_text(content, encoding="utf-8")
     text = " ".join(found.text.split())
@@ -228,7 +227,7 @@ def test_boundaries_have_a_table_of_their_own(page, tmp_path):
     study_path, results = make_built_regimes(tmp_path)
     dataset = results / "regimes" / "dataset.nc"
     study = load_study(study_path, results)
-    draw_several(list(study.figures), dataset, results / "regimes" / "figures", code="made")
+    draw_figures(list(study.figures), dataset, results / "regimes" / "figures", code="made")
     text = build(study_path, results).read_text(encoding="utf-8")
     assert "Boundaries between regimes" in Page(text).text
     row = re.search(r"<tr><th scope=.row.>onset</th>.*?</tr>", text, re.DOTALL).group()

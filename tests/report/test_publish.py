@@ -9,9 +9,9 @@ from pathlib import Path
 import pytest
 
 from sim.__main__ import main
-from sim.base.damage import DamagedError
 from sim.base.errors import InputError
-from sim.figures.drawn import DRAWN
+from sim.base.seals import DamagedError
+from sim.figures.figure_records import RECORD_FILE
 from sim.report import publish
 from sim.study.catalogue import FIGURES
 from sim.study.extra_amounts import ExtraAmounts, write_extra_amounts
@@ -81,11 +81,11 @@ def test_the_report_links_its_figures_and_holds_everything_else(finished, tmp_pa
     output = publish.publish(*finished, tmp_path / "published")
     page = (output / "report.html").read_text()
     linked = set(re.findall(r'(?:src|href)="(?!#|data:)([^"]*)"', page))
-    assert linked == {f"figures/{name}" for name in shown()}
+    assert linked == {f"figures/{name}" for name in linked_names()}
     assert all((output / name).is_file() for name in linked)
 
 
-def shown() -> list[str]:
+def linked_names() -> list[str]:
     return [Path(name).name for name in pictures() if Path(name).suffix in (".svg", ".csv")]
 
 
@@ -214,7 +214,7 @@ def test_a_flipped_bit_is_noticed(finished, tmp_path, name, command, place, caps
 
 def test_a_figure_whose_drawing_nobody_has_noted_is_refused(finished, tmp_path):
     study, results = finished
-    (results / "made" / "figures" / DRAWN).unlink()
+    (results / "made" / "figures" / RECORD_FILE).unlink()
     with pytest.raises(DamagedError, match=r"walton_2.*\.drawn\.json does not know it"):
         publish.publish(study, results, tmp_path / "published")
 
@@ -222,10 +222,10 @@ def test_a_figure_whose_drawing_nobody_has_noted_is_refused(finished, tmp_path):
 def test_what_is_published_can_be_checked_by_its_checksums(finished, tmp_path):
     output = publish.publish(*finished, tmp_path / "published")
     lines = (output / "SHA256SUMS").read_text().splitlines()
-    told = {name: sum for sum, name in (line.split("  ") for line in lines)}
+    checksums = {name: sum for sum, name in (line.split("  ") for line in lines)}
     files = {path.relative_to(output).as_posix() for path in output.rglob("*") if path.is_file()}
-    assert told.keys() == files - {"SHA256SUMS"}
-    for name, checksum in told.items():
+    assert checksums.keys() == files - {"SHA256SUMS"}
+    for name, checksum in checksums.items():
         assert hashlib.sha256((output / name).read_bytes()).hexdigest() == checksum
 
 
@@ -255,7 +255,7 @@ def test_too_much_is_refused_and_what_was_published_stays(finished, tmp_path, mo
     assert main(options) == 0
     (target / "other").mkdir()
     (target / "other" / "report.html").write_bytes(bytes(2000))
-    monkeypatch.setattr(publish, "LARGEST", publish.size(target / "made") + 1500)
+    monkeypatch.setattr(publish, "MOST_BYTES", publish.folder_size(target / "made") + 1500)
     before = tree(target)
     assert main(options) == 2
     assert "allowed: at most" in capsys.readouterr().err

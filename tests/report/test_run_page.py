@@ -14,7 +14,7 @@ from PIL import Image
 
 from sim.__main__ import main
 from sim.parameters import BeltParameters, ChuteParameters, Parameters, load_point
-from sim.report.run_page import said
+from sim.report.run_page import unusual_parameters
 from tests.made.runs import FAILURE, HEIGHTS, write_run
 
 CHUTE = ChuteParameters(depth=1, cell=4, friction=0.3, replicates=3, orientations=False)
@@ -74,9 +74,9 @@ def test_a_trajectory_plays_up_to_where_it_is_known(lost, tmp_path):
 
 
 def test_a_page_says_what_differs_from_the_paper():
-    assert said(BELT) == "f = 62.5 Hz, N = 5, L = 6 ⟨d⟩"
-    assert said(BeltParameters()) == "all as in the paper"
-    assert said(CHUTE) == "replicates = 3, n = 1, μ = 0.3, L = 4 σ, no orientations"
+    assert unusual_parameters(BELT) == "f = 62.5 Hz, N = 5, L = 6 ⟨d⟩"
+    assert unusual_parameters(BeltParameters()) == "all as in the paper"
+    assert unusual_parameters(CHUTE) == "replicates = 3, n = 1, μ = 0.3, L = 4 σ, no orientations"
 
 
 def test_a_run_of_which_nothing_completed_has_a_page_without_pictures(tmp_path):

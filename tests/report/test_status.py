@@ -11,7 +11,7 @@ import pytest
 from sim.engine.identity import NUMERICS
 from sim.engine.progress import read_progress
 from sim.engine.warm import warm
-from sim.parameters import canonical, parse_point, point_id
+from sim.parameters import canonical_values, parse_point, point_id
 from sim.report.status import STATES
 from sim.report.status_table import as_text
 from sim.study.cost import PROCESS_TIME, estimate
@@ -30,7 +30,7 @@ def test_a_study_that_was_not_started_waits(folder):
     assert status.counts == dict.fromkeys(STATES, 0) | {"waiting": 5}
     cost = sum(estimate(point.parameters).core_seconds for point in folder.study.points.values())
     assert status.core_seconds_left == pytest.approx(cost)
-    assert status.left is None and not status.is_over
+    assert status.seconds_left is None and not status.is_over
     assert "5 points: 5 waiting" in as_text(status)
     assert "nothing is running" in as_text(status)
     assert not folder.results.exists()
@@ -40,8 +40,8 @@ def test_every_state_is_told_from_the_others(folder):
     done, failed, running, interrupted, _ = folder.ids
     folder.finish(done)
     folder.finish(failed, failed=[0])
-    folder.say(running)
-    folder.say(interrupted, updated=EARLIER)
+    folder.write_progress(running)
+    folder.write_progress(interrupted, updated=EARLIER)
     status = folder.survey()
     states = ["done", "failed", "running", "interrupted", "waiting"]
     assert [point.state for point in status.points.values()] == states
@@ -78,13 +78,13 @@ def test_every_state_is_told_from_the_others(folder):
     ],
 )
 def test_a_run_goes_on_or_was_interrupted(folder, changes, state):
-    folder.say(folder.ids[0], **changes)
+    folder.write_progress(folder.ids[0], **changes)
     assert folder.state(folder.ids[0]) == state
 
 
 def test_a_process_that_has_gone_was_interrupted(folder):
     gone = subprocess.Popen([sys.executable, "-c", ""])
-    folder.say(folder.ids[0], pid=gone.pid, updated=LATER)
+    folder.write_progress(folder.ids[0], pid=gone.pid, updated=LATER)
     # First a process that has ended and that its parent has not asked for, then none at all.
     os.waitid(os.P_PID, gone.pid, os.WEXITED | os.WNOWAIT)
     assert folder.state(folder.ids[0]) == "interrupted"
@@ -94,7 +94,7 @@ def test_a_process_that_has_gone_was_interrupted(folder):
 
 @pytest.mark.parametrize("content", [b"", b"\x89HDF", b'{"point": "x"', b"{}", b"[3]"])
 def test_a_progress_file_that_says_nothing_is_none(folder, content):
-    folder.say(folder.ids[0]).write_bytes(content)
+    folder.write_progress(folder.ids[0]).write_bytes(content)
     assert folder.state(folder.ids[0]) == "waiting"
 
 
@@ -113,9 +113,9 @@ def test_a_run_that_replaces_its_file_is_running(folder):
     key = folder.ids[0]
     folder.finish(key)
     assert folder.state(key) == "done"
-    folder.say(key)
+    folder.write_progress(key)
     assert folder.state(key) == "running"
-    folder.say(key, updated=EARLIER)
+    folder.write_progress(key, updated=EARLIER)
     assert folder.state(key) == "done"
 
 
@@ -157,15 +157,15 @@ def test_a_run_that_ended_early_says_nothing_of_full_lengths(tmp_path):
 
 def test_time_left_is_on_the_cores_in_use(folder):
     for key in folder.ids[:2]:
-        folder.say(key)
+        folder.write_progress(key)
     for key in folder.ids[2:]:
         folder.finish(key)
     status = folder.survey()
     # 500 steps of 100 particles at 5,000 particle-steps per second.
-    assert (status.cores, status.core_seconds_left, status.left) == (2, 20.0, 10.0)
+    assert (status.cores, status.core_seconds_left, status.seconds_left) == (2, 20.0, 10.0)
     assert "time left about 10.0 s on 2 cores" in as_text(status)
-    folder.say(folder.ids[0], done=0)
-    assert folder.survey().left == 20.0
+    folder.write_progress(folder.ids[0], done=0)
+    assert folder.survey().seconds_left == 20.0
 
 
 def test_time_left_of_runs_that_may_end_early_is_a_bound(tmp_path):
@@ -174,7 +174,7 @@ def test_time_left_of_runs_that_may_end_early_is_a_bound(tmp_path):
     assert "left at most" in as_text(folder.survey())
     folder.finish(folder.ids[0])
     assert "left about" in as_text(folder.survey())
-    folder.say(folder.ids[1], at_most=True)
+    folder.write_progress(folder.ids[1], at_most=True)
     text = as_text(folder.survey())
     assert "time left at most" in text and "at most 10.0 s" in text
 
@@ -184,7 +184,7 @@ def test_points_of_later_rounds_belong_to_the_study(tmp_path):
     extra = parse_point({"system": "chute", "depth": 2.5}, "test")
     rounds = folder.results / "made" / "rounds"
     rounds.mkdir(parents=True)
-    (rounds / "1.json").write_text(json.dumps({point_id(extra): canonical(extra)}))
+    (rounds / "1.json").write_text(json.dumps({point_id(extra): canonical_values(extra)}))
     (rounds / "9.json").write_text("of another study")
     assert list(folder.survey().points) == [*folder.ids, point_id(extra)]
 
@@ -202,7 +202,7 @@ def test_a_killed_run_was_interrupted(tmp_path):
         wait_until(lambda: (said := read_progress(output)) and said.done > 1e5, process)
         running = folder.survey()
         assert running.counts["running"] == 1
-        assert running.left > 0 and running.points[key].progress.rate > 0
+        assert running.seconds_left > 0 and running.points[key].progress.rate > 0
     finally:
         process.send_signal(signal.SIGKILL)
         process.communicate()

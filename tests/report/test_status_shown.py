@@ -9,7 +9,7 @@ from sim.engine.progress import Progress
 from sim.report.status import PointStatus, StudyStatus
 from sim.report.status_table import as_json, as_text
 from tests.made.folder import BOUNDED, NOW, Folder
-from tests.made.netcdf import changing
+from tests.made.netcdf import edit_file
 from tests.made.runs import FAILURE
 
 
@@ -49,7 +49,7 @@ def test_a_study_that_is_over_says_what_it_took(folder):
     for key in folder.ids:
         folder.finish(key)
     status = folder.survey()
-    assert status.is_over and status.left == 0.0
+    assert status.is_over and status.seconds_left == 0.0
     assert as_text(status) == "made: A made-up study\n5 points: 5 done\n\ntime of all runs 7.5 s"
 
 
@@ -57,7 +57,7 @@ def test_points_with_a_caveat_are_counted(folder):
     leaking = {"energy_residual": ("replicate", [-0.012], {"units": "1"})}
     folder.finish(folder.ids[0], arrays=leaking)
     path = folder.finish(folder.ids[3])
-    with changing(path) as run:
+    with edit_file(path) as run:
         run.caveat = "the time step is long"
     folder.finish(folder.ids[4])
     status = folder.survey()
@@ -72,7 +72,7 @@ def test_points_with_a_caveat_are_counted(folder):
 def test_json_holds_every_point(folder):
     folder.finish(folder.ids[0])
     folder.finish(folder.ids[1], failed=[0])
-    folder.say(folder.ids[2])
+    folder.write_progress(folder.ids[2])
     document = json.loads(as_json(folder.survey()))
     assert document["counts"]["waiting"] == 2
     assert [point["id"] for point in document["points"]] == folder.ids

@@ -1,4 +1,4 @@
-"""The study of what the papers left for later, run tiny: every series, plot and start."""
+"""The study of the open questions of the papers, run tiny: every series, plot and start."""
 
 import re
 
@@ -14,7 +14,7 @@ from tests.made.processes import ROOT
 
 STUDY = ROOT / "config" / "beyond.yaml"
 
-#: Of each system: as little and as short as may be.
+#: Smallest and shortest parameters of each system.
 TINY = {
     "chute": {"cell": 3, "protocol": "published", "transient": 1, "average": 2, "replicates": 1},
     "conveyor": {"cell": 4, "transient": 1, "average": 1, "replicates": 1},
@@ -22,10 +22,10 @@ TINY = {
 STARTS = re.compile(r"chute-depth\S+-[0-9a-f]{8}")
 
 
-def shrunk(text: str) -> str:
-    """Return the study with the ends of each range alone, shallow and short."""
-    raw = yaml.safe_load(text)
-    for series in raw["series"]:
+def shrink_study(text: str) -> str:
+    """Return the study with only the ends of each range, shallow and short."""
+    mapping = yaml.safe_load(text)
+    for series in mapping["series"]:
         series["base"] = series.get("base", {}) | TINY[series["system"]]
         grid = series["grid"]
         for name, values in grid.items():
@@ -35,18 +35,18 @@ def shrunk(text: str) -> str:
             grid["depth"] = [1, 1.5]
         else:
             series["base"]["depth"] = 0.5 if series["base"].get("depth") == 2 else 1
-    return yaml.safe_dump(raw, sort_keys=False)
+    return yaml.safe_dump(mapping, sort_keys=False)
 
 
 @pytest.fixture(scope="module")
 def results(tmp_path_factory):
     """Results of the tiny study."""
     folder = tmp_path_factory.mktemp("beyond")
-    text, path = shrunk(STUDY.read_text()), folder / "beyond.yaml"
-    rests = [load_study(STUDY, folder).series["rest"]]
+    text, path = shrink_study(STUDY.read_text()), folder / "beyond.yaml"
+    rest_ids = [load_study(STUDY, folder).series["rest"]]
     path.write_text(STARTS.sub("''", text[: text.index("plots:")]))
-    rests.append(load_study(path, folder).series["rest"])
-    for before, after in zip(*rests, strict=True):
+    rest_ids.append(load_study(path, folder).series["rest"])
+    for before, after in zip(*rest_ids, strict=True):
         text = text.replace(before, after)
     path.write_text(text)
     study, runs = load_study(path, folder), folder / "beyond" / "runs"

@@ -1,4 +1,4 @@
-"""The catalogue of figures: every entry is plain data and says all that its figure needs."""
+"""The catalogue of figures: every entry is plain data and complete."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -13,13 +13,13 @@ from sim.study.catalogue import FIGURES, FigureSpec
 from sim.study.plot_file import OBSERVABLE
 
 
-def held(value: Any) -> Iterator[Any]:
+def simple_values(value: Any) -> Iterator[Any]:
     """Yield the simple values in tuples and mappings of any depth."""
     if isinstance(value, dict):
         value = (*value, *value.values())
     if isinstance(value, tuple):
-        for each in value:
-            yield from held(each)
+        for item in value:
+            yield from simple_values(item)
     else:
         yield value
 
@@ -28,7 +28,7 @@ def held(value: Any) -> Iterator[Any]:
 def test_an_entry_is_plain_data_that_can_be_written_down(name):
     spec = FIGURES[name]
     assert spec.name == name
-    assert {type(value) for value in held((*vars(spec).values(),))} <= {str, int, float}
+    assert {type(value) for value in simple_values((*vars(spec).values(),))} <= {str, int, float}
     assert eval(repr(spec), {"FigureSpec": FigureSpec}) == spec
 
 
@@ -47,16 +47,16 @@ def test_an_entry_says_what_is_drawn_and_what_the_paper_says(name):
 def styles(spec: FigureSpec) -> Iterator[tuple[str, ...]]:
     options = spec.options
     yield from (*options.get("styles", {}).values(), *options.get("markers", {}).values())
-    yield from (each["style"] for each in options.get("quantities", ()) if "style" in each)
+    yield from (item["style"] for item in options.get("quantities", ()) if "style" in item)
     if "fast_start" in options:
         yield options["fast_start"]
 
 
 @pytest.mark.parametrize("name", FIGURES)
 def test_curves_of_a_figure_differ_in_colour_and_have_dashes_that_are_known(name):
-    found = list(styles(FIGURES[name]))
-    assert len({colour for colour, *_ in found}) == len(found)
-    assert {dashes for _, dashes, *_ in found} <= set(PATTERNS)
+    figure_styles = list(styles(FIGURES[name]))
+    assert len({colour for colour, *_ in figure_styles}) == len(figure_styles)
+    assert {dashes for _, dashes, *_ in figure_styles} <= set(PATTERNS)
 
 
 def test_every_kind_of_plot_is_that_of_a_figure_or_of_plots_of_a_study():
@@ -69,5 +69,5 @@ def test_levels_in_figures_are_those_of_the_verdicts():
     for name in ("G26", "G27"):
         assert FIGURES["belt_void"].options["levels"] == (numbers[name].headline,)
     for name in ("G3", "G7"):
-        shown = FIGURES["onset_acceleration"].options["levels"]
-        assert numbers[name].headline in shown and set(shown) <= set(numbers[name].values)
+        levels = FIGURES["onset_acceleration"].options["levels"]
+        assert numbers[name].headline in levels and set(levels) <= set(numbers[name].values)

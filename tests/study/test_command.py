@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from sim.__main__ import main
-from sim.base.packaged import packaged
+from sim.base.program import package_folder
 from sim.study import command
 from sim.study.load import load_study
 
@@ -16,25 +16,25 @@ MERGED = "study: merged\na: &a {x: 1}\n" + "".join(
 )
 
 
-class Became(Exception):
-    """The process has become another one."""
+class ExecCalled(Exception):
+    """``os.execve`` was called."""
 
 
 @pytest.fixture
-def became(tmp_path, monkeypatch) -> list:
-    """Return what the process has become in a folder of its own: command and environment."""
+def exec_call(tmp_path, monkeypatch) -> list:
+    """Return the arguments of ``os.execve``, empty until it is called, in a temporary folder."""
     monkeypatch.chdir(tmp_path)
-    found: list = []
+    call: list = []
 
-    def execve(*what):
-        found[:] = what
-        raise Became
+    def execve(*arguments):
+        call[:] = arguments
+        raise ExecCalled
 
     monkeypatch.setattr(os, "execve", execve)
-    return found
+    return call
 
 
-def test_a_first_study_can_be_run_as_it_is_written(became, capsys):
+def test_a_first_study_can_be_run_as_it_is_written(exec_call, capsys):
     assert main(["init"]) == 0
     assert capsys.readouterr().out.startswith("first.yaml: written; ")
     study = load_study("first.yaml")
@@ -44,18 +44,18 @@ def test_a_first_study_can_be_run_as_it_is_written(became, capsys):
 @pytest.mark.parametrize(
     ("target", "path"), [("own.yaml", "own.yaml"), ("a/b", "a/b/first.yaml"), ("c/own.yml",) * 2]
 )
-def test_a_study_is_named_after_its_file(target, path, became):
+def test_a_study_is_named_after_its_file(target, path, exec_call):
     assert main(["init", target]) == 0
     text = Path(path).read_text(encoding="utf-8")
     assert load_study(path).name == Path(path).stem
     assert f"talus points {Path(path).name}" in text or path.endswith(".yml")
     (first, *_) = text.splitlines()
-    assert Path(first.partition("$schema=")[2]) == packaged("config") / "schema.json"
+    assert Path(first.partition("$schema=")[2]) == package_folder("config") / "schema.json"
 
 
-def test_studies_that_come_with_the_program_can_be_copied(became):
+def test_studies_that_come_with_the_program_can_be_copied(exec_call):
     assert main(["init", "mine.yaml", "--from", "quick"]) == 0
-    own, quick = load_study("mine.yaml"), load_study(packaged("config") / "quick.yaml")
+    own, quick = load_study("mine.yaml"), load_study(package_folder("config") / "quick.yaml")
     assert own.name == "mine" and own.points == quick.points
 
 
@@ -71,18 +71,18 @@ def test_studies_that_come_with_the_program_can_be_copied(became):
         (["first.yaml/x"], "init: got 'first.yaml/x'; allowed: a folder that can be written"),
     ],
 )
-def test_what_cannot_be_written_is_refused(words, message, became, capsys):
+def test_what_cannot_be_written_is_refused(words, message, exec_call, capsys):
     Path("first.yaml").write_text("mine")
     assert main(["init", *words]) == 2
     assert capsys.readouterr().err.startswith(f"error: {message}")
     assert Path("first.yaml").read_text() == "mine" and len(list(Path().iterdir())) == 1
 
 
-def test_a_study_is_run_by_the_workflow_of_the_package(became):
+def test_a_study_is_run_by_the_workflow_of_the_package(exec_call):
     main(["init"])
-    with pytest.raises(Became):
+    with pytest.raises(ExecCalled):
         main(["study", "first.yaml", "--cores", "3", "--", "-n", "figures"])
-    program, words, _ = became
+    program, words, _ = exec_call
     assert program == words[0] == sys.executable
     options = " ".join(words)
     assert "-m snakemake --cores 3 --configfile first.yaml --snakefile " in options
@@ -90,75 +90,75 @@ def test_a_study_is_run_by_the_workflow_of_the_package(became):
     assert words[-2:] == ["-n", "figures"]
 
 
-def test_a_study_file_is_no_option_and_no_pipe(became, capsys):
+def test_a_study_file_is_no_option_and_no_pipe(exec_call, capsys):
     main(["init"])
     Path("first.yaml").rename("--x.yaml")
-    with pytest.raises(Became):
+    with pytest.raises(ExecCalled):
         main(["study", "./--x.yaml"])
-    assert "--configfile ./--x.yaml --snakefile" in " ".join(became[1])
+    assert "--configfile ./--x.yaml --snakefile" in " ".join(exec_call[1])
     assert main(["study", "-"]) == 2
     assert capsys.readouterr().err.startswith("error: study: got '-'; allowed: a file")
 
 
-def test_without_a_number_of_cores_all_are_used(became):
+def test_without_a_number_of_cores_all_are_used(exec_call):
     main(["init"])
-    with pytest.raises(Became):
+    with pytest.raises(ExecCalled):
         main(["study", "first.yaml"])
-    assert "--cores all" in " ".join(became[1])
+    assert "--cores all" in " ".join(exec_call[1])
 
 
 @pytest.mark.parametrize(
-    ("name", "given"),
-    [("slurm", packaged("workflow") / "profiles" / "slurm"), ("mine/own", "mine/own")],
+    ("name", "profile"),
+    [("slurm", package_folder("workflow") / "profiles" / "slurm"), ("mine/own", "mine/own")],
 )
-def test_profiles_of_the_package_are_found_by_name(name, given, became):
+def test_profiles_of_the_package_are_found_by_name(name, profile, exec_call):
     main(["init"])
-    with pytest.raises(Became):
+    with pytest.raises(ExecCalled):
         main(["study", "first.yaml", "--profile", name])
-    assert became[1][-2:] == ["--profile", str(given)]
+    assert exec_call[1][-2:] == ["--profile", str(profile)]
     # It would limit the cores of a cluster, too.
-    assert "--cores" not in became[1]
+    assert "--cores" not in exec_call[1]
 
 
 @pytest.mark.parametrize(
     ("text", "message"),
     [("study: [", "line 2"), ("study: x\n", "series: "), (MERGED, "own.yaml: ")],
 )
-def test_mistakes_are_told_before_snakemake_reads_anything(text, message, became, capsys):
+def test_mistakes_are_told_before_snakemake_reads_anything(text, message, exec_call, capsys):
     Path("own.yaml").write_text(text)
     assert main(["study", "own.yaml"]) == 2
     (line,) = capsys.readouterr().err.splitlines()
     assert line.startswith("error: ") and message in line
-    assert not became
+    assert not exec_call
 
 
-def test_no_cores_are_refused(became, capsys):
+def test_no_cores_are_refused(exec_call, capsys):
     main(["init"])
     assert main(["study", "first.yaml", "--cores", "0"]) == 2
     assert "--cores: got 0; allowed: an integer >= 1" in capsys.readouterr().err
 
 
-def test_what_containers_lack_is_given_to_snakemake(became, monkeypatch, tmp_path):
-    def unknown():
+def test_what_containers_lack_is_given_to_snakemake(exec_call, monkeypatch, tmp_path):
+    def raise_no_user():
         raise OSError("No username set in the environment")
 
     main(["init"])
-    monkeypatch.setattr(command.getpass, "getuser", unknown)
+    monkeypatch.setattr(command.getpass, "getuser", raise_no_user)
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
     monkeypatch.delenv("XDG_CACHE_HOME", raising=False)
     monkeypatch.setenv("HOME", "")
-    with pytest.raises(Became):
+    with pytest.raises(ExecCalled):
         main(["study", "first.yaml"])
-    environment = became[2]
+    environment = exec_call[2]
     assert environment["USER"] == f"user{os.geteuid()}"
     cache = Path(environment["XDG_CACHE_HOME"])
     assert cache.parent == tmp_path and cache.stat().st_mode & 0o777 == 0o700
 
 
-def test_what_is_there_stays(became, monkeypatch, tmp_path):
+def test_what_is_there_stays(exec_call, monkeypatch, tmp_path):
     main(["init"])
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "own"))
-    with pytest.raises(Became):
+    with pytest.raises(ExecCalled):
         main(["study", "first.yaml"])
-    assert became[2]["XDG_CACHE_HOME"] == str(tmp_path / "own")
-    assert became[2].get("USER") == os.environ.get("USER")
+    assert exec_call[2]["XDG_CACHE_HOME"] == str(tmp_path / "own")
+    assert exec_call[2].get("USER") == os.environ.get("USER")

@@ -1,4 +1,4 @@
-"""What a message about a study file says of the value that was meant."""
+"""Hints at the intended value in messages about a study file."""
 
 from pathlib import Path
 
@@ -9,7 +9,7 @@ from sim.base.yaml import read_yaml
 from sim.study.load import parse_study
 
 
-def refused(**series) -> str:
+def error_message(**series) -> str:
     mapping = {"study": "s", "series": [{"name": "a", "system": "chute"} | series]}
     with pytest.raises(InputError) as caught:
         parse_study(mapping, "s.yaml", None)
@@ -46,7 +46,7 @@ def refused(**series) -> str:
     ],
 )
 def test_a_message_says_what_was_meant(series, message):
-    assert refused(**series) == message
+    assert error_message(**series) == message
 
 
 @pytest.mark.parametrize(

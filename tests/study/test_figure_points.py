@@ -1,4 +1,4 @@
-"""Which points figures take: one at each place of a curve, and what is left out is said."""
+"""Points of figures: one at each position of a curve; omitted points are reported."""
 
 from dataclasses import replace
 
@@ -10,14 +10,14 @@ from sim.figures.data import split_curves
 from sim.parameters import SYSTEMS, BeltParameters, ChuteParameters
 from sim.report.points import as_table
 from sim.study.catalogue import FIGURES
-from sim.study.figure_points import left_out
+from sim.study.figure_points import omission_notes
 from sim.study.load import Study, load_study, parse_study
 
 
 @pytest.fixture
 def parse(tmp_path):
     def parse(*series: dict, **others) -> Study:
-        entries = [{"name": "a", "system": "belt"} | one for one in series]
+        entries = [{"name": "a", "system": "belt"} | entry for entry in series]
         return parse_study(
             {"study": "s", "series": entries} | others, "study.yaml", tmp_path / "results"
         )
@@ -95,10 +95,10 @@ def test_a_figure_about_starts_tells_them_apart(parse):
 
 
 def test_both_series_of_two_points_at_one_place_are_named(parse):
-    one = {"grid": {"frequency": [20, 30]}, "figures": ["gallas_1a"]}
-    other = one | {"name": "b", "base": {"seed": 2}}
+    first = {"grid": {"frequency": [20, 30]}, "figures": ["gallas_1a"]}
+    second = first | {"name": "b", "base": {"seed": 2}}
     with pytest.raises(InputError, match=r"seed \(1, 2\) \(series a and b\)"):
-        parse(one, other)
+        parse(first, second)
 
 
 def test_maps_of_regimes_have_a_marker_for_every_point(parse):
@@ -132,32 +132,36 @@ def test_points_of_parts_are_compared_too(tmp_path):
 def test_the_study_tells_apart_what_the_curves_do(figure, name):
     spec = FIGURES[figure]
     (along,) = spec.axes
-    one = SYSTEMS[spec.system]()
-    value = getattr(one, name)
+    first = SYSTEMS[spec.system]()
+    value = getattr(first, name)
     kinds = {str: "other", bool: not value}
-    other = one.model_copy(update={name: kinds[type(value)] if type(value) in kinds else value + 1})
-    rows = pd.DataFrame([one.model_dump(), other.model_dump()])
-    curves = split_curves(rows, along, spec.curves, tuple(type(one).model_fields))
-    assert (spec.place(one) != spec.place(other)) == (len(curves) == 2)
+    second = first.model_copy(
+        update={name: kinds[type(value)] if type(value) in kinds else value + 1}
+    )
+    rows = pd.DataFrame([first.model_dump(), second.model_dump()])
+    curves = split_curves(rows, along, spec.curves, tuple(type(first).model_fields))
+    assert (spec.place(first) != spec.place(second)) == (len(curves) == 2)
 
 
 def test_points_left_out_are_counted_with_the_values_taken(parse):
     study = parse({"grid": {"frequency": [10, 15, 25, 60]}, "figures": ["gallas_2a", "gallas_1a"]})
     sentence = "gallas_2a leaves out 2 of 4 points: it takes frequency 10, 20, 60, 80"
-    assert left_out(study) == [sentence]
+    assert omission_notes(study) == [sentence]
     assert sentence in as_table(study).splitlines()
 
 
 def test_only_what_leaves_points_out_is_named(parse):
     grid = {"frequency": [20, 80], "obstacle": [0, 1], "vibration_angle": [30, 45]}
     study = parse({"grid": grid, "figures": ["gallas_6"]})
-    assert left_out(study) == ["gallas_6 leaves out 4 of 8 points: it takes vibration_angle 45"]
+    assert omission_notes(study) == [
+        "gallas_6 leaves out 4 of 8 points: it takes vibration_angle 45"
+    ]
 
 
 def test_series_of_other_figures_count_nothing_as_left_out(parse):
-    one = {"grid": {"frequency": [10, 60]}, "figures": ["gallas_2a"]}
-    other = {"name": "b", "grid": {"frequency": [15, 25]}, "figures": ["gallas_1a"]}
-    assert left_out(parse(one, other)) == []
+    first = {"grid": {"frequency": [10, 60]}, "figures": ["gallas_2a"]}
+    second = {"name": "b", "grid": {"frequency": [15, 25]}, "figures": ["gallas_1a"]}
+    assert omission_notes(parse(first, second)) == []
 
 
 def test_a_point_left_out_of_a_part_is_counted(tmp_path):
@@ -168,7 +172,7 @@ def test_a_point_left_out_of_a_part_is_counted(tmp_path):
     path = tmp_path / "two.yaml"
     text = "study: two\nparts: [one.yaml]\n" + series.replace("N", "two").replace("F", "15, 25, 80")
     path.write_text(text)
-    (sentence,) = left_out(load_study(path, tmp_path))
+    (sentence,) = omission_notes(load_study(path, tmp_path))
     assert sentence.startswith("gallas_2a leaves out 2 of 5 points")
 
 

@@ -182,8 +182,8 @@ def test_the_list_of_figures_must_match_what_is_fed(example, parse):
         parse(example)
 
 
-def shown_values(spec, axis: str) -> list:
-    """Return two values of an axis at which a figure shows points."""
+def example_values(spec, axis: str) -> list:
+    """Return two values of an axis for which a figure shows points."""
     if axis in spec.where:
         return list(spec.where[axis][:2])
     default = getattr(parse_point({"system": spec.system}, "p"), axis)
@@ -195,7 +195,7 @@ def shown_values(spec, axis: str) -> list:
 @pytest.mark.parametrize("name", FIGURES)
 def test_a_figure_needs_every_axis(name, parse):
     spec = FIGURES[name]
-    values = {axis: shown_values(spec, axis) for axis in spec.axes}
+    values = {axis: example_values(spec, axis) for axis in spec.axes}
     base = {key: value for key, value in spec.where.items() if key not in spec.axes}
     base = {key: value[0] if isinstance(value, tuple) else value for key, value in base.items()}
     first = {axis: value for axis, (value, _) in values.items()}
@@ -385,8 +385,8 @@ def test_durations_are_written_in_the_unit_that_suits(seconds, text):
 def test_glued_spheres_count_and_have_a_limit():
     smooth, rough, most = (estimate(ChuteParameters(bumps=bumps)) for bumps in (0, 0.1, 0.03))
     # Circles of 0.03 σ that cover 40 % of 100 σ².
-    assert ChuteParameters(bumps=0.03).glued == 56_588
-    assert ChuteParameters(bumps=0.1).glued == 5_093
+    assert ChuteParameters(bumps=0.03).glued_particles == 56_588
+    assert ChuteParameters(bumps=0.1).glued_particles == 5_093
     assert rough.core_seconds > 5 * smooth.core_seconds
     assert rough.memory - smooth.memory == pytest.approx(5_093 * 4e-3, abs=1)
     # Each has 47 others within a skin, of which the neighbor list holds half the pairs.

@@ -1,4 +1,4 @@
-"""Plots of a study file: entries like those of the catalogue, and what is refused of them."""
+"""Plots of a study file: entries like those of the catalogue, and refused plots."""
 
 import pytest
 
@@ -15,10 +15,10 @@ SERIES = {
     "grid": {"friction": [0.3, 0.4], "angle": [16, 17], "law": ["walton_braun", "spring_dashpot"]},
 }
 BEDS = {"name": "beds", "system": "belt", "grid": {"frequency": [20, 50]}}
-#: A plot that is right.
-RIGHT = {"name": "v", "x": "friction", "curves": "angle", "panels": "law"}
-#: What makes it a map of regimes.
-REGIMES = {"kind": "map", "y": "angle", "curves": None}
+#: A valid plot.
+VALID_PLOT = {"name": "v", "x": "friction", "curves": "angle", "panels": "law"}
+#: Changes that make it a map of regimes.
+REGIME_MAP = {"kind": "map", "y": "angle", "curves": None}
 
 
 @pytest.fixture
@@ -30,7 +30,7 @@ def parse(tmp_path):
     return parse
 
 
-def refused(parse, plot: dict, **others) -> str:
+def error_message(parse, plot: dict, **others) -> str:
     with pytest.raises(InputError) as caught:
         parse(plot, **others)
     message = str(caught.value)
@@ -39,7 +39,7 @@ def refused(parse, plot: dict, **others) -> str:
 
 
 def test_a_plot_is_an_entry_of_all_points_of_its_series(parse):
-    study = parse(RIGHT)
+    study = parse(VALID_PLOT)
     spec = study.entries["v"]
     assert (spec.kind, spec.system, spec.axes) == ("plot_curves", "chute", ("friction",))
     assert spec.title == "Velocity against friction, by angle and law"
@@ -50,14 +50,14 @@ def test_a_plot_is_an_entry_of_all_points_of_its_series(parse):
 
 
 def test_x_of_curves_may_be_an_observable(parse):
-    study = parse(RIGHT | {"x": "shear_depth"})
+    study = parse(VALID_PLOT | {"x": "shear_depth"})
     spec = study.entries["v"]
     assert spec.axes == () and spec.curves == ("angle", "law")
     assert (spec.options["show"], spec.options["second"]) == ("velocity", "shear_depth")
     assert spec.title == "Velocity against shear depth, by angle and law"
     assert ", against shear depth (height at which the velocity is" in spec.lead
     assert "friction" in spec.named
-    assert parse(RIGHT).entries["v"].options["second"] == ""
+    assert parse(VALID_PLOT).entries["v"].options["second"] == ""
 
 
 def test_y_of_profiles_is_another_profile_in_the_same_slices(parse):
@@ -86,14 +86,16 @@ def test_y_of_profiles_is_another_profile_in_the_same_slices(parse):
     ],
 )
 def test_mistakes_in_profiles_are_refused_by_their_key(parse, change, message):
-    assert refused(parse, {"name": "p", "kind": "profiles"} | change).startswith(message)
+    assert error_message(parse, {"name": "p", "kind": "profiles"} | change).startswith(message)
 
 
-OTHERS = {"label": "Pouliquen (1999)", "points": [[0.3, 1], [0.6, 2.5]]}
+DATA_BESIDE = {"label": "Pouliquen (1999)", "points": [[0.3, 1], [0.6, 2.5]]}
 
 
 def test_data_beside_a_plot_are_kept_with_it(parse):
-    spec = parse(RIGHT | {"beside": [OTHERS, OTHERS | {"label": "law", "line": True}]}).entries["v"]
+    spec = parse(
+        VALID_PLOT | {"beside": [DATA_BESIDE, DATA_BESIDE | {"label": "law", "line": True}]}
+    ).entries["v"]
     points = ((0.3, 1.0), (0.6, 2.5))
     assert spec.options["beside"] == (("Pouliquen (1999)", points, False), ("law", points, True))
     assert eval(repr(spec), {"FigureSpec": FigureSpec}) == spec
@@ -121,19 +123,21 @@ def test_data_beside_a_plot_are_kept_with_it(parse):
     ],
 )
 def test_mistakes_in_data_beside_are_refused_by_their_key(parse, change, message):
-    assert refused(parse, RIGHT | {"beside": [OTHERS | change]}).startswith(message)
+    assert error_message(parse, VALID_PLOT | {"beside": [DATA_BESIDE | change]}).startswith(message)
 
 
 def test_data_beside_without_a_place_are_refused(parse):
-    below = OTHERS | {"points": [[0.3, 1], [0.4, 0]]}
-    message = refused(parse, RIGHT | {"log": ["y"], "beside": [below]})
+    nonpositive_data = DATA_BESIDE | {"points": [[0.3, 1], [0.4, 0]]}
+    message = error_message(parse, VALID_PLOT | {"log": ["y"], "beside": [nonpositive_data]})
     assert message.startswith("beside[0].points[1]: got [0.4, 0]; allowed: numbers >= 1e-100 on")
-    assert parse(RIGHT | {"log": ["x"], "beside": [below]}).plots
-    message = refused(parse, RIGHT | {"beside": [OTHERS, OTHERS]})
+    assert parse(VALID_PLOT | {"log": ["x"], "beside": [nonpositive_data]}).plots
+    message = error_message(parse, VALID_PLOT | {"beside": [DATA_BESIDE, DATA_BESIDE]})
     assert message.startswith("beside[1].label: got 'Pouliquen (1999)'; allowed: a label of its")
-    message = refused(parse, RIGHT | {"kind": "distribution", "beside": [OTHERS]})
+    message = error_message(parse, VALID_PLOT | {"kind": "distribution", "beside": [DATA_BESIDE]})
     assert message.startswith("beside: got 'Pouliquen (1999)'; allowed: no data beside, which are")
-    message = refused(parse, RIGHT | {"beside": [OTHERS | {"label": str(n)} for n in range(7)]})
+    message = error_message(
+        parse, VALID_PLOT | {"beside": [DATA_BESIDE | {"label": str(n)} for n in range(7)]}
+    )
     assert "allowed: a list of at most 6" in message
 
 
@@ -150,13 +154,13 @@ def test_plots_draw_on_the_series_they_name_and_on_those_of_their_system(parse):
 def test_parts_bring_their_plots(parse, tmp_path):
     part = "study: p\nseries: [{name: beds, system: belt, grid: {frequency: [20, 50]}}]\n"
     (tmp_path / "part.yaml").write_text(part + "plots: [{name: w, x: frequency}]\n")
-    study = parse(RIGHT | {"system": "chute"}, parts=["part.yaml"])
+    study = parse(VALID_PLOT | {"system": "chute"}, parts=["part.yaml"])
     assert list(study.plots) == ["v", "w"]
     assert study.figures["w"] == study.series["beds"]
     with pytest.raises(InputError, match="a name that no other plot has"):
-        parse(RIGHT | {"name": "w", "system": "chute"}, parts=["part.yaml"])
+        parse(VALID_PLOT | {"name": "w", "system": "chute"}, parts=["part.yaml"])
     with pytest.raises(InputError, match="capitals or not"):
-        parse(RIGHT | {"name": "W", "system": "chute"}, parts=["part.yaml"])
+        parse(VALID_PLOT | {"name": "W", "system": "chute"}, parts=["part.yaml"])
 
 
 @pytest.mark.parametrize("kind", OBSERVABLE)
@@ -197,7 +201,7 @@ def test_every_kind_shows_its_usual_observable_of_every_system(parse, kind, syst
         ({"system": "belt"}, "system: got 'belt'; allowed: a system of its series: chute"),
         ({"colour": "velocity"}, "colour: got 'velocity'; allowed: colour of a map alone"),
         ({"log": ["colour"]}, "log[0]: got 'colour'; allowed: one of x, y"),
-        (REGIMES | {"log": ["colour"]}, "log[0]: got 'colour'; allowed: one of x, y"),
+        (REGIME_MAP | {"log": ["colour"]}, "log[0]: got 'colour'; allowed: one of x, y"),
         ({"curves": ["angle", 1]}, "curves[1]: got 1; allowed: a name, or a list of names"),
         ({"kind": "pie"}, "kind: got 'pie'; allowed: "),
         ({"kind": "profiles", "curves": None}, "x: got 'friction'; allowed: "),
@@ -206,18 +210,18 @@ def test_every_kind_shows_its_usual_observable_of_every_system(parse, kind, syst
     ],
 )
 def test_mistakes_are_refused_by_their_key(parse, change, message):
-    plot = {key: value for key, value in (RIGHT | change).items() if value is not None}
-    assert refused(parse, plot).startswith(message)
+    plot = {key: value for key, value in (VALID_PLOT | change).items() if value is not None}
+    assert error_message(parse, plot).startswith(message)
 
 
 def test_a_study_of_both_systems_asks_for_which(parse):
-    message = refused(parse, RIGHT, series=(SERIES, BEDS))
+    message = error_message(parse, VALID_PLOT, series=(SERIES, BEDS))
     assert message.startswith("system: got nothing; allowed: one of chute, belt")
 
 
 def test_an_axis_with_zero_is_not_logarithmic(parse):
     series = {"name": "a", "system": "chute", "grid": {"friction": [0, 0.4]}}
-    message = refused(parse, {"name": "v", "x": "friction", "log": ["x"]}, series=(series,))
+    message = error_message(parse, {"name": "v", "x": "friction", "log": ["x"]}, series=(series,))
     assert message.startswith("log[0]: got 'x with friction = 0'")
 
 
@@ -230,5 +234,7 @@ def test_points_that_would_lie_on_each_other_are_refused(parse):
 def test_panels_are_few(parse):
     grid = {"friction": [0.3 + 0.01 * step for step in range(13)], "depth": [1, 2]}
     series = {"name": "a", "system": "chute", "grid": grid}
-    message = refused(parse, {"name": "v", "x": "depth", "panels": "friction"}, series=(series,))
+    message = error_message(
+        parse, {"name": "v", "x": "depth", "panels": "friction"}, series=(series,)
+    )
     assert message.startswith("panels: got 'friction with 13 values'; allowed: a parameter of at")

@@ -1,10 +1,10 @@
-"""Ranges in a grid: evenly spaced values, the same as if they were listed."""
+"""Ranges in a grid: evenly spaced values, equivalent to a list of them."""
 
 import pytest
 
 from sim.base.errors import InputError
 from sim.study.load import parse_study
-from sim.study.ranges import MOST, expanded
+from sim.study.ranges import MAX_VALUES, expand_range
 
 
 def points(grid: dict) -> list[str]:
@@ -13,7 +13,7 @@ def points(grid: dict) -> list[str]:
 
 
 @pytest.mark.parametrize(
-    ("spread", "values"),
+    ("range_mapping", "values"),
     [
         ({"start": 0.3, "stop": 0.6, "step": 0.1}, [0.3, 0.4, 0.5, 0.6]),
         ({"start": 0.3, "stop": 0.65, "step": 0.1}, [0.3, 0.4, 0.5, 0.6]),
@@ -21,8 +21,8 @@ def points(grid: dict) -> list[str]:
         ({"start": 1, "stop": 2, "num": 5}, [1, 1.25, 1.5, 1.75, 2]),
     ],
 )
-def test_a_range_is_the_list_of_its_values(spread, values):
-    assert points({"friction": spread}) == points({"friction": values})
+def test_a_range_is_the_list_of_its_values(range_mapping, values):
+    assert points({"friction": range_mapping}) == points({"friction": values})
 
 
 def test_whole_numbers_stay_whole():
@@ -30,22 +30,25 @@ def test_whole_numbers_stay_whole():
 
 
 @pytest.mark.parametrize(
-    ("spread", "message"),
+    ("range_mapping", "message"),
     [
         ({"start": 1, "num": 4}, "friction: got {'num': 4, 'start': 1}; allowed: a list of"),
         ({"start": 1, "stop": 2, "num": 1}, r"friction\.num: got 1; allowed: an integer in \[2"),
         ({"start": 1, "stop": 2, "step": 0}, r"friction\.step: got 0; allowed: a step from start"),
         ({"start": 1, "stop": 2, "step": -1}, r"friction\.step: got -1; allowed: a step from"),
         ({"start": True, "stop": 2, "num": 4}, "friction: got .*; allowed: a list of values, {"),
-        ({"start": 0, "stop": 1, "step": 1 / MOST}, r"friction\.step: got 0.0001; allowed: a"),
+        (
+            {"start": 0, "stop": 1, "step": 1 / MAX_VALUES},
+            r"friction\.step: got 0.0001; allowed: a",
+        ),
         ({"start": "a", "stop": 2, "num": 4}, "friction: got .*; allowed: a list of values, {"),
         ({"start": 1, "stop": -1, "num": 2}, r"friction\[1\]: got -1; allowed: a number >= 0"),
     ],
 )
-def test_a_wrong_range_is_refused(spread, message):
+def test_a_wrong_range_is_refused(range_mapping, message):
     with pytest.raises(InputError, match=rf"series\[0\]\.grid\.{message}"):
-        points({"friction": spread})
+        points({"friction": range_mapping})
 
 
 def test_what_is_no_range_is_left_to_others():
-    assert expanded([1, 2]) == [1, 2] and expanded("a") == "a"
+    assert expand_range([1, 2]) == [1, 2] and expand_range("a") == "a"

@@ -1,4 +1,4 @@
-"""Studies under several readings of the papers: which points, and which of them figures show."""
+"""Studies under several readings of the papers: their points, and the points in figures."""
 
 import pytest
 

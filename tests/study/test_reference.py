@@ -1,4 +1,4 @@
-"""The schema and the reference say what the models say, and the guide's examples work."""
+"""The schema and the reference agree with the models, and the guide's examples work."""
 
 import copy
 import json
@@ -11,10 +11,10 @@ import yaml
 
 from sim.__main__ import main
 from sim.base.errors import InputError
-from sim.parameters import SYSTEMS, canonical, parse_point
+from sim.parameters import SYSTEMS, canonical_values, parse_point
 from sim.study.catalogue import FIGURES
 from sim.study.load import load_study, parse_study
-from sim.study.reference import BEGIN, END, reference_text, schema, schema_text, with_reference
+from sim.study.reference import BEGIN, END, insert_reference, reference_text, schema, schema_text
 
 CONFIG = Path(__file__).parents[2] / "config"
 GUIDE = (CONFIG / "README.md").read_text(encoding="utf-8")
@@ -34,7 +34,7 @@ def test_schema_is_up_to_date():
 
 
 def test_reference_is_up_to_date():
-    assert with_reference(GUIDE, "README.md") == GUIDE, REMEDY
+    assert insert_reference(GUIDE, "README.md") == GUIDE, REMEDY
 
 
 def test_reference_names_every_parameter_and_figure():
@@ -58,7 +58,7 @@ def test_shipped_studies_satisfy_the_schema(name, validator):
 @pytest.mark.parametrize("system", SYSTEMS)
 def test_points_satisfy_the_schema(system, validator):
     validator.validate({"system": system})
-    validator.validate(canonical(parse_point({"system": system}, "point")))
+    validator.validate(canonical_values(parse_point({"system": system}, "point")))
 
 
 STUDY = {
@@ -68,7 +68,7 @@ STUDY = {
 
 
 @pytest.mark.parametrize(
-    "wrong",
+    "invalid_grid",
     [
         {"restitution": [0.85, 1.5]},
         {"restitution": [0]},
@@ -83,11 +83,11 @@ STUDY = {
         None,
     ],
 )
-def test_the_schema_refuses_what_the_models_refuse(wrong, validator, tmp_path):
+def test_the_schema_refuses_what_the_models_refuse(invalid_grid, validator, tmp_path):
     study = copy.deepcopy(STUDY)
     validator.validate(study)
     parse_study(study, "study", tmp_path)
-    study["series"][0]["grid"] = wrong
+    study["series"][0]["grid"] = invalid_grid
     assert not validator.is_valid(study)
     with pytest.raises(InputError):
         parse_study(study, "study", tmp_path)
@@ -98,12 +98,18 @@ def test_the_schema_refuses_what_the_models_refuse(wrong, validator, tmp_path):
     [{"of": "transport"}, {"along": "seed"}, {"range": [1]}, {"range": None}, {"name": "a b"}],
 )
 def test_the_schema_knows_boundaries(change, validator, tmp_path):
-    right = {"name": "a", "system": "chute", "of": "flow", "along": "angle", "tolerance": 1}
-    right["range"] = [10, 20]
-    study = {"study": "s", "boundaries": [right]}
+    valid_boundary = {
+        "name": "a",
+        "system": "chute",
+        "of": "flow",
+        "along": "angle",
+        "tolerance": 1,
+    }
+    valid_boundary["range"] = [10, 20]
+    study = {"study": "s", "boundaries": [valid_boundary]}
     validator.validate(study)
     parse_study(study, "study", tmp_path)
-    study = {"study": "s", "boundaries": [right | change]}
+    study = {"study": "s", "boundaries": [valid_boundary | change]}
     assert not validator.is_valid(study)
     with pytest.raises(InputError):
         parse_study(study, "study", tmp_path)
@@ -126,10 +132,10 @@ def test_examples_of_the_guide_work(tmp_path):
 def test_the_error_that_the_guide_shows_is_the_real_one(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     Path("my-study.yaml").write_text(EXAMPLES[0].replace("0.85]", "1.2]"))
-    (shown,) = re.findall(r"^error: (my-study.yaml.*)$", GUIDE, flags=re.MULTILINE)
+    (guide_error,) = re.findall(r"^error: (my-study.yaml.*)$", GUIDE, flags=re.MULTILINE)
     with pytest.raises(InputError) as caught:
         load_study("my-study.yaml")
-    assert str(caught.value) == shown
+    assert str(caught.value) == guide_error
 
 
 def test_schema_is_printed_and_written(tmp_path, capsys):

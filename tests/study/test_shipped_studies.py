@@ -55,8 +55,8 @@ def test_the_paper_study_has_the_papers_sizes(tmp_path):
         if p.parameters.system == "belt" and not bracketing & set(p.series)
     ]
     assert all(p.replicates >= 3 and p.transient >= 45 and p.average >= 45 for p in belts)
-    figured = [p for p in belts if (p.beads, p.width) == (200, 20)]
-    assert len(figured) > 250 and sum(p.replicates >= 5 for p in figured) > 200
+    figure_belts = [p for p in belts if (p.beads, p.width) == (200, 20)]
+    assert len(figure_belts) > 250 and sum(p.replicates >= 5 for p in figure_belts) > 200
     chutes = [p for p in points if p.system == "chute"]
     assert {(p.depth, p.cell) for p in chutes} >= {(10, 10), (20, 5), (40, 5)}
     assert {p.stiffness for p in chutes} == {100, 1000, 10_000}
@@ -65,14 +65,14 @@ def test_the_paper_study_has_the_papers_sizes(tmp_path):
 
 
 def test_a_study_has_the_points_of_its_parts(tmp_path):
-    whole = load_study(CONFIG / "paper.yaml", tmp_path)
+    study = load_study(CONFIG / "paper.yaml", tmp_path)
     halves = [
         load_study(CONFIG / f"paper_{paper}.yaml", tmp_path) for paper in ("walton", "gallas")
     ]
-    assert whole.points == halves[0].points | halves[1].points
-    assert whole.series == halves[0].series | halves[1].series
-    assert whole.figures == halves[0].figures | halves[1].figures
-    assert len(whole.boundaries) == sum(len(half.boundaries) for half in halves)
+    assert study.points == halves[0].points | halves[1].points
+    assert study.series == halves[0].series | halves[1].series
+    assert study.figures == halves[0].figures | halves[1].figures
+    assert len(study.boundaries) == sum(len(half.boundaries) for half in halves)
 
 
 def test_points_and_figures_of_parts_join_those_of_the_study(tmp_path):

@@ -1,4 +1,4 @@
-"""A study that goes on elsewhere from a dataset: what that has is not run, whatever else is."""
+"""A study continued elsewhere from a dataset: only points that the dataset lacks are run."""
 
 from pathlib import Path
 
@@ -10,7 +10,7 @@ from sim.dataset.build import build
 from sim.dataset.rounds import read_round, write_round
 from sim.study.load import load_study
 from tests.golden import CLOCK
-from tests.made.project import bare_folder, jobs, plan, planned, points, snakemake
+from tests.made.project import bare_folder, jobs, plan, planned_jobs, points, snakemake
 from tests.made.runs import write_run
 
 STUDY = """\
@@ -22,63 +22,63 @@ plots: [{name: velocity, x: frequency, y: velocity}]
 
 
 @pytest.fixture(scope="module")
-def straight(tmp_path_factory) -> Path:
-    """Return a folder where a study has been run, with its dataset and one of half of it."""
+def finished_tree(tmp_path_factory) -> Path:
+    """Return a folder with a finished study, its dataset, and a dataset of half of its points."""
     tree = tmp_path_factory.mktemp("straight")
     (tree / "small.yaml").write_text(STUDY % 2)
-    done = snakemake(tree, "dataset", study="small.yaml")
-    assert done.returncode == 0, done.stderr
+    process = snakemake(tree, "dataset", study="small.yaml")
+    assert process.returncode == 0, process.stderr
     (tree / "half.yaml").write_text((STUDY % 2).replace(", 40, 50", ""))
     build(tree / "half.yaml", tree / "results", finished=tree / "half.nc")
     return tree
 
 
-def frequencies(said: str) -> set[str]:
-    return {point.split("-")[1].removeprefix("frequency") for point in points(said)}
+def frequencies(output: str) -> set[str]:
+    return {point.split("-")[1].removeprefix("frequency") for point in points(output)}
 
 
-def test_only_what_the_dataset_has_not_is_run(straight, tmp_path):
+def test_only_what_the_dataset_has_not_is_run(finished_tree, tmp_path):
     path, results = tmp_path / "small.yaml", tmp_path / "results"
     path.write_text(STUDY % 2)
-    adopt(path, straight / "half.nc", results)
-    dry = plan(tmp_path, study="small.yaml")
-    assert frequencies(dry) == {"40", "50"}
-    assert jobs(dry)["dataset"] == jobs(dry)["warm"] == 1
-    done = snakemake(tmp_path, study="small.yaml")
-    assert done.returncode == 0, done.stderr
-    assert "4 points: 2 done, 2 adopted" in done.stderr
+    adopt(path, finished_tree / "half.nc", results)
+    dry_run = plan(tmp_path, study="small.yaml")
+    assert frequencies(dry_run) == {"40", "50"}
+    assert jobs(dry_run)["dataset"] == jobs(dry_run)["warm"] == 1
+    process = snakemake(tmp_path, study="small.yaml")
+    assert process.returncode == 0, process.stderr
+    assert "4 points: 2 done, 2 adopted" in process.stderr
     assert len(list((results / "small" / "runs").glob("*.nc"))) == 2
-    assert planned(tmp_path, study="small.yaml") == {}
+    assert planned_jobs(tmp_path, study="small.yaml") == {}
     groups = [None, "natural", "si", "belt"]
     for group in groups:
         one, other = (
             xr.load_dataset(tree / "results/small/dataset.nc", group=group)
-            for tree in (tmp_path, straight)
+            for tree in (tmp_path, finished_tree)
         )
         times = [name for name in CLOCK if name in one]
         xr.testing.assert_equal(one.drop_vars(times), other.drop_vars(times))
     page = (results / "small" / "report.html").read_text()
-    (there,) = (results / "small" / "adopted").iterdir()
-    assert page.count(f"adopted from dataset {there.stem}") == 2
-    assert f"2 points from dataset {there.stem}, run 20" in page
+    (adopted_file,) = (results / "small" / "adopted").iterdir()
+    assert page.count(f"adopted from dataset {adopted_file.stem}") == 2
+    assert f"2 points from dataset {adopted_file.stem}, run 20" in page
     # More of each point is none of the dataset's; pages need run files.
     (tmp_path / "more.yaml").write_text(STUDY % 3)
     assert len(frequencies(plan(tmp_path, study="more.yaml"))) == 4
     (tmp_path / "paged.yaml").write_text(STUDY % 2 + "pages: true\n")
     assert frequencies(plan(tmp_path, study="paged.yaml")) == {"20", "30"}
     # The dataset gone, its points are run.
-    there.unlink()
+    adopted_file.unlink()
     assert frequencies(plan(tmp_path, study="small.yaml")) == {"20", "30"}
 
 
-def test_a_dataset_of_all_points_leaves_nothing_to_run(straight, tmp_path):
+def test_a_dataset_of_all_points_leaves_nothing_to_run(finished_tree, tmp_path):
     path = tmp_path / "small.yaml"
     path.write_text(STUDY % 2)
-    adopt(path, straight / "results/small/dataset.nc", tmp_path / "results")
-    assert planned(tmp_path, "dataset", study="small.yaml") == {"dataset": 1}
+    adopt(path, finished_tree / "results/small/dataset.nc", tmp_path / "results")
+    assert planned_jobs(tmp_path, "dataset", study="small.yaml") == {"dataset": 1}
     # Where the runs themselves are, a dataset changes nothing of what is run.
-    adopt(straight / "small.yaml", straight / "half.nc", straight / "results")
-    assert planned(straight, "dataset", study="small.yaml") == {"dataset": 1}
+    adopt(finished_tree / "small.yaml", finished_tree / "half.nc", finished_tree / "results")
+    assert planned_jobs(finished_tree, "dataset", study="small.yaml") == {"dataset": 1}
 
 
 def test_what_a_point_that_is_run_starts_from_is_run_too(tmp_path):
@@ -88,7 +88,7 @@ def test_what_a_point_that_is_run_starts_from_is_run_too(tmp_path):
     ((first, point),) = load_study(path, results).points.items()
     write_run(tmp_path / "made" / "small" / "runs", point.parameters)
     adopt(path, build(path, tmp_path / "made"), results)
-    assert planned(tmp_path, "dataset", study="small.yaml") == {"dataset": 1}
+    assert planned_jobs(tmp_path, "dataset", study="small.yaml") == {"dataset": 1}
     path.write_text(text % f", {{frequency: 40, start_from: {first}}}")
     assert set(points(plan(tmp_path, "dataset", study="small.yaml"))) == {
         *load_study(path, results).points
@@ -107,9 +107,9 @@ def test_boundaries_are_found_without_running_adopted_points(tmp_path):
             write_run(tree / "made" / "onset" / "runs", one, velocity, regime=regime)
     dataset = build(tree / "onset.yaml", tree / "made", finished=tree / "onset.nc")
     adopt(tree / "onset.yaml", dataset, tree / "results")
-    done = snakemake(tree, "results/onset/boundaries.csv", study="onset.yaml")
-    assert done.returncode == 0, done.stderr
-    assert points(done.stderr) == []
+    process = snakemake(tree, "results/onset/boundaries.csv", study="onset.yaml")
+    assert process.returncode == 0, process.stderr
+    assert points(process.stderr) == []
     found = (tree / "results/onset/boundaries.csv").read_text()
     assert ",no transport,transport,found," in found
-    assert planned(tree, "results/onset/boundaries.csv", study="onset.yaml") == {}
+    assert planned_jobs(tree, "results/onset/boundaries.csv", study="onset.yaml") == {}

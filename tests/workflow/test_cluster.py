@@ -1,4 +1,4 @@
-"""What a cluster is given: needs of every job, a line for each that fails, a container."""
+"""Support for clusters: resources of every job, one line for each failed job, a container."""
 
 import json
 import re
@@ -11,31 +11,33 @@ import yaml
 from tests.made.processes import ROOT
 from tests.made.project import bare_folder, plan, snakemake
 
-#: Stands for the program of that name: tells what it is to run, and runs it with a `python` that
-#: only the container has.
+#: Replaces the program of that name: it logs its arguments, and runs the command with a `python`
+#: that only the container has.
 APPTAINER = """\
 #!/bin/bash
 if [ "$1" = --version ]; then echo apptainer version 1.3.0; exit; fi
-printf '%s\\n' "${{@:1:$#-1}}" > {told}
-export PATH={inside}:/usr/bin:/bin
+printf '%s\\n' "${{@:1:$#-1}}" > {log}
+export PATH={container}:/usr/bin:/bin
 exec /bin/bash -c "${{@: -1}}"
 """
 
 
 def project() -> dict:
-    """Return what ``pyproject.toml`` says of the project."""
+    """Return the table ``project`` of ``pyproject.toml``."""
     return tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 
 
 @pytest.mark.parametrize("study", ["tiny.yaml", "onset.yaml"])
 def test_every_job_asks_for_memory_and_run_time(tmp_path, study):
     """A cluster may refuse one that does not, or kill it for what it takes."""
-    dry = plan(bare_folder(tmp_path, study), study=study)
-    told = re.findall(r"^(?:rule|checkpoint) (\w+):\n(.*?)(?=^\S|\Z)", dry, re.M | re.S)
-    assert {"warm", "dataset", "claims", "report"} <= {name for name, _ in told}
-    for name, said in told:
+    dry_run = plan(bare_folder(tmp_path, study), study=study)
+    jobs = re.findall(r"^(?:rule|checkpoint) (\w+):\n(.*?)(?=^\S|\Z)", dry_run, re.M | re.S)
+    assert {"warm", "dataset", "claims", "report"} <= {name for name, _ in jobs}
+    for name, description in jobs:
         if name != "default":
-            assert re.search(r"\bmem_mb=\d+", said) and re.search(r"\bruntime=\d+", said), name
+            assert re.search(r"\bmem_mb=\d+", description) and re.search(
+                r"\bruntime=\d+", description
+            ), name
 
 
 def test_a_failed_job_is_told_in_one_line(tmp_path):
@@ -43,25 +45,25 @@ def test_a_failed_job_is_told_in_one_line(tmp_path):
     (tmp_path / "endless.yaml").write_text(
         "study: endless\nseries: [{name: a, system: belt, base: {width: 1.0e+13}}]\n"
     )
-    done = snakemake(tmp_path, "runs", study="endless.yaml")
-    assert done.returncode == 1
-    (line,) = (line for line in done.stderr.splitlines() if "job failed" in line)
+    process = snakemake(tmp_path, "runs", study="endless.yaml")
+    assert process.returncode == 1
+    (line,) = (line for line in process.stderr.splitlines() if "job failed" in line)
     assert re.match(r"belt-\S+: job failed: error: belt-\S+: cannot be computed: ", line)
-    assert "no backup found" not in done.stderr
+    assert "no backup found" not in process.stderr
 
 
 def test_commands_run_in_the_container(tmp_path, monkeypatch):
-    programs, inside, told = tmp_path / "programs", tmp_path / "inside", tmp_path / "told"
-    for folder in (programs, inside):
+    programs, container, log = tmp_path / "programs", tmp_path / "inside", tmp_path / "told"
+    for folder in (programs, container):
         folder.mkdir()
-    (inside / "python").write_text(f'#!/bin/sh\nexec {sys.executable} "$@"\n')
-    (programs / "apptainer").write_text(APPTAINER.format(told=told, inside=inside))
-    for program in (inside / "python", programs / "apptainer"):
+    (container / "python").write_text(f'#!/bin/sh\nexec {sys.executable} "$@"\n')
+    (programs / "apptainer").write_text(APPTAINER.format(log=log, container=container))
+    for program in (container / "python", programs / "apptainer"):
         program.chmod(0o755)
     monkeypatch.setenv("PATH", str(programs), prepend=":")
-    done = snakemake(bare_folder(tmp_path), "warm", "--sdm", "apptainer")
-    assert done.returncode == 0, done.stderr
-    words = told.read_text().splitlines()
+    process = snakemake(bare_folder(tmp_path), "warm", "--sdm", "apptainer")
+    assert process.returncode == 0, process.stderr
+    words = log.read_text().splitlines()
     assert words[0] == "exec" and str(ROOT / "talus.sif") in words
 
 

@@ -26,8 +26,8 @@ SEED = int(os.environ.get("TALUS_DRILL_SEED", "1"))
 #: checkpoint; another may still be starting.
 KINDS = {"computing batch": 0.5, "batch": 0.2, "shell": 0.1, "workflow": 0.1, "other": 0.1}
 
-#: Share of the kills that do not wait until something computes, and how likely each pause is then
-#: the last.
+#: Share of the kills that do not wait for a computing batch; and the probability, after each pause
+#: of such a wait, that the kill comes next.
 EARLY, SOON = 0.2, 0.1
 
 #: Seconds between two kills, at most.
@@ -66,7 +66,7 @@ def snakemake(tree: Path) -> subprocess.Popen:
 
 
 class Drill:
-    """Workflows in one folder, what has been killed of them so far and what is still to be."""
+    """Workflows in one folder, with counts of killed processes and of kills still required."""
 
     def __init__(self, tree: Path, kills: int = 0):
         self.tree = tree
@@ -78,39 +78,39 @@ class Drill:
 
     @property
     def is_over(self) -> bool:
-        """Whether enough was killed; a drill that hits nothing that computes proves nothing."""
-        found = {"all": sum(self.kills.values()), **self.kills}
-        return all(found[kind] >= number for kind, number in self.least.items())
+        """True where enough processes were killed, of those that compute and of all."""
+        counts = {"all": sum(self.kills.values()), **self.kills}
+        return all(counts[kind] >= number for kind, number in self.least.items())
 
     def living(self) -> list[psutil.Process]:
         """Return all processes of all workflows so far, orphans included."""
-        found = []
+        processes = []
         for process in psutil.process_iter():
             try:
-                ours = os.getsid(process.pid) in self.sessions
-                if ours and process.status() != psutil.STATUS_ZOMBIE:
-                    found.append(process)
+                is_ours = os.getsid(process.pid) in self.sessions
+                if is_ours and process.status() != psutil.STATUS_ZOMBIE:
+                    processes.append(process)
             except (ProcessLookupError, psutil.NoSuchProcess):
                 continue
-        return found
+        return processes
 
     def kill_one(self) -> None:
-        """Kill a process of a kind that is drawn, mostly while runs compute."""
-        alive = {kind: [] for kind in KINDS}
+        """Kill a process of a random kind, mostly while runs compute."""
+        by_kind = {kind: [] for kind in KINDS}
         for process in self.living():
             with suppress(psutil.NoSuchProcess):
-                alive[self.kind(process)].append(process)
+                by_kind[self.kind(process)].append(process)
         # A study that is killed whenever it starts would never get to its runs.
-        if not alive["computing batch"] and not (self.early and self.random.random() < SOON):
+        if not by_kind["computing batch"] and not (self.early and self.random.random() < SOON):
             return
         kind = self.random.choices(list(KINDS), KINDS.values())[0]
         with suppress(psutil.NoSuchProcess, IndexError):
-            self.random.choice(alive[kind]).kill()
+            self.random.choice(by_kind[kind]).kill()
             self.kills[kind] += 1
             self.early = self.random.random() < EARLY
 
     def kind(self, process: psutil.Process) -> str:
-        """Say what a process is: the workflow, the shell of a job, a batch or another job."""
+        """Return the kind of a process: workflow, shell of a job, batch, or other job."""
         words = process.cmdline()
         if "snakemake" in words:
             return "workflow"
@@ -137,7 +137,7 @@ class Drill:
         return process
 
     def run(self) -> None:
-        """Start the workflow until it ends well, killing until that is over."""
+        """Restart the workflow until it succeeds, killing processes until the drill is over."""
         code = 1
         while code != 0:
             process = self.start()
@@ -148,8 +148,8 @@ class Drill:
         wait_until(lambda: not self.living())
 
 
-def same(one: np.ndarray, other: np.ndarray) -> bool:
-    """Return whether two arrays hold the same, unknown numbers included."""
+def arrays_equal(one: np.ndarray, other: np.ndarray) -> bool:
+    """True where two arrays are equal, with NaN equal to NaN."""
     return np.array_equal(one, other, equal_nan=one.dtype.kind == "f")
 
 
@@ -181,14 +181,14 @@ def test_kills_at_random_moments_change_no_bit(kills, undisturbed, tmp_path, req
             name = f"runs/{point}.nc"
             assert digest(results / name) == digest(expected / name), point
         one, other = (contents(folder / "dataset.nc") for folder in (results, expected))
-        assert [name for name in one if not same(one[name], other[name])] == []
+        assert [name for name in one if not arrays_equal(one[name], other[name])] == []
         if all(drill.is_over for drill in drills.values()):
             break
         shutil.rmtree(tree / "results")
 
 
-def outlived(drill: Drill, average: int) -> Path | None:
-    """Kill a workflow whose run computes; return the run file to be, none if it was there."""
+def kill_workflow_only(drill: Drill, average: int) -> Path | None:
+    """Kill a workflow while its run computes; return the future run file, ``None`` if it exists."""
     (drill.tree / "drill.yaml").write_text(
         "study: drill\nseries: [{name: a, system: belt, "
         f"base: {{beads: 200, transient: 10, average: {average}}}}}]\n"
@@ -207,7 +207,7 @@ def test_a_run_that_outlives_its_workflow_is_kept(undisturbed, tmp_path, request
     drill, average = Drill(tmp_path), 250
     request.addfinalizer(drill.end)
     # On a machine that looks too late, the run has ended before its workflow is killed.
-    while not (output := outlived(drill, average)):
+    while not (output := kill_workflow_only(drill, average)):
         average *= 4
     wait_until(lambda: output.exists() or not drill.living())
     before = output.stat().st_ino

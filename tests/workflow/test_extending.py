@@ -1,4 +1,4 @@
-"""Plug-ins in a workflow: loaded in every job, and what an edit of each makes old."""
+"""Plug-ins in a workflow: loaded in every job; an edit reruns what depends on them."""
 
 import json
 import shutil
@@ -8,7 +8,7 @@ import pytest
 import xarray as xr
 
 from tests.made.processes import ROOT
-from tests.made.project import planned, snakemake
+from tests.made.project import planned_jobs, snakemake
 
 STUDY = """\
 study: own
@@ -33,24 +33,24 @@ WITH_LAW = (
 NAME = "own.yaml"
 
 #: Jobs that an edit entails.
-MADE = {"dataset": 1, "figures": 1, "claims": 1, "report": 1}
+JOBS_OF_DATASET = {"dataset": 1, "figures": 1, "claims": 1, "report": 1}
 EDITS = {
     NAME: {"report": 1},
     "steeper.py": {"claims": 1, "report": 1},
     "boxes.py": {"figures": 1, "report": 1},
-    "base_slip.py": MADE,
+    "base_slip.py": JOBS_OF_DATASET,
 }
-OF_THE_LAW = {"hertz_mindlin.py": {"batch": 1, "pages": 1} | MADE}
+EDITS_OF_LAW = {"hertz_mindlin.py": {"batch": 1, "pages": 1} | JOBS_OF_DATASET}
 
 
 def run(text: str, tree: Path) -> Path:
-    """Run a study to its end in a folder, and return that of its results."""
+    """Run a study to its end in a folder, and return its folder of results."""
     for path in (ROOT / "docs" / "examples").glob("*.py"):
         shutil.copy(path, tree)
     (tree / NAME).write_text(text)
-    done = snakemake(tree, study=NAME)
-    assert done.returncode == 0, done.stderr
-    assert "base_slip.py" in done.stderr and "observable base_slip" in done.stderr
+    process = snakemake(tree, study=NAME)
+    assert process.returncode == 0, process.stderr
+    assert "base_slip.py" in process.stderr and "observable base_slip" in process.stderr
     return tree / "results" / "own"
 
 
@@ -73,20 +73,20 @@ def test_every_job_has_the_plugins_that_it_needs(tree):
     assert "base_slip.py" in (results / "report.html").read_text()
 
 
-def edited(tree: Path, name: str) -> dict[str, int]:
-    """Return the jobs that an edit entails, which is then undone."""
+def jobs_after_edit(tree: Path, name: str) -> dict[str, int]:
+    """Return the jobs that an edit entails; the edit is undone."""
     path = tree / name
     before = path.read_text()
     try:
         path.write_text(before + "# edited\n")
-        return planned(tree, study=NAME)
+        return planned_jobs(tree, study=NAME)
     finally:
         path.write_text(before)
 
 
 @pytest.mark.parametrize("name", EDITS)
 def test_an_edit_of_a_plugin_makes_old_what_depends_on_it(tree, name):
-    assert edited(tree, name) == EDITS[name]
+    assert jobs_after_edit(tree, name) == EDITS[name]
 
 
 @pytest.mark.long
@@ -102,5 +102,5 @@ def test_a_law_goes_the_whole_way(tmp_path):
     assert "hertz_mindlin.py" in (results / "report.html").read_text()
     for page in (results / "pages").iterdir():
         assert "hertz_mindlin" in page.read_text()
-    for name, jobs in (EDITS | OF_THE_LAW).items():
-        assert edited(tmp_path, name) == jobs
+    for name, jobs in (EDITS | EDITS_OF_LAW).items():
+        assert jobs_after_edit(tmp_path, name) == jobs

@@ -3,7 +3,7 @@
 import netCDF4
 
 from sim.study.load import load_study
-from tests.made.project import planned, planned_points, points, snakemake
+from tests.made.project import planned_jobs, planned_points, points, snakemake
 
 STUDY = """\
 study: origin
@@ -29,16 +29,16 @@ def test_the_other_runs_first(tmp_path):
     file.write_text(STUDY.format(case=f", {{frequency: 40, start_from: {first}}}"))
     _, then = load_study(file, tmp_path).points
     assert planned_points(tmp_path, "runs", study="origin.yaml") == {first, then}
-    done = snakemake(tmp_path, "runs", study="origin.yaml")
-    assert done.returncode == 0, done.stderr
-    assert points(done.stdout + done.stderr) == [first, then]
+    process = snakemake(tmp_path, "runs", study="origin.yaml")
+    assert process.returncode == 0, process.stderr
+    assert points(process.stdout + process.stderr) == [first, then]
     runs = tmp_path / "results" / "origin" / "runs"
     assert all((runs / f"{point}.nc").exists() for point in (first, then))
     # Longer, the first one ends elsewhere, and so does what starts from it.
     text = file.read_text()
     file.write_text(text.replace("{frequency: 20}", "{frequency: 20, average: 3}"))
-    done = snakemake(tmp_path, "runs", study="origin.yaml")
-    assert done.returncode == 0, done.stderr
+    process = snakemake(tmp_path, "runs", study="origin.yaml")
+    assert process.returncode == 0, process.stderr
     with (
         netCDF4.Dataset(runs / f"{first}.nc") as source,
         netCDF4.Dataset(runs / f"{then}.nc") as run,
@@ -49,4 +49,4 @@ def test_the_other_runs_first(tmp_path):
 
 def test_braces_in_an_entry_of_the_catalogue_are_no_wildcards(tmp_path):
     (tmp_path / "braces.yaml").write_text(BRACES)
-    assert planned(tmp_path, study="braces.yaml")["figures"] == 1
+    assert planned_jobs(tmp_path, study="braces.yaml")["figures"] == 1

@@ -9,7 +9,7 @@ import xarray as xr
 
 from sim.study.load import load_study
 from sim.study.refine import further_rounds
-from tests.made.project import bare_folder, planned, planned_points, snakemake
+from tests.made.project import bare_folder, planned_jobs, planned_points, snakemake
 
 STUDY = "onset.yaml"
 TARGET = "results/onset/boundaries.csv"
@@ -19,8 +19,8 @@ TARGET = "results/onset/boundaries.csv"
 def tree(tmp_path_factory) -> Path:
     """Return a folder in which the boundary was found."""
     tree = bare_folder(tmp_path_factory.mktemp("tree"), STUDY)
-    done = snakemake(tree, TARGET, study=STUDY)
-    assert done.returncode == 0, done.stderr
+    process = snakemake(tree, TARGET, study=STUDY)
+    assert process.returncode == 0, process.stderr
     return tree
 
 
@@ -36,7 +36,7 @@ def test_the_boundary_is_found_in_the_promised_rounds(tree):
     assert float(row["high"]) - float(row["low"]) <= 1 or row["verdict"] == "wide"
     assert len(rounds(tree)) == further_rounds(8, 40, 1) == 2
     study = load_study(tree / STUDY, tree / "results")
-    added = {key for one in rounds(tree) for key in one}
+    added = {key for round_points in rounds(tree) for key in round_points}
     with xr.open_dataset(tree / "results" / "onset" / "dataset.nc") as dataset:
         assert set(dataset["point"].values) == added | set(study.points)
         assert set(dataset["series"].values) == {"onset"}
@@ -44,7 +44,7 @@ def test_the_boundary_is_found_in_the_promised_rounds(tree):
 
 
 def test_nothing_is_left_to_do(tree):
-    assert planned(tree, TARGET, study=STUDY) == {}
+    assert planned_jobs(tree, TARGET, study=STUDY) == {}
 
 
 def test_a_point_of_a_later_round_is_resumed_alone(tree):
@@ -58,17 +58,17 @@ def test_a_point_of_a_later_round_is_resumed_alone(tree):
 
 
 def test_what_only_looks_like_a_point_is_refused(tree):
-    dry = snakemake(tree, "-n", "results/onset/runs/belt-none-01234567.nc", study=STUDY)
-    assert dry.returncode != 0
-    assert "belt-none-01234567: no point of onset.yaml" in dry.stdout + dry.stderr
+    dry_run = snakemake(tree, "-n", "results/onset/runs/belt-none-01234567.nc", study=STUDY)
+    assert dry_run.returncode != 0
+    assert "belt-none-01234567: no point of onset.yaml" in dry_run.stdout + dry_run.stderr
 
 
 def test_a_changed_study_works_out_its_rounds_anew(tree):
     stale = rounds(tree)
     text = (tree / STUDY).read_text().replace("range: [8, 40]", "range: [8, 44]")
     (tree / "wider.yaml").write_text(text)
-    assert planned(tree, study="wider.yaml")["refine"] == 1
+    assert planned_jobs(tree, study="wider.yaml")["refine"] == 1
     assert len(planned_points(tree, study="wider.yaml")) == 4
-    done = snakemake(tree, "results/onset/rounds/1.json", study="wider.yaml")
-    assert done.returncode == 0, done.stderr
+    process = snakemake(tree, "results/onset/rounds/1.json", study="wider.yaml")
+    assert process.returncode == 0, process.stderr
     assert not set(rounds(tree)[0]) & set(stale[0])

@@ -1,4 +1,4 @@
-"""Workflows that were killed or find a damaged file: what they say, and what they do again."""
+"""Workflows that were killed or find a damaged file: their messages and reruns."""
 
 import os
 import re
@@ -11,7 +11,7 @@ import pytest
 
 from sim.study.load import estimate, load_study
 from tests.made.processes import wait_until
-from tests.made.project import command, jobs, planned, points, snakemake
+from tests.made.project import command, jobs, planned_jobs, points, snakemake
 
 #: Beads enough for points of different lengths.
 STUDY = """\
@@ -40,7 +40,7 @@ class Killed:
         self.resumed = snakemake(tree, "dataset", study="small.yaml")
 
     def _stopped_halfway(self, tree: Path, log: Path) -> bool:
-        """Start the workflow and stop it after three runs; return whether there were more to do."""
+        """Start the workflow, stop it after three runs; true where some runs are still missing."""
         with log.open("w") as file:
             self.process = subprocess.Popen(
                 command(tree, "runs", "--cores", "1", study="small.yaml"),
@@ -49,16 +49,16 @@ class Killed:
                 stderr=file,
                 start_new_session=True,
             )
-        wait_until(lambda: self.done() >= 3, self.process)
+        wait_until(lambda: self.run_file_count() >= 3, self.process)
         os.killpg(self.process.pid, signal.SIGSTOP)
-        if self.done() < len(self.study.points):
+        if self.run_file_count() < len(self.study.points):
             return True
         os.killpg(self.process.pid, signal.SIGKILL)
         self.process.wait()
         return False
 
-    def done(self) -> int:
-        """Return how many points have a run file."""
+    def run_file_count(self) -> int:
+        """Return the number of run files."""
         return len(list(self.runs.glob("*.nc")))
 
 
@@ -84,28 +84,28 @@ def test_a_living_workflow_keeps_its_lock(killed):
 def test_the_longest_points_start_first(killed):
     study = killed.study
     costs = [estimate(study.points[point].parameters).core_seconds for point in points(killed.log)]
-    everything = [estimate(point.parameters).core_seconds for point in study.points.values()]
+    all_costs = [estimate(point.parameters).core_seconds for point in study.points.values()]
     assert len(costs) >= 3
-    assert costs == sorted(everything, reverse=True)[: len(costs)]
+    assert costs == sorted(all_costs, reverse=True)[: len(costs)]
 
 
 def test_a_damaged_run_is_named_and_computed_again_by_a_rerun(killed):
     """And a workflow that fails ends with a summary as others do."""
     tree = killed.runs.parents[2]
     path = sorted(killed.runs.glob("*.nc"))[1]
-    whole = path.read_bytes()
-    path.write_bytes(whole[: len(whole) // 2])
+    content = path.read_bytes()
+    path.write_bytes(content[: len(content) // 2])
     first = snakemake(tree, "dataset", study="small.yaml")
     assert first.returncode != 0
     assert f"error: results/small/runs/{path.name}: damaged" in first.stdout + first.stderr
     assert re.search(r"^6 points: 5 done", first.stderr, re.M)
     assert path.with_name(f"{path.name}.damaged").exists()
-    again = snakemake(tree, "dataset", study="small.yaml")
-    assert again.returncode == 0, again.stderr
-    assert jobs(again.stderr) == {"run": 1, "dataset": 1}
-    assert points(again.stderr) == [path.stem]
-    assert len(path.read_bytes()) == pytest.approx(len(whole), rel=0.01)
-    assert planned(tree, "dataset", study="small.yaml") == {}
+    rerun = snakemake(tree, "dataset", study="small.yaml")
+    assert rerun.returncode == 0, rerun.stderr
+    assert jobs(rerun.stderr) == {"run": 1, "dataset": 1}
+    assert points(rerun.stderr) == [path.stem]
+    assert len(path.read_bytes()) == pytest.approx(len(content), rel=0.01)
+    assert planned_jobs(tree, "dataset", study="small.yaml") == {}
 
 
 def test_what_a_batch_has_finished_stays_when_it_fails(tmp_path):
@@ -123,7 +123,7 @@ def test_what_a_batch_has_finished_stays_when_it_fails(tmp_path):
     log = results / "logs" / "runs" / f"{shorter.stem}.log"
     log.unlink()
     log.mkdir()
-    done = snakemake(tmp_path, "runs", study="small.yaml")
-    assert done.returncode == 1 and "job failed: error: " in done.stderr
+    process = snakemake(tmp_path, "runs", study="small.yaml")
+    assert process.returncode == 1 and "job failed: error: " in process.stderr
     assert shorter.read_bytes() == before[shorter]
     assert longer.read_bytes() != before[longer]

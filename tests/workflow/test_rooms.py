@@ -1,4 +1,4 @@
-"""Which rules an edit makes old: those of its room and above it, and no run."""
+"""An edit reruns the rules of its room and of the rooms above it, but no run."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -8,7 +8,7 @@ import pytest
 from sim.base.rooms import room_hash
 from sim.study.catalogue import FIGURES
 from sim.study.load import load_study
-from tests.made.project import copy_tree, planned, snakemake
+from tests.made.project import copy_tree, planned_jobs, snakemake
 
 STUDY = """\
 study: rooms
@@ -18,76 +18,78 @@ series:
 plots:
   - {name: own, x: frequency, system: belt}
 """
-DRAWN = {"figures": 1, "report": 1}
-DATASET = {"dataset": 1, "claims": 1, **DRAWN}
-EVERYTHING = {"warm": 1, "run": 2, "batch": 1, **DATASET}
+FIGURE_JOBS = {"figures": 1, "report": 1}
+DATASET_JOBS = {"dataset": 1, "claims": 1, **FIGURE_JOBS}
+ALL_JOBS = {"warm": 1, "run": 2, "batch": 1, **DATASET_JOBS}
 
 
 @pytest.fixture(scope="module")
 def tree(tmp_path_factory) -> Path:
-    """Return a copy of the project that takes empty files for the results of a study."""
+    """Return a copy of the project with empty files as up-to-date results of a study."""
     tree = copy_tree(tmp_path_factory.mktemp("rooms"))
     (tree / "rooms.yaml").write_text(STUDY)
     study = load_study(tree / "rooms.yaml")
     results = tree / "results" / "rooms"
-    made = ["runs/.warm", "dataset.nc", "claims.json", "claims.csv", "report.html"]
-    made += [f"runs/{point}.nc" for point in study.points]
-    made += [f"figures/{name}{end}" for name, one in study.entries.items() for end in one.suffixes]
-    for name in made:
+    outputs = ["runs/.warm", "dataset.nc", "claims.json", "claims.csv", "report.html"]
+    outputs += [f"runs/{point}.nc" for point in study.points]
+    outputs += [
+        f"figures/{name}{end}" for name, one in study.entries.items() for end in one.suffixes
+    ]
+    for name in outputs:
         (results / name).parent.mkdir(parents=True, exist_ok=True)
         (results / name).touch()
-    done = snakemake(tree, "--touch", "--forceall", study="rooms.yaml")
-    assert done.returncode == 0, done.stderr
+    process = snakemake(tree, "--touch", "--forceall", study="rooms.yaml")
+    assert process.returncode == 0, process.stderr
     return tree
 
 
 @pytest.fixture
 def edit(tree) -> Iterator:
-    """Return a function that replaces text in a file of the tree, or adds some; undone after."""
+    """Return a function that replaces or adds text in a file of the tree; undone afterwards."""
     originals: dict[Path, str] = {}
 
-    def changed(name: str, old: str = "", new: str = "\n# edited\n") -> None:
+    def replace_text(name: str, old: str = "", new: str = "\n# edited\n") -> None:
         path = tree / name
         originals[path] = text = path.read_text()
         assert old in text
         path.write_text(text.replace(old, new, 1) if old else text + new)
 
-    yield changed
+    yield replace_text
     for path, text in originals.items():
         path.write_text(text)
 
 
 def test_nothing_is_old_before_an_edit(tree):
-    assert planned(tree, study="rooms.yaml") == {}
+    assert planned_jobs(tree, study="rooms.yaml") == {}
 
 
 @pytest.mark.parametrize(
     ("name", "old"),
     [
-        ("sim/parameters/words.py", DATASET),
+        ("sim/parameters/words.py", DATASET_JOBS),
         ("sim/engine/contact/damping.py", {}),
-        ("sim/figures/caption.py", DRAWN),
+        ("sim/figures/caption.py", FIGURE_JOBS),
         ("sim/claims/claims_walton.yaml", {"claims": 1, "report": 1}),
         ("sim/report/templates/report.html.j2", {"report": 1}),
     ],
 )
 def test_an_edit_makes_old_what_its_room_has_made(tree, edit, name, old):
     edit(name)
-    assert planned(tree, study="rooms.yaml") == old
+    assert planned_jobs(tree, study="rooms.yaml") == old
 
 
-ALL = {"dataset", "figures", "claims", "report"}
+ROOMS = {"dataset", "figures", "claims", "report"}
 
 
 @pytest.mark.parametrize(
     ("name", "rooms"),
     [
-        ("base/errors.py", ALL),
-        ("parameters/words.py", ALL),
-        ("study/load.py", ALL),
+        ("base/errors.py", ROOMS),
+        ("parameters/words.py", ROOMS),
+        ("study/load.py", ROOMS),
         ("study/catalogue/walton.py", {"report"}),
         ("engine/contact/damping.py", set()),
-        ("dataset/gather.py", ALL),
+        ("dataset/gather.py", ROOMS),
         ("figures/caption.py", {"figures", "report"}),
         ("claims/judge.py", {"claims", "report"}),
         ("report/page.py", {"report"}),
@@ -96,25 +98,25 @@ ALL = {"dataset", "figures", "claims", "report"}
 def test_the_hash_of_a_room_follows_what_it_may_import_but_the_engine(tree, edit, name, rooms):
     def hashes() -> dict[str, str]:
         room_hash.cache_clear()
-        return {room: room_hash(tree / "sim", room) for room in ALL}
+        return {room: room_hash(tree / "sim", room) for room in ROOMS}
 
     before = hashes()
     edit(f"sim/{name}")
     after = hashes()
-    assert {room for room in ALL if after[room] != before[room]} == rooms
+    assert {room for room in ROOMS if after[room] != before[room]} == rooms
 
 
 def test_an_edit_of_an_entry_of_the_catalogue_redraws_its_figure(tree, edit):
     title = FIGURES["walton_2"].title
     edit("sim/study/catalogue/walton.py", title, f"{title}, edited")
-    assert planned(tree, study="rooms.yaml") == DRAWN
+    assert planned_jobs(tree, study="rooms.yaml") == FIGURE_JOBS
 
 
 def test_a_changed_plot_of_the_study_leaves_its_dataset(tree, edit):
     edit("rooms.yaml", "x: frequency", "x: frequency, y: backflow")
-    assert planned(tree, study="rooms.yaml") == DRAWN
+    assert planned_jobs(tree, study="rooms.yaml") == FIGURE_JOBS
 
 
 def test_other_numerics_make_everything_old(tree, edit):
     edit("sim/engine/identity.py", "NUMERICS = 1", "NUMERICS = 2")
-    assert planned(tree, study="rooms.yaml") == EVERYTHING
+    assert planned_jobs(tree, study="rooms.yaml") == ALL_JOBS

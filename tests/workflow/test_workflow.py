@@ -1,4 +1,4 @@
-"""The whole way from a study file to the report, with the real engine, and what is asked of it."""
+"""The workflow from a study file to the report, with the real engine."""
 
 import json
 import os
@@ -12,29 +12,29 @@ import xarray as xr
 
 from sim.study.load import load_study
 from tests.made.processes import ROOT
-from tests.made.project import STUDY, bare_folder, jobs, plan, planned, points, snakemake
+from tests.made.project import STUDY, bare_folder, jobs, plan, planned_jobs, points, snakemake
 
 TINY = load_study(ROOT / "tests" / "data" / STUDY)
 POINTS = len(TINY.points)
 
 #: Jobs of each rule that a new dataset entails, and those of a new study.
-AFTER_IT = {"figures": 1, "claims": 1, "report": 1}
-EVERYTHING = {"warm": 1, "batch": 1, "dataset": 1, **AFTER_IT}
+JOBS_AFTER_DATASET = {"figures": 1, "claims": 1, "report": 1}
+ALL_JOBS = {"warm": 1, "batch": 1, "dataset": 1, **JOBS_AFTER_DATASET}
 
 
 @pytest.fixture(scope="module")
-def said() -> list[str]:
-    """What the workflow said that has run the tiny study to its end."""
+def messages() -> list[str]:
+    """Messages of the workflow that has run the tiny study to its end."""
     return []
 
 
 @pytest.fixture(scope="module")
-def tree(tmp_path_factory, said) -> Path:
+def tree(tmp_path_factory, messages) -> Path:
     """Return a folder in which the tiny study has run to its end."""
     tree = bare_folder(tmp_path_factory.mktemp("tree"))
-    done = snakemake(tree)
-    assert done.returncode == 0, done.stderr
-    said.append(done.stderr)
+    process = snakemake(tree)
+    assert process.returncode == 0, process.stderr
+    messages.append(process.stderr)
     return tree
 
 
@@ -76,29 +76,29 @@ def test_logs_of_runs_say_how_they_went(tree):
         assert written.endswith("written")
 
 
-def test_a_workflow_does_what_it_announces_and_ends_with_a_summary(tree, said):
-    assert jobs(said[0]) == EVERYTHING
-    assert f"{POINTS} points: {POINTS - 1} done, 1 failed" in said[0]
+def test_a_workflow_does_what_it_announces_and_ends_with_a_summary(tree, messages):
+    assert jobs(messages[0]) == ALL_JOBS
+    assert f"{POINTS} points: {POINTS - 1} done, 1 failed" in messages[0]
 
 
 def test_nothing_is_left_to_do_and_a_dry_run_sums_nothing_up(tree):
-    dry = plan(tree)
-    assert jobs(dry) == {}
-    assert f"{POINTS} points" not in dry
+    dry_run = plan(tree)
+    assert jobs(dry_run) == {}
+    assert f"{POINTS} points" not in dry_run
 
 
 def test_a_study_without_boundaries_knows_no_rounds(tree):
-    dry = plan(tree, "--forceall")
-    assert jobs(dry) == {"warm": 1, "run": POINTS, "dataset": 1, **AFTER_IT}
-    assert "checkpoint" not in dry
+    dry_run = plan(tree, "--forceall")
+    assert jobs(dry_run) == {"warm": 1, "run": POINTS, "dataset": 1, **JOBS_AFTER_DATASET}
+    assert "checkpoint" not in dry_run
 
 
 def test_an_added_grid_value_runs_the_new_points_alone(tree):
     text = (tree / STUDY).read_text().replace("frequency: [20, 60]", "frequency: [20, 40, 60]")
     (tree / "wider.yaml").write_text(text)
-    dry = plan(tree, study="wider.yaml")
-    assert jobs(dry) == {"batch": 1, "dataset": 1, **AFTER_IT}
-    assert {point.split("-")[1] for point in points(dry)} == {"frequency40"}
+    dry_run = plan(tree, study="wider.yaml")
+    assert jobs(dry_run) == {"batch": 1, "dataset": 1, **JOBS_AFTER_DATASET}
+    assert {point.split("-")[1] for point in points(dry_run)} == {"frequency40"}
 
 
 def test_a_changed_parameter_runs_the_points_it_touches(tree):
@@ -119,25 +119,25 @@ def test_points_that_are_run_on_share_no_batch_with_new_ones(tree):
     text = (tree / STUDY).read_text().replace("{frequency: 20}", "{frequency: 20, replicates: 2}")
     text = text.replace("frequency: [20, 60]", "frequency: [20, 40, 60]")
     (tree / "both.yaml").write_text(text)
-    dry = plan(tree, study="both.yaml")
-    assert len(points(dry)) == 3
-    assert jobs(dry) == {"batch": 1, "run": 1, "dataset": 1, **AFTER_IT}
+    dry_run = plan(tree, study="both.yaml")
+    assert len(points(dry_run)) == 3
+    assert jobs(dry_run) == {"batch": 1, "run": 1, "dataset": 1, **JOBS_AFTER_DATASET}
 
 
 def test_where_less_is_wanted_nothing_is_run(tree):
     (tree / "less.yaml").write_text((tree / STUDY).read_text().replace("average: 2", "average: 1"))
-    assert planned(tree, study="less.yaml") == {"dataset": 1, **AFTER_IT}
+    assert planned_jobs(tree, study="less.yaml") == {"dataset": 1, **JOBS_AFTER_DATASET}
 
 
 def test_another_figure_of_the_same_points_makes_the_dataset_again(tree):
     text = (tree / STUDY).read_text().replace("figures: [gallas_1a]", "figures: []")
     (tree / "fewer.yaml").write_text(text)
-    assert planned(tree, study="fewer.yaml")["dataset"] == 1
+    assert planned_jobs(tree, study="fewer.yaml")["dataset"] == 1
 
 
 def test_pages_are_made_where_they_are_asked_for(tree):
     (tree / "paged.yaml").write_text((tree / STUDY).read_text() + "pages: true\n")
-    assert planned(tree, study="paged.yaml") == {"pages": 1, "report": 1}
+    assert planned_jobs(tree, study="paged.yaml") == {"pages": 1, "report": 1}
 
 
 @pytest.mark.parametrize(
@@ -150,12 +150,12 @@ def test_pages_are_made_where_they_are_asked_for(tree):
 )
 def test_targets_are_asked_for_by_name(tree, target, expected):
     rule = next(iter(expected))
-    assert planned(tree, target, "--forcerun", rule) == expected
+    assert planned_jobs(tree, target, "--forcerun", rule) == expected
 
 
 def test_both_entry_points_know_the_same_work(tree):
     entry = str(ROOT / "workflow" / "Snakefile")
-    assert planned(tree, "--snakefile", entry, "--forcerun", "report") == {"report": 1}
+    assert planned_jobs(tree, "--snakefile", entry, "--forcerun", "report") == {"report": 1}
 
 
 def test_a_study_may_lie_anywhere(tree):
@@ -168,8 +168,8 @@ def test_a_study_may_lie_anywhere(tree):
 
 
 def test_snakemake_writes_its_own_report(tree):
-    done = snakemake(tree, "--report", "report.zip")
-    assert done.returncode == 0, done.stderr
+    process = snakemake(tree, "--report", "report.zip")
+    assert process.returncode == 0, process.stderr
     with zipfile.ZipFile(tree / "report.zip") as archive:
         names = archive.namelist()
         page = archive.read("report/report.html").decode()
@@ -188,24 +188,24 @@ def test_a_second_study_of_the_same_name_is_pointed_out(tree):
 @pytest.mark.parametrize("damage", [b"\xff\x00\xfe", b"", b"missing.yaml", b"a\x00b"])
 def test_a_damaged_note_of_whose_the_results_are_stops_nothing(damage, tree):
     note = tree / "results" / "tiny" / ".study"
-    whole = note.read_bytes()
+    content = note.read_bytes()
     note.write_bytes(damage)
     try:
         assert "warning" not in plan(tree)
     finally:
-        note.write_bytes(whole)
+        note.write_bytes(content)
 
 
 def test_a_device_in_place_of_that_note_is_not_read(tree):
     note = tree / "results" / "tiny" / ".study"
-    whole = note.read_bytes()
+    content = note.read_bytes()
     note.unlink()
     note.symlink_to("/dev/zero")
     try:
         assert "warning" not in plan(tree)
     finally:
         note.unlink()
-        note.write_bytes(whole)
+        note.write_bytes(content)
 
 
 def test_a_clock_that_was_ahead_makes_nothing_old_and_hides_nothing(tree):
@@ -213,15 +213,15 @@ def test_a_clock_that_was_ahead_makes_nothing_old_and_hides_nothing(tree):
     ahead = time.time() + 1e8
     for path in results.rglob("*"):
         os.utime(path, (ahead, ahead))
-    assert planned(tree) == {}
+    assert planned_jobs(tree) == {}
     assert all(path.stat().st_mtime < ahead for path in results.rglob("*") if path.is_file())
     run = next((results / "runs").glob("belt-*.nc"))
-    whole = run.read_bytes()
+    content = run.read_bytes()
     os.utime(results / "dataset.nc", (ahead, ahead))
-    run.write_bytes(whole + b"changed")
-    assert planned(tree)["dataset"] == 1
-    run.write_bytes(whole)
-    assert planned(tree) == {}
+    run.write_bytes(content + b"changed")
+    assert planned_jobs(tree)["dataset"] == 1
+    run.write_bytes(content)
+    assert planned_jobs(tree) == {}
 
 
 def test_a_job_on_a_cluster_knows_the_batches_of_the_workflow_that_planned(tmp_path):
@@ -233,10 +233,10 @@ def test_a_job_on_a_cluster_knows_the_batches_of_the_workflow_that_planned(tmp_p
     ((batch, members),) = json.loads((runs / ".batches").read_text()).items()
     (runs / f"{members[0]}.nc").touch()
     options = ("--mode", "remote", "--target-jobs", f"{batch}:", "--allowed-rules", batch)
-    done = snakemake(tree, *options, "--nolock", "--force")
-    assert done.returncode == 0, done.stderr
+    process = snakemake(tree, *options, "--nolock", "--force")
+    assert process.returncode == 0, process.stderr
     assert {path.stem for path in runs.glob("*.nc")} == set(members) == set(TINY.points)
-    assert f"{POINTS} points: " not in done.stderr
+    assert f"{POINTS} points: " not in process.stderr
 
 
 @pytest.mark.parametrize(
@@ -244,9 +244,9 @@ def test_a_job_on_a_cluster_knows_the_batches_of_the_workflow_that_planned(tmp_p
 )
 def test_the_scheduler_is_woken_by_jobs_that_end_alone(tree, asked, limited):
     """Its usual limit of starts per second would wake it once a second for each job that ended."""
-    told = 'print("limit", workflow.scheduler.job_rate_limiter, file=sys.stderr)'
-    text = f'include: "{ROOT}/workflow/Snakefile"\n\nonsuccess:\n    {told}\n'
+    print_limit = 'print("limit", workflow.scheduler.job_rate_limiter, file=sys.stderr)'
+    text = f'include: "{ROOT}/workflow/Snakefile"\n\nonsuccess:\n    {print_limit}\n'
     (tree / "told.smk").write_text(text)
-    done = snakemake(tree, "--snakefile", "told.smk", "--forcerun", "report", *asked)
-    assert done.returncode == 0, done.stderr
-    assert ("limit None" not in done.stderr) == limited, done.stderr
+    process = snakemake(tree, "--snakefile", "told.smk", "--forcerun", "report", *asked)
+    assert process.returncode == 0, process.stderr
+    assert ("limit None" not in process.stderr) == limited, process.stderr

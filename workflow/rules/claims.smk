@@ -1,4 +1,4 @@
-# Verdicts on what the papers claim.
+# Verdicts on the claims of the papers.
 
 
 rule claims:
@@ -18,9 +18,9 @@ rule claims:
     conda:
         "../envs/talus.yaml"
     resources:
-        **READING,
+        **READER_RESOURCES,
     params:
         numerics=numerics_mark(),
-        code=room("claims", "judge"),
+        code=room_code("claims", "judge"),
     shell:
         'python -m sim claims "$TALUS_STUDY" > {log} 2>&1'

@@ -1,4 +1,4 @@
-# What all rules share: the study, its folder, the environment of the jobs.
+# Shared by all rules: the study, its folder, the environment of the jobs.
 
 import json
 import os
@@ -20,24 +20,24 @@ from helpers import age, correct_future_times, release_stale_lock, write_start
 from sim.engine.states import checkpoint_interval
 from sim.base.additions import codes
 from sim.base.errors import InputError
-from sim.base.files import read_regular, replacing
+from sim.base.files import atomic_write, read_regular
 from sim.base.plugins import VARIABLE
 from sim.base.rooms import files_hash, room_hash
 from sim.parameters import RUN_FILE, SYSTEMS, amounts, canonical_json
-from sim.engine.stored_run import holds, is_to_grow, planned_amounts
+from sim.engine.stored_run import has_enough, needs_growth, planned_amounts
 from sim.engine.identity import numerics_mark
-from sim.dataset.adopted import Adopted
+from sim.dataset.adopted import AdoptedPoints
 from sim.dataset.rounds import read_round
-from sim.dataset.starts import require_start_files
-from sim.study.batches import batches
+from sim.dataset.run_file import require_start_files
+from sim.study.batches import plan_batches
 from sim.study.load import DEFAULT_STUDY, estimate, load_study
 
 
 def study_path():
-    """Return the one study file that --configfile names, or the default.
+    """Return the path of the one study file that --configfile names, or of the default one.
 
     Snakemake merges a configfile into the one that a workflow declares. A study must be exactly
-    the file named, so none is declared and the file is read by path.
+    the named file, so the workflow declares none and reads the file by its path.
     """
     if workflow.config_settings.config_args:
         raise InputError("--config: not used by Talus; edit a study file and give --configfile")
@@ -49,12 +49,12 @@ def study_path():
 
 
 def parameters(point):
-    """Return the parameters of a point of the study, of whichever round of refinement."""
+    """Return the parameters of a point of the study, from any round of refinement."""
     if point in STUDY.points:
         return STUDY.points[point].parameters
     for path in filter(Path.is_file, map(round_file, range(1, STUDY.rounds + 1))):
-        if found := read_round(path).get(point):
-            return found
+        if point_parameters := read_round(path).get(point):
+            return point_parameters
     raise WorkflowError(f"{point}: no point of {STUDY.path}")
 
 
@@ -62,107 +62,111 @@ def run_file(point):
     return f"{RESULTS}/runs/{point}.nc"
 
 
-def costs(points):
+def estimates(points):
     """Return the estimated costs of points of the study."""
     return [estimate(parameters(point)) for point in points]
 
 
-def seconds(points):
-    return sum(cost.core_seconds for cost in costs(points))
+def core_seconds(points):
+    return sum(cost.core_seconds for cost in estimates(points))
 
 
-def memory(megabytes):
-    """Return the memory (MB) to ask for: on a cluster a job is two Snakemakes besides its command."""
+def job_memory(megabytes):
+    """Return the memory (MB) of a job: on a cluster, it is two Snakemakes besides its command."""
     return 400 + len(STUDY.points) // 50 + megabytes
 
 
-def minutes(points):
-    """Return the run time (min) to ask for, three times what points are estimated to take."""
-    return 10 + int(seconds(points) / 20)
+def job_minutes(points):
+    """Return the run time (min) of a job: 10 min plus three times the estimate of its points."""
+    return 10 + int(core_seconds(points) / 20)
 
 
-def cores_here():
-    """Return the cores that jobs share on this machine; none where they run on a cluster."""
+def local_cores():
+    """Return the number of cores that jobs share on this machine, ``None`` if it is unknown.
+
+    It is unknown to the Snakemake of a single job, and where jobs run on a cluster.
+    """
     return workflow.resource_settings.cores if workflow.is_main_process else None
 
 
 def origin_file(point):
-    """Return the run file that a point starts from, as a list, which is empty for most."""
+    """Return a list with the run file that a point starts from; for most points it is empty."""
     start = parameters(point).start_from
     return [start if start.endswith(RUN_FILE) else run_file(start)] if start else []
 
 
-def in_json(points):
+def points_json(points):
     """Return the parameters of points as a JSON list."""
     return f"[{','.join(canonical_json(parameters(point)) for point in points)}]"
 
 
 @cache
-def amount(point):
-    """Return how much the run file of a point holds, or will once it has been run, as a text.
+def planned_amount_text(point):
+    """Return a text with the amounts that the run file of a point has, or will have after its run.
 
-    A run file that holds enough keeps its text, so only those that are to grow become old.
+    A run file with large enough amounts keeps its text, so Snakemake only reruns those to extend.
     """
     return json.dumps(planned_amounts(Path(run_file(point)), parameters(point)), sort_keys=True)
 
 
-def is_wanted(point):
-    """Return whether a point of the study has no run file of the present numerics with enough.
+def needs_run(point):
+    """True where a point lacks a run file with the present numerics and large enough amounts.
 
-    One with less becomes old until less is wanted: Snakemake notes the parameters of a job that was
-    killed as if it had been done, so these cannot tell that the file is still to grow.
+    A file with smaller amounts is dated back until they suffice. Snakemake records the parameters
+    of a killed job as if it were done, so they cannot show that the file must still be extended.
     """
-    path, wanted = Path(run_file(point)), parameters(point)
-    is_enough = holds(path, wanted)
-    age(path, not is_enough and is_to_grow(path, wanted))
+    path, point_parameters = Path(run_file(point)), parameters(point)
+    is_enough = has_enough(path, point_parameters)
+    age(path, not is_enough and needs_growth(path, point_parameters))
     return not is_enough
 
 
-def planned_batches():
-    """Return the batches of short points that are to be run, or run on.
+def batches_to_run():
+    """Return a map from names of batches to their points: short points to run or to continue.
 
-    Those of a batch are wanted in equal amounts, which are a parameter of the rule, and start from
-    no other's end. Jobs that start a Snakemake of their own, as on a cluster, have the batches of the one that planned.
+    The points of a batch have the same planned amounts, which are a parameter of the rule. None
+    starts from the end of another point. A job with a Snakemake of its own, as on a cluster, reads
+    the batches that the main Snakemake has planned.
     """
     if not workflow.is_main_process:
-        return json.loads(read_regular(PLANNED))
-    alike = defaultdict(dict)
+        return json.loads(read_regular(BATCHES_FILE))
+    points_by_amount = defaultdict(dict)
     for point in STUDY.points:
-        if point not in SOURCES and is_wanted(point) and not origin_file(point):
-            alike[amount(point)][point] = parameters(point)
+        if point not in SOURCES and needs_run(point) and not origin_file(point):
+            points_by_amount[planned_amount_text(point)][point] = parameters(point)
     return {
-        name: each
-        for points in alike.values()
-        for name, each in batches(points, cores_here()).items()
+        name: members
+        for points in points_by_amount.values()
+        for name, members in plan_batches(points, local_cores()).items()
     }
 
 
 def round_file(number):
-    """Return the file with the points that a round of refinement adds."""
+    """Return the path of the file with the points that a round of refinement adds."""
     return Path(RESULTS) / "rounds" / f"{number}.json"
 
 
 def run_files(rounds):
-    """Return the run files of the study and of its first rounds of refinement, and adopted datasets.
+    """Return the run files of the study and of its first ``rounds`` rounds, and adopted datasets.
 
-    Points that are taken from these need no run file.
+    Points from adopted datasets need no run file.
 
-    Snakemake evaluates this again after each round: until its file is up to date, asking for it
-    raises.
+    Snakemake evaluates this again after each round: until the file of a round is up to date,
+    ``checkpoints.refine.get`` raises an exception.
     """
     points = [point for point in STUDY.points if point not in SOURCES]
     for number in range(1, rounds + 1):
         added = read_round(Path(checkpoints.refine.get(round=number).output[0]))
         to_run = [point for point in added if not ADOPTED.source(point, added[point])]
         for point in to_run:
-            is_wanted(point)
+            needs_run(point)
         points += to_run
     return [*map(run_file, points), *map(str, ADOPTED.files)]
 
 
 def figure_files():
-    """Return the files of the figures of the study, pictures and data to stand in reports."""
-    shown = {
+    """Return the files of the figures of the study; pictures and data go to Snakemake's report."""
+    report_entries = {
         ".csv": ("../report/data.rst", "data"),
         ".svg": ("../report/figure.rst", "picture"),
         ".gif": ("../report/figure.rst", "animation"),
@@ -171,32 +175,33 @@ def figure_files():
     for name, spec in STUDY.entries.items():
         for suffix in spec.suffixes:
             path = f"{RESULTS}/figures/{name}{suffix}"
-            if suffix in shown and not (suffix == ".csv" and spec.animated):
-                caption, kind = shown[suffix]
+            if suffix in report_entries and not (suffix == ".csv" and spec.animated):
+                caption, kind = report_entries[suffix]
                 labels = {"figure": name, "file": kind}
                 path = report(path, caption=caption, category="Figures", labels=labels)
             files.append(update(path))
     return files
 
 
-def asked():
-    """Return what is asked of the boundaries of the study, for rules to rerun when it changes."""
+def boundary_searches():
+    """Return the settings of the boundaries of the study; rules rerun when they change."""
     return [
-        (one.name, one.of, one.along, one.low, one.high, one.tolerance)
-        + (canonical_json(one.at(one.low)), one.figures)
-        for one in STUDY.boundaries
+        (boundary.name, boundary.of, boundary.along)
+        + (boundary.low, boundary.high, boundary.tolerance)
+        + (canonical_json(boundary.parameters_at(boundary.low)), boundary.figures)
+        for boundary in STUDY.boundaries
     ]
 
 
 def warn_of_namesake():
-    """Say so when another study file has its results in the same folder.
+    """Print a warning if another study file has its results in the same folder.
 
-    Runs are named by what their points are, so the two studies share those they have in common and
-    keep the others; the rest of the folder follows whichever study file was run last.
+    Names of run files derive from their points. So the two studies share the runs of common points
+    and keep all others; the rest of the folder follows the study file that was run last.
     """
-    # A damaged note names no study; the workflow writes it anew.
+    # A damaged note names no study; the workflow rewrites it.
     with suppress(OSError, InputError, ValueError):
-        other = load_study(read_regular(OWNER).decode("utf-8"), plugins=False)
+        other = load_study(read_regular(OWNER_FILE).decode("utf-8"), plugins=False)
         if other.name == STUDY.name and set(other.points) != set(STUDY.points):
             print(
                 f"warning: {STUDY.path}: study: {STUDY.name} is also the name of {other.path}; "
@@ -205,24 +210,23 @@ def warn_of_namesake():
             )
 
 
-def watch():
-    """Start to show how the study goes; return what shows it."""
-    from sim.report.failed_jobs import FailedJobs, is_news
-    from sim.report.watch import Watch
+def start_watch():
+    """Start to show the progress of the study; return the `Watch` that shows it."""
+    from sim.report.watch import FailedJobs, Watch, is_news
 
-    here = {key: one for key, one in STUDY.points.items() if key not in SOURCES}
-    started = Watch(replace(STUDY, points=here), Path(RESULTS))
-    started.start()
+    points = {key: point for key, point in STUDY.points.items() if key not in SOURCES}
+    study_watch = Watch(replace(STUDY, points=points), Path(RESULTS))
+    study_watch.start()
     logger.addFilter(is_news)
-    logger.addHandler(FailedJobs(started.write))
-    return started
+    logger.addHandler(FailedJobs(study_watch.write))
+    return study_watch
 
 
 def wake_when_jobs_end():
-    """Have the scheduler look for the next job when one has ended, and not every second as well.
+    """Let the scheduler look for the next job only when a job ends, not also once a second.
 
-    Its usual limit, 100 starts in a second, leaves a timer behind for each job that has ended, which
-    wakes it once a second from then on. A limit that somebody has asked for stays.
+    Its default limit, 100 starts per second, leaves a timer for each job that ended. Each timer
+    then wakes the scheduler once a second. A limit that the user has set stays.
     """
     limit = workflow.scheduling_settings.max_jobs_per_timespan
     if limit and (limit.max_jobs, limit.timespan) == (100, 1):
@@ -230,15 +234,15 @@ def wake_when_jobs_end():
 
 
 def summarize():
-    """Say how the points of the study ended. What keeps it from that must not fail the workflow."""
-    # Not needed for a dry run, which these libraries would slow.
+    """Print the final status of the points; an error here must not fail the workflow."""
+    # Imported here, as these libraries would slow down a dry run, which does not need them.
     from sim.report.status import survey
     from sim.report.status_table import as_text
 
     if not workflow.is_main_process:
         return
-    for started in WATCH:
-        started.end()
+    for study_watch in WATCH:
+        study_watch.end()
     try:
         print(f"\n{as_text(survey(STUDY))}\n", file=sys.stderr)
     except (InputError, OSError) as error:
@@ -246,44 +250,41 @@ def summarize():
 
 
 try:
-    # What keeps every run from starting is said at once, not in the log of the first.
+    # Report errors that would stop every run now, not in the log of the first run.
     checkpoint_interval()
     STUDY = load_study(study_path())
     require_start_files(STUDY)
     RESULTS = f"results/{STUDY.name}"
-    ADOPTED = Adopted(STUDY, Path(RESULTS))
-    SOURCES = ADOPTED.sources({key: one.parameters for key, one in STUDY.points.items()})
+    ADOPTED = AdoptedPoints(STUDY, Path(RESULTS))
+    SOURCES = ADOPTED.sources({key: point.parameters for key, point in STUDY.points.items()})
 except InputError as error:
     print(f"error: {error}", file=sys.stderr)
     sys.exit(2)
 
-# An input of every run, older than all runs but those that are to grow.
-START = Path(".snakemake") / "talus.start"
+# Input of every run: it is older than all run files except those to extend.
+START_FILE = Path(".snakemake") / "talus.start"
 LOCK = release_stale_lock() if workflow.is_main_process else None
 
-# What jobs ask for that read all runs, or their dataset.
-READING = {
-    "mem_mb": memory(700 + len(STUDY.points) // 5),
+# Resources of jobs that read all runs or their dataset.
+READER_RESOURCES = {
+    "mem_mb": job_memory(700 + len(STUDY.points) // 5),
     "runtime": 20 + len(STUDY.points) // 200,
 }
 
-OWNER = Path(RESULTS) / ".study"
-WARM = Path(RESULTS) / "runs" / ".warm"
-PLANNED = Path(RESULTS) / "runs" / ".batches"
-BATCHES = planned_batches()
+OWNER_FILE = Path(RESULTS) / ".study"
+WARM_FILE = Path(RESULTS) / "runs" / ".warm"
+BATCHES_FILE = Path(RESULTS) / "runs" / ".batches"
+BATCHES = batches_to_run()
 WATCH = []
 
 
-def room(name, added=""):
-    """Return a hash of the room that a rule uses, with what plug-ins add to it.
-
-    ``added`` is the kind of that.
-    """
-    return f"{room_hash(ROOT / 'sim', name)} {codes(added)}".rstrip()
+def room_code(name, kind=""):
+    """Return the hash of the room that a rule uses, with the hashes of additions of a ``kind``."""
+    return f"{room_hash(ROOT / 'sim', name)} {codes(kind)}".rstrip()
 
 
 if workflow.is_main_process:
-    write_start(START)
+    write_start(START_FILE)
     warn_of_namesake()
     correct_future_times(Path(RESULTS))
 
@@ -291,35 +292,38 @@ if workflow.is_main_process:
 onstart:
     # Not in the Snakemake that a job on a cluster starts.
     if workflow.is_main_process:
-        PLANNED.parent.mkdir(parents=True, exist_ok=True)
-        for path, text in ((OWNER, str(STUDY.path.resolve())), (PLANNED, json.dumps(BATCHES))):
-            with replacing(path) as temporary:
+        BATCHES_FILE.parent.mkdir(parents=True, exist_ok=True)
+        for path, text in (
+            (OWNER_FILE, str(STUDY.path.resolve())),
+            (BATCHES_FILE, json.dumps(BATCHES)),
+        ):
+            with atomic_write(path) as temporary:
                 temporary.write_text(text, encoding="utf-8")
-        WATCH.append(watch())
+        WATCH.append(start_watch())
         wake_when_jobs_end()
 
 
-# Jobs find the interpreter of this Snakemake, the package and the study wherever they run. Where a
-# study file lies is no parameter of its results: moved or copied, it makes nothing old.
-# Modules that lie in the folder of the results are none of the program's.
+# Jobs find the interpreter of this Snakemake, the package and the study wherever they run. The
+# path of a study file is no parameter of its results: a moved or copied study reruns nothing.
+# PYTHONSAFEPATH: jobs must not import modules from the folder of the results.
 ENVIRONMENT = {"PYTHONPATH": [str(ROOT)], "PYTHONSAFEPATH": ["1"]}
 ENVIRONMENT["TALUS_STUDY"] = [str(STUDY.path)]
 if STUDY.plugins:
-    # Runs know their points alone, and not the study.
-    ENVIRONMENT[VARIABLE] = [one.pinned for one in STUDY.plugins]
+    # Jobs of runs get their points only, not the study.
+    ENVIRONMENT[VARIABLE] = [plugin.pinned_name for plugin in STUDY.plugins]
 if not workflow.deployment_settings.deployment_method:
-    # Conda and containers bring an interpreter of their own.
+    # Conda and containers have an interpreter of their own.
     ENVIRONMENT["PATH"] = [str(Path(sys.executable).parent), os.environ.get("PATH")]
     ENVIRONMENT["PYTHONPATH"].append(os.environ.get("PYTHONPATH"))
 SETTINGS = " ".join(
     f"{name}={shlex.quote(':'.join(filter(None, parts)))}" for name, parts in ENVIRONMENT.items()
 )
-LITERAL = SETTINGS.replace("{", "{{").replace("}", "}}")
-shell.prefix(f"export {LITERAL}; ")
+ESCAPED_SETTINGS = SETTINGS.replace("{", "{{").replace("}", "}}")
+shell.prefix(f"export {ESCAPED_SETTINGS}; ")
 
 
 wildcard_constraints:
-    # One pattern for all points: a list of thousands would be searched for each. What only looks
-    # like a point of the study is refused by `parameters`.
+    # One pattern for all points, as Snakemake would search a list of thousands for each point.
+    # `parameters` refuses names that match but are no point of the study.
     point=rf"(?:{'|'.join(SYSTEMS)})-[\w.-]+-[0-9a-f]{{8}}",
     round="|".join(map(str, range(1, STUDY.rounds + 1))) or "none",

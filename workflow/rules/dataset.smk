@@ -1,5 +1,5 @@
-# All runs of the study in one labelled file. Without `update`: if it cannot be made because a run is
-# damaged, it must be missing for a rerun to compute that again.
+# All runs of the study in one labelled file. It is not marked `update`: if a damaged run prevents
+# it, the file must be missing, so that a rerun computes that run again.
 
 
 rule dataset:
@@ -13,15 +13,15 @@ rule dataset:
         f"{RESULTS}/benchmarks/dataset.tsv"
     conda:
         "../envs/talus.yaml"
-    threads: max(1, min(len(STUDY.points) // 20, cores_here() or 1))
+    threads: max(1, min(len(STUDY.points) // 20, local_cores() or 1))
     resources:
-        **READING,
+        **READER_RESOURCES,
     params:
         membership=[(point.id, point.series, point.figures) for point in STUDY.points.values()],
         amounts=[amounts(point.parameters) for point in STUDY.points.values()],
-        boundaries=asked(),
+        boundaries=boundary_searches(),
         states=[name for name, spec in STUDY.entries.items() if spec.particles],
         title=STUDY.title,
-        code=room("dataset", "observable"),
+        code=room_code("dataset", "observable"),
     shell:
         'python -m sim dataset "$TALUS_STUDY" --processes {threads} > {log} 2>&1'

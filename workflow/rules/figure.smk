@@ -1,5 +1,5 @@
-# All figures of the study in one job. It leaves out those that are as they would be drawn, so that
-# an edit of an entry of the catalogue redraws one figure, and one of the code all of them.
+# All figures of the study in one job, which skips figures that are up to date. So an edit of an
+# entry of the catalogue redraws one figure, and an edit of the code redraws all of them.
 
 
 rule figures:
@@ -13,14 +13,15 @@ rule figures:
         f"{RESULTS}/benchmarks/figures.tsv"
     conda:
         "../envs/talus.yaml"
-    threads: max(1, min(len(STUDY.figures), cores_here() or 2))
+    threads: max(1, min(len(STUDY.figures), local_cores() or 2))
     resources:
-        **READING | {"mem_mb": lambda wildcards, threads: threads * READING["mem_mb"]},
+        **READER_RESOURCES
+        | {"mem_mb": lambda wildcards, threads: threads * READER_RESOURCES["mem_mb"]},
     params:
         folder=subpath(output[0], parent=True),
         names=list(STUDY.figures),
         entries=lambda wildcards: list(map(repr, STUDY.entries.values())),
-        code=room("figures"),
+        code=room_code("figures"),
     shell:
         "python -m sim figure {params.names} {input} --output {params.folder}"
         " --processes {threads} --code {params.code}"

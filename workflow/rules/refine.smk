@@ -1,4 +1,4 @@
-# Boundaries between regimes: the runs of all rounds so far say which points the next one adds.
+# Boundaries between regimes: the runs of all rounds so far determine the points of the next round.
 
 
 checkpoint refine:
@@ -13,10 +13,10 @@ checkpoint refine:
     conda:
         "../envs/talus.yaml"
     resources:
-        **READING,
+        **READER_RESOURCES,
     params:
-        boundaries=asked(),
-        code=room("dataset"),
+        boundaries=boundary_searches(),
+        code=room_code("dataset"),
     shell:
         'python -m sim refine "$TALUS_STUDY" {wildcards.round} > {log} 2>&1'
 
@@ -37,9 +37,9 @@ rule boundaries:
     conda:
         "../envs/talus.yaml"
     resources:
-        **READING,
+        **READER_RESOURCES,
     params:
-        boundaries=asked(),
-        code=room("dataset"),
+        boundaries=boundary_searches(),
+        code=room_code("dataset"),
     shell:
         'python -m sim boundaries "$TALUS_STUDY" > {log} 2>&1'

@@ -1,9 +1,9 @@
-# The page that shows it all, and one on each point where the study asks for them.
+# The report of the study, and a page on each point if the study has `pages: true`.
 
 
 if STUDY.pages:
 
-    # All in one job, which leaves those as they are whose runs have not changed.
+    # All pages in one job, which skips pages of unchanged runs.
     rule pages:
         input:
             [run_file(point) for point in STUDY.points],
@@ -15,12 +15,12 @@ if STUDY.pages:
             f"{RESULTS}/benchmarks/pages.tsv"
         conda:
             "../envs/talus.yaml"
-        threads: max(1, min(len(STUDY.points), cores_here() or 2))
+        threads: max(1, min(len(STUDY.points), local_cores() or 2))
         resources:
-            **READING,
+            **READER_RESOURCES,
         params:
             folder=subpath(output[0], parent=True),
-            code=room("report"),
+            code=room_code("report"),
         shell:
             "python -m sim page {input:q} --output {params.folder} --report ../report.html"
             " --processes {threads} --code {params.code} > {log} 2>&1"
@@ -45,11 +45,11 @@ rule report:
     conda:
         "../envs/talus.yaml"
     resources:
-        **READING,
+        **READER_RESOURCES,
     params:
-        # No input: its path may hold braces, which are no wildcards, and must not matter.
+        # The study file is no input: its path may contain braces and must not trigger a rerun.
         study=files_hash(STUDY.files),
-        plugins=[str(one) for one in STUDY.plugins],
-        code=room("report"),
+        plugins=[str(plugin) for plugin in STUDY.plugins],
+        code=room_code("report"),
     shell:
         'python -m sim report "$TALUS_STUDY" > {log} 2>&1'

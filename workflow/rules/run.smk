@@ -1,9 +1,9 @@
-# The fan-out: every point of the study becomes one run file.
+# One run file for every point of the study.
 
 
 rule warm:
     output:
-        WARM,
+        WARM_FILE,
     log:
         f"{RESULTS}/logs/warm.log",
     benchmark:
@@ -12,7 +12,7 @@ rule warm:
         "../envs/talus.yaml"
     threads: len({point.parameters.system for point in STUDY.points.values()}) or 1
     resources:
-        mem_mb=memory(1200),
+        mem_mb=job_memory(1200),
         runtime=30,
     params:
         numerics=numerics_mark(),
@@ -20,18 +20,17 @@ rule warm:
         'python -m sim warm "$TALUS_STUDY" --processes {threads} > {log} 2>&1 && echo {params.numerics:q} > {output}'
 
 
-# A run may outlive the Snakemake that has started it, and Snakemake takes what it then writes for
-# incomplete. `update` leaves the file to the job, which keeps it if it is whole and up to date.
+# A run may outlive the Snakemake that started it. Snakemake would take the file that it writes
+# then for incomplete. `update` leaves the file to the job, which keeps it if it is whole and up to date.
 #
-# The name of a run file holds a hash of the point, so what makes the file old is the number of the
-# numerics, and that more is wanted than it holds; the points themselves, which change with the
-# batch, are derived from the output.
-# The input must not be `ancient`: Snakemake does not look at the parameters of a job below one that
-# is to run.
+# The name of a run file contains a hash of the point. So a file is only outdated by another number
+# of the numerics, or by larger amounts. The points depend on the batch, so they are no rerun
+# trigger: they are derived from the output.
+# The input must not be `ancient`: Snakemake ignores the parameters of a job below a job to run.
 #
-# After a failure, Snakemake would put back the files as they were when the job began, those too that
-# the job has finished since; hence the end of its backups. And there is no shell in between: it
-# would not wait, on SIGTERM, until the run has saved its state.
+# After a failure, Snakemake would restore all files from the start of the job, even those that the
+# job has finished since; so the job deletes its backups. `exec` leaves no shell in between, which
+# on SIGTERM would not wait until the run has saved its state.
 RUN = (
     "rm -f {params.backups:q}; "
     "exec python -m sim batch {params.folder} <<< {params.points:q} 2> {log}"
@@ -41,7 +40,7 @@ RUN = (
 rule run:
     input:
         rules.warm.output,
-        START,
+        START_FILE,
         lambda wildcards: origin_file(wildcards.point),
     output:
         update(run_file("{point}")),
@@ -49,24 +48,24 @@ rule run:
         f"{RESULTS}/logs/jobs/{{point}}.log",
     benchmark:
         f"{RESULTS}/benchmarks/runs/{{point}}.tsv"
-    priority: lambda wildcards: seconds([wildcards.point])
+    priority: lambda wildcards: core_seconds([wildcards.point])
     conda:
         "../envs/talus.yaml"
-    threads: lambda wildcards: costs([wildcards.point])[0].threads
+    threads: lambda wildcards: estimates([wildcards.point])[0].threads
     resources:
-        mem_mb=lambda wildcards: memory(costs([wildcards.point])[0].memory),
-        runtime=lambda wildcards: minutes([wildcards.point]),
+        mem_mb=lambda wildcards: job_memory(estimates([wildcards.point])[0].memory),
+        runtime=lambda wildcards: job_minutes([wildcards.point]),
     params:
         folder=lambda wildcards, output: RESULTS,
         backups=lambda wildcards, output: [f".snakemake/backups/{path}" for path in output],
-        points=lambda wildcards, output: in_json([wildcards.point]),
-        amount=lambda wildcards: amount(wildcards.point),
+        points=lambda wildcards, output: points_json([wildcards.point]),
+        amount=lambda wildcards: planned_amount_text(wildcards.point),
         numerics=numerics_mark(),
     shell:
         RUN
 
 
-# Short points that are to be run, or run on, share a process, and on a cluster a job.
+# Short points to run or to continue share a process, and on a cluster a job.
 for batch, points in BATCHES.items():
 
     rule:
@@ -74,25 +73,25 @@ for batch, points in BATCHES.items():
             batch
         input:
             rules.warm.output,
-            START,
+            START_FILE,
         output:
             update([run_file(point) for point in points]),
         log:
             f"{RESULTS}/logs/jobs/{batch}.log",
         benchmark:
             f"{RESULTS}/benchmarks/runs/{batch}.tsv"
-        priority: seconds(points)
+        priority: core_seconds(points)
         conda:
             "../envs/talus.yaml"
         threads: 1
         resources:
-            mem_mb=memory(max(cost.memory for cost in costs(points))),
-            runtime=minutes(points),
+            mem_mb=job_memory(max(cost.memory for cost in estimates(points))),
+            runtime=job_minutes(points),
         params:
             folder=lambda wildcards, output: RESULTS,
             backups=lambda wildcards, output: [f".snakemake/backups/{path}" for path in output],
-            points=lambda wildcards, output: in_json(Path(path).stem for path in output),
-            amount=amount(points[0]),
+            points=lambda wildcards, output: points_json(Path(path).stem for path in output),
+            amount=planned_amount_text(points[0]),
             numerics=numerics_mark(),
         shell:
             RUN

@@ -13,32 +13,32 @@ _QUANTILES = {"median_overlap": 0.5, "overlap_999": 0.999}
 
 def measure(run: Mapping[Any, Any]) -> dict[str, float]:
     """Return the measures that the arrays of a replicate allow."""
-    base = _of_spin(run) | of_base(run) | _of_forces(run)
-    return _of_profiles(run) | of_overlaps(run) | base
+    base = _spin_measures(run) | base_measures(run) | _force_measures(run)
+    return _profile_measures(run) | overlap_measures(run) | base
 
 
-def _of_profiles(run: Mapping[Any, Any]) -> dict[str, float]:
-    """Return the shear depth, and the order of the spheres above it in the last state."""
+def _profile_measures(run: Mapping[Any, Any]) -> dict[str, float]:
+    """Return shear depth and plug states, and the order of the spheres above that depth."""
     packing = np.asarray(run["packing_profile"]) if "packing_profile" in run else np.zeros(0)
     if not np.nansum(packing) > 0:
         return {}
     diameter = float(run["diameter"])
     height, velocity = np.asarray(run["height"]), np.asarray(run["velocity_profile"])
     depth = layers.shear_depth(height, velocity, packing, diameter)
-    found = {"shear_depth": depth} | plug.measure(run)
+    values = {"shear_depth": depth} | plug.measure(run)
     if "position" not in run:
-        return found
+        return values
     position = np.asarray(run["position"])[-1]
-    above = position[:, 2] > depth
+    is_above = position[:, 2] > depth
     side = float(run["cell"]) * diameter
-    return found | {
-        "crystalline_share": order.crystalline_share(position, above, side, diameter),
-        "layer_order": order.layer_order(position[above, 2], diameter),
+    return values | {
+        "crystalline_share": order.crystalline_share(position, is_above, side, diameter),
+        "layer_order": order.layer_order(position[is_above, 2], diameter),
     }
 
 
-def _of_spin(run: Mapping[Any, Any]) -> dict[str, float]:
-    """Return how the spheres at the plane roll, from what is below their centres, where kept."""
+def _spin_measures(run: Mapping[Any, Any]) -> dict[str, float]:
+    """Return rolling and slip of the spheres at the plane, from slices below their centres."""
     if "spin_profile" not in run:
         return {}
     radius, height = 0.5 * float(run["diameter"]), np.asarray(run["height"])
@@ -54,25 +54,25 @@ def _of_spin(run: Mapping[Any, Any]) -> dict[str, float]:
     }
 
 
-def _of_forces(run: Mapping[Any, Any]) -> dict[str, float]:
+def _force_measures(run: Mapping[Any, Any]) -> dict[str, float]:
     """Return the ratio of the forces on the plane."""
     normal = float(run["base_normal"]) if "base_normal" in run else 0.0
     return {"base_stress_ratio": float(run["base_shear"]) / normal} if normal > 0 else {}
 
 
-def of_base(run: Mapping[Any, Any]) -> dict[str, float]:
-    """Return how much spheres overlap the plane in the last state, nothing where none does."""
+def base_measures(run: Mapping[Any, Any]) -> dict[str, float]:
+    """Return the mean overlap with the plane in the last state, empty if no sphere touches it."""
     if "position" not in run or "radius" not in run:
         return {}
     overlap = np.asarray(run["radius"]) - np.asarray(run["position"])[-1, :, 2]
-    touching = overlap > 0
-    if not touching.any():
+    is_touching = overlap > 0
+    if not is_touching.any():
         return {}
-    return {"base_overlap": float(overlap[touching].mean() / float(run["diameter"]))}
+    return {"base_overlap": float(overlap[is_touching].mean() / float(run["diameter"]))}
 
 
-def of_overlaps(run: Mapping[Any, Any]) -> dict[str, float]:
-    """Return quantiles of the overlaps of contacts, where they were counted."""
+def overlap_measures(run: Mapping[Any, Any]) -> dict[str, float]:
+    """Return quantiles of the overlaps of contacts, empty for a run without their histogram."""
     if "overlap_histogram" not in run:
         return {}
     counts, edges = np.asarray(run["overlap_histogram"]), np.asarray(run["overlap_edges"])

@@ -1,4 +1,4 @@
-"""How well the energy of one replicate of a run file adds up."""
+"""Energy measure of one replicate of a run file: the share that its ledger lacks."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -7,7 +7,7 @@ from sim.dataset.caveats import missing_energy
 
 
 def measure(run: Mapping[Any, Any]) -> dict[str, float]:
-    """Return the share of the energy turned over that the ledger of a replicate lacks, if any.
+    """Return the share of the energy turned over that the ledger lacks; empty without a ledger.
 
     See `sim.dataset.caveats.missing_energy`.
     """

@@ -1,7 +1,7 @@
-"""States of a deep flow and their lifetimes: without a plug, with an agitated or a locked one.
+"""States of a deep flow and their lifetimes: deep shear, an agitated plug, or a locked plug.
 
-A flow without a plug (`layers.plug_share`) shears deep; a plug is locked where its spheres stay in
-touch, and agitated where they do not.
+A flow without a plug (`layers.plug_share`) shears deep. A plug is locked if its spheres stay in
+touch, and agitated if they do not.
 """
 
 from collections.abc import Mapping
@@ -12,43 +12,46 @@ from typing import Any
 import numpy as np
 
 from sim.dataset.measures import layers
-from sim.engine.observe.arrays import HISTORY
-from sim.parameters.observables import PLUG_STATES
+from sim.parameters.variables import HISTORY, PLUG_STATES
 
-STATES = tuple(PLUG_STATES)
+STATES = PLUG_STATES
 
-#: Contacts per sphere from which a plug is locked: agitated ones have about 1, locked ones 2.7 or
-#: more.
-LOCKED = 2.0
+#: A plug with more contacts per sphere than this is locked. Agitated plugs have about 1, locked
+#: plugs 2.7 or more.
+LOCKED_CONTACTS = 2.0
 
-#: Time (√(σ/g)) over which a state is told.
+#: Shortest time (√(σ/g)) over which a state is determined.
 SPELL = 10.0
 
 
 def measure(run: Mapping[Any, Any]) -> dict[str, float]:
     """Return shares, times and endings of the states of a replicate over its averaging window.
 
-    Whether there is a plug is told for each spell where the run has kept how its profiles change,
-    else for the whole window. Nothing for a run without contact numbers, or of less than a spell.
+    Each spell has or has not a plug, by its own profiles if the run has a history of profiles, and
+    otherwise by those of the whole window. Empty for a run without contact numbers, or whose window
+    is shorter than a spell.
     """
     if "contact_number" not in run:
         return {}
-    ends, plug = _plugs(run)
+    ends, plug = _plug_spells(run)
     if not plug.size:
         return {}
     time, contacts = np.asarray(run["time"]), np.asarray(run["contact_number"])
     number = [contacts[(time > a) & (time <= b)].mean() for a, b in pairwise(ends)]
-    state = np.where(plug, np.where(np.array(number) > LOCKED, 2, 1), 0)
-    found: dict[str, float] = {}
+    state = np.where(plug, np.where(np.array(number) > LOCKED_CONTACTS, 2, 1), 0)
+    values: dict[str, float] = {}
     for index, name in enumerate(STATES):
-        told = zip(("share", "time", "endings"), spells(state == index, np.diff(ends)), strict=True)
-        found |= {f"{name}_{what}": value for what, value in told}
-    return found
+        statistics = zip(
+            ("share", "time", "endings"),
+            spell_statistics(state == index, np.diff(ends)),
+            strict=True,
+        )
+        values |= {f"{name}_{label}": value for label, value in statistics}
+    return values
 
 
-def _plugs(run: Mapping[Any, Any]) -> tuple[np.ndarray, np.ndarray]:
-    """Return the ends (P + 1,) of spells in s, from that of the one before on, and whether the flow
-    had a plug in each (P,)."""
+def _plug_spells(run: Mapping[Any, Any]) -> tuple[np.ndarray, np.ndarray]:
+    """Return the bounds (P + 1,) of spells in s, and whether the flow had a plug in each (P,)."""
     diameter = float(run["diameter"])
     height, time = np.asarray(run["height"]), np.asarray(run["time"])
     start, least = float(run["average_start"]), SPELL * sqrt(diameter / float(run["gravity"]))
@@ -56,45 +59,47 @@ def _plugs(run: Mapping[Any, Any]) -> tuple[np.ndarray, np.ndarray]:
     if "block_end" in run:
         blocks = np.asarray(run["block_end"])
         velocity, packing = (np.asarray(run[name + HISTORY], float) for name in names)
-        kept = np.isfinite(blocks)
-        blocks, velocity, packing = blocks[kept], velocity[kept], packing[kept]
-        ends = _spaced(np.concatenate([[start], blocks[blocks > start + 1e-9 * least]]), least)
+        is_used = np.isfinite(blocks)
+        blocks, velocity, packing = blocks[is_used], velocity[is_used], packing[is_used]
+        ends = _spaced_times(
+            np.concatenate([[start], blocks[blocks > start + 1e-9 * least]]), least
+        )
         inside = [(blocks > a) & (blocks <= b) for a, b in pairwise(ends)]
-        parts = [_mean(velocity[one], packing[one]) for one in inside]
+        parts = [_mean_profiles(velocity[mask], packing[mask]) for mask in inside]
     else:
-        known = time[np.isfinite(np.asarray(run["contact_number"]))]
-        ends = _spaced(np.concatenate([[start], known[known > start]]), least)
+        times = time[np.isfinite(np.asarray(run["contact_number"]))]
+        ends = _spaced_times(np.concatenate([[start], times[times > start]]), least)
         velocity, packing = (np.asarray(run[name], float) for name in names)
         parts = [(velocity, packing)] * (len(ends) - 1)
-    share = [layers.plug_share(height, *one, diameter) for one in parts]
-    return ends, np.array(share) > layers.PLUG
+    share = [layers.plug_share(height, *profiles, diameter) for profiles in parts]
+    return ends, np.array(share) > layers.MIN_PLUG_SHARE
 
 
-def _spaced(ends: np.ndarray, least: float) -> np.ndarray:
-    """Return those of some times (T,) that are ``least`` apart or more, the first among them."""
-    chosen = [ends[0]]
+def _spaced_times(ends: np.ndarray, least: float) -> np.ndarray:
+    """Return a selection of times (T,), from the first on, that are at least ``least`` apart."""
+    selection = [ends[0]]
     for end in ends[1:]:
-        if end - chosen[-1] >= least * (1 - 1e-9):
-            chosen.append(end)
-    return np.array(chosen)
+        if end - selection[-1] >= least * (1 - 1e-9):
+            selection.append(end)
+    return np.array(selection)
 
 
-def _mean(velocity: np.ndarray, packing: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _mean_profiles(velocity: np.ndarray, packing: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return the mean velocity, weighted by the packing, and the mean packing of blocks (B, H)."""
     moved, weight = (np.nan_to_num(velocity) * packing).sum(axis=0), packing.sum(axis=0)
     mean = np.divide(moved, weight, out=np.full_like(moved, np.nan), where=weight > 0)
     return mean, weight / len(packing)
 
 
-def spells(inside: np.ndarray, length: np.ndarray) -> tuple[float, float, float]:
-    """Return the share of the time in a state, that time, and how often it was seen to end.
+def spell_statistics(inside: np.ndarray, length: np.ndarray) -> tuple[float, float, float]:
+    """Return the share of the time in a state, that time, and the number of its endings.
 
     Parameters
     ----------
     inside : (P,) array
         Whether the flow was in the state in each of successive spells.
     length : (P,) array
-        How long each lasted.
+        Duration of each spell.
     """
     time = float(length[inside].sum())
     ended = int((inside[:-1] & ~inside[1:]).sum())

@@ -1,1 +1,1 @@
-"""What the particles meet besides each other: the plane of the chute, the belt, the obstacle."""
+"""Boundaries of the particles: the plane of chute and conveyor, the belt, the obstacle."""

@@ -1,6 +1,6 @@
 """The vibrating belt: a rigid line that carries a ghost disk per contact.
 
-It moves harmonically, or as a plug-in says.
+It moves harmonically, or by the motion of a plug-in.
 """
 
 from math import cos, sin
@@ -9,8 +9,8 @@ from typing import NamedTuple
 import numpy as np
 
 from sim.engine.boundary.own_motion import shape_of
-from sim.engine.compile import append_negative, implements, inlined, kernel, vectorised
-from sim.engine.contact.damping import disk_force, dissipated, elastic_energy
+from sim.engine.compile import append_negative, assume_no_alias, implements, inlined, kernel
+from sim.engine.contact.damping import disk_force, dissipated_powers, elastic_energy
 
 
 class Belt(NamedTuple):
@@ -19,7 +19,7 @@ class Belt(NamedTuple):
     ``amplitude_x``, ``amplitude_z`` (m); ``angular_frequency`` ω (1/s), 0 for a belt at rest;
     ``phase`` φ (rad); ``surface`` (m), height of the ghost's surface above the line: 0 for a ghost
     below the line, half a mean diameter for one centred on it; ``inverse_mass`` (1/kg) of the
-    ghost, which tells how it damps: it moves with the belt whatever its mass.
+    ghost, which enters the damping alone: it moves with the belt whatever its mass.
     """
 
     amplitude_x: float
@@ -31,9 +31,9 @@ class Belt(NamedTuple):
 
 
 class OwnBelt(NamedTuple):
-    """A belt that moves as a plug-in says: x = A_x s_x(ωt + φ), z = A_z s_z(ωt + φ).
+    """A belt with the motion of a plug-in: x = A_x s_x(ωt + φ), z = A_z s_z(ωt + φ).
 
-    The type of ``motion``, the plug-in's parameters, tells s_x and s_z; all else as in `Belt`.
+    The type of ``motion``, the plug-in's parameters, selects s_x and s_z; all else as in `Belt`.
     """
 
     amplitude_x: float
@@ -53,19 +53,19 @@ def belt_state(belt, time):
 @implements(belt_state)
 def _belt_state(belt, time):
     if belt.instance_class is Belt:
-        return lambda belt, time: _harmonic(belt, time)
-    return lambda belt, time: _own(belt, time)
+        return lambda belt, time: _harmonic_state(belt, time)
+    return lambda belt, time: _own_state(belt, time)
 
 
 @inlined
-def _own(belt, time):
+def _own_state(belt, time):
     z, along, up = shape_of(belt.motion, belt.angular_frequency * time + belt.phase)
     speed_x = belt.amplitude_x * belt.angular_frequency * along
     return belt.amplitude_z * z, (speed_x, belt.amplitude_z * belt.angular_frequency * up)
 
 
 @inlined
-def _harmonic(belt, time):
+def _harmonic_state(belt, time):
     angle = belt.angular_frequency * time + belt.phase
     speed = belt.angular_frequency * cos(angle)
     return (
@@ -88,10 +88,10 @@ def belt_forces(law, disks, belt, search, time, time_step):
     the number of contacts, the largest overlap per diameter, the powers (W) that normal and shear
     damping take, the power of the belt, and the force (x, z) (N) on all beads.
     """
-    vectorised()
+    assume_no_alias()
     height, (belt_x, belt_z) = belt_state(belt, time)
     largest, per_step, beads = 0.0, 1.0 / time_step, disks.radius.size
-    normal_loss, shear_loss, power, push_x, push_z = 0.0, 0.0, 0.0, 0.0, 0.0
+    normal_loss, shear_loss, power, force_x, force_z = 0.0, 0.0, 0.0, 0.0, 0.0
     for i in range(beads):
         search.gap[i] = disks.taylor[0, 1, i] - disks.radius[i] - (belt.surface + height)
     contacts = np.int64(append_negative(search.gap, beads, 0, search.touching, np.uint64(0)))
@@ -103,14 +103,14 @@ def belt_forces(law, disks, belt, search, time, time_step):
         fx, fz = disk_force(law, overlap, (0.0, -1.0), (vx, vz), disks.mass[i], belt.inverse_mass)
         disks.force[0, i] += fx
         disks.force[1, i] += fz
-        pressed, sheared = dissipated(law, overlap, (0.0, -1.0), (vx, vz), (fx, fz))
-        normal_loss += pressed
-        shear_loss += sheared
+        normal_power, shear_power = dissipated_powers(law, overlap, (0.0, -1.0), (vx, vz), (fx, fz))
+        normal_loss += normal_power
+        shear_loss += shear_power
         power += fx * belt_x + fz * belt_z
-        push_x += fx
-        push_z += fz
+        force_x += fx
+        force_z += fz
         largest = max(largest, 0.5 * overlap / disks.radius[i])
-    return contacts, largest, normal_loss, shear_loss, power, (push_x, push_z)
+    return contacts, largest, normal_loss, shear_loss, power, (force_x, force_z)
 
 
 @kernel

@@ -1,9 +1,9 @@
-"""What drives particles on a plane: gravity, and how the plane moves.
+"""The drive of particles on a plane: gravity, and the motion of the plane.
 
-Particles are told in the frame of the plane, in which contacts, bumps and neighbor list know
-nothing of its motion: what a plane that moves with the velocity u adds is the acceleration
--du/dt of all that is free. Gravity alone is a type of its own, for which nothing is left of it.
-The plane moves harmonically, at one or two frequencies, or as a plug-in says.
+Positions and velocities are relative to the plane, so contacts, bumps and neighbor list know
+nothing of its motion. A plane with the velocity u adds the acceleration -du/dt to all free
+particles. Gravity alone is a type of its own, whose compiled loop computes no motion. The plane
+moves harmonically, at one or two frequencies, or by the motion of a plug-in.
 """
 
 from math import pi, radians
@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sim.engine.boundary.own_motion import heights, own_motion, shape_of, ways
+from sim.engine.boundary.own_motion import displacements, heights, own_motion, shape_of
 from sim.engine.compile import implements, inlined, kernel
 from sim.parameters.conveyor import ConveyorParameters
 
@@ -41,9 +41,10 @@ class Vibration(NamedTuple):
 
 
 class OwnVibration(NamedTuple):
-    """A plane that moves as a plug-in says: x = A_x s_x(ωt), z = A_z s_z(ωt).
+    """A plane with the motion of a plug-in: x = A_x s_x(ωt), z = A_z s_z(ωt).
 
-    The type of ``motion``, the plug-in's parameters, tells s_x and s_z; all else as in `Vibration`.
+    The type of ``motion``, the plug-in's parameters, selects s_x and s_z; all else as in
+    `Vibration`.
     """
 
     gravity: tuple[float, float, float]
@@ -56,7 +57,7 @@ class OwnVibration(NamedTuple):
 def vibration(
     p: ConveyorParameters, gravity: tuple[float, float, float]
 ) -> Vibration | OwnVibration:
-    """Return the vibration of a point under such gravity (m/s²)."""
+    """Return the vibration of a point under this gravity (m/s²)."""
     sigma, rate, motion = p.diameter, 2.0 * pi * p.frequency, own_motion(p)
     amplitude = (p.amplitude_along * sigma, p.amplitude * sigma)
     if motion is not None:
@@ -86,9 +87,9 @@ def _plane_velocity(drive, axis, time):
 
 
 def _harmonic_velocity(drive, axis, time):
-    angle, again = drive.rate * time, drive.overtone * drive.rate
+    angle, second_rate = drive.rate * time, drive.overtone * drive.rate
     first = drive.amplitude[axis] * drive.rate * np.cos(angle + drive.phase[axis])
-    second = again * np.cos(drive.overtone * angle + drive.second_phase)
+    second = second_rate * np.cos(drive.overtone * angle + drive.second_phase)
     return first + drive.second[axis] * second
 
 
@@ -99,26 +100,26 @@ def _own_velocity(drive, axis, time):
 
 @kernel
 def _own_velocities(drive, axis, times):
-    found = np.empty(times.size)
+    velocities = np.empty(times.size)
     for k in range(times.size):
-        found[k] = plane_velocity(drive, axis, times[k])
-    return found
+        velocities[k] = plane_velocity(drive, axis, times[k])
+    return velocities
 
 
-def plane_place(drive: Vibration | OwnVibration, axis: int, time: np.ndarray) -> np.ndarray:
-    """Return where a vibrating plane is (m) along x (axis 0) or z (1)."""
+def plane_position(drive: Vibration | OwnVibration, axis: int, time: np.ndarray) -> np.ndarray:
+    """Return the position (m) of a vibrating plane along x (axis 0) or z (1)."""
     angle = drive.rate * time
     if isinstance(drive, OwnVibration):
-        places = heights if axis == 1 else ways
-        return drive.amplitude[axis] * places(drive.motion, angle)
+        shape = heights if axis == 1 else displacements
+        return drive.amplitude[axis] * shape(drive.motion, angle)
     first = drive.amplitude[axis] * np.sin(angle + drive.phase[axis])
     return first + drive.second[axis] * np.sin(drive.overtone * angle + drive.second_phase)
 
 
 def acceleration(drive, step, time_step):
-    """Return the acceleration (m/s²) along x, y, z of what touches nothing, in a step.
+    """Return the acceleration (m/s²) along x, y, z of a particle without contacts, in a step.
 
-    It takes velocities from half a step before the time of the last step to half a step behind it.
+    It takes velocities from half a step before the time of the last step to half a step after it.
     """
     raise NotImplementedError
 
@@ -127,21 +128,21 @@ def acceleration(drive, step, time_step):
 def _acceleration(drive, step, time_step):
     if drive.instance_class is Gravity:
         return lambda drive, step, time_step: drive.gravity
-    return lambda drive, step, time_step: _in_the_frame(drive, step, time_step)
+    return lambda drive, step, time_step: _frame_acceleration(drive, step, time_step)
 
 
 @inlined
-def _around(drive, axis, step, time_step):
-    """Return the velocities (m/s) of the plane half a step before a step's forces and behind."""
+def _velocities_around(drive, axis, step, time_step):
+    """Return the velocities (m/s) of the plane half a step before and after a step's forces."""
     before, after = (step - 1.5) * time_step, (step - 0.5) * time_step
     return plane_velocity(drive, axis, before), plane_velocity(drive, axis, after)
 
 
 @inlined
-def _in_the_frame(drive, step, time_step):
+def _frame_acceleration(drive, step, time_step):
     gx, gy, gz = drive.gravity
-    x_before, x_after = _around(drive, 0, step, time_step)
-    z_before, z_after = _around(drive, 1, step, time_step)
+    x_before, x_after = _velocities_around(drive, 0, step, time_step)
+    z_before, z_after = _velocities_around(drive, 1, step, time_step)
     return gx - (x_after - x_before) / time_step, gy, gz - (z_after - z_before) / time_step
 
 
@@ -161,7 +162,7 @@ def _note_work(drive, step, time_step, along, upward):
 
 @inlined
 def _add_work(drive, step, time_step, along, upward):
-    x_before, x_after = _around(drive, 0, step, time_step)
-    z_before, z_after = _around(drive, 1, step, time_step)
+    x_before, x_after = _velocities_around(drive, 0, step, time_step)
+    z_before, z_after = _velocities_around(drive, 1, step, time_step)
     ux, uz = 0.5 * (x_before + x_after), 0.5 * (z_before + z_after)
     drive.work[0] += (along * ux + upward * uz) * time_step

@@ -1,12 +1,12 @@
-"""The obstacle: a disk of infinite mass, fixed in the laboratory, that does not see the belt."""
+"""The obstacle: a disk of infinite mass, fixed in the laboratory, that the belt does not move."""
 
 from math import sqrt
 from typing import NamedTuple
 
 import numpy as np
 
-from sim.engine.compile import append_negative, inlined, kernel, vectorised
-from sim.engine.contact.damping import disk_force, dissipated, elastic_energy
+from sim.engine.compile import append_negative, assume_no_alias, inlined, kernel
+from sim.engine.contact.damping import disk_force, dissipated_powers, elastic_energy
 from sim.engine.dynamics.cells import nearest_image
 
 
@@ -25,7 +25,7 @@ def obstacle_forces(law, disks, obstacle, box, search, time_step):
     Returns the number of contacts, the largest overlap relative to the sum of the radii, and the
     powers (W) that normal and shear damping take.
     """
-    vectorised()
+    assume_no_alias()
     largest, per_step, beads = 0.0, 1.0 / time_step, disks.radius.size
     normal_loss, shear_loss = 0.0, 0.0
     if obstacle.radius <= 0.0:
@@ -46,9 +46,11 @@ def obstacle_forces(law, disks, obstacle, box, search, time_step):
         fx, fz = disk_force(law, reach - distance, normal, velocity, disks.mass[i], 0.0)
         disks.force[0, i] += fx
         disks.force[1, i] += fz
-        pressed, sheared = dissipated(law, reach - distance, normal, velocity, (fx, fz))
-        normal_loss += pressed
-        shear_loss += sheared
+        normal_power, shear_power = dissipated_powers(
+            law, reach - distance, normal, velocity, (fx, fz)
+        )
+        normal_loss += normal_power
+        shear_loss += shear_power
         largest = max(largest, (reach - distance) / reach)
     return contacts, largest, normal_loss, shear_loss
 

@@ -1,15 +1,14 @@
-"""Motions of plug-ins: how belt or plane move, which the type of a motion's numbers tells."""
+"""Motions of plug-ins for belt and plane; the type of a motion's numbers selects its function."""
 
 from math import pi
 from typing import NamedTuple
 
 import numpy as np
 
-from sim.base.additions import fault
+from sim.base.additions import plain_name, plugin_error
 from sim.engine.compile import implements, inlined, kernel
-from sim.engine.plugged import adopt, made, require_numbers
+from sim.engine.plugin_types import adopt_type, make_numbers, require_numbers
 from sim.parameters import Parameters
-from sim.parameters.choices import named
 from sim.parameters.motions import MOTION
 
 #: Parts of a cycle in which the velocity along x of a plug-in's motion is integrated, each by the
@@ -17,71 +16,73 @@ from sim.parameters.motions import MOTION
 PANELS = 1024
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(4)
 
-#: How much, relative to the largest, what a motion says may differ a thousand cycles later, and
-#: heights from what their derivative says.
-ROUNDED, ROUGHLY = 1e-3, 0.02
+#: Differences allowed relative to the largest value: of a motion from itself a thousand cycles
+#: later, and of heights from the integral of their derivative.
+PERIOD_TOLERANCE, HEIGHT_TOLERANCE = 1e-3, 0.02
 
 
 def own_motion(p: Parameters) -> "NamedTuple | None":
-    """Return the motion of a point, None where it is that of Talus."""
+    """Return the motion of a point, None where it is not that of a plug-in."""
     option = getattr(p, MOTION.name, "")
     if not MOTION.is_own(option):
         return None
-    motion = made(MOTION, option, add_motion, p)
+    motion = make_numbers(MOTION, option, add_motion, p)
     try:
         _require_sound(motion)
     except ValueError as error:
-        raise fault(MOTION.name, named(option), error) from None
+        raise plugin_error(MOTION.name, plain_name(option), error) from None
     return motion
 
 
 def _require_sound(motion: NamedTuple) -> None:
     """Refuse a motion that is not finite, not of period 2π, or not as high as its derivative says.
 
-    Raises ``ValueError``. As velocities may jump, derivatives bear out heights but roughly.
+    Raises ``ValueError``. Velocities may jump, so heights follow from derivatives only roughly.
     """
     panel = 2.0 * pi / PANELS
     angles = (panel * np.arange(PANELS)[:, None] + 0.5 * panel * (1.0 + NODES)).ravel()
     cycles = [angles, *(angles + 2.0 * pi * turns for turns in (1, 1000))]
-    first, *others = found = [states(motion, each) for each in cycles]
-    for each, values in zip(cycles, found, strict=True):
-        if not (known := np.isfinite(values).all(axis=0)).all():
-            at, got = each[~known][0], values[:, ~known][:, 0].tolist()
-            raise ValueError(f"what state returns at the angle {at:.4g} is not finite: {got}")
-    most = np.abs(first).max(axis=1, keepdims=True)
-    for each, values in zip(cycles[1:], others, strict=True):
-        if not (same := (np.abs(values - first) <= ROUNDED * most).all(axis=0)).all():
-            at, was = each[~same][0], angles[~same][0]
+    first, *later = results = [states(motion, cycle) for cycle in cycles]
+    for cycle, values in zip(cycles, results, strict=True):
+        if not (is_finite := np.isfinite(values).all(axis=0)).all():
+            angle, state = cycle[~is_finite][0], values[:, ~is_finite][:, 0].tolist()
+            raise ValueError(f"what state returns at the angle {angle:.4g} is not finite: {state}")
+    largest = np.abs(first).max(axis=1, keepdims=True)
+    for cycle, values in zip(cycles[1:], later, strict=True):
+        is_same = (np.abs(values - first) <= PERIOD_TOLERANCE * largest).all(axis=0)
+        if not is_same.all():
+            angle, first_angle = cycle[~is_same][0], angles[~is_same][0]
             raise ValueError(
-                f"state has not the period 2π: at the angles {was:.4g} and {at:.4g} it returns "
-                f"{first[:, ~same][:, 0].tolist()} and {values[:, ~same][:, 0].tolist()}"
+                f"state has not the period 2π: at the angles {first_angle:.4g} and {angle:.4g} it "
+                f"returns {first[:, ~is_same][:, 0].tolist()} and "
+                f"{values[:, ~is_same][:, 0].tolist()}"
             )
-    climb = first[2].reshape(PANELS, NODES.size)
-    climbed = np.cumsum(0.5 * panel * (climb * WEIGHTS).sum(axis=1))
-    edges = states(motion, panel * np.arange(PANELS + 1))[0]
-    raised = edges[1:] - edges[0]
-    worst = int(np.argmax(np.abs(raised - climbed)))
-    if not abs(raised[worst] - climbed[worst]) <= ROUGHLY * np.abs(first[[0, 2]]).max():
+    slope = first[2].reshape(PANELS, NODES.size)
+    integral = np.cumsum(0.5 * panel * (slope * WEIGHTS).sum(axis=1))
+    height = states(motion, panel * np.arange(PANELS + 1))[0]
+    rise = height[1:] - height[0]
+    worst = int(np.argmax(np.abs(rise - integral)))
+    if not abs(rise[worst] - integral[worst]) <= HEIGHT_TOLERANCE * np.abs(first[[0, 2]]).max():
         raise ValueError(
             f"from 0 to the angle {panel * (worst + 1):.4g} the height that state returns changes "
-            f"by {raised[worst]:.4g}, the integral of the derivative that it returns by "
-            f"{climbed[worst]:.4g}"
+            f"by {rise[worst]:.4g}, the integral of the derivative that it returns by "
+            f"{integral[worst]:.4g}"
         )
 
 
 def shape_of(motion, angle):
-    """Return what the function ``state`` of a plug-in does, see `sim.parameters.motions.motion`."""
+    """Return the result of a plug-in's function ``state``, see `sim.parameters.motions.motion`."""
     raise NotImplementedError
 
 
-def given_by(motion, returned):
-    """Return what ``state`` of a motion gives: three numbers."""
+def checked_state(motion, returned):
+    """Return the result of a motion's ``state``; refuse other than three numbers when compiled."""
     raise NotImplementedError
 
 
 def add_motion(kind, motion):
-    """Make a type of parameters known as a motion, with the function of a plug-in for it."""
-    if not adopt(kind):
+    """Register a type of parameters as a motion, with the function of a plug-in."""
+    if not adopt_type(kind):
         return
     own_state = inlined(motion.state)
 
@@ -89,10 +90,10 @@ def add_motion(kind, motion):
     def _shape(motion, angle):
         if motion.instance_class is not kind:
             return None
-        return lambda motion, angle: given_by(motion, own_state(motion, angle))
+        return lambda motion, angle: checked_state(motion, own_state(motion, angle))
 
-    @implements(given_by)
-    def _given(motion_, returned):
+    @implements(checked_state)
+    def _checked_state(motion_, returned):
         if motion_.instance_class is not kind:
             return None
         require_numbers(motion.state, "what state returns", returned, 3)
@@ -101,43 +102,43 @@ def add_motion(kind, motion):
 
 @kernel
 def states(motion, angles):
-    """Return what ``state`` gives at angles (K,): (3, K)."""
-    found = np.empty((3, angles.size))
+    """Return the results (3, K) of ``state`` at angles (K,)."""
+    results = np.empty((3, angles.size))
     for k in range(angles.size):
         height, along, upward = shape_of(motion, angles[k])
-        found[0, k], found[1, k], found[2, k] = height, along, upward
-    return found
+        results[0, k], results[1, k], results[2, k] = height, along, upward
+    return results
 
 
 @kernel
 def heights(motion, angles):
-    """Return how high a base is at angles (K,), in amplitudes."""
-    found = np.empty(angles.size)
+    """Return the heights of a base at angles (K,), in amplitudes."""
+    height = np.empty(angles.size)
     for k in range(angles.size):
-        found[k] = shape_of(motion, angles[k])[0]
-    return found
+        height[k] = shape_of(motion, angles[k])[0]
+    return height
 
 
 @kernel
-def ways(motion, angles):
+def displacements(motion, angles):
     """Return how far a base has moved along x from angle 0 to others (K,), in amplitudes."""
-    panel, way = 2.0 * pi / PANELS, np.zeros(PANELS + 1)
+    panel, path = 2.0 * pi / PANELS, np.zeros(PANELS + 1)
     for k in range(PANELS):
-        way[k + 1] = way[k] + _way_within(motion, k * panel, panel)
-    found = np.empty(angles.size)
+        path[k + 1] = path[k] + _displacement_within(motion, k * panel, panel)
+    displacement = np.empty(angles.size)
     for i in range(angles.size):
         cycles = np.floor(angles[i] / (2.0 * pi))
         rest = angles[i] - cycles * 2.0 * pi
         k = min(int(rest / panel), PANELS - 1)
-        part = _way_within(motion, k * panel, rest - k * panel)
-        found[i] = cycles * way[PANELS] + way[k] + part
-    return found
+        part = _displacement_within(motion, k * panel, rest - k * panel)
+        displacement[i] = cycles * path[PANELS] + path[k] + part
+    return displacement
 
 
 @inlined
-def _way_within(motion, begin, length):
-    """Return how far it moves along x in a short part of a cycle, in amplitudes."""
-    way = 0.0
+def _displacement_within(motion, begin, length):
+    """Return how far a base moves along x in a short part of a cycle, in amplitudes."""
+    displacement = 0.0
     for k in range(NODES.size):
-        way += WEIGHTS[k] * shape_of(motion, begin + 0.5 * length * (1.0 + NODES[k]))[1]
-    return 0.5 * length * way
+        displacement += WEIGHTS[k] * shape_of(motion, begin + 0.5 * length * (1.0 + NODES[k]))[1]
+    return 0.5 * length * displacement

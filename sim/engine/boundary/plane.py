@@ -1,25 +1,25 @@
-"""The inclined plane z = 0: a sphere of infinite radius and mass that obeys the spheres' law."""
+"""The plane z = 0, under chute and conveyor: a sphere of infinite radius and mass."""
 
 from typing import NamedTuple
 
 import numpy as np
 
-from sim.engine.compile import append_negative, inlined, kernel, vectorised
-from sim.engine.contact.friction import blank, recall, stored_energy
-from sim.engine.contact.own import on_plane
+from sim.engine.compile import append_negative, assume_no_alias, inlined, kernel
+from sim.engine.contact.friction import blank_memory, recall, stored_energy
+from sim.engine.contact.functions import law_on_plane
 from sim.engine.dynamics.cells import LANES
 from sim.engine.dynamics.neighbors import BLOCK
 from sim.engine.dynamics.spheres import (
     FX,
-    LOST,
+    LOSS,
     MX,
     STRIDE,
     WORK,
     Meeting,
-    approach,
-    filled_up,
+    apply_law,
+    fill_vectors,
     make_memory,
-    react,
+    write_approach,
 )
 
 
@@ -31,14 +31,14 @@ class Plane(NamedTuple):
 
 
 def make_plane(law: NamedTuple, particles: int, threads: int = 1) -> Plane:
-    """Return a plane, for spheres that obey such a law, that nothing has touched yet."""
-    room = make_memory(law, particles + LANES * threads)
-    return Plane(np.full((1, particles), -1, np.int32), room)
+    """Return a plane without contacts, for spheres that obey this law."""
+    memory = make_memory(law, particles + LANES * threads)
+    return Plane(np.full((1, particles), -1, np.int32), memory)
 
 
 @inlined
 def _find_touching(spheres, start, size, search):
-    """Find those of ``size`` particles from ``start`` on that touch; return how many."""
+    """List the touching ones of ``size`` particles from ``start`` on; return their number."""
     for k in range(size):
         i = np.uint64(start + k)
         search.gap[k] = spheres.position[2, i] - spheres.radius[i]
@@ -50,16 +50,16 @@ def _evaluate(spheres, contacts, scratch, number, base, time_step):
     """Apply the law to ``number`` touching particles of a block; the memory goes to base + k."""
     x, v, w = spheres.position, spheres.velocity, spheres.rim
     slot, touching, rows = contacts.partners, scratch.search.touching, scratch.rows
-    new = blank(contacts.law)
+    new = blank_memory(contacts.law)
     for k in range(number):
         i = np.uint64(touching[k])
         velocity, rim = (-v[0, i], -v[1, i], -v[2, i]), (w[0, i], w[1, i], w[2, i])
         separation = (0.0, 0.0, -x[2, i])
-        approach(rows, k, Meeting(separation, velocity, rim, spheres.radius[i]), time_step)
+        write_approach(rows, k, Meeting(separation, velocity, rim, spheres.radius[i]), time_step)
     for k in range(number):
         i = np.uint64(touching[k])
-        law = on_plane(contacts.law, spheres, i)
-        memory = react(law, rows, k, recall(new, contacts.before, slot[0, i]))
+        law = law_on_plane(contacts.law, spheres, i)
+        memory = apply_law(law, rows, k, recall(new, contacts.before, slot[0, i]))
         for m in range(len(new)):
             contacts.after[m, np.uint64(base + k)] = memory[m]
 
@@ -72,17 +72,17 @@ def plane_forces(spheres, contacts, scratch, time_step, share):
     dissipated by normal forces and the work done against friction (J), and the sum of the forces on
     the spheres along x and z (N).
     """
-    vectorised()
+    assume_no_alias()
     rank, begin, end = share
     slot, touching, rows = contacts.partners, scratch.search.touching, scratch.rows
-    resting, largest, along, upward, lost, work = 0, 0.0, 0.0, 0.0, 0.0, 0.0
+    contact_count, largest, along, upward, loss, work = 0, 0.0, 0.0, 0.0, 0.0, 0.0
     for start in range(begin, end, BLOCK):
         size = min(BLOCK, end - start)
         number = _find_touching(spheres, start, size, scratch.search)
-        base = begin + rank * LANES + resting
+        base = begin + rank * LANES + contact_count
         if number > 0:
-            whole = filled_up(touching, 0, number)
-            _evaluate(spheres, contacts, scratch, whole, base, time_step)
+            padded_number = fill_vectors(touching, 0, number)
+            _evaluate(spheres, contacts, scratch, padded_number, base, time_step)
         for i in range(start, start + size):
             slot[0, np.uint64(i)] = -1
         for k in range(number):
@@ -93,15 +93,15 @@ def plane_forces(spheres, contacts, scratch, time_step, share):
                 spheres.moment[rank, d, i] += rows[(MX + d) * STRIDE + k]
             along += rows[FX * STRIDE + k]
             upward += rows[(FX + 2) * STRIDE + k]
-            lost += rows[LOST * STRIDE + k]
+            loss += rows[LOSS * STRIDE + k]
             work += rows[WORK * STRIDE + k]
             # Not the overlap of the row, which is symmetric about the plane: a centre may be below.
             overlap = spheres.radius[i] - spheres.position[2, i]
             diameter = 2.0 * spheres.radius[i]
             if overlap > largest * diameter:
                 largest = overlap / diameter
-        resting += number
-    return resting, largest, lost, work, along, upward
+        contact_count += number
+    return contact_count, largest, loss, work, along, upward
 
 
 @kernel
@@ -110,14 +110,16 @@ def stored_in_plane(law, spheres, plane, memory, time_step):
 
     Arguments as for ``stored_in_spheres``.
     """
-    normal, tangential, new = 0.0, 0.0, blank(law)
+    normal, tangential, new = 0.0, 0.0, blank_memory(law)
     for i in range(spheres.radius.size):
         if plane.slot[0, i] < 0:
             continue
         height = spheres.position[2, i] - spheres.velocity[2, i] * time_step
         overlap = spheres.radius[i] - abs(height)
-        met = on_plane(law, spheres, i)
-        pressed, sheared = stored_energy(met, overlap, recall(new, memory, plane.slot[0, i]))
-        normal += pressed
-        tangential += sheared
+        plane_law = law_on_plane(law, spheres, i)
+        normal_energy, tangential_energy = stored_energy(
+            plane_law, overlap, recall(new, memory, plane.slot[0, i])
+        )
+        normal += normal_energy
+        tangential += tangential_energy
     return normal, tangential

@@ -25,7 +25,7 @@ def disk_force(law, overlap, normal, velocity, mass, inverse_partner_mass):
 
 
 def elastic_force(law, overlap):
-    """Return the repulsion (N) of the spring alone, which gives back what it has stored."""
+    """Return the conservative part of the repulsion (N): that of the spring alone."""
     raise NotImplementedError(type(law).__name__)
 
 
@@ -35,17 +35,17 @@ def elastic_energy(law, overlap):
 
 
 @inlined
-def dissipated(law, overlap, normal, velocity, force):
-    """Return the power (W) that normal and shear damping take from a disk.
+def dissipated_powers(law, overlap, normal, velocity, force):
+    """Return the powers (W) that normal and shear damping take from a disk.
 
-    Arguments as for ``disk_force``, which has given ``force``. ``velocity`` is the disk's own, or
-    relative to a driven partner, whose work is then counted apart.
+    Arguments as for ``disk_force``, whose result is ``force``. ``velocity`` is the disk's own, or
+    relative to a driven partner, whose work is then counted separately.
     """
     nx, nz = normal
     speed = velocity[0] * nx + velocity[1] * nz
     pull = force[0] * nx + force[1] * nz
-    total = force[0] * velocity[0] + force[1] * velocity[1]
-    return -(pull + elastic_force(law, overlap)) * speed, pull * speed - total
+    power = force[0] * velocity[0] + force[1] * velocity[1]
+    return -(pull + elastic_force(law, overlap)) * speed, pull * speed - power
 
 
-__all__ = ["disk_force", "dissipated", "elastic_energy", "elastic_force", "implements"]
+__all__ = ["disk_force", "dissipated_powers", "elastic_energy", "elastic_force", "implements"]

@@ -1,8 +1,8 @@
 """The family of frictional laws with a memory: spheres that rotate, in three dimensions.
 
-A contact keeps the tangential force on i, which changes sign when the partners change places, and
-behind it numbers of the law's own, which do not. How many those are each law says of its type, so
-that a loop is compiled for just as many.
+The memory of a contact is the tangential force on i, followed by numbers of the law's own. The
+force changes sign when the partners change places; the numbers do not. Each law declares for its
+type how many numbers it has, so a loop is compiled for exactly that many.
 """
 
 import numpy as np
@@ -12,56 +12,57 @@ from sim.engine.compile import implements
 #: Numbers of the tangential force.
 VECTOR = 3
 
-#: How many numbers of their own laws keep, by the types of their parameters.
+#: How many numbers of its own each law remembers, by the type of its parameters.
 _own_numbers: dict[type, int] = {}
 
 
-def remembers(kind: type, numbers: int) -> None:
-    """Say how many numbers of its own, besides the tangential force, a law of such a type keeps."""
+def declare_memory(kind: type, numbers: int) -> None:
+    """Declare how many numbers besides the tangential force a law of this type remembers."""
     _own_numbers[kind] = numbers
 
 
 def memory_size(kind: type) -> int:
-    """Return how many numbers a contact keeps under a law of such a type."""
+    """Return how many numbers a contact remembers under a law of this type."""
     return VECTOR + _own_numbers[kind]
 
 
-def blank(law):
-    """Return the memory of a new contact under a law: zeros, as many as it keeps numbers."""
+def blank_memory(law):
+    """Return the memory of a new contact under a law: zeros."""
     raise NotImplementedError(type(law).__name__)
 
 
-@implements(blank)
-def _blank(law):
+@implements(blank_memory)
+def _blank_memory(law):
     if law.instance_class not in _own_numbers:
         return None
     zeros = (0.0,) * memory_size(law.instance_class)
     return lambda law: zeros
 
 
-#: What reads the numbers of a contact. A tuple has as many numbers as its text, whatever is read.
-_RECALLED = """
-def recalled(new, memory, slot):
-    held = slot >= 0
+#: Source of the function that reads a contact's memory: the length of a compiled tuple is that of
+#: its text.
+_RECALL_SOURCE = """
+def recall_numbers(new, memory, slot):
+    touched = slot >= 0
     s = np.uint64(max(slot, 0))
     return ({numbers},)
 """
 
 
 def recall(new, memory, slot):
-    """Return what a contact remembers; a negative slot means that it did not touch.
+    """Return the memory of a contact; a negative slot means that it did not touch.
 
-    ``new`` is the memory of a new contact, ``memory`` (M, C) that of all.
+    ``new`` is the memory of a new contact, ``memory`` (M, C) that of all contacts.
     """
     raise NotImplementedError
 
 
 @implements(recall)
 def _recall(new, memory, slot):
-    numbers = ", ".join(f"memory[{m}, s] if held else 0.0" for m in range(len(new)))
-    made = {"np": np}
-    exec(_RECALLED.format(numbers=numbers), made)
-    return made["recalled"]
+    numbers = ", ".join(f"memory[{m}, s] if touched else 0.0" for m in range(len(new)))
+    namespace = {"np": np}
+    exec(_RECALL_SOURCE.format(numbers=numbers), namespace)
+    return namespace["recall_numbers"]
 
 
 def contact_force(law, overlap, approach, normal, slip, memory):
@@ -80,7 +81,7 @@ def contact_force(law, overlap, approach, normal, slip, memory):
         Displacement (m) of the surface of j relative to that of i during the step, within the
         tangent plane.
     memory : tuple of floats
-        What the contact remembers, the tangential force first; see ``blank`` for a new one.
+        Memory of the contact, the tangential force first; ``blank_memory`` returns a new one.
 
     Returns
     -------
@@ -89,7 +90,7 @@ def contact_force(law, overlap, approach, normal, slip, memory):
     tangential_force : tuple of 3 floats
         Force (N) on i within the tangent plane; j feels the opposite.
     memory : tuple of floats
-        The memory for the next step, as many numbers.
+        Memory for the next step, with as many numbers.
     energy : tuple of 2 floats
         Energy (J) that the normal force has dissipated during the step, and work (J) done against
         the tangential force, which includes what its spring has stored.

@@ -1,7 +1,7 @@
-"""Roots that compilers can vectorise and that leave the slow divider of the processor alone.
+"""Roots that compilers can vectorise and that avoid the slow divider of the processor.
 
-Both start from the bit pattern, which holds the logarithm of a number: a share of it, subtracted
-from a constant, is the wanted power to 3.5 per cent. Two polynomial corrections give the rest.
+Each root starts from the bit pattern, which holds the logarithm of a number. A share of it,
+subtracted from a constant, gives the power within 3.5 per cent; two polynomial corrections follow.
 """
 
 from llvmlite import ir

@@ -23,13 +23,13 @@ class ReducedMass(NamedTuple):
     shear_damping: float
 
 
-class Kept(NamedTuple):
+class AttractionKept(NamedTuple):
     """The damping may make the normal force attractive at the end of a contact, as printed."""
 
     stiffness: float
 
 
-class Clipped(NamedTuple):
+class AttractionClipped(NamedTuple):
     """The normal force is never attractive."""
 
     stiffness: float
@@ -55,7 +55,7 @@ def spring_damping(
 ) -> SpringDamping:
     """Return the law for Y (N/m), γ and γ_s (1/s) and the two readings."""
     dissipation = {"own": OwnMass, "reduced": ReducedMass}[damping_mass]
-    spring = {"kept": Kept, "clipped": Clipped}[attraction]
+    spring = {"kept": AttractionKept, "clipped": AttractionClipped}[attraction]
     return SpringDamping(
         dissipation(float(damping), float(shear_damping)), spring(float(stiffness))
     )
@@ -73,14 +73,14 @@ def _damped_mass(kind, mass, inverse_partner_mass):
     return lambda kind, mass, inverse_partner_mass: mass / (1.0 + mass * inverse_partner_mass)
 
 
-def admissible(kind, repulsion):
+def admissible_force(kind, repulsion):
     """Return the normal force that the reading admits; positive is repulsive."""
     raise NotImplementedError
 
 
-@implements(admissible)
-def _admissible(kind, repulsion):
-    if kind.instance_class is Kept:
+@implements(admissible_force)
+def _admissible_force(kind, repulsion):
+    if kind.instance_class is AttractionKept:
         return lambda kind, repulsion: repulsion
     return lambda kind, repulsion: max(0.0, repulsion)
 
@@ -92,7 +92,7 @@ def _damped_spring(law, overlap, normal, velocity, mass, inverse_partner_mass):
     inertia = damped_mass(law.dissipation, mass, inverse_partner_mass)
     approach = vx * nx + vz * nz
     shear = vz * nx - vx * nz
-    repulsion = admissible(
+    repulsion = admissible_force(
         law.spring, law.spring.stiffness * overlap + law.dissipation.damping * inertia * approach
     )
     drag = law.dissipation.shear_damping * inertia * shear

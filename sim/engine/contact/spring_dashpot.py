@@ -1,4 +1,4 @@
-"""Linear spring and dashpot with the friction of Cundall and Strack: what most DEM codes use.
+"""Linear spring and dashpot with the friction of Cundall and Strack, the law of most DEM codes.
 
 Cundall and Strack, Géotechnique 29 (1979) 47. Normal force F_N = K α + c dα/dt, kept where it is
 attractive at the end of a contact, so that the restitution is exact; tangential spring K_t s, cut
@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 from sim.engine.compile import implements
 from sim.engine.contact import Partners
-from sim.engine.contact.friction import contact_force, remembers, stored_energy
+from sim.engine.contact.friction import contact_force, declare_memory, stored_energy
 from sim.engine.contact.roots import SMALLEST, inverse_square_root
 from sim.engine.contact.tangential import friction_direction, work_against
 from sim.parameters.spheres import SphereParameters
@@ -30,13 +30,13 @@ class SpringDashpot(NamedTuple):
 
 
 #: The drag of the last step.
-remembers(SpringDashpot, 1)
+declare_memory(SpringDashpot, 1)
 
 
 def damping_ratio(restitution: float) -> float:
     """Return the damping relative to the critical one that gives this restitution."""
-    lost = -log(restitution)
-    return lost / sqrt(pi**2 + lost**2)
+    decay = -log(restitution)
+    return decay / sqrt(pi**2 + decay**2)
 
 
 def spring_dashpot(
@@ -77,8 +77,8 @@ def _spring_dashpot(law, overlap, approach, normal, slip, memory):
     def body(law, overlap, approach, normal, slip, memory):
         before, drag_before = memory[:3], memory[3]
         drag = law.damping * approach
-        # The drag sets in at once and ends at once; what its first step has too much makes up for
-        # what is missing behind its last.
+        # The drag starts and ends abruptly: the excess of its first step makes up for the part that
+        # is missing after its last.
         drag_before = drag if drag_before == 0.0 else drag_before
         force = law.stiffness * overlap + drag
         limit = law.friction * abs(force)

@@ -1,4 +1,4 @@
-"""What frictional laws share: the direction of the old friction, and the work done against it."""
+"""Functions of all frictional laws: direction of the old friction, work done against friction."""
 
 from sim.engine.compile import inlined
 from sim.engine.contact.roots import SMALLEST, inverse_square_root
@@ -8,7 +8,7 @@ from sim.engine.contact.roots import SMALLEST, inverse_square_root
 def friction_direction(normal, tangential):
     """Return the direction of the old friction within the present tangent plane.
 
-    It is the zero vector for a friction of zero: all displacement then counts as new.
+    A friction of zero has the zero vector: all displacement then counts as new.
     """
     nx, ny, nz = normal
     tx, ty, tz = tangential
@@ -23,8 +23,8 @@ def friction_direction(normal, tangential):
 def work_against(before, after, slip):
     """Return the work (J) done against a friction (N) that changes during a slip (m).
 
-    The mean of both forces makes it the very change of the particles' kinetic energy: leap-frog
-    lets the force of a step act with half of the displacement before it and half of that behind.
+    With the mean of both forces it is exactly the change of the particles' kinetic energy: in
+    leap-frog the force of a step acts over half of the displacement before it and half of the next.
     """
     return 0.5 * (
         (before[0] + after[0]) * slip[0]

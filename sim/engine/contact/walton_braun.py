@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from sim.engine.compile import implements, inlined
 from sim.engine.contact import Partners
-from sim.engine.contact.friction import contact_force, remembers, stored_energy
+from sim.engine.contact.friction import contact_force, declare_memory, stored_energy
 from sim.engine.contact.roots import SMALLEST, cube_root, inverse_square_root
 from sim.engine.contact.tangential import friction_direction, work_against
 from sim.parameters.spheres import SphereParameters
@@ -75,9 +75,10 @@ class AsPrinted(NamedTuple):
 class AlongSlip(NamedTuple):
     """A friction cut to the limit has the direction of the old force and K0 times all of the slip.
 
-    Per slip both turn it alike, K0 sin φ/(μ F_N) at an angle φ with the slip. But the printed sum,
-    in which a sliding friction keeps its length along its old direction and grows across it, turns
-    it from φ to φ - 90° where a step slips by more than 2 μ F_N/K0, and never settles.
+    Per unit of slip both readings turn the friction by K0 sin φ/(μ F_N), at its angle φ with the
+    slip. But in the printed sum a sliding friction keeps its length along its old direction and
+    grows across it. Where a step slips by more than 2 μ F_N/K0, that sum turns it from φ to φ - 90°
+    and never settles.
     """
 
     settles: float = 1.0
@@ -102,7 +103,7 @@ class WaltonBraun(NamedTuple):
 
 
 #: Magnitude of the friction, its turning point, whether it falls, and the largest overlap.
-remembers(WaltonBraun, 4)
+declare_memory(WaltonBraun, 4)
 
 
 def walton_braun(
@@ -188,24 +189,25 @@ def _cap(kind, magnitude, limit):
     return lambda kind, magnitude, limit: magnitude
 
 
-def kept(kind, change, before, direction, pushed, limit):
-    """Return what to add along the old direction to K0 times all of the slip, which is ``pushed``.
+def direction_term(kind, change, before, direction, slip_force, limit):
+    """Return the part (N) of the new friction along the old ``direction``, before it is cut.
 
-    ``change`` gives the printed sum, the ``before`` of the old force that of `AlongSlip`, which
-    takes it where the printed one is beyond the limit.
+    The other part is ``slip_force``, K0 times all of the slip. With ``change`` their sum is the
+    printed one. `AlongSlip` takes the magnitude ``before`` of the old friction instead where the
+    printed sum is beyond the limit.
     """
     raise NotImplementedError
 
 
-@implements(kept)
-def _kept(kind, change, before, direction, pushed, limit):
+@implements(direction_term)
+def _direction_term(kind, change, before, direction, slip_force, limit):
     if kind.instance_class is AsPrinted:
-        return lambda kind, change, before, direction, pushed, limit: change
+        return lambda kind, change, before, direction, slip_force, limit: change
 
-    def body(kind, change, before, direction, pushed, limit):
-        x = change * direction[0] + pushed[0]
-        y = change * direction[1] + pushed[1]
-        z = change * direction[2] + pushed[2]
+    def body(kind, change, before, direction, slip_force, limit):
+        x = change * direction[0] + slip_force[0]
+        y = change * direction[1] + slip_force[1]
+        z = change * direction[2] + slip_force[2]
         return before if x * x + y * y + z * z > limit * limit else change
 
     return body
@@ -239,24 +241,24 @@ def parallel_friction(law, force, magnitude, displacement, turning_point, fallin
     """Return friction along its old direction, turning point and sense (Eq. 1 and section 2.2).
 
     ``falling`` is 0 while the friction grows and 1 while it falls; when it changes, the friction
-    becomes the new turning point. The turning point is kept as a share of the normal force, T*/F_N,
-    with which T* scales. The bracket of Eq. 1 is what is ``left`` of the way to sliding over what
-    was there at the turning point. A negative result means that the friction has reversed: the
-    turning point changes sign and, seen along the new direction, the friction grows.
+    becomes the new turning point. The turning point is stored as a share of the normal force,
+    T*/F_N, with which T* scales. The bracket of Eq. 1 is the ``distance`` to sliding over that at
+    the turning point. A negative result means that the friction has reversed: the turning point
+    changes sign and, seen along the new direction, the friction grows.
     """
     friction = law.limit.friction
     share = magnitude / force if force > 0.0 else 0.0
     falling_now = 0.0 if displacement > 0.0 else (1.0 if displacement < 0.0 else falling)
     turning_point = turning_point if falling_now == falling else share
     sense = 1.0 - 2.0 * falling_now
-    left = friction - sense * share
-    whole = friction - sense * turning_point
-    base = 1.0 if left >= whole else left / whole
-    base = base if left > ROUNDING * friction else 0.0
+    distance = friction - sense * share
+    turning_distance = friction - sense * turning_point
+    base = 1.0 if distance >= turning_distance else distance / turning_distance
+    base = base if distance > ROUNDING * friction else 0.0
     parallel = magnitude + law.tangential * softening(law.stiffening, base) * displacement
-    reversed_ = parallel < 0.0 and displacement < 0.0
-    turning_point = -turning_point if reversed_ else turning_point
-    return parallel, turning_point, 0.0 if reversed_ else falling_now
+    has_reversed = parallel < 0.0 and displacement < 0.0
+    turning_point = -turning_point if has_reversed else turning_point
+    return parallel, turning_point, 0.0 if has_reversed else falling_now
 
 
 @implements(contact_force)
@@ -266,7 +268,7 @@ def _walton_braun(law, overlap, approach, normal, slip, memory):
 
     def body(law, overlap, approach, normal, slip, memory):
         before, magnitude, turning_point, falling, overlap_max = memory[:3], *memory[3:]
-        lost = hysteretic_loss(law, overlap, overlap_max)
+        loss = hysteretic_loss(law, overlap, overlap_max)
         force, overlap_max = normal_force(law, overlap, overlap_max)
         limit = law.limit.friction * force
 
@@ -278,8 +280,8 @@ def _walton_braun(law, overlap, approach, normal, slip, memory):
             law, force, magnitude, along, turning_point, falling
         )
         change = parallel - law.tangential * along
-        pushed = law.tangential * sx, law.tangential * sy, law.tangential * sz
-        change = kept(law.sliding, change, magnitude, (ux, uy, uz), pushed, limit)
+        slip_force = law.tangential * sx, law.tangential * sy, law.tangential * sz
+        change = direction_term(law.sliding, change, magnitude, (ux, uy, uz), slip_force, limit)
         tx = change * ux + law.tangential * sx
         ty = change * uy + law.tangential * sy
         tz = change * uz + law.tangential * sz
@@ -289,14 +291,14 @@ def _walton_braun(law, overlap, approach, normal, slip, memory):
         magnitude = min(square * inverse, limit)
         scale = magnitude * inverse
         tangential = (tx * scale, ty * scale, tz * scale)
-        pressed = force > 0.0
-        turning_point = turning_point if pressed else 0.0
-        falling = falling if pressed else 0.0
+        is_pressed = force > 0.0
+        turning_point = turning_point if is_pressed else 0.0
+        falling = falling if is_pressed else 0.0
         return (
             force,
             tangential,
             (*tangential, magnitude, turning_point, falling, overlap_max),
-            (lost, work_against(before, tangential, slip)),
+            (loss, work_against(before, tangential, slip)),
         )
 
     return body

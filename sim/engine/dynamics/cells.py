@@ -1,7 +1,7 @@
-"""A grid of cells: particles sorted by place, and the pairs among neighboring cells.
+"""A grid of cells: particles sorted by position, and the pairs among neighboring cells.
 
-Cells form columns along the last direction, which is open; particles are sorted by column and, in
-it, by cell, so that the neighbors of a cell are a few contiguous ranges. Written once for two and
+Cells form columns along the last direction, which is open. Particles are sorted by column and,
+within it, by cell, so the neighbors of a cell are a few contiguous ranges. The code serves two and
 three dimensions: the length of the tuples in ``Box`` fixes the dimension of a compiled kernel.
 """
 
@@ -9,10 +9,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sim.engine.compile import append_negative, inlined, kernel, vectorised
+from sim.engine.compile import append_negative, assume_no_alias, inlined, kernel
 
-#: Numbers in the widest vectors. A loop over a multiple of it has no remainder, which the compiler
-#: would do one by one.
+#: Numbers in the widest vectors. A loop over a multiple of it has no remainder, whose iterations
+#: the compiler would run one by one.
 LANES = 8
 
 
@@ -61,8 +61,8 @@ def extremes(values):
 def assign_cells(position, box, size, cells):
     """Return each particle's cell; fill ``cells`` (D,) with the number of cells per direction.
 
-    The open direction spans the particles; a few that fly far above the others share the last
-    cells, so that the number of cells stays of the order of the number of particles.
+    The open direction spans the particles. A few that fly far above the others share the last
+    cells, so the number of cells stays of the order of the number of particles.
     """
     dimension, particles = position.shape
     last = dimension - 1
@@ -84,7 +84,7 @@ def assign_cells(position, box, size, cells):
 
 
 @inlined
-def rounded_up(number, size):
+def round_up(number, size):
     """Return the smallest multiple of ``size`` that is not below ``number``."""
     return (number + size - 1) // size * size
 
@@ -122,9 +122,11 @@ def reorder(array, order):
 
 
 @kernel
-def columns_ahead(cells, column, out):
-    """Fill ``out`` with the distinct neighbors of a column that have a larger number; return how
-    many. Taking only these finds each pair of columns once, also where the box is narrow."""
+def list_columns_ahead(cells, column, out):
+    """Fill ``out`` with the distinct neighbors of a column that have a larger number.
+
+    Returns their count. With these alone each pair of columns occurs once, even in a narrow box.
+    """
     count = 0
     directions = cells.size - 1
     for stencil in range(3**directions):
@@ -135,10 +137,10 @@ def columns_ahead(cells, column, out):
             code //= 3
             neighbor += k * factor
             factor *= cells[d]
-        known = neighbor <= column
+        is_listed = neighbor <= column
         for c in range(count):
-            known |= out[c] == neighbor
-        if not known:
+            is_listed |= out[c] == neighbor
+        if not is_listed:
             out[count] = neighbor
             count += 1
     return count
@@ -153,7 +155,7 @@ class Grid(NamedTuple):
     begin: np.ndarray
 
 
-class Sorted(NamedTuple):
+class SortedParticles(NamedTuple):
     """Particles by cell: number i was ``order[i]`` (N,); ``place`` (D, N) and ``size`` (N,) are
     positions and radii (m)."""
 
@@ -189,56 +191,58 @@ def _collect(number, first, last, count):
 
 
 @inlined
-def _find_near(candidates, own, count, particles, box, skin):
-    """Tell which of ``count`` candidates behind number ``own`` are within reach plus skin of it.
+def _find_near(candidates, index, count, particles, box, skin):
+    """List which of ``count`` candidates after number ``index`` are within reach plus skin of it.
 
-    Returns how many. The gaps of a few entries behind the last candidate are computed, too, and not
+    Returns their number. The gaps of a few entries after the last candidate are computed but not
     used.
     """
     position, radius = particles.place, particles.size
-    i = np.uint64(candidates.number[own])
-    behind = count - own - 1
-    for n in range(rounded_up(behind, LANES)):
-        j = np.uint64(candidates.number[np.uint64(own + 1 + n)])
+    i = np.uint64(candidates.number[index])
+    candidates_after = count - index - 1
+    for n in range(round_up(candidates_after, LANES)):
+        j = np.uint64(candidates.number[np.uint64(index + 1 + n)])
         square = 0.0
         for d in range(len(box.length)):
             square += nearest_image(position[d, j] - position[d, i], box, d) ** 2
         candidates.gap[n] = square - (radius[j] + radius[i] + skin) ** 2
-    near = append_negative(candidates.gap, behind, own + 1, candidates.near, np.uint64(0))
+    near = append_negative(
+        candidates.gap, candidates_after, index + 1, candidates.near, np.uint64(0)
+    )
     return np.int64(near)
 
 
 @inlined
-def find_pairs(particles, grid, skin, part, found):
+def find_pairs(particles, grid, skin, part, next_list):
     """Find the pairs of sorted particles within reach plus skin whose first is in a part's cells.
 
-    Pairs ``start``..``stop`` (N,) of ``second``, all three of ``found``, are those of a particle.
-    Returns how many there are, or -1 as soon as room may be short.
+    Fills ``second`` of ``next_list``, and its ``start`` and ``stop`` (N,), which delimit the pairs
+    of each particle. Returns the number of pairs, or -1 as soon as room may be short.
     """
-    vectorised()
+    assume_no_alias()
     count, layers = particles.size.size + LANES, grid.cells[-1]
     candidates = Candidates(np.zeros(count, np.uint32), np.zeros(count), np.zeros(count, np.uint32))
-    around, ahead, slot, begin = np.empty(9, np.int64), 0, part.base, grid.begin
+    around, columns, slot, begin = np.empty(9, np.int64), 0, part.base, grid.begin
     for cell in range(part.first, part.last):
         column, layer = cell // layers, cell % layers
         first, last = begin[cell], begin[cell + 1]
         if layer == 0 or cell == part.first:
-            ahead = columns_ahead(grid.cells, column, around)
+            columns = list_columns_ahead(grid.cells, column, around)
         if first == last:
             continue
-        behind = begin[cell + 2] if layer + 1 < layers else last
-        count = _collect(candidates.number, first, behind, 0)
+        cell_end = begin[cell + 2] if layer + 1 < layers else last
+        count = _collect(candidates.number, first, cell_end, 0)
         low, high = max(layer - 1, 0), min(layer + 2, layers)
-        for c in range(ahead):
+        for c in range(columns):
             floor = around[c] * layers
             count = _collect(candidates.number, begin[floor + low], begin[floor + high], count)
         for i in range(first, last):
             if slot + count > part.base + part.room:
                 return -1
-            found.start[i] = slot
+            next_list.start[i] = slot
             near = _find_near(candidates, i - first, count, particles, grid.box, skin)
             for n in range(near):
-                found.second[np.uint64(slot + n)] = candidates.number[candidates.near[n]]
+                next_list.second[np.uint64(slot + n)] = candidates.number[candidates.near[n]]
             slot += near
-            found.stop[i] = slot
+            next_list.stop[i] = slot
     return slot - part.base

@@ -5,12 +5,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sim.engine.compile import inlined, kernel, vectorised
-from sim.engine.contact.damping import disk_force, dissipated, elastic_energy
+from sim.engine.compile import assume_no_alias, inlined, kernel
+from sim.engine.contact.damping import disk_force, dissipated_powers, elastic_energy
 from sim.engine.dynamics.cells import nearest_image
 from sim.engine.dynamics.neighbors import find_touching
 
-#: Taylor terms kept per coordinate: position and five derivatives.
+#: Taylor terms per coordinate: position and five derivatives.
 TERMS = 6
 
 
@@ -20,7 +20,7 @@ class Disks(NamedTuple):
     ``taylor`` (6, 2, N): term k is the k-th time derivative of the position (x, z) times Δt^k/k!,
     so term 0 is the position and term 1 the velocity times Δt; ``force`` (2, N), ``radius`` (N,),
     ``mass`` (N,). ``label`` (1, N) is the bead's number in the initial state: the neighbor list
-    keeps the beads sorted by place.
+    keeps the beads sorted by position.
     """
 
     taylor: np.ndarray
@@ -47,12 +47,12 @@ def make_disks(position, velocity, radius, mass, time_step: float) -> Disks:
 
 @inlined
 def disk_forces(law, disks, pairs, search, time_step):
-    """Add the forces of all touching pairs, each disk's as it sees the contact itself.
+    """Add the forces of all touching pairs, each disk's evaluated for itself.
 
     Returns the number of touching pairs, the largest overlap relative to the sum of the radii, and
     the powers (W) that normal and shear damping take.
     """
-    vectorised()
+    assume_no_alias()
     x, force, mass = disks.taylor, disks.force, disks.mass
     largest, normal_loss, shear_loss = 0.0, 0.0, 0.0
     per_step = 1.0 / time_step
@@ -66,19 +66,23 @@ def disk_forces(law, disks, pairs, search, time_step):
         reach = pairs.reach[p]
         overlap = reach - distance
         nx, nz = dx / distance, dz / distance
-        own = (x[1, 0, i] * per_step, x[1, 1, i] * per_step)
-        other = (x[1, 0, j] * per_step, x[1, 1, j] * per_step)
-        vx, vz = own[0] - other[0], own[1] - other[1]
+        velocity_i = (x[1, 0, i] * per_step, x[1, 1, i] * per_step)
+        velocity_j = (x[1, 0, j] * per_step, x[1, 1, j] * per_step)
+        vx, vz = velocity_i[0] - velocity_j[0], velocity_i[1] - velocity_j[1]
         fx, fz = disk_force(law, overlap, (nx, nz), (vx, vz), mass[i], 1.0 / mass[j])
         force[0, i] += fx
         force[1, i] += fz
-        pressed, sheared = dissipated(law, overlap, (nx, nz), own, (fx, fz))
+        normal_power_i, shear_power_i = dissipated_powers(
+            law, overlap, (nx, nz), velocity_i, (fx, fz)
+        )
         fx, fz = disk_force(law, overlap, (-nx, -nz), (-vx, -vz), mass[j], 1.0 / mass[i])
         force[0, j] += fx
         force[1, j] += fz
-        pressed_other, sheared_other = dissipated(law, overlap, (-nx, -nz), other, (fx, fz))
-        normal_loss += pressed + pressed_other
-        shear_loss += sheared + sheared_other
+        normal_power_j, shear_power_j = dissipated_powers(
+            law, overlap, (-nx, -nz), velocity_j, (fx, fz)
+        )
+        normal_loss += normal_power_i + normal_power_j
+        shear_loss += shear_power_i + shear_power_j
         largest = max(largest, overlap / reach)
     return touching, largest, normal_loss, shear_loss
 

@@ -1,7 +1,7 @@
 """Integrators of the disks: Gear's predictor-corrector and velocity Verlet.
 
-Both act on the Taylor terms of ``Disks`` and have the same two halves around the evaluation of the
-forces. Gear's can correct again, after forces at the corrected positions and velocities.
+Both act on the Taylor terms of ``Disks``: they predict before the forces are evaluated and correct
+after it. Gear's can correct again, with forces at the corrected positions and velocities.
 Coefficients: Allen and Tildesley, Computer Simulation of Liquids (1987), appendix E, for equations
 of second order whose forces depend on the velocity.
 """
@@ -20,7 +20,7 @@ CORRECTORS = {
     5: (3.0 / 16.0, 251.0 / 360.0, 1.0, 11.0 / 18.0, 1.0 / 6.0, 1.0 / 60.0),
 }
 
-#: Taylor terms (m) below this are set to zero now and then.
+#: Taylor terms (m) below this are set to zero every few steps.
 VANISHING = 1e-200
 
 
@@ -119,7 +119,7 @@ def flush(taylor):
             terms[k, i] = terms[k, i] if abs(terms[k, i]) >= VANISHING else 0.0
 
 
-def restarted(taylor: np.ndarray, old_step: float, new_step: float) -> None:
+def rescale_terms(taylor: np.ndarray, old_step: float, new_step: float) -> None:
     """Rescale the Taylor terms in place for another time step."""
     for k in range(len(taylor)):
         taylor[k] *= (new_step / old_step) ** k

@@ -1,7 +1,7 @@
 """Neighbor list with a skin, and the slots that tie its pairs to the memory of their contacts.
 
-The list holds as long as no pair that is not in it can have come into contact; ``mean_flow`` says
-how long that is.
+The list is valid while no pair outside it can have come into contact; ``mean_flow`` computes how
+long that is.
 """
 
 from math import isfinite
@@ -9,14 +9,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sim.engine.compile import append_negative, inlined, vectorised
+from sim.engine.compile import append_negative, assume_no_alias, inlined
 from sim.engine.contact.friction import VECTOR
 from sim.engine.dynamics.cells import (
     LANES,
     Box,
     Grid,
     Part,
-    Sorted,
+    SortedParticles,
     assign_cells,
     find_pairs,
     nearest_image,
@@ -27,19 +27,19 @@ from sim.engine.dynamics.mean_flow import AGE
 from sim.engine.dynamics.status import LIST_FULL, NOT_FINITE, OK
 from sim.engine.dynamics.team import Share
 
-#: Pairs or particles that are examined together.
+#: Number of pairs or particles that are examined together.
 BLOCK = 256
 
-#: Threads that may share a list, and the room that they may need between their touching pairs.
+#: Threads that may share a list, and most room that they need between their touching pairs.
 MOST_THREADS = 256
 MARGIN = 16 * MOST_THREADS
 
 
 class NextList(NamedTuple):
-    """The list that comes next, while threads make it.
+    """The next list, while threads build it.
 
-    Each has a part of its own of ``second`` and ``slot``; ``start`` and ``stop`` (N,) tell the
-    pairs of each particle, ``count`` how many pairs each thread has found.
+    Each thread fills its own part of ``second`` and ``slot``. ``start`` and ``stop`` (N,) delimit
+    the pairs of each particle; ``count`` is the number of pairs of each thread.
     """
 
     second: np.ndarray
@@ -52,13 +52,13 @@ class NextList(NamedTuple):
 class PairList(NamedTuple):
     """Pairs within reach of each other, sorted by their first particle; always first < second.
 
-    ``first``, ``second`` (P,) particles; ``reach`` (P,) sum of the radii (m); ``slot`` (P,) where
-    the contact is remembered, -1 if it did not touch in the last step; ``touching``
-    (P + MARGIN,) those that touch; ``start`` (N + 1,) first pair of each particle. Since the last
-    build: ``anchor`` (D, N) positions at that time, ``drift`` (D,) mean displacement (m),
-    ``stream`` (N,) velocity of the mean flow at each particle relative to all (m/s), ``clock`` (2,)
-    see ``mean_flow``, ``valid`` (1,). ``skin`` and the ``largest`` sum of two radii in m; ``box``
-    is the periodic cell.
+    ``first``, ``second`` (P,) particles; ``reach`` (P,) sum of the radii (m); ``slot`` (P,) column
+    of the contact's memory, -1 if it did not touch in the last step; ``touching``
+    (P + MARGIN,) numbers of touching pairs; ``start`` (N + 1,) first pair of each particle. Since
+    the last build: ``anchor`` (D, N) positions at that time, ``drift`` (D,) mean displacement (m),
+    ``stream`` (N,) velocity of the mean flow at each particle relative to the mean of all (m/s),
+    ``clock`` (2,) see ``mean_flow``, ``valid`` (1,). ``skin`` and the ``largest`` sum of two radii
+    in m; ``box`` is the periodic cell.
     """
 
     first: np.ndarray
@@ -79,7 +79,7 @@ class PairList(NamedTuple):
 
 
 class Search(NamedTuple):
-    """Scratch of the search for contacts: ``gap`` (m² or m), and what is ``touching``."""
+    """Scratch of the search for contacts: ``gap`` (m² or m), and numbers of the ``touching``."""
 
     gap: np.ndarray
     touching: np.ndarray
@@ -124,7 +124,7 @@ def empty_pair_list(radius: np.ndarray, box: Box, skin: float, per_particle: int
     )
 
 
-def grown(pairs: PairList) -> PairList:
+def double_room(pairs: PairList) -> PairList:
     """Return a copy of the list with twice the room."""
     double = {
         name: np.pad(getattr(pairs, name), (0, len(pairs.first)))
@@ -138,7 +138,7 @@ def grown(pairs: PairList) -> PairList:
 def find_touching(position, pairs, begin, end, base, gap):
     """Put the touching pairs among ``begin``..``end`` into ``pairs.touching`` from ``base`` on.
 
-    Returns how many. The list is examined in blocks of the size of ``gap``, which is scratch.
+    Returns their number. The list is examined in blocks of the size of ``gap``, which is scratch.
     """
     box, touching = pairs.box, np.uint64(base)
     for start in range(begin, end, gap.size):
@@ -156,13 +156,14 @@ def find_touching(position, pairs, begin, end, base, gap):
 
 @inlined
 def find_next(pairs, position, radius, rank, threads):
-    """Find one thread's part of the next list; return all particles sorted, and its first ones.
+    """Find one thread's part of the next list; return all sorted particles and the thread's share.
 
-    All threads sort, which is cheap, and search in their own cells; the first partners of a
-    thread's pairs are a range of particles. ``pairs.next.count`` is -1 where there was no room.
+    All threads sort, which is cheap, and search in their own cells. The share is the range of
+    particles that are first partners of a thread's pairs. ``pairs.next.count`` is -1 where there
+    was no room.
     """
     dimension, particles = position.shape
-    found, box = pairs.next, pairs.box
+    next_list, box = pairs.next, pairs.box
     cells = np.ones(dimension, np.int64)
     cell = assign_cells(position, box, pairs.largest + pairs.skin, cells)
     order, begin = sort_by_cell(cell, cells)
@@ -176,23 +177,25 @@ def find_next(pairs, position, radius, rank, threads):
         first += 1
     while begin[last] * threads < particles * (rank + 1):
         last += 1
-    room = found.second.size // threads
+    room = next_list.second.size // threads
     part = Part(first, last, rank * room, room)
-    ordered = Sorted(order, place, size)
-    found.count[rank] = find_pairs(ordered, Grid(box, cells, begin), pairs.skin, part, found)
+    ordered = SortedParticles(order, place, size)
+    next_list.count[rank] = find_pairs(
+        ordered, Grid(box, cells, begin), pairs.skin, part, next_list
+    )
     for p in range(part.base, part.base + room):
-        found.slot[np.uint64(p)] = -1
+        next_list.slot[np.uint64(p)] = -1
     return ordered, Share(rank, begin[first], begin[last])
 
 
 @inlined
 def carry_slots(pairs, order, memory, first, last):
-    """Tell the next list where the contacts among pairs ``first``..``last`` are remembered.
+    """Copy the memory slots of the contacts among pairs ``first``..``last`` to the next list.
 
     ``memory`` (M, C) is that of the last step: where partners change places, the remembered force
     changes sign.
     """
-    found, rank = pairs.next, np.empty(order.size, np.int64)
+    next_list, rank = pairs.next, np.empty(order.size, np.int64)
     for i in range(order.size):
         rank[order[i]] = i
     gap, touching = np.empty(BLOCK), np.empty(BLOCK + LANES, np.uint32)
@@ -208,51 +211,50 @@ def carry_slots(pairs, order, memory, first, last):
                 i, j = j, i
                 for m in range(VECTOR):
                     memory[m, s] = -memory[m, s]
-            new = np.uint64(found.start[i])
-            while new < found.stop[i] and found.second[new] != j:
+            new = np.uint64(next_list.start[i])
+            while new < next_list.stop[i] and next_list.second[new] != j:
                 new += np.uint64(1)
-            if new < found.stop[i]:
-                found.slot[new] = s
+            if new < next_list.stop[i]:
+                next_list.slot[new] = s
 
 
 @inlined
-def adopt(pairs, position, ordered, share, threads):
-    """Make a thread's part of the next list, that of its share of the particles, part of the list.
+def adopt_part(pairs, position, ordered, share, threads):
+    """Copy a thread's part of the next list, for its share of the particles, into the list.
 
-    ``position`` becomes that of the particles as they are ``ordered``, and that is what
-    displacements count from.
+    ``position`` is sorted as ``ordered``; these positions become the origin of displacements.
     """
-    vectorised()
-    found, before, number = pairs.next, 0, 0
+    assume_no_alias()
+    next_list, offset, total = pairs.next, 0, 0
     rank, first, last = share
     for other in range(threads):
-        before += found.count[other] if other < rank else 0
-        number += found.count[other]
-    shift = rank * (found.second.size // threads) - before
+        offset += next_list.count[other] if other < rank else 0
+        total += next_list.count[other]
+    shift = rank * (next_list.second.size // threads) - offset
     for d in range(position.shape[0]):
         for k in range(first, last):
             i = np.uint64(k)
             position[d, i] = ordered.place[d, i]
             pairs.anchor[d, i] = ordered.place[d, i]
     for i in range(first, last):
-        pairs.start[i] = found.start[i] - shift
-        for p in range(found.start[i] - shift, found.stop[i] - shift):
+        pairs.start[i] = next_list.start[i] - shift
+        for p in range(next_list.start[i] - shift, next_list.stop[i] - shift):
             pairs.first[p] = i
     if last == position.shape[1]:
-        pairs.start[last] = number
-    for k in range(before, before + found.count[rank]):
+        pairs.start[last] = total
+    for k in range(offset, offset + next_list.count[rank]):
         p, q = np.uint64(k), np.uint64(k + shift)
-        pairs.second[p] = found.second[q]
-        pairs.slot[p] = found.slot[q]
-        i, j = np.uint64(pairs.first[p]), np.uint64(found.second[q])
+        pairs.second[p] = next_list.second[q]
+        pairs.slot[p] = next_list.slot[q]
+        i, j = np.uint64(pairs.first[p]), np.uint64(next_list.second[q])
         pairs.reach[p] = ordered.size[i] + ordered.size[j]
 
 
 @inlined
-def tidy(pairs, position):
-    """Move all particles into the periodic cell and start the clock of the next list anew.
+def wrap_particles(pairs, position):
+    """Move all particles into the periodic cell and restart drift and clock for the next list.
 
-    Returns a status: whether all positions are finite.
+    Returns a status, NOT_FINITE where a position is not finite.
     """
     for d in range(position.shape[0]):
         for i in range(position.shape[1]):
@@ -267,7 +269,7 @@ def tidy(pairs, position):
 
 @inlined
 def has_room(pairs, threads):
-    """Return whether there was room for the whole next list."""
+    """True where there was room for the whole next list."""
     least = 0
     for rank in range(threads):
         least = min(least, pairs.next.count[rank])
@@ -279,15 +281,16 @@ def refresh(pairs, position, radius, memory):
     """Rebuild the list with a single thread; return a status and the order of the particles.
 
     ``memory`` is that of the last step. ``position`` (D, N) is sorted; column i of every other
-    array of the particles must become ``order[i]``. On LIST_FULL all is as it was, but wrapped.
+    array of the particles must become ``order[i]``. On LIST_FULL nothing has changed but that
+    positions are wrapped.
     """
-    status = tidy(pairs, position)
+    status = wrap_particles(pairs, position)
     if status != OK:
         return status, np.empty(0, np.int64)
     ordered, share = find_next(pairs, position, radius, 0, 1)
     if not has_room(pairs, 1):
         return LIST_FULL, ordered.order
     carry_slots(pairs, ordered.order, memory, 0, pairs.start[ordered.order.size])
-    adopt(pairs, position, ordered, share, 1)
+    adopt_part(pairs, position, ordered, share, 1)
     pairs.valid[0] = True
     return OK, ordered.order

@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from sim.engine.compile import inlined, vectorised
+from sim.engine.compile import assume_no_alias, inlined
 from sim.engine.contact.roots import inverse_square_root
 
 
-def unrotated(particles: int) -> np.ndarray:
+def unrotated_orientations(particles: int) -> np.ndarray:
     """Return the orientations (4, N) of spheres that have not turned yet."""
     orientation = np.zeros((4, particles))
     orientation[0] = 1.0
@@ -20,7 +20,7 @@ def rotate(orientation, rim, radius, time_step, begin, end):
     dq/dt = ω q / 2 (Evans 1977 in laboratory axes), then scaled back to unit length, which makes
     the angle exact to third order in the step. Orientations may be empty.
     """
-    vectorised()
+    assume_no_alias()
     for k in range(begin, min(end, orientation.shape[1])):
         i = np.uint64(k)
         half = 0.5 * time_step / radius[i]

@@ -1,38 +1,38 @@
 """Spheres, and the forces between them, in three dimensions.
 
-The touching pairs of the neighbor list are put together and taken in blocks that stay in the
+The touching pairs of the neighbor list are collected and evaluated in blocks that stay in the
 nearest cache. One loop computes how the partners of each pair approach each other, one applies the
-law, and one adds the results to the particles. The first two have no branches, so that the compiler
-turns them into vector instructions; they are two because a processor overlaps the iterations of
-short loops better.
+law, and one adds the results to the particles. The first two have no branches, so the compiler
+turns them into vector instructions. They are separate because a processor overlaps the iterations
+of short loops better.
 """
 
 from typing import NamedTuple
 
 import numpy as np
 
-from sim.engine.compile import inlined, kernel, vectorised
+from sim.engine.compile import assume_no_alias, inlined, kernel
 from sim.engine.contact.friction import (
-    blank,
+    blank_memory,
     contact_force,
     memory_size,
     recall,
     stored_energy,
 )
-from sim.engine.contact.own import between
+from sim.engine.contact.functions import law_between
 from sim.engine.contact.roots import inverse_square_root
-from sim.engine.dynamics.cells import LANES, nearest_image, rounded_up
+from sim.engine.dynamics.cells import LANES, nearest_image, round_up
 from sim.engine.dynamics.neighbors import BLOCK, Search, find_touching, make_search
-from sim.engine.dynamics.orientation import unrotated
+from sim.engine.dynamics.orientation import unrotated_orientations
 
-#: Distance between rows of a block: not a power of two, or all rows would compete for the same few
-#: lines of the cache.
+#: Distance between rows of a block. It is no power of two, or all rows would compete for the same
+#: few lines of the cache.
 STRIDE = BLOCK + LANES
 
-# Rows of a block of contacts: how the partners approach, of which the law replaces the first seven
-# one by one with what it makes of them. Rows of their own would not fit into the nearest cache.
-NX, NY, NZ, SX, SY, SZ, CLOSER, DEPTH, REACH = range(9)
-FX, FY, FZ, MX, MY, MZ, LOST, WORK = *range(7), 9
+# Rows of a block of contacts: normal, slip, approach, overlap and reach. The law replaces the first
+# seven one by one with its results; separate rows would not fit into the nearest cache.
+NX, NY, NZ, SX, SY, SZ, APPROACH, DEPTH, REACH = range(9)
+FX, FY, FZ, MX, MY, MZ, LOSS, WORK = *range(7), 9
 ROWS = 10
 
 #: Moment of inertia of a solid sphere over m r².
@@ -44,11 +44,11 @@ class Spheres(NamedTuple):
 
     ``position``, ``velocity`` and ``rim`` (3, N); ``rim`` is the angular velocity times the radius
     (m/s). Velocities belong to the half step before the position. ``force`` and ``moment``
-    (T, 3, N) hold what each of T threads has added in the last evaluation: a thread adds to its own
-    particles and to those of the threads behind it; ``moment`` is the torque over the radius (N).
+    (T, 3, N) hold the sums of each of T threads in the last evaluation: a thread adds to its own
+    particles and to those of later threads; ``moment`` is the torque over the radius (N).
     ``radius``, ``mass`` and ``inverse_mass`` (N,), the last two 0 for fixed ones. ``orientation``
     (4, N) as unit quaternions, or (4, 0). ``label`` (1, N) is the particle's number in the initial
-    state: the neighbor list keeps the particles sorted by place.
+    state, as the neighbor list keeps the particles sorted by position.
     """
 
     position: np.ndarray
@@ -66,8 +66,8 @@ class Spheres(NamedTuple):
 class Contacts(NamedTuple):
     """The contacts of spheres with each other or with a boundary in one step.
 
-    Their ``law``; ``partners``, who may touch whom: a pair list or the slots of a plane; and what
-    they remember, ``before`` and ``after`` the step (M, C).
+    ``law``; ``partners``: a pair list or the slots of a plane; memory ``before`` and ``after`` the
+    step (M, C).
     """
 
     law: NamedTuple
@@ -77,7 +77,7 @@ class Contacts(NamedTuple):
 
 
 class Scratch(NamedTuple):
-    """Scratch of one thread: for the ``search``, and flat ``rows`` of a block of contacts."""
+    """Scratch of one thread: that of the ``search``, and flat ``rows`` of a block of contacts."""
 
     search: Search
     rows: np.ndarray
@@ -107,7 +107,7 @@ def make_spheres(
     """Return solid spheres at positions and velocities (N, 3) that do not rotate.
 
     ``radius`` and ``mass`` may be numbers or arrays (N,); a mass of 0 stands for a sphere that is
-    fixed in space, whose velocity must be 0. Where they are ``oriented``, they have orientations.
+    fixed in space, whose velocity must be 0. ``oriented`` spheres have orientations.
     """
     number = len(position)
     radius = np.broadcast_to(np.asarray(radius, float), number).copy()
@@ -121,7 +121,7 @@ def make_spheres(
         radius,
         mass,
         np.divide(1.0, mass, out=np.zeros(number), where=mass > 0.0),
-        unrotated(number if oriented else 0),
+        unrotated_orientations(number if oriented else 0),
         np.arange(number).reshape(1, number),
     )
 
@@ -132,7 +132,7 @@ def make_scratch() -> Scratch:
 
 
 @inlined
-def approach(rows, k, meeting, time_step):
+def write_approach(rows, k, meeting, time_step):
     """Write normal, slip and approach during the step, overlap and reach (m) to column k."""
     (dx, dy, dz), velocity, (wx, wy, wz), reach = meeting
     square = dx * dx + dy * dy + dz * dz
@@ -150,11 +150,11 @@ def approach(rows, k, meeting, time_step):
     rows[SZ * STRIDE + k] = (sz - along * nz) * time_step
     rows[DEPTH * STRIDE + k] = reach - square * scale
     rows[REACH * STRIDE + k] = reach
-    rows[CLOSER * STRIDE + k] = -along * time_step
+    rows[APPROACH * STRIDE + k] = -along * time_step
 
 
 @inlined
-def react(law, rows, k, memory):
+def apply_law(law, rows, k, memory):
     """Replace normal and slip in column k by force on i and moment (N); return the new memory.
 
     The approach is replaced by the energy (J) that the normal force has dissipated, and the work
@@ -163,9 +163,9 @@ def react(law, rows, k, memory):
     nx, ny, nz = rows[NX * STRIDE + k], rows[NY * STRIDE + k], rows[NZ * STRIDE + k]
     slip = (rows[SX * STRIDE + k], rows[SY * STRIDE + k], rows[SZ * STRIDE + k])
     overlap = rows[DEPTH * STRIDE + k]
-    closer = rows[CLOSER * STRIDE + k]
-    force, (tx, ty, tz), memory, (lost, work) = contact_force(
-        law, overlap, closer, (nx, ny, nz), slip, memory
+    approach = rows[APPROACH * STRIDE + k]
+    force, (tx, ty, tz), memory, (loss, work) = contact_force(
+        law, overlap, approach, (nx, ny, nz), slip, memory
     )
     rows[FX * STRIDE + k] = tx - force * nx
     rows[FY * STRIDE + k] = ty - force * ny
@@ -173,35 +173,35 @@ def react(law, rows, k, memory):
     rows[MX * STRIDE + k] = ny * tz - nz * ty
     rows[MY * STRIDE + k] = nz * tx - nx * tz
     rows[MZ * STRIDE + k] = nx * ty - ny * tx
-    rows[LOST * STRIDE + k] = lost
+    rows[LOSS * STRIDE + k] = loss
     rows[WORK * STRIDE + k] = work
     return memory
 
 
 @inlined
 def _evaluate(spheres, contacts, block, time_step):
-    """Apply the law to the touching pairs of a block, and to some more that fill whole vectors."""
+    """Apply the law to the touching pairs of a block; repeated ones fill the last vector."""
     x, v, w = spheres.position, spheres.velocity, spheres.rim
-    pairs, rows, number = contacts.partners, block.rows, rounded_up(block.number, LANES)
-    new = blank(contacts.law)
+    pairs, rows, number = contacts.partners, block.rows, round_up(block.number, LANES)
+    new = blank_memory(contacts.law)
     for k in range(number):
         p = np.uint64(pairs.touching[np.uint64(block.base + k)])
         i, j = np.uint64(pairs.first[p]), np.uint64(pairs.second[p])
         velocity = (v[0, j] - v[0, i], v[1, j] - v[1, i], v[2, j] - v[2, i])
         rim = (w[0, j] + w[0, i], w[1, j] + w[1, i], w[2, j] + w[2, i])
-        separation = nearest(x, pairs.box, i, j)
-        approach(rows, k, Meeting(separation, velocity, rim, pairs.reach[p]), time_step)
+        separation = nearest_separation(x, pairs.box, i, j)
+        write_approach(rows, k, Meeting(separation, velocity, rim, pairs.reach[p]), time_step)
     for k in range(number):
         c = np.uint64(block.base + k)
         memory = recall(new, contacts.before, pairs.slot[pairs.touching[c]])
-        law = between(contacts.law, spheres, pairs, pairs.touching[c])
-        memory = react(law, rows, k, memory)
+        law = law_between(contacts.law, spheres, pairs, pairs.touching[c])
+        memory = apply_law(law, rows, k, memory)
         for m in range(len(new)):
             contacts.after[m, c] = memory[m]
 
 
 @inlined
-def nearest(x, box, i, j):
+def nearest_separation(x, box, i, j):
     """Return the vector from i to the nearest periodic image of j."""
     return (
         nearest_image(x[0, j] - x[0, i], box, 0),
@@ -217,7 +217,7 @@ def _scatter(spheres, pairs, block, rank):
     Returns the largest relative overlap, the energy dissipated by normal forces and the work done
     against friction (J).
     """
-    largest, lost, work = 0.0, 0.0, 0.0
+    largest, loss, work = 0.0, 0.0, 0.0
     force, moment, rows = spheres.force, spheres.moment, block.rows
     for k in range(block.number):
         p = np.uint64(pairs.touching[np.uint64(block.base + k)])
@@ -229,18 +229,18 @@ def _scatter(spheres, pairs, block, rank):
             moment[rank, d, j] += rows[(MX + d) * STRIDE + k]
         if rows[DEPTH * STRIDE + k] > largest * rows[REACH * STRIDE + k]:
             largest = rows[DEPTH * STRIDE + k] / rows[REACH * STRIDE + k]
-        lost += rows[LOST * STRIDE + k]
+        loss += rows[LOSS * STRIDE + k]
         work += rows[WORK * STRIDE + k]
-    return largest, lost, work
+    return largest, loss, work
 
 
 @inlined
-def filled_up(list_, begin, number):
+def fill_vectors(list_, begin, number):
     """Repeat the last of ``number`` entries up to a multiple of ``LANES``; return that multiple.
 
     A loop over whole vectors has no remainder, whose contacts would cost as much as a vector each.
     """
-    whole = rounded_up(number, LANES)
+    whole = round_up(number, LANES)
     for k in range(number, whole):
         list_[begin + k] = list_[begin + number - 1]
     return whole
@@ -253,25 +253,25 @@ def sphere_forces(spheres, contacts, scratch, time_step, share):
     Returns the number of touching pairs, the largest overlap relative to the sum of the radii, the
     energy dissipated by normal forces and the work done against friction (J).
     """
-    vectorised()
+    assume_no_alias()
     pairs, gap = contacts.partners, scratch.search.gap
     first, last = pairs.start[share.begin], pairs.start[share.end]
     base = first + share.rank * LANES
     touching = find_touching(spheres.position, pairs, first, last, base, gap)
-    filled_up(pairs.touching, base, touching)
-    largest, lost, work = 0.0, 0.0, 0.0
+    fill_vectors(pairs.touching, base, touching)
+    largest, loss, work = 0.0, 0.0, 0.0
     for start in range(base, base + touching, BLOCK):
         block = Block(scratch.rows, start, min(BLOCK, base + touching - start))
         _evaluate(spheres, contacts, block, time_step)
-        deepest, dissipated, rubbed = _scatter(spheres, pairs, block, share.rank)
-        largest = max(largest, deepest)
-        lost += dissipated
-        work += rubbed
+        block_largest, block_loss, block_work = _scatter(spheres, pairs, block, share.rank)
+        largest = max(largest, block_largest)
+        loss += block_loss
+        work += block_work
     for p in range(first, last):
         pairs.slot[np.uint64(p)] = -1
     for c in range(base, base + touching):
         pairs.slot[pairs.touching[np.uint64(c)]] = c
-    return touching, largest, lost, work
+    return touching, largest, loss, work
 
 
 @kernel
@@ -282,31 +282,33 @@ def stored_in_spheres(law, spheres, pairs, memory, time_step):
     one displacement ago.
     """
     x, v = spheres.position, spheres.velocity
-    normal, tangential, new = 0.0, 0.0, blank(law)
+    normal, tangential, new = 0.0, 0.0, blank_memory(law)
     for p in range(pairs.start[-1]):
         if pairs.slot[p] < 0:
             continue
         i, j = pairs.first[p], pairs.second[p]
-        dx, dy, dz = nearest(x, pairs.box, i, j)
+        dx, dy, dz = nearest_separation(x, pairs.box, i, j)
         dx -= (v[0, j] - v[0, i]) * time_step
         dy -= (v[1, j] - v[1, i]) * time_step
         dz -= (v[2, j] - v[2, i]) * time_step
         overlap = pairs.reach[p] - (dx * dx + dy * dy + dz * dz) ** 0.5
-        met = between(law, spheres, pairs, p)
-        pressed, sheared = stored_energy(met, overlap, recall(new, memory, pairs.slot[p]))
-        normal += pressed
-        tangential += sheared
+        pair_law = law_between(law, spheres, pairs, p)
+        normal_energy, tangential_energy = stored_energy(
+            pair_law, overlap, recall(new, memory, pairs.slot[p])
+        )
+        normal += normal_energy
+        tangential += tangential_energy
     return normal, tangential
 
 
 def make_memory(law: NamedTuple, contacts: int) -> np.ndarray:
-    """Return room (2, M, C) for what contacts remember, written in even and odd steps in turn.
+    """Return empty memory (2, M, C) of contacts, written in even and odd steps in turn.
 
-    M is as many numbers as a contact keeps under the law.
+    M is the count of numbers that a contact remembers under the law.
     """
     return np.zeros((2, memory_size(type(law)), contacts))
 
 
-def enlarged(memory: np.ndarray, contacts: int) -> np.ndarray:
+def enlarge_memory(memory: np.ndarray, contacts: int) -> np.ndarray:
     """Return a copy of the memory with room for more contacts."""
     return np.pad(memory, ((0, 0), (0, 0), (0, contacts - memory.shape[2])))

@@ -1,4 +1,4 @@
-"""How a stretch of time steps ended: codes shared by compiled kernels and Python."""
+"""How a series of time steps ended: codes shared by compiled kernels and Python."""
 
 from typing import Any
 
@@ -21,7 +21,7 @@ REASONS = {
 class BlowUp(RuntimeError):
     """The motion has become unphysical; the message is the reason.
 
-    ``samples`` are what the same call has measured before that, if anything.
+    ``samples`` are those that the same call took before that, if any.
     """
 
     def __init__(self, reason: str, samples: Any = None):
@@ -29,17 +29,17 @@ class BlowUp(RuntimeError):
         self.samples = samples
 
 
-def outcome(status: int, position: np.ndarray) -> str:
-    """Return what is wrong after a stretch of steps with this status, or an empty text."""
-    if status == OK and not all_finite(position):
+def failure_reason(status: int, position: np.ndarray) -> str:
+    """Return the reason for a failure after steps with this status, or an empty text."""
+    if status == OK and not is_finite(position):
         status = NOT_FINITE
     return REASONS.get(status, "")
 
 
 @exact
-def all_finite(position):
-    """Return whether all positions are finite."""
-    wrong = 0
+def is_finite(position):
+    """True where all positions are finite."""
+    bad_values = 0
     for value in position.flat:
-        wrong += not np.isfinite(value)
-    return wrong == 0
+        bad_values += not np.isfinite(value)
+    return bad_values == 0

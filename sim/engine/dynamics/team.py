@@ -1,8 +1,8 @@
 """Threads that advance one flow together: shares of the work between common gates.
 
 A step of a few thousand particles takes some hundred microseconds, too short for a scheduler of
-tasks. Every thread therefore runs the same compiled loop and waits at a gate for the others. Who
-does what depends only on the number of threads, and so do the bits of the result.
+tasks. Every thread therefore runs the same compiled loop and waits at a gate for the others. The
+shares depend only on the number of threads, and so do the bits of the result.
 """
 
 from collections.abc import Callable
@@ -19,7 +19,7 @@ from sim.engine.compile import kernel
 PATIENCE = 2000
 
 # Entries of a gate.
-ARRIVED, OPENINGS, THREADS, BROKEN = range(4)
+ARRIVALS, OPENINGS, THREADS, BROKEN = range(4)
 
 _yield = types.ExternalFunction("sched_yield", types.int32())
 
@@ -30,7 +30,7 @@ def _address(context, builder, signature, args):
 
 
 class Share(NamedTuple):
-    """Particles ``begin``..``end``, which the thread of this ``rank`` looks after."""
+    """Particles ``begin``..``end``, those of the thread of this ``rank``."""
 
     rank: int
     begin: int
@@ -39,7 +39,7 @@ class Share(NamedTuple):
 
 @intrinsic
 def _add(typingctx, array, index):
-    """Add one to an entry, atomically, and return what it was."""
+    """Add one to an entry, atomically, and return the old value."""
 
     def codegen(context, builder, signature, args):
         one = context.get_constant(types.int64, 1)
@@ -67,13 +67,13 @@ def make_gate(threads: int) -> np.ndarray:
 
 @kernel
 def barrier(gate):
-    """Wait until all threads of the gate have arrived; return whether one of them never will."""
+    """Wait until all threads of the gate have arrived; return True if one of them has failed."""
     threads = gate[THREADS]
     if threads == 1:
         return False
     openings = _read(gate, OPENINGS)
-    if _add(gate, ARRIVED) == threads - 1:
-        gate[ARRIVED] = 0
+    if _add(gate, ARRIVALS) == threads - 1:
+        gate[ARRIVALS] = 0
         _add(gate, OPENINGS)
         return False
     looks = 0
@@ -99,19 +99,19 @@ class Team:
         return Team, (len(self._ranks) + 1,)
 
     def run(self, task: Callable[[int], int]) -> int:
-        """Return what ``task(0)`` returns, after the same task has ended for all other ranks.
+        """Run a task for all ranks; return the result of ``task(0)`` once all have ended.
 
         When one of them raises an exception before it has reached the gate, the gate is broken for
-        good, so that nobody waits for it, and the exception is passed on.
+        good, so that no thread waits for it, and the exception is passed on.
         """
-        others = [self._pool.submit(self._guarded, task, rank) for rank in self._ranks]
+        others = [self._pool.submit(self._run_guarded, task, rank) for rank in self._ranks]
         try:
-            return self._guarded(task, 0)
+            return self._run_guarded(task, 0)
         finally:
             for other in others:
                 other.result()
 
-    def _guarded(self, task: Callable[[int], int], rank: int) -> int:
+    def _run_guarded(self, task: Callable[[int], int], rank: int) -> int:
         try:
             return task(rank)
         except BaseException:

@@ -1,15 +1,17 @@
-"""What a chute flow carries over its height, and how its contacts slip and dissipate.
+"""Stress profiles of a flow of spheres, and slip and dissipation of its contacts by height.
 
-Momentum is where the centres are, and a slice [a, a + Δz) has a share h = (z - a)/Δz, cut to
-[0, 1], of what is at z above its middle. A step of leap-frog is a drift from z to z' and a kick
-there, so it changes the momentum above, Σ m v h, by exactly
+The momentum of a sphere is located at its centre z. Relative to a slice [a, a + Δz), the share
+h = (z - a)/Δz, clipped to [0, 1], of the momentum is above the middle of the slice. A step of
+leap-frog is a drift from z to z' and a kick there, so it changes the momentum above, Σ m v h, by
+exactly
 
     Σ m v (h(z') - h(z)) + Δt Σ (F + m g) h(z').
 
-The first sum is what spheres carry upwards, each in the slices that its way crosses; the second
-has the forces of contacts, each in the slices that its branch crosses, and the weight above. Both
-shares are those of length, and both are means over the slice of what passes through planes. So the
-stresses of a sample add up to the weight above, but for what the momentum above gains in that step.
+The first sum is the momentum that spheres carry upwards; each sphere contributes to the slices that
+its path crosses. The second sum has the forces of contacts, each in the slices that its branch
+crosses, and the weight above. Both are distributed by length, so both are means over the slice of
+the flux through its planes. The stresses of a sample therefore add up to the weight above, except
+for the gain of the momentum above in that step.
 """
 
 from typing import NamedTuple
@@ -17,40 +19,41 @@ from typing import NamedTuple
 import numpy as np
 
 from sim.engine.compile import implements, inlined, kernel
-from sim.engine.contact.friction import blank, recall
-from sim.engine.contact.own import between, on_plane
+from sim.engine.contact.friction import blank_memory, recall
+from sim.engine.contact.functions import law_between, law_on_plane
 from sim.engine.dynamics.spheres import (
     DEPTH,
     FX,
-    LOST,
+    LOSS,
     NX,
     ROWS,
     STRIDE,
     SX,
     WORK,
     Meeting,
-    approach,
-    nearest,
-    react,
+    apply_law,
+    nearest_separation,
+    write_approach,
 )
-from sim.engine.observe.listed import Listed
+from sim.engine.observe.system import ContactList
 
-#: Components of the stress that the symmetry of the flow leaves, and how many; the last is the
-#: force along x through planes of constant z.
+#: Components of the stress that are not zero by symmetry, and their number; the last is the force
+#: along x through planes of constant z.
 XX, YY, ZZ, XZ = range(4)
 COMPONENTS = 4
 
-#: A friction this close to its limit, relative, slides.
+#: A contact slides where its friction is this close to its limit, relative to the limit.
 SLIDES = 1e-6
 
 
 class Stress(NamedTuple):
     """Sums over samples, one row per slice of H.
 
-    ``samples`` (1,); ``branches`` (H, 4) force times branch (J) of the contacts; of the spheres in
-    the slice ``mass`` (H,) (kg), ``momentum`` (H, 3), ``relative`` (H,), the same along x relative
-    to all spheres (kg m/s), and ``flux`` (H, 4), momentum times velocity (J), with the relative
-    velocity where that along x is squared; ``above`` (H,) mass above the slice's middle (kg).
+    ``samples`` (1,) number of samples; ``branches`` (H, 4) force times branch (J) of the contacts.
+    For the spheres in the slice: ``mass`` (H,) (kg); ``momentum`` (H, 3) (kg m/s); ``relative``
+    (H,) momentum along x relative to the mean velocity of all spheres (kg m/s); ``flux`` (H, 4)
+    momentum times velocity (J), where the square along x is that of the relative velocity.
+    ``above`` (H,) mass above the middle of the slice (kg).
     """
 
     samples: np.ndarray
@@ -62,14 +65,14 @@ class Stress(NamedTuple):
     above: np.ndarray
 
     def contact(self, volume: float) -> np.ndarray:
-        """Return the stress (Pa) that contacts carry in slices of a volume (m³), (H, 4)."""
+        """Return the stress (Pa) of the contacts in slices of a volume (m³), (H, 4)."""
         return self.branches / (volume * self.samples[0])
 
     def kinetic(self, volume: float) -> np.ndarray:
-        """Return the stress (Pa) that motion about the mean profile carries, (H, 4).
+        """Return the stress (Pa) of the motion about the mean profile, (H, 4).
 
-        The mean is that of all samples: a slice that moves up and down as a whole does carry
-        momentum, and any other mean would leave a rest in the balance.
+        The mean is taken over all samples: a slice that moves up and down as a whole does transport
+        momentum, and with any other mean the balance would not close.
         """
         px, py, pz = self.momentum.T
         squares = np.stack([self.relative**2, py * py, pz * pz, px * pz], axis=1)
@@ -81,11 +84,12 @@ class Stress(NamedTuple):
 
 
 class Slip(NamedTuple):
-    """Sums over samples, one row per slice, each contact in that of its height.
+    """Sums over samples, one row per slice; each contact counts in the slice at its height.
 
-    ``contacts`` (H,) with a force, those ``sliding`` (H,) and their ``speed`` (H,), the slip
-    velocity (m/s); of all, the power ``lost`` (H,) (W) by normal forces and that ``rubbed`` (H,)
-    against friction, what its springs store included.
+    ``contacts`` (H,) number of contacts with a force; ``sliding`` (H,) number of sliding contacts;
+    ``speed`` (H,) their slip velocity (m/s). Over all contacts: ``lost`` (H,) power dissipated by
+    normal forces (W); ``rubbed`` (H,) power against friction (W), including the energy stored in
+    tangential springs.
     """
 
     contacts: np.ndarray
@@ -95,16 +99,16 @@ class Slip(NamedTuple):
     rubbed: np.ndarray
 
 
-class Carried(NamedTuple):
-    """Sums of what contacts carry over the height, and of how they slip."""
+class ContactSums(NamedTuple):
+    """Sums of the stress by height, and of the slip of contacts."""
 
     stress: Stress
     slip: Slip
 
 
 class Sampling(NamedTuple):
-    """Number of the last ``step``; height of a ``slice`` (m); ``time_step`` (s); ``friction``
-    coefficients between spheres and with the plane."""
+    """Conditions of a sample: ``step`` number of the last step; ``slice`` height of a slice (m);
+    ``time_step`` (s); ``friction`` coefficients between spheres and with the plane."""
 
     step: int
     slice: float
@@ -133,7 +137,7 @@ def no_slip(slices: int) -> Slip:
 
 @inlined
 def _share_in(s, low, high, slice_height):
-    """Return the share of what reaches from ``low`` to ``high`` (m) that lies in slice s."""
+    """Return the share of the interval from ``low`` to ``high`` (m) that lies in slice s."""
     if int(np.floor(low / slice_height)) == int(np.floor(high / slice_height)):
         return 1.0
     inside = min(high, (s + 1) * slice_height) - max(low, s * slice_height)
@@ -142,50 +146,51 @@ def _share_in(s, low, high, slice_height):
 
 @inlined
 def _slices_of(low, high, slice_height, slices):
-    """Return the slices that what reaches from ``low`` to ``high`` (m) crosses, as a range."""
+    """Return the range of slices that the interval from ``low`` to ``high`` (m) crosses."""
     first = max(0, int(np.floor(low / slice_height)))
     return range(first, min(slices, int(np.floor(high / slice_height)) + 1))
 
 
 @inlined
 def _normal_and_slip(rows, time_step):
-    """Return normal and slip velocity (m/s) of the contact in column 0, to which no law is
-    applied yet."""
+    """Return normal and slip velocity (m/s) of the contact in column 0, before a law is applied."""
     sx, sy, sz = rows[SX * STRIDE], rows[(SX + 1) * STRIDE], rows[(SX + 2) * STRIDE]
     normal = (rows[NX * STRIDE], rows[(NX + 1) * STRIDE], rows[(NX + 2) * STRIDE])
     return normal, (sx * sx + sy * sy + sz * sz) ** 0.5 / time_step
 
 
-def note(seen, sampling, rows, met):
-    """Take note of a contact with the force of column 0.
+def record_contact(collector, sampling, rows, contact):
+    """Add a contact with the force in column 0 to a ``ContactList`` or to ``ContactSums``.
 
-    ``met``: numbers of its partners; its branch (x, y, z) (m) from j to i, and the heights of i and
-    of the contact; its normal; the slip velocity (m/s) and the coefficient of friction.
+    ``contact``: numbers of the partners; branch (x, y, z) (m) from j to i, height of i and height
+    of the contact (m); normal; slip velocity (m/s) and coefficient of friction.
     """
     raise NotImplementedError
 
 
-@implements(note)
-def _note(seen, sampling, rows, met):
-    if seen.instance_class is Listed:
-        return lambda seen, sampling, rows, met: _list_contact(seen, rows, met)
-    return lambda seen, sampling, rows, met: _add_contact(seen, sampling, rows, met)
+@implements(record_contact)
+def _record_contact(collector, sampling, rows, contact):
+    if collector.instance_class is ContactList:
+        return lambda collector, sampling, rows, contact: _list_contact(collector, rows, contact)
+    return lambda collector, sampling, rows, contact: _add_contact(
+        collector, sampling, rows, contact
+    )
 
 
 @inlined
-def _list_contact(seen, rows, met):
-    row = seen.number[0]
-    seen.number[0] += 1
-    if row < seen.pair.shape[0]:
-        seen.pair[row, 0], seen.pair[row, 1] = met[0]
+def _list_contact(contact_list, rows, contact):
+    row = contact_list.number[0]
+    contact_list.number[0] += 1
+    if row < contact_list.pair.shape[0]:
+        contact_list.pair[row, 0], contact_list.pair[row, 1] = contact[0]
         for d in range(3):
-            seen.force[row, d] = rows[(FX + d) * STRIDE]
+            contact_list.force[row, d] = rows[(FX + d) * STRIDE]
 
 
 @inlined
-def _add_contact(sums, sampling, rows, met):
+def _add_contact(sums, sampling, rows, contact):
     stress, slip = sums.stress, sums.slip
-    _, ((bx, by, bz), top, at), normal, (speed, friction) = met
+    _, ((bx, by, bz), top, at), normal, (speed, friction) = contact
     fx, fy, fz = rows[FX * STRIDE], rows[(FX + 1) * STRIDE], rows[(FX + 2) * STRIDE]
     low, high = min(top, top - bz), max(top, top - bz)
     for s in _slices_of(low, high, sampling.slice, stress.mass.size):
@@ -196,7 +201,7 @@ def _add_contact(sums, sampling, rows, met):
         stress.branches[s, XZ] -= fx * bz * share
     pressed = -(fx * normal[0] + fy * normal[1] + fz * normal[2])
     for s in _slices_of(at, at, sampling.slice, stress.mass.size):
-        slip.lost[s] += rows[LOST * STRIDE] / sampling.time_step
+        slip.lost[s] += rows[LOSS * STRIDE] / sampling.time_step
         slip.rubbed[s] += rows[WORK * STRIDE] / sampling.time_step
         if pressed > 0.0:
             tx, ty = fx + pressed * normal[0], fy + pressed * normal[1]
@@ -209,7 +214,7 @@ def _add_contact(sums, sampling, rows, met):
 
 @inlined
 def _add_spheres(stress, spheres, sampling):
-    """Add what the spheres carry on their way from the last positions, and their weight."""
+    """Add the momentum flux of the spheres from their last positions, and the mass above slices."""
     x, v, slices, height = spheres.position, spheres.velocity, stress.mass.size, sampling.slice
     total, along = 0.0, 0.0
     for i in range(spheres.mass.size):
@@ -242,25 +247,25 @@ def _add_spheres(stress, spheres, sampling):
 
 @kernel
 def add_contacts(sums, spheres, contacts, sampling):
-    """Add the present state to sums of stress and slip, see `_visit`."""
+    """Add the present state to sums of stress and slip, see `_visit_contacts`."""
     sums.stress.samples[0] += 1.0
-    _visit(sums, spheres, contacts, sampling)
+    _visit_contacts(sums, spheres, contacts, sampling)
     _add_spheres(sums.stress, spheres, sampling)
 
 
 @kernel
-def list_contacts(listed, spheres, contacts, sampling):
-    """List the contacts of the present state, see `_visit`."""
-    _visit(listed, spheres, contacts, sampling)
+def list_contacts(contact_list, spheres, contacts, sampling):
+    """Write the contacts of the present state into a ``ContactList``, see `_visit_contacts`."""
+    _visit_contacts(contact_list, spheres, contacts, sampling)
 
 
 @inlined
-def _visit(seen, spheres, contacts, sampling):
-    """Take note of each contact of the present state.
+def _visit_contacts(collector, spheres, contacts, sampling):
+    """Call ``record_contact`` for each contact of the present state.
 
-    The forces are those with which the next step begins, so the same for all laws. ``contacts``
-    are those of the loop over steps. Where the pair list no longer holds, those are missing that
-    the last step has opened.
+    The forces are those at the beginning of the next step, for all laws. ``contacts`` are those of
+    the loop over steps. Where the pair list no longer holds, contacts that began in the last step
+    are missing.
     """
     x, v, w, step = spheres.position, spheres.velocity, spheres.rim, sampling.time_step
     law, plane_law = contacts.laws
@@ -268,29 +273,33 @@ def _visit(seen, spheres, contacts, sampling):
     pairs, slot = contacts.pairs, contacts.plane.slot
     memory = contacts.memory[sampling.step % 2]
     plane_memory = contacts.plane.memory[sampling.step % 2]
-    rows, new = np.zeros(ROWS * STRIDE), blank(law)
+    rows, new = np.zeros(ROWS * STRIDE), blank_memory(law)
     for p in range(pairs.start[-1]):
         i, j = pairs.first[p], pairs.second[p]
-        dx, dy, dz = nearest(x, pairs.box, i, j)
+        dx, dy, dz = nearest_separation(x, pairs.box, i, j)
         fixed = spheres.mass[i] + spheres.mass[j] == 0.0
         if fixed or dx * dx + dy * dy + dz * dz >= pairs.reach[p] * pairs.reach[p]:
             continue
         velocity = (v[0, j] - v[0, i], v[1, j] - v[1, i], v[2, j] - v[2, i])
         rim = (w[0, j] + w[0, i], w[1, j] + w[1, i], w[2, j] + w[2, i])
-        approach(rows, 0, Meeting((dx, dy, dz), velocity, rim, pairs.reach[p]), step)
+        write_approach(rows, 0, Meeting((dx, dy, dz), velocity, rim, pairs.reach[p]), step)
         normal, speed = _normal_and_slip(rows, step)
-        react(between(law, spheres, pairs, p), rows, 0, recall(new, memory, pairs.slot[p]))
+        apply_law(law_between(law, spheres, pairs, p), rows, 0, recall(new, memory, pairs.slot[p]))
         at = x[2, i] + (spheres.radius[i] - 0.5 * rows[DEPTH * STRIDE]) * normal[2]
-        place = (-dx, -dy, -dz), x[2, i], at
-        met = (spheres.label[0, i], spheres.label[0, j]), place, normal, (speed, friction)
-        note(seen, sampling, rows, met)
+        geometry = (-dx, -dy, -dz), x[2, i], at
+        contact = (spheres.label[0, i], spheres.label[0, j]), geometry, normal, (speed, friction)
+        record_contact(collector, sampling, rows, contact)
     for i in range(spheres.mass.size):
         if spheres.mass[i] == 0.0 or x[2, i] >= spheres.radius[i]:
             continue
         velocity, rim = (-v[0, i], -v[1, i], -v[2, i]), (w[0, i], w[1, i], w[2, i])
-        approach(rows, 0, Meeting((0.0, 0.0, -x[2, i]), velocity, rim, spheres.radius[i]), step)
+        write_approach(
+            rows, 0, Meeting((0.0, 0.0, -x[2, i]), velocity, rim, spheres.radius[i]), step
+        )
         normal, speed = _normal_and_slip(rows, step)
-        react(on_plane(plane_law, spheres, i), rows, 0, recall(new, plane_memory, slot[0, i]))
-        place = (0.0, 0.0, x[2, i]), x[2, i], 0.0
-        met = (spheres.label[0, i], np.int64(-1)), place, normal, (speed, plane_friction)
-        note(seen, sampling, rows, met)
+        apply_law(
+            law_on_plane(plane_law, spheres, i), rows, 0, recall(new, plane_memory, slot[0, i])
+        )
+        geometry = (0.0, 0.0, x[2, i]), x[2, i], 0.0
+        contact = (spheres.label[0, i], np.int64(-1)), geometry, normal, (speed, plane_friction)
+        record_contact(collector, sampling, rows, contact)

@@ -8,10 +8,10 @@ import numpy as np
 from sim.engine.compile import exact
 from sim.engine.observe.rounding import COMPLEX, product, square, total
 
-#: Levels of the squares, one mean diameter each, from below the belt's lowest position.
+#: Number of levels of squares, one mean diameter each, from below the belt's lowest position.
 LEVELS = 60
 
-#: Longest waves of the density along the belt whose power is added up.
+#: Number of the longest density waves along the belt whose power is added.
 WAVES = 5
 
 
@@ -22,7 +22,7 @@ class Field(NamedTuple):
     """
 
     samples: np.ndarray
-    # A field of this name hides the method of tuples, which nobody calls.
+    # This field hides the method of tuples with the same name, which is never called.
     count: np.ndarray  # type: ignore[assignment]
     moved: np.ndarray
 
@@ -30,7 +30,7 @@ class Field(NamedTuple):
 class Squares(NamedTuple):
     """The squares: ``columns`` of ``width`` (m) along the belt, levels of ``height`` (m).
 
-    ``lowest`` (m) is where the first level begins.
+    ``lowest`` (m) is the lower edge of the first level.
     """
 
     columns: int
@@ -53,7 +53,7 @@ class Squares(NamedTuple):
         return Field(np.zeros(1), np.zeros(shape), np.zeros(shape))
 
     def tables(self, field: Field) -> dict[str, np.ndarray]:
-        """Return mean velocity along x (m/s), not-a-number where no bead was, and density (m⁻²)."""
+        """Return mean velocity along x (m/s), not-a-number without beads, and density (m⁻²)."""
         with np.errstate(invalid="ignore", divide="ignore"):
             velocity = np.where(field.count > 0, field.moved / field.count, np.nan)
             density = field.count / (field.samples[0] * self.width * self.height)
@@ -63,7 +63,7 @@ class Squares(NamedTuple):
 def squares(width: float, diameter: float, amplitude: float) -> Squares:
     """Return squares of about a mean diameter (m) for a belt of a width (m).
 
-    ``amplitude`` is that of the vertical vibration in mean diameters.
+    ``amplitude`` is the amplitude of the vertical vibration in mean diameters.
     """
     columns = max(1, round(width / diameter))
     return Squares(columns, width / columns, diameter, -ceil(amplitude) * diameter)
@@ -71,7 +71,7 @@ def squares(width: float, diameter: float, amplitude: float) -> Squares:
 
 @exact
 def count_beads(field, squares, taylor, time_step):
-    """Add one state of the beads, see ``Disks``; those outside the levels are left out."""
+    """Add one state of the beads, see ``Disks``; beads outside the levels are omitted."""
     field.samples[0] += 1.0
     for i in range(taylor.shape[2]):
         level = int(np.floor((taylor[0, 1, i] - squares.lowest) / squares.height))
@@ -82,8 +82,8 @@ def count_beads(field, squares, taylor, time_step):
 
 
 @exact
-def waves(x, width, found):
-    """Set ``found`` (5, 2) to the sums, real and imaginary, of exp(2πikx/L) over all beads.
+def waves(x, width, sums):
+    """Set ``sums`` (5, 2) to the real and imaginary parts of Σ exp(2πikx/L) over all beads.
 
     The wave number k goes from 1 to 5; L is the width of the belt (m).
     """
@@ -98,15 +98,15 @@ def waves(x, width, found):
             parts[k, 0, i], parts[k, 1, i] = powers[k]
     for k in range(WAVES):
         for part in range(2):
-            found[k, part] = total(parts[k, part], COMPLEX)
+            sums[k, part] = total(parts[k, part], COMPLEX)
 
 
-def wave_power(found: np.ndarray, beads: int) -> np.ndarray:
-    """Return the power of the longest waves of the density along the belt; 1 for random beads.
+def wave_power(sums: np.ndarray, beads: int) -> np.ndarray:
+    """Return the power of the longest density waves along the belt; 1 for random beads.
 
-    ``found`` (K, 5, 2) are what ``waves`` finds in K states.
+    ``sums`` (K, 5, 2) are those of ``waves`` in K states.
     """
     # The square of Python's numbers, which is not always the product.
-    size = np.hypot(found[..., 0], found[..., 1]).tolist()
+    size = np.hypot(sums[..., 0], sums[..., 1]).tolist()
     power = [a**2 + b**2 + c**2 + d**2 + e**2 for a, b, c, d, e in size]
     return np.array(power) / (WAVES * beads)

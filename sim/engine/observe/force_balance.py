@@ -1,9 +1,12 @@
-"""What the plane carries: mean base forces with errors, and the momentum budget of the flow."""
+"""Forces in a flow: mean forces on the plane, momentum budget, and local rheology.
+
+Stress ratio and inertial number are those of GDR MiDi, Eur. Phys. J. E 14 (2004) 341. In a local
+rheology the stress ratio is a function of the inertial number alone.
+"""
 
 import numpy as np
 
-#: Numbers of blocks that the window is cut into for the errors of the base forces; the largest of
-#: their errors is taken.
+#: Numbers of blocks of the window for the errors of the base forces; the largest error is used.
 BLOCKS = (6, 10, 20)
 
 
@@ -15,7 +18,7 @@ def base_forces(
     weight: tuple[float, float],
     interval: float,
 ) -> dict[str, float]:
-    """Return the scalars of a window that the force balance needs, forces in N.
+    """Return the scalars of the force balance over a window, forces in N.
 
     Parameters
     ----------
@@ -26,18 +29,18 @@ def base_forces(
     mass : float
         Mass of all particles (kg).
     weight : tuple of 2 floats
-        Their weight along the slope and normal to it (N).
+        Weight of all particles along the slope and normal to it (N).
     interval : float
         Length of an interval (s).
     """
     budget, budget_error = momentum_budget(shear, mass * velocity, interval)
     along, across = weight
-    pressed, dragged = _mean(normal), _mean(shear)
+    mean_normal, mean_shear = _mean(normal), _mean(shear)
     return {
-        "base_normal": pressed,
-        "base_shear": dragged,
-        "normal_balance": pressed / across,
-        "shear_balance": dragged / along if along else np.nan,
+        "base_normal": mean_normal,
+        "base_shear": mean_shear,
+        "normal_balance": mean_normal / across,
+        "shear_balance": mean_shear / along if along else np.nan,
         "base_normal_error": bounded_error(normal),
         "base_shear_error": bounded_error(shear),
         "momentum_budget": budget,
@@ -52,9 +55,9 @@ def _mean(series: np.ndarray) -> float:
 def bounded_error(series: np.ndarray) -> float:
     """Return the standard error of the mean of a series whose sum stays bounded.
 
-    What the base force of a steady flow lacks of the weight goes into momentum, so its time
-    integral is bounded and block means are anticorrelated: the mean over B blocks is off by the
-    spread of one block divided by B, not by its square root. Not-a-number with fewer than two
+    In a steady flow the difference of weight and base force changes the momentum, so its time
+    integral is bounded and block means are anticorrelated. The error of the mean over B blocks is
+    the spread of the blocks divided by B, not by its square root. Not-a-number with fewer than two
     samples.
     """
     if len(series) < 2:
@@ -71,11 +74,11 @@ def momentum_budget(
 ) -> tuple[float, float]:
     """Return mean base shear plus rate of change of momentum, and its standard error (N).
 
-    Newton's second law makes it the weight along the slope, steady or not. The difference of the
-    mean momenta of two intervals is the force weighted by a ramp over the one, by 1 between and by
-    a ramp over the other; a weight of one half stands for each ramp, and what fluctuates within
-    these two intervals (as much as from one to the next) is the error. Not-a-number with fewer
-    than two samples.
+    By Newton's second law this is the weight along the slope, steady or not. The difference of the
+    mean momenta of two intervals is a weighted sum of the force: a ramp over the first interval, 1
+    between them and a ramp over the last. A weight of one half replaces each ramp. The error is the
+    fluctuation within these two intervals, assumed equal to that between intervals. Not-a-number
+    with fewer than two samples.
     """
     if len(shear) < 2:
         return np.nan, np.nan
@@ -84,3 +87,38 @@ def momentum_budget(
     change = (momentum[-1] - momentum[0]) / (interval * (len(shear) - 1))
     error = shear.std(ddof=1) / (np.sqrt(6) * (len(shear) - 1))
     return float(np.average(shear, weights=weights) + change), float(error)
+
+
+def shear_rate(velocity: np.ndarray, slice_height: float, diameter: float) -> np.ndarray:
+    """Return du/dz (1/s) over one diameter about each slice of height ``slice_height`` (m).
+
+    Particles of one layer move together, so a shorter distance would resolve the layers. The rate
+    is not-a-number within half a diameter of slices without velocity (m/s).
+    """
+    half = max(1, round(0.5 * diameter / slice_height))
+    rate = np.full(velocity.shape, np.nan)
+    if velocity.size > 2 * half:
+        rate[half:-half] = (velocity[2 * half :] - velocity[: -2 * half]) / (
+            2 * half * slice_height
+        )
+    return rate
+
+
+def stress_ratio(shear: np.ndarray, normal: np.ndarray) -> np.ndarray:
+    """Return shear over normal stress, not-a-number where there is no normal stress."""
+    ratio = np.full(shear.shape, np.nan)
+    np.divide(shear, normal, out=ratio, where=normal > 0.0)
+    return ratio
+
+
+def inertial_number(
+    rate: np.ndarray, normal: np.ndarray, diameter: float, density: float
+) -> np.ndarray:
+    """Return I = |du/dz| σ √(ρ/P).
+
+    ``rate`` in 1/s, the normal stress P in Pa, σ in m and the ``density`` ρ of the particles'
+    material in kg/m³; not-a-number where there is no normal stress.
+    """
+    number = np.full(rate.shape, np.nan)
+    np.divide(density, normal, out=number, where=normal > 0.0)
+    return np.abs(rate) * diameter * np.sqrt(number)

@@ -7,7 +7,7 @@ import numpy as np
 
 from sim.engine.compile import inlined, kernel
 
-# What of a particle counts towards a slice.
+# The share of a particle in a slice: of its volume, of its area, or all of it by its centre.
 VOLUME, AREA, CENTRE = range(3)
 
 
@@ -26,7 +26,7 @@ class Profile(NamedTuple):
     squared: np.ndarray
 
     def velocity(self) -> np.ndarray:
-        """Return the mean velocity along x (m/s), not-a-number where there is no particle."""
+        """Return the mean velocity along x (m/s), not-a-number in empty slices."""
         return _ratio(self.moved, self.weight)
 
     def temperature(self) -> np.ndarray:
@@ -52,7 +52,7 @@ def empty_profile(slices: int, dimension: int) -> Profile:
 
 @inlined
 def _share_below(kind, radius, depth):
-    """Return how much of a particle lies below a level ``depth`` above its lowest point."""
+    """Return the part of a particle below a level that is ``depth`` above its lowest point."""
     if kind == CENTRE:
         return 1.0 if depth > radius else 0.0
     depth = min(max(depth, 0.0), 2.0 * radius)

@@ -8,50 +8,39 @@ from typing import Any, NamedTuple
 import netCDF4
 import numpy as np
 
-from sim.base.files import replacing, seal
-from sim.base.summary import append_summary
-from sim.engine.observe.arrays import FRAMES, OF_CONTACTS, SNAPSHOTS, TABLES, described
+from sim.base.files import atomic_write
+from sim.base.seals import append_summary, seal
 from sim.engine.observe.recorder import Record
-from sim.parameters import Parameters, amounts, canonical, field_info, in_si
-from sim.parameters.observables import SCALARS
+from sim.parameters import Parameters, amounts, canonical_values, field_info, in_si
+from sim.parameters.variables import SCALARS, Variable, variables_of
 
 #: How numbers are stored: compressed, and with a checksum of every chunk.
 FILTERS = {"zlib": True, "complevel": 1, "shuffle": True, "fletcher32": True}
 
-#: Bytes of a chunk of a trajectory, in which there is at least one frame.
+#: Size of a chunk of a trajectory in bytes; a chunk has at least one frame.
 CHUNK = 2**20
-
-#: How a value of a series stands for its sample interval (CF); the others are instantaneous.
-CELL_METHODS = {
-    "mean_velocity": "time: mean",
-    "mass_flux": "time: mean",
-    "contact_number": "time: mean",
-    "base_normal_force": "time: mean",
-    "base_shear_force": "time: mean",
-    "largest_overlap": "time: maximum",
-}
 
 
 @dataclass(frozen=True)
 class Layout:
-    """What the replicates of a run have in common.
+    """Data that the replicates of a run have in common.
 
     ``interval`` (s) between samples, ``height`` (H,) centres of the slices (m),
-    ``series`` name -> (unit, long name), ``axes`` names of the directions, ``coordinates`` of
+    ``series`` by name, ``axes`` names of the directions, ``coordinates`` of
     tables and path name -> (unit, long name, values).
     """
 
     interval: float
     height: np.ndarray
-    series: dict[str, tuple[str, str]]
+    series: dict[str, Variable]
     axes: tuple[str, ...]
     coordinates: dict[str, tuple[str, str, np.ndarray]]
 
 
 class Stage(NamedTuple):
-    """A run of a point of some length: the records of its replicates.
+    """One run length of a point: the records of its replicates.
 
-    ``parameters`` are those of the point with the amounts that were run.
+    ``parameters`` are those of the point, with the amounts of this stage.
     """
 
     parameters: Parameters
@@ -61,21 +50,21 @@ class Stage(NamedTuple):
 def write(
     path: Path, stages: Sequence[Stage], layout: Layout, attributes: Mapping[str, Any]
 ) -> None:
-    """Write a run file under a temporary name, seal it, and rename it when it is complete.
+    """Write a run file under a temporary name, seal it, and rename it once it is complete.
 
     Parameters
     ----------
     path : Path
-        The file; one that exists is replaced.
+        The file; an existing one is replaced.
     stages : sequence of Stage
-        The run, and shorter ones that it has grown from, the longest first; those go into groups.
-        Frames of a trajectory are written of the longest alone.
+        The run and the shorter ones from which it has grown, the longest first. The shorter ones go
+        into groups. Frames of a trajectory are written only for the longest.
     layout : Layout
         Times, heights and the names and units of the series.
     attributes : mapping
         Global attributes.
     """
-    with replacing(path) as temporary:
+    with atomic_write(path) as temporary:
         try:
             with netCDF4.Dataset(temporary, "w") as file:
                 file.setncatts(attributes)
@@ -90,26 +79,26 @@ def write(
                 for group in groups:
                     group.fill()
         except RuntimeError as error:
-            # What the library says of a full disk.
+            # The library raises this error for a full disk.
             raise OSError(f"{path}: cannot be written: {error}") from None
         append_summary(temporary, _summary(attributes, stages))
         seal(temporary)
 
 
 class _GroupWriter:
-    """A group of a file, whose variables are defined first and filled later.
+    """A group of a file whose variables are defined first and filled later.
 
-    A definition behind data costs the library as much as all before it together.
+    For the library, a definition after data costs as much as all earlier definitions together.
     """
 
     def __init__(self, group: netCDF4.Dataset):
         self.group = group
-        self.waiting: list[tuple[netCDF4.Variable, Any, Any]] = []
+        self.queue: list[tuple[netCDF4.Variable, Any, Any]] = []
 
     def fill(self) -> None:
-        """Write what waits."""
-        for variable, place, values in self.waiting:
-            variable[place] = values
+        """Write the values in the queue."""
+        for variable, index, values in self.queue:
+            variable[index] = values
 
 
 def _write_stage(file: _GroupWriter, stage: Stage, layout: Layout) -> None:
@@ -119,15 +108,18 @@ def _write_stage(file: _GroupWriter, stage: Stage, layout: Layout) -> None:
 
 
 def _summary(attributes: Mapping[str, Any], stages: Sequence[Stage]) -> dict[str, Any]:
-    """Return what the end of the file tells of a run.
+    """Return the summary that is appended to the file.
 
-    Its attributes, the amounts of each stage, and the scalars of the longest one by replicate.
+    It has the attributes, the amounts of each stage, and the scalars of the longest stage by
+    replicate.
     """
     records = stages[0].records
     return {
         "attributes": attributes,
         "held": [amounts(stage.parameters) for stage in stages],
-        "scalars": {name: [one.scalars[name] for one in records] for name in records[0].scalars},
+        "scalars": {
+            name: [record.scalars[name] for record in records] for name in records[0].scalars
+        },
     }
 
 
@@ -136,37 +128,49 @@ def _put(
     name: str,
     dimensions: tuple[str, ...],
     values: Any,
-    unit: str = "",
+    units: str = "",
     long_name: str = "",
 ) -> Any:
-    """Define one variable; texts and numbers alike."""
+    """Define a variable of texts or numbers and queue its values."""
     values = np.asarray(values)
-    text = values.dtype.kind in "UO"
-    whole, single = values.dtype.kind in "ib", values.dtype == np.float32
-    kind: Any = str if text else "i8" if whole else "f4" if single else "f8"
-    options: dict[str, Any] = {} if text or not dimensions else FILTERS
+    is_text = values.dtype.kind in "UO"
+    is_integer, is_single = values.dtype.kind in "ib", values.dtype == np.float32
+    kind: Any = str if is_text else "i8" if is_integer else "f4" if is_single else "f8"
+    options: dict[str, Any] = {} if is_text or not dimensions else FILTERS
     variable = file.group.createVariable(name, kind, dimensions, **options)
-    if unit:
-        variable.units = unit
+    if units:
+        variable.units = units
     if long_name:
         variable.long_name = long_name
-    file.waiting.append((variable, ..., values.astype(object) if text else values))
+    file.queue.append((variable, ..., values.astype(object) if is_text else values))
     return variable
 
 
+def _put_variable(file: _GroupWriter, row: Variable, values: Any) -> Any:
+    """Define a variable of the table."""
+    return _put(file, row.name, row.dims, values, **row.attributes)
+
+
+def _add_dimensions(file: _GroupWriter, names: Sequence[str], sizes: Sequence[int]) -> None:
+    """Define those of some dimensions that the group has not yet."""
+    for name, size in zip(names, sizes, strict=True):
+        if name not in file.group.dimensions:
+            file.group.createDimension(name, size)
+
+
 def _put_labels(file: _GroupWriter, name: str, labels: Sequence[str], long_name: str) -> None:
-    """Define the labels of a dimension as characters: CF has only numbers as coordinates."""
+    """Define the labels of a dimension as characters, because CF coordinates must be numbers."""
     width = max(map(len, labels))
     if (letters := f"letters_{width}") not in file.group.dimensions:
         file.group.createDimension(letters, width)
     variable = file.group.createVariable(name, "S1", (name, letters))
     variable.long_name, variable._Encoding = long_name, "utf-8"
-    file.waiting.append((variable, ..., np.array(labels, f"U{width}")))
+    file.queue.append((variable, ..., np.array(labels, f"U{width}")))
 
 
 def _write_parameters(file: _GroupWriter, parameters: Parameters) -> None:
     rows, si = field_info(parameters), in_si(parameters)
-    for name, value in canonical(parameters).items():
+    for name, value in canonical_values(parameters).items():
         row = rows[name]
         variable = _put(file, name, (), value, row.unit, row.description)
         if row.scale:
@@ -197,7 +201,7 @@ def _write_axes(file: _GroupWriter, records: list[Record], layout: Layout) -> No
     file.group.createDimension("quaternion", 4)
     _put(file, "replicate", ("replicate",), np.arange(len(records)), "1", "number of the replicate")
     time = np.arange(1, samples + 1) * layout.interval
-    # Time that has passed, of no date: CF calls that neither an axis T nor a time coordinate.
+    # An elapsed time without a date: in CF this is neither an axis T nor a time coordinate.
     _put(file, "time", ("time",), time, "s", "end of the sample interval, since the start")
     height = _put(
         file, "height", ("height",), layout.height, "m", "height of the slice above the base"
@@ -214,77 +218,65 @@ def _write_coordinates(file: _GroupWriter, layout: Layout) -> None:
 
 
 def _samples(records: list[Record]) -> int:
-    """Return how many samples the longest of some replicates has."""
+    """Return the number of samples of the longest replicate."""
     return max(len(record.series["mean_velocity"]) for record in records)
 
 
 def _write_tables(file: _GroupWriter, records: list[Record]) -> None:
-    """Write tables, and the paths in single precision: they serve pictures and mean paths."""
+    """Write tables, and the paths in single precision, which suffices for their use in figures."""
+    arrays = variables_of("profile", "table")
     for name, values in records[0].tables.items():
-        unit, long_name, dimensions = TABLES[name]
-        for dimension, size in zip(dimensions, values.shape, strict=True):
-            if dimension not in file.group.dimensions:
-                file.group.createDimension(dimension, size)
-        stacked = np.stack([record.tables[name] for record in records])
-        _put(file, name, ("replicate", *dimensions), stacked, unit, long_name)
-    traced = [record.path for record in records if record.path is not None]
-    if traced:
-        blank = np.full_like(traced[0], np.nan)
+        _add_dimensions(file, arrays[name].dims[1:], values.shape)
+        tables = np.stack([record.tables[name] for record in records])
+        _put_variable(file, arrays[name], tables)
+    known_paths = [record.path for record in records if record.path is not None]
+    if known_paths:
+        blank = np.full_like(known_paths[0], np.nan)
         paths = [blank if record.path is None else record.path for record in records]
-        dimensions = ("replicate", "path_time", "particle", "axis")
-        long_name = "position after the last sample, not wrapped into the cell"
-        _put(file, "path", dimensions, np.array(paths, np.float32), "m", long_name)
+        _put_variable(file, arrays["path"], np.array(paths, np.float32))
 
 
 def _write_trajectory(file: _GroupWriter, stage: Stage, layout: Layout) -> None:
-    """Write the frames of a trajectory; those that a replicate lacks are not-a-number."""
-    every, records = stage.parameters.trajectory_samples, stage.records
-    if not every:
+    """Write the frames of a trajectory; missing frames of a replicate are not-a-number."""
+    spacing, records = stage.parameters.trajectory_samples, stage.records
+    if not spacing:
         return
-    count = _samples(records) // every
+    count = _samples(records) // spacing
     file.group.createDimension("trajectory_time", count)
-    time = every * layout.interval * np.arange(1, count + 1)
-    meant = "time of the frame of the trajectory, since the start"
-    _put(file, "trajectory_time", ("trajectory_time",), time, "s", meant)
-    for name, source in FRAMES.items():
-        held = {k: one.frames[name] for k, one in enumerate(records) if name in one.frames}
-        if not held:
+    time = spacing * layout.interval * np.arange(1, count + 1)
+    time_name = "time of the frame of the trajectory, since the start"
+    _put(file, "trajectory_time", ("trajectory_time",), time, "s", time_name)
+    for name, row in variables_of("trajectory").items():
+        frames_of = {k: run.frames[name] for k, run in enumerate(records) if name in run.frames}
+        if not frames_of:
             continue
-        frame = next(iter(held.values()))[0]
-        unit, long_name, (_, *each) = (SNAPSHOTS | OF_CONTACTS)[source]
-        for dimension, size in zip(each, frame.shape, strict=True):
-            if dimension not in file.group.dimensions:
-                file.group.createDimension(dimension, size)
-        dimensions = ("replicate", "trajectory_time", *each)
+        frame = next(iter(frames_of.values()))[0]
+        _add_dimensions(file, row.dims[2:], frame.shape)
         chunk = (1, max(1, min(count, CHUNK // frame.nbytes)), *frame.shape)
         options: dict[str, Any] = FILTERS | {"chunksizes": chunk, "fill_value": np.nan}
-        variable: Any = file.group.createVariable(name, "f4", dimensions, **options)
-        variable.units = unit
-        variable.long_name = f"{long_name}, at each frame of the trajectory"
-        for k, frames in held.items():
-            file.waiting.append((variable, np.s_[k, : len(frames)], frames))
+        variable: Any = file.group.createVariable(name, "f4", row.dims, **options)
+        variable.setncatts(row.attributes)
+        for k, frames in frames_of.items():
+            file.queue.append((variable, np.s_[k, : len(frames)], frames))
 
 
 def _write_records(file: _GroupWriter, records: list[Record], layout: Layout) -> None:
-    for name, (unit, long_name) in layout.series.items():
+    for name, series in layout.series.items():
         values = np.full((len(records), _samples(records)), np.nan)
         for row, record in zip(values, records, strict=True):
             row[: len(record.series[name])] = record.series[name]
-        variable = _put(file, name, ("replicate", "time"), values, unit, long_name)
-        variable.cell_methods = CELL_METHODS.get(name, "time: point")
+        _put_variable(file, series, values).cell_methods = series.cell_method
+    profiles = variables_of("profile")
     for name in records[0].profiles:
         values = np.stack([record.profiles[name] for record in records])
-        _put(file, name, ("replicate", "height"), values, *described(name))
+        _put_variable(file, profiles[name], values)
     _write_tables(file, records)
+    particles = variables_of("particle")
     for name, frames in records[0].snapshots.items():
-        unit, long_name, dimensions = SNAPSHOTS[name]
-        if not frames[0].size:
-            continue
-        both = [
-            r.snapshots[name] if dimensions[0] == "frame" else r.snapshots[name][0] for r in records
-        ]
-        _put(file, name, ("replicate", *dimensions), np.array(both), unit, long_name)
+        states = slice(None) if "frame" in particles[name].dims else 0
+        if frames[0].size:
+            values = np.array([record.snapshots[name][states] for record in records])
+            _put_variable(file, particles[name], values)
     for name in records[0].scalars:
-        unit, long_name = SCALARS[name]
         values = np.array([record.scalars[name] for record in records])
-        _put(file, name, ("replicate",), values, unit, long_name)
+        _put_variable(file, SCALARS[name], values)

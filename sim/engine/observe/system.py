@@ -1,22 +1,54 @@
-"""What the recorder needs of a system."""
+"""The interface of a system to the recorder: samples, energy ledger and contacts."""
 
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
-from sim.engine.observe.ledger import Ledger
-from sim.engine.observe.listed import Listed
 from sim.engine.observe.regime import Scales
 from sim.engine.observe.sums import Sums
 from sim.parameters import Parameters
+from sim.parameters.variables import Variable
+
+
+class ContactList(NamedTuple):
+    """The contacts of one moment; ``number`` (1,) is their number.
+
+    Row by row ``pair`` (K, 2) holds the numbers of the two partners, and ``force`` (K, D) the force
+    on the first of them (N). Unused rows are not-a-number. `sim.parameters.variables` defines the
+    numbers of plane, belt and obstacle. Contacts beyond K are counted but not listed.
+    """
+
+    number: np.ndarray
+    pair: np.ndarray
+    force: np.ndarray
+
+
+def no_contacts(most: int, axes: int = 3) -> ContactList:
+    """Return an empty list with space for ``most`` contacts in ``axes`` directions."""
+    arrays = (np.full((most, width), np.nan) for width in (2, axes))
+    return ContactList(np.zeros(1, np.int64), *arrays)
+
+
+class Ledger(NamedTuple):
+    """The energy ledger of a system; its names are those of time series (J).
+
+    ``terms`` name -> sign: the signed sum of these series is constant. ``turnover`` names sums
+    since the start whose change measures the energy that has passed through. ``powers`` name of a
+    sum since the start -> name of the scalar with its mean rate (W).
+    """
+
+    terms: dict[str, int]
+    turnover: tuple[str, ...]
+    powers: dict[str, str]
 
 
 class Samples(NamedTuple):
-    """K successive samples: ``values`` name -> (K,) of the time series, and the sums that their
-    ``profiles`` add, along a first axis, or nothing where they were not wanted.
+    """K successive samples.
 
-    The profiles are good until the next samples are taken.
+    ``values`` name -> (K,) of the time series; ``profiles`` sums of the profiles with a first axis
+    over the samples, None where they were not requested. The profiles are valid until the next
+    samples are taken.
     """
 
     values: Mapping[str, Sequence[float] | np.ndarray]
@@ -28,28 +60,49 @@ class Samples(NamedTuple):
 
 
 def no_pause() -> None:
-    """Do nothing: nobody wants to know of the pauses of a system."""
+    """Do nothing at the pauses of a system."""
 
 
 class System(Protocol):
-    """One replicate in motion: what ``sim.engine.run`` needs of a system.
+    """One replicate in motion: the interface of a system to ``sim.engine.run``.
 
-    ``parameters`` are those of the point, ``time_step`` (s) is theirs or a fraction of it;
-    ``series`` maps the names of the time series to (unit, long name), and ``ledger`` tells which of
-    them add up to the energy; ``axes`` names the directions; ``profile_height`` (H,) are the
-    centres of the profiles' slices (m); ``loop_time`` (s) processor time in the compiled loop over
-    time steps; ``scales`` and ``period`` (samples) serve the analysis of
-    the velocity's trend; ``mass`` is that of all particles (kg); ``coordinates`` of tables and
-    path: name -> (unit, long name, values); ``followed`` names the profiles whose course in time is
-    kept; ``moving`` names the attributes that motion changes,
-    which are arrays and numbers, or tuples, lists and dictionaries of them; ``stage`` names what
-    comes before the first sample, empty once that may be taken. ``pause`` is called in all that
-    takes long, some tenths of a second apart: a state taken then goes on to the same bits.
+    Attributes
+    ----------
+    parameters : Parameters
+        The point.
+    time_step : float
+        Time step (s), that of the point or a fraction of it.
+    series : dict
+        Time series by name.
+    ledger : Ledger
+        The time series whose sum is the energy.
+    axes : tuple of str
+        Names of the directions.
+    mass : float
+        Mass of all particles (kg).
+    loop_time : float
+        Processor time in the compiled loop over time steps (s).
+    profile_height : (H,) array
+        Centres of the slices of the profiles (m).
+    scales, period : Scales, int
+        Thresholds and period (samples) for the analysis of the velocity's trend.
+    coordinates : dict
+        Coordinates of tables and path: name -> (unit, long name, values).
+    history_profiles : tuple of str
+        Names of the profiles that are stored by block, as functions of time.
+    state_names : tuple of str
+        Names of the attributes that change during motion: arrays and numbers, or tuples, lists and
+        dictionaries of them.
+    stage : str
+        Name of the phase before the first sample, empty once samples may be taken.
+    pause : callable
+        Called every few tenths of a second during long computations. A run that continues from a
+        state stored in it gives the same bits.
     """
 
     parameters: Parameters
     time_step: float
-    series: dict[str, tuple[str, str]]
+    series: dict[str, Variable]
     ledger: Ledger
     axes: tuple[str, ...]
     mass: float
@@ -58,50 +111,50 @@ class System(Protocol):
     scales: Scales
     period: int
     coordinates: dict[str, tuple[str, str, np.ndarray]]
-    followed: tuple[str, ...]
-    moving: tuple[str, ...]
+    history_profiles: tuple[str, ...]
+    state_names: tuple[str, ...]
     stage: str
     pause: Callable[[], None]
 
     def settle(self) -> None:
-        """Bring the initial state to rest where the paper does; raise ``BlowUp`` when it fails.
+        """Bring the initial state to rest where the paper does, continuing from ``stage``.
 
-        It goes on from its ``stage``.
+        Raises ``BlowUp`` when that fails.
         """
 
     def take_over(self, other: Any) -> None:
-        """Start from the state of another such system with the same particles, instead.
+        """Start from the state of another such system with the same particles, without settling.
 
-        Raises ``ValueError``, which says why, where that state is none to start from.
+        Raises ``ValueError`` with the reason where this system cannot start from that state.
         """
 
     def sample(self, most: int = 1, profiles: bool = False) -> Samples:
-        """Advance by at least one and at most so many samples and return what they say.
+        """Advance by at least one and at most ``most`` samples and return them.
 
-        Raises ``BlowUp``, which holds the samples taken before that.
+        Raises ``BlowUp``, which holds the samples taken before the blow-up.
         """
 
     def advance(self) -> dict[str, float]:
         """Advance to the next sample and return a value per time series; may raise ``BlowUp``."""
 
     def no_profiles(self) -> Sums:
-        """Return sums of profiles of zero."""
+        """Return sums of profiles that are zero."""
 
     def profiles(self, sums: Sums) -> dict[str, np.ndarray]:
-        """Turn sums of profiles into named arrays (H,)."""
+        """Return the profiles, named arrays (H,), from their sums."""
 
     def tables(self, sums: Sums) -> dict[str, np.ndarray]:
-        """Turn sums of profiles into what has other dimensions than height."""
+        """Return the tables, named arrays with other dimensions than height, from their sums."""
 
-    def contacts_now(self, most: int) -> Listed:
-        """Return the contacts of the present state, listed where there are no more than so many."""
+    def current_contacts(self, most: int) -> ContactList:
+        """Return the contacts of the present state; those beyond ``most`` are only counted."""
         ...
 
     def trace(self) -> np.ndarray:
-        """Go on for a little and return the path of every particle (S, N, D) in m."""
+        """Advance for a short time and return the path of every particle (S, N, D) in m."""
 
     def snapshot(self) -> dict[str, np.ndarray]:
-        """Return positions, velocities and what else a picture needs."""
+        """Return positions, velocities and other arrays of the particles, by name."""
 
 
 class OnSlope(System, Protocol):

@@ -1,11 +1,11 @@
-"""The systems: parameters -> particles, law, boundary, integrator and what to observe."""
+"""The systems: parameters -> particles, law, boundary, integrator and observables."""
 
 from importlib import import_module
 
 from sim.engine.observe.system import System
 from sim.parameters import Parameters
 
-#: Module and class of each system; imported only when needed, with what it compiles.
+#: Module and class of each system, imported only when needed with the kernels it compiles.
 SYSTEMS = {
     "chute": ("chute", "Chute"),
     "belt": ("belt", "Belt"),
@@ -16,7 +16,7 @@ SYSTEMS = {
 def build(parameters: Parameters, replicate: int, substeps: int = 1) -> System:
     """Return replicate number ``replicate`` (from 0) of a point in its initial state.
 
-    Every time step is divided into so many ``substeps``; samples are taken at the same times.
+    Every time step is divided into ``substeps``; samples are taken at the same times.
     """
     module, name = SYSTEMS[parameters.system]
     system = getattr(import_module(f"{__name__}.{module}"), name)

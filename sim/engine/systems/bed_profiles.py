@@ -1,14 +1,14 @@
-"""Profiles of the bed over the height above the belt, at all times and as the cycle begins."""
+"""Profiles of the bed over the height above the belt, at all times and at phase 0."""
 
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from sim.engine.observe.arrays import AT_PHASE_0, PHASED
 from sim.engine.observe.profiles import Profile, empty_profile
-from sim.engine.observe.sums import Sums, chosen_of
+from sim.engine.observe.sums import Sums, mask_samples
 from sim.parameters import BeltParameters
+from sim.parameters.variables import AT_PHASE_0, parts
 
 #: Height of the profiles in mean diameters.
 HEIGHT = 80
@@ -26,8 +26,8 @@ class Phases(NamedTuple):
 class BedProfiles(NamedTuple):
     """How the bed is cut into ``slices`` of ``slice_height`` (m) and of ``width`` (m).
 
-    Sums are profiles by centres and by area. Where ``at_phase_0`` is true, as many follow of the
-    beginning of the cycle alone; where there are ``phases`` of the cycle to be told apart, those.
+    Sums are profiles by centres and by area. Where ``at_phase_0`` is true, the same two follow for
+    the beginning of the cycle alone. Where ``phases`` is not 0, sums of so many phases follow.
     """
 
     slices: int
@@ -47,21 +47,21 @@ class BedProfiles(NamedTuple):
         phases = (Phases(np.zeros(shape), np.zeros((*shape, 2))),) if self.phases else ()
         return *profiles, *phases
 
-    def of_phases(self, centres: Profile, area: Profile, phase: np.ndarray) -> Sums:
-        """Return what is asked for of several samples by their phase, zero where it is another.
+    def phase_sums(self, centres: Profile, area: Profile, phase: np.ndarray) -> Sums:
+        """Return the requested sums per sample, zero for samples of other phases.
 
         ``phase`` (K,) is the number of each sample in its cycle, 0 at its beginning.
         """
-        found: list[Any] = []
+        sums: list[Any] = []
         if self.at_phase_0:
-            found += [chosen_of(one, phase == 0) for one in (centres, area)]
+            sums += [mask_samples(profile, phase == 0) for profile in (centres, area)]
         if self.phases:
             shape, samples = (len(phase), self.phases, self.slices), np.arange(len(phase))
-            several = Phases(np.zeros(shape), np.zeros((*shape, 2)))
-            several.count[samples, phase] = centres.weight
-            several.moved[samples, phase] = centres.relative
-            found.append(several)
-        return tuple(found)
+            phase_sums = Phases(np.zeros(shape), np.zeros((*shape, 2)))
+            phase_sums.count[samples, phase] = centres.weight
+            phase_sums.moved[samples, phase] = centres.relative
+            sums.append(phase_sums)
+        return tuple(sums)
 
     def profiles(self, centres: Profile, area: Profile) -> dict[str, np.ndarray]:
         """Return velocity, densities and granular temperature per slice."""
@@ -76,29 +76,35 @@ class BedProfiles(NamedTuple):
         }
 
     def tables(self, centres: Profile, phased: Sequence[Any]) -> dict[str, np.ndarray]:
-        """Return what is asked for: velocity and densities at the beginning of the cycle, and the
-        granular temperature about the mean velocity at each phase."""
-        found = {}
+        """Return the requested tables.
+
+        They are velocity and densities at the beginning of the cycle, and the granular temperature
+        about the mean velocity at each phase.
+        """
+        tables = {}
         if self.at_phase_0:
             profiles = self.profiles(*phased[:2])
-            found = {name + AT_PHASE_0: profiles[name] for name in PHASED}
+            tables = {name: profiles[mean] for name, mean in parts(AT_PHASE_0, "belt").items()}
         if self.phases:
-            found["fluctuation_temperature_profile"] = _fluctuation(centres, phased[-1])
-        return found
+            tables["fluctuation_temperature_profile"] = _fluctuation_temperature(
+                centres, phased[-1]
+            )
+        return tables
 
 
-def _fluctuation(centres: Profile, phases: Phases) -> np.ndarray:
+def _fluctuation_temperature(centres: Profile, phases: Phases) -> np.ndarray:
     """Return the granular temperature (H,) (m²/s²) about the mean velocities at all phases.
 
-    The sum of squares about these means, one freedom less for each of them, so that beads of few
-    samples do not count as cold; not-a-number where nothing is left.
+    It is the sum of squares about these means over the degrees of freedom, one less for each
+    mean, so beads of few samples do not count as cold. It is not-a-number without a degree of
+    freedom.
     """
     count = phases.count[..., None]
     mean = np.divide(phases.moved, count, out=np.zeros_like(phases.moved), where=count > 0)
-    about = centres.squared - (mean * phases.moved).sum(axis=0)
+    squares = centres.squared - (mean * phases.moved).sum(axis=0)
     freedom = centres.weight - (phases.count > 0).sum(axis=0)
-    found = np.full(len(freedom), np.nan)
-    return np.divide(about.mean(axis=1), freedom, out=found, where=freedom > 0)
+    temperature = np.full(len(freedom), np.nan)
+    return np.divide(squares.mean(axis=1), freedom, out=temperature, where=freedom > 0)
 
 
 def bed_profiles(p: BeltParameters) -> BedProfiles:

@@ -1,4 +1,4 @@
-"""The loop over samples of the belt: what is measured is taken without leaving compiled code."""
+"""The loop over samples of the belt, which measures without leaving compiled code."""
 
 from typing import NamedTuple
 
@@ -10,11 +10,11 @@ from sim.engine.boundary.obstacle import stored_in_obstacle
 from sim.engine.calls import address_of, call, kind_of
 from sim.engine.compile import exact
 from sim.engine.dynamics.disks import stored_in_disks
-from sim.engine.dynamics.status import NOT_FINITE, OK, all_finite
-from sim.engine.observe.bed import bed_energies
+from sim.engine.dynamics.status import NOT_FINITE, OK, is_finite
+from sim.engine.observe.energies import bed_energies
 from sim.engine.observe.field import LEVELS, WAVES, Field, Squares, count_beads, waves
 from sim.engine.observe.profiles import AREA, CENTRE, Profile, add_sample, empty_profile
-from sim.engine.observe.sums import first_of, stacked
+from sim.engine.observe.sums import first_samples, zero_samples
 from sim.engine.systems import shaking
 
 
@@ -30,9 +30,9 @@ class Calls(NamedTuple):
 
 
 class Sampling(NamedTuple):
-    """How samples are taken: by which kernels, so many, ``steps`` apart, with or without
-    ``profiles``; ``amplitude`` of the belt (m), height of a ``slice`` (m), ``squares`` of the
-    field."""
+    """Settings of sampling: ``calls`` of kernels; number of ``samples``, ``steps`` apart, with or
+    without ``profiles``; ``amplitude`` of the belt (m), height of a ``slice`` (m), ``squares`` of
+    the field."""
 
     calls: Calls
     samples: int
@@ -44,16 +44,16 @@ class Sampling(NamedTuple):
 
 
 class BedSamples(NamedTuple):
-    """Room for K samples of N beads, and what has been found.
+    """Results of up to K samples of N beads.
 
-    ``taken`` (1,) samples so far; ``clock`` (1,) processor time (µs) in the loop over time steps;
-    ``sums`` (K, 12) over the steps, see ``Shaking``; ``stored`` (K, 3) energy (J) in the springs
-    between beads, to the belt and to the obstacle; ``state`` (K, 3) see ``bed_energies``; ``waves``
-    (K, 5, 2) see ``waves``; ``mass`` and ``height`` (K, N) of the beads (kg, m); profiles by
-    ``centres`` and ``area`` and the ``field``, with a first axis more.
+    ``number`` (1,) of samples so far; ``clock`` (1,) processor time (µs) in the loop over time
+    steps; ``sums`` (K, 12) over the steps, see ``Shaking``; ``stored`` (K, 3) energy (J) in the
+    springs between beads, to the belt and to the obstacle; ``state`` (K, 3) see ``bed_energies``;
+    ``waves`` (K, 5, 2) see ``waves``; ``mass`` and ``height`` (K, N) of the beads (kg, m); profiles
+    by ``centres`` and ``area`` and the ``field``, with one more axis, the first.
     """
 
-    taken: np.ndarray
+    number: np.ndarray
     clock: np.ndarray
     sums: np.ndarray
     stored: np.ndarray
@@ -66,19 +66,19 @@ class BedSamples(NamedTuple):
     field: Field
 
     def profiles(self) -> tuple[Profile, Profile, Field]:
-        """Return profiles and fields of the samples that have been taken."""
-        taken = int(self.taken[0])
+        """Return profiles and fields of the samples so far."""
+        number = int(self.number[0])
         return (
-            first_of(self.centres, taken),
-            first_of(self.area, taken),
-            first_of(self.field, taken),
+            first_samples(self.centres, number),
+            first_samples(self.area, number),
+            first_samples(self.field, number),
         )
 
 
 def make_samples(samples: int, beads: int, slices: int, squares: Squares) -> BedSamples:
-    """Return room for so many samples."""
+    """Return arrays for so many samples."""
     return BedSamples(
-        taken=np.zeros(1, np.int64),
+        number=np.zeros(1, np.int64),
         clock=np.zeros(1, np.int64),
         sums=np.zeros((samples, shaking.SUMS)),
         stored=np.zeros((samples, 3)),
@@ -86,9 +86,9 @@ def make_samples(samples: int, beads: int, slices: int, squares: Squares) -> Bed
         waves=np.zeros((samples, WAVES, 2)),
         mass=np.zeros((samples, beads)),
         height=np.zeros((samples, beads)),
-        centres=stacked(samples, empty_profile(slices, 2)),
-        area=stacked(samples, empty_profile(slices, 2)),
-        field=stacked(samples, squares.empty()),
+        centres=zero_samples(samples, empty_profile(slices, 2)),
+        area=zero_samples(samples, empty_profile(slices, 2)),
+        field=zero_samples(samples, squares.empty()),
     )
 
 
@@ -112,11 +112,11 @@ def sample_bed(disks, contacts, loop, motion, sampling, samples):
     """Take samples; return a status.
 
     On LIST_FULL nothing is lost, see ``advance_disks``: give the list more room and call again. Any
-    other status but OK ends the sample under way, which is not taken.
+    other status but OK ends the sample under way, which does not count.
     """
     law, pairs, belt, obstacle, _ = contacts
     calls, time_step = sampling.calls, motion.integrator.time_step
-    for k in range(samples.taken[0], sampling.samples):
+    for k in range(samples.number[0], sampling.samples):
         done = loop.step[0] % sampling.steps
         if done == 0:
             for column in range(loop.sums.size):
@@ -126,7 +126,7 @@ def sample_bed(disks, contacts, loop, motion, sampling, samples):
         samples.clock[0] += _clock() - began
         if status != OK:
             return status
-        if not all_finite(disks.taylor):
+        if not is_finite(disks.taylor):
             return NOT_FINITE
         time, box = loop.step[0] * time_step, pairs.box
         stored = samples.stored[k]
@@ -139,13 +139,13 @@ def sample_bed(disks, contacts, loop, motion, sampling, samples):
         if sampling.profiles:
             height = call(calls.belt_height, 0.0, belt, time)
             _add_profiles(sampling, samples, k, disks, height, time_step)
-        samples.taken[0] += 1
+        samples.number[0] += 1
     return OK
 
 
 @exact
 def _note_state(samples, k, disks, time_step, amplitude, width):
-    """Fill what sample k says of the state alone."""
+    """Fill the entries of sample k that depend on the present state alone."""
     for i in range(disks.mass.size):
         samples.mass[k, i], samples.height[k, i] = disks.mass[i], disks.taylor[0, 1, i]
     kinetic, height, near = bed_energies(disks.taylor, disks.mass, time_step, amplitude)
@@ -174,9 +174,9 @@ def _add_profiles(sampling, samples, k, disks, belt, time_step):
 
 
 @exact
-def _profile(several, k):
-    """Return the profile of sample k, cleared."""
-    samples, weight, moved, relative, squared = several
+def _profile(profiles, k):
+    """Return the cleared profile of sample k."""
+    samples, weight, moved, relative, squared = profiles
     samples[k, 0] = 0.0
     for h in range(weight.shape[1]):
         weight[k, h] = moved[k, h] = 0.0

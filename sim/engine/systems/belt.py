@@ -5,27 +5,26 @@ from math import pi, radians, sqrt
 import numpy as np
 
 from sim.engine.boundary.obstacle import Obstacle
-from sim.engine.calls import Direct, kind_of
+from sim.engine.calls import DirectCall, kind_of
 from sim.engine.compile import working_time
 from sim.engine.contact.spring_damping import spring_damping
 from sim.engine.dynamics.cells import make_box
 from sim.engine.dynamics.disks import make_disks
-from sim.engine.dynamics.gear import CORRECTORS, Gear, Verlet, restarted
-from sim.engine.dynamics.neighbors import empty_pair_list, grown, make_search
-from sim.engine.dynamics.status import LIST_FULL, REASONS, BlowUp, outcome
+from sim.engine.dynamics.gear import CORRECTORS, Gear, Verlet, rescale_terms
+from sim.engine.dynamics.neighbors import double_room, empty_pair_list, make_search
+from sim.engine.dynamics.status import LIST_FULL, REASONS, BlowUp, failure_reason
 from sim.engine.observe.bed_contacts import list_bed_contacts
 from sim.engine.observe.field import squares, wave_power
-from sim.engine.observe.listed import Listed, no_contacts
 from sim.engine.observe.regime import Scales
 from sim.engine.observe.sums import Sums
-from sim.engine.observe.system import Samples, no_pause
+from sim.engine.observe.system import ContactList, Samples, no_contacts, no_pause
 from sim.engine.systems import bed_samples, shaking
 from sim.engine.systems.bed_profiles import bed_profiles
 from sim.engine.systems.belt_start import initial_bed, vibration
-from sim.engine.systems.series import BELT_LEDGER, since_start
+from sim.engine.systems.series import BELT_LEDGER, total_since_start
 from sim.parameters import BeltParameters
 from sim.parameters.belt import LEAST_TRANSPORT
-from sim.parameters.observables import BELT_FORCES, BELT_SERIES
+from sim.parameters.variables import recorded_by
 
 #: Skin of the neighbor list in mean diameters.
 SKIN = 0.3
@@ -33,18 +32,17 @@ SKIN = 0.3
 #: Intervals of the path over the cycle that ends a run: the paper plots every 50th of 2000 steps.
 PATH_INTERVALS = 40
 
-#: Samples that are taken in one go, at most, and particle-steps from one pause to the next: some
-#: tenths of a second at most.
+#: Most samples of one call, and most particle-steps between two pauses: some tenths of a second.
 MOST_SAMPLES, MOST_WORK = 64, 2_000_000
 
-#: Simulated time (s) after which a bed that still moves is given up.
+#: Simulated time (s) after which settling fails if the bed still moves.
 SETTLING_LIMIT = 30.0
 
-#: Simulated time (s) between two looks at whether a bed that has fallen is at rest.
-LOOK = 0.01
+#: Simulated time (s) between two checks that a fallen bed is at rest.
+LOOK_INTERVAL = 0.01
 
-#: What comes before the first sample.
-FALLING, SHAKEN_BEFORE = "falling", "shaken before"
+#: Stages before the first sample.
+FALLING, PRIOR_SHAKING = "falling", "shaken before"
 
 
 class Belt:
@@ -52,13 +50,13 @@ class Belt:
 
     ledger = BELT_LEDGER
     axes = ("x", "z")
-    followed = ()
-    moving = ("disks", "pairs", "search", "loop", "normal_loss", "shear_loss", "belt_work")
+    history_profiles = ()
+    state_names = ("disks", "pairs", "search", "loop", "normal_loss", "shear_loss", "belt_work")
 
     def __init__(self, parameters: BeltParameters, replicate: int, substeps: int = 1):
         self.parameters = p = parameters
         self.pause, self.stage = no_pause, FALLING
-        self.series = BELT_SERIES | (BELT_FORCES if p.belt_forces else {})
+        self.series = recorded_by(p, "series")
         self.time_step = p.time_step / substeps
         self.settling_step = p.settling_step / substeps
         self.steps_per_cycle = p.steps_per_cycle * substeps
@@ -89,9 +87,9 @@ class Belt:
         self.loop = shaking.make_shaking()
         self.loop_time = 0.0
         kind = kind_of(self.law, self.belt, self.integrator)
-        self._advance = Direct(shaking.advance_disks, kind)
-        self._take = Direct(bed_samples.sample_bed, kind)
-        self._list = Direct(list_bed_contacts, kind)
+        self._advance = DirectCall(shaking.advance_disks, kind)
+        self._take_samples = DirectCall(bed_samples.sample_bed, kind)
+        self._list_contacts = DirectCall(list_bed_contacts, kind)
         self._calls: bed_samples.Calls | None = None
         still = LEAST_TRANSPORT * p.velocity_amplitude
         self.scales = Scales(still, acceleration=np.inf, drift=p.drift, target=p.target)
@@ -123,58 +121,64 @@ class Belt:
         return Gear(float(time_step), CORRECTORS[p.corrector_order])
 
     def settle(self) -> None:
-        """Let the beads fall onto the resting belt, and shake them before if that is asked for.
+        """Let the beads fall onto the resting belt, and shake them at the prior frequency, if any.
 
-        After a pause it goes on where it was.
+        It continues from its ``stage``.
         """
         p, step = self.parameters, self.settling_step
-        before = 1.0 / (p.prior_frequency * self.steps_per_cycle) if p.prior_frequency else step
+        prior_step = 1.0 / (p.prior_frequency * self.steps_per_cycle) if p.prior_frequency else step
         if self.stage == FALLING:
             self._fall()
             if p.prior_frequency:
-                restarted(self.disks.taylor, step, before)
-                self.loop, self.stage = shaking.make_shaking(), SHAKEN_BEFORE
-        if self.stage == SHAKEN_BEFORE:
-            self._shake_before(before)
-        restarted(self.disks.taylor, before, self.time_step)
+                rescale_terms(self.disks.taylor, step, prior_step)
+                self.loop, self.stage = shaking.make_shaking(), PRIOR_SHAKING
+        if self.stage == PRIOR_SHAKING:
+            self._shake_at_prior_frequency(prior_step)
+        rescale_terms(self.disks.taylor, prior_step, self.time_step)
         self.disks.taylor[1, 0] += p.initial_velocity * p.velocity_unit * self.time_step
         self.loop, self.stage = shaking.make_shaking(), ""
 
     def _fall(self) -> None:
-        """Let the beads come to rest on the resting belt: their mean squared velocity is small."""
+        """Let the beads fall onto the resting belt until their mean squared velocity is small."""
         p, step, loop = self.parameters, self.settling_step, self.loop
         belt, integrator = vibration(p, 0.0), self._integrator(step)
-        fall, look = (max(1, int(time / step)) for time in (self.fall_time, LOOK))
-        squared = np.inf
-        while squared >= p.settle_velocity_squared:
-            done = int(loop.step[0])
-            if done * step > SETTLING_LIMIT:
+        fall, check_interval = (
+            max(1, int(time / step)) for time in (self.fall_time, LOOK_INTERVAL)
+        )
+        mean_square = np.inf
+        while mean_square >= p.settle_velocity_squared:
+            steps_done = int(loop.step[0])
+            if steps_done * step > SETTLING_LIMIT:
                 raise BlowUp(
-                    f"the bed is not at rest after {SETTLING_LIMIT:g} s: mean squared velocity "
-                    f"{squared:.3g} m2/s2, wanted {p.settle_velocity_squared:g}"
+                    f"the bed is not at rest after {SETTLING_LIMIT:g} s: mean mean_square velocity "
+                    f"{mean_square:.3g} m2/s2, wanted {p.settle_velocity_squared:g}"
                 )
-            left = fall - done if done < fall else look - (done - fall) % look
-            self._run(integrator, belt, left, "while the bed settles")
+            steps = (
+                fall - steps_done
+                if steps_done < fall
+                else check_interval - (steps_done - fall) % check_interval
+            )
+            self._run(integrator, belt, steps, "while the bed settles")
             self._stop_free_drift()
-            squared = float(((self.disks.taylor[1] / step) ** 2).sum(axis=0).mean())
+            mean_square = float(((self.disks.taylor[1] / step) ** 2).sum(axis=0).mean())
 
     def take_over(self, other: "Belt") -> None:
-        """Go on with the beads of another bed, the belt in its initial phase."""
+        """Continue with the beads of another bed, the belt in its initial phase."""
         if other.loop.step[0] % other.steps_per_cycle:
             raise ValueError("that bed has been shaken for no whole number of cycles")
         self.disks, self.pairs, self.search = other.disks, other.pairs, other.search
-        restarted(self.disks.taylor, other.time_step, self.time_step)
+        rescale_terms(self.disks.taylor, other.time_step, self.time_step)
         self.stage = ""
 
-    def _shake_before(self, step: float) -> None:
+    def _shake_at_prior_frequency(self, step: float) -> None:
         """Shake at the prior frequency for whole cycles, in steps of this length."""
         p = self.parameters
-        left = p.prior_cycles * self.steps_per_cycle - int(self.loop.step[0])
+        steps = p.prior_cycles * self.steps_per_cycle - int(self.loop.step[0])
         where = "of the shaking at the prior frequency"
-        self._run(self._integrator(step), vibration(p, p.prior_frequency), left, where)
+        self._run(self._integrator(step), vibration(p, p.prior_frequency), steps, where)
 
     def _stop_free_drift(self) -> None:
-        """Take the bed's uniform drift out where nothing else would: on a belt without friction.
+        """Remove the bed's uniform drift where nothing else would: on a belt without friction.
 
         Damping by each bead's own mass does not conserve momentum, so a settling bed picks up a
         drift along the belt, which only the shear damping of the belt would stop.
@@ -195,41 +199,41 @@ class Belt:
         last = loop.step[0] + steps
         while loop.step[0] < last:
             target = min(last, loop.step[0] + self._stretch)
-            began, status = working_time(), LIST_FULL
+            start_time, status = working_time(), LIST_FULL
             while status == LIST_FULL:
                 remaining = target - loop.step[0]
                 status = self._advance(self.disks, self._contacts(belt), loop, motion, remaining)
                 if status == LIST_FULL:
-                    self.pairs = grown(self.pairs)
-            self.loop_time += working_time() - began
-            if wrong := outcome(status, self.disks.taylor):
-                raise BlowUp(f"{wrong} at step {loop.step[0]} {where}")
+                    self.pairs = double_room(self.pairs)
+            self.loop_time += working_time() - start_time
+            if reason := failure_reason(status, self.disks.taylor):
+                raise BlowUp(f"{reason} at step {loop.step[0]} {where}")
             if target < last:
                 self.pause()
 
-    def _approach(self) -> None:
-        """Advance towards the next sample, where that takes longer than from pause to pause."""
-        done = self.loop.step[0] % self.sample_steps
-        if self.sample_steps - done > self._stretch:
-            if done == 0:
+    def _advance_near_sample(self) -> None:
+        """Advance until the next sample is no farther away than the next pause."""
+        steps_done = self.loop.step[0] % self.sample_steps
+        if self.sample_steps - steps_done > self._stretch:
+            if steps_done == 0:
                 self.loop.sums[:] = 0.0
-            steps = self.sample_steps - done - self._stretch
+            steps = self.sample_steps - steps_done - self._stretch
             self._run(self.integrator, self.belt, steps, "of the shaking")
             self.pause()
 
     def sample(self, most: int = 1, profiles: bool = False) -> Samples:
-        """Advance by at least one and at most so many samples and return what they say."""
-        self._approach()
+        """Advance by one to ``most`` samples and return their values and profiles."""
+        self._advance_near_sample()
         p, loop, motion = self.parameters, self.loop, self._motion(self.integrator)
         room, count = self._room, min(most, len(self._room.sums))
-        room.taken[0], room.clock[0] = 0, 0
+        room.number[0], room.clock[0] = 0, 0
         amplitude, slice_height = p.amplitude * p.diameter, self.slices.slice_height
         status = LIST_FULL
         while status == LIST_FULL:
             contacts = self._contacts(self.belt)
             if not self._calls:
                 self._calls = bed_samples.make_calls(self.disks, contacts, loop, motion)
-            how = bed_samples.Sampling(
+            sampling = bed_samples.Sampling(
                 self._calls,
                 count,
                 self.sample_steps,
@@ -238,23 +242,23 @@ class Belt:
                 slice_height,
                 self.squares,
             )
-            status = self._take(self.disks, contacts, loop, motion, how, room)
+            status = self._take_samples(self.disks, contacts, loop, motion, sampling, room)
             if status == LIST_FULL:
-                self.pairs = grown(self.pairs)
+                self.pairs = double_room(self.pairs)
         self.loop_time += 1e-6 * float(room.clock[0])
-        found = Samples(self._values(room), self._profiles(room) if profiles else None)
+        samples = Samples(self._values(room), self._profiles(room) if profiles else None)
         if status in REASONS:
             reason = f"{REASONS[status]} at step {loop.step[0]} of the shaking"
-            raise BlowUp(reason, found if room.taken[0] else None)
-        return found
+            raise BlowUp(reason, samples if room.number[0] else None)
+        return samples
 
     def advance(self) -> dict[str, float]:
         """Advance by one sample and return a value per time series."""
         return self.sample().first()
 
     def _values(self, room: bed_samples.BedSamples) -> dict[str, np.ndarray]:
-        """Return what the time series hold of the samples that have been taken."""
-        p, count = self.parameters, int(room.taken[0])
+        """Return the values (K,) of each time series in the samples taken."""
+        p, count = self.parameters, int(room.number[0])
         parts = room.sums, room.stored, room.state
         sums, stored, state = (part[:count].T.copy() for part in parts)
         angle = 2.0 * pi * self._cycle_steps(count) / self.steps_per_cycle + radians(p.phase)
@@ -265,9 +269,9 @@ class Belt:
             "kinetic_energy": state[0],
             "potential_energy": p.gravity * np.vecdot(room.mass[:count], room.height[:count]),
             "stored_energy": stored[0] + stored[1] + stored[2],
-            "normal_loss": since_start(self, "normal_loss", sums[shaking.NORMAL_LOSS]),
-            "shear_loss": since_start(self, "shear_loss", sums[shaking.SHEAR_LOSS]),
-            "belt_work": since_start(self, "belt_work", sums[shaking.BELT_WORK]),
+            "normal_loss": total_since_start(self, "normal_loss", sums[shaking.NORMAL_LOSS]),
+            "shear_loss": total_since_start(self, "shear_loss", sums[shaking.SHEAR_LOSS]),
+            "belt_work": total_since_start(self, "belt_work", sums[shaking.BELT_WORK]),
             "height_of_mass": state[1],
             "contact_number": mean[shaking.CONTACTS] / p.beads,
             "largest_overlap": sums[shaking.LARGEST],
@@ -276,8 +280,8 @@ class Belt:
             "wave_power": wave_power(room.waves[:count], p.beads),
             "belt_normal_force": mean[shaking.BELT_PUSH_Z],
             "belt_shear_force": -mean[shaking.BELT_PUSH_X],
-            "belt_contacts": mean[shaking.RESTING],
-            "belt_contact_time": mean[shaking.TOUCHED],
+            "belt_contacts": mean[shaking.BELT_CONTACTS],
+            "belt_contact_time": mean[shaking.BELT_TOUCH_STEPS],
         }
 
     def _cycle_steps(self, count: int) -> np.ndarray:
@@ -286,10 +290,10 @@ class Belt:
         return number * self.sample_steps % self.steps_per_cycle
 
     def _profiles(self, room: bed_samples.BedSamples) -> Sums:
-        """Return profiles and field of the samples taken, and what is asked for by phase."""
+        """Return profiles and field of the samples taken, and the sums requested by phase."""
         centres, area, field = room.profiles()
-        phase = self._phases(int(room.taken[0]))
-        return centres, area, field, *self.slices.of_phases(centres, area, phase)
+        phase = self._phases(int(room.number[0]))
+        return centres, area, field, *self.slices.phase_sums(centres, area, phase)
 
     def _phases(self, count: int) -> np.ndarray:
         """Return the numbers of the last samples in their cycle; 0 is nearest to its beginning."""
@@ -300,14 +304,14 @@ class Belt:
     def _velocity(self) -> np.ndarray:
         return self.disks.taylor[1] / self.time_step
 
-    def contacts_now(self, most: int) -> Listed:
-        """Return the contacts of the present state, listed where there are no more than so many."""
-        listed, time = no_contacts(most, axes=2), float(self.loop.step[0] * self.time_step)
-        self._list(listed, self.disks, self._contacts(self.belt), time, self.time_step)
-        return listed
+    def current_contacts(self, most: int) -> ContactList:
+        """Return the contacts of the present state, listed if there are at most ``most``."""
+        contacts, time = no_contacts(most, axes=2), float(self.loop.step[0] * self.time_step)
+        self._list_contacts(contacts, self.disks, self._contacts(self.belt), time, self.time_step)
+        return contacts
 
     def no_profiles(self) -> Sums:
-        """Return sums of zero: profiles above the belt, by centres and by area, and the field."""
+        """Return sums of zero: profiles by centres and by area, the field, sums by phase."""
         centres, area, *phased = self.slices.empty()
         return centres, area, self.squares.empty(), *phased
 
@@ -316,7 +320,7 @@ class Belt:
         return self.slices.profiles(*sums[:2])
 
     def tables(self, sums: Sums) -> dict[str, np.ndarray]:
-        """Return means in squares of the laboratory, and what is asked for by phase."""
+        """Return means in squares of the laboratory, and the tables requested by phase."""
         centres, _, field, *phased = sums
         return self.squares.tables(field) | self.slices.tables(centres, phased)
 
@@ -324,16 +328,16 @@ class Belt:
         """Finish the cycle and return the path of every bead (S, N, 2) in m over one more."""
         steps = self.steps_per_cycle
         self._run(self.integrator, self.belt, -self.loop.step[0] % steps, "of the last cycle")
-        states = [self._in_order(self.disks.taylor[0])]
+        states = [self._initial_order(self.disks.taylor[0])]
         for k in range(PATH_INTERVALS):
             interval = (k + 1) * steps // PATH_INTERVALS - k * steps // PATH_INTERVALS
             self._run(self.integrator, self.belt, interval, "of the path")
-            states.append(self._in_order(self.disks.taylor[0]))
+            states.append(self._initial_order(self.disks.taylor[0]))
             moved = states[-1][:, 0] - states[-2][:, 0]
             states[-1][:, 0] -= self.box.length[0] * np.round(moved / self.box.length[0])
         return np.array(states)
 
-    def _in_order(self, vectors: np.ndarray) -> np.ndarray:
+    def _initial_order(self, vectors: np.ndarray) -> np.ndarray:
         """Return vectors (2, N) of the beads as (N, 2) in the initial order."""
         return vectors.T[np.argsort(self.disks.label[0])]
 

@@ -1,4 +1,4 @@
-"""The initial state of a belt: how it moves, and beads at random above it."""
+"""The initial state of a belt: its vibration, and beads at random above it."""
 
 from math import pi, radians, tan
 from typing import NamedTuple
@@ -18,7 +18,7 @@ INITIAL_PACKING = 0.3
 class Bed(NamedTuple):
     """Beads at rest that fall: ``position`` (N, 2), ``radius``, ``mass`` (N,), SI.
 
-    ``height`` (m) is what they fill.
+    ``height`` (m) is that of the filled region.
     """
 
     position: np.ndarray

@@ -8,45 +8,43 @@ import numpy as np
 
 from sim.engine.boundary.drive import Gravity
 from sim.engine.boundary.plane import make_plane, stored_in_plane
-from sim.engine.calls import Direct, kind_of
+from sim.engine.calls import DirectCall, kind_of
 from sim.engine.compile import working_time
 from sim.engine.contact import Partners, law_of
 from sim.engine.dynamics.cells import Box, make_box
-from sim.engine.dynamics.neighbors import empty_pair_list, grown
+from sim.engine.dynamics.neighbors import double_room, empty_pair_list
 from sim.engine.dynamics.spheres import (
     SOLID,
-    enlarged,
+    enlarge_memory,
     make_memory,
     make_scratch,
     make_spheres,
     stored_in_spheres,
 )
-from sim.engine.dynamics.status import LIST_FULL, BlowUp, outcome
+from sim.engine.dynamics.status import LIST_FULL, BlowUp, failure_reason
 from sim.engine.dynamics.team import Team
-from sim.engine.observe.arrays import FOLLOWED
 from sim.engine.observe.contacts import (
-    Carried,
+    ContactSums,
     Sampling,
     add_contacts,
     list_contacts,
 )
-from sim.engine.observe.flow import flow_energies
-from sim.engine.observe.listed import Listed, no_contacts
+from sim.engine.observe.energies import flow_energies
 from sim.engine.observe.overlaps import EDGES, count_overlaps
 from sim.engine.observe.profiles import VOLUME, add_sample
 from sim.engine.observe.regime import Scales
-from sim.engine.observe.sums import Sums, first_of, stacked
-from sim.engine.observe.system import Samples, no_pause
+from sim.engine.observe.sums import Sums, first_samples, zero_samples
+from sim.engine.observe.system import ContactList, Samples, no_contacts, no_pause
 from sim.engine.systems import leap_frog
 from sim.engine.systems.chute_start import Layer, initial_layer
 from sim.engine.systems.flow_profiles import FlowProfiles
-from sim.engine.systems.series import CHUTE_LEDGER, since_start
+from sim.engine.systems.series import CHUTE_LEDGER, total_since_start
 from sim.engine.systems.sharing import Thread
 from sim.parameters.chute import negligible_acceleration
-from sim.parameters.observables import CHUTE_SERIES
 from sim.parameters.spheres import SKIN, SphereParameters
+from sim.parameters.variables import HISTORY, parts, recorded_by
 
-#: Particle-steps from one pause to the next, at most: some tenths of a second.
+#: Most particle-steps between two pauses: some tenths of a second.
 MOST_WORK = 4_000_000
 
 #: States of the path that ends a run.
@@ -54,37 +52,37 @@ PATH_STATES = 41
 
 
 class _Kernels:
-    """What is called for each sample of flows with such laws and such a drive."""
+    """Compiled functions that samples of flows with these laws and this drive call."""
 
     def __init__(self, laws: tuple[NamedTuple, NamedTuple], drive: NamedTuple):
         kind = kind_of(laws, drive)
-        self.advance = Direct(leap_frog.advance_spheres, kind)
-        self.stored_in_spheres = Direct(stored_in_spheres, kind)
-        self.stored_in_plane = Direct(stored_in_plane, kind)
-        self.add_sample = Direct(add_sample, kind)
-        self.count_overlaps = Direct(count_overlaps, kind)
-        self.add_contacts = Direct(add_contacts, kind)
-        self.list_contacts = Direct(list_contacts, kind)
+        self.advance = DirectCall(leap_frog.advance_spheres, kind)
+        self.stored_in_spheres = DirectCall(stored_in_spheres, kind)
+        self.stored_in_plane = DirectCall(stored_in_plane, kind)
+        self.add_sample = DirectCall(add_sample, kind)
+        self.count_overlaps = DirectCall(count_overlaps, kind)
+        self.add_contacts = DirectCall(add_contacts, kind)
+        self.list_contacts = DirectCall(list_contacts, kind)
 
 
 class Chute:
     """One replicate of a chute flow in motion."""
 
-    series = CHUTE_SERIES
     ledger = CHUTE_LEDGER
     axes = ("x", "y", "z")
-    moving: tuple[str, ...] = (
+    state_names: tuple[str, ...] = (
         *("spheres", "pairs", "plane", "memory", "scratch", "flow"),
         *("travelled", "lost", "work_done"),
     )
 
-    #: Moment of inertia over m r², infinite without rotation; what of a particle counts towards a
-    #: slice; and the time, in units of the system, from one state of the path to the next.
-    inertia, weighed_by, path_interval = SOLID, VOLUME, 0.1
+    #: Moment of inertia over m r², infinite without rotation; weight of particles in slices; and
+    #: the time, in units of the system, from one state of the path to the next.
+    inertia, profile_weight, path_interval = SOLID, VOLUME, 0.1
 
     def __init__(self, parameters: SphereParameters, replicate: int, substeps: int = 1):
         self.parameters = p = parameters
         self.pause, self.stage = no_pause, ""
+        self.series = recorded_by(p, "series")
         self.substeps = substeps
         self.time_step = p.time_step / substeps
         self.sample_steps = p.sample_steps * substeps
@@ -118,9 +116,11 @@ class Chute:
         self.weight = (self.mass * self.gravity[0], -self.mass * self.gravity[2])
         self.period = 1
         self.profile_height = self.slices.height()
-        self.followed = FOLLOWED if p.stress_profiles else ()
+        self.history_profiles = (
+            tuple(parts(HISTORY, p.system).values()) if p.stress_profiles else ()
+        )
         self._stretch = max(1, int(MOST_WORK // max(number, p.effective_particles)))
-        self.loop_time, self._call = 0.0, _Kernels(self.laws, self.drive)
+        self.loop_time, self._kernels = 0.0, _Kernels(self.laws, self.drive)
         self.travelled, self.lost, self.work_done = 0.0, 0.0, 0.0
         self.coordinates = {
             "overlap_edges": ("1", "edges of the intervals of overlap, in diameters", EDGES),
@@ -139,7 +139,7 @@ class Chute:
         return initial_layer(self.parameters, self.box, replicate)
 
     def _base_area(self) -> float:
-        """Return what a packing fraction is a share of, per height: the area of the cell, m²."""
+        """Return the area of the cell (m²), to which packing fractions refer."""
         return self.box.length[0] * self.box.length[1]
 
     def _drive(self) -> NamedTuple:
@@ -161,18 +161,18 @@ class Chute:
         return law_of(self.parameters, Partners(friction, reduced_mass, self.time_step))
 
     def settle(self) -> None:
-        """Do nothing: the paper's flow starts from its initial state."""
+        """Do nothing: flows on a plane start from their initial state."""
 
     def take_over(self, other: "Chute") -> None:
-        """Go on with the spheres of another flow, and with what their contacts remember."""
+        """Continue with the spheres of another flow and the memory of their contacts."""
         for name in ("spheres", "pairs", "plane", "memory", "scratch", "flow"):
             setattr(self, name, getattr(other, name))
         self.flow.sums[:] = 0.0
 
     def sample(self, most: int = 1, profiles: bool = False) -> Samples:
-        """Advance by at least one and at most so many samples and return what they say."""
+        """Advance by one to ``most`` samples and return their values and profiles."""
         count, states = min(most, max(1, self._stretch // self.sample_steps)), []
-        sums = tuple(stacked(count, one) for one in self.no_profiles()) if profiles else None
+        sums = tuple(zero_samples(count, part) for part in self.no_profiles()) if profiles else None
         try:
             for k in range(count):
                 self._finish_sample()
@@ -184,9 +184,9 @@ class Chute:
         return self._samples(states, sums)
 
     def _samples(self, states: list[tuple[float, ...]], sums: Sums | None) -> Samples:
-        """Return the samples of these states, with profiles of the first of the sums."""
+        """Return the samples of S states, with the first S of the sums of profiles."""
         values = self._values(np.array(states).T)
-        return Samples(values, sums and tuple(first_of(one, len(states)) for one in sums))
+        return Samples(values, sums and tuple(first_samples(part, len(states)) for part in sums))
 
     def advance(self) -> dict[str, float]:
         """Advance by one sample and return a value per time series."""
@@ -194,18 +194,18 @@ class Chute:
 
     def _finish_sample(self) -> None:
         """Advance to the end of the sample under way, or of the next one."""
-        done = int(self.flow.sums[leap_frog.STEPS])
-        if 0 < done < self.sample_steps:
-            self._go_on(self.sample_steps - done)
+        steps_done = int(self.flow.sums[leap_frog.STEPS])
+        if 0 < steps_done < self.sample_steps:
+            self._advance_steps(self.sample_steps - steps_done)
         else:
             self._run(self.sample_steps)
 
     def _run(self, steps: int) -> None:
         """Advance by a number of steps, with the sums of these steps alone."""
         self.flow.sums[:] = 0.0
-        self._go_on(steps)
+        self._advance_steps(steps)
 
-    def _go_on(self, steps: int) -> None:
+    def _advance_steps(self, steps: int) -> None:
         """Advance by a number of steps, with pauses on the way."""
         last = self.flow.step[0] + steps
         while self.flow.step[0] < last:
@@ -215,16 +215,16 @@ class Chute:
 
     def _advance_to(self, target: int) -> None:
         flow = self.flow
-        began, status = working_time(), LIST_FULL
+        start_time, status = working_time(), LIST_FULL
         while status == LIST_FULL:
             status = self.team.run(partial(self._advance, target - flow.step[0]))
             if status == LIST_FULL:
-                self.pairs = grown(self.pairs)
-                self.memory = enlarged(self.memory, len(self.pairs.touching))
-        self.loop_time += working_time() - began
-        if wrong := outcome(status, self.spheres.position):
+                self.pairs = double_room(self.pairs)
+                self.memory = enlarge_memory(self.memory, len(self.pairs.touching))
+        self.loop_time += working_time() - start_time
+        if reason := failure_reason(status, self.spheres.position):
             time = flow.step[0] * self.time_step / self.parameters.time_unit
-            raise BlowUp(f"{wrong} at step {flow.step[0]} (t* = {time:.4g})")
+            raise BlowUp(f"{reason} at step {flow.step[0]} (t* = {time:.4g})")
 
     def _contacts(self) -> leap_frog.FlowContacts:
         return leap_frog.FlowContacts(self.laws, self.pairs, self.plane, self.memory)
@@ -233,34 +233,36 @@ class Chute:
         limit = self.parameters.overlap_limit
         motion = leap_frog.Motion(self.drive, self.time_step, limit, self.inertia)
         thread = Thread(rank, self.team.gate, self.scratch[rank])
-        return self._call.advance(self.spheres, self._contacts(), self.flow, motion, thread, steps)
+        return self._kernels.advance(
+            self.spheres, self._contacts(), self.flow, motion, thread, steps
+        )
 
     def _state(self) -> tuple[float, ...]:
-        """Return what a sample needs: the sums over its steps, energies, what springs store."""
+        """Return the numbers of a sample: sums over its steps, energies, energies in springs."""
         spheres, time_step, step = self.spheres, self.time_step, self.flow.step[0] % 2
-        call, plane = self._call, self.plane
+        kernels, plane = self._kernels, self.plane
         return (
             *self.flow.sums.tolist(),
             *flow_energies(spheres.position, spheres.velocity, spheres.rim, spheres.mass),
-            *call.stored_in_spheres(
+            *kernels.stored_in_spheres(
                 self.laws[0], spheres, self.pairs, self.memory[step], time_step
             ),
-            *call.stored_in_plane(self.laws[1], spheres, plane, plane.memory[step], time_step),
+            *kernels.stored_in_plane(self.laws[1], spheres, plane, plane.memory[step], time_step),
         )
 
     def _values(self, states: np.ndarray) -> dict[str, np.ndarray]:
-        """Return what the time series hold of such states (S, K).
+        """Return the values (S,) of each time series from states (K, S), see ``_state``.
 
-        A friction's work is stored or lost.
+        The work done against friction is stored or lost.
         """
         sums, (kinetic, rotational, height, *stored) = np.split(states, [leap_frog.SUMS])
         normal, tangential = stored[0] + stored[2], stored[1] + stored[3]
         mean = sums / sums[leap_frog.STEPS]
         velocity = mean[leap_frog.MOMENTUM] / self.mass
-        way = sums[leap_frog.MOMENTUM] / self.mass * self.time_step
-        along = self.gravity[0] * since_start(self, "travelled", way)
+        displacement = sums[leap_frog.MOMENTUM] / self.mass * self.time_step
+        along = self.gravity[0] * total_since_start(self, "travelled", displacement)
         across = -self.gravity[2] * height
-        work = since_start(self, "work_done", sums[leap_frog.FRICTION_WORK])
+        work = total_since_start(self, "work_done", sums[leap_frog.FRICTION_WORK])
         inertia = self.inertia if isfinite(self.inertia) else 0.0
         return {
             "mean_velocity": velocity,
@@ -269,7 +271,7 @@ class Chute:
             "rotational_energy": 0.5 * inertia * rotational,
             "potential_energy": self.mass * (across - along),
             "stored_energy": normal + tangential,
-            "normal_loss": since_start(self, "lost", sums[leap_frog.NORMAL_LOSS]),
+            "normal_loss": total_since_start(self, "lost", sums[leap_frog.NORMAL_LOSS]),
             "frictional_loss": work - tangential,
             "height_of_mass": height,
             "contact_number": mean[leap_frog.CONTACTS] / self.parameters.particles,
@@ -279,62 +281,66 @@ class Chute:
         }
 
     def no_profiles(self) -> Sums:
-        """Return sums of zero: the profile, weighted by volume, the overlaps, what is asked for."""
+        """Return sums of zero: the profile, the overlaps and those requested."""
         return self.slices.empty()
 
-    def _add_profiles(self, several: Any, k: int) -> None:
-        """Add what the present state says to the sums of sample k."""
+    def _add_profiles(self, sums: Any, k: int) -> None:
+        """Add the present state to the sums of sample k."""
         spheres, slice_height = self.spheres, self.slices.slice_height
         height, radius, velocity = spheres.position[2], spheres.radius, spheres.velocity
         rim = spheres.rim[1:2]
         if self.glued:
-            moving = spheres.mass > 0.0
-            height, radius, velocity = height[moving], radius[moving], velocity[:, moving].copy()
-            rim = rim[:, moving]
-        profile, overlaps, *inside = (type(one)(*(part[k] for part in one)) for one in several)
-        self._call.add_sample(profile, self.weighed_by, slice_height, height, radius, velocity)
-        self._call.count_overlaps(overlaps.counts, spheres, self.pairs)
-        if inside:
-            spin, *carried = inside
-            self._call.add_sample(spin, VOLUME, slice_height, height, radius, rim / radius)
-            call, listed = self._call.add_contacts, Carried(*carried)
-            call(listed, spheres, self._contacts(), self._sampling())
+            mobile = spheres.mass > 0.0
+            height, radius, velocity = height[mobile], radius[mobile], velocity[:, mobile].copy()
+            rim = rim[:, mobile]
+        profile, overlaps, *contact_sums = (
+            type(part)(*(array[k] for array in part)) for part in sums
+        )
+        self._kernels.add_sample(
+            profile, self.profile_weight, slice_height, height, radius, velocity
+        )
+        self._kernels.count_overlaps(overlaps.counts, spheres, self.pairs)
+        if contact_sums:
+            spin, *stress_and_slip = contact_sums
+            self._kernels.add_sample(spin, VOLUME, slice_height, height, radius, rim / radius)
+            target = ContactSums(*stress_and_slip)
+            self._kernels.add_contacts(target, spheres, self._contacts(), self._sampling())
 
     def _sampling(self) -> Sampling:
-        """Return what forces of contacts depend on besides the particles."""
+        """Return the settings for forces of contacts: step, slice height, time step, frictions."""
         p = self.parameters
         friction = p.friction, p.friction_plane
         return Sampling(int(self.flow.step[0]), self.slices.slice_height, self.time_step, friction)
 
-    def contacts_now(self, most: int) -> Listed:
-        """Return the contacts of the present state, listed where there are no more than so many."""
-        listed = no_contacts(most)
-        self._call.list_contacts(listed, self.spheres, self._contacts(), self._sampling())
-        return listed
+    def current_contacts(self, most: int) -> ContactList:
+        """Return the contacts of the present state, listed if there are at most ``most``."""
+        contacts = no_contacts(most)
+        self._kernels.list_contacts(contacts, self.spheres, self._contacts(), self._sampling())
+        return contacts
 
     def profiles(self, sums: Any) -> dict[str, np.ndarray]:
         """Return velocity, packing fraction and granular temperature per slice."""
         return self.slices.profiles(sums[0])
 
     def tables(self, sums: Any) -> dict[str, np.ndarray]:
-        """Return how many contacts overlapped by how much, and what else is kept."""
+        """Return the histogram of overlaps and, if requested, profiles of contacts and rheology."""
         return self.slices.tables(*sums)
 
     def trace(self) -> np.ndarray:
-        """Go on for a while and return the path of every sphere (S, N, 3) in m, unwrapped."""
-        states = [self._in_order(self.spheres.position)]
+        """Advance for a while and return the path of every sphere (S, N, 3) in m, unwrapped."""
+        states = [self._initial_order(self.spheres.position)]
         for _ in range(PATH_STATES - 1):
             self._run(self._path_steps())
-            moved = self.flow.sums[leap_frog.MOMENTUM] / self.mass * self.time_step
-            states.append(self._in_order(self.spheres.position))
+            mean_displacement = self.flow.sums[leap_frog.MOMENTUM] / self.mass * self.time_step
+            states.append(self._initial_order(self.spheres.position))
             # Between two states a sphere may pass through half a cell with the flow, but not
             # against it.
-            stray = states[-1] - states[-2] - [moved, 0.0, 0.0]
+            stray = states[-1] - states[-2] - [mean_displacement, 0.0, 0.0]
             for d, length in enumerate(self.box.length[:2]):
                 states[-1][:, d] -= length * np.round(stray[:, d] / length)
         return np.array(states)
 
-    def _in_order(self, vectors: np.ndarray) -> np.ndarray:
+    def _initial_order(self, vectors: np.ndarray) -> np.ndarray:
         """Return vectors (3, N) of the particles as (N, 3) in the initial order."""
         return vectors.T[np.argsort(self.spheres.label[0])]
 

@@ -1,13 +1,13 @@
-"""Profiles of a chute flow over the height: what is always kept, and what a parameter asks for."""
+"""Profiles of a flow on a plane over the height: those of every run, and those on request."""
 
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from sim.engine.observe.contacts import XX, XZ, YY, ZZ, Slip, Stress, no_slip, no_stress
+from sim.engine.observe.force_balance import inertial_number, shear_rate, stress_ratio
 from sim.engine.observe.overlaps import Overlaps, no_overlaps
 from sim.engine.observe.profiles import Profile, empty_profile
-from sim.engine.observe.rheology import inertial_number, shear_rate, stress_ratio
 from sim.engine.observe.sums import Sums
 
 #: Names of the components of the stress.
@@ -23,8 +23,9 @@ class FlowProfiles(NamedTuple):
     """How a flow is cut into ``slices`` of ``slice_height`` (m) above an ``area`` (m²).
 
     ``gravity`` (m/s²) is that normal to the plane; the particles have a ``diameter`` (m) and are
-    of a material with a ``density`` (kg/m³). Sums are the profile, weighted by volume, and the
-    overlaps; where ``stress`` is true, the profile of the spin, stress and slip follow.
+    of a material with a ``density`` (kg/m³). Sums are the profile and the overlaps; where
+    ``stress`` is true, the profile of the spin, stress and slip follow. For discs, whose profile is
+    weighted by area instead of volume, ``area`` is the length of the cell (m).
     """
 
     slices: int
@@ -41,11 +42,11 @@ class FlowProfiles(NamedTuple):
 
     def empty(self) -> Sums:
         """Return sums of zero."""
-        usual = empty_profile(self.slices, 3), no_overlaps()
+        base_sums = empty_profile(self.slices, 3), no_overlaps()
         if not self.stress:
-            return usual
+            return base_sums
         return (
-            *usual,
+            *base_sums,
             empty_profile(self.slices, 1),
             no_stress(self.slices),
             no_slip(self.slices),
@@ -62,32 +63,34 @@ class FlowProfiles(NamedTuple):
             "vertical_temperature_profile": temperature[:, 2],
         }
 
-    def tables(self, profile: Profile, overlaps: Overlaps, *inside: Any) -> dict[str, np.ndarray]:
-        """Return how many contacts overlapped by how much, and what else is kept."""
-        found = {"overlap_histogram": overlaps.counts}
-        return found | (self._inside(profile, *inside) if inside else {})
+    def tables(
+        self, profile: Profile, overlaps: Overlaps, *contact_sums: Any
+    ) -> dict[str, np.ndarray]:
+        """Return the histogram of overlaps and, if requested, profiles of contacts and rheology."""
+        histogram = {"overlap_histogram": overlaps.counts}
+        return histogram | (self._contact_tables(profile, *contact_sums) if contact_sums else {})
 
-    def _inside(
+    def _contact_tables(
         self, profile: Profile, spin: Profile, stress: Stress, slip: Slip
     ) -> dict[str, np.ndarray]:
         """Return stress, rheology, spin, slip and dissipation per slice."""
         slab = self.area * self.slice_height
         contact, kinetic = stress.contact(slab), stress.kinetic(slab)
         weight = self.gravity * stress.above / (self.area * stress.samples[0])
-        found = {"overburden_profile": weight, "spin_profile": spin.velocity()}
+        tables = {"overburden_profile": weight, "spin_profile": spin.velocity()}
         for name, component in STRESSES.items():
-            found[f"contact_{name}_profile"] = contact[:, component]
-            found[f"kinetic_{name}_profile"] = kinetic[:, component]
+            tables[f"contact_{name}_profile"] = contact[:, component]
+            tables[f"kinetic_{name}_profile"] = kinetic[:, component]
         with np.errstate(invalid="ignore", divide="ignore"):
-            found["sliding_share_profile"] = slip.sliding / slip.contacts
-            found["slip_velocity_profile"] = slip.speed / slip.sliding
+            tables["sliding_share_profile"] = slip.sliding / slip.contacts
+            tables["slip_velocity_profile"] = slip.speed / slip.sliding
         volume = slab * stress.samples[0]
-        found["normal_dissipation_profile"] = slip.lost / volume
-        found["frictional_dissipation_profile"] = slip.rubbed / volume
+        tables["normal_dissipation_profile"] = slip.lost / volume
+        tables["frictional_dissipation_profile"] = slip.rubbed / volume
         normal = contact[:, ZZ] + kinetic[:, ZZ]
         rate = shear_rate(profile.velocity(), self.slice_height, self.diameter)
-        found["stress_ratio_profile"] = stress_ratio(contact[:, XZ] + kinetic[:, XZ], normal)
-        found["inertial_number_profile"] = inertial_number(
+        tables["stress_ratio_profile"] = stress_ratio(contact[:, XZ] + kinetic[:, XZ], normal)
+        tables["inertial_number_profile"] = inertial_number(
             rate, normal, self.diameter, self.density
         )
-        return found
+        return tables

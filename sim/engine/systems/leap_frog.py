@@ -14,7 +14,7 @@ import numpy as np
 
 from sim.engine.boundary.drive import acceleration, note_work
 from sim.engine.boundary.plane import Plane, plane_forces
-from sim.engine.compile import inlined, kernel, vectorised, wide_vectors
+from sim.engine.compile import assume_no_alias, inlined, kernel, prefer_wide_vectors
 from sim.engine.dynamics.mean_flow import AGE, allowed_stray
 from sim.engine.dynamics.neighbors import PairList
 from sim.engine.dynamics.orientation import rotate
@@ -35,16 +35,16 @@ from sim.engine.systems.sharing import (
 STEPS, MOMENTUM, CONTACTS, LARGEST, NORMAL_LOSS, FRICTION_WORK, PLANE_X, PLANE_Z = range(8)
 SUMS = 8
 
-# ``Sharing.parts`` has the same columns, and behind them the sums of the velocities along x, y and
-# z and the number of particles that have strayed too far.
-MOVED, STRAYED, PARTS = 8, 11, 12
+# ``Sharing.parts`` has the same columns, followed by the sums of the velocities along x, y and z
+# and the number of particles that have strayed too far.
+VELOCITY_SUMS, STRAYED, PARTS = 8, 11, 12
 
-#: Particles that are taken together, so that they stay in the cache from one loop to the next.
+#: Number of particles in a strip: few enough to stay in the cache from one loop to the next.
 STRIP = 2048
 
 
 class FlowContacts(NamedTuple):
-    """What the spheres may touch, and what they remember of it.
+    """Contact partners of the spheres, and the memory of their contacts.
 
     ``laws`` between two spheres and between a sphere and the plane; ``memory`` (2, M, C) of pairs.
     """
@@ -56,8 +56,8 @@ class FlowContacts(NamedTuple):
 
 
 class Motion(NamedTuple):
-    """``drive``, ``time_step`` (s), the largest overlap relative to the sum of the radii that is
-    admitted, and the ``inertia``, moment of inertia over m r², infinite without rotation."""
+    """``drive``, ``time_step`` (s), the largest overlap allowed relative to the sum of the radii,
+    and the ``inertia``, moment of inertia over m r², infinite without rotation."""
 
     drive: NamedTuple
     time_step: float
@@ -66,9 +66,9 @@ class Motion(NamedTuple):
 
 
 class Flow(NamedTuple):
-    """What the loop over steps carries besides particles and contacts.
+    """State of the loop over steps besides particles and contacts.
 
-    ``step`` (1,) number of the last completed step; ``sums`` (8,) see above; ``fixed`` (1,) whether
+    ``step`` (1,) number of the last completed step; ``sums`` (8,) see above; ``fixed`` (1,) True if
     some particles are fixed in space; ``sharing`` between threads.
     """
 
@@ -92,13 +92,12 @@ def make_flow(particles: int, threads: int = 1, fixed: bool = False) -> Flow:
 def move_spheres(spheres, pairs, motion, gravity, allowed, share):
     """Advance velocities and positions of some particles by one step.
 
-    ``gravity`` (m/s²) is that of the drive in this step.
-    Returns the sums of the velocities along x, y and z, the momentum along x, how many particles
-    are farther than ``allowed`` (m) from where drift and mean flow would have carried them. Any
-    common vector serves as the drift, so the mean velocity of the last step may be used to advance
-    it.
+    ``gravity`` (m/s²) is that of the drive in this step. Returns the sums of the velocities along
+    x, y and z, the momentum along x, and the number of particles farther than ``allowed`` (m) from
+    their positions under drift and mean flow. Any common vector serves as the drift, so the mean
+    velocity of the last step may advance it.
     """
-    vectorised()
+    assume_no_alias()
     rank, begin, end = share
     time_step, inertia = motion.time_step, motion.inertia
     x, v, w = spheres.position, spheres.velocity, spheres.rim
@@ -131,8 +130,8 @@ def move_spheres(spheres, pairs, motion, gravity, allowed, share):
 
 
 @inlined
-def hold(spheres, gravity, time_step, share):
-    """Keep the fixed particles where they are through the next move.
+def hold_fixed(spheres, gravity, time_step, share):
+    """Set the velocities of fixed particles so that the next move leaves them in place.
 
     Returns the sums of the forces on them along x and z (N).
     """
@@ -142,36 +141,36 @@ def hold(spheres, gravity, time_step, share):
         if spheres.inverse_mass[i] == 0.0:
             along += spheres.force[rank, 0, i]
             upward += spheres.force[rank, 2, i]
-            # What gravity adds to it makes zero, to the last bit.
+            # Gravity cancels this velocity in the next move, to the last bit.
             for d in range(3):
                 spheres.velocity[d, i] = -(gravity[d] * time_step)
     return along, upward
 
 
 @inlined
-def _note(part, touching, overlap, lost, work):
+def _add_to_part(part, touching, overlap, loss, work):
     """Add the contacts of a strip to a thread's part of the sums."""
     part[CONTACTS] += touching
     part[LARGEST] = max(part[LARGEST], overlap)
-    part[NORMAL_LOSS] += lost
+    part[NORMAL_LOSS] += loss
     part[FRICTION_WORK] += work
 
 
 @inlined
 def _add_pair_forces(spheres, contacts, flow, motion, thread, step):
-    """Begin a part of a step with the forces of the pairs whose first partner is the thread's."""
+    """Begin a thread's part of a step: forces of the pairs whose first partner is in its share."""
     share, part = own_share(flow.sharing, thread.rank), flow.sharing.parts[step % 2, thread.rank]
     for column in range(PARTS):
         part[column] = 0.0
     clear_forces(spheres, flow.sharing, share)
     before, after = contacts.memory[(step + 1) % 2], contacts.memory[step % 2]
-    between = Contacts(contacts.laws[0], contacts.pairs, before, after)
+    pair_contacts = Contacts(contacts.laws[0], contacts.pairs, before, after)
     for start in range(share.begin, share.end, STRIP):
         strip = Share(share.rank, start, min(start + STRIP, share.end))
-        touching, overlap, lost, work = sphere_forces(
-            spheres, between, thread.scratch, motion.time_step, strip
+        touching, overlap, loss, work = sphere_forces(
+            spheres, pair_contacts, thread.scratch, motion.time_step, strip
         )
-        _note(part, 2.0 * touching, overlap, lost, work)
+        _add_to_part(part, 2.0 * touching, overlap, loss, work)
 
 
 @inlined
@@ -184,32 +183,34 @@ def _finish_forces_and_move(spheres, contacts, flow, motion, thread, step):
     share, part = own_share(flow.sharing, thread.rank), flow.sharing.parts[step % 2, thread.rank]
     plane, time_step = contacts.plane, motion.time_step
     before, after = plane.memory[(step + 1) % 2], plane.memory[step % 2]
-    on_plane = Contacts(contacts.laws[1], plane.slot, before, after)
+    plane_contacts = Contacts(contacts.laws[1], plane.slot, before, after)
     allowed = allowed_stray(contacts.pairs, time_step)
     gravity = acceleration(motion.drive, step, time_step)
     for start in range(share.begin, share.end, STRIP):
         strip = Share(share.rank, start, min(start + STRIP, share.end))
-        touching, overlap, lost, work, along, upward = plane_forces(
-            spheres, on_plane, thread.scratch, time_step, strip
+        touching, overlap, loss, work, along, upward = plane_forces(
+            spheres, plane_contacts, thread.scratch, time_step, strip
         )
         collect_forces(spheres, flow.sharing, strip)
-        held_x, held_z = hold(spheres, gravity, time_step, strip) if flow.fixed[0] else (0.0, 0.0)
-        moved, momentum, strayed = move_spheres(
+        fixed_x, fixed_z = (
+            hold_fixed(spheres, gravity, time_step, strip) if flow.fixed[0] else (0.0, 0.0)
+        )
+        velocity_sums, momentum, strayed = move_spheres(
             spheres, contacts.pairs, motion, gravity, allowed, strip
         )
         rotate(spheres.orientation, spheres.rim, spheres.radius, time_step, strip.begin, strip.end)
-        _note(part, touching, overlap, lost, work)
+        _add_to_part(part, touching, overlap, loss, work)
         part[MOMENTUM] += momentum
-        part[PLANE_X] += along - held_x
-        part[PLANE_Z] += upward - held_z
+        part[PLANE_X] += along - fixed_x
+        part[PLANE_Z] += upward - fixed_z
         part[STRAYED] += strayed
         for d in range(3):
-            part[MOVED + d] += moved[d]
+            part[VELOCITY_SUMS + d] += velocity_sums[d]
 
 
 @inlined
-def _take_stock(pairs, flow, motion, step):
-    """Add up the parts of a step: sums of observables, the drift, whether the list still holds."""
+def _add_up_parts(pairs, flow, motion, step):
+    """Add up the parts of a step: sums of observables, drift, validity of the neighbor list."""
     sums, parts, number = flow.sums, flow.sharing.parts[step % 2], pairs.stream.size
     time_step, strayed, along, upward = motion.time_step, 0.0, 0.0, 0.0
     for rank in range(parts.shape[0]):
@@ -224,7 +225,7 @@ def _take_stock(pairs, flow, motion, step):
         upward += parts[rank, PLANE_Z]
         strayed += parts[rank, STRAYED]
         for d in range(3):
-            pairs.drift[d] += parts[rank, MOVED + d] * time_step / number
+            pairs.drift[d] += parts[rank, VELOCITY_SUMS + d] * time_step / number
     note_work(motion.drive, step, time_step, along, upward)
     sums[STEPS] += 1.0
     pairs.clock[AGE] += 1.0
@@ -236,11 +237,11 @@ def _take_stock(pairs, flow, motion, step):
 def advance_spheres(spheres, contacts, flow, motion, thread, steps):
     """Advance the flow by a number of steps; return a status.
 
-    Every thread of the team that shares a gate calls this; where one of them never comes, nothing
-    happens. On LIST_FULL nothing is lost: give the pair list more room and call again for the steps
-    that ``flow.step`` says are missing.
+    Every thread of the team that shares a gate calls this; if one of them fails before the gate,
+    nothing happens. On LIST_FULL nothing is lost: give the pair list more room and call again for
+    the missing steps, see ``flow.step``.
     """
-    wide_vectors()
+    prefer_wide_vectors()
     step, valid = flow.step[0], contacts.pairs.valid[0]
     last = step + steps
     if barrier(thread.gate):
@@ -263,7 +264,7 @@ def advance_spheres(spheres, contacts, flow, motion, thread, steps):
             largest = max(largest, parts[rank, LARGEST])
         valid = strayed == 0.0
         if thread.rank == 0:
-            _take_stock(contacts.pairs, flow, motion, step)
+            _add_up_parts(contacts.pairs, flow, motion, step)
         if not largest < motion.overlap_limit:
             return OVERLAP
     return OK

@@ -20,8 +20,8 @@ STENCIL = {
 MAX_TRIALS = 20_000
 
 
-class Placed(NamedTuple):
-    """Particles placed so far, as linked lists by cell.
+class Packing(NamedTuple):
+    """The particles that have positions so far, as linked lists by cell.
 
     ``position`` (N, D) and ``radius`` (N,) of all; ``cells`` (D,) per direction, of ``size`` (m)
     along the open one; ``first`` (C,) particle in each cell and the ``next`` (N,) behind each, -1
@@ -38,7 +38,7 @@ class Placed(NamedTuple):
     stencil: np.ndarray
 
 
-def _nothing_placed(box: Box, height: float, radius: np.ndarray) -> Placed:
+def _empty_packing(box: Box, height: float, radius: np.ndarray) -> Packing:
     dimension, number = len(box.length), len(radius)
     size = float(2.0 * radius.max())
     extent = np.array([*box.length[:-1], height])
@@ -49,7 +49,7 @@ def _nothing_placed(box: Box, height: float, radius: np.ndarray) -> Placed:
         np.full(cells.prod(), -1),
         np.full(number, -1),
     )
-    return Placed(position, radius, box, cells, size, first, following, STENCIL[dimension])
+    return Packing(position, radius, box, cells, size, first, following, STENCIL[dimension])
 
 
 def random_packing(box: Box, height: float, radius: np.ndarray, rng) -> np.ndarray:
@@ -59,61 +59,61 @@ def random_packing(box: Box, height: float, radius: np.ndarray, rng) -> np.ndarr
     ``height`` (m) above zero. Raises ``ValueError`` when the particles do not fit.
     """
     number, extent = len(radius), np.array([*box.length[:-1], height])
-    placed = _nothing_placed(box, height, radius)
+    packing = _empty_packing(box, height, radius)
     count, trials = 0, 0
     while count < number:
         if trials > MAX_TRIALS * number:
             raise ValueError(f"only {count} of {number} particles fit without overlap")
         candidates = rng.random((max(64, 4 * (number - count)), len(extent))) * extent
         trials += len(candidates)
-        count = _insert(candidates, count, placed)
-    return placed.position
+        count = _insert(candidates, count, packing)
+    return packing.position
 
 
 @kernel
-def _insert(candidates, count, placed):
-    """Add the candidates that overlap no earlier particle; return how many are placed by now."""
-    box, cells = placed.box, placed.cells
+def _insert(candidates, count, packing):
+    """Add the candidates that overlap no earlier particle; return the number placed so far."""
+    box, cells = packing.box, packing.cells
     dimension = len(box.length)
     home = np.zeros(dimension, np.int64)
     for c in range(candidates.shape[0]):
-        if count == placed.radius.size:
+        if count == packing.radius.size:
             break
         trial = candidates[c]
-        trial[dimension - 1] += placed.radius[count]
+        trial[dimension - 1] += packing.radius[count]
         for d in range(dimension):
-            width = box.length[d] / cells[d] if box.length[d] > 0.0 else placed.size
+            width = box.length[d] / cells[d] if box.length[d] > 0.0 else packing.size
             home[d] = min(int(trial[d] / width), cells[d] - 1)
-        if _is_free(trial, home, placed.radius[count], placed):
+        if _is_free(trial, home, packing.radius[count], packing):
             index = 0
             for d in range(dimension):
-                placed.position[count, d] = trial[d]
+                packing.position[count, d] = trial[d]
                 index = index * cells[d] + home[d]
-            placed.next[count] = placed.first[index]
-            placed.first[index] = count
+            packing.next[count] = packing.first[index]
+            packing.first[index] = count
             count += 1
     return count
 
 
 @inlined
-def _is_free(trial, home, radius, placed):
-    """Return whether a trial position overlaps no particle in the cells around its home cell."""
-    box, cells = placed.box, placed.cells
+def _is_free(trial, home, radius, packing):
+    """True where a trial position overlaps no particle in the cells around its home cell."""
+    box, cells = packing.box, packing.cells
     dimension = len(box.length)
-    for s in range(placed.stencil.shape[0]):
+    for s in range(packing.stencil.shape[0]):
         index, inside = 0, True
         for d in range(dimension):
-            k = home[d] + placed.stencil[s, d]
+            k = home[d] + packing.stencil[s, d]
             if box.length[d] > 0.0:
                 k += cells[d] if k < 0 else (-cells[d] if k >= cells[d] else 0)
             inside &= 0 <= k < cells[d]
             index = index * cells[d] + k
-        other = placed.first[index] if inside else -1
+        other = packing.first[index] if inside else -1
         while other >= 0:
             square = 0.0
             for d in range(dimension):
-                square += nearest_image(trial[d] - placed.position[other, d], box, d) ** 2
-            if square < (radius + placed.radius[other]) ** 2:
+                square += nearest_image(trial[d] - packing.position[other, d], box, d) ** 2
+            if square < (radius + packing.radius[other]) ** 2:
                 return False
-            other = placed.next[other]
+            other = packing.next[other]
     return True

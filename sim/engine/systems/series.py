@@ -1,10 +1,10 @@
-"""Which time series of each system add up to the energy, and sums since the start."""
+"""The energy ledger of each system, and totals since the start."""
 
 from typing import Any
 
 import numpy as np
 
-from sim.engine.observe.ledger import Ledger
+from sim.engine.observe.system import Ledger
 
 CHUTE_LEDGER = Ledger(
     terms=dict.fromkeys(
@@ -47,8 +47,11 @@ CONVEYOR_LEDGER = Ledger(
 )
 
 
-def since_start(system: Any, name: str, gained: np.ndarray) -> np.ndarray:
-    """Return a sum since the start at each of some samples, and keep the last in the system."""
+def total_since_start(system: Any, name: str, gained: np.ndarray) -> np.ndarray:
+    """Return the total since the start at each of K samples, and store the last in the system.
+
+    ``name`` is the attribute with the total so far, ``gained`` (K,) the gain of each sample.
+    """
     total = np.cumsum([getattr(system, name), *gained])
     setattr(system, name, float(total[-1]))
     return total[1:]

@@ -6,7 +6,7 @@ import numpy as np
 
 from sim.engine.boundary.belt import Belt, belt_forces
 from sim.engine.boundary.obstacle import Obstacle, obstacle_forces
-from sim.engine.compile import inlined, kernel, vectorised, wide_vectors
+from sim.engine.compile import assume_no_alias, inlined, kernel, prefer_wide_vectors
 from sim.engine.dynamics.cells import reorder
 from sim.engine.dynamics.disks import TERMS, disk_forces
 from sim.engine.dynamics.gear import correct, flush, predict
@@ -17,7 +17,7 @@ from sim.engine.dynamics.status import OK, OVERLAP
 # Columns of ``Shaking.sums``: sums over the steps since they were last cleared, but for the largest
 # overlap.
 STEPS, MOMENTUM, CONTACTS, LARGEST, NORMAL_LOSS, SHEAR_LOSS, BELT_WORK, VELOCITY = range(8)
-BELT_PUSH_X, BELT_PUSH_Z, RESTING, TOUCHED = range(8, 12)
+BELT_PUSH_X, BELT_PUSH_Z, BELT_CONTACTS, BELT_TOUCH_STEPS = range(8, 12)
 SUMS = 12
 
 #: Steps between two searches for vanishing Taylor terms.
@@ -25,7 +25,7 @@ FLUSH_INTERVAL = 32
 
 
 class BedContacts(NamedTuple):
-    """What the beads may touch, their ``law``, and scratch of the ``search`` for contacts."""
+    """Contact partners of the beads, their ``law``, and scratch of the ``search`` for contacts."""
 
     law: NamedTuple
     pairs: PairList
@@ -35,8 +35,8 @@ class BedContacts(NamedTuple):
 
 
 class BedMotion(NamedTuple):
-    """The ``integrator``, ``gravity`` (m/s²) along -z, the largest overlap relative to the sum of
-    the radii that is admitted, and how many ``corrections`` a step has."""
+    """The ``integrator``, ``gravity`` (m/s²) along -z, the largest overlap allowed relative to the
+    sum of the radii, and the number of ``corrections`` in a step."""
 
     integrator: NamedTuple
     gravity: float
@@ -45,10 +45,11 @@ class BedMotion(NamedTuple):
 
 
 class Shaking(NamedTuple):
-    """What the loop over steps carries besides beads and neighbor list.
+    """State of the loop over steps besides beads and neighbor list.
 
-    ``step`` (1,) number of the last completed step; ``evaluation`` (1,) which evaluation of the
-    forces of the next step comes next, 0 before its prediction; ``sums`` (12,) see above.
+    ``step`` (1,) number of the last completed step; ``evaluation`` (1,) number of the next
+    evaluation of the forces within the next step, 0 before its prediction; ``sums`` (12,) see
+    above.
     """
 
     step: np.ndarray
@@ -62,18 +63,18 @@ def make_shaking() -> Shaking:
 
 
 @inlined
-def list_holds(disks, pairs, time_step):
-    """Return whether no bead has strayed too far from the mean displacement of all."""
-    vectorised()
-    allowed = allowed_stray(pairs, time_step)
-    limit = allowed * allowed
+def is_list_valid(disks, pairs, time_step):
+    """True where no bead has strayed too far from the mean displacement of all."""
+    assume_no_alias()
+    largest_stray = allowed_stray(pairs, time_step)
+    limit = largest_stray * largest_stray
     outside, x, z = 0.0, 0.0, 0.0
     number = disks.radius.size
     for i in range(number):
         dx = disks.taylor[0, 0, i] - pairs.anchor[0, i]
         dz = disks.taylor[0, 1, i] - pairs.anchor[1, i]
-        strayed = (dx - pairs.drift[0]) ** 2 + (dz - pairs.drift[1]) ** 2
-        outside += 0.0 if strayed < limit else 1.0
+        stray_squared = (dx - pairs.drift[0]) ** 2 + (dz - pairs.drift[1]) ** 2
+        outside += 0.0 if stray_squared < limit else 1.0
         x += dx
         z += dz
     # Any common vector serves as the drift: the next step uses this step's mean displacement.
@@ -84,9 +85,9 @@ def list_holds(disks, pairs, time_step):
 
 @inlined
 def refresh_beads(disks, pairs):
-    """Rebuild the neighbor list and sort the beads by place; return a status."""
-    forgotten = np.empty((0, 0))
-    status, order = refresh(pairs, disks.taylor[0], disks.radius, forgotten)
+    """Rebuild the neighbor list and sort the beads by position; return a status."""
+    no_memory = np.empty((0, 0))
+    status, order = refresh(pairs, disks.taylor[0], disks.radius, no_memory)
     if status == OK:
         for k in range(1, TERMS):
             reorder(disks.taylor[k], order)
@@ -106,16 +107,16 @@ def _clear_forces(disks):
 @inlined
 def move_disks(integrator, disks, gravity):
     """Correct all coordinates; return the sums of velocity times Δt and of momentum times Δt."""
-    vectorised()
-    moved, momentum = 0.0, 0.0
+    assume_no_alias()
+    displacement, momentum = 0.0, 0.0
     for i in range(disks.radius.size):
         rate = 1.0 / disks.mass[i]
         correct(integrator, disks.taylor, 0, i, disks.force[0, i] * rate)
         correct(integrator, disks.taylor, 1, i, disks.force[1, i] * rate - gravity)
     for i in range(disks.radius.size):
-        moved += disks.taylor[1, 0, i]
+        displacement += disks.taylor[1, 0, i]
         momentum += disks.mass[i] * disks.taylor[1, 0, i]
-    return moved, momentum
+    return displacement, momentum
 
 
 @kernel
@@ -124,9 +125,9 @@ def advance_disks(disks, contacts, shaking, motion, steps):
 
     Losses are those of a step's last evaluation of the forces. On LIST_FULL nothing is lost: the
     positions are already those predicted for the next step, or corrected once, so give the pair
-    list more room and call again for the steps that ``shaking.step`` says are missing.
+    list more room and call again for the missing steps, see ``shaking.step``.
     """
-    wide_vectors()
+    prefer_wide_vectors()
     law, pairs, belt, obstacle, search = contacts
     integrator, gravity, overlap_limit, corrections = motion
     sums = shaking.sums
@@ -137,36 +138,40 @@ def advance_disks(disks, contacts, shaking, motion, steps):
         if shaking.evaluation[0] == 0:
             predict(integrator, disks.taylor)
             shaking.evaluation[0] = 1
-        pairs.valid[0] = pairs.valid[0] and list_holds(disks, pairs, time_step)
+        pairs.valid[0] = pairs.valid[0] and is_list_valid(disks, pairs, time_step)
         if not pairs.valid[0]:
             status = refresh_beads(disks, pairs)
             if status != OK:
                 return status
         _clear_forces(disks)
-        touching, overlap, pressed, sheared = disk_forces(law, disks, pairs, search, time_step)
-        resting, belt_overlap, belt_pressed, belt_sheared, power, push = belt_forces(
-            law, disks, belt, search, step * time_step, time_step
+        touching, overlap, pair_normal_power, pair_shear_power = disk_forces(
+            law, disks, pairs, search, time_step
         )
-        blocked, obstacle_overlap, fixed_pressed, fixed_sheared = obstacle_forces(
-            law, disks, obstacle, pairs.box, search, time_step
+        belt_contacts, belt_overlap, belt_normal_power, belt_shear_power, belt_power, belt_force = (
+            belt_forces(law, disks, belt, search, step * time_step, time_step)
         )
-        moved, momentum = move_disks(integrator, disks, gravity)
+        obstacle_contacts, obstacle_overlap, obstacle_normal_power, obstacle_shear_power = (
+            obstacle_forces(law, disks, obstacle, pairs.box, search, time_step)
+        )
+        displacement, momentum = move_disks(integrator, disks, gravity)
         if shaking.evaluation[0] < corrections:
             shaking.evaluation[0] += 1
             continue
         overlap = max(overlap, belt_overlap, obstacle_overlap)
         sums[STEPS] += 1.0
-        sums[VELOCITY] += moved / (time_step * disks.radius.size)
+        sums[VELOCITY] += displacement / (time_step * disks.radius.size)
         sums[MOMENTUM] += momentum / time_step
-        sums[CONTACTS] += 2.0 * touching + resting + blocked
+        sums[CONTACTS] += 2.0 * touching + belt_contacts + obstacle_contacts
         sums[LARGEST] = max(sums[LARGEST], overlap)
-        sums[NORMAL_LOSS] += (pressed + belt_pressed + fixed_pressed) * time_step
-        sums[SHEAR_LOSS] += (sheared + belt_sheared + fixed_sheared) * time_step
-        sums[BELT_WORK] += power * time_step
-        sums[BELT_PUSH_X] += push[0]
-        sums[BELT_PUSH_Z] += push[1]
-        sums[RESTING] += resting
-        sums[TOUCHED] += 1.0 if resting > 0 else 0.0
+        sums[NORMAL_LOSS] += (
+            pair_normal_power + belt_normal_power + obstacle_normal_power
+        ) * time_step
+        sums[SHEAR_LOSS] += (pair_shear_power + belt_shear_power + obstacle_shear_power) * time_step
+        sums[BELT_WORK] += belt_power * time_step
+        sums[BELT_PUSH_X] += belt_force[0]
+        sums[BELT_PUSH_Z] += belt_force[1]
+        sums[BELT_CONTACTS] += belt_contacts
+        sums[BELT_TOUCH_STEPS] += 1.0 if belt_contacts > 0 else 0.0
         if step % FLUSH_INTERVAL == 0:
             flush(disks.taylor)
         shaking.step[0] = step

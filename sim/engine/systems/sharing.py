@@ -4,10 +4,16 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sim.engine.compile import inlined, vectorised
+from sim.engine.compile import assume_no_alias, inlined
 from sim.engine.dynamics.cells import reorder
 from sim.engine.dynamics.mean_flow import set_stream
-from sim.engine.dynamics.neighbors import adopt, carry_slots, find_next, has_room, tidy
+from sim.engine.dynamics.neighbors import (
+    adopt_part,
+    carry_slots,
+    find_next,
+    has_room,
+    wrap_particles,
+)
 from sim.engine.dynamics.spheres import Scratch
 from sim.engine.dynamics.status import LIST_FULL, OK
 from sim.engine.dynamics.team import Share, barrier
@@ -17,12 +23,12 @@ GROUP = 64
 
 
 class Sharing(NamedTuple):
-    """Who does what, and what each of T threads has found in a step.
+    """The shares of T threads, and their results of a step.
 
-    ``border`` (T + 1,) first particle of each thread; ``reached`` (T, N // 64 + 1) which groups of
-    64 particles of other threads it adds forces to; ``parts`` (2, T, P) its part of the sums of a
-    step, of even and odd steps in turn, for a thread may begin a step while others still add up the
-    last one; ``status`` (1,) of the last refresh.
+    ``border`` (T + 1,) first particle of each thread; ``reached`` (T, N // 64 + 1) True for groups
+    of 64 particles of other threads that it adds forces to; ``parts`` (2, T, P) its part of the
+    sums of even and of odd steps, as a thread may begin a step while others still add up the last
+    one; ``status`` (1,) of the last refresh.
     """
 
     border: np.ndarray
@@ -32,7 +38,7 @@ class Sharing(NamedTuple):
 
 
 class Thread(NamedTuple):
-    """A thread of a team: its ``rank``, the ``gate`` where all meet, and ``scratch`` of its own."""
+    """A thread of a team: its ``rank``, the common ``gate``, and ``scratch`` of its own."""
 
     rank: int
     gate: np.ndarray
@@ -57,8 +63,8 @@ def own_share(sharing, rank):
 
 @inlined
 def clear_forces(spheres, sharing, share):
-    """Set to zero what one thread may have added to: its own particles and those marked for it."""
-    vectorised()
+    """Clear one thread's forces and moments: on its own particles and on groups marked for it."""
+    assume_no_alias()
     rank, begin, end = share
     for d in range(3):
         for k in range(begin, end):
@@ -76,8 +82,8 @@ def clear_forces(spheres, sharing, share):
 
 @inlined
 def collect_forces(spheres, sharing, share):
-    """Add to a thread's forces on its own particles what the threads before it have added there."""
-    vectorised()
+    """Add the forces of earlier threads to a thread's forces on its own particles."""
+    assume_no_alias()
     rank, begin, end = share
     for other in range(rank):
         for group in range(begin // GROUP, (end + GROUP - 1) // GROUP):
@@ -91,15 +97,15 @@ def collect_forces(spheres, sharing, share):
 
 @inlined
 def refresh_together(spheres, pairs, plane, sharing, thread, memory):
-    """Rebuild the neighbor list, sort the particles by place and share them out anew.
+    """Rebuild the neighbor list, sort the particles by position and share them out anew.
 
-    Done by all threads together; ``memory`` (M, C) is that of the last step. Returns a status:
-    unless it is OK, list and particles are as they were, but for positions wrapped into the cell.
+    All threads call it together; ``memory`` (M, C) is that of the last step. Returns a status:
+    unless it is OK, nothing has changed but positions, which are wrapped into the cell.
     """
     rank, gate = thread.rank, thread.gate
     threads = sharing.border.size - 1
     if rank == 0:
-        sharing.status[0] = tidy(pairs, spheres.position)
+        sharing.status[0] = wrap_particles(pairs, spheres.position)
     barrier(gate)
     if sharing.status[0] != OK:
         return sharing.status[0]
@@ -107,10 +113,12 @@ def refresh_together(spheres, pairs, plane, sharing, thread, memory):
     barrier(gate)
     if not has_room(pairs, threads):
         return LIST_FULL
-    before = own_share(sharing, rank)
-    carry_slots(pairs, ordered.order, memory, pairs.start[before.begin], pairs.start[before.end])
+    old_share = own_share(sharing, rank)
+    carry_slots(
+        pairs, ordered.order, memory, pairs.start[old_share.begin], pairs.start[old_share.end]
+    )
     barrier(gate)
-    adopt(pairs, spheres.position, ordered, share, threads)
+    adopt_part(pairs, spheres.position, ordered, share, threads)
     if rank == 0:
         reorder(spheres.velocity, ordered.order)
         reorder(spheres.rim, ordered.order)
@@ -128,7 +136,7 @@ def refresh_together(spheres, pairs, plane, sharing, thread, memory):
 
 @inlined
 def _reorder_rest(spheres, plane, order):
-    """Sort by place what the search for pairs and the velocities do not include."""
+    """Sort all arrays but positions, velocities and rims, which are sorted elsewhere."""
     number = order.size
     reorder(spheres.orientation, order)
     reorder(spheres.radius.reshape(1, number), order)

@@ -1,1 +1,1 @@
-"""The particles of a run for other programs, a format each module."""
+"""Export of the particles of a run for other programs, one module per format."""

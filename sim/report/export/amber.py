@@ -1,7 +1,7 @@
 """Frames as a netCDF file after the AMBER convention, in its units: Å, ps and degrees.
 
-AMBER NetCDF Trajectory/Restart Convention, version 1.0, revision B. Radii and spins, for which it
-has no names, stand beside as ``radius`` and ``spin``; readers pass over what they do not know.
+AMBER NetCDF Trajectory/Restart Convention, version 1.0, revision B. The variables
+``radius`` and ``spin`` are additions; readers ignore variables that they do not know.
 """
 
 from pathlib import Path
@@ -9,7 +9,7 @@ from pathlib import Path
 import netCDF4
 import numpy as np
 
-from sim.base.files import replacing
+from sim.base.files import atomic_write
 from sim.base.program import __version__
 from sim.report.export.frames import Frames
 
@@ -20,11 +20,11 @@ ANGSTROM, PICOSECOND = 1e10, 1e12
 def write_amber(path: Path, frames: Frames) -> None:
     """Write an AMBER trajectory with velocities and cell.
 
-    The convention knows cells that begin at the origin and are periodic everywhere: where this one
-    is not, it is as long as all frames need.
+    Cells of the convention begin at the origin and are periodic in all directions. Along directions
+    that are not periodic, the cell contains all frames.
     """
     with (
-        replacing(path) as temporary,
+        atomic_write(path) as temporary,
         netCDF4.Dataset(temporary, "w", format="NETCDF3_64BIT_OFFSET") as file,
     ):
         _define(file, frames)
@@ -57,7 +57,7 @@ def _define(file: netCDF4.Dataset, frames: Frames) -> None:
     angles = netCDF4.stringtochar(np.array([b"alpha", b"beta ", b"gamma"]))
     file.createVariable("cell_angular", "S1", ("cell_angular", "label"))[:] = angles
     vectors = ("frame", "atom", "spatial")
-    wanted = {
+    variables = {
         "time": ("f4", ("frame",), "picosecond"),
         "coordinates": ("f4", vectors, "angstrom"),
         "velocities": ("f4", vectors, "angstrom/picosecond"),
@@ -66,6 +66,6 @@ def _define(file: netCDF4.Dataset, frames: Frames) -> None:
         "radius": ("f4", ("frame", "atom"), "angstrom"),
     }
     if frames.has_spin:
-        wanted["spin"] = ("f4", vectors, "radian/picosecond")
-    for name, (kind, dimensions, unit) in wanted.items():
+        variables["spin"] = ("f4", vectors, "radian/picosecond")
+    for name, (kind, dimensions, unit) in variables.items():
         file.createVariable(name, kind, dimensions).units = unit

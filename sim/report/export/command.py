@@ -6,14 +6,14 @@ from pathlib import Path
 
 import netCDF4
 
-from sim.base.damage import checked_read
 from sim.base.errors import InputError
 from sim.base.files import require_writable
+from sim.base.seals import checked_read
 from sim.engine.stored_run import parameters_of
 from sim.report.export import amber, text, vtk
 from sim.report.export.frames import Frames, frames_of
 
-#: Format -> how the names of its files may end, the usual one first, and what writes one.
+#: Suffixes of the files of each format, the usual one first, and the function that writes one.
 FORMATS: dict[str, tuple[tuple[str, ...], Callable[[Path, Frames], None]]] = {
     "amber": ((".ncdf", ".nc"), amber.write_amber),
     "extxyz": ((".xyz", ".extxyz"), text.write_extxyz),
@@ -32,15 +32,15 @@ def export(path: Path, to: str, output: Path | None, replicate: int) -> str:
     to : str
         One of `FORMATS`.
     output : Path, optional
-        The file to write, which must not be there, with an ending of the format, by which other
-        programs know it; else named like the run file, in this folder.
+        The file to write. It must not exist, and needs a suffix of the format, by which other
+        programs recognise it. By default, it is named like the run file, in the present folder.
     replicate : int
         Number of the replicate, from 0.
 
     Returns
     -------
     str
-        What has been written.
+        A line on the written file.
 
     Raises
     ------
@@ -67,17 +67,17 @@ def export(path: Path, to: str, output: Path | None, replicate: int) -> str:
         try:
             write(output, frames)
         except RuntimeError as error:
-            # What the library says of a full disk.
+            # The library raises this on a full disk.
             raise OSError(f"{output}: cannot be written: {error}") from None
     return f"{output}: {len(frames.times):,} frames of {len(frames.radius):,} particles"
 
 
 def _require_new(output: Path, to: str) -> None:
-    made = [output]
+    outputs = [output]
     if to == "vtk":
         vtk.require_library()
-        made.append(vtk.folder_of(output))
-    for one in made:
-        if one.exists():
-            raise InputError.of_value("--output", "", str(one), "a name that nothing has")
+        outputs.append(vtk.folder_of(output))
+    for path in outputs:
+        if path.exists():
+            raise InputError.of_value("--output", "", str(path), "a name that nothing has")
     require_writable(output.parent, "--output")

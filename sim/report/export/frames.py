@@ -11,9 +11,9 @@ from sim.base.errors import InputError
 from sim.parameters import Parameters
 from sim.parameters.spheres import SphereParameters
 
-#: What a frame is made of: in a trajectory, and in the first and last state of any run.
-_OF_TRAJECTORY = ("trajectory_position", "trajectory_velocity", "trajectory_spin")
-_OF_ENDS = ("position", "particle_velocity", "particle_spin")
+#: Variables of the frames of a trajectory, and of the first and last state of any run.
+_TRAJECTORY_VARIABLES = ("trajectory_position", "trajectory_velocity", "trajectory_spin")
+_END_VARIABLES = ("position", "particle_velocity", "particle_spin")
 
 
 class Frame(NamedTuple):
@@ -30,9 +30,10 @@ class Frame(NamedTuple):
 class Frames:
     """The frames of a replicate, read one by one.
 
-    ``radius`` (N,) of the particles (m), ``kind`` (N,) of them: 1 for those that move, 2 for those
-    glued to the plane; ``low`` and ``high`` (3,) corners of the cell (m), ``periodic`` (3,) or not;
-    ``times`` (F,) of the frames (s), ``steps`` (F,) time steps by then.
+    ``radius`` (N,) are the radii of the particles (m); ``kind`` (N,) is 1 for moving particles and
+    2 for those glued to the plane. ``low`` and ``high`` (3,) are corners of the cell (m), and
+    ``periodic`` (3,) is true along its periodic directions. ``times`` (F,) are those of the frames
+    (s), and ``steps`` (F,) the numbers of time steps until then.
     """
 
     radius: np.ndarray
@@ -54,28 +55,28 @@ class Frames:
     def __iter__(self) -> Iterator[Frame]:
         for time, place in zip(self.times, self._places, strict=True):
             position, velocity, spin = (
-                None if variable is None else self._in_space(variable[place])
+                None if variable is None else self._to_space(variable[place])
                 for variable in self._variables
             )
             assert position is not None and velocity is not None, "every run file has both"
-            yield Frame(float(time), self._wrapped(position), velocity, spin)
+            yield Frame(float(time), self._wrap(position), velocity, spin)
 
-    def _wrapped(self, position: np.ndarray) -> np.ndarray:
-        """Return positions within the cell: those of a run are now and then put back into it."""
+    def _wrap(self, position: np.ndarray) -> np.ndarray:
+        """Return positions wrapped into the cell; a run wraps its own only now and then."""
         length = np.where(self.periodic, self.high - self.low, np.inf)
         return position - np.where(self.periodic, length, 0.0) * np.floor(position / length)
 
-    def _in_space(self, vectors: np.ndarray) -> np.ndarray:
-        """Return vectors (N, D) as (N, 3)."""
-        found = np.zeros((len(vectors), 3), vectors.dtype)
-        found[:, self._columns] = vectors
-        return found
+    def _to_space(self, vectors: np.ndarray) -> np.ndarray:
+        """Return vectors (N, D) as (N, 3), with zeros along missing axes."""
+        padded = np.zeros((len(vectors), 3), vectors.dtype)
+        padded[:, self._columns] = vectors
+        return padded
 
 
 def frames_of(file: netCDF4.Dataset, parameters: Parameters, replicate: int) -> Frames:
     """Return the frames of a replicate: its trajectory, or without one its first and last state.
 
-    States with a place that is no number, after a blow-up, are left out.
+    States with positions that are not finite, after a blow-up, are left out.
 
     Parameters
     ----------
@@ -89,22 +90,22 @@ def frames_of(file: netCDF4.Dataset, parameters: Parameters, replicate: int) -> 
     Raises
     ------
     InputError
-        When the run has no such replicate, or that blew up before its first frame.
+        When the run has no such replicate, or the replicate blew up before its first frame.
     """
     count = file.dimensions["replicate"].size
     if not 0 <= replicate < count:
         allowed = f"a replicate of the run, 0 to {count - 1}"
         raise InputError.of_value("--replicate", "", replicate, allowed)
     has_trajectory = "trajectory_position" in file.variables
-    names = _OF_TRAJECTORY if has_trajectory else _OF_ENDS
+    names = _TRAJECTORY_VARIABLES if has_trajectory else _END_VARIABLES
     variables = tuple(file.variables.get(name) for name in names)
     times = file["trajectory_time"][:] if has_trajectory else _times_of_ends(file, replicate)
     radius, height = file["radius"][replicate], file[names[0]][replicate, :, :, -1]
-    whole = np.flatnonzero(np.isfinite(height).all(axis=1))
-    if not whole.size:
+    finite_frames = np.flatnonzero(np.isfinite(height).all(axis=1))
+    if not finite_frames.size:
         allowed = "a replicate that did not blow up before the first frame of its trajectory"
         raise InputError.of_value("--replicate", "", replicate, allowed)
-    low, high, periodic = _cell(parameters, radius, height[whole])
+    low, high, periodic = _cell(parameters, radius, height[finite_frames])
     glued = file["fixed"][replicate] if "fixed" in file.variables else np.zeros(len(radius))
     return Frames(
         radius=radius,
@@ -112,24 +113,24 @@ def frames_of(file: netCDF4.Dataset, parameters: Parameters, replicate: int) -> 
         low=low,
         high=high,
         periodic=periodic,
-        times=times[whole],
-        steps=np.round(times[whole] / parameters.time_step).astype(int),
+        times=times[finite_frames],
+        steps=np.round(times[finite_frames] / parameters.time_step).astype(int),
         _variables=variables,
-        _places=tuple((replicate, int(place)) for place in whole),
+        _places=tuple((replicate, int(place)) for place in finite_frames),
         _columns=["xyz".index(axis) for axis in file["axis"][:]],
     )
 
 
 def _times_of_ends(file: netCDF4.Dataset, replicate: int) -> np.ndarray:
     """Return the times of the first and the last state of a replicate."""
-    taken = np.isfinite(file["mean_velocity"][replicate]).sum()
-    return np.array([0.0, file["time"][taken - 1] if taken else 0.0])
+    samples = np.isfinite(file["mean_velocity"][replicate]).sum()
+    return np.array([0.0, file["time"][samples - 1] if samples else 0.0])
 
 
 def _cell(
     parameters: Parameters, radius: np.ndarray, height: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, tuple[bool, bool, bool]]:
-    """Return low and high corner of a cell that holds all particles, and where it is periodic."""
+    """Return the low and high corner of a cell with all particles, and its periodic directions."""
     bottom = min(0.0, float((height - radius).min(initial=0.0)))
     top = float((height + radius).max(initial=parameters.diameter))
     side = parameters.period

@@ -6,30 +6,30 @@ from typing import IO
 
 import numpy as np
 
-from sim.base.files import replacing
+from sim.base.files import atomic_write
 from sim.report.export.frames import Frame, Frames
 
-#: Writes what stands before the particles of a frame, and returns the format of their lines, which
-#: are given number, kind, place, velocity, radius and spin.
+#: Writes the head of a frame, and returns the format of the lines of its particles, whose arguments
+#: are number, kind, position, velocity, radius and spin.
 _Head = Callable[[IO[str], Frames, Frame, int], str]
 
 
 def write_extxyz(path: Path, frames: Frames) -> None:
-    """Write extended XYZ: all of species X, of ``kind`` 2 what is glued to the plane.
+    """Write extended XYZ: all particles of species X, those glued to the plane of ``kind`` 2.
 
-    The cell stands in ``Lattice``, ``Origin`` and ``pbc``, the time (s) in ``Time``.
+    The cell is in ``Lattice``, ``Origin`` and ``pbc``, the time (s) in ``Time``.
     """
     _write(path, frames, _begin_extxyz)
 
 
 def write_lammps_dump(path: Path, frames: Frames) -> None:
-    """Write a dump of LAMMPS in its units ``si``; what is glued to the plane is of type 2."""
+    """Write a dump of LAMMPS in its units ``si``; particles glued to the plane have type 2."""
     _write(path, frames, _begin_dump, "ITEM: UNITS\nsi\n")
 
 
 def _write(path: Path, frames: Frames, begin: _Head, title: str = "") -> None:
     labels = np.stack([np.arange(1, len(frames.kind) + 1), frames.kind], axis=1).tolist()
-    with replacing(path) as temporary, temporary.open("w", encoding="ascii") as file:
+    with atomic_write(path) as temporary, temporary.open("w", encoding="ascii") as file:
         file.write(title)
         for frame, step in zip(frames, frames.steps, strict=True):
             line = begin(file, frames, frame, int(step))
@@ -37,13 +37,15 @@ def _write(path: Path, frames: Frames, begin: _Head, title: str = "") -> None:
             if frame.spin is not None:
                 columns.append(frame.spin)
             rows = np.concatenate(columns, axis=1).tolist()
-            file.writelines(line.format(*one, *row) for one, row in zip(labels, rows, strict=True))
+            file.writelines(
+                line.format(*label, *row) for label, row in zip(labels, rows, strict=True)
+            )
 
 
 def _begin_extxyz(file: IO[str], frames: Frames, frame: Frame, step: int) -> str:
     x, y, z = frames.high - frames.low
     origin = " ".join(f"{value:.9g}" for value in frames.low)
-    periodic = " ".join("T" if one else "F" for one in frames.periodic)
+    periodic = " ".join("T" if is_periodic else "F" for is_periodic in frames.periodic)
     spin = "" if frame.spin is None else ":angular_velocity:R:3"
     file.write(
         f"{len(frames.radius)}\n"
@@ -55,7 +57,7 @@ def _begin_extxyz(file: IO[str], frames: Frames, frame: Frame, step: int) -> str
 
 
 def _begin_dump(file: IO[str], frames: Frames, frame: Frame, step: int) -> str:
-    edges = " ".join("pp" if one else "ff" for one in frames.periodic)
+    edges = " ".join("pp" if is_periodic else "ff" for is_periodic in frames.periodic)
     bounds = zip(frames.low, frames.high, strict=True)
     spin = "" if frame.spin is None else " omegax omegay omegaz"
     file.write(
@@ -68,9 +70,9 @@ def _begin_dump(file: IO[str], frames: Frames, frame: Frame, step: int) -> str:
 
 
 def _numbers(frame: Frame) -> str:
-    """Return the format of place, velocity, radius and spin, which are behind two labels.
+    """Return the format of position, velocity, radius and spin, which follow two labels.
 
-    Nine digits tell any two numbers of single precision apart.
+    Nine digits distinguish any two numbers of single precision.
     """
     last = 9 if frame.spin is None else 12
     return " ".join(f"{{{place}:.9g}}" for place in range(2, last))

@@ -1,4 +1,4 @@
-"""Frames as VTU files, and a PVD file that names them with their times, in SI units."""
+"""Frames as VTU files, and a PVD file that lists them with their times, in SI units."""
 
 import shutil
 from itertools import product
@@ -8,12 +8,12 @@ from xml.etree import ElementTree
 import numpy as np
 
 from sim.base.errors import InputError
-from sim.base.files import replacing
+from sim.base.files import atomic_write
 from sim.report.export.frames import Frames
 
 
 def folder_of(path: Path) -> Path:
-    """Return the folder of the frames that a PVD file names."""
+    """Return the folder of the frames that a PVD file lists."""
     return path.with_suffix("")
 
 
@@ -50,17 +50,17 @@ def write_vtk(path: Path, frames: Frames) -> None:
             attributes = {"timestep": f"{frame.time:.9g}", "file": f"{folder.name}/{name}"}
             ElementTree.SubElement(collection, "DataSet", attributes)
         meshio.Mesh(_corners(frames), [("hexahedron", _HEXAHEDRON)]).write(part / "cell.vtu")
-        with replacing(path) as temporary:
+        with atomic_write(path) as temporary:
             ElementTree.ElementTree(root).write(temporary, encoding="utf-8", xml_declaration=True)
             part.rename(folder)
     finally:
         shutil.rmtree(part, ignore_errors=True)
 
 
-#: Corners of a box, x the slowest, in the order in which VTK goes round them.
+#: Indices of the corners of a box (x varies slowest) in the order of VTK.
 _HEXAHEDRON = np.array([[0, 4, 6, 2, 1, 5, 7, 3]])
 
 
 def _corners(frames: Frames) -> np.ndarray:
-    """Return the corners of the cell (8, 3), x the slowest."""
+    """Return the corners of the cell (8, 3); x varies slowest."""
     return np.array(list(product(*zip(frames.low, frames.high, strict=True))))

@@ -1,16 +1,16 @@
-"""Measures of the belt, on motions whose numbers are known."""
+"""Measures of the belt, on motions with known measures."""
 
 import numpy as np
 import pytest
 import xarray as xr
 
 from sim.dataset.measures.belt import (
-    at_phase_0,
     backflow,
-    columns,
+    column_means,
+    cycle_means,
     far_height,
+    is_at_phase_0,
     measure,
-    over_cycle,
     path_measures,
 )
 
@@ -30,11 +30,11 @@ def ellipse(tilt, drift=0.0, major=2.0, minor=0.5, beads=30, steps=40):
 @pytest.mark.parametrize("tilt", [0.3, np.pi / 2, 2.5])
 @pytest.mark.parametrize("drift", [0.0, 4.0, -1.0])
 def test_axes_tilt_and_drift_of_an_ellipse(tilt, drift):
-    found = path_measures(ellipse(tilt, drift))
-    assert found["path_drift"] == pytest.approx(drift * BEAD, abs=1e-12)
-    assert found["path_major"] == pytest.approx(2 * BEAD / 2**0.5)
-    assert found["path_minor"] == pytest.approx(0.5 * BEAD / 2**0.5)
-    assert found["path_tilt"] == pytest.approx(tilt)
+    values = path_measures(ellipse(tilt, drift))
+    assert values["path_drift"] == pytest.approx(drift * BEAD, abs=1e-12)
+    assert values["path_major"] == pytest.approx(2 * BEAD / 2**0.5)
+    assert values["path_minor"] == pytest.approx(0.5 * BEAD / 2**0.5)
+    assert values["path_tilt"] == pytest.approx(tilt)
 
 
 def test_the_height_of_paths_counts_each_bead_by_itself():
@@ -43,9 +43,9 @@ def test_the_height_of_paths_counts_each_bead_by_itself():
     # Half of the beads the other way round: no mean path, but the same height.
     mixed = path.copy()
     mixed[:, ::2, 1] = 2 * path[0, ::2, 1] - path[:, ::2, 1]
-    found = path_measures(mixed)
-    assert found["path_vertical"] == pytest.approx(2 * BEAD / 2**0.5)
-    assert found["path_major"] == pytest.approx(0, abs=1e-9)
+    values = path_measures(mixed)
+    assert values["path_vertical"] == pytest.approx(2 * BEAD / 2**0.5)
+    assert values["path_major"] == pytest.approx(0, abs=1e-9)
 
 
 def test_the_height_far_from_the_middle_counts_beads_by_their_mean_places():
@@ -65,7 +65,7 @@ def test_backflow_counts_beads_not_squares():
     assert backflow(np.abs(velocity), density) == 0
 
 
-def run():
+def make_run():
     """Return one replicate of 30 cycles at 20 Hz with 4 samples each, averaged from cycle 20 on.
 
     At the beginning of a cycle there are fewer beads near the belt and weaker waves.
@@ -88,25 +88,25 @@ def run():
 
 
 def test_series_are_averaged_over_the_window_and_the_first_cycles():
-    found = measure(run())
-    assert found["base_occupancy"] == pytest.approx(0.4 * 7 / 8)
-    assert found["base_occupancy_at_phase_0"] == pytest.approx(0.2)
-    assert found["wave_power"] == pytest.approx(2.0 * 7 / 8)
-    assert found["wave_power_at_phase_0"] == pytest.approx(1.0)
-    assert found["early_wave_power"] == pytest.approx(5.0 * 7 / 8)
+    values = measure(make_run())
+    assert values["base_occupancy"] == pytest.approx(0.4 * 7 / 8)
+    assert values["base_occupancy_at_phase_0"] == pytest.approx(0.2)
+    assert values["wave_power"] == pytest.approx(2.0 * 7 / 8)
+    assert values["wave_power_at_phase_0"] == pytest.approx(1.0)
+    assert values["early_wave_power"] == pytest.approx(5.0 * 7 / 8)
 
 
 def test_the_force_on_the_belt_lies_about_the_middle_of_the_intervals_in_which_it_acts():
-    """It is pressed in the last two of four intervals of a cycle, after the transient alone."""
-    made = run()
+    """The belt is pressed in the last two of four intervals of a cycle, after the transient."""
+    run = make_run()
     pressed = np.isin(np.arange(1, 121) % 4, (3, 0))
-    late = made["time"].values > 1.0
-    made["belt_normal_force"] = "time", np.where(late, pressed, 1.0)
-    made["belt_contact_time"] = "time", np.where(late, np.where(pressed, 1.0, 0.2), 1.0)
-    found = measure(made)
-    assert found["belt_force_phase"] == pytest.approx(1.5 * np.pi)
-    assert found["belt_contact_time"] == pytest.approx(0.6)
-    assert "belt_force_phase" not in measure(run())
+    late = run["time"].values > 1.0
+    run["belt_normal_force"] = "time", np.where(late, pressed, 1.0)
+    run["belt_contact_time"] = "time", np.where(late, np.where(pressed, 1.0, 0.2), 1.0)
+    values = measure(run)
+    assert values["belt_force_phase"] == pytest.approx(1.5 * np.pi)
+    assert values["belt_contact_time"] == pytest.approx(0.6)
+    assert "belt_force_phase" not in measure(make_run())
 
 
 def test_over_the_cycle_each_moment_has_the_mean_of_its_samples_in_the_window():
@@ -114,40 +114,40 @@ def test_over_the_cycle_each_moment_has_the_mean_of_its_samples_in_the_window():
     phase = np.tile([0.5, 1.0, 1.5, 2.0], 3) * np.pi % (2 * np.pi)
     force = np.array([[9.0] * 4 + [1, 2, 3, 4] + [3, 4, 5, 8], [9.0] * 4 + [np.nan] * 8])
     over_time = ("replicate", "time")
-    made = xr.Dataset(
+    run = xr.Dataset(
         {name: (over_time, force) for name in ("belt_normal_force", "belt_shear_force")}
         | {"belt_contact_time": (over_time, force / 10), "belt_phase": (over_time, [phase] * 2)},
         coords={"time": np.arange(1, 13) / 4},
     ).assign(samples_per_cycle=4, average_start=("replicate", [1.0, 1.0]))
-    found = over_cycle(made)
+    values = cycle_means(run)
     # The interval about phase 0 ends a quarter turn after phase -π/2: it is the last sample's.
-    assert found["cycle_phase"] == pytest.approx(np.array([-0.25, 0.25, 0.75, 1.25]) * np.pi)
-    assert found["cycle_normal_force"][0] == pytest.approx([6.0, 2.0, 3.0, 4.0])
-    assert np.isnan(found["cycle_normal_force"][1]).all()
-    assert found["cycle_contact_time"][0] == pytest.approx([0.6, 0.2, 0.3, 0.4])
-    assert not over_cycle(xr.Dataset())
+    assert values["cycle_phase"] == pytest.approx(np.array([-0.25, 0.25, 0.75, 1.25]) * np.pi)
+    assert values["cycle_normal_force"][0] == pytest.approx([6.0, 2.0, 3.0, 4.0])
+    assert np.isnan(values["cycle_normal_force"][1]).all()
+    assert values["cycle_contact_time"][0] == pytest.approx([0.6, 0.2, 0.3, 0.4])
+    assert not cycle_means(xr.Dataset())
 
 
 def test_a_cycle_begins_at_the_sample_nearest_to_the_belts_mean_height_on_its_way_up():
     phase = np.radians([0, 17, 90, 180, 270, 300, 316, 359.9])
-    found = at_phase_0(phase, 4)
-    assert found.tolist() == [True, True, False, False, False, False, True, True]
+    values = is_at_phase_0(phase, 4)
+    assert values.tolist() == [True, True, False, False, False, False, True, True]
 
 
 def test_a_window_without_the_beginning_of_a_cycle_says_nothing_of_it():
-    found = measure(run().isel(time=[0, 1, 81, 82]))
-    assert np.isnan(found["base_occupancy_at_phase_0"])
-    assert np.isnan(found["wave_power_at_phase_0"])
+    values = measure(make_run().isel(time=[0, 1, 81, 82]))
+    assert np.isnan(values["base_occupancy_at_phase_0"])
+    assert np.isnan(values["wave_power_at_phase_0"])
 
 
 def test_a_run_with_paths_has_their_height_everywhere_and_far_from_the_middle():
-    found = measure(run())
-    assert 0 < found["path_vertical_far"] == pytest.approx(found["path_vertical"])
+    values = measure(make_run())
+    assert 0 < values["path_vertical_far"] == pytest.approx(values["path_vertical"])
 
 
 def test_a_run_without_these_arrays_has_no_measures():
     assert measure(xr.Dataset()) == {}
-    assert not columns(xr.Dataset())
+    assert not column_means(xr.Dataset())
 
 
 def test_columns_weigh_levels_by_their_beads():
@@ -158,7 +158,7 @@ def test_columns_weigh_levels_by_their_beads():
         },
         coords={"column": [0.5e-3, 1.5e-3], "level": [0.0, 1e-3]},
     )
-    found = columns(field)
-    assert found["column_velocity"][0] == pytest.approx([0.2, np.nan], nan_ok=True)
-    assert found["column_density"][0] == pytest.approx([3e3, 0.0])
-    assert found["column"] == pytest.approx([0.5e-3, 1.5e-3])
+    values = column_means(field)
+    assert values["column_velocity"][0] == pytest.approx([0.2, np.nan], nan_ok=True)
+    assert values["column_density"][0] == pytest.approx([3e3, 0.0])
+    assert values["column"] == pytest.approx([0.5e-3, 1.5e-3])

@@ -10,7 +10,7 @@ SIZE = 1e-3
 HEIGHT = (np.arange(40) + 0.5) * 0.25 * SIZE
 
 
-def made_run(**arrays) -> xr.Dataset:
+def make_run(**arrays) -> xr.Dataset:
     """A replicate that shears up to two diameters under a plug of eight diameters in all."""
     data = {
         "height": ("height", HEIGHT),
@@ -26,19 +26,19 @@ def test_plug_alone_is_asked_for_its_order():
     below = place[:, 2] < 1.8 * SIZE
     place[below] += np.random.default_rng(1).uniform(-0.5, 0.5, (below.sum(), 3)) * SIZE
     frames = np.stack([np.zeros_like(place), place])
-    found = measure(made_run(position=(("frame", "particle", "axis"), frames)))
-    assert found["shear_depth"] == pytest.approx(1.8 * SIZE, rel=1e-6)
+    values = measure(make_run(position=(("frame", "particle", "axis"), frames)))
+    assert values["shear_depth"] == pytest.approx(1.8 * SIZE, rel=1e-6)
     # All but those of the simple cubic plug's two faces have six coherent neighbors: none has 8.
-    assert found["crystalline_share"] == 0.0
-    assert found["layer_order"] > 0.9
+    assert values["crystalline_share"] == 0.0
+    assert values["layer_order"] > 0.9
 
 
 def test_run_without_particles_or_overlaps_has_its_shear_depth_alone():
-    assert set(measure(made_run())) == {"shear_depth"}
+    assert set(measure(make_run())) == {"shear_depth"}
 
 
 def test_run_without_profiles_has_no_measures():
-    assert measure(made_run().drop_vars("packing_profile")) == {}
+    assert measure(make_run().drop_vars("packing_profile")) == {}
 
 
 def test_quantiles_of_overlaps():
@@ -50,24 +50,24 @@ def test_quantiles_of_overlaps():
     assert edges[10] < median < edges[11]
     assert edges[25] < quantile(counts, edges, 0.999) < edges[26]
     assert np.isnan(quantile(0 * counts, edges, 0.5))
-    run = made_run(overlap_histogram=("overlap_bin", counts), overlap_edges=("overlap_edge", edges))
+    run = make_run(overlap_histogram=("overlap_bin", counts), overlap_edges=("overlap_edge", edges))
     assert measure(run)["median_overlap"] == median
 
 
 def test_rolling_of_the_lowest_spheres_is_told_where_spins_were_kept():
-    """By what is below their centres, where those above them do not count."""
+    """Only slices below their centres count, so spheres above do not."""
     below = HEIGHT < 0.5 * SIZE
     spin = np.where(below, 0.5 * HEIGHT / (2 * SIZE) / (0.5 * SIZE), 99.0)
     profiles = {
         "spin_profile": ("height", spin),
         "vertical_temperature_profile": ("height", np.where(below, 0.01, 7.0)),
     }
-    found = measure(made_run(**profiles))
-    assert found["base_rolling"] == pytest.approx(0.5)
-    assert found["base_slip_ratio"] == pytest.approx(0.5 * 0.125 / 0.1)
-    assert not {"base_rolling", "base_slip_ratio"} & measure(made_run()).keys()
+    values = measure(make_run(**profiles))
+    assert values["base_rolling"] == pytest.approx(0.5)
+    assert values["base_slip_ratio"] == pytest.approx(0.5 * 0.125 / 0.1)
+    assert not {"base_rolling", "base_slip_ratio"} & measure(make_run()).keys()
 
 
 def test_forces_on_the_plane_have_a_ratio():
-    assert measure(made_run(base_normal=2.0, base_shear=0.5))["base_stress_ratio"] == 0.25
-    assert "base_stress_ratio" not in measure(made_run(base_normal=0.0, base_shear=0.0))
+    assert measure(make_run(base_normal=2.0, base_shear=0.5))["base_stress_ratio"] == 0.25
+    assert "base_stress_ratio" not in measure(make_run(base_normal=0.0, base_shear=0.0))

@@ -1,41 +1,41 @@
-"""Measures of a plane that vibrates: its acceleration over gravity, and what it transports."""
+"""Measures of a vibrating plane: its acceleration over gravity, and its transport."""
 
 import numpy as np
 import pytest
 
 from sim.dataset.measures.conveyor import measure
-from sim.engine.boundary.drive import plane_place, plane_velocity, vibration
+from sim.engine.boundary.drive import plane_position, plane_velocity, vibration
 from sim.parameters import ConveyorParameters
 
 
-def made_run(point: ConveyorParameters, velocity: float) -> dict:
-    """What the measures need of a replicate with a velocity (m/s)."""
+def make_run(point: ConveyorParameters, velocity: float) -> dict:
+    """Return the arrays of a replicate with a velocity (m/s) that the measures need."""
     limits = {name: value for name, (value, _) in point.limits.items()}
     return point.model_dump() | limits | {"velocity": velocity}
 
 
-def moved(point: ConveyorParameters):
-    """Time (s) over a cycle and the drive of the plane."""
+def cycle_and_drive(point: ConveyorParameters):
+    """Return the times (s) of a cycle and the drive of the plane."""
     return np.linspace(0, 1 / point.frequency, 20_001), vibration(point, (0, 0, -point.gravity))
 
 
 def test_the_shaking_strength_is_the_largest_acceleration_along_z_over_gravity():
     point = ConveyorParameters(frequency=23, amplitude=0.7, amplitude_along=0.2, phase_along=50)
-    time, drive = moved(point)
-    velocity = np.gradient(plane_place(drive, 1, time), time)
+    time, drive = cycle_and_drive(point)
+    velocity = np.gradient(plane_position(drive, 1, time), time)
     largest = np.abs(np.gradient(velocity, time)[5:-5]).max()
-    found = measure(made_run(point, 0.1))["shaking_strength"]
+    found = measure(make_run(point, 0.1))["shaking_strength"]
     assert found == pytest.approx(largest / point.gravity, rel=1e-3)
 
 
 def test_what_goes_as_fast_as_the_plane_at_its_fastest_is_transported_wholly():
     point = ConveyorParameters(frequency=23, amplitude=0.7, amplitude_along=0.2, phase_along=50)
-    time, drive = moved(point)
+    time, drive = cycle_and_drive(point)
     fastest = plane_velocity(drive, 0, time).max()
-    assert measure(made_run(point, fastest))["transport_efficiency"] == pytest.approx(1, rel=1e-6)
-    assert measure(made_run(point, -fastest))["transport_efficiency"] == pytest.approx(-1, rel=1e-6)
+    assert measure(make_run(point, fastest))["transport_efficiency"] == pytest.approx(1, rel=1e-6)
+    assert measure(make_run(point, -fastest))["transport_efficiency"] == pytest.approx(-1, rel=1e-6)
 
 
 def test_a_plane_that_moves_up_and_down_alone_has_no_efficiency():
     point = ConveyorParameters(amplitude_along=0)
-    assert set(measure(made_run(point, 0.0))) == {"shaking_strength"}
+    assert set(measure(make_run(point, 0.0))) == {"shaking_strength"}

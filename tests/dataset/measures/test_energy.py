@@ -1,4 +1,4 @@
-"""What the energy ledger of a replicate lacks, relative to all that is turned over."""
+"""The share of the energy turned over that the ledger of a replicate lacks."""
 
 import pytest
 import xarray as xr
@@ -7,7 +7,7 @@ from sim.dataset.measures.energy import measure
 
 
 def flow(**scalars) -> xr.Dataset:
-    """Ten spheres of 1 g at 2 m/s that lack 0.8 % of the energy dissipated."""
+    """Return ten spheres of 1 g at 2 m/s whose ledger lacks 0.8 % of the dissipated energy."""
     usual = {"particles": 10, "mass": 1e-3, "velocity": 2.0, "acceleration": 0.0}
     powers = {"frictional_power": 0.003, "normal_power": 0.001, "energy_residual": -0.008}
     return xr.Dataset(usual | powers | scalars)

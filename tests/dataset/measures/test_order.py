@@ -1,9 +1,9 @@
-"""Order of spheres whose places are known."""
+"""Order of spheres at known positions."""
 
 import numpy as np
 import pytest
 
-from sim.dataset.measures.order import BONDS, coherent_bonds, crystalline_share, layer_order
+from sim.dataset.measures.order import MIN_BONDS, coherent_bonds, crystalline_share, layer_order
 
 SIZE = 1e-3
 
@@ -16,7 +16,7 @@ def crystal(cells: int, high: int) -> tuple[np.ndarray, float]:
     return edge * (corner.reshape(-1, 1, 3) + basis).reshape(-1, 3), cells * edge
 
 
-def scattered(number: int, side: float, height: float) -> np.ndarray:
+def scattered_positions(number: int, side: float, height: float) -> np.ndarray:
     return np.random.default_rng(1).uniform(0, 1, (number, 3)) * [side, side, height]
 
 
@@ -25,19 +25,19 @@ def test_spheres_of_a_crystal_are_crystalline_across_the_edges_of_the_cell_but_n
     bonds = coherent_bonds(position, side, SIZE)
     inside = (position[:, 2] > 0.1 * SIZE) & (position[:, 2] < position[:, 2].max() - 0.1 * SIZE)
     assert (bonds[inside] == 12).all()
-    assert (bonds[~inside] == BONDS).all()
+    assert (bonds[~inside] == MIN_BONDS).all()
     shifted = position + np.array([3.7 * side, -0.4 * side, 0.02])
     assert (coherent_bonds(shifted, side, SIZE) == bonds).all()
 
 
 def test_scattered_spheres_are_not_crystalline():
-    position = scattered(256, 5 * SIZE, 10 * SIZE)
+    position = scattered_positions(256, 5 * SIZE, 10 * SIZE)
     assert crystalline_share(position, np.full(256, True), 5 * SIZE, SIZE) < 0.05
 
 
 def test_share_is_of_the_chosen_spheres():
     position, side = crystal(4, 4)
-    above = scattered(256, side, 6 * SIZE) + np.array([0, 0, 8 * SIZE])
+    above = scattered_positions(256, side, 6 * SIZE) + np.array([0, 0, 8 * SIZE])
     mixed = np.vstack([position, above])
     lower = np.arange(len(mixed)) < len(position)
     assert crystalline_share(mixed, lower, side, SIZE) == 1.0

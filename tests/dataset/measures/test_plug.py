@@ -1,10 +1,10 @@
-"""States of a plug: their shares and lifetimes, from courses of time that are made up."""
+"""States of a plug: their shares and lifetimes, from made-up time series."""
 
 import numpy as np
 import pytest
 import xarray as xr
 
-from sim.dataset.measures.plug import STATES, measure, spells
+from sim.dataset.measures.plug import STATES, measure, spell_statistics
 
 SIZE, GRAVITY = 1e-3, 10.0
 UNIT = np.sqrt(SIZE / GRAVITY)
@@ -13,7 +13,7 @@ PACKING = 0.6 * (HEIGHT < 10 * SIZE)
 VELOCITY = {"plug": np.minimum(HEIGHT / (2 * SIZE), 1.0), "shear": HEIGHT / SIZE}
 
 
-def made_run(contacts, plugs=None, length=20.0, start=100.0) -> xr.Dataset:
+def make_run(contacts, plugs=None, length=20.0, start=100.0) -> xr.Dataset:
     """A flow after ``start`` √(σ/g): contact numbers and plugs of blocks of some length each."""
     samples = round(4 * length)
     before = round(4 * start)
@@ -44,46 +44,46 @@ def made_run(contacts, plugs=None, length=20.0, start=100.0) -> xr.Dataset:
 def test_shares_and_lifetimes_of_a_flow_that_passes_through_all_states():
     contacts = [1, 1, 3, 3, 3, 1, 1, 1, 1, 3]
     plugs = [1, 1, 1, 1, 1, 0, 0, 1, 1, 1]
-    found = measure(made_run(contacts, plugs))
-    assert [found[f"{state}_share"] for state in STATES] == pytest.approx([0.2, 0.4, 0.4])
+    values = measure(make_run(contacts, plugs))
+    assert [values[f"{state}_share"] for state in STATES] == pytest.approx([0.2, 0.4, 0.4])
     # Two spells of agitation ended, one of deep shear, and one of two locked ones.
-    assert [found[f"{state}_endings"] for state in STATES] == [1, 2, 1]
-    times = [found[f"{state}_time"] / UNIT for state in STATES]
+    assert [values[f"{state}_endings"] for state in STATES] == [1, 2, 1]
+    times = [values[f"{state}_time"] / UNIT for state in STATES]
     assert times == pytest.approx([40, 80, 80])
 
 
 def test_short_blocks_are_taken_together():
-    """A plug that comes and goes within 10 √(σ/g) is none of its own."""
+    """A plug that comes and goes within 10 √(σ/g) is not a state of its own."""
     contacts, plugs = [1] * 40, [1, 1, 1, 0] * 10
-    found = measure(made_run(contacts, plugs, length=2.5))
-    assert (found["deep_shear_share"], found["deep_shear_endings"]) == (1.0, 0)
+    values = measure(make_run(contacts, plugs, length=2.5))
+    assert (values["deep_shear_share"], values["deep_shear_endings"]) == (1.0, 0)
 
 
 def test_without_a_history_the_plug_is_that_of_the_window():
-    found = measure(made_run([1, 1, 3, 3]))
-    assert (found["agitated_share"], found["locked_share"]) == pytest.approx((0.5, 0.5))
-    assert found["deep_shear_share"] == found["deep_shear_time"] == 0.0
-    assert found["agitated_time"] == pytest.approx(40 * UNIT)
-    assert (found["agitated_endings"], found["locked_endings"]) == (1, 0)
+    values = measure(make_run([1, 1, 3, 3]))
+    assert (values["agitated_share"], values["locked_share"]) == pytest.approx((0.5, 0.5))
+    assert values["deep_shear_share"] == values["deep_shear_time"] == 0.0
+    assert values["agitated_time"] == pytest.approx(40 * UNIT)
+    assert (values["agitated_endings"], values["locked_endings"]) == (1, 0)
 
 
 def test_a_flow_that_shears_throughout_is_in_one_state():
-    made = made_run([3, 3, 1, 3])
-    made["velocity_profile"] = "height", VELOCITY["shear"]
-    found = measure(made)
-    assert found["deep_shear_share"] == 1.0 and found["locked_share"] == 0.0
+    run = make_run([3, 3, 1, 3])
+    run["velocity_profile"] = "height", VELOCITY["shear"]
+    values = measure(run)
+    assert values["deep_shear_share"] == 1.0 and values["locked_share"] == 0.0
 
 
 def test_a_window_of_less_than_a_spell_has_no_states():
-    assert measure(made_run([1], length=9.0)) == {}
-    assert measure(made_run([1]).drop_vars("contact_number")) == {}
+    assert measure(make_run([1], length=9.0)) == {}
+    assert measure(make_run([1]).drop_vars("contact_number")) == {}
 
 
 def test_blocks_before_the_window_do_not_count():
-    made = made_run([3, 3, 1, 1], [1, 1, 1, 1])
-    made["average_start"] = 140.0 * UNIT
-    found = measure(made)
-    assert found["agitated_share"] == 1.0 and found["agitated_endings"] == 0
+    run = make_run([3, 3, 1, 1], [1, 1, 1, 1])
+    run["average_start"] = 140.0 * UNIT
+    values = measure(run)
+    assert values["agitated_share"] == 1.0 and values["agitated_endings"] == 0
 
 
 @pytest.mark.parametrize("lifetime", [50.0, 200.0])
@@ -91,6 +91,6 @@ def test_the_lifetime_of_a_state_that_ends_at_random_is_found_again(lifetime):
     rng = np.random.default_rng(1)
     changes = rng.random(20_000) < 10.0 / lifetime
     inside = np.cumsum(changes) % 2 == 0
-    share, time, endings = spells(inside, np.full(inside.size, 10.0))
+    share, time, endings = spell_statistics(inside, np.full(inside.size, 10.0))
     assert share == pytest.approx(0.5, abs=0.05)
     assert time / endings == pytest.approx(lifetime, rel=0.05)

@@ -19,23 +19,25 @@ from tests.engine_motion.helpers import (
 )
 
 INTEGRATORS = [Gear, Verlet]
-SUNK = BEAD_MASS * BEAD_GRAVITY / YOUNG
+INDENTATION = BEAD_MASS * BEAD_GRAVITY / YOUNG
 REDUCED = bead_law(damping_mass="reduced", attraction="clipped")
 
 
-def shaken(frequency: float, along: float = BEAD, up: float = BEAD, phase=0.0, surface=0.0) -> Belt:
+def vibrating_belt(
+    frequency: float, along: float = BEAD, up: float = BEAD, phase=0.0, surface=0.0
+) -> Belt:
     return Belt(along, up, 2 * np.pi * frequency, phase, surface)
 
 
-def held(velocity=(0.0, 0.0), **options) -> DiskMotion:
+def bead_on_belt(velocity=(0.0, 0.0), **options) -> DiskMotion:
     """A bead in vertical equilibrium on the belt, as its weight presses it in."""
     options = {"gravity": BEAD_GRAVITY} | options
     surface = options.get("belt", AT_REST).surface
-    return DiskMotion([[5 * BEAD, surface + 0.5 * BEAD - SUNK]], [velocity], **options)
+    return DiskMotion([[5 * BEAD, surface + 0.5 * BEAD - INDENTATION]], [velocity], **options)
 
 
 def test_belt_moves_along_its_angle_with_the_derivative_of_its_position():
-    belt = shaken(20.0, along=0.5 * BEAD, phase=0.7)
+    belt = vibrating_belt(20.0, along=0.5 * BEAD, phase=0.7)
     time, delta = np.linspace(0, 0.1, 50), 1e-7
     height, velocity = belt_states(belt, time)
     rate = (belt_states(belt, time + delta)[0] - belt_states(belt, time - delta)[0]) / (2 * delta)
@@ -50,7 +52,7 @@ def test_belt_moves_along_its_angle_with_the_derivative_of_its_position():
 def test_held_bead_relaxes_to_the_belt(shear, integrator):
     slowing = [[-0.3 * shear, 0.0]]
     law = bead_law(shear_damping=shear)
-    motion = held((0.3, 0.0), acceleration=slowing, law=law, integrator=integrator)
+    motion = bead_on_belt((0.3, 0.0), acceleration=slowing, law=law, integrator=integrator)
     for _ in range(20):
         motion.run(10)
         expected = 0.3 * np.exp(-shear * motion.loop.step[0] * 2.5e-5)
@@ -61,17 +63,17 @@ def test_held_bead_relaxes_to_the_belt(shear, integrator):
 @pytest.mark.parametrize("integrator", INTEGRATORS)
 def test_held_bead_is_dragged_by_a_belt_that_moves_sideways(integrator):
     """v' = -gamma_s (v - A w cos wt), v = 0 at first: a lagging oscillation and a transient."""
-    belt = shaken(20.0, up=0.0)
-    rate, found, expected = 2 * np.pi * 20, [], []
+    belt = vibrating_belt(20.0, up=0.0)
+    rate, velocities, expected = 2 * np.pi * 20, [], []
     pulled = [[DAMPING * BEAD * rate, 0.0]]
-    motion = held(acceleration=pulled, belt=belt, integrator=integrator)
+    motion = bead_on_belt(acceleration=pulled, belt=belt, integrator=integrator)
     response = DAMPING / (DAMPING + 1j * rate) * BEAD * rate
     for _ in range(40):
         time = motion.run(50).loop.step[0] * 2.5e-5
-        found.append(motion.velocity[0, 0])
+        velocities.append(motion.velocity[0, 0])
         lagging = np.real(response * np.exp(1j * rate * time))
         expected.append(lagging - np.real(response) * np.exp(-DAMPING * time))
-    assert np.array(found) == pytest.approx(np.array(expected), abs=1e-4 * BEAD * rate)
+    assert np.array(velocities) == pytest.approx(np.array(expected), abs=1e-4 * BEAD * rate)
 
 
 @pytest.mark.parametrize("integrator", INTEGRATORS)
@@ -108,7 +110,7 @@ def test_a_ghost_of_finite_mass_damps_with_the_reduced_mass(size, share):
 def test_a_bead_on_a_ghost_of_its_own_mass_relaxes_to_the_belt_half_as_fast():
     options = {"law": REDUCED, "belt": AT_REST._replace(inverse_mass=1 / BEAD_MASS)}
     options |= {"integrator": Verlet, "acceleration": [[-0.15 * DAMPING, 0.0]]}
-    motion = held((0.3, 0.0), **options).run(200)
+    motion = bead_on_belt((0.3, 0.0), **options).run(200)
     expected = 0.3 * np.exp(-0.5 * DAMPING * 200 * 2.5e-5)
     assert motion.velocity[0, 0] == pytest.approx(expected, abs=1e-3 * 0.3)
 
@@ -116,7 +118,7 @@ def test_a_bead_on_a_ghost_of_its_own_mass_relaxes_to_the_belt_half_as_fast():
 @pytest.mark.parametrize("radius", [0.25 * BEAD, 0.75 * BEAD])
 def test_ghosts_touch_a_bead_one_radius_above_their_surface(radius):
     for surface in (0.0, 0.5 * BEAD):
-        belt = shaken(20.0, surface=surface, phase=1.1)
+        belt = vibrating_belt(20.0, surface=surface, phase=1.1)
         reach = BEAD * np.sin(1.1 + 2 * np.pi * 20 * 1e-9) + surface + radius
         for gap, touching in ((1e-8, 0), (-1e-8, 1)):
             start = [[0.0, reach + gap]]
@@ -129,9 +131,9 @@ def test_both_ghosts_give_the_same_motion_half_a_diameter_apart():
     position, velocity = lattice((4, 3), BEAD, 0.1, rng), rng.normal(0, 0.05, (12, 2))
     position[:, 1] -= 0.5 * BEAD
     options = {"gravity": BEAD_GRAVITY, "width": 5 * BEAD}
-    below = DiskMotion(position, velocity, belt=shaken(20.0), **options)
-    lifted = position + np.array([0.0, 0.5 * BEAD])
-    centred = DiskMotion(lifted, velocity, belt=shaken(20.0, surface=0.5 * BEAD), **options)
+    below = DiskMotion(position, velocity, belt=vibrating_belt(20.0), **options)
+    raised = position + np.array([0.0, 0.5 * BEAD])
+    centred = DiskMotion(raised, velocity, belt=vibrating_belt(20.0, surface=0.5 * BEAD), **options)
     below.run(200)
     centred.run(200)
     assert centred.velocity == pytest.approx(below.velocity, abs=1e-9)
@@ -140,27 +142,29 @@ def test_both_ghosts_give_the_same_motion_half_a_diameter_apart():
 
 def test_a_phase_is_a_later_start():
     """Launched at rest in phase with the belt, a run begun at phi equals one begun phi/w later."""
-    late = shaken(20.0, phase=0.3 * np.pi)
-    early = shaken(20.0)
+    late = vibrating_belt(20.0, phase=0.3 * np.pi)
+    early = vibrating_belt(20.0)
     steps = 300
     lead = 0.3 * np.pi / (2 * np.pi * 20)
     time_step = lead / steps
     height = 0.5 * BEAD + BEAD * np.sin(0.3 * np.pi)
     options = {"gravity": BEAD_GRAVITY, "time_step": time_step}
-    one = DiskMotion([[0.0, height]], [[0.0, 0.0]], belt=late, **options).run(500)
-    other = DiskMotion([[0.0, height]], [[0.0, 0.0]], belt=early, **options)
-    other.loop.step[0] = steps
-    other.run(500)
-    assert other.velocity == pytest.approx(one.velocity, abs=1e-10)
-    assert np.abs(one.velocity).max() > 0.01
+    late_motion = DiskMotion([[0.0, height]], [[0.0, 0.0]], belt=late, **options).run(500)
+    early_motion = DiskMotion([[0.0, height]], [[0.0, 0.0]], belt=early, **options)
+    early_motion.loop.step[0] = steps
+    early_motion.run(500)
+    assert early_motion.velocity == pytest.approx(late_motion.velocity, abs=1e-10)
+    assert np.abs(late_motion.velocity).max() > 0.01
 
 
 def test_held_bead_follows_a_slow_belt_up_and_down():
     """At Gamma = 0.16 the bead stays on the belt; it lags by the spring's give only."""
-    belt = shaken(6.4, along=0.0)
-    motion = held(belt=belt, time_step=1 / (2000 * 6.4))
+    belt = vibrating_belt(6.4, along=0.0)
+    motion = bead_on_belt(belt=belt, time_step=1 / (2000 * 6.4))
     motion.disks.taylor[1, 1, 0] = BEAD * belt.angular_frequency * motion.integrator.time_step
     for _ in range(20):
         motion.run(100)
         height = BEAD * np.sin(belt.angular_frequency * motion.loop.step[0] / (2000 * 6.4))
-        assert motion.position[0, 1] - height == pytest.approx(0.5 * BEAD - SUNK, abs=0.3 * SUNK)
+        assert motion.position[0, 1] - height == pytest.approx(
+            0.5 * BEAD - INDENTATION, abs=0.3 * INDENTATION
+        )

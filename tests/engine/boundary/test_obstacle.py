@@ -60,25 +60,28 @@ def test_obstacle_at_the_edge_of_the_cell_is_felt_across_it(side):
 
 def test_no_contact_beyond_the_reach_and_no_obstacle_without_a_radius():
     assert not bead((1.0, 0.0), -1e-8).run(1).force.any()
-    nothing = Obstacle(OBSTACLE.x, OBSTACLE.z, 0.0)
-    assert not bead((1.0, 0.0), 5e-5, obstacle=nothing).run(1).force.any()
+    no_obstacle = Obstacle(OBSTACLE.x, OBSTACLE.z, 0.0)
+    assert not bead((1.0, 0.0), 5e-5, obstacle=no_obstacle).run(1).force.any()
 
 
 def test_obstacle_neither_moves_with_the_belt_nor_with_the_beads():
     """A far belt that shakes changes nothing; the bead returns as from a wall at rest."""
     shaking_belt = Belt(BEAD, BEAD, 2 * np.pi * 50, 0.0, -20 * BEAD)
     options = {"time_step": 1e-6, "law": bead_law(damping=0.0, shear_damping=0.0)}
-    still = bead((0.0, 1.0), -1e-8, (0.0, -0.1), **options).run(3000)
-    moved = bead((0.0, 1.0), -1e-8, (0.0, -0.1), belt=shaking_belt, **options).run(3000)
-    assert np.array_equal(still.velocity, moved.velocity)
-    assert still.velocity[0, 1] == pytest.approx(0.1, rel=1e-3)
+    still_motion = bead((0.0, 1.0), -1e-8, (0.0, -0.1), **options).run(3000)
+    shaken_motion = bead((0.0, 1.0), -1e-8, (0.0, -0.1), belt=shaking_belt, **options).run(3000)
+    assert np.array_equal(still_motion.velocity, shaken_motion.velocity)
+    assert still_motion.velocity[0, 1] == pytest.approx(0.1, rel=1e-3)
 
 
 @pytest.mark.parametrize(("readings", "integrator"), BEAD_LAWS[::2])
 def test_restitution_off_the_obstacle_is_that_of_an_infinite_mass(readings, integrator):
     """Of a contact that ends with the overlap, or where spring and damping cancel if clipped."""
-    chosen = {"law": bead_law(**readings), "integrator": Gear if integrator == "gear" else Verlet}
-    motion = bead((0.0, 1.0), -1e-8, (0.0, -0.1), time_step=1e-6, **chosen).run(1500)
+    law_and_integrator = {
+        "law": bead_law(**readings),
+        "integrator": Gear if integrator == "gear" else Verlet,
+    }
+    motion = bead((0.0, 1.0), -1e-8, (0.0, -0.1), time_step=1e-6, **law_and_integrator).run(1500)
     rate = 0.5 * DAMPING
     frequency = np.sqrt(YOUNG / BEAD_MASS - rate**2)
     early = np.arctan2(2 * rate * frequency, frequency**2 - rate**2)

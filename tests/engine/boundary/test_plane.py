@@ -19,13 +19,13 @@ from tests.engine_motion.spheres import SphereMotion
 SPEEDS = np.geomspace(1e-3, 1.0, 7)
 
 
-def dropped(law, speed: float, gap: float, slide: float = 0.0) -> SphereMotion:
+def drop_sphere(law, speed: float, gap: float, slide: float = 0.0) -> SphereMotion:
     """A sphere after its impact on the plane at ``speed``, met ``gap`` steps after the start."""
     height = RADIUS + gap * speed * collision_time(law) / 40
     return SphereMotion([[0, 0, height]], [[slide, 0, -speed]], law=law).run(120)
 
 
-def resting(law, angle: float, speed: float, spin: float) -> SphereMotion:
+def pressed_sphere(law, angle: float, speed: float, spin: float) -> SphereMotion:
     """A sphere pressed into the plane by its weight, with a speed along x and a spin about y."""
     gravity = weight_components(angle)
     height = RADIUS + MASS * gravity[2] / law.loading
@@ -43,13 +43,13 @@ def test_restitution_is_the_root_of_the_stiffness_ratio_at_every_speed(restituti
     """Wherever within a step the contact begins; the rest is the time step's and has no trend."""
     law = sphere_law(restitution=restitution)
     for gap in (0.05, 0.3, 0.5, 0.7, 0.95):
-        found = [dropped(law, v, gap).velocity[0, 2] / v for v in SPEEDS]
-        assert np.abs(np.array(found) - restitution).max() < 1e-3
-        assert np.ptp(found) < 1e-9
+        measured = [drop_sphere(law, v, gap).velocity[0, 2] / v for v in SPEEDS]
+        assert np.abs(np.array(measured) - restitution).max() < 1e-3
+        assert np.ptp(measured) < 1e-9
 
 
 def test_rolling_sphere_feels_no_friction():
-    motion = resting(sphere_law(), 0.0, 0.05, 0.05 / RADIUS)
+    motion = pressed_sphere(sphere_law(), 0.0, 0.05, 0.05 / RADIUS)
     for _ in range(30):
         motion.run(10)
         assert np.abs(motion.plane_contacts()[1][:4]).max() < 1e-12 * MASS * GRAVITY
@@ -59,11 +59,11 @@ def test_rolling_sphere_feels_no_friction():
 @pytest.mark.parametrize("readings", LAWS)
 def test_sliding_sphere_slows_by_friction_until_it_rolls_at_five_sevenths(readings):
     law, speed = sphere_law(**readings), 0.05
-    motion = resting(law, 0.0, speed, 0.0)
+    motion = pressed_sphere(law, 0.0, speed, 0.0)
     steps = int(0.9 * 2 / 7 * speed / (0.4 * GRAVITY) / motion.time_step)
     motion.run(steps)
-    slowed = (speed - motion.velocity[0, 0]) / (steps * motion.time_step)
-    assert slowed == pytest.approx(0.4 * GRAVITY, rel=1e-9)
+    deceleration = (speed - motion.velocity[0, 0]) / (steps * motion.time_step)
+    assert deceleration == pytest.approx(0.4 * GRAVITY, rel=1e-9)
     motion.run(steps)
     velocity, surface = motion.velocity[0, 0], RADIUS * motion.spin[0, 1]
     assert velocity + 0.4 * surface == pytest.approx(speed, rel=1e-12)
@@ -78,11 +78,11 @@ def test_lone_sphere_slips_or_rolls_down_the_incline(friction, readings):
     down, _, into = weight_components(17.0)
     slips = friction < 2 / 7 * np.tan(np.radians(17.0))
     expected = down + friction * into if slips else 5 / 7 * down
-    motion = resting(law, 17.0, 0.05, 0.05 / RADIUS * (0.8 if slips else 1.0)).run(2000)
+    motion = pressed_sphere(law, 17.0, 0.05, 0.05 / RADIUS * (0.8 if slips else 1.0)).run(2000)
     before = motion.velocity[0, 0]
     motion.run(20_000)
-    found = (motion.velocity[0, 0] - before) / (20_000 * motion.time_step)
-    assert found == pytest.approx(expected, rel=1e-9 if slips else 2e-3)
+    measured = (motion.velocity[0, 0] - before) / (20_000 * motion.time_step)
+    assert measured == pytest.approx(expected, rel=1e-9 if slips else 2e-3)
     if not slips:
         rolling = RADIUS * motion.spin[0, 1]
         assert rolling == pytest.approx(motion.velocity[0, 0], rel=5e-3)
@@ -92,7 +92,7 @@ def test_lone_sphere_slips_or_rolls_down_the_incline(friction, readings):
 @pytest.mark.parametrize("speed", [0.002, 0.02, 0.2])
 def test_gross_slip_impact_changes_the_surface_velocity_by_the_friction_impulse(speed, readings):
     law = sphere_law(**readings)
-    motion = dropped(law, speed, 0.3, slide=6 * speed)
+    motion = drop_sphere(law, speed, 0.3, slide=6 * speed)
     restitution = motion.velocity[0, 2] / speed
     change = 6 * speed - surface_velocity(motion)
     assert change == pytest.approx(3.5 * (1 + restitution) * 0.4 * speed, rel=1e-12)
@@ -101,7 +101,7 @@ def test_gross_slip_impact_changes_the_surface_velocity_by_the_friction_impulse(
 
 def test_without_friction_an_impact_leaves_slide_and_spin_as_they_are():
     law = sphere_law(friction=0.0)
-    motion = dropped(law, 0.1, 0.3, slide=0.3)
+    motion = drop_sphere(law, 0.1, 0.3, slide=0.3)
     assert motion.velocity[0, 0] == 0.3
     assert not motion.spin.any()
 
@@ -117,7 +117,7 @@ def test_impact_turns_with_its_direction_in_the_plane():
 
 def test_second_impact_starts_afresh():
     law, speed = sphere_law(), 0.05
-    motion = dropped(law, speed, 0.3, slide=0.1)
+    motion = drop_sphere(law, speed, 0.3, slide=0.1)
     first = motion.velocity.copy(), motion.spin.copy()
     height = RADIUS + 0.3 * speed * motion.time_step
     motion.spheres.position[:, 0] = [0, 0, height]
@@ -137,16 +137,16 @@ def test_more_spheres_than_a_block_each_move_as_if_alone():
     position = np.column_stack([place, height])
     velocity, spin = rng.normal(0, 0.05, (number, 3)), rng.normal(0, 50, (number, 3))
     box = 30 * 4 * RADIUS, 30 * 4 * RADIUS
-    many = SphereMotion(position, velocity, spin, box=box).run(20)
+    all_spheres = SphereMotion(position, velocity, spin, box=box).run(20)
     along = upward = contacts = 0.0
     for i in range(number):
-        one = SphereMotion(position[i : i + 1], velocity[i : i + 1], spin[i : i + 1]).run(20)
-        assert many.velocity[i] == pytest.approx(one.velocity[0], rel=1e-11)
-        assert many.spin[i] == pytest.approx(one.spin[0], rel=1e-11)
-        along += one.flow.sums[leap_frog.PLANE_X]
-        upward += one.flow.sums[leap_frog.PLANE_Z]
-        contacts += one.flow.sums[leap_frog.CONTACTS]
-    sums = many.flow.sums
+        single = SphereMotion(position[i : i + 1], velocity[i : i + 1], spin[i : i + 1]).run(20)
+        assert all_spheres.velocity[i] == pytest.approx(single.velocity[0], rel=1e-11)
+        assert all_spheres.spin[i] == pytest.approx(single.spin[0], rel=1e-11)
+        along += single.flow.sums[leap_frog.PLANE_X]
+        upward += single.flow.sums[leap_frog.PLANE_Z]
+        contacts += single.flow.sums[leap_frog.CONTACTS]
+    sums = all_spheres.flow.sums
     assert sums[leap_frog.PLANE_X] == pytest.approx(along, abs=1e-12 * upward)
     assert sums[leap_frog.PLANE_Z] == pytest.approx(upward, rel=1e-12)
     assert sums[leap_frog.CONTACTS] == contacts > 10 * number

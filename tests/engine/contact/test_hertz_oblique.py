@@ -5,7 +5,8 @@ from math import sqrt
 import numpy as np
 import pytest
 
-from sim.engine.contact import Partners, hertz
+from sim.engine.contact import Partners, law_of
+from sim.laws.hertz import effective_modulus
 from sim.parameters import ChuteParameters
 from tests.engine.reference.hertz_impact import RIM, Friction, mindlin_rebound, rebound
 from tests.engine_motion.spheres import SphereMotion
@@ -38,31 +39,33 @@ class Impacts:
         self.radii, self.slopes = np.array(radii), np.array(slopes, float)
         self.mass = point.mass * (2 * self.radii / point.diameter) ** 3
         reduced = 1 / sum(1 / self.mass)
-        stiffness = point.effective_modulus * sqrt(1 / sum(1 / self.radii))
+        stiffness = effective_modulus(point) * sqrt(1 / sum(1 / self.radii))
         self.bend = unit / sum(self.radii) if len(radii) == 2 else 0.0
         self.speed = sqrt(unit**2.5 * stiffness / reduced)
         self.steps, self.step = steps, LASTING * unit / self.speed / steps
-        self.law = hertz.from_parameters(point, Partners(law.friction, reduced, self.step))
+        self.law = law_of(point, Partners(law.friction, reduced, self.step))
         self.frame = np.array([NORMAL, TANGENT] if self.bend else [[0, 0, -1.0], [0, 1.0, 0]])
-        self.motion = self.pairs() if self.bend else self.lone()
+        self.motion = self.pairs() if self.bend else self.spheres_on_plane()
 
-    def lone(self) -> SphereMotion:
+    def spheres_on_plane(self) -> SphereMotion:
         """Return spheres above the plane, which slides along them as the second ones of pairs."""
-        velocity = -self.approaching()
-        return self.moving(self.places(self.radii[0]) - self.delays()[:, None] * velocity, velocity)
+        velocity = -self.approach_velocities()
+        return self.sphere_motion(
+            self.positions(self.radii[0]) - self.delays()[:, None] * velocity, velocity
+        )
 
     def pairs(self) -> SphereMotion:
         """Return pairs of spheres whose momenta cancel."""
         normal = self.frame[0]
-        first = self.places(30e-3)
-        velocity, shares = self.approaching(), self.mass[::-1] / sum(self.mass)
+        first = self.positions(30e-3)
+        velocity, shares = self.approach_velocities(), self.mass[::-1] / sum(self.mass)
         second = first + sum(self.radii) * normal - self.delays()[:, None] * velocity
-        return self.moving(
+        return self.sphere_motion(
             np.stack([first, second], axis=1).reshape(-1, 3),
             np.stack([-shares[0] * velocity, shares[1] * velocity], axis=1).reshape(-1, 3),
         )
 
-    def places(self, height: float) -> np.ndarray:
+    def positions(self, height: float) -> np.ndarray:
         number = np.arange(len(self.slopes))
         return np.stack([6e-3 * (number % 9), 9e-3 * (number // 9), 0 * number + height], axis=1)
 
@@ -70,11 +73,11 @@ class Impacts:
         """Return the times until the contacts begin (slopes,)."""
         return self.step * np.linspace(0.1, 0.9, len(self.slopes))
 
-    def approaching(self) -> np.ndarray:
+    def approach_velocities(self) -> np.ndarray:
         """Return the velocities of the second surface relative to the first (slopes, 3)."""
         return self.speed * (self.slopes[:, None] * self.frame[1] - self.frame[0])
 
-    def moving(self, position, velocity) -> SphereMotion:
+    def sphere_motion(self, position, velocity) -> SphereMotion:
         size, mass = (np.tile(v, len(self.slopes)) for v in (self.radii, self.mass))
         return SphereMotion(
             position, velocity, law=self.law, time_step=self.step, radius=size, mass=mass
@@ -125,10 +128,10 @@ def test_rebounds_approach_those_of_the_differential_equations(partners, restitu
 
 
 def test_without_friction_nothing_changes_across_the_normal():
-    found = impacts(Friction(SHARE, 0.0)).velocities()
-    np.testing.assert_allclose(found[:, 0], 1.0, rtol=1e-5)
-    np.testing.assert_allclose(found[:, 1], SLOPES, rtol=1e-12)
-    np.testing.assert_array_equal(found[:, 2], 0.0)
+    slips_of_law = impacts(Friction(SHARE, 0.0)).velocities()
+    np.testing.assert_allclose(slips_of_law[:, 0], 1.0, rtol=1e-5)
+    np.testing.assert_allclose(slips_of_law[:, 1], SLOPES, rtol=1e-12)
+    np.testing.assert_array_equal(slips_of_law[:, 2], 0.0)
 
 
 #: The second: alumina on glass, as Kharaz, Gorham and Salman (Powder Technol. 120 (2001) 281) have
@@ -152,9 +155,9 @@ def test_sliding_lasts_from_the_angle_of_maw_barber_and_fawcett_on(share):
     angles = critical * np.array([0.95, 1.01, 1.1])
     slopes = angles * friction / share
     parting, across, _ = impacts(Friction(share, friction), slopes=slopes).velocities().T
-    rubbed = (slopes - across) / (friction * (1 + parting))
-    assert rubbed[0] < 0.997
-    np.testing.assert_allclose(rubbed[1:], 1.0, rtol=1e-9)
+    friction_share = (slopes - across) / (friction * (1 + parting))
+    assert friction_share[0] < 0.997
+    np.testing.assert_allclose(friction_share[1:], 1.0, rtol=1e-9)
 
 
 STICKING = np.linspace(0.1, 1.0, 4)
@@ -163,17 +166,17 @@ STICKING = np.linspace(0.1, 1.0, 4)
 @pytest.mark.parametrize("partners", PARTNERS)
 def test_with_two_sevenths_of_the_stiffness_a_sticking_impact_turns_the_slip_round(partners):
     """The friction is then 2/7 of the slope times the normal force all along, below μ = 0.3."""
-    met = impacts(Friction(2 / 7, 0.3), partners, STICKING, 800, unit=1e-7)
-    np.testing.assert_allclose(met.slips(), -STICKING, atol=1e-3)
+    impact = impacts(Friction(2 / 7, 0.3), partners, STICKING, 800, unit=1e-7)
+    np.testing.assert_allclose(impact.slips(), -STICKING, atol=1e-3)
 
 
 def test_an_impact_without_loss_goes_backwards_as_it_came():
-    met = impacts(Friction(2 / 7, 0.3), "unlike", STICKING, 800, unit=1e-7)
-    before, spheres = met.approaching() / met.speed, met.motion.spheres
+    impact = impacts(Friction(2 / 7, 0.3), "unlike", STICKING, 800, unit=1e-7)
+    before, spheres = impact.approach_velocities() / impact.speed, impact.motion.spheres
     spheres.velocity[:] *= -1
     spheres.rim[:] *= -1
-    back = met.run(1.75).velocities()
-    np.testing.assert_allclose(back[:, :2] @ met.frame, -before, atol=1e-3)
+    back = impact.run(1.75).velocities()
+    np.testing.assert_allclose(back[:, :2] @ impact.frame, -before, atol=1e-3)
     np.testing.assert_allclose(back[:, 2:], 0.0, atol=1e-3)
 
 
@@ -182,9 +185,9 @@ def test_full_mindlin_slides_and_rebounds_alike_where_impacts_slide_most_of_the_
     law, critical = Friction(SHARE, 0.3), 7 * SHARE - 1
     angles = np.array([0.25, 0.5, 1.0, 1.5, 2.0, 3.0, 4.0, critical, 6.0])
     slopes = angles * law.friction / law.share
-    found, full = impacts(law, slopes=slopes).slips(), mindlin_rebound(law, slopes)
-    apart = (found - full) * law.share / law.friction
-    assert (np.abs(apart[angles < critical]) < 0.5).all()
-    assert (np.abs(apart[angles >= 3.0]) < 0.22).all()
-    assert (np.abs(apart[angles >= critical]) < 3e-3).all()
+    slips_of_law, full = impacts(law, slopes=slopes).slips(), mindlin_rebound(law, slopes)
+    difference = (slips_of_law - full) * law.share / law.friction
+    assert (np.abs(difference[angles < critical]) < 0.5).all()
+    assert (np.abs(difference[angles >= 3.0]) < 0.22).all()
+    assert (np.abs(difference[angles >= critical]) < 3e-3).all()
     assert (full[(angles > 0.7) & (angles < critical)] < 0).all()

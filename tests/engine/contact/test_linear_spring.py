@@ -10,7 +10,7 @@ FORCE = 1e-3
 PATHS = range(100)
 
 
-def both(seed: int, steps: int, cap: str, swing: float):
+def compare_springs(seed: int, steps: int, cap: str, swing: float):
     """Engine and spring along one path: differences, slip per step and limit, all in N, (n,).
 
     An elastic law makes the normal force proportional to the overlap, so any F_N can be had.
@@ -33,7 +33,7 @@ def both(seed: int, steps: int, cap: str, swing: float):
 def test_constant_normal_force_gives_the_vector_spring_exactly(cap):
     sliding = []
     for seed in PATHS:
-        difference, _, limit, size = both(seed, 1000, cap, swing=0.0)
+        difference, _, limit, size = compare_springs(seed, 1000, cap, swing=0.0)
         assert difference.max() < 1e-12 * limit[0]
         sliding.append(np.mean(size > (1 - 1e-9) * limit))
     assert 0.1 < np.mean(sliding) < 0.9
@@ -41,7 +41,7 @@ def test_constant_normal_force_gives_the_vector_spring_exactly(cap):
 
 def test_varying_normal_force_gives_the_vector_spring_exactly_with_the_cap_after():
     for seed in PATHS:
-        difference, _, limit, _ = both(seed, 1000, "after", swing=0.7)
+        difference, _, limit, _ = compare_springs(seed, 1000, "after", swing=0.7)
         assert (difference < 1e-12 * limit).all()
 
 
@@ -52,14 +52,14 @@ def test_varying_normal_force_with_the_cap_before_differs_by_less_than_a_step():
     that step: an error of first order, below 1e-3 mu F_N on all paths at these 24,000 steps.
     """
     for seed in PATHS:
-        difference, loads, limit, _ = both(seed, 24_000, "before", swing=0.7)
+        difference, loads, limit, _ = compare_springs(seed, 24_000, "before", swing=0.7)
         assert (difference <= loads.max()).all()
         assert (difference < 1e-3 * limit).all()
 
 
 def test_the_difference_between_the_caps_is_of_first_order_in_the_step():
     def worst(steps):
-        found = (both(seed, steps, "before", swing=0.7) for seed in range(20))
-        return max((difference / limit).max() for difference, _, limit, _ in found)
+        paths = (compare_springs(seed, steps, "before", swing=0.7) for seed in range(20))
+        return max((difference / limit).max() for difference, _, limit, _ in paths)
 
     assert worst(2000) / worst(8000) == pytest.approx(4.0, rel=0.2)

@@ -41,9 +41,9 @@ def test_work_lost_in_a_cycle_is_the_share_of_one_minus_restitution_squared():
     law = sphere_law(restitution=0.7)
     path = np.concatenate([np.linspace(0, PEAK, 20_001)[1:], np.linspace(PEAK, 0, 20_001)[1:-1]])
     force = normal_forces(law, path)
-    lost = np.trapezoid(force, path)
+    loss = np.trapezoid(force, path)
     expected = 0.5 * law.loading * PEAK**2 * (1 - 0.7**2)
-    assert lost == pytest.approx(expected, rel=1e-3)
+    assert loss == pytest.approx(expected, rel=1e-3)
     assert dissipated_energy(law, path) == pytest.approx(expected, rel=1e-9)
 
 

@@ -22,8 +22,8 @@ def angles(sliding: str, step: float, steps: int, exponent: float = 1 / 3) -> np
     """
     law = sphere_law(sliding_direction=sliding, tangential_exponent=exponent)
     scale = law.limit.friction * law.loading * OVERLAP / law.tangential
-    before = np.tile([np.cos(START), np.sin(START), 0.0], (40, 1))
-    slip = scale * np.concatenate([0.5 * before, np.tile([step, 0.0, 0.0], (steps, 1))])
+    earlier_slip = np.tile([np.cos(START), np.sin(START), 0.0], (40, 1))
+    slip = scale * np.concatenate([0.5 * earlier_slip, np.tile([step, 0.0, 0.0], (steps, 1))])
     normal = np.tile(Z, (len(slip), 1))
     _, friction, _ = contact_path(law, np.full(len(slip), OVERLAP), normal, slip)
     return np.arctan2(friction[40:, 1], friction[40:, 0])
@@ -33,9 +33,9 @@ def angles(sliding: str, step: float, steps: int, exponent: float = 1 / 3) -> np
 def test_short_slips_turn_it_as_the_equation_says(sliding):
     errors = []
     for step in (0.1, 0.05, 0.025):
-        slipped = step * np.arange(1, round(2 / step) + 1)
-        expected = 2 * np.arctan(np.tan(START / 2) * np.exp(-slipped))
-        errors.append(np.abs(angles(sliding, step, len(slipped)) - expected).max())
+        slips = step * np.arange(1, round(2 / step) + 1)
+        expected = 2 * np.arctan(np.tan(START / 2) * np.exp(-slips))
+        errors.append(np.abs(angles(sliding, step, len(slips)) - expected).max())
     assert errors[0] < 0.05
     assert errors[1:] == pytest.approx([errors[0] / 2, errors[0] / 4], rel=0.1)
 
@@ -59,5 +59,5 @@ def test_what_a_flow_that_slides_feels_at_the_plane(sliding, ratio):
         transient=60, average=20, steps_per_collision=20,
     )  # fmt: skip
     series = {name: values[-60:] for name, values in series_of(point).items()}
-    found = series["base_shear_force"].mean() / series["base_normal_force"].mean()
-    assert found == pytest.approx(ratio, rel=0.03 if sliding == "slip" else 0.15)
+    coefficient = series["base_shear_force"].mean() / series["base_normal_force"].mean()
+    assert coefficient == pytest.approx(ratio, rel=0.03 if sliding == "slip" else 0.15)

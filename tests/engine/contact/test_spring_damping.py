@@ -34,10 +34,10 @@ def test_force_is_spring_damping_and_drag_by_hand():
     """Normal (0.6, 0.8), approach 0.03 and slip 0.02 m/s: the three terms one by one."""
     law = bead_law(shear_damping=0.4 * DAMPING)
     normal, across = np.array([0.6, 0.8]), np.array([-0.8, 0.6])
-    found = force_on(law, 5e-5, normal, 0.03 * normal + 0.02 * across, mass=2 * BEAD_MASS)
+    force = force_on(law, 5e-5, normal, 0.03 * normal + 0.02 * across, mass=2 * BEAD_MASS)
     push = YOUNG * 5e-5 + DAMPING * 2 * BEAD_MASS * 0.03
     drag = 0.4 * DAMPING * 2 * BEAD_MASS * 0.02
-    assert found == pytest.approx(-push * normal - drag * across, rel=1e-12)
+    assert force == pytest.approx(-push * normal - drag * across, rel=1e-12)
 
 
 @pytest.mark.parametrize(("damping_mass", "attraction"), READINGS)
@@ -45,13 +45,13 @@ def test_law_equals_the_reference(damping_mass, attraction):
     law = bead_law(damping_mass=damping_mass, attraction=attraction)
     slow = Belt(20e-3, 1e-3, YOUNG, DAMPING, DAMPING, attraction=attraction)
     overlap, normal, velocity, mass, partner = random_contacts()
-    found = disk_forces(law, overlap, normal, velocity, mass, 1.0 / partner)
-    damped = mass if damping_mass == "own" else mass * partner / (mass + partner)
+    force = disk_forces(law, overlap, normal, velocity, mass, 1.0 / partner)
+    damping_masses = mass if damping_mass == "own" else mass * partner / (mass + partner)
     reach = 1e-3
     for k in range(overlap.size):
-        apart = (reach - overlap[k]) * normal[k]
-        expected = contact_force(slow, apart, velocity[k], reach, damped[k])
-        assert found[k] == pytest.approx(expected, abs=1e-11 * YOUNG * 1e-4)
+        separation = (reach - overlap[k]) * normal[k]
+        expected = contact_force(slow, separation, velocity[k], reach, damping_masses[k])
+        assert force[k] == pytest.approx(expected, abs=1e-11 * YOUNG * 1e-4)
 
 
 @pytest.mark.parametrize("attraction", ["kept", "clipped"])
@@ -76,11 +76,11 @@ def test_both_masses_agree_against_a_wall():
 def test_clipping_takes_the_pull_and_leaves_drag_and_push():
     receding, approaching = (-0.4, 0.1), (0.4, 0.1)
     kept, clipped = bead_law(), bead_law(attraction="clipped")
-    pulled, free = (force_on(law, 1e-6, (1.0, 0.0), receding) for law in (kept, clipped))
-    assert pulled[0] > 0.0 and free[0] == 0.0
-    assert free[1] == pulled[1] == pytest.approx(-DAMPING * BEAD_MASS * 0.1, rel=1e-12)
-    pushed = [force_on(law, 1e-6, (1.0, 0.0), approaching) for law in (kept, clipped)]
-    assert np.array_equal(*pushed) and pushed[0][0] < 0.0
+    pull, free = (force_on(law, 1e-6, (1.0, 0.0), receding) for law in (kept, clipped))
+    assert pull[0] > 0.0 and free[0] == 0.0
+    assert free[1] == pull[1] == pytest.approx(-DAMPING * BEAD_MASS * 0.1, rel=1e-12)
+    pushes = [force_on(law, 1e-6, (1.0, 0.0), approaching) for law in (kept, clipped)]
+    assert np.array_equal(*pushes) and pushes[0][0] < 0.0
 
 
 @pytest.mark.parametrize(("damping_mass", "attraction"), READINGS)
@@ -88,14 +88,14 @@ def test_damping_takes_energy_in_every_contact(damping_mass, attraction):
     """Beside the spring, the force on a disk works against its motion relative to the partner."""
     law = bead_law(damping_mass=damping_mass, attraction=attraction)
     overlap, normal, velocity, mass, partner = random_contacts()
-    found = disk_forces(law, overlap, normal, velocity, mass, 1.0 / partner)
-    dissipative = found + YOUNG * overlap[:, None] * normal
+    force = disk_forces(law, overlap, normal, velocity, mass, 1.0 / partner)
+    dissipative = force + YOUNG * overlap[:, None] * normal
     assert ((dissipative * velocity).sum(axis=1) < 0.0).all()
 
 
 def test_no_shear_damping_means_no_force_across_the_normal():
     law = bead_law(shear_damping=0.0)
     overlap, normal, velocity, mass, partner = random_contacts()
-    found = disk_forces(law, overlap, normal, velocity, mass, 1.0 / partner)
-    across = found[:, 1] * normal[:, 0] - found[:, 0] * normal[:, 1]
-    assert np.abs(across).max() < 1e-15 * np.abs(found).max() * 10
+    force = disk_forces(law, overlap, normal, velocity, mass, 1.0 / partner)
+    across = force[:, 1] * normal[:, 0] - force[:, 0] * normal[:, 1]
+    assert np.abs(across).max() < 1e-15 * np.abs(force).max() * 10

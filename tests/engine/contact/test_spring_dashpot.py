@@ -66,8 +66,8 @@ def test_gross_slip_takes_what_the_friction_of_the_impact_gives():
     velocity, spin = motion.velocity, motion.spin
     along = velocity[1, 1] - velocity[0, 1]
     surface = along - RADIUS * (spin[0, 2] + spin[1, 2])
-    lost = 10 * SPEED - surface
-    assert lost == pytest.approx(3.5 * (1 + point.restitution) * 0.4 * SPEED, rel=0.01)
+    loss = 10 * SPEED - surface
+    assert loss == pytest.approx(3.5 * (1 + point.restitution) * 0.4 * SPEED, rel=0.01)
 
 
 def test_friction_is_a_spring_up_to_its_limit():

@@ -60,15 +60,15 @@ def test_force_follows_the_differential_equation_up_and_back(exponent):
     there = np.linspace(0, turn, 4001)[1:]
     back = np.linspace(turn, -0.4 * turn, 4001)[1:]
 
-    def solved(start, distance, sign, whole):
+    def solve(start, distance, sign, whole):
         def slope(_, t):
             return sign * np.clip((1 - sign * t) / whole, 0, 1) ** exponent
 
         span = (0, distance[-1])
         return solve_ivp(slope, span, [start], t_eval=distance, rtol=1e-9, atol=1e-12).y[0]
 
-    up = solved(0.0, there, 1, 1.0)
-    down = solved(up[-1], turn - back, -1, 1 + up[-1])
+    up = solve(0.0, there, 1, 1.0)
+    down = solve(up[-1], turn - back, -1, 1 + up[-1])
     force = along_x(law, length * np.concatenate([there, back])) / limit
     assert down[-1] < -0.1
     assert np.abs(force - np.concatenate([up, down])).max() < 1e-3
@@ -110,9 +110,9 @@ def test_displacement_across_the_force_meets_the_full_stiffness(cap):
 
 def test_friction_turns_with_the_tangent_plane_and_keeps_its_size():
     law = sphere_law()
-    turned = np.array([0.6, 0.0, 0.8])
+    turned_force = np.array([0.6, 0.0, 0.8])
     slip = np.array([[1e-8, 0.0, 0.0], [0.0, 0.0, 0.0]])
-    force = contact_path(law, np.full(2, OVERLAP), np.stack([Z, turned]), slip)[1]
+    force = contact_path(law, np.full(2, OVERLAP), np.stack([Z, turned_force]), slip)[1]
     assert force[0] == pytest.approx([law.tangential * 1e-8, 0.0, 0.0], rel=1e-12)
     assert force[1] == pytest.approx(force[0, 0] * np.array([0.8, 0.0, -0.6]), rel=1e-12)
 
@@ -129,8 +129,8 @@ def test_friction_turned_at_full_sliding_keeps_its_stiffness_when_the_limit_rise
         slip[:, 0] = [1e-5, -1e-9, 1e-8, 0.0, 1e-12]
         normal, force, _ = contact_path(law, loads, np.tile(Z, (5, 1)), slip)
         assert force[2, 0] == pytest.approx(law.limit.friction * normal[2], rel=1e-12)
-        gained = force[4, 0] - force[3, 0]
-        assert gained == pytest.approx(law.tangential * 1e-12, rel=1e-3)
+        gain = force[4, 0] - force[3, 0]
+        assert gain == pytest.approx(law.tangential * 1e-12, rel=1e-3)
 
 
 @pytest.mark.parametrize("memory", MEMORIES)
@@ -152,8 +152,8 @@ def test_any_history_stays_tangential_below_the_limit_and_turns_with_the_frame(
     assert np.mean(size < 0.39 * force) > 0.05 and (force == 0.0).any()
     assert np.abs((friction * normal).sum(axis=1)).max() < 1e-12 * limit_of(law)
     frame = rotation(rng)
-    turned = contact_path(law, overlap, normal @ frame.T, slip @ frame.T)[1]
-    assert np.abs(turned - friction @ frame.T).max() < 1e-9 * limit_of(law)
+    turned_force = contact_path(law, overlap, normal @ frame.T, slip @ frame.T)[1]
+    assert np.abs(turned_force - friction @ frame.T).max() < 1e-9 * limit_of(law)
 
 
 def impulse(law, steps: int) -> float:
@@ -184,8 +184,12 @@ def test_cutting_before_or_after_the_slip_is_a_matter_of_the_step_alone(exponent
         fine, finer = (impulse(law, steps) for steps in (30_000, 60_000))
         limits.append(2 * finer - fine)
         errors = [abs(impulse(law, steps) - limits[-1]) for steps in (50, 200, 800)]
-        found = np.log2(errors[0] / errors[2]) / 4
-        assert found == pytest.approx(order, abs=0.25) if order == 1 else found > 1.75
+        observed_order = np.log2(errors[0] / errors[2]) / 4
+        assert (
+            observed_order == pytest.approx(order, abs=0.25)
+            if order == 1
+            else observed_order > 1.75
+        )
     assert limits[0] == pytest.approx(limits[1], rel=1e-5)
 
 

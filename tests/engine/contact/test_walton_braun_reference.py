@@ -45,30 +45,39 @@ def test_law_equals_the_reference(sliding, cap, exponent, memory, slip_size):
     for seed in range(3):
         overlap, normal, slip = history(seed, slip_size)
         for closed in closed_stretches(overlap):
-            found = contact_path(law, overlap[closed], normal[closed], slip[closed])
+            path = contact_path(law, overlap[closed], normal[closed], slip[closed])
             contact = Contact()
-            steps = zip(overlap[closed], normal[closed], slip[closed], *found, strict=True)
-            for gap, k_hat, ds, force, friction, held in steps:
+            steps = zip(overlap[closed], normal[closed], slip[closed], *path, strict=True)
+            for gap, k_hat, ds, force, friction, memory_now in steps:
                 expected, shear, contact = update(contact, gap, k_hat, ds, slow)
                 assert abs(force - expected) < 1e-12 * scale
                 assert np.abs(friction - shear).max() < 1e-10 * scale
-                assert abs(held[3] - np.linalg.norm(shear)) < 1e-10 * scale
-                assert abs(held[4] * force - contact.turning_point) < 1e-10 * scale
-                assert held[5] == (contact.sense < 0)
-                assert abs(held[6] - contact.largest_overlap) < 1e-12 * 1e-5
+                assert abs(memory_now[3] - np.linalg.norm(shear)) < 1e-10 * scale
+                assert abs(memory_now[4] * force - contact.turning_point) < 1e-10 * scale
+                assert memory_now[5] == (contact.sense < 0)
+                assert abs(memory_now[6] - contact.largest_overlap) < 1e-12 * 1e-5
 
 
 def test_histories_visit_sticking_sliding_reversal_and_forceless_contact():
     """What the comparison above is worth: the branches of the law that its paths reach."""
-    law, slid, stuck, fell, empty, opened = sphere_law(), 0, 0, 0, 0, 0
+    law, sliding_steps, sticking_steps, falling_steps, forceless_steps, open_steps = (
+        sphere_law(),
+        0,
+        0,
+        0,
+        0,
+        0,
+    )
     for slip_size in (1e-8, 2e-7, 2e-6):
         overlap, normal, slip = history(0, slip_size)
-        opened += (overlap <= 0).sum()
+        open_steps += (overlap <= 0).sum()
         for closed in closed_stretches(overlap):
-            force, friction, held = contact_path(law, overlap[closed], normal[closed], slip[closed])
+            force, friction, memory_now = contact_path(
+                law, overlap[closed], normal[closed], slip[closed]
+            )
             size = np.linalg.norm(friction, axis=1)
-            slid += ((size > 0.4 * force * (1 - 1e-9)) & (force > 0)).sum()
-            stuck += (size < 0.39 * force).sum()
-            fell += (held[:, 5] == 1).sum()
-            empty += (force == 0).sum()
-    assert min(slid, stuck, fell, empty, opened) > 20
+            sliding_steps += ((size > 0.4 * force * (1 - 1e-9)) & (force > 0)).sum()
+            sticking_steps += (size < 0.39 * force).sum()
+            falling_steps += (memory_now[:, 5] == 1).sum()
+            forceless_steps += (force == 0).sum()
+    assert min(sliding_steps, sticking_steps, falling_steps, forceless_steps, open_steps) > 20

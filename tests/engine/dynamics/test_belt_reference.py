@@ -41,7 +41,7 @@ def dense_state(seed: int, shape=(5, 6)):
     )
 
 
-def both(seed, integrator, ghost, obstacle, shear=DAMPING, shape=(5, 6), **readings):
+def make_both(seed, integrator, ghost, obstacle, shear=DAMPING, shape=(5, 6), **readings):
     """A bed of the engine and of the reference; the obstacle stands between two of its beads.
 
     Of the readings ``order``, ``corrections`` and ``ghost_mass`` are none of the law of beads.
@@ -110,14 +110,14 @@ def test_a_ghost_of_finite_mass_equals_the_reference(ghost_mass):
 def equal_after_a_while(seed, integrator, ghost, obstacle, **readings):
     """Hold the engine to the reference over a short run in which beads, belt and obstacle meet."""
     order, corrections = readings.get("order", 5), readings.get("corrections", 1)
-    motion, belt = both(seed, integrator, ghost, obstacle, shear=0.6 * DAMPING, **readings)
+    motion, belt = make_both(seed, integrator, ghost, obstacle, shear=0.6 * DAMPING, **readings)
     start = motion.position.copy(), motion.velocity.copy()
     beads = slow.Beads(2 * motion.radius, motion.mass, *start)
     motion.run(STEPS)
     scheme = slow.Scheme(motion.integrator.time_step, integrator, order, corrections)
     places, velocities = slow.run(belt, beads, scheme, STEPS)
-    apart = wrapped(motion.position - places[-1], belt.width, 0.0)
-    assert np.abs(apart).max() < 1e-10 * BEAD
+    difference = wrapped(motion.position - places[-1], belt.width, 0.0)
+    assert np.abs(difference).max() < 1e-10 * BEAD
     assert motion.velocity == pytest.approx(velocities[-1], abs=1e-10 * SPEED)
     assert motion.loop.sums[shaking.CONTACTS] > 1.5 * STEPS * len(motion.position)
     assert np.abs(motion.velocity - start[1]).max() > 0.5 * SPEED
@@ -126,7 +126,7 @@ def equal_after_a_while(seed, integrator, ghost, obstacle, **readings):
 @pytest.mark.parametrize("shape", [(5, 4), (5, 1), (9, 12)])
 def test_forces_of_one_step_equal_the_reference(shape):
     """Forces act where the predictor puts the beads, at the velocities that it predicts."""
-    motion, belt = both(3, "verlet", "below", 1.5 * BEAD, shape=shape)
+    motion, belt = make_both(3, "verlet", "below", 1.5 * BEAD, shape=shape)
     step, curve = motion.integrator.time_step, motion.taylor[2]
     place = motion.position + motion.velocity * step + curve
     velocity = motion.velocity + 2 * curve / step

@@ -14,11 +14,11 @@ wrap, assign_cells = compiled(engine.wrap), compiled(engine.assign_cells)
 @pytest.mark.parametrize("length", [(3e-3, 0.0), (3e-3, 4e-3, 0.0)])
 def test_nearest_images_are_shortest_and_the_last_direction_is_open(length):
     rng = np.random.default_rng(3)
-    apart = rng.uniform(-20, 20, (len(length), 500)) * UNIT
-    found = nearest_images(apart, make_box(*length[:-1]))
-    expected = wrapped(apart.T, *length).T
-    assert found == pytest.approx(expected, abs=1e-12 * UNIT)
-    assert np.array_equal(found[-1], apart[-1])
+    differences = rng.uniform(-20, 20, (len(length), 500)) * UNIT
+    images = nearest_images(differences, make_box(*length[:-1]))
+    expected = wrapped(differences.T, *length).T
+    assert images == pytest.approx(expected, abs=1e-12 * UNIT)
+    assert np.array_equal(images[-1], differences[-1])
 
 
 def test_wrapping_moves_by_whole_periods_into_the_cell():

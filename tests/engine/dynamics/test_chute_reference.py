@@ -40,7 +40,7 @@ def laws(**readings):
     return fast, [ContactLaw(100.0, 0.85, friction, **readings) for friction in (0.4, 0.25)]
 
 
-def compared(both, base: float, threads: int = 1, orientations: bool = False, time_step=None):
+def run_both(law_pairs, base: float, threads: int = 1, orientations: bool = False, time_step=None):
     """A dense layer after STEPS steps, its start, and what the reference makes of the same start.
 
     ``both`` are laws as from ``laws``. The cell is barely three diameters wide; the layer's lowest
@@ -49,7 +49,7 @@ def compared(both, base: float, threads: int = 1, orientations: bool = False, ti
     position, velocity, spin, radius = dense_state(seed=1)
     position[:, 2] += base
     mass, box = MASS * (radius / RADIUS) ** 3, (3.9 * 2 * RADIUS, 3.0 * 2 * RADIUS)
-    (law, plane_law), slow_laws = both
+    (law, plane_law), slow_laws = law_pairs
     motion = SphereMotion(
         position,
         velocity,
@@ -72,23 +72,25 @@ def compared(both, base: float, threads: int = 1, orientations: bool = False, ti
 
 def check(motion, start, expected) -> None:
     """Demand that the engine agrees with the reference, memory of all contacts included."""
-    apart = wrapped(motion.position - expected.position, *motion.length)
-    assert np.abs(apart).max() < 1e-10 * RADIUS
+    difference = wrapped(motion.position - expected.position, *motion.length)
+    assert np.abs(difference).max() < 1e-10 * RADIUS
     assert motion.velocity == pytest.approx(expected.velocity, abs=1e-10 * SPEED)
     assert motion.spin == pytest.approx(expected.spin, abs=1e-10 * SPIN)
     i, j, _, memory = motion.contacts()
-    found = {
+    memories = {
         (min(a, b), max(a, b)): column if a < b else np.concatenate([-column[:3], column[3:]])
         for a, b, column in zip(i.tolist(), j.tolist(), memory.T, strict=True)
     }
     resting, memory = motion.plane_contacts()
-    found |= {(a, slow.PLANE): column for a, column in zip(resting.tolist(), memory.T, strict=True)}
-    assert found.keys() == expected.contacts.keys()
+    memories |= {
+        (a, slow.PLANE): column for a, column in zip(resting.tolist(), memory.T, strict=True)
+    }
+    assert memories.keys() == expected.contacts.keys()
     load = max(contact.normal_force for contact in expected.contacts.values())
     for key, contact in expected.contacts.items():
-        assert found[key][:3] == pytest.approx(contact.tangential_force, abs=1e-10 * load)
+        assert memories[key][:3] == pytest.approx(contact.tangential_force, abs=1e-10 * load)
         if contact.largest_overlap:
-            assert found[key][6] == pytest.approx(contact.largest_overlap, abs=1e-10 * RADIUS)
+            assert memories[key][6] == pytest.approx(contact.largest_overlap, abs=1e-10 * RADIUS)
     assert motion.flow.sums[leap_frog.CONTACTS] > 1.5 * STEPS * len(start.radius)
     assert np.abs(motion.velocity - start.velocity).max() > SPEED
 
@@ -97,7 +99,7 @@ def check(motion, start, expected) -> None:
 @pytest.mark.parametrize("readings", LAWS)
 def test_short_flow_equals_the_reference(readings, base):
     """Over rebuilds of the list and openings of contacts, from random spins."""
-    motion, start, expected = compared(laws(**readings), base)
+    motion, start, expected = run_both(laws(**readings), base)
     check(motion, start, expected)
     assert bool(motion.plane_contacts()[0].size) == (base == 0.0)
 
@@ -106,13 +108,13 @@ def test_short_flow_equals_the_reference(readings, base):
 def test_short_flow_of_springs_and_dashpots_equals_the_reference(base):
     step = 2e-6
     values = [(100.0, 0.7, 0.4, 0.5 * MASS, step), (100.0, 0.85, 0.25, MASS, step, 0.5)]
-    both = [spring_dashpot(*v) for v in values], [SpringDashpotLaw(*v) for v in values]
-    check(*compared(both, base, time_step=step))
+    law_pairs = [spring_dashpot(*v) for v in values], [SpringDashpotLaw(*v) for v in values]
+    check(*run_both(law_pairs, base, time_step=step))
 
 
 @pytest.mark.parametrize("threads", [2, 3, 7])
 def test_short_flow_of_any_number_of_threads_equals_the_reference(threads):
-    check(*compared(laws(), 0.0, threads, orientations=True))
+    check(*run_both(laws(), 0.0, threads, orientations=True))
 
 
 def test_forces_of_one_step_equal_the_reference():
@@ -136,7 +138,7 @@ def test_forces_of_one_step_equal_the_reference():
             for i, j in contacts
         ]
         assert sums[leap_frog.LARGEST] == pytest.approx(max(overlaps), rel=1e-10)
-        pressed = sum(contacts[key].normal_force for key in on_plane)
-        dragged = sum(contacts[key].tangential_force[0] for key in on_plane)
-        assert sums[leap_frog.PLANE_Z] == pytest.approx(pressed, rel=1e-10)
-        assert sums[leap_frog.PLANE_X] == pytest.approx(dragged, rel=1e-10)
+        normal_sum = sum(contacts[key].normal_force for key in on_plane)
+        friction_sum = sum(contacts[key].tangential_force[0] for key in on_plane)
+        assert sums[leap_frog.PLANE_Z] == pytest.approx(normal_sum, rel=1e-10)
+        assert sums[leap_frog.PLANE_X] == pytest.approx(friction_sum, rel=1e-10)

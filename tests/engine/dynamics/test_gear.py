@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from sim.engine.dynamics.disks import TERMS, make_disks
-from sim.engine.dynamics.gear import CORRECTORS, Gear, Verlet, restarted
+from sim.engine.dynamics.gear import CORRECTORS, Gear, Verlet, rescale_terms
 from tests.engine.reference.integrators import GEAR_COEFFICIENTS
 from tests.engine_motion.helpers import Oscillator, damped_oscillation, flushed, gear
 
@@ -21,21 +21,22 @@ def derivatives(time: float) -> np.ndarray:
     return np.array([2 * (weight * root**k * np.exp(root * time)).real for k in range(TERMS)])
 
 
-def oscillated(integrator, steps: int, known: int = TERMS, corrections: int = 1):
+def oscillate(integrator, steps: int, known_terms: int = TERMS, corrections: int = 1):
     """Taylor terms (6,) at END from an exact start that knows some derivatives."""
     step = END / steps
     scale = np.array([step**k / factorial(k) for k in range(TERMS)])
     taylor = np.zeros((TERMS, 2, 1))
-    taylor[:known, :, 0] = (derivatives(0.0) * scale)[:known, None]
+    taylor[:known_terms, :, 0] = (derivatives(0.0) * scale)[:known_terms, None]
     damped_oscillation(integrator(step), taylor, OSCILLATOR, steps, corrections)
     return taylor[:, 0, 0] / scale
 
 
-def orders(integrator, known: int = TERMS, corrections: int = 1) -> np.ndarray:
+def orders(integrator, known_terms: int = TERMS, corrections: int = 1) -> np.ndarray:
     """Observed orders of position and velocity between 200, 400 and 800 steps."""
     exact = derivatives(END)[:2]
     errors = [
-        oscillated(integrator, steps, known, corrections)[:2] - exact for steps in (200, 400, 800)
+        oscillate(integrator, steps, known_terms, corrections)[:2] - exact
+        for steps in (200, 400, 800)
     ]
     return np.log2(np.abs(np.array(errors[:-1]) / np.array(errors[1:])))
 
@@ -53,28 +54,28 @@ def test_gear_is_of_the_order_that_it_says(order, corrections):
 
 
 def test_gear_is_accurate():
-    assert abs(oscillated(Gear, 400)[0] - derivatives(END)[0]) < 1e-8
+    assert abs(oscillate(Gear, 400)[0] - derivatives(END)[0]) < 1e-8
 
 
 @pytest.mark.parametrize("order", [3, 4])
 def test_terms_above_the_order_stay_zero(order):
-    assert not oscillated(gear(order), 50, order + 1)[order + 1 :].any()
+    assert not oscillate(gear(order), 50, order + 1)[order + 1 :].any()
 
 
 def test_gear_started_from_the_acceleration_alone_is_of_second_order_or_better():
-    assert orders(Gear, known=3).min() > 1.9
+    assert orders(Gear, known_terms=3).min() > 1.9
 
 
 def test_verlet_is_of_second_order_without_damping_and_stays_so_with_it():
     """The damping sees a predicted velocity, with an error of second order in the acceleration."""
     assert orders(Verlet).min() > 1.8
-    assert abs(oscillated(Verlet, 800)[0] - derivatives(END)[0]) < 1e-4
+    assert abs(oscillate(Verlet, 800)[0] - derivatives(END)[0]) < 1e-4
 
 
 def test_gear_and_verlet_agree_as_the_step_falls():
-    apart = [abs(oscillated(Gear, n)[0] - oscillated(Verlet, n)[0]) for n in (200, 800)]
-    assert apart[0] < 2e-3
-    assert apart[0] / apart[1] == pytest.approx(16.0, rel=0.2)
+    differences = [abs(oscillate(Gear, n)[0] - oscillate(Verlet, n)[0]) for n in (200, 800)]
+    assert differences[0] < 2e-3
+    assert differences[0] / differences[1] == pytest.approx(16.0, rel=0.2)
 
 
 @pytest.mark.parametrize("integrator", [Gear, Verlet])
@@ -90,8 +91,8 @@ def test_free_fall_is_exact(integrator):
 
 @pytest.mark.parametrize("order", GEAR_COEFFICIENTS)
 def test_corrector_coefficients_are_those_for_forces_that_depend_on_the_velocity(order):
-    padded = (*GEAR_COEFFICIENTS[order], *[0.0] * (TERMS - order - 1))
-    assert CORRECTORS[order] == pytest.approx(padded, rel=1e-15)
+    padded_coefficients = (*GEAR_COEFFICIENTS[order], *[0.0] * (TERMS - order - 1))
+    assert CORRECTORS[order] == pytest.approx(padded_coefficients, rel=1e-15)
 
 
 @pytest.mark.parametrize("integrator", [Gear, Verlet])
@@ -103,7 +104,7 @@ def test_a_new_time_step_goes_on_along_the_same_motion(integrator):
     taylor[:, :, 0] = (derivatives(0.0) * scale)[:, None]
     damped_oscillation(integrator(short), taylor, OSCILLATOR, 3000)
     before = taylor[:3, 0, 0] / [1.0, short, short**2]
-    restarted(taylor, short, long)
+    rescale_terms(taylor, short, long)
     assert taylor[:3, 0, 0] / [1.0, long, long**2] == pytest.approx(before, rel=1e-12)
     damped_oscillation(integrator(long), taylor, OSCILLATOR, 1000)
     assert taylor[0, 0, 0] == pytest.approx(derivatives(END)[0], abs=2e-5)

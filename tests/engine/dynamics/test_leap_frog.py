@@ -16,17 +16,17 @@ from tests.engine_motion.helpers import (
 from tests.engine_motion.spheres import SphereMotion
 
 
-def bouncing(steps_per_collision: float) -> float:
+def bounce_error(steps_per_collision: float) -> float:
     """Largest error (in amplitudes) of an elastic sphere that swings on the plane about its rest.
 
     It never leaves the plane, so the force is smooth and the exact solution a cosine.
     """
     law = sphere_law(restitution=1.0, friction=0.0)
     frequency = np.sqrt(law.loading / MASS)
-    sunk, amplitude = MASS * GRAVITY / law.loading, 0.5 * MASS * GRAVITY / law.loading
+    indentation, amplitude = MASS * GRAVITY / law.loading, 0.5 * MASS * GRAVITY / law.loading
     options = {"law": law, "gravity": (0.0, 0.0, -GRAVITY)}
     motion = SphereMotion(
-        [[0, 0, RADIUS - sunk + amplitude]],
+        [[0, 0, RADIUS - indentation + amplitude]],
         [[0, 0, 0]],
         steps_per_collision=steps_per_collision,
         **options,
@@ -36,14 +36,14 @@ def bouncing(steps_per_collision: float) -> float:
     worst = 0.0
     for step in range(1, int(5 * steps_per_collision)):
         motion.run(1)
-        swing = motion.position[0, 2] - RADIUS + sunk
+        swing = motion.position[0, 2] - RADIUS + indentation
         exact = amplitude * np.cos(frequency * step * motion.time_step)
         worst = max(worst, abs(swing - exact) / amplitude)
     return worst
 
 
 def test_leap_frog_is_of_second_order_on_a_smooth_force():
-    errors = [bouncing(steps) for steps in (20, 40, 80)]
+    errors = [bounce_error(steps) for steps in (20, 40, 80)]
     assert errors[0] / errors[1] == pytest.approx(4.0, rel=0.1)
     assert errors[1] / errors[2] == pytest.approx(4.0, rel=0.1)
     assert errors[1] < 2e-2
@@ -55,12 +55,12 @@ def test_free_flight_is_exact_with_the_velocity_half_a_step_behind():
     time = 1000 * motion.time_step
     speed = np.array([0.1, 0.05, 0.2])
     assert motion.velocity[0] == pytest.approx(speed + time * np.array(gravity), rel=1e-12)
-    moved = speed * time + 0.5 * np.array(gravity) * time * (time + motion.time_step)
+    displacement = speed * time + 0.5 * np.array(gravity) * time * (time + motion.time_step)
     start = np.array([0, 0, 50 * RADIUS])
-    assert motion.position[0] - start == pytest.approx(moved, rel=1e-10)
+    assert motion.position[0] - start == pytest.approx(displacement, rel=1e-10)
 
 
-def dense(**options) -> SphereMotion:
+def dense_flow(**options) -> SphereMotion:
     rng = np.random.default_rng(2)
     position = lattice((4, 4, 3), 1.97 * RADIUS, 0.02, rng)
     velocity = rng.normal(0, 0.05, position.shape)
@@ -70,7 +70,7 @@ def dense(**options) -> SphereMotion:
 
 
 def test_impulses_of_the_plane_and_gravity_are_the_change_of_momentum():
-    motion = dense()
+    motion = dense_flow()
     before = motion.momentum()
     motion.run(777)
     sums, mass = motion.flow.sums, motion.mass.sum()
@@ -83,7 +83,7 @@ def test_impulses_of_the_plane_and_gravity_are_the_change_of_momentum():
 
 
 def test_sums_are_those_of_single_steps():
-    whole, single = dense(), dense()
+    whole, single = dense_flow(), dense_flow()
     whole.run(200)
     momentum, largest = 0.0, 0.0
     for _ in range(200):
@@ -97,13 +97,13 @@ def test_sums_are_those_of_single_steps():
 
 
 def test_an_overlap_beyond_the_limit_stops_at_its_step():
-    motion = dense(overlap_limit=0.5).run(200)
+    motion = dense_flow(overlap_limit=0.5).run(200)
     limit = 0.999 * motion.flow.sums[leap_frog.LARGEST]
-    stopped = dense(overlap_limit=limit)
-    assert stopped.advance(200) == OVERLAP
-    assert stopped.flow.sums[leap_frog.LARGEST] >= limit
-    step = int(stopped.flow.step[0])
-    before = dense(overlap_limit=limit)
+    stopped_flow = dense_flow(overlap_limit=limit)
+    assert stopped_flow.advance(200) == OVERLAP
+    assert stopped_flow.flow.sums[leap_frog.LARGEST] >= limit
+    step = int(stopped_flow.flow.step[0])
+    before = dense_flow(overlap_limit=limit)
     assert before.advance(step - 1) == OK
     assert before.flow.sums[leap_frog.LARGEST] < limit
 
@@ -111,7 +111,7 @@ def test_an_overlap_beyond_the_limit_stops_at_its_step():
 @pytest.mark.parametrize("bad", [np.nan, np.inf])
 @pytest.mark.parametrize("array", ["position", "velocity", "rim"])
 def test_a_value_that_is_not_finite_stops_the_run(array, bad):
-    motion = dense()
+    motion = dense_flow()
     motion.run(5)
     getattr(motion.spheres, array)[1, 7] = bad
     assert motion.advance(200) in (NOT_FINITE, OVERLAP)
@@ -123,7 +123,7 @@ def test_short_flow_converges_with_the_time_step():
     law = sphere_law()
     ends = {}
     for steps in (20, 40, 80, 640):
-        motion = dense(law=law, steps_per_collision=steps)
+        motion = dense_flow(law=law, steps_per_collision=steps)
         ends[steps] = motion.run(2 * steps).velocity.copy()
     errors = [np.abs(ends[steps] - ends[640]).mean() / 0.05 for steps in (20, 40, 80)]
     assert errors[0] > errors[1] > errors[2]

@@ -5,7 +5,7 @@ import pytest
 
 from sim.engine.dynamics import mean_flow
 from sim.engine.dynamics.cells import make_box
-from sim.engine.dynamics.mean_flow import AGE, ENOUGH, SLOPE
+from sim.engine.dynamics.mean_flow import AGE, LEAST_PARTICLES, SLOPE
 from sim.engine.dynamics.neighbors import empty_pair_list
 from sim.engine.systems import leap_frog
 from tests.engine_motion.helpers import RADIUS, compiled, lattice
@@ -27,13 +27,13 @@ def test_no_shear_shortens_a_distance_by_more_than_its_factor():
     rng = np.random.default_rng(1)
     x = rng.normal(size=(20_000, 3))
     for strain in (0.0, 0.01, 0.1, 0.5, 1.0, 3.0):
-        moved = x.copy()
-        moved[:, 0] += strain * rng.uniform(-1, 1, len(x)) * x[:, 2]
-        ratio = np.linalg.norm(moved, axis=1) / np.linalg.norm(x, axis=1)
+        sheared_points = x.copy()
+        sheared_points[:, 0] += strain * rng.uniform(-1, 1, len(x)) * x[:, 2]
+        ratio = np.linalg.norm(sheared_points, axis=1) / np.linalg.norm(x, axis=1)
         assert ratio.min() >= shortening(strain) - 1e-14
         angle = np.linspace(0, np.pi, 10_001)
-        sheared = np.hypot(np.cos(angle) + strain * np.sin(angle), np.sin(angle))
-        assert sheared.min() == pytest.approx(shortening(strain), abs=1e-6)
+        sheared_lengths = np.hypot(np.cos(angle) + strain * np.sin(angle), np.sin(angle))
+        assert sheared_lengths.min() == pytest.approx(shortening(strain), abs=1e-6)
 
 
 @pytest.mark.parametrize(("slope", "age"), [(0.0, 500), (300.0, 0), (300.0, 100), (-50.0, 300)])
@@ -53,7 +53,7 @@ def test_a_list_sheared_beyond_its_skin_allows_for_no_stray_at_all():
     assert allowed_stray(pairs, 1e-5) == 0.0
 
 
-def streamed(height, speed):
+def list_with_stream(height, speed):
     """The list of spheres at these heights and speeds once it knows their flow."""
     pairs = empty_pair_list(np.full(len(height), RADIUS), BOX, 0.2 * RADIUS)
     set_stream(pairs, height, speed)
@@ -63,7 +63,7 @@ def streamed(height, speed):
 def test_stream_of_a_linear_profile_is_that_profile_relative_to_its_mean():
     height = np.random.default_rng(2).uniform(0, 10 * 2 * RADIUS, 500)
     speed = 0.3 + 40.0 * height
-    pairs = streamed(height, speed)
+    pairs = list_with_stream(height, speed)
     assert pairs.clock[SLOPE] == pytest.approx(40.0, rel=1e-9)
     inside = (height > 2 * RADIUS) & (height < 9 * 2 * RADIUS)
     expected = speed - speed.mean()
@@ -76,16 +76,18 @@ def test_stream_differs_between_two_heights_by_no_more_than_the_slope_allows(see
     """What the shear of the whole list stands for, in flows as irregular as one likes."""
     rng = np.random.default_rng(seed)
     height = rng.exponential(4 * RADIUS, 200) + FAR * (rng.random(200) < 0.05)
-    pairs = streamed(height, rng.normal(0, 0.3, 200) + np.sin(height / RADIUS))
+    pairs = list_with_stream(height, rng.normal(0, 0.3, 200) + np.sin(height / RADIUS))
     assert pairs.stream.any()
-    apart = np.abs(np.subtract.outer(height, height))
-    differ = np.abs(np.subtract.outer(pairs.stream, pairs.stream))
-    assert (differ <= pairs.clock[SLOPE] * apart + 1e-12).all()
+    height_differences = np.abs(np.subtract.outer(height, height))
+    stream_differences = np.abs(np.subtract.outer(pairs.stream, pairs.stream))
+    assert (stream_differences <= pairs.clock[SLOPE] * height_differences + 1e-12).all()
 
 
 def test_too_few_particles_in_all_layers_but_one_make_no_stream():
-    height = np.concatenate([np.full(ENOUGH, 0.1), 0.1 + 2.5 * RADIUS * np.arange(1, ENOUGH)])
-    pairs = streamed(height, 30.0 * height)
+    height = np.concatenate(
+        [np.full(LEAST_PARTICLES, 0.1), 0.1 + 2.5 * RADIUS * np.arange(1, LEAST_PARTICLES)]
+    )
+    pairs = list_with_stream(height, 30.0 * height)
     assert not pairs.stream.any() and pairs.clock[SLOPE] == 0.0
 
 
@@ -96,8 +98,8 @@ def test_a_sheared_flow_without_agitation_keeps_its_list_until_the_shear_uses_up
     velocity = np.zeros_like(position)
     velocity[:, 0] = rate * (position[:, 2] - position[:, 2].mean())
     motion = SphereMotion(position, velocity, box=(9.6 * RADIUS,) * 2, skin=skin).run(1)
-    built, steps = motion.pairs.anchor.copy(), 1
-    while np.array_equal(motion.pairs.anchor, built) and steps < 2000:
+    first_anchor, steps = motion.pairs.anchor.copy(), 1
+    while np.array_equal(motion.pairs.anchor, first_anchor) and steps < 2000:
         motion.run(1)
         steps += 1
     factor = 2 * RADIUS / (2 * RADIUS + skin)

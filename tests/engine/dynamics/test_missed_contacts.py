@@ -21,13 +21,19 @@ FAR = 40 * RADIUS
 SIZE = 2 * RADIUS
 
 
-def met_spheres(motion: SphereMotion, radius, steps: int) -> tuple[set, int, int]:
+def follow_spheres(motion: SphereMotion, radius, steps: int) -> tuple[set, int, int]:
     """Advance step by step; return who met, how often a list outlived its plain skin, and lists.
 
     Without a mean flow a list would be given up once a sphere has strayed half a skin from the mean
     displacement of all.
     """
-    reach, met, outlived, built, last = np.add.outer(radius, radius), set(), 0, 0, None
+    reach, met_pairs, outlived_steps, list_count, last = (
+        np.add.outer(radius, radius),
+        set(),
+        0,
+        0,
+        None,
+    )
     for _ in range(steps):
         place = motion.position
         motion.run(1)
@@ -37,13 +43,15 @@ def met_spheres(motion: SphereMotion, radius, steps: int) -> tuple[set, int, int
             set(zip(np.minimum(i, j).tolist(), np.maximum(i, j).tolist(), strict=True)) == touching
         )
         assert touching <= listed_pairs(motion.pairs, motion.spheres.label)
-        met |= touching
-        moved = motion.spheres.position - motion.pairs.anchor
-        strayed = np.linalg.norm(moved - moved.mean(axis=1)[:, None], axis=0).max()
-        outlived += motion.pairs.valid[0] and strayed > 0.5 * motion.pairs.skin
-        built += last is None or not np.array_equal(last, motion.pairs.anchor)
+        met_pairs |= touching
+        displacement = motion.spheres.position - motion.pairs.anchor
+        largest_stray = np.linalg.norm(
+            displacement - displacement.mean(axis=1)[:, None], axis=0
+        ).max()
+        outlived_steps += motion.pairs.valid[0] and largest_stray > 0.5 * motion.pairs.skin
+        list_count += last is None or not np.array_equal(last, motion.pairs.anchor)
         last = motion.pairs.anchor.copy()
-    return met, outlived, built
+    return met_pairs, outlived_steps, list_count
 
 
 def profile(kind: str, height):
@@ -66,10 +74,12 @@ def test_no_contact_of_a_dense_sheared_flow_is_missed(skin, agitation, threads, 
     box = tuple(max(spacing * n, (2.2 + 2 * skin) * SIZE) for n in shape[:2])
     options = {"box": box, "radius": radius, "mass": MASS * (radius / RADIUS) ** 3}
     options |= {"skin": skin * SIZE, "room": 40, "threads": threads}
-    met, outlived, built = met_spheres(SphereMotion(position, velocity, **options), radius, 500)
-    assert len(met) > 70
-    assert outlived > 10
-    assert 2 < built < 400
+    met_pairs, outlived_steps, list_count = follow_spheres(
+        SphereMotion(position, velocity, **options), radius, 500
+    )
+    assert len(met_pairs) > 70
+    assert outlived_steps > 10
+    assert 2 < list_count < 400
 
 
 @pytest.mark.parametrize("seed", range(3))
@@ -89,9 +99,9 @@ def test_no_contact_is_missed_where_the_mean_flow_alone_brings_spheres_together(
     velocity[:, 0] = rng.choice([-200.0, 200.0]) * (position[:, 2] - position[:, 2].mean())
     box = (4 * 4.5 * RADIUS, 3 * 3 * RADIUS)
     motion = SphereMotion(position, velocity, box=box, skin=0.2 * SIZE)
-    met, outlived, _ = met_spheres(motion, np.full(len(position), RADIUS), 1200)
-    assert len(met) > 20
-    assert outlived > 20
+    met_pairs, outlived_steps, _ = follow_spheres(motion, np.full(len(position), RADIUS), 1200)
+    assert len(met_pairs) > 20
+    assert outlived_steps > 20
 
 
 @pytest.mark.parametrize("seed", range(2))
@@ -104,18 +114,18 @@ def test_no_contact_of_two_beams_that_meet_head_on_is_missed(skin, seed):
     velocity[:, 0] = 0.5 + 0.3 * rng.choice([-1.0, 1.0], len(position))
     box = (5 * 2.7 * RADIUS, 4 * 2.7 * RADIUS)
     motion = SphereMotion(position, velocity, box=box, skin=skin * SIZE, room=30)
-    met, _, built = met_spheres(motion, np.full(len(position), RADIUS), 500)
-    assert len(met) > 30
-    assert built > 5
+    met_pairs, _, list_count = follow_spheres(motion, np.full(len(position), RADIUS), 500)
+    assert len(met_pairs) > 30
+    assert list_count > 5
 
 
-def met_beads(motion: DiskMotion, radius, steps: int) -> tuple[set, int]:
+def follow_beads(motion: DiskMotion, radius, steps: int) -> tuple[set, int]:
     """Advance step by step; return who met and the number of lists.
 
     Forces act where the predictor puts the beads, so this is where contacts are looked for.
     """
     terms = 6 if isinstance(motion.integrator, Gear) else 3
-    reach, met, built, last = np.add.outer(radius, radius), set(), 0, None
+    reach, met_pairs, list_count, last = np.add.outer(radius, radius), set(), 0, None
     for _ in range(steps):
         predicted = motion.taylor[:terms].sum(axis=0)
         motion.loop.sums[:] = 0.0
@@ -123,10 +133,10 @@ def met_beads(motion: DiskMotion, radius, steps: int) -> tuple[set, int]:
         touching = all_pairs(predicted, reach, motion.length)
         assert motion.loop.sums[shaking.CONTACTS] == 2 * len(touching)
         assert touching <= listed_pairs(motion.pairs, motion.disks.label)
-        met |= touching
-        built += last is None or not np.array_equal(last, motion.pairs.anchor)
+        met_pairs |= touching
+        list_count += last is None or not np.array_equal(last, motion.pairs.anchor)
         last = motion.pairs.anchor.copy()
-    return met, built
+    return met_pairs, list_count
 
 
 def crowd(seed: int, spacing: float, kind: str, integrator, skin: float):
@@ -148,6 +158,6 @@ def crowd(seed: int, spacing: float, kind: str, integrator, skin: float):
 @pytest.mark.parametrize(("kind", "spacing"), [("layers", 1.0), ("beams", 1.4)])
 @pytest.mark.parametrize("skin", [0.1, 0.3])
 def test_no_contact_of_the_beads_is_missed(skin, kind, spacing, integrator, seed):
-    met, built = met_beads(*crowd(seed, spacing, kind, integrator, skin), steps=500)
-    assert len(met) > 50
-    assert 3 < built < 300
+    met_pairs, list_count = follow_beads(*crowd(seed, spacing, kind, integrator, skin), steps=500)
+    assert len(met_pairs) > 50
+    assert 3 < list_count < 300

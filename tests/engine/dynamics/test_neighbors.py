@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from sim.engine.contact.friction import VECTOR
-from sim.engine.dynamics.neighbors import grown
+from sim.engine.dynamics.neighbors import double_room
 from sim.engine.dynamics.status import LIST_FULL, NOT_FINITE, OK
 from tests.engine_motion.lists import UNIT, Gas, random_gas
 
@@ -56,8 +56,8 @@ def test_particles_far_above_and_below_the_others_are_found_too(length):
 @pytest.mark.parametrize("length", [(4e-3, 0.0), (4e-3, 4e-3, 0.0)])
 def test_one_and_two_particles(length):
     one = np.full((1, len(length)), 0.1 * UNIT)
-    alone = Gas(one, np.array([0.5 * UNIT]), length, 0.3 * UNIT)
-    assert alone.rebuild() and alone.listed() == set()
+    one_gas = Gas(one, np.array([0.5 * UNIT]), length, 0.3 * UNIT)
+    assert one_gas.rebuild() and one_gas.listed() == set()
     two = np.concatenate([one, one])
     two[1, 0] += 4e-3 - 1.2 * UNIT
     for skin, expected in ((0.3, {(0, 1)}), (0.1, set())):
@@ -72,25 +72,29 @@ def test_memory_goes_with_the_pairs_that_touched_last_and_with_no_others():
     gas = Gas(*random_gas(rng, 150, length, 5 * UNIT, 0.2), length, 0.3 * UNIT)
     assert gas.rebuild()
     names, slot = gas.names(), gas.pairs.slot
-    touched = rng.random(len(names)) < 0.4
-    slot[: len(names)] = np.where(touched, rng.permutation(len(names)), -1)
+    is_touching = rng.random(len(names)) < 0.4
+    slot[: len(names)] = np.where(is_touching, rng.permutation(len(names)), -1)
     gas.memory[:] = rng.random(gas.memory.shape)
-    before = {name: gas.memory[:, slot[k]].copy() for k, name in enumerate(names) if touched[k]}
-    turned = {(j, i): np.where(np.arange(len(m)) < VECTOR, -m, m) for (i, j), m in before.items()}
+    old_memories = {
+        name: gas.memory[:, slot[k]].copy() for k, name in enumerate(names) if is_touching[k]
+    }
+    turned_memories = {
+        (j, i): np.where(np.arange(len(m)) < VECTOR, -m, m) for (i, j), m in old_memories.items()
+    }
     gas.position += rng.normal(0, 0.05 * UNIT, gas.position.shape)
     assert gas.rebuild()
-    kept = swapped = 0
+    kept_count = swapped_count = 0
     for name, place in zip(gas.names(), gas.pairs.slot, strict=False):
-        if name in before:
-            assert np.array_equal(gas.memory[:, place], before[name])
-            kept += 1
-        elif name in turned:
-            assert np.array_equal(gas.memory[:, place], turned[name])
-            swapped += 1
+        if name in old_memories:
+            assert np.array_equal(gas.memory[:, place], old_memories[name])
+            kept_count += 1
+        elif name in turned_memories:
+            assert np.array_equal(gas.memory[:, place], turned_memories[name])
+            swapped_count += 1
         else:
             assert place == -1
-    assert kept > 50 and swapped > 5
-    assert len(before) > kept + swapped
+    assert kept_count > 50 and swapped_count > 5
+    assert len(old_memories) > kept_count + swapped_count
 
 
 def test_a_full_list_is_left_as_it_was_and_doubled_room_helps():
@@ -101,16 +105,19 @@ def test_a_full_list_is_left_as_it_was_and_doubled_room_helps():
     assert gas.rebuild()
     gas.pairs.slot[: gas.pairs.start[-1]] = np.arange(gas.pairs.start[-1])
     gas.position[2] /= 50
-    before = gas.listed(), *(array.copy() for array in gas.pairs if isinstance(array, np.ndarray))
+    old_memories = (
+        gas.listed(),
+        *(array.copy() for array in gas.pairs if isinstance(array, np.ndarray)),
+    )
     place, memory = gas.position.copy(), gas.memory.copy()
     assert not gas.rebuild()
-    assert gas.listed() == before[0]
+    assert gas.listed() == old_memories[0]
     arrays = (array for array in gas.pairs if isinstance(array, np.ndarray))
-    for old, new in zip(before[1:], arrays, strict=True):
+    for old, new in zip(old_memories[1:], arrays, strict=True):
         assert np.array_equal(old, new, equal_nan=True)
     assert np.array_equal(gas.position, place) and np.array_equal(gas.memory, memory)
     for _ in range(5):
-        gas.pairs = grown(gas.pairs)
+        gas.pairs = double_room(gas.pairs)
     gas.pairs.slot[:] = -1
     assert gas.rebuild()
     assert gas.listed() == gas.expected()

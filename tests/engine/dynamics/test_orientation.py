@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from sim.engine.dynamics import orientation as engine
-from sim.engine.dynamics.orientation import unrotated
+from sim.engine.dynamics.orientation import unrotated_orientations
 from tests.engine_motion.helpers import RADIUS, compiled, lattice, weight_components
 from tests.engine_motion.spheres import SphereMotion
 
@@ -17,10 +17,10 @@ def turn(orientation, spin, time_step: float) -> None:
     rotate(orientation, radius * np.transpose(spin), radius, time_step, 0, len(spin))
 
 
-def turned(spin, steps: int, angle: float) -> np.ndarray:
+def turn_steadily(spin, steps: int, angle: float) -> np.ndarray:
     """Orientations after a total rotation by ``angle`` about constant spins (N, 3)."""
     spin = np.atleast_2d(np.array(spin, float))
-    orientation = unrotated(len(spin))
+    orientation = unrotated_orientations(len(spin))
     time_step = angle / np.linalg.norm(spin[0]) / steps
     for _ in range(steps):
         turn(orientation, spin, time_step)
@@ -35,16 +35,16 @@ def exact(spin, angle: float) -> np.ndarray:
 @pytest.mark.parametrize("spin", [(0, 0, 3.0), (40.0, 0, 0), (0, -5.0, 0), (1.0, -2.0, 2.0)])
 def test_constant_spin_gives_the_exact_rotation(spin):
     """Half a turn in steps as in a flow (0.1 degrees): right to third order in the step."""
-    found = turned(spin, 1800, np.pi)[0]
-    assert found == pytest.approx(exact(spin, np.pi), abs=1e-6)
-    coarse = np.abs(turned(spin, 90, np.pi)[0] - exact(spin, np.pi)).max()
-    fine = np.abs(turned(spin, 180, np.pi)[0] - exact(spin, np.pi)).max()
+    orientation_now = turn_steadily(spin, 1800, np.pi)[0]
+    assert orientation_now == pytest.approx(exact(spin, np.pi), abs=1e-6)
+    coarse = np.abs(turn_steadily(spin, 90, np.pi)[0] - exact(spin, np.pi)).max()
+    fine = np.abs(turn_steadily(spin, 180, np.pi)[0] - exact(spin, np.pi)).max()
     assert coarse / fine == pytest.approx(4.0, rel=0.05)
 
 
 def test_length_stays_one_under_any_spin():
     rng = np.random.default_rng(2)
-    orientation = unrotated(50)
+    orientation = unrotated_orientations(50)
     for _ in range(1000):
         turn(orientation, 300 * rng.normal(size=(50, 3)), 1e-4)
     assert np.linalg.norm(orientation, axis=0) == pytest.approx(np.ones(50), abs=1e-14)
@@ -53,16 +53,16 @@ def test_length_stays_one_under_any_spin():
 
 def test_only_the_spheres_asked_for_turn_and_none_where_there_are_no_orientations():
     spin, radius = np.full((3, 20), 0.3), np.full(20, 1.0)
-    orientation = unrotated(20)
+    orientation = unrotated_orientations(20)
     rotate(orientation, spin, radius, 0.1, 3, 17)
-    moved = (orientation != unrotated(20)).any(axis=0)
-    assert np.array_equal(np.flatnonzero(moved), np.arange(3, 17))
-    rotate(unrotated(0), spin, radius, 0.1, 0, 20)
+    has_turned = (orientation != unrotated_orientations(20)).any(axis=0)
+    assert np.array_equal(np.flatnonzero(has_turned), np.arange(3, 17))
+    rotate(unrotated_orientations(0), spin, radius, 0.1, 0, 20)
 
 
 def test_spins_are_along_the_axes_of_the_laboratory():
     """A quarter turn about x, then one about z, takes the body's y axis to the laboratory's z."""
-    orientation = np.ascontiguousarray(turned((1.0, 0, 0), 20_000, np.pi / 2).T)
+    orientation = np.ascontiguousarray(turn_steadily((1.0, 0, 0), 20_000, np.pi / 2).T)
     for _ in range(20_000):
         turn(orientation, np.array([[0.0, 0.0, 1.0]]), np.pi / 40_000)
     w, x, y, z = orientation[:, 0]
@@ -77,10 +77,10 @@ def test_trajectories_do_not_depend_on_orientations_by_a_single_bit():
     position = lattice((4, 4, 4), 1.96 * RADIUS, 0.05, rng)
     start = position, rng.normal(0, 0.05, position.shape), rng.normal(0, 50, position.shape)
     options = {"box": (4 * 2 * RADIUS,) * 2, "gravity": weight_components(17.0)}
-    with_them = SphereMotion(*start, orientations=True, **options).run(2000)
-    without = SphereMotion(*start, orientations=False, **options).run(2000)
+    oriented = SphereMotion(*start, orientations=True, **options).run(2000)
+    unoriented = SphereMotion(*start, orientations=False, **options).run(2000)
     for name in ("position", "velocity", "spin", "force", "torque"):
-        assert np.array_equal(getattr(with_them, name), getattr(without, name))
-    assert np.array_equal(with_them.flow.sums, without.flow.sums)
-    assert len(without.orientation) == 0
-    assert np.abs(with_them.orientation[:, 1:]).max() > 0.1
+        assert np.array_equal(getattr(oriented, name), getattr(unoriented, name))
+    assert np.array_equal(oriented.flow.sums, unoriented.flow.sums)
+    assert len(unoriented.orientation) == 0
+    assert np.abs(oriented.orientation[:, 1:]).max() > 0.1

@@ -27,7 +27,9 @@ SPEED = 0.1
 FAR = 30 * BEAD
 
 
-def struck(law, integrator, time_step=1e-6, sizes=(1.0, 1.0), gap=0.3, corrections=1) -> float:
+def impact_restitution(
+    law, integrator, time_step=1e-6, sizes=(1.0, 1.0), gap=0.3, corrections=1
+) -> float:
     """Restitution of two beads that meet head-on, ``gap`` steps after the start."""
     diameter = BEAD * np.array(sizes)
     distance = diameter.mean() + gap * SPEED * time_step
@@ -40,11 +42,11 @@ def struck(law, integrator, time_step=1e-6, sizes=(1.0, 1.0), gap=0.3, correctio
     return float(motion.velocity[1, 0] - motion.velocity[0, 0]) / SPEED
 
 
-def damped(rate: float, frequency_squared: float) -> float:
+def damped_restitution(rate: float, frequency_squared: float) -> float:
     return float(np.exp(-np.pi * rate / np.sqrt(frequency_squared - rate**2)))
 
 
-def clipped(rate: float, frequency_squared: float) -> float:
+def clipped_restitution(rate: float, frequency_squared: float) -> float:
     """Restitution of a contact that ends where spring and damping cancel.
 
     x = sin(wt) exp(-eta t) lets go where w0^2 x + 2 eta x' = 0; from there the beads fly free. That
@@ -58,8 +60,8 @@ def clipped(rate: float, frequency_squared: float) -> float:
 @pytest.mark.parametrize("integrator", INTEGRATORS)
 def test_pair_restitution_is_that_of_a_damped_oscillator(integrator):
     """eta = gamma with the own mass of equal beads."""
-    expected = damped(DAMPING, 2 * YOUNG / BEAD_MASS)
-    assert struck(bead_law(), integrator) == pytest.approx(expected, abs=1e-3)
+    expected = damped_restitution(DAMPING, 2 * YOUNG / BEAD_MASS)
+    assert impact_restitution(bead_law(), integrator) == pytest.approx(expected, abs=1e-3)
     assert expected == pytest.approx(0.70, abs=5e-3)
 
 
@@ -68,40 +70,43 @@ def test_with_the_reduced_mass_half_the_rate_damps_and_a_clipped_contact_ends_ea
     """The relative motion has the spring's frequency Y/m* and the rate gamma/2."""
     masses = BEAD_MASS * np.array(sizes) ** 2
     oscillator = DAMPING / 2, YOUNG * (1 / masses).sum()
-    assert struck(bead_law(**REDUCED), Verlet, sizes=sizes) == pytest.approx(
-        clipped(*oscillator), abs=1e-3
+    assert impact_restitution(bead_law(**REDUCED), Verlet, sizes=sizes) == pytest.approx(
+        clipped_restitution(*oscillator), abs=1e-3
     )
-    assert clipped(*oscillator) > damped(*oscillator) + 2e-3
+    assert clipped_restitution(*oscillator) > damped_restitution(*oscillator) + 2e-3
 
 
 @pytest.mark.parametrize("order", [3, 4, 5])
 @pytest.mark.parametrize("corrections", [1, 2])
 def test_every_corrector_gives_the_restitution(order, corrections):
-    expected = damped(DAMPING, 2 * YOUNG / BEAD_MASS)
-    found = struck(bead_law(), gear(order), corrections=corrections)
-    assert found == pytest.approx(expected, abs=1e-3)
+    expected = damped_restitution(DAMPING, 2 * YOUNG / BEAD_MASS)
+    restitution = impact_restitution(bead_law(), gear(order), corrections=corrections)
+    assert restitution == pytest.approx(expected, abs=1e-3)
 
 
 def test_damping_that_goes_with_the_root_of_the_stiffness_keeps_the_restitution():
     """Of all pairs, as rate over frequency stays; at a fixed rate it rises with the stiffness."""
     for sizes in ((1.0, 1.0), (0.6, 1.4)):
-        usual = struck(bead_law(), Gear, sizes=sizes)
+        usual = impact_restitution(bead_law(), Gear, sizes=sizes)
         for factor in (0.7, 5.0):
             p = belt_point(stiffness=1e3 * factor, stiffness_keeps="restitution")
             law = bead_law(stiffness=factor * YOUNG, damping=p.normal_damping)
-            assert struck(law, Gear, sizes=sizes) == pytest.approx(usual, abs=1e-3)
-        assert struck(bead_law(stiffness=5 * YOUNG), Gear, sizes=sizes) > usual + 0.1
+            assert impact_restitution(law, Gear, sizes=sizes) == pytest.approx(usual, abs=1e-3)
+        assert impact_restitution(bead_law(stiffness=5 * YOUNG), Gear, sizes=sizes) > usual + 0.1
 
 
 @pytest.mark.parametrize("integrator", INTEGRATORS)
 def test_restitution_at_the_published_step_is_within_two_percent(integrator):
     """Damping jumps where contacts begin and end: an error of first order for any integrator."""
-    exact = damped(DAMPING, 2 * YOUNG / BEAD_MASS)
+    exact = damped_restitution(DAMPING, 2 * YOUNG / BEAD_MASS)
     errors = []
     for time_step in (2.5e-5, 2.5e-6):
         gaps = np.linspace(0.05, 0.95, 12)
         errors.append(
-            max(abs(struck(bead_law(), integrator, time_step, gap=g) - exact) for g in gaps)
+            max(
+                abs(impact_restitution(bead_law(), integrator, time_step, gap=g) - exact)
+                for g in gaps
+            )
         )
     assert errors[0] < 0.02
     assert errors[1] < 0.25 * errors[0]
@@ -123,8 +128,8 @@ def test_reduced_mass_conserves_the_momentum_of_free_beads(shear):
     motion = crowd(law=bead_law(shear_damping=shear, **REDUCED), integrator=Verlet)
     before, scale = motion.mass @ motion.velocity, motion.mass.sum() * SPEED
     assert np.abs(motion.run(400).mass @ motion.velocity - before).max() < 1e-12 * scale
-    own = crowd(law=bead_law(shear_damping=shear), integrator=Verlet).run(400)
-    assert np.abs(own.mass @ own.velocity - before).max() > 1e-3 * scale
+    own_mass = crowd(law=bead_law(shear_damping=shear), integrator=Verlet).run(400)
+    assert np.abs(own_mass.mass @ own_mass.velocity - before).max() > 1e-3 * scale
 
 
 def test_a_belt_without_shear_damping_leaves_the_sideways_momentum_alone():
@@ -145,8 +150,8 @@ def test_a_free_cluster_of_beads_loses_energy_with_the_reduced_mass():
 
     def energy():
         moving = 0.5 * (motion.mass[:, None] * motion.velocity**2).sum()
-        apart = motion.position[None] - motion.position[:, None]
-        distance = np.linalg.norm(wrapped(apart.reshape(-1, 2), 5 * BEAD, 0.0), axis=1)
+        difference = motion.position[None] - motion.position[:, None]
+        distance = np.linalg.norm(wrapped(difference.reshape(-1, 2), 5 * BEAD, 0.0), axis=1)
         reach = np.add.outer(motion.radius, motion.radius).ravel()
         overlap = np.where(distance > 0, np.clip(reach - distance, 0, None), 0)
         return moving + 0.25 * YOUNG * (overlap**2).sum()
@@ -163,8 +168,8 @@ def test_a_free_cluster_of_beads_loses_energy_with_the_reduced_mass():
 def test_skin_changes_the_trajectory_by_rounding_only(base):
     options = {"base": base, "gravity": BEAD_GRAVITY, "belt": Belt(BEAD, BEAD, 200.0, 0.3, 0.0)}
     thin, thick = (crowd(skin=skin, room=60, **options).run(300) for skin in (1e-6, 0.9e-3))
-    apart = wrapped(thin.position - thick.position, 5 * BEAD, 0.0)
-    assert np.abs(apart).max() < 1e-10 * BEAD
+    difference = wrapped(thin.position - thick.position, 5 * BEAD, 0.0)
+    assert np.abs(difference).max() < 1e-10 * BEAD
     assert thin.velocity == pytest.approx(thick.velocity, abs=1e-9 * SPEED)
 
 
@@ -183,37 +188,37 @@ def test_a_list_that_grows_gives_the_same_bits_as_one_with_room(integrator, corr
 
 def test_gear_and_verlet_agree_as_the_time_step_falls():
     belt = Belt(BEAD, BEAD, 2 * np.pi * 20, 0.0, 0.0)
-    apart = []
+    difference = []
     for time_step in (2e-5, 2e-6):
         options = {"time_step": time_step, "base": -0.4 * BEAD, "belt": belt}
         ends = [
             crowd(integrator=kind, gravity=BEAD_GRAVITY, **options).run(int(1e-3 / time_step))
             for kind in INTEGRATORS
         ]
-        apart.append(np.abs(ends[0].position - ends[1].position).max())
-    assert apart[0] < 1e-2 * BEAD
-    assert apart[1] < 0.2 * apart[0]
+        difference.append(np.abs(ends[0].position - ends[1].position).max())
+    assert difference[0] < 1e-2 * BEAD
+    assert difference[1] < 0.2 * difference[0]
 
 
 def test_two_corrections_go_to_the_limit_that_one_goes_to():
     """Both are exact as the step falls; the second correction is a matter of the step alone."""
-    apart = []
+    difference = []
     for time_step in (2e-5, 2e-6):
         ends = [
             crowd(corrections=number, time_step=time_step).run(int(1e-3 / time_step))
             for number in (1, 2)
         ]
-        apart.append(np.abs(ends[0].position - ends[1].position).max())
-    assert 0 < apart[0] < 1e-3 * BEAD
-    assert apart[1] < 0.2 * apart[0]
+        difference.append(np.abs(ends[0].position - ends[1].position).max())
+    assert 0 < difference[0] < 1e-3 * BEAD
+    assert difference[1] < 0.2 * difference[0]
 
 
 def test_an_overlap_beyond_the_limit_stops_at_its_step():
     limit = 0.999 * crowd().run(200).loop.sums[shaking.LARGEST]
-    stopped = crowd(overlap_limit=limit)
-    assert stopped.advance(200) == OVERLAP
+    stopped_motion = crowd(overlap_limit=limit)
+    assert stopped_motion.advance(200) == OVERLAP
     before = crowd(overlap_limit=limit)
-    assert before.advance(stopped.loop.step[0] - 1) == OK
+    assert before.advance(stopped_motion.loop.step[0] - 1) == OK
 
 
 @pytest.mark.parametrize("bad", [np.nan, np.inf])

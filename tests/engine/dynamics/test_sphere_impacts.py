@@ -17,7 +17,7 @@ SPEEDS = np.geomspace(1e-3, 1.0, 7)
 PLACE = np.array([0.0, 0.0, 20 * RADIUS])
 
 
-def struck(
+def colliding_pair(
     law, speed, gap=0.3, slide=0.0, size=(1.0, 1.0), spin=((0, 0, 0),) * 2, frame=None, **options
 ):
     """Two spheres ``gap`` steps before they touch, approaching along x and sliding along y."""
@@ -42,9 +42,9 @@ def test_restitution_is_the_root_of_the_stiffness_ratio_at_every_speed(restituti
     """Wherever within a step the contact begins; the rest is the time step's and has no trend."""
     law = sphere_law(restitution=restitution)
     for gap in (0.05, 0.3, 0.5, 0.7, 0.95):
-        found = [separation_speed(struck(law, v, gap).run(120)) / v for v in SPEEDS]
-        assert np.abs(np.array(found) - restitution).max() < 1e-3
-        assert np.ptp(found) < 1e-9
+        restitutions = [separation_speed(colliding_pair(law, v, gap).run(120)) / v for v in SPEEDS]
+        assert np.abs(np.array(restitutions) - restitution).max() < 1e-3
+        assert np.ptp(restitutions) < 1e-9
 
 
 def test_restitution_error_falls_with_the_square_of_the_time_step():
@@ -53,8 +53,10 @@ def test_restitution_error_falls_with_the_square_of_the_time_step():
     for steps in (20, 80, 320):
         gaps = np.linspace(0.05, 0.95, 10) * 40 / steps
         options = {"steps_per_collision": steps}
-        found = [separation_speed(struck(law, 0.1, g, **options).run(3 * steps)) for g in gaps]
-        errors.append(np.abs(np.array(found) / 0.1 - 0.7).max())
+        restitutions = [
+            separation_speed(colliding_pair(law, 0.1, g, **options).run(3 * steps)) for g in gaps
+        ]
+        errors.append(np.abs(np.array(restitutions) / 0.1 - 0.7).max())
     assert errors[0] < 2e-3
     assert errors[0] / errors[1] > 8 and errors[1] / errors[2] > 8
 
@@ -64,7 +66,7 @@ def test_restitution_knows_neither_masses_nor_directions():
     law = sphere_law(restitution=0.7)
     for size in ((1.0, 1.0), (0.7, 1.3), (1.5, 0.6)):
         frame = rotation(rng)
-        motion = struck(law, 0.1, size=size, frame=frame, steps_per_collision=200).run(1200)
+        motion = colliding_pair(law, 0.1, size=size, frame=frame, steps_per_collision=200).run(1200)
         assert separation_speed(motion, frame) == pytest.approx(0.07, rel=1e-3)
 
 
@@ -78,7 +80,7 @@ def test_reset_memory_raises_the_restitution():
     expected = 1 / np.sqrt(2 - 0.85**2)
     errors = []
     for steps in (200, 800):
-        motion = struck(law, 0.1, steps_per_collision=steps).run(3 * steps)
+        motion = colliding_pair(law, 0.1, steps_per_collision=steps).run(3 * steps)
         errors.append(abs(separation_speed(motion) / 0.1 - expected))
     assert errors[1] < 2e-3 and errors[1] < errors[0]
 
@@ -87,7 +89,7 @@ def test_reset_memory_raises_the_restitution():
 def test_gross_slip_impact_changes_the_surface_velocity_by_the_friction_impulse(readings):
     """As at the plane, of the relative velocity; hard spheres hardly turn about each other."""
     law = sphere_law(**readings, stiffness=1e6)
-    motion = struck(law, 0.02, slide=0.12).run(120)
+    motion = colliding_pair(law, 0.02, slide=0.12).run(120)
     restitution = separation_speed(motion) / 0.02
     s = motion
     sliding = s.velocity[1, 1] - s.velocity[0, 1] - RADIUS * s.spin[:, 2].sum()
@@ -98,7 +100,7 @@ def test_gross_slip_impact_changes_the_surface_velocity_by_the_friction_impulse(
 def test_rolling_contact_feels_no_friction(readings):
     """Spheres that roll on each other like gears, and those that move as one body."""
     law = sphere_law(**readings, restitution=0.5)
-    gears = struck(law, 0.02, spin=[[0, 0, 40.0], [0, 0, -40.0]]).run(120)
+    gears = colliding_pair(law, 0.02, spin=[[0, 0, 40.0], [0, 0, -40.0]]).run(120)
     assert gears.spin[:, 2] == pytest.approx([40.0, -40.0], rel=1e-12)
     assert np.abs(gears.velocity[:, 1:]).max() < 1e-15
 
@@ -108,16 +110,16 @@ def test_impact_in_a_turned_frame_is_the_turned_impact(readings):
     rng = np.random.default_rng(5)
     frame, spin = rotation(rng), 30 * rng.normal(size=(2, 3))
     law = sphere_law(**readings)
-    here = struck(law, 0.02, slide=0.02, spin=spin, size=(1.1, 0.8)).run(150)
-    there = struck(law, 0.02, slide=0.02, spin=spin, size=(1.1, 0.8), frame=frame).run(150)
+    here = colliding_pair(law, 0.02, slide=0.02, spin=spin, size=(1.1, 0.8)).run(150)
+    there = colliding_pair(law, 0.02, slide=0.02, spin=spin, size=(1.1, 0.8), frame=frame).run(150)
     assert there.velocity == pytest.approx(here.velocity @ frame.T, abs=1e-9 * 0.02)
     assert there.spin == pytest.approx(here.spin @ frame.T, abs=1e-9 * 30)
 
 
 def test_impact_across_the_edges_is_the_impact_inside():
     box = (8 * RADIUS, 7 * RADIUS)
-    inside = struck(sphere_law(), 0.02, slide=0.015, box=box)
-    across = struck(sphere_law(), 0.02, slide=0.015, box=box)
+    inside = colliding_pair(sphere_law(), 0.02, slide=0.015, box=box)
+    across = colliding_pair(sphere_law(), 0.02, slide=0.015, box=box)
     across.spheres.position[:2, 1] += [5 * box[0], -3 * box[1]]
     inside.run(150)
     across.run(150)
@@ -135,7 +137,7 @@ def test_free_pairs_conserve_momentum_and_angular_momentum_up_to_their_overlap()
     for stiffness in (1e2, 1e4):
         for friction in (0.4, 0.0):
             law = sphere_law(stiffness=stiffness, friction=friction)
-            motion = struck(law, 0.05, slide=0.04, spin=spin, size=(1.2, 0.9))
+            motion = colliding_pair(law, 0.05, slide=0.04, spin=spin, size=(1.2, 0.9))
             momentum, angular = motion.momentum(), motion.angular_momentum()
             motion.run(150)
             scale = RADIUS * MASS * 0.05
@@ -154,7 +156,7 @@ def test_oblique_impacts_never_gain_energy(readings):
     for _ in range(300):
         spin = 40 * rng.normal(size=(2, 3))
         gap, slide = rng.uniform(0, 1), 0.06 * rng.uniform(-1, 1)
-        motion = struck(law, 0.02, gap, slide=slide, spin=spin)
+        motion = colliding_pair(law, 0.02, gap, slide=slide, spin=spin)
         before = motion.energy()
         assert motion.run(80).energy() < before
 
@@ -163,7 +165,7 @@ def oblique(law, steps: int) -> np.ndarray:
     """Velocities after oblique impacts (8, 3) in units of the approach, for 8 phases of a step."""
     ends = []
     for gap in np.linspace(0.05, 0.95, 8) * 40 / steps:
-        motion = struck(law, 0.02, gap, slide=0.04, steps_per_collision=steps)
+        motion = colliding_pair(law, 0.02, gap, slide=0.04, steps_per_collision=steps)
         s = motion.run(2 * steps)
         ends.append([*s.velocity[1, :2], RADIUS * s.spin[1, 2]])
     return np.array(ends) / 0.02

@@ -32,10 +32,10 @@ def met(name: str, samples: int, partners: set[int]):
     parameters = point(name)
     system = build(parameters, 0)
     system.settle()
-    most = parameters.most_contacts * (parameters.particles + parameters.glued)
+    most = parameters.most_contacts * (parameters.particles + parameters.glued_particles)
     for taken in range(samples + 400):
         system.advance()
-        listed = system.contacts_now(most)
+        listed = system.current_contacts(most)
         number = int(listed.number[0])
         if taken > samples and partners <= set(listed.pair[:number, 1]) and number > 20:
             return system, listed.pair[:number].astype(int), listed.force[:number]

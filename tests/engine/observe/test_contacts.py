@@ -8,17 +8,17 @@ import pytest
 from sim.engine.observe.contacts import (
     XZ,
     ZZ,
-    Carried,
+    ContactSums,
     Sampling,
     add_contacts,
     no_slip,
     no_stress,
 )
-from sim.engine.observe.rheology import inertial_number, shear_rate, stress_ratio
-from sim.engine.observe.sums import plus
+from sim.engine.observe.force_balance import inertial_number, shear_rate, stress_ratio
+from sim.engine.observe.sums import add_sums
 from sim.engine.systems import build, leap_frog
 from sim.engine.systems.leap_frog import FlowContacts
-from sim.parameters.observables import ASKED_FOR
+from sim.parameters.variables import variables_of
 from tests.engine.dynamics.test_chute_reference import SPEED, dense_state, laws
 from tests.engine.reference import chute as slow
 from tests.engine_motion.helpers import MASS, RADIUS
@@ -107,7 +107,7 @@ def test_mean_stress_of_successive_steps_is_the_weight_above_but_for_what_moment
     spheres = system.spheres
     begins = spheres._replace(position=spheres.position.copy(), velocity=spheres.velocity.copy())
     for _ in range(steps - 1):
-        total = [plus(*pair) for pair in zip(total, sums_of(system), strict=True)]
+        total = [add_sums(*pair) for pair in zip(total, sums_of(system), strict=True)]
     system._run(1)
     mass = total[3].mass[:, None]
     mean = total[3].momentum[:, [0, 2]] / np.where(mass > 0, mass, 1.0)
@@ -132,7 +132,7 @@ def test_steady_flow_is_in_balance_with_the_weight_above():
     system = moving(samples=5000, **often)
     total = system.no_profiles()
     for _ in range(5000):
-        total = tuple(plus(*pair) for pair in zip(total, sums_of(system), strict=True))
+        total = tuple(add_sums(*pair) for pair in zip(total, sums_of(system), strict=True))
     found = system.tables(total)
     weight = found["overburden_profile"]
     for name, factor in (("normal", 1.0), ("shear", np.tan(np.radians(17)))):
@@ -159,7 +159,7 @@ def test_contact_stress_is_that_of_the_reference():
     stress, slip = no_stress(slices), no_slip(slices)
     contacts = FlowContacts(motion.laws, motion.pairs, motion.plane, motion.memory)
     sampling = Sampling(7, height, motion.time_step, (0.4, 0.25))
-    add_contacts(Carried(stress, slip), motion.spheres, contacts, sampling)
+    add_contacts(ContactSums(stress, slip), motion.spheres, contacts, sampling)
 
     expected = np.zeros((slices, 4))
     edges = height * np.arange(slices + 1)
@@ -199,7 +199,7 @@ def test_kinetic_stress_is_that_about_the_mean_profile():
     stress, slip = no_stress(3), no_slip(3)
     contacts = FlowContacts(motion.laws, motion.pairs, motion.plane, motion.memory)
     add_contacts(
-        Carried(stress, slip), motion.spheres, contacts, Sampling(0, 20 * RADIUS, 1e-9, (0, 0))
+        ContactSums(stress, slip), motion.spheres, contacts, Sampling(0, 20 * RADIUS, 1e-9, (0, 0))
     )
     found = stress.kinetic(1.0) / stress.mass[:, None]
     covariance = spread.T @ spread
@@ -215,7 +215,7 @@ def test_a_sphere_alone_rolls_or_slips(friction, slides):
     system = moving(samples=400, depth=0.04, friction_plane=friction)
     sums = system.no_profiles()
     for _ in range(40):
-        sums = tuple(plus(*pair) for pair in zip(sums, sums_of(system), strict=True))
+        sums = tuple(add_sums(*pair) for pair in zip(sums, sums_of(system), strict=True))
     found = system.profiles(sums) | system.tables(sums)
     surface = found["velocity_profile"][1] - found["spin_profile"][1] * RADIUS
     if slides:
@@ -281,7 +281,7 @@ def steady():
         system.advance()
     sums = system.no_profiles()
     for _ in range(point.average_samples):
-        sums = tuple(plus(*pair) for pair in zip(sums, sums_of(system), strict=True))
+        sums = tuple(add_sums(*pair) for pair in zip(sums, sums_of(system), strict=True))
     return system, system.profiles(sums) | system.tables(sums)
 
 
@@ -291,6 +291,8 @@ def test_profiles_that_are_asked_for_change_no_motion():
         with_them, without = asked.sample(3, profiles=True), usual.sample(3, profiles=True)
         assert with_them.first() == without.first()
     assert np.array_equal(asked.spheres.position, usual.spheres.position)
-    kept = set(ASKED_FOR) - {"fluctuation_temperature_profile"}
-    assert kept < set(asked.tables(sums_of(asked)))
-    assert not set(ASKED_FOR) & set(usual.tables(sums_of(usual)))
+    rows = variables_of("profile", system="chute").values()
+    stresses = {row.name for row in rows if row.asked_by == "stress_profiles" and not row.of}
+    assert len(stresses) == 16
+    assert stresses < set(asked.tables(sums_of(asked)))
+    assert not stresses & set(usual.tables(sums_of(usual)))

@@ -5,7 +5,7 @@ import pytest
 
 from sim.engine.observe.estimate import (
     BATCHES,
-    FEWEST,
+    FEWEST_SAMPLES,
     TRIALS,
     batch_means,
     cycle_means,
@@ -139,7 +139,7 @@ def test_at_most_half_is_discarded():
 
 
 @pytest.mark.filterwarnings("error")
-@pytest.mark.parametrize("samples", [0, 1, 2, FEWEST - 1])
+@pytest.mark.parametrize("samples", [0, 1, 2, FEWEST_SAMPLES - 1])
 def test_short_series_have_a_mean_and_no_error(samples):
     series = np.full(samples, 2.0)
     found = mean(series)
@@ -150,7 +150,7 @@ def test_short_series_have_a_mean_and_no_error(samples):
 
 
 @pytest.mark.filterwarnings("error")
-@pytest.mark.parametrize("samples", [FEWEST, FEWEST + 1, 37])
+@pytest.mark.parametrize("samples", [FEWEST_SAMPLES, FEWEST_SAMPLES + 1, 37])
 def test_a_constant_has_neither_error_nor_slope(samples):
     found, trend = mean(np.full(samples, 3.0)), slope(np.full(samples, 3.0), 1.0)
     assert (found.value, found.error, found.half_width) == (3.0, 0.0, 0.0)

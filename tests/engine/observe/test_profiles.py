@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from sim.engine.observe.profiles import AREA, CENTRE, VOLUME, add_sample, empty_profile
-from sim.engine.observe.sums import plus
+from sim.engine.observe.sums import add_sums
 
 SLICE = 0.25e-3
 TOTAL = {
@@ -101,7 +101,7 @@ def test_a_mean_velocity_that_changes_between_samples_is_no_temperature():
     height, radius, velocity = random_state()
     still = profile_of(VOLUME, height, radius, velocity)
     faster = profile_of(VOLUME, height, radius, velocity + np.array([7.0, 0, 0]))
-    both = plus(still, faster)
+    both = add_sums(still, faster)
     assert both.temperature() == pytest.approx(still.temperature(), rel=1e-9, nan_ok=True)
     assert both.samples[0] == 2.0
     mean = 0.5 * (still.velocity() + faster.velocity())

@@ -5,13 +5,12 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from sim.engine.observe.blocks import MOST
-from sim.engine.observe.ledger import Ledger
+import sim
 from sim.engine.observe.profiles import empty_profile
-from sim.engine.observe.recorder import Recorder
+from sim.engine.observe.recorder import Recorder, Trajectory
 from sim.engine.observe.regime import Scales
-from sim.engine.observe.sums import stacked
-from sim.engine.observe.system import Samples
+from sim.engine.observe.sums import MAX_BLOCKS, zero_samples
+from sim.engine.observe.system import Ledger, Samples
 
 #: Samples of 0.1 s: 4 of transient and 12 to average, or up to 64 of the converged protocol.
 LENGTHS = {
@@ -25,6 +24,12 @@ LENGTHS = {
 }
 PUBLISHED = SimpleNamespace(protocol="published", longest_samples=16, **LENGTHS)
 CONVERGED = SimpleNamespace(protocol="converged", longest_samples=64, **LENGTHS)
+
+BELT = {"system": "belt", "beads": 20, "width": 5}
+
+CHUTE = {"system": "chute", "depth": 2, "cell": 5}
+
+SHORT = {"transient": 2, "average": 3, "replicates": 2, "progress": False}
 
 
 class Ramp:
@@ -45,7 +50,7 @@ class Ramp:
     scales = Scales(arrested=1e-3, acceleration=0.1, drift=0.1, target=0.02)
     period = 1
     most = 3
-    followed = ()
+    history_profiles = ()
 
     def __init__(self, parameters, velocity=float):
         self.parameters, self.velocity, self.number = parameters, velocity, 0
@@ -53,11 +58,11 @@ class Ramp:
     def sample(self, most, profiles):
         first = self.number
         rows = [self.row() for _ in range(min(most, self.most))]
-        several = stacked(len(rows), empty_profile(1, 3))
-        several.samples[:], several.weight[:] = 1.0, 2.0
-        several.moved[:, 0] = 2.0 * np.arange(first + 1, self.number + 1)
+        sums = zero_samples(len(rows), empty_profile(1, 3))
+        sums.samples[:], sums.weight[:] = 1.0, 2.0
+        sums.moved[:, 0] = 2.0 * np.arange(first + 1, self.number + 1)
         values = {name: [row[name] for row in rows] for name in self.series}
-        return Samples(values, (several,) if profiles else None)
+        return Samples(values, (sums,) if profiles else None)
 
     def row(self):
         self.number += 1
@@ -89,34 +94,34 @@ class Ramp:
         return {"position": np.full((1, 3), float(self.number))}
 
 
-def recorded(samples: int = 1000, failure: str = "", parameters=PUBLISHED, velocity=float):
+def record_ramp(samples: int = 1000, failure: str = "", parameters=PUBLISHED, velocity=float):
     """The record of a ramp (or another velocity) of as many samples, or until its protocol ends."""
     system = Ramp(parameters, velocity)
     recorder = Recorder(system)
     recorder.take_snapshot()
-    while recorder.taken < samples and not recorder.stopped:
-        most, profiles = recorder.due()
-        recorder.take(system.sample(min(most, samples - recorder.taken), profiles))
+    while recorder.sample_count < samples and not recorder.stop_reason:
+        most, profiles = recorder.next_samples()
+        recorder.take(system.sample(min(most, samples - recorder.sample_count), profiles))
     recorder.take_snapshot()
     return recorder.finish(failure)
 
 
 def test_the_course_of_profiles_is_told_block_by_block_where_it_is_asked_for(monkeypatch):
     """Twelve samples of the window, one to a block; before them there are no profiles."""
-    assert "block_end" not in recorded().tables
-    monkeypatch.setattr(Ramp, "followed", ("velocity_profile",))
-    tables = recorded().tables
+    assert "block_end" not in record_ramp().tables
+    monkeypatch.setattr(Ramp, "history_profiles", ("velocity_profile",))
+    tables = record_ramp().tables
     end, course = tables["block_end"], tables["velocity_profile_history"]
-    assert end.shape == (MOST,) and course.shape == (MOST, 1)
+    assert end.shape == (MAX_BLOCKS,) and course.shape == (MAX_BLOCKS, 1)
     assert end[:12] == pytest.approx(0.1 * np.arange(5, 17))
     assert course[:12, 0].tolist() == list(range(5, 17))
     assert np.isnan(end[12:]).all() and np.isnan(course[12:]).all()
-    failed = recorded(samples=2, failure="an overlap").tables
+    failed = record_ramp(samples=2, failure="an overlap").tables
     assert np.isnan(failed["block_end"]).all()
 
 
 def test_averages_are_over_the_window_and_extremes_over_the_whole_run():
-    record = recorded()
+    record = record_ramp()
     scalars = record.scalars
     assert np.array_equal(record.series["mean_velocity"], np.arange(1.0, 17.0))
     assert scalars["velocity"] == 10.5
@@ -132,18 +137,18 @@ def test_averages_are_over_the_window_and_extremes_over_the_whole_run():
 
 def test_the_ledger_says_what_it_lacks_and_where_the_power_goes():
     """Of 1.02 J lost per sample the kinetic energy knows 1."""
-    scalars = recorded().scalars
+    scalars = record_ramp().scalars
     assert scalars["energy_residual"] == pytest.approx(0.02 / 1.02)
     assert scalars["normal_power"] == pytest.approx(10.2)
 
 
 def test_the_momentum_budget_is_that_of_the_window():
     """A mass of 2 kg that gains 10 m/s each second under a drag of 4 N: 24 N."""
-    assert recorded().scalars["momentum_budget"] == pytest.approx(24.0)
+    assert record_ramp().scalars["momentum_budget"] == pytest.approx(24.0)
 
 
 def test_profiles_are_cumulative_over_the_window_and_of_the_last_sample():
-    record = recorded()
+    record = record_ramp()
     assert record.profiles["velocity_profile"] == pytest.approx([10.5])
     assert record.profiles["velocity_profile_instantaneous"] == pytest.approx([16.0])
     assert record.profiles["packing_profile"] == pytest.approx([2.0])
@@ -152,7 +157,7 @@ def test_profiles_are_cumulative_over_the_window_and_of_the_last_sample():
 def test_a_converged_run_goes_on_until_its_mean_is_known():
     noise = 1e-3 * np.random.default_rng(0).normal(size=257)
     parameters = SimpleNamespace(**vars(CONVERGED) | {"longest_samples": 256})
-    record = recorded(
+    record = record_ramp(
         parameters=parameters, velocity=lambda number: 100.0 * 0.5**number + 1.0 + noise[number]
     )
     length = record.series["mean_velocity"].size
@@ -166,20 +171,20 @@ def test_a_converged_run_goes_on_until_its_mean_is_known():
 
 def test_a_converged_run_ends_at_its_limit():
     noise = np.random.default_rng(1).normal(size=65)
-    record = recorded(parameters=CONVERGED, velocity=lambda number: 1.0 + noise[number])
+    record = record_ramp(parameters=CONVERGED, velocity=lambda number: 1.0 + noise[number])
     assert record.series["mean_velocity"].size == 64
     assert record.scalars["stopped"] == "limit"
 
 
 def test_snapshots_are_the_first_and_the_last_state():
-    first, last = recorded().snapshots["position"]
+    first, last = record_ramp().snapshots["position"]
     assert (first[0, 0], last[0, 0]) == (0.0, 16.0)
 
 
 @pytest.mark.filterwarnings("error")
 @pytest.mark.parametrize("samples", [0, 3, 7])
 def test_a_failure_keeps_what_was_measured_and_claims_no_average(samples):
-    record = recorded(samples, failure="burst")
+    record = record_ramp(samples, failure="burst")
     velocity = record.series["mean_velocity"]
     assert np.array_equal(velocity[:samples], np.arange(1.0, samples + 1))
     assert np.isnan(velocity[samples:]).all()
@@ -190,3 +195,65 @@ def test_a_failure_keeps_what_was_measured_and_claims_no_average(samples):
     assert record.scalars["max_overlap"] == (0.3 if samples > 1 else 0.0)
     in_window = samples > 4
     assert np.isfinite(record.profiles["velocity_profile"]).all() == in_window
+
+
+def still(samples: int) -> SimpleNamespace:
+    """A system whose only particle is where the number of its samples says."""
+    place = np.full((1, 2), float(samples))
+    return SimpleNamespace(snapshot=lambda: {"position": place, "radius": np.ones(1)})
+
+
+def trajectory_of(samples: int, until: int) -> Trajectory:
+    """A trajectory of a system that has gone from frame to frame."""
+    trajectory, done = Trajectory(samples), 0
+    while done < until:
+        done = min([until, *trajectory.next_frame(done)])
+        trajectory.take(still(done), done)
+    return trajectory
+
+
+def test_frames_are_taken_at_multiples_of_their_distance():
+    assert Trajectory(3).next_frame(0) == Trajectory(3).next_frame(2) == [3] and Trajectory(
+        3
+    ).next_frame(3) == [6]
+    frames = trajectory_of(3, 11).frames()
+    assert list(frames) == ["trajectory_position"]
+    assert frames["trajectory_position"][:, 0, 0].tolist() == [3, 6, 9]
+    assert frames["trajectory_position"].dtype == np.float32
+
+
+def test_without_a_distance_there_are_none():
+    assert Trajectory(0).next_frame(5) == [] and trajectory_of(0, 7).frames() == {}
+
+
+def test_frames_go_on_where_they_were():
+    held, again = trajectory_of(2, 5).frames(), Trajectory(2)
+    again.restore(held, 5)
+    again.take(still(6), 6)
+    assert np.array_equal(again.frames()["trajectory_position"][:, 0, 0], [2, 4, 6])
+    Trajectory(2).restore({}, 1)
+    for frames, samples in ((held, 6), ({}, 2), (held, 0)):
+        with pytest.raises(ValueError, match="frames"):
+            Trajectory(2).restore(frames, samples)
+
+
+@pytest.mark.parametrize("point", [BELT, CHUTE], ids=["belt", "chute"])
+def test_a_trajectory_changes_nothing_else_and_its_frames_are_the_flow(point):
+    usual = sim.simulate(**point, **SHORT)
+    run = sim.simulate(**point, **SHORT, trajectory=0.5)
+    added = {"trajectory", "trajectory_time", "trajectory_position", "trajectory_velocity"}
+    added |= {"trajectory_spin"} if point is CHUTE else set()
+    assert set(run.variables) - set(usual.variables) == added
+    for name in set(usual.variables) - {"wall_time", "loop_time"}:
+        np.testing.assert_array_equal(run[name], usual[name], name)
+
+    assert run.sizes["trajectory_time"] == 10 and run.trajectory_position.dtype == np.float32
+    unit = float(run.time[-1]) / 5
+    np.testing.assert_allclose(run.trajectory_time, np.arange(1, 11) * 0.5 * unit)
+    flow = sim.Flow(**point, replicate=1).run(1.5, progress=False)
+    frame = run.isel(replicate=1, trajectory_time=2)
+    assert float(frame.trajectory_time) == pytest.approx(flow.time)
+    assert np.array_equal(frame.trajectory_position, np.float32(flow.positions))
+    assert np.array_equal(frame.trajectory_velocity, np.float32(flow.velocities))
+    if point is CHUTE:
+        assert np.array_equal(frame.trajectory_spin, np.float32(flow.spins))

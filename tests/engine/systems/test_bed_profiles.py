@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from sim.engine.observe.profiles import CENTRE, Profile, add_sample, empty_profile
-from sim.engine.observe.sums import add_samples, stacked
+from sim.engine.observe.sums import add_samples, zero_samples
 from sim.engine.systems.bed_profiles import BedProfiles, bed_profiles
 from tests.engine_motion.points import belt_point
 
@@ -16,7 +16,7 @@ def shaken(cycles: int, noise: float, stretch: float) -> tuple[BedProfiles, tupl
     """A bed that is stretched by the cycle, and whose beads differ from that by noise (m/s)."""
     slices = BedProfiles(SLICES, 1.0, 1.0, False, PHASES)
     rng, phase = np.random.default_rng(1), np.arange(cycles * PHASES) % PHASES
-    centres = stacked(len(phase), empty_profile(SLICES, 2))
+    centres = zero_samples(len(phase), empty_profile(SLICES, 2))
     for k, number in enumerate(phase):
         height = rng.uniform(0.0, SLICES, BEADS)
         velocity = rng.normal(0.0, noise, (2, BEADS))
@@ -24,7 +24,7 @@ def shaken(cycles: int, noise: float, stretch: float) -> tuple[BedProfiles, tupl
         one = Profile(*(part[k] for part in centres))
         add_sample(one, CENTRE, 1.0, height, np.full(BEADS, 0.1), velocity)
     total, _, phases = slices.empty()
-    (by_phase,) = slices.of_phases(centres, centres, phase)
+    (by_phase,) = slices.phase_sums(centres, centres, phase)
     for mine, theirs in ((total, centres), (phases, by_phase)):
         add_samples(mine, theirs, 0, len(phase))
     return slices, (total, phases)

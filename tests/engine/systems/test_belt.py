@@ -5,10 +5,10 @@ import pandas as pd
 import pytest
 
 from sim.engine.dynamics.status import BlowUp
-from sim.engine.observe.arrays import AT_PHASE_0, PHASED
-from sim.engine.observe.sums import plus
+from sim.engine.observe.sums import add_sums
 from sim.engine.systems import build
 from sim.parameters import parse_point
+from sim.parameters.variables import AT_PHASE_0, parts
 from tests.engine_motion.points import belt_point, series_of, sums_of
 
 SMALL = {"beads": 40, "width": 8}
@@ -17,7 +17,7 @@ SMALL = {"beads": 40, "width": 8}
 OPPOSITE = {"damping_mass": "reduced", "attraction": "clipped", "integrator": "verlet"}
 
 
-def settled(replicate=0, **values):
+def settled_belt(replicate=0, **values):
     system = build(belt_point(**SMALL | values), replicate)
     system.settle()
     return system
@@ -26,7 +26,7 @@ def settled(replicate=0, **values):
 @pytest.mark.parametrize("ghost", ["below", "centred"])
 def test_settled_bed_rests_on_the_belt(ghost):
     """The belt carries the weight; every bead lies above it, next to none deeply overlapped."""
-    system = settled(belt_ghost=ghost)
+    system = settled_belt(belt_ghost=ghost)
     p, disks = system.parameters, system.disks
     assert (system._velocity() ** 2).sum(axis=0).mean() < p.settle_velocity_squared
     surface = 0.5 * p.diameter if ghost == "centred" else 0.0
@@ -35,13 +35,13 @@ def test_settled_bed_rests_on_the_belt(ghost):
     touching = gap < 0
     assert 3 < touching.sum() < 14
     weight = disks.mass.sum() * p.gravity
-    carried = p.stiffness * p.gravity * p.mass / p.diameter * -gap[touching].sum()
-    assert carried == pytest.approx(weight, rel=0.1)
+    belt_force = p.stiffness * p.gravity * p.mass / p.diameter * -gap[touching].sum()
+    assert belt_force == pytest.approx(weight, rel=0.1)
 
 
 def test_shaking_takes_over_the_velocities_of_settling_whatever_its_time_step():
     """Stopped while the beads still move: the end of settling does not know the frequency."""
-    beds = [settled(frequency=f, settle_velocity_squared=10.0) for f in (20, 200)]
+    beds = [settled_belt(frequency=f, settle_velocity_squared=10.0) for f in (20, 200)]
     slow, fast = (system.snapshot()["particle_velocity"] for system in beds)
     assert fast == pytest.approx(slow, rel=1e-9)
     assert np.abs(slow).max() > 1e-3
@@ -92,7 +92,7 @@ def test_belt_starts_at_its_phase_and_turns_with_its_frequency():
 
 def test_same_seed_gives_the_same_bits_and_replicates_differ():
     def end(seed, replicate):
-        system = settled(replicate, seed=seed)
+        system = settled_belt(replicate, seed=seed)
         samples = [system.advance() for _ in range(20)]
         return system.disks.taylor, samples
 
@@ -104,14 +104,16 @@ def test_same_seed_gives_the_same_bits_and_replicates_differ():
 
 
 def test_mass_drops_out_of_the_motion():
-    light, heavy = (settled(mass=mass) for mass in (1e-6, 1e-3))
+    light, heavy = (settled_belt(mass=mass) for mass in (1e-6, 1e-3))
     for _ in range(10):
-        sample, same = light.advance(), heavy.advance()
-        assert sample["mean_velocity"] == pytest.approx(same["mean_velocity"], rel=1e-6, abs=1e-9)
+        sample, heavy_sample = light.advance(), heavy.advance()
+        assert sample["mean_velocity"] == pytest.approx(
+            heavy_sample["mean_velocity"], rel=1e-6, abs=1e-9
+        )
 
 
 def test_sample_is_what_the_state_says():
-    system = settled(phase=30.0)
+    system = settled_belt(phase=30.0)
     p, disks = system.parameters, system.disks
     for k in range(1, 31):
         sample = system.advance()
@@ -128,18 +130,18 @@ def test_sample_is_what_the_state_says():
 
 
 def test_profiles_count_every_bead_from_the_belt_up():
-    system = settled()
+    system = settled_belt()
     system.sample(6)
     p = system.parameters
     profiles = system.profiles(sums_of(system))
     assert profiles["number_density"].sum() * p.diameter * 8 * p.diameter == pytest.approx(40)
     above = system.disks.taylor[0, 1] - 1e-3 * np.sin(2 * np.pi * 7 / 20)
-    counted = np.histogram(above, bins=80, range=(0, 80e-3))[0] / (8 * p.diameter**2)
-    assert profiles["number_density"] == pytest.approx(counted, rel=1e-12)
+    densities = np.histogram(above, bins=80, range=(0, 80e-3))[0] / (8 * p.diameter**2)
+    assert profiles["number_density"] == pytest.approx(densities, rel=1e-12)
 
 
 def test_thin_slices_count_what_thick_ones_do():
-    thick, thin = (settled(slice_height=height) for height in (1.0, 0.5))
+    thick, thin = (settled_belt(slice_height=height) for height in (1.0, 0.5))
     found = []
     for system in (thick, thin):
         for _ in range(6):
@@ -154,19 +156,19 @@ def test_thin_slices_count_what_thick_ones_do():
 @pytest.mark.parametrize(("phase", "begins"), [(0.0, 0), (90.0, 15), (80.0, 16)])
 def test_profiles_of_the_start_of_the_cycle_are_those_of_one_sample_in_twenty(phase, begins):
     """Samples are 18 degrees apart: from 80 on number 16, at 8 degrees, is nearer than 15."""
-    system = settled(phase=phase, phase_0_profiles=True, slice_height=0.5)
-    total, started = system.no_profiles(), []
+    system = settled_belt(phase=phase, phase_0_profiles=True, slice_height=0.5)
+    total, start_profiles = system.no_profiles(), []
     for number in range(1, 41):
         sums = sums_of(system)
-        total = [plus(*pair) for pair in zip(total, sums, strict=True)]
+        total = [add_sums(*pair) for pair in zip(total, sums, strict=True)]
         if number % 20 == begins:
-            started.append(system.profiles(sums))
+            start_profiles.append(system.profiles(sums))
     tables, profiles = system.tables(total), system.profiles(total)
-    for name in PHASED:
-        mean = np.mean([each[name] for each in started], axis=0)
+    for phased, name in parts(AT_PHASE_0, "belt").items():
+        mean = np.mean([profiles_of_start[name] for profiles_of_start in start_profiles], axis=0)
         if name != "velocity_profile":
-            assert tables[name + AT_PHASE_0] == pytest.approx(mean)
-        assert not np.array_equal(tables[name + AT_PHASE_0], profiles[name], equal_nan=True)
+            assert tables[phased] == pytest.approx(mean)
+        assert not np.array_equal(tables[phased], profiles[name], equal_nan=True)
     assert profiles["number_density"].sum() == pytest.approx(np.sum(mean))
 
 
@@ -197,17 +199,17 @@ def test_the_force_on_the_belt_is_what_changes_the_momentum_of_the_bed():
 
 
 def test_forces_on_the_belt_are_kept_where_they_are_asked_for():
-    assert "belt_normal_force" in settled(belt_forces=True).series
-    assert "belt_normal_force" not in settled().series
+    assert "belt_normal_force" in settled_belt(belt_forces=True).series
+    assert "belt_normal_force" not in settled_belt().series
 
 
 def test_the_temperature_about_the_mean_motion_of_each_phase_is_that_of_all_beads():
     """Every bead of 100 samples against the mean of those in its slice at its phase."""
-    system = settled(phase=90.0, fluctuation_profiles=True, phase_0_profiles=True)
+    system = settled_belt(phase=90.0, fluctuation_profiles=True, phase_0_profiles=True)
     total, beads = list(system.no_profiles()), []
     for number in range(100):
         sums = sums_of(system)
-        total = [plus(*pair) for pair in zip(total, sums, strict=True)]
+        total = [add_sums(*pair) for pair in zip(total, sums, strict=True)]
         belt = 1e-3 * np.sin(2 * np.pi * (number + 1) / 20 + np.pi / 2)
         velocity = system._velocity() - system._velocity().mean(axis=1, keepdims=True)
         level = np.floor((system.disks.taylor[0, 1] - belt) / 1e-3).astype(int)
@@ -224,13 +226,13 @@ def test_the_temperature_about_the_mean_motion_of_each_phase_is_that_of_all_bead
 
 
 def test_profiles_of_the_start_of_the_cycle_are_kept_where_they_are_asked_for():
-    system = settled()
-    assert not {name + AT_PHASE_0 for name in PHASED} & set(system.tables(sums_of(system)))
+    system = settled_belt()
+    assert not set(parts(AT_PHASE_0, "belt")) & set(system.tables(sums_of(system)))
 
 
 @pytest.mark.parametrize("beads", [1, 2, 5])
 def test_few_beads_settle_and_shake(beads):
-    system = settled(beads=beads, width=5)
+    system = settled_belt(beads=beads, width=5)
     samples = [system.advance() for _ in range(40)]
     assert all(np.isfinite(list(sample.values())).all() for sample in samples)
 
@@ -239,12 +241,12 @@ def test_too_soft_beads_blow_up_with_a_reason():
     with pytest.raises(
         BlowUp, match=r"overlap exceeds overlap_limit at step \d+ while the bed settles"
     ):
-        settled(stiffness=1.0)
+        settled_belt(stiffness=1.0)
 
 
 def test_a_belt_without_shear_damping_moves_nothing_along():
     """With the reduced mass exactly: no force on the bed has a part along the belt."""
-    system = settled(shear_damping=0.0, **OPPOSITE)
+    system = settled_belt(shear_damping=0.0, **OPPOSITE)
     speed = 1e-3 * 2 * np.pi * 20
     start = system.disks.mass @ system._velocity()[0]
     for _ in range(100):

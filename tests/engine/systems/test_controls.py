@@ -82,7 +82,7 @@ def test_ordered_bumps_lie_on_a_lattice():
         system = build(chute_point(cell=cell, bump_arrangement="ordered", **values), 0)
         start, p = system.snapshot(), system.parameters
         places = start["position"][start["fixed"] == 1] / p.diameter
-        assert len(places) == p.glued == rows**2
+        assert len(places) == p.glued_particles == rows**2
         assert places[:, 2] == pytest.approx(bumps / 2)
         steps = cell * (np.arange(rows) + 0.5) / rows
         lattice = [(x, y) for x in steps for y in steps]

@@ -5,7 +5,7 @@ from math import pi
 import numpy as np
 import pytest
 
-from sim.engine.boundary.drive import plane_place, plane_velocity, vibration
+from sim.engine.boundary.drive import plane_position, plane_velocity, vibration
 from sim.engine.systems import build
 from sim.parameters import ConveyorParameters
 
@@ -16,10 +16,10 @@ RATE = 2 * pi * FREQUENCY
 OF_GRAVITY = GRAVITY / RATE**2 / DIAMETER
 
 
-def alone(**given) -> ConveyorParameters:
+def one_particle(**changes) -> ConveyorParameters:
     """Return one particle on a plane that shakes."""
     usual = {"frequency": FREQUENCY, "shape": "disc", "depth": 0.2, "cell": 5, "gravity": GRAVITY}
-    return ConveyorParameters(**usual | {"initial_agitation": 0, "stiffness": 1000} | given)
+    return ConveyorParameters(**usual | {"initial_agitation": 0, "stiffness": 1000} | changes)
 
 
 def cycles(parameters, count: int, name: str = "mean_velocity") -> np.ndarray:
@@ -52,7 +52,7 @@ def transport_of_a_block(friction: float, strength: float, ratio: float, steps: 
 @pytest.mark.parametrize(("friction", "strength", "ratio"), [(0.4, 0.8, 1.0), (0.2, 0.9, 2.0)])
 def test_a_block_below_take_off_slides_and_sticks_as_coulomb_says(friction, strength, ratio, law):
     amplitude = strength * OF_GRAVITY
-    point = alone(
+    point = one_particle(
         friction=friction,
         rotation=False,
         law=law,
@@ -70,7 +70,7 @@ def test_a_block_below_take_off_slides_and_sticks_as_coulomb_says(friction, stre
 def test_a_particle_that_rolls_follows_the_plane_by_its_inertia(shape, share):
     """A plane that shakes sideways takes along β/(1 + β) of its velocity, I = β m r²."""
     number = {"sphere": {"depth": 1 / 9, "cell": 3}, "disc": {}}[shape]
-    point = alone(shape=shape, amplitude=0, amplitude_along=1, friction=1, **number)
+    point = one_particle(shape=shape, amplitude=0, amplitude_along=1, friction=1, **number)
     point = point.model_copy(update={"restitution": 0.3})
     system = build(point, 0)
     for _ in range(5 * point.samples_per_cycle):
@@ -80,7 +80,7 @@ def test_a_particle_that_rolls_follows_the_plane_by_its_inertia(shape, share):
         velocity.append(system.advance()["mean_velocity"])
         time = system.flow.step[0] * system.time_step
         interval = system.sample_steps * system.time_step
-        ends = plane_place(system.drive, 0, np.array([time - interval, time]))
+        ends = plane_position(system.drive, 0, np.array([time - interval, time]))
         plane.append(np.diff(ends)[0] / interval)
     slope = np.polyfit(plane, velocity, 1)[0]
     assert slope == pytest.approx(share, rel=5e-3)
@@ -94,7 +94,7 @@ def test_a_bouncing_ball_doubles_its_period_where_the_exact_map_does(strength, p
     """
     exact = np.hypot(pi * 0.5 / 1.5, 2 * 1.25 / 1.5**2)
     assert (strength < exact) == (period == 1)
-    point = alone(
+    point = one_particle(
         friction=0,
         rotation=False,
         restitution=0.5,
@@ -124,27 +124,31 @@ COMBINED = [
 ]
 
 
-@pytest.mark.parametrize("given", COMBINED)
-def test_energy_adds_up_and_the_plane_carries_the_weight(given):
+@pytest.mark.parametrize("changes", COMBINED)
+def test_energy_adds_up_and_the_plane_carries_the_weight(changes):
     usual = {"depth": 2, "cell": 5, "frequency": 30, "transient": 10, "average": 20}
-    point = ConveyorParameters(**usual | given)
+    point = ConveyorParameters(**usual | changes)
     system, count = build(point, 0), 30 * point.samples_per_cycle
     samples = [system.advance() for _ in range(count)]
     gain = {name: samples[-1][name] - samples[0][name] for name in system.ledger.terms}
     missing = sum(sign * gain[name] for name, sign in system.ledger.terms.items())
     assert gain["plane_work"] > 0
     assert abs(missing) < 5e-3 * gain["plane_work"]
-    pushed = np.mean([one["base_normal_force"] for one in samples[count // 3 :]])
-    assert pushed == pytest.approx(system.weight[1], rel=0.1)
+    normal_force = np.mean([one["base_normal_force"] for one in samples[count // 3 :]])
+    assert normal_force == pytest.approx(system.weight[1], rel=0.1)
 
 
 def test_the_velocity_of_the_plane_is_the_derivative_of_its_place():
-    point = alone(**COMBINED[-1], phase_along=70)
+    point = one_particle(**COMBINED[-1], phase_along=70)
     drive = vibration(point, (0.0, 0.0, -GRAVITY))
     time, step = np.linspace(0, 1 / FREQUENCY, 40), 1e-7
     for axis in (0, 1):
-        moved = plane_place(drive, axis, time + step) - plane_place(drive, axis, time - step)
-        assert moved / (2 * step) == pytest.approx(plane_velocity(drive, axis, time), abs=1e-6)
+        displacement = plane_position(drive, axis, time + step) - plane_position(
+            drive, axis, time - step
+        )
+        assert displacement / (2 * step) == pytest.approx(
+            plane_velocity(drive, axis, time), abs=1e-6
+        )
 
 
 def test_a_plane_at_rest_carries_a_resting_bed():
@@ -166,10 +170,10 @@ def test_a_flow_goes_on_under_another_motion_with_its_velocities_and_contacts(sa
         other.advance()
     assert other.flow.step[0] % 2 == (samples == 5)
     place = np.argsort(other.spheres.label[0])
-    ended = other.flow.step[0] * other.time_step - 0.5 * other.time_step
+    end_time = other.flow.step[0] * other.time_step - 0.5 * other.time_step
     before = other.spheres.velocity[:, place].copy()
     for axis, d in ((0, 0), (1, 2)):
-        before[d] += plane_velocity(other.drive, axis, ended)
+        before[d] += plane_velocity(other.drive, axis, end_time)
     stored = other.sample().first()["stored_energy"]
     again = build(first, 0)
     for _ in range(9 * samples):

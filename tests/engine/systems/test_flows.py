@@ -27,7 +27,7 @@ def test_half_a_layer_accelerates_as_spheres_that_roll_alone():
 
 
 @pytest.mark.parametrize(
-    ("given", "velocity"),
+    ("changes", "velocity"),
     [
         ({"depth": 1.24}, 4.5),
         ({"depth": 2.5}, 4.5),
@@ -37,12 +37,12 @@ def test_half_a_layer_accelerates_as_spheres_that_roll_alone():
         ({"depth": 1.24, "law": "drag"}, 0.12),
     ],
 )
-def test_shallow_flows_become_steady_in_balance_with_gravity(given, velocity):
+def test_shallow_flows_become_steady_in_balance_with_gravity(changes, velocity):
     """Steady within 2 % of g sin(17): a velocity that changes by less than its own fluctuations.
 
     The base forces then balance the weight but for the momentum that the flow still changes.
     """
-    p = chute_point(**given, cell=6, transient=150, average=250)
+    p = chute_point(**changes, cell=6, transient=150, average=250)
     series, trend = trend_of(p)
     assert abs(trend.acceleration.value) < 0.02 * p.gravity * SIN
     assert trend.velocity.value / p.velocity_unit == pytest.approx(velocity, rel=0.3)

@@ -12,7 +12,7 @@ CHUTE = chute_point(depth=2, cell=5)
 BELT = belt_point(beads=40, width=8, obstacle=1.5)
 
 
-def moving(point, most: int = 64):
+def running_system(point, most: int = 64):
     """Return a system in motion that takes no more samples than so many at once."""
     system = build(point, 0)
     system.settle()
@@ -23,13 +23,13 @@ def moving(point, most: int = 64):
     return system
 
 
-def taken(point, samples: int, at_once: int) -> tuple[dict, list]:
+def take_samples(point, samples: int, at_once: int) -> tuple[dict, list]:
     """Return series and profiles of some samples, so many at once."""
-    system, found = moving(point), []
+    system, found = running_system(point), []
     while (left := samples - sum(len(one.values["mean_velocity"]) for one in found)) > 0:
         one = system.sample(min(at_once, left), profiles=True)
-        kept = [type(several)(*map(np.copy, several)) for several in one.profiles]
-        found.append(one._replace(profiles=kept))
+        copies = [type(several)(*map(np.copy, several)) for several in one.profiles]
+        found.append(one._replace(profiles=copies))
     series = {name: np.concatenate([one.values[name] for one in found]) for name in system.series}
     arrays = zip(*(sum(map(tuple, one.profiles), ()) for one in found), strict=True)
     return series, [np.concatenate(several) for several in arrays]
@@ -37,8 +37,8 @@ def taken(point, samples: int, at_once: int) -> tuple[dict, list]:
 
 @pytest.mark.parametrize("point", [CHUTE, BELT], ids=["chute", "belt"])
 def test_many_at_once_are_those_taken_one_by_one(point):
-    several, together = taken(point, 23, 10)
-    one_by_one, apart = taken(point, 23, 1)
+    several, together = take_samples(point, 23, 10)
+    one_by_one, apart = take_samples(point, 23, 1)
     for name, values in one_by_one.items():
         assert values.shape == (23,) and np.array_equal(several[name], values), name
     for mine, theirs in zip(together, apart, strict=True):
@@ -47,7 +47,7 @@ def test_many_at_once_are_those_taken_one_by_one(point):
 
 def test_samples_of_the_belt_are_what_array_arithmetic_makes_of_the_state():
     """To the bit: the sums are those of numpy, in its order."""
-    system = moving(BELT)
+    system = running_system(BELT)
     p, disks = system.parameters, system.disks
     width, squares = system.box.length[0], system.squares
     for _ in range(20):
@@ -71,7 +71,7 @@ def test_samples_of_the_belt_are_what_array_arithmetic_makes_of_the_state():
 
 
 def test_samples_of_the_chute_are_what_array_arithmetic_makes_of_the_state():
-    system = moving(CHUTE)
+    system = running_system(CHUTE)
     spheres = system.spheres
     for _ in range(5):
         row = system.advance()
@@ -83,19 +83,19 @@ def test_samples_of_the_chute_are_what_array_arithmetic_makes_of_the_state():
 
 @pytest.mark.parametrize("point", [CHUTE, BELT], ids=["chute", "belt"])
 def test_a_blow_up_holds_the_samples_before_it(point):
-    whole = moving(point)
+    whole = running_system(point)
     rows = [whole.advance() for _ in range(12)]
     overlap = [row["largest_overlap"] for row in rows]
     last = int(np.argmax(overlap))
     assert last > 0, "the test needs a largest overlap that comes late"
     limit = 0.5 * (overlap[last] + max(overlap[:last]))
-    system = moving(point)
+    system = running_system(point)
     system.parameters = point.model_copy(update={"overlap_limit": limit})
-    with pytest.raises(BlowUp, match="an overlap exceeds overlap_limit at step") as caught:
+    with pytest.raises(BlowUp, match="an overlap exceeds overlap_limit at step") as error:
         system.sample(12)
-    found = caught.value.samples.values["mean_velocity"]
+    found = error.value.samples.values["mean_velocity"]
     assert list(found) == [row["mean_velocity"] for row in rows[: len(found)]]
     assert len(found) == next(k for k in range(12) if overlap[k] > limit)
-    with pytest.raises(BlowUp) as caught:
+    with pytest.raises(BlowUp) as error:
         system.sample(12)
-    assert caught.value.samples is None
+    assert error.value.samples is None

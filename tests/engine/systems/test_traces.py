@@ -3,21 +3,21 @@
 import numpy as np
 import pytest
 
-from sim.engine.observe.bed import bed_energies
+from sim.engine.observe.energies import bed_energies
 from sim.engine.observe.field import wave_power, waves
 from sim.engine.observe.overlaps import EDGES
 from sim.engine.systems import build
 from tests.engine_motion.points import belt_point, chute_point, sums_of
 
 
-def settled(**values):
+def settled_belt(**values):
     system = build(belt_point(**{"beads": 40, "width": 8} | values), 0)
     system.settle()
     return system
 
 
 def test_the_path_of_a_belt_is_one_cycle_from_phase_zero():
-    system = settled(frequency=30)
+    system = settled_belt(frequency=30)
     for _ in range(7):
         system.advance()
     path = system.trace()
@@ -26,13 +26,13 @@ def test_the_path_of_a_belt_is_one_cycle_from_phase_zero():
     assert system.coordinates["path_time"][2][-1] == pytest.approx(1 / 30)
     assert np.abs(np.diff(path, axis=0)).max() < 0.5 * p.width * p.diameter
     final = system.snapshot()["position"]
-    gone = (final - path[-1]) / (p.width * p.diameter)
-    assert gone[:, 0] == pytest.approx(np.round(gone[:, 0]), abs=1e-9)
+    laps = (final - path[-1]) / (p.width * p.diameter)
+    assert laps[:, 0] == pytest.approx(np.round(laps[:, 0]), abs=1e-9)
     assert final[:, 1] == pytest.approx(path[-1][:, 1])
 
 
 def test_an_odd_number_of_steps_is_shared_out_among_the_intervals():
-    system = settled(frequency=30, steps_per_cycle=1990, samples_per_cycle=10)
+    system = settled_belt(frequency=30, steps_per_cycle=1990, samples_per_cycle=10)
     system.trace()
     assert system.loop.step[0] == 1990
 
@@ -52,7 +52,7 @@ def test_the_path_of_a_fast_chute_is_not_folded_into_the_cell():
 
 
 def test_the_field_counts_every_bead_once_where_it_is():
-    system = settled(frequency=60)
+    system = settled_belt(frequency=60)
     system.sample(29)
     *_, field = sums = sums_of(system)
     assert field.count.sum() == 40 and field.samples == 1

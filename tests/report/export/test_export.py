@@ -14,6 +14,7 @@ from sim.__main__ import main, parse
 from sim.engine.observe import run_file
 from sim.engine.observe.recorder import Record
 from sim.parameters import Parameters, point_id
+from sim.parameters.variables import variables_of
 from sim.report.export.command import FORMATS
 from tests.engine_motion.points import belt_point, chute_point
 
@@ -22,8 +23,7 @@ BELT = belt_point(beads=3, width=5, replicates=2)
 POINTS = {"chute": CHUTE, "belt": BELT}
 COLUMNS = {"chute": [0, 1, 2], "belt": [0, 2]}
 
-#: What chemfiles calls the formats, the unit of length (m) in which it sees them, and that of
-#: velocity (m/s).
+#: Name of each format in chemfiles, and its units of length (m) and velocity (m/s) there.
 READERS = {
     "amber": ("Amber NetCDF", 1e-10, 1e2),
     "extxyz": ("XYZ", 1.0, 1.0),
@@ -32,9 +32,9 @@ READERS = {
 
 
 def record(point: Parameters, seed: int, samples: int) -> Record:
-    """What a replicate might leave that has frames at every other of some samples."""
+    """Return a made-up record of a replicate with frames at every other sample."""
     rng = np.random.default_rng(seed)
-    number, axes = point.particles + point.glued, 3 if point.system == "chute" else 2
+    number, axes = point.particles + point.glued_particles, 3 if point.system == "chute" else 2
     # Particles leave the cell now and then, and overlap with the base.
     place = 4e-3 * rng.uniform(-1, 2, (2 + samples // 2, number, axes))
     place[..., -1] = np.abs(place[..., -1])
@@ -46,9 +46,9 @@ def record(point: Parameters, seed: int, samples: int) -> Record:
     if axes == 3:
         snapshots["fixed"] = [np.arange(number) >= point.particles] * 2
     frames = {
-        name: states[source][2:].astype(np.float32)
-        for name, source in run_file.FRAMES.items()
-        if source in states
+        name: states[row.of][2:].astype(np.float32)
+        for name, row in variables_of("trajectory").items()
+        if row.of in states
     }
     series = {"mean_velocity": np.pad(np.ones(samples), (0, 6 - samples), constant_values=np.nan)}
     return Record(series, frames=frames if samples > 1 else {}, snapshots=snapshots)
@@ -59,14 +59,15 @@ def write(path: Path, point: Parameters) -> Path:
     records = [record(point, seed, samples) for seed, samples in ((1, 6), (2, 4))]
     axes = ("x", "y", "z") if point.system == "chute" else ("x", "z")
     interval = point.sample_steps * point.time_step
-    layout = run_file.Layout(interval, np.arange(2.0), {"mean_velocity": ("m s-1", "")}, axes, {})
-    told = {"system": point.system, "point_id": point_id(point), "status": "completed"}
-    run_file.write(path, [run_file.Stage(point, records)], layout, told)
+    series = {"mean_velocity": variables_of("series")["mean_velocity"]}
+    layout = run_file.Layout(interval, np.arange(2.0), series, axes, {})
+    attributes = {"system": point.system, "point_id": point_id(point), "status": "completed"}
+    run_file.write(path, [run_file.Stage(point, records)], layout, attributes)
     return path
 
 
-def every(point: Parameters) -> Parameters:
-    """The point with a frame at every other sample."""
+def with_trajectory(point: Parameters) -> Parameters:
+    """Return the point with a frame at every other sample."""
     samples = 2 * point.sample_steps * point.time_step / point.time_unit
     return point.model_copy(update={"trajectory": samples})
 
@@ -78,11 +79,11 @@ def system(request) -> str:
 
 @pytest.fixture
 def run(system, tmp_path) -> Path:
-    return write(tmp_path / "a.run.nc", every(POINTS[system]))
+    return write(tmp_path / "a.run.nc", with_trajectory(POINTS[system]))
 
 
-class Held:
-    """What a run file holds of a replicate."""
+class StoredReplicate:
+    """Trajectory and radii of a replicate, read from a run file."""
 
     def __init__(self, path: Path, system: str, replicate: int = 0):
         with netCDF4.Dataset(path) as file:
@@ -114,7 +115,7 @@ def exported(run: Path, to: str, *words: str) -> Path:
 
 @pytest.mark.parametrize("to", READERS)
 def test_another_program_reads_places_velocities_and_cell(to, run, system):
-    held = Held(run, system)
+    held = StoredReplicate(run, system)
     kind, length, velocity = READERS[to]
     with chemfiles.Trajectory(str(exported(run, to)), "r", kind) as trajectory:
         assert trajectory.nsteps == 3
@@ -136,7 +137,7 @@ def test_another_program_reads_places_velocities_and_cell(to, run, system):
 
 @pytest.mark.parametrize("to", ["extxyz", "lammps-dump"])
 def test_text_has_radii_spins_times_and_what_is_glued(to, run, system):
-    held = Held(run, system)
+    held = StoredReplicate(run, system)
     with chemfiles.Trajectory(str(exported(run, to)), "r", READERS[to][0]) as trajectory:
         frame = trajectory.read_step(1)
     radius = [atom["radius"] for atom in frame.atoms]
@@ -147,7 +148,7 @@ def test_text_has_radii_spins_times_and_what_is_glued(to, run, system):
         kinds = [atom["kind"] for atom in frame.atoms]
     else:
         kinds = [float(atom.type) for atom in frame.atoms]
-    glued = CHUTE.glued if system == "chute" else 0
+    glued = CHUTE.glued_particles if system == "chute" else 0
     assert glued == kinds.count(2) and kinds.count(1) == POINTS[system].particles
     if system == "chute" and to == "extxyz":
         spin = np.array([atom["angular_velocity"] for atom in frame.atoms])
@@ -160,7 +161,7 @@ def test_text_has_radii_spins_times_and_what_is_glued(to, run, system):
 
 
 def test_the_amber_file_follows_the_convention(run, system):
-    held = Held(run, system)
+    held = StoredReplicate(run, system)
     with netCDF4.Dataset(exported(run, "amber")) as file:
         assert (file.Conventions, file.ConventionVersion) == ("AMBER", "1.0")
         assert file.data_model == "NETCDF3_64BIT_OFFSET" and file.dimensions["frame"].isunlimited()
@@ -174,7 +175,7 @@ def test_the_amber_file_follows_the_convention(run, system):
 
 
 def test_vtk_is_a_series_with_its_times(run, system):
-    held, output = Held(run, system), exported(run, "vtk")
+    held, output = StoredReplicate(run, system), exported(run, "vtk")
     entries = list(ElementTree.parse(output).iter("DataSet"))
     assert [float(one.get("timestep")) for one in entries] == pytest.approx(held.time)
     for number, one in enumerate(entries):
@@ -192,7 +193,7 @@ def test_vtk_is_a_series_with_its_times(run, system):
 @pytest.mark.parametrize("to", FORMATS)
 def test_frames_that_a_replicate_lacks_are_left_out(to, run, system, capsys):
     exported(run, to, "--replicate", "1")
-    number = POINTS[system].particles + POINTS[system].glued
+    number = POINTS[system].particles + POINTS[system].glued_particles
     assert f"2 frames of {number} particles" in capsys.readouterr().out
 
 
@@ -280,7 +281,7 @@ def test_the_command_line_knows_the_formats():
 def test_ovito_reads_it(to, run, system, monkeypatch):
     monkeypatch.setenv("QT_QPA_PLATFORM", "offscreen")
     ovito = pytest.importorskip("ovito.io")
-    held, length = Held(run, system), READERS[to][1]
+    held, length = StoredReplicate(run, system), READERS[to][1]
     pipeline = ovito.import_file(str(exported(run, to)))
     assert pipeline.num_frames == 3
     for number in range(3):

@@ -1,12 +1,11 @@
-"""Summaries near the end of files, told by those who do not read the rest."""
+"""Summaries near the end of files, read without the rest of the file."""
 
 from math import inf, nan
 
 import numpy as np
 import pytest
 
-from sim.base.files import is_damaged, read_seal, seal
-from sim.base.summary import append_summary, read_summary
+from sim.base.seals import append_summary, is_damaged, read_seal, read_summary, seal
 
 SUMMARY = {"attributes": {"status": "completed", "note": "θ = 17°\n"}, "velocity": [0.1, inf]}
 

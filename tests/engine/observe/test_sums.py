@@ -3,39 +3,38 @@
 import numpy as np
 import pytest
 
-from sim.engine.observe.blocks import MOST, ProfileBlocks
 from sim.engine.observe.profiles import empty_profile
-from sim.engine.observe.sums import stacked
+from sim.engine.observe.sums import MAX_BLOCKS, ProfileBlocks, zero_samples
 
 
-def filled(samples: int, at_once: int = 7) -> ProfileBlocks:
+def make_blocks(samples: int, at_once: int = 7) -> ProfileBlocks:
     """Blocks of a profile whose sample k has the weight k, added some at once."""
     blocks = ProfileBlocks()
     for first in range(0, samples, at_once):
         number = np.arange(first, min(first + at_once, samples))
-        several = stacked(len(number), empty_profile(1, 2))
-        several.samples[:, 0], several.weight[:, 0] = 1.0, number
-        blocks.add((several,))
+        sums = zero_samples(len(number), empty_profile(1, 2))
+        sums.samples[:, 0], sums.weight[:, 0] = 1.0, number
+        blocks.add((sums,))
     return blocks
 
 
 @pytest.mark.parametrize("at_once", [1, 5, 64])
 def test_it_does_not_matter_how_many_come_at_once(at_once):
     rng, blocks = np.random.default_rng(1), [ProfileBlocks(), ProfileBlocks()]
-    several = stacked(300, empty_profile(2, 2))
-    several.weight[:] = rng.normal(size=several.weight.shape)
+    sums = zero_samples(300, empty_profile(2, 2))
+    sums.weight[:] = rng.normal(size=sums.weight.shape)
     for sizes, mine in zip((at_once, 300), blocks, strict=True):
         for first in range(0, 300, sizes):
-            part = type(several)(*(values[first : first + sizes] for values in several))
+            part = type(sums)(*(values[first : first + sizes] for values in sums))
             mine.add((part,))
-    (one,), (other,) = (mine.since(100) for mine in blocks)
+    (one,), (other,) = (mine.sum_since(100) for mine in blocks)
     assert np.array_equal(one.weight, other.weight)
-    assert np.array_equal(blocks[0].latest[0].weight, several.weight[-1])
+    assert np.array_equal(blocks[0].latest[0].weight, sums.weight[-1])
 
 
-@pytest.mark.parametrize("samples", [1, 5, MOST, MOST + 1, 10 * MOST + 3])
+@pytest.mark.parametrize("samples", [1, 5, MAX_BLOCKS, MAX_BLOCKS + 1, 10 * MAX_BLOCKS + 3])
 def test_all_blocks_together_hold_all_samples(samples):
-    (total,) = filled(samples).since(0)
+    (total,) = make_blocks(samples).sum_since(0)
     assert total.samples[0] == samples
     assert total.weight[0] == sum(range(samples))
 
@@ -43,27 +42,27 @@ def test_all_blocks_together_hold_all_samples(samples):
 @pytest.mark.parametrize("start", [1, 7, 100, 333])
 def test_a_late_start_leaves_out_what_comes_before_it(start):
     samples = 400
-    (total,) = filled(samples).since(start)
+    (total,) = make_blocks(samples).sum_since(start)
     counted = int(total.samples[0])
-    assert samples - start - samples // (MOST // 2) <= counted <= samples - start
+    assert samples - start - samples // (MAX_BLOCKS // 2) <= counted <= samples - start
     assert total.weight[0] == sum(range(samples - counted, samples))
 
 
 def test_memory_is_bounded_and_the_last_sample_is_kept():
-    blocks = filled(100 * MOST)
-    assert len(blocks._blocks) <= MOST
-    assert blocks.latest[0].weight[0] == 100 * MOST - 1
-    assert blocks.since(10**9)[0].samples[0] > 0
+    blocks = make_blocks(100 * MAX_BLOCKS)
+    assert len(blocks._blocks) <= MAX_BLOCKS
+    assert blocks.latest[0].weight[0] == 100 * MAX_BLOCKS - 1
+    assert blocks.sum_since(10**9)[0].samples[0] > 0
 
 
 def test_nothing_before_the_first_sample():
-    assert ProfileBlocks().since(0) is None and ProfileBlocks().latest is None
+    assert ProfileBlocks().sum_since(0) is None and ProfileBlocks().latest is None
 
 
-@pytest.mark.parametrize("samples", [1, 5, MOST, MOST + 1, 10 * MOST + 3])
+@pytest.mark.parametrize("samples", [1, 5, MAX_BLOCKS, MAX_BLOCKS + 1, 10 * MAX_BLOCKS + 3])
 def test_each_block_tells_where_it_ends(samples):
-    blocks, first = filled(samples).each(), 0
-    assert len(blocks) < MOST
+    blocks, first = make_blocks(samples).blocks(), 0
+    assert len(blocks) < MAX_BLOCKS
     for end, (total,) in blocks:
         assert total.samples[0] == end - first
         assert total.weight[0] == sum(range(first, end))

@@ -1,0 +1,187 @@
+"""Verdicts as files: JSON with all evidence, CSV with a row per check."""
+
+import hashlib
+from dataclasses import asdict
+from math import nan
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from sim.base.files import atomic_write
+from sim.base.seals import to_sealed_json
+from sim.claims.judge import judge
+from sim.claims.judgement import Judgement, Variant
+from sim.claims.table import OWN
+from sim.claims.verdict import Check, plan
+from sim.dataset.agreement import require_agreement
+from sim.dataset.results import load_results
+from sim.study.load import load_study
+
+#: Fields of a check that judges and `decide` use and the files do not hold.
+_INTERNAL_FIELDS = {"tested", "short", "coarse"}
+
+
+def build(study_path: str | Path, results: str | Path = "results") -> Path:
+    """Write ``results/<study>/claims.json`` and ``claims.csv`` from the dataset of a study.
+
+    Returns
+    -------
+    Path
+        The JSON file. Both appear complete or not at all.
+
+    Raises
+    ------
+    InputError
+        When the dataset is missing or damaged, naming it, or the study has changed since the
+        dataset was made.
+    """
+    study = load_study(study_path, results)
+    folder = Path(results) / study.name
+    dataset = load_results(folder / "dataset.nc")
+    require_agreement(study, dataset, folder / "dataset.nc")
+    return write(judge(dataset), study.name, folder)
+
+
+def write(judgements: list[Judgement], study: str, folder: Path) -> Path:
+    """Write the verdicts on a study into a folder; return the JSON file.
+
+    The JSON file holds the checksums of both files.
+    """
+    table = as_table(judgements).to_csv(index=False, float_format="%.6g").encode()
+    with atomic_write(folder / "claims.csv") as temporary:
+        temporary.write_bytes(table)
+    output = folder / "claims.json"
+    with atomic_write(output) as temporary:
+        checksums = {"claims.csv": hashlib.sha256(table).hexdigest()}
+        temporary.write_text(
+            to_sealed_json(as_mapping(judgements, study) | checksums), encoding="utf-8"
+        )
+    return output
+
+
+def as_mapping(judgements: list[Judgement], study: str) -> dict[str, Any]:
+    """Return the content of the JSON file; infinite numbers and NaN become ``null``."""
+    return {
+        "study": study,
+        "claims": [
+            {
+                **judgement.claim.model_dump(exclude={"judge"}),
+                "paper": judgement.claim.paper,
+                "system": judgement.claim.system,
+                "verdict": judgement.verdict,
+                "decided_by": judgement.decided_by,
+                "headline": judgement.headline,
+                "protocol_dependent": judgement.protocol_dependent,
+                "reading_dependent": judgement.reading_dependent,
+                "part_verdicts": judgement.part_verdicts,
+                "by_number": [
+                    {
+                        "value": value,
+                        "verdict": verdict,
+                        "checks": [_check(check) for check in _voting_checks(judgement, value)],
+                    }
+                    for value, verdict in judgement.by_number.items()
+                ],
+                "by_reading": {
+                    reading: judgement.verdict_under(reading) for reading in judgement.readings
+                },
+                "variants": [_variant(variant, judgement) for variant in judgement.variants],
+            }
+            for judgement in judgements
+        ],
+    }
+
+
+def _voting_checks(judgement: Judgement, value: float) -> list[Check]:
+    """Return the checks behind the verdict with a given value of the number."""
+    voting = []
+    for part in judgement.claim.parts or ("",):
+        variant = judgement.deciding_variant(judgement.headline, part)
+        checks = variant.checks_by_number.get(value, ()) if variant else ()
+        voting += [check for check in checks if check.has_vote and check.part == part]
+    return voting
+
+
+def _variant(variant: Variant, judgement: Judgement) -> dict[str, Any]:
+    return {
+        "protocol": variant.protocol,
+        "reading": variant.reading,
+        "control": variant.control,
+        "verdict": variant.verdict(judgement.claim.parts),
+        "reason": variant.reason,
+        **({"unsteady": variant.unsteady} if variant.unsteady else {}),
+        "checks": [_check(check) for check in variant.checks],
+    }
+
+
+def _check(check: Check) -> dict[str, Any]:
+    fields = {name: value for name, value in asdict(check).items() if name not in _INTERNAL_FIELDS}
+    derived = {
+        "bound": check.bound,
+        "p_holds": _p_of_vote(check, check.p_holds),
+        "p_fails": _p_of_vote(check, check.p_fails),
+        "tested": check.tested is not None,
+        "verdict": check.verdict,
+        "plan": plan(check),
+    }
+    return {
+        name: None if isinstance(value, float) and not np.isfinite(value) else value
+        for name, value in (fields | derived).items()
+    }
+
+
+def _p_of_vote(check: Check, chance: float) -> float:
+    """Return a p-value of a check that decides, not-a-number of others."""
+    return chance if check.has_vote and check.can_decide else nan
+
+
+def as_table(judgements: list[Judgement]) -> pd.DataFrame:
+    """Return a table with a row per check, and one row per untestable variant.
+
+    Verdicts on the claim, on the part of a check and by number are those at the headline reading;
+    ``verdict`` is that of the variant. The runs behind a check and the first criterion of a claim
+    are in the JSON file alone.
+    """
+    rows = []
+    for judgement in judgements:
+        first = judgement.claim.first
+        for variant in judgement.variants:
+            shared: dict[str, Any] = {
+                "claim": judgement.claim.id,
+                "title": judgement.claim.title,
+                "first verdict": first.verdict if first else "",
+                "verdict on the claim": judgement.verdict,
+                "verdict by number": _by_number(judgement),
+                "protocol": variant.protocol,
+                "reading": variant.reading,
+                "verdict": variant.verdict(judgement.claim.parts),
+            }
+            if judgement.claim.paper == OWN:
+                shared["steadiness"] = variant.unsteady
+            for check in variant.checks:
+                values = {
+                    name: value
+                    for name, value in asdict(check).items()
+                    if name not in {"part", "points"} | _INTERNAL_FIELDS
+                }
+                derived = {
+                    "p holds": _p_of_vote(check, check.p_holds),
+                    "p fails": _p_of_vote(check, check.p_fails),
+                    "verdict on the check": check.verdict,
+                    "what would decide it": plan(check),
+                }
+                part = {
+                    "part": check.part,
+                    "verdict on the part": judgement.part_verdicts.get(check.part, ""),
+                }
+                rows.append(shared | part | values | derived)
+            if not variant.checks:
+                rows.append(shared | {"reason": variant.reason})
+    return pd.DataFrame(rows)
+
+
+def _by_number(judgement: Judgement) -> str:
+    """Return the verdict by value of the number that the paper does not give, as text."""
+    return "; ".join(f"{value:g}: {verdict}" for value, verdict in judgement.by_number.items())

@@ -1,0 +1,68 @@
+"""Gallas' drag between rotating particles: a spring, and drags in normal and shear direction.
+
+The normal force is F_N = K α + 2ζ √(K m*) dα/dt, with the ζ that gives the restitution e. The shear
+force γ_s m* v_t acts against the slip velocity v_t and has neither a limit nor a memory (Gallas,
+Herrmann and Sokołowski, Eqs. 2-4, with the reduced mass of the partners in both drags).
+"""
+
+from math import hypot, log, pi, sqrt
+from typing import Any, NamedTuple
+
+from sim.parameters.laws import SMALL_OVERLAP, law
+from sim.parameters.spheres import SphereParameters
+
+
+class Drag(NamedTuple):
+    """``stiffness`` K (N/m); ``damping`` 2ζ √K over the time step, and ``shear`` γ_s over it."""
+
+    stiffness: float
+    damping: float
+    shear: float
+
+
+def collision_time(p: SphereParameters) -> float:
+    """Return π √(m*/K) √(1 + (ln e/π)²) of the lightest particles, s."""
+    return 2 * p.loading_time * hypot(1, log(p.restitution) / pi)
+
+
+def make(p: SphereParameters, partners: Any) -> Drag:
+    """Return the law of a point, the same for all partners."""
+    decay = -log(p.restitution)
+    damping = 2.0 * (decay / sqrt(pi**2 + decay**2)) * sqrt(p.stiffness)
+    shear = p.shear_damping * p.gravity
+    return Drag(float(p.stiffness), damping / partners.time_step, shear / partners.time_step)
+
+
+def force(law, overlap, approach, slip, tangential, memory, radius, mass):
+    """Return normal force, shear force, numbers to remember and loss, as `law` defines them.
+
+    See `sim.parameters.laws.law`. The numbers are the drag (N), and 1 as the contact has begun.
+    """
+    drag = law.damping * sqrt(mass) * approach
+    shear = law.shear * mass
+    shear_force = (shear * slip[0], shear * slip[1], shear * slip[2])
+    # Drags start and end abruptly: the excess of their first step makes up for the part that is
+    # missing after their last.
+    is_new = memory[1] == 0.0
+    loss = 0.5 * ((drag if is_new else memory[0]) + drag) * approach
+    if is_new:
+        loss += 0.5 * (
+            shear_force[0] * slip[0] + shear_force[1] * slip[1] + shear_force[2] * slip[2]
+        )
+    return law.stiffness * overlap + drag, shear_force, (drag, 1.0), loss
+
+
+def energy(law, overlap, tangential, memory, radius, mass):
+    """Return the energy (J) in the spring; nothing is stored along the surfaces."""
+    return 0.5 * law.stiffness * overlap * overlap, 0.0
+
+
+law(
+    "drag",
+    make=make,
+    force=force,
+    energy=energy,
+    collision_time=collision_time,
+    remembers=2,
+    max_overlap=SMALL_OVERLAP,
+)

@@ -1,0 +1,93 @@
+"""Hertz's normal force, Mindlin's tangential stiffness, a dashpot with a constant restitution.
+
+With the normal stiffness S = 2 E* √(R* α): F_N = (2/3) S α + 2 √(5/6) β √(S m*) dα/dt. With
+β = -ln e/√(π² + ln² e) the restitution is e at every velocity and size (Tsuji, Tanaka and
+Ishida, Powder Technol. 71 (1992) 239). The tangential stiffness is a constant share of S, 2(1 - ν)
+/(2 - ν) of spheres with Poisson's ratio ν (Mindlin, J. Appl. Mech. 16 (1949) 259), and its force is
+cut to μ |F_N|.
+"""
+
+from math import log, pi, sqrt
+from typing import Any, NamedTuple
+
+from sim.parameters.laws import SMALL_OVERLAP, law
+from sim.parameters.spheres import SphereParameters
+
+#: Velocity in √(gσ) of the impacts that the time step must resolve.
+IMPACT = 10
+
+
+class Hertz(NamedTuple):
+    """``modulus`` E* (Pa); ``tangential`` stiffness relative to the normal one; ``damping``
+    2 √(5/6) β over the time step (1/s); ``friction`` μ."""
+
+    modulus: float
+    tangential: float
+    damping: float
+    friction: float
+
+
+def effective_modulus(p: SphereParameters) -> float:
+    """Return E*, Pa: at an overlap of σ/100 the force equals that of the spring K1.
+
+    (4/3) E* √(σ/4) (σ/100)^(3/2) = K1 σ/100.
+    """
+    return 15 * p.stiffness / p.diameter
+
+
+def collision_time(p: SphereParameters) -> float:
+    """Return 2.87 (m*²/(R* E*² v))^(1/5) of the lightest particles at v = 10 √(gσ), s."""
+    radius = p.diameter * (1 - p.diameter_spread) / 4
+    speed = IMPACT * p.velocity_unit
+    return 2.87 * ((p.lightest_mass / 2 / effective_modulus(p)) ** 2 / (radius * speed)) ** 0.2
+
+
+def make(p: SphereParameters, partners: Any) -> Hertz:
+    """Return the law of a point for one kind of partners; plane and spheres are of one material."""
+    decay = -log(p.restitution)
+    damping = 2.0 * sqrt(5.0 / 6.0) * decay / sqrt(pi**2 + decay**2)
+    return Hertz(
+        effective_modulus(p),
+        float(p.tangential_ratio),
+        damping / partners.time_step,
+        float(partners.friction),
+    )
+
+
+def force(law, overlap, approach, slip, tangential, memory, radius, mass):
+    """Return normal and tangential force, the drag to remember and the loss, as `law` defines them.
+
+    See `sim.parameters.laws.law`.
+    """
+    stiffness = 2.0 * law.modulus * sqrt(radius * max(overlap, 0.0))
+    drag = law.damping * sqrt(stiffness * mass) * approach
+    normal = 2.0 / 3.0 * stiffness * overlap + drag
+    spring = law.tangential * stiffness
+    tx = tangential[0] + spring * slip[0]
+    ty = tangential[1] + spring * slip[1]
+    tz = tangential[2] + spring * slip[2]
+    size = sqrt(tx * tx + ty * ty + tz * tz)
+    limit = law.friction * abs(normal)
+    scale = limit / size if size > limit else 1.0
+    loss = 0.5 * (memory[0] + drag) * approach
+    return normal, (tx * scale, ty * scale, tz * scale), (drag,), loss
+
+
+def energy(law, overlap, tangential, memory, radius, mass):
+    """Return the energy (J) in the normal and in the tangential spring."""
+    stiffness = 2.0 * law.modulus * sqrt(radius * max(overlap, 0.0))
+    square = tangential[0] ** 2 + tangential[1] ** 2 + tangential[2] ** 2
+    spring = law.tangential * stiffness
+    normal = 4.0 / 15.0 * stiffness * overlap * overlap
+    return normal, 0.5 * square / spring if spring > 0.0 else 0.0
+
+
+law(
+    "hertz",
+    make=make,
+    force=force,
+    energy=energy,
+    collision_time=collision_time,
+    remembers=1,
+    max_overlap=SMALL_OVERLAP,
+)

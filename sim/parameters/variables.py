@@ -1,0 +1,184 @@
+"""The one table of variables: all that run files and datasets say of a run besides its parameters.
+
+The table is ``variables.csv``, a line per variable; every other list of variables is a selection of
+it. Its columns are the attributes of `Variable`; an empty one stands for the usual value:
+
+- ``systems``: all of them;
+- ``dims``: those of its kind, `DIMS`;
+- ``cell_method``: ``point``;
+- ``part``: the average of the window, for a profile;
+- ``in_datasets``: all of its systems, for a profile. What no figure and no claim looks at is left
+  out of datasets.
+"""
+
+import csv
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+#: Systems that the table knows.
+ALL = ("chute", "belt", "conveyor")
+
+#: Dimensions of a variable by its kind, where the kind has the same for all: scalars, time series
+#: and profiles are in run files, measures and what is said of points in datasets alone.
+DIMS = {
+    "scalar": ("replicate",),
+    "series": ("replicate", "time"),
+    "profile": ("replicate", "height"),
+    "measure": ("replicate",),
+    "point": ("point",),
+}
+
+#: Kinds whose dimensions differ: numbers of each particle and each contact, those at each
+#: frame of a trajectory, tables of run files, and arrays of the group of a system in a dataset.
+OTHER_KINDS = ("particle", "contact", "trajectory", "table", "group")
+
+_OF_RUN_FILES = ("series", "particle", "contact", "trajectory", "table")
+
+#: Endings of the name of a profile that is not the average of the window: of the last sample, of
+#: the beginning of the belt's cycle, and of successive blocks of samples.
+INSTANTANEOUS, AT_PHASE_0, HISTORY = "_instantaneous", "_at_phase_0", "_history"
+
+#: States of a deep flow, each with measures of its share, time and endings.
+PLUG_STATES = ("deep_shear", "agitated", "locked")
+
+
+@dataclass(frozen=True)
+class Variable:
+    """A variable of run files or datasets.
+
+    Attributes
+    ----------
+    kind : str
+        One of `DIMS` or `OTHER_KINDS`.
+    name : str
+        Its name in files.
+    unit : str
+        Unit as UDUNITS reads it; ``"1"`` for a pure number, ``""`` for words.
+    meaning : str
+        What it is, for axes and captions.
+    systems : tuple of str
+        Systems whose runs have it.
+    asked_by : str
+        Parameter without which a run does not keep it, if any.
+    dims : tuple of str
+        Its dimensions.
+    cell_method : str
+        How a value of a time series stands for its sample interval (CF).
+    part : str
+        Part of the run that a profile is of.
+    of : str
+        The variable that this one is another part of, if any.
+    in_datasets : tuple of str
+        Systems whose datasets keep it.
+    """
+
+    kind: str
+    name: str
+    unit: str
+    meaning: str
+    systems: tuple[str, ...]
+    asked_by: str
+    dims: tuple[str, ...]
+    cell_method: str
+    part: str
+    of: str
+    in_datasets: tuple[str, ...]
+
+    @property
+    def attributes(self) -> dict[str, str]:
+        """Unit and long name, which are its attributes in a file."""
+        meaning = f"{self.meaning}, {self.part}" if self.part else self.meaning
+        return ({"units": self.unit} if self.unit else {}) | {"long_name": meaning}
+
+
+def _read(path: Path) -> tuple[Variable, ...]:
+    with path.open(encoding="utf-8", newline="") as file:
+        return tuple(_variable(**row) for row in csv.DictReader(file))
+
+
+def _variable(
+    kind: str,
+    systems: str,
+    dims: str,
+    cell_method: str,
+    part: str,
+    of: str,
+    in_datasets: str,
+    **texts: str,
+) -> Variable:
+    runs = tuple(systems.split()) or ALL
+    datasets = () if kind in _OF_RUN_FILES else runs
+    if in_datasets:
+        datasets = () if in_datasets == "none" else tuple(in_datasets.split())
+    return Variable(
+        kind=kind,
+        systems=runs,
+        dims=tuple(dims.split()) or DIMS[kind],
+        cell_method=f"time: {cell_method or 'point'}",
+        part=part or ("average of the window" if kind == "profile" else ""),
+        of=of,
+        in_datasets=datasets,
+        **texts,
+    )
+
+
+#: All variables, in the order of the table.
+VARIABLES = _read(Path(__file__).with_suffix(".csv"))
+
+
+def observed(name: str, unit: str, meaning: str, system: str) -> Variable:
+    """Return the variable of a measure that is not in the table."""
+    texts = {"kind": "measure", "name": name, "unit": unit, "meaning": meaning}
+    usual = dict.fromkeys(("dims", "cell_method", "part", "of", "in_datasets", "asked_by"), "")
+    return _variable(systems=system, **texts, **usual)
+
+
+def variables_of(*kinds: str, system: str | None = None) -> dict[str, Variable]:
+    """Return the variables of some kinds by name, of one system or of all, in the table's order.
+
+    Time series of several systems may share a name: ask for those of one system.
+    """
+    return {
+        one.name: one
+        for one in VARIABLES
+        if one.kind in kinds and (system is None or system in one.systems)
+    }
+
+
+def recorded_by(parameters: Any, *kinds: str) -> dict[str, Variable]:
+    """Return the variables of some kinds that runs of a point record: those that it asks for."""
+    return {
+        name: one
+        for name, one in variables_of(*kinds, system=parameters.system).items()
+        if not one.asked_by or getattr(parameters, one.asked_by)
+    }
+
+
+def parts(ending: str, system: str) -> dict[str, str]:
+    """Return the profiles of a system whose name has an ending: name -> that of the average."""
+    profiles = variables_of("profile", system=system).values()
+    return {one.name: one.of for one in profiles if one.name.endswith(ending)}
+
+
+#: Scalars of each replicate in a run file.
+SCALARS = variables_of("scalar")
+
+
+def reserved_names() -> set[str]:
+    """Return the names that no parameter and no observable of a plug-in may have.
+
+    They are those of all variables that studies can plot, also without their endings.
+    """
+    kinds = ("scalar", "measure", "profile", "series")
+    names = {one.name for one in VARIABLES if one.kind in kinds}
+    return names | {plotted_name(name) for name in names}
+
+
+def plotted_name(name: str) -> str:
+    """Return what study files call a profile or a time series.
+
+    >>> plotted_name("velocity_profile"), plotted_name("mean_velocity")
+    ('velocity', 'velocity')
+    """
+    return name.removesuffix("_profile").removeprefix("mean_")
