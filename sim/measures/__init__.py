@@ -1,4 +1,6 @@
-"""Measures of replicates that ship: files that declare them by the call that a plug-in makes.
+"""Observables that ship: files that declare them by the call that a plug-in makes."""
 
-`sim.parameters.variables.observables` loads them all and finds them in the registry.
-"""
+from sim.base.plugins import load_shipped
+
+# Whoever imports one of these files first, all declare what they measure as files of Talus.
+load_shipped(__name__)

@@ -15,12 +15,11 @@ the attributes of `Variable`; an empty one stands for the usual value:
 import csv
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
-from functools import cache
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 from sim.base.additions import additions, shipped
-from sim.base.plugins import load_shipped
 
 #: Systems that the table knows.
 ALL = ("chute", "belt", "conveyor")
@@ -153,10 +152,9 @@ def observed(
     return _variable(systems=" ".join(systems), asked_by=asked_by, **texts, **usual)
 
 
-@cache
 def _load_observables() -> None:
     """Load the observables that ship; they import NumPy, which not every command needs."""
-    load_shipped("sim.measures")
+    import_module("sim.measures")
 
 
 def observables(system: str | None = None) -> dict[str, Observable]:
