@@ -23,7 +23,8 @@ ONLY = {
         "parameters": {"", "belt"},
         "study": set(),
         "engine": {"boundary.drive", "contact", "contact.walton_braun", "systems.chute"},
-        "dataset": {"measures.belt", "measures.layers", "measures.plug"},
+        "dataset": {"belt"},
+        "measures": {"belt", "layers", "plug"},
         "claims": {
             *("checks", "claim", "criterion", "evidence", "inference", "place", "trends"),
             *("contacts", "verdict"),

@@ -9,7 +9,7 @@ from sim.claims.checks import above, below, reported
 from sim.claims.evidence import Evidence
 from sim.claims.place import Place, quotient, replicate_mean
 from sim.claims.verdict import Check
-from sim.dataset.measures.belt import FAR_DISTANCE
+from sim.measures.belt import FAR_DISTANCE
 from sim.papers.gallas.judges.lines import common_beds, complete_line, velocity_trend
 
 

@@ -10,7 +10,7 @@ from sim.claims.checks import above, below, judge_parts, reported, withhold, wit
 from sim.claims.evidence import Evidence
 from sim.claims.place import Place
 from sim.claims.verdict import Check, Untestable
-from sim.dataset.measures.layers import level
+from sim.measures.layers import level
 from sim.papers.gallas.judges.bed import mean_between
 from sim.papers.gallas.judges.lines import complete_line
 

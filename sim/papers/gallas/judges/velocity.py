@@ -13,7 +13,7 @@ from sim.claims.inference import trend
 from sim.claims.place import Place, replicate_mean
 from sim.claims.trends import mean_of_others
 from sim.claims.verdict import Check, Untestable
-from sim.dataset.measures.belt import EARLY_CYCLES
+from sim.measures.belt import EARLY_CYCLES
 from sim.papers.gallas.judges.bed import beads_between, mean_between
 from sim.papers.gallas.judges.lines import complete_line
 

@@ -12,7 +12,7 @@ from sim.claims.inference import share_above, trend
 from sim.claims.place import Place, replicate_mean
 from sim.claims.trends import mean_of_others, smallest_mean
 from sim.claims.verdict import Check, Untestable
-from sim.dataset.measures import layers
+from sim.measures import layers
 from sim.papers.walton.judges.chute import (
     WIDTHS,
     age,

@@ -13,7 +13,7 @@ from sim.claims.evidence import Evidence
 from sim.claims.inference import outranks, trend
 from sim.claims.place import Place, quotient
 from sim.claims.verdict import Check, Untestable
-from sim.dataset.measures import layers
+from sim.measures import layers
 from sim.papers.walton.judges.chute import (
     CELLS,
     SOFT,
