@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from sim.claims.table import claims
+from sim.claims.claim import claims
 from sim.figures.kind import KINDS
 from sim.figures.style import PATTERNS
 from sim.parameters import SYSTEMS

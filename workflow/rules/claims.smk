@@ -21,6 +21,6 @@ rule claims:
         **READER_RESOURCES,
     params:
         numerics=numerics_mark(),
-        code=room_code("claims", "judge"),
+        code=room_code("papers", "judge"),
     shell:
         'python -m sim claims "$TALUS_STUDY" > {log} 2>&1'
