@@ -17,13 +17,13 @@ from sim.base.statistics import mean_interval
 from sim.engine.identity import NUMERICS, library_versions, source_hash
 from sim.engine.observe.recorder import Record
 from sim.engine.observe.run_file import Layout, Stage, write
-from sim.engine.observe.system import System
 from sim.engine.origin import Origin, is_alike, origin_of
 from sim.engine.progress import length, progress
 from sim.engine.replicate import Replicate
 from sim.engine.stages import read_stages
 from sim.engine.states import States, checkpoint_interval
 from sim.engine.stored_run import current_status, read_origin_samples
+from sim.engine.systems.replica import Replica
 from sim.parameters import Parameters, amounts, point_id, with_larger_amounts
 
 log = logging.getLogger("talus")
@@ -170,7 +170,7 @@ def _velocity(value: float, half_width: float) -> str:
     return f"velocity {value:.4g} ± {half_width:.2g} m/s"
 
 
-def _layout(parameters: Parameters, system: System) -> Layout:
+def _layout(parameters: Parameters, system: Replica) -> Layout:
     return Layout(
         interval=parameters.sample_steps * parameters.time_step,
         height=system.profile_height,

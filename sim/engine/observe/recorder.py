@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 
@@ -11,8 +11,8 @@ from sim.engine.observe import stopping
 from sim.engine.observe.blocks import MAX_BLOCKS, ProfileBlocks
 from sim.engine.observe.force_balance import base_forces
 from sim.engine.observe.regime import FAILED_TREND, Trend, analyse
-from sim.engine.observe.system import OnSlope, Samples, System
 from sim.engine.observe.trajectory import Trajectory
+from sim.engine.systems.replica import Replica, Samples
 from sim.parameters.variables import HISTORY, INSTANTANEOUS
 
 
@@ -43,7 +43,7 @@ class Recorder:
     then; ``snapshots`` name -> states so far; ``path`` of the particles, once it has been traced.
     """
 
-    def __init__(self, system: System):
+    def __init__(self, system: Replica):
         p = system.parameters
         self.system = system
         self.sample_count = 0
@@ -200,8 +200,7 @@ class Recorder:
     def _base_forces(self, series: dict[str, np.ndarray], start: int) -> dict[str, float]:
         names = ("base_shear_force", "base_normal_force", "mean_velocity")
         shear, normal, velocity = (series[name][start:] for name in names)
-        # Only systems on a slope have series of base forces.
-        system = cast(OnSlope, self.system)
+        system = self.system
         return base_forces(shear, normal, velocity, system.mass, system.weight, self._interval)
 
     def _add_profiles(self, record: Record) -> None:

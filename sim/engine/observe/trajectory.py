@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from sim.engine.dynamics.status import BlowUp
-from sim.engine.observe.system import System
+from sim.engine.systems.replica import Replica
 from sim.parameters.variables import variables_of
 
 
@@ -26,7 +26,7 @@ class Trajectory:
         """Return the number of samples at the next frame after ``count`` samples, if any."""
         return [(count // self._samples + 1) * self._samples] if self._samples else []
 
-    def take(self, system: System, count: int) -> None:
+    def take(self, system: Replica, count: int) -> None:
         """Take a frame of a system after ``count`` samples, if one is due."""
         if self._samples and count % self._samples == 0:
             state = system.snapshot()
@@ -37,7 +37,7 @@ class Trajectory:
                     frame = np.array(state[row.of], np.float32)
                     self._frames.setdefault(name, []).append(frame)
 
-    def _contact_arrays(self, system: System) -> dict[str, np.ndarray]:
+    def _contact_arrays(self, system: Replica) -> dict[str, np.ndarray]:
         """Return the contacts of the present state; unused rows are not-a-number."""
         contacts = system.current_contacts(self._contacts)
         if (number := int(contacts.number[0])) > self._contacts:

@@ -1,5 +1,6 @@
 """One replicate of a point in motion: what all systems share, and what a run asks of them."""
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, ClassVar, NamedTuple, Self
 
@@ -7,7 +8,8 @@ import numpy as np
 
 from sim.engine.calls import DirectCall
 from sim.engine.compile import working_time
-from sim.engine.dynamics.neighbors import double_room
+from sim.engine.dynamics.cells import Box
+from sim.engine.dynamics.neighbors import PairList, double_room
 from sim.engine.dynamics.status import LIST_FULL, BlowUp, failure_reason
 from sim.engine.observe.contact_list import ContactList, no_contacts
 from sim.engine.observe.ledger import Ledger
@@ -19,8 +21,7 @@ from sim.parameters.variables import recorded_by
 #: Most particle-steps between two pauses: some tenths of a second.
 MOST_WORK = 2_000_000
 
-#: Intervals between the states of the path that ends a run. The paper on the belt plots every 50th
-#: of the 2000 steps of a cycle.
+#: Intervals of the path that ends a run: the paper on the belt plots every 50th of 2000 steps.
 PATH_INTERVALS = 40
 
 #: Column of the number of steps in ``sums`` of every loop.
@@ -46,8 +47,8 @@ class Samples(NamedTuple):
 class Taken(NamedTuple):
     """Up to K samples as a system takes them.
 
-    ``state`` numbers of each sample, a named tuple of arrays (K, ...), None without a sample;
-    ``profiles`` as in `Samples`; ``failure`` reason of a blow-up after them, else empty.
+    ``state`` numbers of the samples, a named tuple, None without a sample; ``profiles`` as in
+    `Samples`; ``failure`` reason of a blow-up after them, else empty.
     """
 
     state: Any
@@ -55,77 +56,54 @@ class Taken(NamedTuple):
     failure: str
 
 
-class Replica:
-    """One replicate in motion. A system adds its particles, kernels, series and profiles.
+class Replica(ABC):
+    """One replicate in motion; a system adds its particles, kernels, state, series and profiles.
 
-    A system sets the attributes below that have no value here, and defines the methods that raise
-    ``NotImplementedError``.
-
-    Attributes
-    ----------
-    parameters : Parameters
-        The point.
-    time_step : float
-        Time step (s), that of the point or a fraction of it.
-    sample_steps : int
-        Time steps in a sample.
-    series : dict
-        Time series by name.
-    ledger : Ledger
-        The time series whose sum is the energy.
-    axes : tuple of str
-        Names of the directions.
-    mass : float
-        Mass of all particles (kg).
-    weight : tuple of float
-        On a slope: weight of all particles along and normal to it (N).
-    loop : named tuple
-        State of the loop over steps: number of the last ``step`` (1,), ``sums`` over steps.
-    loop_time : float
-        Processor time in the compiled loop over time steps (s).
-    kind : tuple
-        Types on which the types of all arguments of the kernels depend.
-    slices : named tuple
-        How profiles cut the flow.
-    scales, period : Scales, int
-        Thresholds and period (samples) for the analysis of the velocity's trend.
-    coordinates : dict
-        Coordinates of tables and path: name -> (unit, long name, values).
-    path_steps : int
-        Time steps of the path that ends a run.
-    history_profiles : tuple of str
-        Names of the profiles that are stored by block, as functions of time.
-    particle_names, state_names : tuple of str
-        Names of the attributes that hold particles and contacts, and of all that change during
-        motion: arrays and numbers, or tuples, lists and dictionaries of them.
-    stage : str
-        Name of the phase before the first sample, empty once samples may be taken.
-    pause : callable
-        Called every few tenths of a second during long computations. A run that continues from a
-        state stored in it gives the same bits.
+    Each class sets the attributes below that have no value, and defines the abstract methods.
     """
 
+    #: The time series whose sum is the energy, and the names of the directions.
     ledger: ClassVar[Ledger]
     axes: ClassVar[tuple[str, ...]]
+
+    #: Attributes with particles and contacts, and all that change during motion: arrays and
+    #: numbers, or tuples, lists and dictionaries of them.
     particle_names: ClassVar[tuple[str, ...]]
     state_names: ClassVar[tuple[str, ...]]
-    history_profiles: tuple[str, ...] = ()
-    period: int = 1
+
+    #: The periodic cell, the neighbor list, the state of the loop over steps: the number of the
+    #: last ``step`` (1,) and ``sums`` over steps; types that determine those of all kernels.
+    box: Box
+    pairs: PairList
+    loop: Any
+    kind: Any
+
+    #: Mass of all particles (kg); on a slope, their weight along and normal to it (N).
     mass: float
     weight: tuple[float, float]
-    kind: Any
+
+    #: How profiles cut the flow, and names of those that are stored by block, as functions of time.
     slices: Any
+    history_profiles: tuple[str, ...] = ()
+
+    #: Thresholds and period (samples) for the analysis of the velocity's trend.
     scales: Scales
+    period: int = 1
+
+    #: Coordinates of tables and path: name -> (unit, long name, values); time steps of the path.
     coordinates: dict[str, tuple[str, str, np.ndarray]]
     path_steps: int
-    pairs: Any
-    loop: Any
 
     def __init__(self, parameters: Parameters, substeps: int):
         p = parameters
         self.parameters: Any = p
+        #: Called every few tenths of a second during long computations. A run that continues from a
+        #: state stored in it gives the same bits.
         self.pause: Callable[[], None] = lambda: None
-        self.stage, self.loop_time = "", 0.0
+        #: Name of the phase before the first sample, empty once samples may be taken.
+        self.stage = ""
+        #: Processor time in the compiled loop over time steps, s.
+        self.loop_time = 0.0
         self.series = recorded_by(p, "series")
         self.time_step = p.time_step / substeps
         self.sample_steps = p.sample_steps * substeps
@@ -147,6 +125,7 @@ class Replica:
 
         Raises ``BlowUp`` when that fails.
         """
+        self.stage = ""
 
     def take_over(self, other: Self) -> None:
         """Start from the particles of another such system, without settling.
@@ -196,7 +175,7 @@ class Replica:
             self._run((k + 1) * steps // PATH_INTERVALS - k * steps // PATH_INTERVALS)
             states.append(self.snapshot()["position"])
             stray = states[-1] - states[-2] - self._mean_displacement()
-            for d, length in enumerate(self.pairs.box.length[:-1]):
+            for d, length in enumerate(self.box.length[:-1]):
                 states[-1][:, d] -= length * np.round(stray[:, d] / length)
         return np.array(states)
 
@@ -220,14 +199,18 @@ class Replica:
         step = self.loop.step
         last = step[0] + steps
         while step[0] < last:
-            target = min(last, step[0] + self._stretch)
-            start = working_time()
-            status = self._with_room(lambda target=target: self._advance(target - step[0]))
+            target, start = min(last, step[0] + self._stretch), working_time()
+            failure = self._advance_to(target)
             self.loop_time += working_time() - start
-            if failure := self._failure(status):
+            if failure:
                 raise BlowUp(failure)
             if target < last:
                 self.pause()
+
+    def _advance_to(self, target: int) -> str:
+        """Advance to a step; return the reason of a failure, or an empty text."""
+        step = self.loop.step
+        return self._failure(self._with_room(lambda: self._advance(target - step[0])))
 
     def _with_room(self, attempt: Callable[[], int]) -> int:
         """Repeat an attempt until the neighbor list has room for its pairs; return the status."""
@@ -245,54 +228,51 @@ class Replica:
         return ""
 
     def _total(self, name: str, gained: np.ndarray) -> np.ndarray:
-        """Return the total since the start at each of K samples, and store the last as ``name``.
-
-        ``gained`` (K,) is the gain of each sample.
-        """
+        """Return totals (K,) since the start from gains (K,), and store the last as ``name``."""
         total = np.cumsum([getattr(self, name), *gained])
         setattr(self, name, float(total[-1]))
         return total[1:]
+
+    def no_profiles(self) -> Sums:
+        """Return sums of profiles that are zero."""
+        return self.slices.empty()
+
+    def profiles(self, sums: Any) -> dict[str, np.ndarray]:
+        """Return the profiles, named arrays (H,), from their sums."""
+        return self.slices.profiles(sums)
+
+    def tables(self, sums: Any) -> dict[str, np.ndarray]:
+        """Return the tables, named arrays with other dimensions than height, from their sums."""
+        return self.slices.tables(sums)
 
     def _mean_displacement(self) -> np.ndarray:
         """Return the mean displacement (D,) in the last steps, m, where it may be large."""
         return np.zeros(len(self.axes))
 
+    @abstractmethod
     def _advance(self, steps: int) -> int:
         """Advance by a number of steps in compiled code; return the status."""
-        raise NotImplementedError
 
+    @abstractmethod
     def _take(self, most: int, profiles: bool) -> Taken:
         """Advance by one to ``most`` samples, or to a blow-up."""
-        raise NotImplementedError
 
+    @abstractmethod
     def _values(self, state: Any) -> dict[str, np.ndarray]:
         """Return the values (K,) of each time series from the state of K samples."""
-        raise NotImplementedError
 
+    @abstractmethod
     def _coordinates(self) -> np.ndarray:
         """Return the array that is finite unless the system has blown up."""
-        raise NotImplementedError
 
+    @abstractmethod
     def _moment(self) -> str:
         """Return the words for the present moment that follow the step in messages."""
-        raise NotImplementedError
 
+    @abstractmethod
     def _particles(self) -> tuple[np.ndarray, dict[str, np.ndarray]]:
         """Return the labels (N,), and the arrays of a snapshot by name, (D, N) or (N,)."""
-        raise NotImplementedError
 
+    @abstractmethod
     def _list_contacts(self, contacts: ContactList) -> None:
         """Fill a list of contacts."""
-        raise NotImplementedError
-
-    def no_profiles(self) -> Sums:
-        """Return sums of profiles that are zero."""
-        raise NotImplementedError
-
-    def profiles(self, sums: Any) -> dict[str, np.ndarray]:
-        """Return the profiles, named arrays (H,), from their sums."""
-        raise NotImplementedError
-
-    def tables(self, sums: Any) -> dict[str, np.ndarray]:
-        """Return the tables, named arrays with other dimensions than height, from their sums."""
-        raise NotImplementedError

@@ -11,7 +11,7 @@ from sim.engine.observe.profiles import empty_profile
 from sim.engine.observe.recorder import Recorder
 from sim.engine.observe.regime import Scales
 from sim.engine.observe.sums import zero_samples
-from sim.engine.observe.system import Samples
+from sim.engine.systems.replica import Samples
 
 #: Samples of 0.1 s: 4 of transient and 12 to average, or up to 64 of the converged protocol.
 LENGTHS = {

@@ -12,14 +12,12 @@ CHUTE = chute_point(depth=2, cell=5)
 BELT = belt_point(beads=40, width=8, obstacle=1.5)
 
 
-def running_system(point, most: int = 64):
-    """Return a system in motion that takes no more samples than so many at once."""
+def running_system(point):
+    """Return a system in motion."""
     system = build(point, 0)
     system.settle()
     for _ in range(9):
         system.sample()
-    if point.system == "chute":
-        system._most = most
     return system
 
 
