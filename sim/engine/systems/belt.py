@@ -207,6 +207,8 @@ class Belt(Replica):
         return self._call(shaking.advance_disks, self.disks, contacts, self.loop, motion, steps)
 
     def _take(self, most: int, profiles: bool) -> Taken:
+        # Samples are of the shaking, those of a bed that has not settled, too.
+        self.stage = SHAKING
         if self.sample_steps > self._stretch:
             self._approach(self._stretch)
             self.pause()

@@ -1,5 +1,6 @@
 """Spheres or discs on a frictional plane, by leap-frog: all that chute and conveyor share."""
 
+from abc import abstractmethod
 from collections.abc import Sequence
 from functools import partial
 from math import ceil, cos, isfinite, pi, radians, sin
@@ -137,9 +138,9 @@ class PlaneFlow(Replica):
             "path_time": ("s", "time since the path began", times),
         }
 
+    @abstractmethod
     def _drive(self) -> NamedTuple:
         """Return what sets the flow in motion; its type selects compiled code."""
-        raise NotImplementedError
 
     def _law(self, friction: float, reduced_mass: float) -> NamedTuple:
         return law_of(self.parameters, Partners(friction, reduced_mass, self.time_step))
