@@ -1,7 +1,6 @@
 """The vibrating belt of Gallas, Herrmann and Sokolowski: beads on a line that shakes."""
 
 from math import pi, radians, sqrt
-from typing import NamedTuple
 
 import numpy as np
 
@@ -10,19 +9,24 @@ from sim.engine.calls import kind_of
 from sim.engine.contact.spring_damping import spring_damping
 from sim.engine.dynamics.cells import make_box
 from sim.engine.dynamics.disks import make_disks
-from sim.engine.dynamics.gear import CORRECTORS, Gear, Verlet, rescale_terms
+from sim.engine.dynamics.gear import rescale_terms
 from sim.engine.dynamics.neighbors import empty_pair_list, make_search
 from sim.engine.dynamics.status import BlowUp
 from sim.engine.observe.bed_contacts import list_bed_contacts
-from sim.engine.observe.contact_list import ContactList
-from sim.engine.observe.field import squares, wave_power
-from sim.engine.observe.ledger import make_ledger
+from sim.engine.observe.field import wave_power
 from sim.engine.observe.regime import Scales
 from sim.engine.observe.sums import Sums
+from sim.engine.observe.system import ContactList, make_ledger
 from sim.engine.systems import bed_samples, shaking
 from sim.engine.systems.bed_profiles import bed_profiles
-from sim.engine.systems.belt_start import initial_bed, vibration
-from sim.engine.systems.replica import PATH_INTERVALS, Replica, Taken
+from sim.engine.systems.belt_start import (
+    FALLING,
+    PRIOR_SHAKING,
+    SHAKING,
+    initial_bed,
+    make_stages,
+)
+from sim.engine.systems.replica import PATH_INTERVALS, Outcome, Replica
 from sim.parameters import BeltParameters
 from sim.parameters.belt import LEAST_TRANSPORT
 
@@ -37,17 +41,6 @@ SETTLING_LIMIT = 30.0
 
 #: Simulated time (s) between two checks that a fallen bed is at rest.
 LOOK_INTERVAL = 0.01
-
-#: Stages before the first sample, and that of the samples.
-FALLING, PRIOR_SHAKING, SHAKING = "falling", "shaken before", ""
-
-
-class Stage(NamedTuple):
-    """How the bed moves in a stage: the ``belt``, the ``integrator``, the words for messages."""
-
-    belt: NamedTuple
-    integrator: Gear | Verlet
-    words: str
 
 
 class Belt(Replica):
@@ -68,7 +61,9 @@ class Belt(Replica):
         p, width = parameters, parameters.width * parameters.diameter
         self.period = p.samples_per_cycle
         self.path_steps = self.cycle_steps
-        self.stage, self._stages = FALLING, self._make_stages(p.settling_step / substeps)
+        settling_step = p.settling_step / substeps
+        self.stage = FALLING
+        self._stages = make_stages(p, settling_step, self.time_step, self.cycle_steps)
         self.box = make_box(width)
         bed = initial_bed(p, self.box, replicate)
         self._fall_time = sqrt(2.0 * (bed.height + p.diameter) / p.gravity)
@@ -92,41 +87,22 @@ class Belt(Replica):
         )
         self.loop = shaking.make_shaking()
         self.normal_loss, self.shear_loss, self.belt_work = 0.0, 0.0, 0.0
-        self.kind = kind_of(self.law, *self._stages[SHAKING][:2])
+        self.kind = kind_of(self.law, self._stages[SHAKING].belt, self._stages[SHAKING].integrator)
         self._calls: bed_samples.Calls | None = None
         still = LEAST_TRANSPORT * p.velocity_amplitude
         self.scales = Scales(still, np.inf, p.drift, p.target)
-        self.slices, self.squares = bed_profiles(p), squares(width, p.diameter, p.amplitude)
+        self.slices = bed_profiles(p)
         most = max(1, min(MOST_SAMPLES, self._stretch // self.sample_steps))
-        self._room = bed_samples.make_samples(most, p.beads, self.slices.slices, self.squares)
-        self.coordinates = self.squares.coordinates() | {
+        self._room = bed_samples.make_samples(
+            most, p.beads, self.slices.slices, self.slices.squares
+        )
+        self.coordinates = self.slices.squares.coordinates() | {
             "path_time": (
                 "s",
                 "time since the path began, at the initial phase of the belt",
                 np.linspace(0.0, p.time_unit, PATH_INTERVALS + 1),
             ),
         }
-
-    def _make_stages(self, settling_step: float) -> dict[str, Stage]:
-        """Return the stages of a bed that settles in steps of this length (s)."""
-        p, stages = self.parameters, {}
-        settings = {
-            FALLING: (0.0, settling_step, "while the bed settles"),
-            SHAKING: (p.frequency, self.time_step, "of the shaking"),
-        }
-        if p.prior_frequency:
-            step = 1.0 / (p.prior_frequency * self.cycle_steps)
-            words = "of the shaking at the prior frequency"
-            settings[PRIOR_SHAKING] = (p.prior_frequency, step, words)
-        for stage, (frequency, step, words) in settings.items():
-            stages[stage] = Stage(vibration(p, frequency), self._integrator(step), words)
-        return stages
-
-    def _integrator(self, time_step: float) -> Gear | Verlet:
-        p = self.parameters
-        if p.integrator == "verlet":
-            return Verlet(float(time_step))
-        return Gear(float(time_step), CORRECTORS[p.corrector_order])
 
     def _step_length(self) -> float:
         """Return the time step of the present stage, s."""
@@ -206,7 +182,7 @@ class Belt(Replica):
         contacts, motion = self._contacts(), self._motion()
         return self._call(shaking.advance_disks, self.disks, contacts, self.loop, motion, steps)
 
-    def _take(self, most: int, profiles: bool) -> Taken:
+    def _take(self, most: int, profiles: bool) -> Outcome:
         # Samples are of the shaking, those of a bed that has not settled, too.
         self.stage = SHAKING
         if self.sample_steps > self._stretch:
@@ -217,7 +193,7 @@ class Belt(Replica):
         status = self._with_room(lambda: self._fill(min(most, len(room.sums)), profiles))
         self.loop_time += 1e-6 * float(room.clock[0])
         state = room if room.number[0] else None
-        return Taken(state, self._profiles(room) if profiles else None, self._failure(status))
+        return Outcome(state, self._profiles(room) if profiles else None, self._failure(status))
 
     def _fill(self, samples: int, profiles: bool) -> int:
         """Take so many samples in compiled code, those taken so far included; return the status."""
@@ -232,7 +208,7 @@ class Belt(Replica):
             profiles,
             p.amplitude * p.diameter,
             self.slices.slice_height,
-            self.squares,
+            self.slices.squares,
         )
         return self._call(
             bed_samples.sample_bed, disks, contacts, loop, motion, sampling, self._room
@@ -282,25 +258,12 @@ class Belt(Replica):
         phase = np.round(cycles * self.period).astype(int) % self.period
         return centres, area, field, *self.slices.phase_sums(centres, area, phase)
 
-    def no_profiles(self) -> Sums:
-        """Return sums of zero: profiles by centres and by area, the field, sums by phase."""
-        centres, area, *phased = self.slices.empty()
-        return centres, area, self.squares.empty(), *phased
-
-    def profiles(self, sums: Sums) -> dict[str, np.ndarray]:
-        """Return velocity, densities and granular temperature per slice."""
-        return self.slices.profiles(*sums[:2])
-
-    def tables(self, sums: Sums) -> dict[str, np.ndarray]:
-        """Return means in squares of the laboratory, and the tables requested by phase."""
-        centres, _, field, *phased = sums
-        return self.squares.tables(field) | self.slices.tables(centres, phased)
-
     def _velocity(self) -> np.ndarray:
         return self.disks.taylor[1] / self.time_step
 
-    def _particles(self) -> tuple[np.ndarray, dict[str, np.ndarray]]:
-        return self.disks.label[0], {
+    def _arrays(self) -> dict[str, np.ndarray]:
+        return {
+            "label": self.disks.label[0],
             "position": self.disks.taylor[0],
             "particle_velocity": self._velocity(),
             "radius": self.disks.radius,

@@ -13,10 +13,10 @@ from sim.engine.boundary.drive import (
     vibration,
 )
 from sim.engine.dynamics.spheres import restart_memory
-from sim.engine.observe.ledger import make_ledger
 from sim.engine.observe.regime import Scales
+from sim.engine.observe.system import make_ledger
+from sim.engine.systems import leap_frog
 from sim.engine.systems.plane_flow import LOSSES, TERMS, PlaneFlow, State
-from sim.engine.systems.replica import STEPS
 from sim.parameters import ConveyorParameters
 from sim.parameters.belt import LEAST_TRANSPORT
 from sim.parameters.chute import negligible_acceleration
@@ -99,7 +99,7 @@ class Conveyor(PlaneFlow):
         """Return the values (K,) of each time series in the laboratory."""
         values = super()._values(state.flow)
         time = state.step * self.time_step
-        interval = state.flow.sums[:, STEPS] * self.time_step
+        interval = state.flow.sums[:, leap_frog.STEPS] * self.time_step
         # Velocities live half a step before the positions.
         ux, uz = (plane_velocity(self.drive, d, time - 0.5 * self.time_step) for d in (0, 1))
         x, z = (plane_position(self.drive, d, time) for d in (0, 1))

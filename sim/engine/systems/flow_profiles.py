@@ -1,14 +1,16 @@
 """Profiles of a flow on a plane over the height: those of every run, and those on request."""
 
+from math import ceil, pi
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from sim.engine.observe.contacts import XX, XZ, YY, ZZ, Slip, Stress, no_slip, no_stress
+from sim.engine.observe.force_balance import inertial_number, shear_rate, stress_ratio
 from sim.engine.observe.overlaps import no_overlaps
 from sim.engine.observe.profiles import Profile, empty_profile
-from sim.engine.observe.rheology import inertial_number, shear_rate, stress_ratio
 from sim.engine.observe.sums import Sums
+from sim.parameters.spheres import SphereParameters
 
 #: Names of the components of the stress.
 STRESSES = {
@@ -93,3 +95,17 @@ class FlowProfiles(NamedTuple):
             rate, normal, self.diameter, self.density
         )
         return tables
+
+
+def flow_profiles(p: SphereParameters, depth: float, area: float, gravity: float) -> FlowProfiles:
+    """Return the slices of a point for a layer of an initial ``depth`` (m)."""
+    slice_height = p.slice_height * p.diameter
+    return FlowProfiles(
+        ceil((1.5 * depth + 10.0 * p.diameter) / slice_height),
+        slice_height,
+        area,
+        gravity,
+        p.diameter,
+        density=p.mass / (pi / 6.0 * p.diameter**3),
+        stress=p.stress_profiles,
+    )

@@ -3,7 +3,7 @@
 from abc import abstractmethod
 from collections.abc import Sequence
 from functools import partial
-from math import ceil, cos, isfinite, pi, radians, sin
+from math import cos, isfinite, radians, sin
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
@@ -24,17 +24,16 @@ from sim.engine.dynamics.spheres import (
 )
 from sim.engine.dynamics.status import BlowUp
 from sim.engine.dynamics.team import Team
-from sim.engine.observe.contact_list import ContactList
 from sim.engine.observe.contacts import ContactSums, Sampling, add_contacts, list_contacts
-from sim.engine.observe.flow import flow_energies
-from sim.engine.observe.ledger import make_ledger
+from sim.engine.observe.energies import flow_energies
 from sim.engine.observe.overlaps import EDGES, count_overlaps
 from sim.engine.observe.profiles import AREA, VOLUME, add_sample
 from sim.engine.observe.sums import first_samples, zero_samples
+from sim.engine.observe.system import ContactList, make_ledger
 from sim.engine.systems import leap_frog
 from sim.engine.systems.chute_start import initial_layer
-from sim.engine.systems.flow_profiles import FlowProfiles
-from sim.engine.systems.replica import PATH_INTERVALS, Replica, Taken
+from sim.engine.systems.flow_profiles import flow_profiles
+from sim.engine.systems.replica import PATH_INTERVALS, Outcome, Replica
 from sim.engine.systems.sharing import Thread
 from sim.parameters.spheres import SKIN, SphereParameters
 from sim.parameters.variables import HISTORY, parts
@@ -70,9 +69,9 @@ class State(NamedTuple):
 
 def stack(states: Sequence[Any]) -> Any:
     """Return the states of K samples as one, with a first axis over the samples."""
-    parts = zip(*states, strict=True)
+    fields = zip(*states, strict=True)
     return type(states[0])(
-        *(stack(part) if hasattr(part[0], "_fields") else np.array(part) for part in parts)
+        *(stack(field) if hasattr(field[0], "_fields") else np.array(field) for field in fields)
     )
 
 
@@ -114,16 +113,7 @@ class PlaneFlow(Replica):
         self.gravity = (p.gravity * sin(angle), 0.0, -p.gravity * cos(angle))
         self.drive = self._drive()
         self.kind = kind_of(self.laws, self.drive)
-        slice_height = p.slice_height * p.diameter
-        self.slices = FlowProfiles(
-            ceil((1.5 * layer.height + 10.0 * p.diameter) / slice_height),
-            slice_height,
-            area=area,
-            gravity=-self.gravity[2],
-            diameter=p.diameter,
-            density=p.mass / (pi / 6.0 * p.diameter**3),
-            stress=p.stress_profiles,
-        )
+        self.slices = flow_profiles(p, layer.height, area, -self.gravity[2])
         if p.stress_profiles:
             self.history_profiles = tuple(parts(HISTORY, p.system).values())
         self.mass = float(self.spheres.mass.sum())
@@ -174,7 +164,7 @@ class PlaneFlow(Replica):
         super()._enlarge_list()
         self.memory = enlarge_memory(self.memory, len(self.pairs.touching))
 
-    def _take(self, most: int, profiles: bool) -> Taken:
+    def _take(self, most: int, profiles: bool) -> Outcome:
         count, states, failure = min(most, max(1, self._stretch // self.sample_steps)), [], ""
         sums = tuple(zero_samples(count, part) for part in self.no_profiles()) if profiles else None
         try:
@@ -186,9 +176,8 @@ class PlaneFlow(Replica):
         except BlowUp as error:
             failure = str(error)
         state = stack(states) if states else None
-        return Taken(
-            state, sums and tuple(first_samples(part, len(states)) for part in sums), failure
-        )
+        sums = sums and tuple(first_samples(part, len(states)) for part in sums)
+        return Outcome(state, sums, failure)
 
     def _state(self) -> Any:
         """Return the state at the end of a sample."""
@@ -267,10 +256,11 @@ class PlaneFlow(Replica):
         along = self.flow.sums[leap_frog.MOMENTUM] / self.mass * self.time_step
         return np.array([along, 0.0, 0.0])
 
-    def _particles(self) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+    def _arrays(self) -> dict[str, np.ndarray]:
         spheres = self.spheres
         fixed = (spheres.mass == 0.0).astype(int)
-        return spheres.label[0], ({"fixed": fixed} if self.parameters.glued_particles else {}) | {
+        return ({"fixed": fixed} if self.parameters.glued_particles else {}) | {
+            "label": spheres.label[0],
             "position": spheres.position,
             "particle_velocity": spheres.velocity,
             "particle_spin": spheres.rim / spheres.radius,

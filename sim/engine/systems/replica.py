@@ -1,7 +1,7 @@
 """One replicate of a point in motion: what all systems share, and what a run asks of them."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable
 from typing import Any, ClassVar, NamedTuple, Self
 
 import numpy as np
@@ -11,10 +11,9 @@ from sim.engine.compile import working_time
 from sim.engine.dynamics.cells import Box
 from sim.engine.dynamics.neighbors import PairList, double_room
 from sim.engine.dynamics.status import LIST_FULL, BlowUp, failure_reason
-from sim.engine.observe.contact_list import ContactList, no_contacts
-from sim.engine.observe.ledger import Ledger
 from sim.engine.observe.regime import Scales
 from sim.engine.observe.sums import Sums
+from sim.engine.observe.system import ContactList, Ledger, Samples, no_contacts
 from sim.parameters import Parameters
 from sim.parameters.variables import recorded_by
 
@@ -28,27 +27,11 @@ PATH_INTERVALS = 40
 STEPS = 0
 
 
-class Samples(NamedTuple):
-    """K successive samples.
+class Outcome(NamedTuple):
+    """Up to K samples in the numbers of a system.
 
-    ``values`` name -> (K,) of the time series; ``profiles`` sums of the profiles with a first axis
-    over the samples, None where they were not requested. The profiles are valid until the next
-    samples are taken.
-    """
-
-    values: Mapping[str, Sequence[float] | np.ndarray]
-    profiles: Sums | None
-
-    def first(self) -> dict[str, float]:
-        """Return the values of the first sample."""
-        return {name: float(values[0]) for name, values in self.values.items()}
-
-
-class Taken(NamedTuple):
-    """Up to K samples as a system takes them.
-
-    ``state`` numbers of the samples, a named tuple, None without a sample; ``profiles`` as in
-    `Samples`; ``failure`` reason of a blow-up after them, else empty.
+    ``state`` of the samples, a named tuple, None without a sample; ``profiles`` as in `Samples`;
+    ``failure`` reason of a blow-up after them, else empty.
     """
 
     state: Any
@@ -164,8 +147,8 @@ class Replica(ABC):
 
     def snapshot(self) -> dict[str, np.ndarray]:
         """Return positions, velocities and other arrays (N, ...), in the initial order."""
-        label, arrays = self._particles()
-        order = np.argsort(label)
+        arrays = self._arrays()
+        order = np.argsort(arrays.pop("label"))
         return {name: values.T[order[: values.shape[-1]]] for name, values in arrays.items()}
 
     def trace(self) -> np.ndarray:
@@ -254,7 +237,7 @@ class Replica(ABC):
         """Advance by a number of steps in compiled code; return the status."""
 
     @abstractmethod
-    def _take(self, most: int, profiles: bool) -> Taken:
+    def _take(self, most: int, profiles: bool) -> Outcome:
         """Advance by one to ``most`` samples, or to a blow-up."""
 
     @abstractmethod
@@ -270,8 +253,8 @@ class Replica(ABC):
         """Return the words for the present moment that follow the step in messages."""
 
     @abstractmethod
-    def _particles(self) -> tuple[np.ndarray, dict[str, np.ndarray]]:
-        """Return the labels (N,), and the arrays of a snapshot by name, (D, N) or (N,)."""
+    def _arrays(self) -> dict[str, np.ndarray]:
+        """Return ``label`` (N,) of the particles and the arrays of a snapshot, (D, N) or (N,)."""
 
     @abstractmethod
     def _list_contacts(self, contacts: ContactList) -> None:

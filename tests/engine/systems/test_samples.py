@@ -47,7 +47,7 @@ def test_samples_of_the_belt_are_what_array_arithmetic_makes_of_the_state():
     """To the bit: the sums are those of numpy, in its order."""
     system = running_system(BELT)
     p, disks = system.parameters, system.disks
-    width, squares = system.box.length[0], system.squares
+    width, squares = system.box.length[0], system.slices.squares
     for _ in range(20):
         sample = system.sample(1, profiles=True)
         row, field = sample.first(), sample.profiles[2]
