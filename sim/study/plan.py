@@ -1,9 +1,6 @@
 """The plan of a workflow: which points of a study it runs, in which jobs, and at which cost."""
 
 import json
-import os
-import shlex
-import sys
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
@@ -15,11 +12,10 @@ from filelock import FileLock, Timeout
 from sim.base.errors import InputError
 from sim.base.file_times import age
 from sim.base.files import atomic_write, read_regular
-from sim.base.plugins import VARIABLE
 from sim.parameters import RUN_FILE, Parameters, canonical_json
 from sim.study.batches import plan_batches
 from sim.study.cost import Estimate, estimate
-from sim.study.load import DEFAULT_STUDY, load_study
+from sim.study.load import load_study
 from sim.study.model import Study
 
 
@@ -153,7 +149,7 @@ class Plan:
         }
 
     def read_batches(self) -> dict[str, list[str]]:
-        """Return the batches that the main Snakemake has planned, for that of a job on a cluster."""
+        """Return the batches planned by the main Snakemake, for a job on a cluster."""
         return json.loads(read_regular(self._batches))
 
     def start(self, batches: Mapping[str, Sequence[str]]) -> FileLock:
@@ -168,12 +164,17 @@ class Plan:
             When another workflow has the lock.
         """
         self._batches.parent.mkdir(parents=True, exist_ok=True)
-        lock = FileLock(self.folder / ".lock", fallback_to_soft=False)
+        path = self.folder / ".lock"
+        # Locking would empty the target of a symbolic link.
+        if path.is_symlink():
+            path.unlink()
+        lock = FileLock(path, fallback_to_soft=False)
         try:
-            with suppress(OSError):
-                lock.acquire(blocking=False)
+            lock.acquire(blocking=False)
         except Timeout:
             raise InputError(f"{self.folder}: cannot be locked: its workflow is running") from None
+        except OSError:
+            pass  # no locks on this file system
         notes = {self._owner: str(self.study.path.resolve()), self._batches: json.dumps(batches)}
         for path, text in notes.items():
             with atomic_write(path) as temporary:
@@ -203,12 +204,33 @@ class Plan:
         return {"mem_mb": self.memory(700 + count // 5), "runtime": 20 + count // 200}
 
     @property
+    def figure_files(self) -> list[tuple[str, str, str]]:
+        """Path, figure and kind of each figure's files; no kind if not in Snakemake's report."""
+        kinds = {".csv": "data", ".svg": "picture", ".gif": "animation"}
+        return [
+            (
+                f"{self.folder}/figures/{name}{suffix}",
+                name,
+                "" if spec.animated and suffix == ".csv" else kinds.get(suffix, ""),
+            )
+            for name, spec in self.study.entries.items()
+            for suffix in spec.suffixes
+        ]
+
+    @property
     def boundary_searches(self) -> list[tuple[Any, ...]]:
         """Settings of the boundaries of the study; rules rerun when they change."""
         return [
-            (boundary.name, boundary.of, boundary.along)
-            + (boundary.low, boundary.high, boundary.tolerance)
-            + (canonical_json(boundary.parameters_at(boundary.low)), boundary.figures)
+            (
+                boundary.name,
+                boundary.of,
+                boundary.along,
+                boundary.low,
+                boundary.high,
+                boundary.tolerance,
+                canonical_json(boundary.parameters_at(boundary.low)),
+                boundary.figures,
+            )
             for boundary in self.study.boundaries
         ]
 
@@ -228,47 +250,3 @@ class Plan:
                     f"{other.path}; dataset, figures and report will be those of the former"
                 )
         return ""
-
-
-def study_path(files: Sequence[str | Path], assignments: Sequence[str]) -> Path:
-    """Return the path of the one study file that --configfile names, or of the default one.
-
-    Snakemake merges a configfile into the one that a workflow declares. A study must be exactly
-    the named file, so the workflow declares none and reads the file by its path.
-    ``assignments`` are those of --config, which are refused.
-    """
-    if assignments:
-        raise InputError("--config: not used by Talus; edit a study file and give --configfile")
-    if len(files) > 1:
-        raise InputError("--configfile: several files given; a study is one file")
-    path = Path(files[0]) if files else DEFAULT_STUDY
-    return path.relative_to(Path.cwd()) if path.is_relative_to(Path.cwd()) else path
-
-
-def job_environment(study: Study, package: Path, own_interpreter: bool) -> str:
-    """Return the shell command by which jobs find package, study and interpreter.
-
-    The path of a study file is no parameter of its results: a moved or copied study reruns nothing.
-
-    Parameters
-    ----------
-    study : Study
-        The study.
-    package : Path
-        Folder that contains ``sim``.
-    own_interpreter : bool
-        True where jobs have an interpreter of their own, as with conda and in containers.
-    """
-    # PYTHONSAFEPATH: jobs must not import modules from the folder of the results.
-    variables: dict[str, list[str | None]] = {"PYTHONPATH": [str(package)], "PYTHONSAFEPATH": ["1"]}
-    variables["TALUS_STUDY"] = [str(study.path)]
-    if study.plugins:
-        # Jobs of runs get their points only, not the study.
-        variables[VARIABLE] = [plugin.pinned_name for plugin in study.plugins]
-    if not own_interpreter:
-        variables["PATH"] = [str(Path(sys.executable).parent), os.environ.get("PATH")]
-        variables["PYTHONPATH"].append(os.environ.get("PYTHONPATH"))
-    settings = (
-        f"{name}={shlex.quote(':'.join(filter(None, parts)))}" for name, parts in variables.items()
-    )
-    return f"export {' '.join(settings)}; "
