@@ -223,6 +223,21 @@ def test_a_damaged_note_names_no_study(damage, make_plan):
     assert plan.namesake_warning == ""
 
 
+def test_a_device_in_place_of_that_note_is_not_read(make_plan):
+    plan = make_plan()
+    plan.folder.mkdir(parents=True)
+    (plan.folder / ".study").symlink_to("/dev/zero")
+    assert plan.namesake_warning == ""
+
+
+def test_a_lock_empties_no_file_that_a_link_names(make_plan):
+    plan = make_plan()
+    plan.folder.mkdir(parents=True)
+    (plan.folder / ".lock").symlink_to(Path("planned.yaml").resolve())
+    assert plan.start({}).is_locked
+    assert Path("planned.yaml").read_text().startswith("study: planned")
+
+
 #: A workflow that keeps the lock until it is killed.
 HOLDER = """\
 import sys, time
