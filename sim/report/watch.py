@@ -1,15 +1,20 @@
-"""Output of a running workflow: a line per finished point, and a bar on a terminal."""
+"""Output of a running workflow: a line per finished point or failed job, a bar on a terminal."""
 
+import logging
 import os
 import sys
 import threading
 import time
+from collections.abc import Callable, Container, Sequence
 from contextlib import suppress
 from pathlib import Path
 
 from tqdm import tqdm
 
+from sim.base.errors import InputError
 from sim.base.words import duration
+from sim.report.status import survey
+from sim.report.status_table import as_text
 from sim.study.cost import estimate
 from sim.study.load import Study
 
@@ -23,6 +28,25 @@ FEW_POINTS = 30
 #: Format of the bar on a terminal.
 BAR_FORMAT = "{desc}: {n_fmt} of {total_fmt} points |{bar:30}| {postfix}"
 
+#: The event of a failed job in Snakemake's log.
+EVENT = "job_error"
+
+#: Beginnings of uninformative sentences in Snakemake's messages on failed jobs of a cluster.
+ADVICE = ("Detailed failure reason unavailable", "For further error details")
+
+#: Beginnings of Snakemake's messages on outputs of failed jobs without a backup, on the whole
+#: command of a job, and on turns of the scheduler.
+NO_NEWS = (
+    "Cannot restore ",
+    "RuleException:\nCalledProcessError ",
+    "Select jobs to execute",
+    "Execute ",
+)
+
+#: Seconds by which the time of a file may precede its writing: file systems store ticks or whole
+#: seconds, and those of a cluster have their own clocks.
+CLOCKS_DIFFER_BY = 2.0
+
 
 class Watch(threading.Thread):
     """Thread that follows the run files and logs of a study until `end` is called.
@@ -33,18 +57,23 @@ class Watch(threading.Thread):
         The study. Points of rounds of refinement are reported once they have run files.
     folder : Path
         Its results: ``runs`` and ``logs/runs``.
+    sources : container of str
+        Ids of points that come from adopted datasets, which need no run.
     """
 
-    def __init__(self, study: Study, folder: Path):
+    def __init__(self, study: Study, folder: Path, sources: Container[str] = ()):
         super().__init__(daemon=True)
+        self._study, self._results = study, folder.parent
         self._runs, self._logs = folder / "runs", folder / "logs" / "runs"
         self._estimates = {
-            point.id: estimate(point.parameters).core_seconds for point in study.points.values()
+            point.id: estimate(point.parameters).core_seconds
+            for point in study.points.values()
+            if point.id not in sources
         }
         self._ended = threading.Event()
         self._start_time = time.monotonic()
         self._inodes = self._read_run_files()
-        self._failed_count, self._name = 0, study.name
+        self._failed_count = 0
         present = self._inodes.keys() & self._estimates.keys()
         self._seconds_left = sum(self._estimates[name] for name in self._estimates.keys() - present)
         self._seconds_done = 0.0
@@ -62,6 +91,20 @@ class Watch(threading.Thread):
         """Report finished points at intervals of `PAUSE`."""
         while not self._ended.wait(PAUSE):
             self._report()
+
+    def follow(self, log: logging.Logger) -> None:
+        """Start, and add to Snakemake's log the lines of failed jobs, in place of its own."""
+        self.start()
+        log.addFilter(is_news)
+        log.addHandler(FailedJobs(self.write))
+
+    def summarize(self) -> None:
+        """End, and print the status of all points; an error here must not fail the workflow."""
+        self.end()
+        try:
+            print(f"\n{as_text(survey(self._study, self._results))}\n", file=sys.stderr)
+        except (InputError, OSError) as error:
+            print(f"no summary: {error}", file=sys.stderr)
 
     def end(self) -> None:
         """Stop the thread, and report the points that have finished since."""
@@ -112,7 +155,8 @@ class Watch(threading.Thread):
         ):
             self._twentieths_written = 20 * finished // total
             print(
-                f"{self._name}: {finished} of {total} points, {self._state_text()}", file=sys.stderr
+                f"{self._study.name}: {finished} of {total} points, {self._state_text()}",
+                file=sys.stderr,
             )
 
     def _result_line(self, name: str) -> str:
@@ -134,3 +178,43 @@ class Watch(threading.Thread):
             )
             text += f", about {duration(seconds)} left"
         return text
+
+
+def is_news(record: logging.LogRecord) -> bool:
+    """Return whether a message of Snakemake adds to the lines of points and failed jobs."""
+    return not record.getMessage().startswith(NO_NEWS)
+
+
+class FailedJobs(logging.Handler):
+    """Log handler that writes a line for each failed job of Snakemake.
+
+    Parameters
+    ----------
+    write : callable
+        Called with each line.
+    """
+
+    def __init__(self, write: Callable[[str], object]):
+        super().__init__()
+        self._write = write
+        self._since = time.time() - CLOCKS_DIFFER_BY
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Write the line of a failed job; ignore other records."""
+        fields = record.__dict__
+        if fields.get("event") == EVENT:
+            logs = [Path(path) for path in fields["log"]]
+            name = logs[0].stem if logs else fields["rule_name"]
+            message = (fields["rule_msg"] or "").partition("\n")[0]
+            for advice in ADVICE:
+                message = message.partition(advice)[0].rstrip(". ")
+            parts = (name, "job failed", message, self._last_line(logs))
+            self._write(": ".join(filter(None, parts)))
+
+    def _last_line(self, logs: Sequence[Path]) -> str:
+        """Return the last line of the first log if this workflow wrote it, else which to see."""
+        with suppress(OSError, IndexError):
+            if logs[0].stat().st_mtime >= self._since:
+                return logs[0].read_text(encoding="utf-8", errors="replace").splitlines()[-1]
+        # A job that could not be resubmitted has the empty log of its first attempt.
+        return "".join(f"see {path}" for path in logs[-1:] if path.exists() and path.stat().st_size)

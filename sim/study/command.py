@@ -10,11 +10,15 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from sim.base.errors import InputError
-from sim.base.files import require_writable
-from sim.base.package import package_folder
+from sim.base.files import (
+    NotPrivateError,
+    cache_folder,
+    private_folder,
+    require_writable,
+    user_temporary_folder,
+)
 from sim.base.plugins import VARIABLE
-from sim.base.private import NotPrivateError, cache_folder, private_folder, user_temporary_folder
-from sim.base.program import program
+from sim.base.program import package_folder, program
 from sim.study.entries import ALLOWED_NAME, NAME
 from sim.study.load import DEFAULT_STUDY, load_study
 from sim.study.model import Study

@@ -4,6 +4,7 @@ import json
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
+from operator import attrgetter
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -11,7 +12,7 @@ from filelock import FileLock, Timeout
 
 from sim.base.errors import InputError
 from sim.base.file_times import age
-from sim.base.files import atomic_write, read_regular
+from sim.base.files import atomic_write, lock_of, read_regular
 from sim.parameters import RUN_FILE, Parameters, canonical_json
 from sim.study.batches import plan_batches
 from sim.study.cost import Estimate, estimate
@@ -164,11 +165,7 @@ class Plan:
             When another workflow has the lock.
         """
         self._batches.parent.mkdir(parents=True, exist_ok=True)
-        path = self.folder / ".lock"
-        # Locking would empty the target of a symbolic link.
-        if path.is_symlink():
-            path.unlink()
-        lock = FileLock(path, fallback_to_soft=False)
+        lock = lock_of(self.folder / ".lock")
         try:
             lock.acquire(blocking=False)
         except Timeout:
@@ -220,18 +217,10 @@ class Plan:
     @property
     def boundary_searches(self) -> list[tuple[Any, ...]]:
         """Settings of the boundaries of the study; rules rerun when they change."""
+        search = attrgetter("name", "of", "along", "low", "high", "tolerance")
         return [
-            (
-                boundary.name,
-                boundary.of,
-                boundary.along,
-                boundary.low,
-                boundary.high,
-                boundary.tolerance,
-                canonical_json(boundary.parameters_at(boundary.low)),
-                boundary.figures,
-            )
-            for boundary in self.study.boundaries
+            (*search(one), canonical_json(one.parameters_at(one.low)), one.figures)
+            for one in self.study.boundaries
         ]
 
     @property

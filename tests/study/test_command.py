@@ -11,7 +11,7 @@ import pytest
 
 from sim.__main__ import main
 from sim.base.errors import InputError
-from sim.base.package import package_folder
+from sim.base.program import package_folder
 from sim.study import command
 from sim.study.load import DEFAULT_STUDY, load_study
 

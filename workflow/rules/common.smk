@@ -14,7 +14,7 @@ from sim.base.file_times import correct_future_times, write_start
 from sim.base.rooms import files_hash, room_hash
 from sim.dataset.adopted import AdoptedPoints
 from sim.dataset.rounds import read_round
-from sim.dataset.starts import require_start_files
+from sim.dataset.run_file import require_start_files
 from sim.engine import stored_run
 from sim.engine.identity import numerics_mark
 from sim.engine.states import checkpoint_interval
