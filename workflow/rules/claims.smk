@@ -18,7 +18,7 @@ rule claims:
     conda:
         "../envs/talus.yaml"
     resources:
-        **READER_RESOURCES,
+        **PLAN.reader_resources,
     params:
         numerics=numerics_mark(),
         code=room_code("papers", "judge"),

@@ -1,12 +1,9 @@
-"""Helpers of the rules: stale locks, and times of files from earlier workflows."""
+"""Times of files, by which Snakemake decides which jobs to rerun."""
 
-import fcntl
 import os
-import shutil
 import time
 from contextlib import suppress
 from pathlib import Path
-from typing import TextIO
 
 #: Maximum difference (s) of clocks of machines that share a folder; and a time before all others.
 CLOCK_ERROR = 60.0
@@ -17,33 +14,13 @@ YEAR_2000 = 946684800.0
 FIFTY_YEARS = 50 * 365.25 * 86400
 
 
-def release_stale_lock(folder: Path = Path(".snakemake")) -> TextIO:
-    """Remove the lock of a killed Snakemake, not of a living one; return this process's own lock.
-
-    Every Snakemake of this workflow holds a shared file lock while it lives; the kernel releases it
-    with the process. A process that gets the lock exclusively is therefore the only one. Then the
-    lock files of Snakemake itself in ``folder`` are stale, and so are its notes of incomplete
-    files: the files of this workflow are complete or do not appear.
-    """
-    folder.mkdir(exist_ok=True)
-    lock = (folder / "talus.lock").open("w")
-    with suppress(OSError):
-        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        for name in ("locks", "incomplete"):
-            shutil.rmtree(folder / name, ignore_errors=True)
-        # Without this folder, Snakemake would search all its metadata of files.
-        (folder / "incomplete").mkdir(exist_ok=True)
-    with suppress(OSError):
-        fcntl.flock(lock, fcntl.LOCK_SH)
-    return lock
-
-
 def write_start(path: Path) -> None:
     """Write a file that is older than all runs, with fresh content each time; see `age`.
 
     Snakemake reruns a job if an input is newer than its output and has changed since the output was
-    made. This holds whatever Snakemake has recorded of a killed job.
+    made. This holds whatever Snakemake has recorded of a failed job.
     """
+    path.parent.mkdir(exist_ok=True)
     path.write_text(str(time.time_ns()), encoding="utf-8")
     os.utime(path, (YEAR_2000, YEAR_2000))
 
