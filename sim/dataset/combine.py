@@ -15,10 +15,10 @@ from sim.dataset.rows import (
     OF_PROFILES,
     Rows,
     align_rows,
+    largest_sizes,
     origin_table,
     row_points,
     row_scalars,
-    largest_sizes,
 )
 from sim.parameters import SYSTEMS, complete_values, field_info
 from sim.parameters.variables import variables_of

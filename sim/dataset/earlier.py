@@ -23,7 +23,7 @@ from sim.dataset.rows import OF_PROFILES, WORDS, Rows, dimensions, row_arrays, r
 from sim.engine import identity
 from sim.parameters.own import OBSERVABLE, own_observables
 from sim.parameters.variables import ALL
-from sim.study.catalogue import Shown
+from sim.study.figure_spec import Shown
 
 #: Second name of the last dataset of a study. It stays when the workflow removes ``dataset.nc``,
 #: which happens before it makes a new one and when it fails to.

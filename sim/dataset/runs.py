@@ -12,7 +12,7 @@ from sim.dataset.gather import amounts_text
 from sim.dataset.rows import OF_PROFILES, Rows, select_rows
 from sim.dataset.side_by_side import read_files
 from sim.parameters import Parameters, amounts
-from sim.study.catalogue import Shown
+from sim.study.figure_spec import Shown
 
 
 class Runs:

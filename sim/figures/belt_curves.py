@@ -15,7 +15,7 @@ from sim.figures.looks import look_of
 from sim.figures.quantity import Quantity, velocity
 from sim.figures.style import canvas, place_legend
 from sim.parameters import BeltParameters
-from sim.study.catalogue import FigureSpec
+from sim.study.figure_spec import FigureSpec
 
 _LABELS = {
     "frequency": "frequency f (Hz)",

@@ -20,7 +20,7 @@ from sim.figures.looks import Look, look_of
 from sim.figures.quantity import Quantity, measure_table, measures
 from sim.figures.style import LEVEL, CurveStyle, canvas, catalogue_style, place_legend
 from sim.parameters import BeltParameters
-from sim.study.catalogue import FigureSpec
+from sim.study.figure_spec import FigureSpec
 
 
 def draw(data: FigureData) -> Figure:

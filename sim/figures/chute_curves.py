@@ -18,8 +18,7 @@ from sim.figures.quantity import Quantity, velocity
 from sim.figures.style import canvas, place_legend
 from sim.figures.ticks import set_ticks
 from sim.parameters import SYSTEMS
-from sim.study.catalogue import FigureSpec
-from sim.study.catalogue.limits import WIDEST_INTERVAL
+from sim.study.figure_spec import WIDEST_INTERVAL, FigureSpec
 
 #: Room above the highest flow that does not accelerate, and above the markers at the edge.
 _HEADROOM, _EDGE = 1.05, 1.02

@@ -21,7 +21,7 @@ from sim.figures.kind import Kind
 from sim.figures.looks import Look, look_of
 from sim.figures.quantity import Quantity, measure_table, measures
 from sim.figures.style import LEVEL, PATTERNS, CurveStyle, canvas, place_legend
-from sim.study.catalogue import FigureSpec
+from sim.study.figure_spec import FigureSpec
 
 
 def draw(data: FigureData) -> Figure:

@@ -11,7 +11,7 @@ from typing import Any
 
 from sim.figures.style import CurveStyle, catalogue_style, cycle_style, escape_label
 from sim.parameters.words import setting
-from sim.study.catalogue import FigureSpec
+from sim.study.figure_spec import FigureSpec
 
 #: Returns style and legend entry of a curve from the values that name it and its index.
 Look = Callable[[dict[str, object], int], tuple[CurveStyle, str]]

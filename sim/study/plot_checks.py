@@ -6,8 +6,7 @@ from typing import Any
 from sim.base.errors import InputError
 from sim.base.messages import did_you_mean
 from sim.parameters import NUMERICAL, SYSTEMS, Parameters
-from sim.study.catalogue import FigureSpec
-from sim.study.catalogue.spec import written
+from sim.study.figure_spec import FigureSpec, written
 from sim.study.model import Point
 from sim.study.plot_file import PlotFile
 from sim.study.plottable import SHOWN_BY

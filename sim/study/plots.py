@@ -13,8 +13,8 @@ from sim.parameters import (
     field_info,
     roles,
 )
-from sim.study.catalogue import FigureSpec
 from sim.study.figure_points import require_distinct_positions
+from sim.study.figure_spec import FigureSpec
 from sim.study.file import StudyFile
 from sim.study.model import Point, Study
 from sim.study.plot_checks import (

@@ -9,7 +9,8 @@ from sim.claims.table import claims
 from sim.figures.kind import KINDS
 from sim.figures.style import PATTERNS
 from sim.parameters import SYSTEMS
-from sim.study.catalogue import FIGURES, FigureSpec
+from sim.study.catalogue import FIGURES
+from sim.study.figure_spec import FigureSpec
 from sim.study.plot_file import OBSERVABLE
 
 
