@@ -108,10 +108,10 @@ class MeasureEntry(_Strict):
     """A measure of the dataset that a figure shows."""
 
     name: str
-    label: str = Field(description="what it is, for headings, with its unit in brackets")
     over: str = Field("", description="parameter that it is divided by")
-    entry: str = Field("", description="its part of the entries in the legend")
+    label: str = Field(description="what it is, for headings, with its unit in brackets")
     dashes: str = ""
+    entry: str = Field("", description="its part of the entries in the legend")
     style: Style | None = None
 
 
@@ -163,12 +163,12 @@ class FigureEntry(_Strict):
         is_profile = self.kind in _PROFILES
         options = {
             "quantity": self.x if is_profile else "",
+            "look": self.look,
             "keys": tuple(self.curves) if is_profile else (),
             "axis": self.axis,
             "scale": "log" if self.log else "",
             "levels": tuple(self.levels),
             "quantities": tuple(map(_measure, self.quantities)),
-            "look": self.look,
             "styles": {style.place: style.look for style in self.styles},
             "markers": {style.place: style.look for style in self.markers},
             "fast_start": self.fast_start.look if self.fast_start else (),
@@ -207,16 +207,23 @@ def read_figures(path: Path) -> list[FigureSpec]:
         file = PaperFile.model_validate(contents)
     except ValidationError as error:
         raise input_error(error, PaperFile, str(path)) from None
-    return [_spec(file, number, str(path)) for number in range(len(file.figures))]
+    words = {
+        name: _filled(text, _LIMITS, str(path), f"words.{name}")
+        for name, text in file.words.items()
+    }
+    return [
+        _spec(file, entry, _LIMITS | words, str(path), f"figures[{number}]")
+        for number, entry in enumerate(file.figures)
+    ]
 
 
-def _spec(file: PaperFile, number: int, source: str) -> FigureSpec:
-    """Return what the entry with a number in a file is."""
-    entry, key = file.figures[number], f"figures[{number}]"
+def _spec(
+    file: PaperFile, entry: FigureEntry, words: Mapping[str, str], source: str, key: str
+) -> FigureSpec:
+    """Return the figure of an entry, which is at ``key`` of a file."""
     _require_keys_of_kind(entry, source, key)
     _require_parameters(entry, file.system, source, key)
-    words = {name: text.format(**_LIMITS) for name, text in file.words.items()}
-    words = {**_LIMITS, **words, **entry.words, **entry.values}
+    words = {**words, **entry.words, **entry.values}
     return FigureSpec(
         name=entry.name,
         kind=entry.kind,
@@ -268,10 +275,11 @@ def _filled(text: str, words: Mapping[str, Any], source: str, key: str) -> str:
         return text.format(**words)
     except (KeyError, IndexError, ValueError) as error:
         allowed = f"in braces one of {', '.join(words)}"
-        raise InputError.of_value(source, key, str(error), allowed) from None
+        got = error.args[0] if isinstance(error, KeyError) else str(error)
+        raise InputError.of_value(source, key, got, allowed) from None
 
 
-class _Catalogue(UserDict[str, FigureSpec]):
+class Catalogue(UserDict[str, FigureSpec]):
     """The figures of all papers by name, read when the first of them is asked for."""
 
     def __init__(self) -> None:
@@ -280,8 +288,14 @@ class _Catalogue(UserDict[str, FigureSpec]):
     @cached_property
     def data(self) -> dict[str, FigureSpec]:  # type: ignore[override]
         """The figures; animations come last."""
-        specs = [spec for path in FILES for spec in read_figures(path)]
-        return {spec.name: spec for spec in sorted(specs, key=lambda spec: spec.animated)}
+        figures: dict[str, FigureSpec] = {}
+        for path in FILES:
+            for spec in read_figures(path):
+                if spec.name in figures:
+                    allowed = "a name that no other figure has"
+                    raise InputError.of_value(path, "name", spec.name, allowed)
+                figures[spec.name] = spec
+        return dict(sorted(figures.items(), key=lambda item: item[1].animated))
 
 
-FIGURES = _Catalogue()
+FIGURES = Catalogue()

@@ -1,17 +1,22 @@
 """The catalogue of figures: every entry is plain data and complete."""
 
+import subprocess
+import sys
 from collections.abc import Iterator
 from typing import Any
 
 import pytest
 
+from sim.base.errors import InputError
 from sim.claims.table import claims
 from sim.figures.kind import KINDS
 from sim.figures.style import PATTERNS
 from sim.parameters import SYSTEMS
-from sim.study.catalogue import FIGURES
-from sim.study.figure_spec import FigureSpec
+from sim.study import catalogue
+from sim.study.catalogue import FIGURES, KEYS, read_figures
+from sim.study.figure_spec import LARGEST_PORTION, FigureSpec
 from sim.study.plot_file import OBSERVABLE
+from tests.made.processes import ROOT
 
 
 def simple_values(value: Any) -> Iterator[Any]:
@@ -62,7 +67,113 @@ def test_curves_of_a_figure_differ_in_colour_and_have_dashes_that_are_known(name
 
 def test_every_kind_of_plot_is_that_of_a_figure_or_of_plots_of_a_study():
     own = {f"plot_{kind}" for kind in OBSERVABLE}
-    assert {spec.kind for spec in FIGURES.values()} | own == set(KINDS)
+    assert {spec.kind for spec in FIGURES.values()} == set(KEYS)
+    assert set(KEYS) | own == set(KINDS)
+
+
+def test_captions_say_how_much_of_the_cell_pictures_show():
+    rows = [spec for spec in FIGURES.values() if spec.kind == "chute_row"]
+    assert rows
+    for spec in rows:
+        shows_half = spec.where["depth"] <= LARGEST_PORTION
+        assert ("the half of the periodic cell near the viewer" in spec.lead) is shows_half
+
+
+ENTRY = """\
+paper: A (2000)
+system: belt
+words: {of_beads: "of all beads below {tallest} d"}
+figures:
+  - name: one
+    kind: belt_curves
+    about: Fig. 1
+    title: Velocity
+    x: frequency
+    curves: [damping, shear_damping]
+    styles: [{at: [0, 50], colour: red, dashes: solid, entry: none}]
+    where: {amplitude: [1, 2], obstacle: 0}
+    lead: Velocity {of_beads} around d_o = {obstacle:g}.
+    named: [width]
+    says: "The paper: it rises."
+"""
+
+
+def test_an_entry_becomes_what_its_figure_is(tmp_path):
+    path = tmp_path / "figures.yaml"
+    path.write_text(ENTRY)
+    (spec,) = read_figures(path)
+    assert spec == FigureSpec(
+        name="one",
+        kind="belt_curves",
+        paper="A (2000), Fig. 1",
+        system="belt",
+        title="Velocity",
+        axes=("frequency",),
+        curves=("damping", "shear_damping"),
+        where={"amplitude": (1, 2), "obstacle": 0},
+        lead="Velocity of all beads below 24 d around d_o = 0.",
+        named=("width",),
+        says="The paper: it rises.",
+        options={"styles": {(0, 50): ("#d55e00", "solid")}, "entries": {(0, 50): "none"}},
+    )
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        (
+            "about: Fig",
+            "abuot: Fig",
+            "figures[0].abuot: unknown key, got 'Fig. 1'; did you mean ab",
+        ),
+        (
+            "title: Velocity",
+            "levels: [1]\n    title: V",
+            "figures[0].levels: got [1]; allowed: of b",
+        ),
+        ("kind: belt_curves", "kind: belt_curve", "figures[0].kind: got 'belt_curve'; allowed: "),
+        (
+            "colour: red",
+            "colour: rot",
+            "figures[0].styles[0].colour: got 'rot'; allowed: 'black', ",
+        ),
+        ("x: frequency", "x: frequecy", "figures[0].x: got 'frequecy'; allowed: did you mean freq"),
+        ("amplitude:", "depth:", "figures[0].where: got 'depth'; allowed: did you mean width? a "),
+        ("{of_beads}", "{of_bead}", "figures[0].lead: got 'of_bead'; allowed: in braces one of cr"),
+        (
+            "{tallest}",
+            "{talest}",
+            "words.of_beads: got 'talest'; allowed: in braces one of creep, ",
+        ),
+        ("  says", "  said", "figures[0].said: unknown key"),
+        ('    says: "The paper: it rises."\n', "", "figures[0].says: got nothing; allowed: text"),
+    ],
+)
+def test_a_wrong_entry_is_refused_with_its_file_and_key(old, new, message, tmp_path):
+    path = tmp_path / "figures.yaml"
+    assert old in ENTRY
+    path.write_text(ENTRY.replace(old, new, 1))
+    with pytest.raises(InputError) as refused:
+        read_figures(path)
+    assert str(refused.value).startswith(f"{path}: {message}")
+    assert "\n" not in str(refused.value)
+
+
+def test_figures_of_one_name_are_refused(tmp_path, monkeypatch):
+    for name in ("a.yaml", "b.yaml"):
+        (tmp_path / name).write_text(ENTRY)
+    monkeypatch.setattr(catalogue, "FILES", (tmp_path / "a.yaml", tmp_path / "b.yaml"))
+    with pytest.raises(
+        InputError, match=r"b\.yaml: name: got 'one'; allowed: a name that no other"
+    ):
+        len(catalogue.Catalogue())
+
+
+def test_the_files_are_read_when_a_figure_is_asked_for():
+    code = (
+        "import sim.study.entries, sim.study.catalogue as c; assert 'data' not in vars(c.FIGURES)"
+    )
+    subprocess.run([sys.executable, "-c", code], cwd=ROOT, check=True)
 
 
 def test_levels_in_figures_are_those_of_the_verdicts():
