@@ -47,6 +47,9 @@ KEYS: dict[str, set[str]] = {
 }
 _KEYS_OF_ALL = {"name", "kind", "about", "title", "where", "words", "lead", "named", "says"}
 
+#: Axis that can be logarithmic, of kinds that have one.
+_LOG_AXIS = {"belt_curves": "x", "chute_measures": "y"}
+
 #: Kinds whose ``x`` is not a parameter but an observable.
 _PROFILES = ("belt_profiles",)
 
@@ -241,13 +244,15 @@ def _spec(
 
 
 def _require_keys_of_kind(entry: FigureEntry, source: str, path: str) -> None:
-    """Raise ``InputError`` for a key that the kind of an entry does not know."""
-    allowed = _KEYS_OF_ALL | KEYS[entry.kind]
-    for key in entry.model_fields_set - allowed:
-        names = ", ".join(sorted(allowed))
-        raise InputError.of_value(
-            source, f"{path}.{key}", getattr(entry, key), f"of {entry.kind} {names}"
-        )
+    """Raise ``InputError`` for a key, or an axis under ``log``, that a kind does not know."""
+    keys = _KEYS_OF_ALL | KEYS[entry.kind]
+    for key, value in entry:
+        if key in entry.model_fields_set and key not in keys:
+            allowed = f"a key of {entry.kind}: {', '.join(sorted(keys))}"
+            raise InputError.of_value(source, f"{path}.{key}", value, allowed)
+    if entry.log and entry.log != [_LOG_AXIS[entry.kind]]:
+        allowed = f"[{_LOG_AXIS[entry.kind]}] of {entry.kind}"
+        raise InputError.of_value(source, f"{path}.log", entry.log, allowed)
 
 
 def _require_parameters(entry: FigureEntry, system: str, source: str, path: str) -> None:
@@ -273,7 +278,7 @@ def _filled(text: str, words: Mapping[str, Any], source: str, key: str) -> str:
     """Return a text with the words for its braces."""
     try:
         return text.format(**words)
-    except (KeyError, IndexError, ValueError) as error:
+    except (KeyError, IndexError, TypeError, ValueError) as error:
         allowed = f"in braces one of {', '.join(words)}"
         got = error.args[0] if isinstance(error, KeyError) else str(error)
         raise InputError.of_value(source, key, got, allowed) from None

@@ -129,8 +129,14 @@ def test_an_entry_becomes_what_its_figure_is(tmp_path):
         (
             "title: Velocity",
             "levels: [1]\n    title: V",
-            "figures[0].levels: got [1]; allowed: of b",
+            "figures[0].levels: got [1]; allowed: a k",
         ),
+        (
+            "    where",
+            "    log: [y]\n    where",
+            "figures[0].log: got ['y']; allowed: [x] of belt_curv",
+        ),
+        ("{obstacle:g}", "{amplitude:g}", "figures[0].lead: got 'unsupported format string"),
         ("kind: belt_curves", "kind: belt_curve", "figures[0].kind: got 'belt_curve'; allowed: "),
         (
             "colour: red",
