@@ -16,8 +16,7 @@ if TYPE_CHECKING:
     from sim.claims.own import judge
     from sim.dataset.results import load
     from sim.engine.dynamics.status import BlowUp
-    from sim.engine.flow import Flow
-    from sim.engine.simulate import simulate
+    from sim.engine.flow import Flow, simulate
     from sim.parameters.choices import parameter
     from sim.parameters.laws import law
     from sim.parameters.motions import motion
@@ -55,7 +54,7 @@ _PLACES = {
     "parameter": "sim.parameters.choices:parameter",
     "plot_kind": "sim.study.plot_kinds:plot_kind",
     "points": "sim.study.frame:points",
-    "simulate": "sim.engine.simulate:simulate",
+    "simulate": "sim.engine.flow:simulate",
 }
 
 

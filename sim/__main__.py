@@ -24,10 +24,9 @@ from pkgutil import resolve_name
 from typing import Any
 
 from sim.base.additions import plugin_code_error
-from sim.base.completion import SHELLS, PrintCompletion
 from sim.base.errors import InputError
 from sim.base.plugins import load_from_environment
-from sim.base.program import __version__, program
+from sim.base.program import SHELLS, PrintCompletion, __version__, program
 from sim.base.words import printable
 
 SYSTEM_ERROR = 1

@@ -13,8 +13,7 @@ import netCDF4
 
 from benchmarks.scale.cost import ROOT, cost
 from benchmarks.scale.grid import ROW, write_study
-from sim.base.files import seal
-from sim.base.summary import append_summary, read_summary
+from sim.base.seals import append_summary, read_summary, seal
 from sim.engine.run import run_point
 from sim.parameters import Parameters, parse_point, point_id
 from sim.study.load import load_study

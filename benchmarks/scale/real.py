@@ -8,7 +8,7 @@ from pathlib import Path
 
 from benchmarks.scale.cost import ROOT, Cost, cost
 from benchmarks.scale.grid import ROW, write_study
-from sim.base.summary import read_summary
+from sim.base.seals import read_summary
 
 #: A point: some hundredths of a second of computing.
 POINT = {"beads": 4, "width": 5, "transient": 1, "average": 2}

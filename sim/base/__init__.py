@@ -1,1 +1,1 @@
-"""General tools that know nothing of granular flow: errors, YAML, files, damage, plug-ins."""
+"""General tools that know nothing of granular flow: errors, YAML, files, seals, plug-ins."""

@@ -3,7 +3,7 @@
 import inspect
 import re
 import traceback
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -65,7 +65,11 @@ class AdditionError(Exception):
     """An addition of a plug-in is refused; the message says why."""
 
 
+#: Talus itself, whose files add by the same calls; points name its options without a hash.
+TALUS = Plugin("Talus", "", "")
+
 _additions: dict[str, dict[str, Addition]] = {}
+_shipped: dict[str, dict[str, Any]] = {}
 _loading: list[Plugin] = []
 _listeners: list[Callable[[], None]] = []
 
@@ -96,7 +100,10 @@ def add(kind: str, name: str, value: Any, reserved: Iterable[str] = ()) -> None:
         When the name is not valid, or in use: by Talus (``reserved``) or by a plug-in.
     """
     require_name(kind, name)
-    if name in reserved:
+    if _loading and _loading[-1] is TALUS:
+        _shipped.setdefault(kind, {})[name] = value
+        return
+    if name in reserved or name in _shipped.get(kind, {}):
         raise AdditionError(f"{kind} {name}: Talus has one of this name")
     if not _loading:
         return
@@ -125,8 +132,23 @@ def addition_labels(plugin: Plugin) -> list[str]:
 
 
 def additions(kind: str) -> dict[str, Addition]:
-    """Return the additions of a kind, by name."""
+    """Return the additions of plug-ins of a kind, by name."""
     return dict(_additions.get(kind, {}))
+
+
+def plugin_options(kind: str) -> dict[str, Any]:
+    """Return the values of a kind that plug-ins add, by the names that points have for them."""
+    return {f"{name}.{one.plugin.code}": one.value for name, one in additions(kind).items()}
+
+
+def plain_name(option: str) -> str:
+    """Return the name of an option of a plug-in without the hash."""
+    return option.rpartition(".")[0] or option
+
+
+def shipped(kind: str) -> Mapping[str, Any]:
+    """Return the values of a kind that Talus itself adds, by name."""
+    return _shipped.get(kind, {})
 
 
 def codes(*kinds: str) -> str:

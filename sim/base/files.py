@@ -1,7 +1,6 @@
-"""Atomic writes, seals (checksums at the end of files) and file locks."""
+"""Files: atomic writes, locks, and folders that nobody else can write."""
 
 import errno
-import hashlib
 import logging
 import os
 import stat
@@ -17,9 +16,6 @@ from filelock import FileLock, Timeout
 from sim.base.errors import InputError
 
 log = logging.getLogger("talus")
-
-#: Last bytes of a sealed file: the SHA-256 of all before them.
-SEAL = b"\nSHA-256 %s\n"
 
 
 @contextmanager
@@ -52,15 +48,6 @@ def remove_leftovers(path: Path) -> None:
             temporary.unlink(missing_ok=True)
 
 
-def seal(path: Path) -> None:
-    """Append a checksum to a file, for `is_damaged`.
-
-    HDF5 (netCDF-4) readers ignore bytes after the end that the file declares.
-    """
-    with path.open("r+b") as file:
-        file.write(SEAL % checksum(file, path.stat().st_size))
-
-
 def open_regular(path: Path) -> BinaryIO:
     """Open a regular file for reading bytes.
 
@@ -77,43 +64,6 @@ def read_regular(path: Path) -> bytes:
     """Return the contents of a regular file; raise ``OSError`` otherwise, see `open_regular`."""
     with open_regular(path) as file:
         return file.read()
-
-
-def is_damaged(path: Path) -> bool:
-    """True where a sealed file, seal included, has changed since.
-
-    Libraries may crash on a damaged file; this reads only bytes.
-    """
-    with open_regular(path) as file:
-        length = max(0, file.seek(0, os.SEEK_END) - len(SEAL % bytes(64)))
-        file.seek(length)
-        ending = file.read()
-        file.seek(0)
-        return ending != SEAL % checksum(file, length)
-
-
-def read_seal(path: Path) -> str:
-    """Return the checksum in the seal of a file, ``""`` where it has no seal."""
-    length = len(SEAL % bytes(64))
-    with open_regular(path) as file:
-        file.seek(max(0, file.seek(0, os.SEEK_END) - length))
-        ending = file.read()
-    is_seal = len(ending) == length and ending.startswith(SEAL[:9])
-    return ending[9:-1].decode("ascii", "replace") if is_seal else ""
-
-
-def checksum(file: BinaryIO, length: int) -> bytes:
-    """Return the SHA-256 of the next ``length`` bytes of a file, in hexadecimal."""
-    digest = hashlib.sha256()
-    while block := file.read(min(length, 1 << 20)):
-        digest.update(block)
-        length -= len(block)
-    return digest.hexdigest().encode()
-
-
-def set_aside(path: Path) -> Path:
-    """Rename an unusable file to ``<name>.damaged`` and return the new path."""
-    return path.replace(path.with_name(f"{path.name}.damaged"))
 
 
 @contextmanager
@@ -206,3 +156,46 @@ def require_writable(folder: Path, key: str) -> None:
     else:
         return
     raise InputError.of_value(key, "", str(folder), f"a folder that can be written ({reason})")
+
+
+class NotPrivateError(Exception):
+    """Others can write or replace a folder; the message says why."""
+
+
+def private_folder(path: Path) -> Path:
+    """Make a folder, if need be, and return it if nobody else can write or replace it.
+
+    Raises `NotPrivateError` where somebody could, ``OSError`` where files cannot be created.
+    """
+    path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+    if _others_may_write(above := path.parent.stat()) and not above.st_mode & stat.S_ISVTX:
+        raise NotPrivateError(f"others can write {path.parent}")
+    path.mkdir(mode=0o700, exist_ok=True)
+    status = path.lstat()
+    if not stat.S_ISDIR(status.st_mode):
+        raise NotPrivateError(f"{path} is a link or no folder")
+    if status.st_uid != os.geteuid():
+        raise NotPrivateError(f"{path} belongs to user {status.st_uid}")
+    if _others_may_write(status):
+        raise NotPrivateError(f"others can write {path}")
+    with tempfile.TemporaryFile(dir=path) as file:
+        file.write(b"\0" * 4096)
+    return path
+
+
+def cache_folder() -> Path:
+    """Return the user's cache folder; raise ``RuntimeError`` without a home."""
+    if folder := os.environ.get("XDG_CACHE_HOME"):
+        return Path(folder)
+    if os.environ.get("HOME") == "":
+        raise RuntimeError("HOME is empty")
+    return Path.home() / ".cache"
+
+
+def user_temporary_folder() -> Path:
+    """Return the path of this user's folder within the system's temporary folder."""
+    return Path(tempfile.gettempdir()) / f"talus-{os.geteuid()}"
+
+
+def _others_may_write(status: os.stat_result) -> bool:
+    return bool(status.st_mode & (stat.S_IWGRP | stat.S_IWOTH))

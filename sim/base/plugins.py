@@ -9,7 +9,9 @@ import hashlib
 import os
 import re
 import sys
-from collections.abc import Callable, Iterable
+import warnings
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from contextvars import copy_context
 from importlib import import_module
 from importlib.metadata import entry_points
@@ -20,6 +22,7 @@ from typing import NamedTuple
 
 from sim.base.additions import (
     FILE,
+    TALUS,
     AdditionError,
     Plugin,
     addition_labels,
@@ -29,7 +32,6 @@ from sim.base.additions import (
 )
 from sim.base.errors import InputError
 from sim.base.files import read_regular
-from sim.base.process import restore_process
 from sim.base.words import printable
 
 #: Entry-point group in which installed packages name their modules.
@@ -93,6 +95,19 @@ def load_from_environment() -> None:
         (plugin,) = load([name], Path(), VARIABLE)
         if code and plugin.code != code:
             raise InputError(f"{plugin}: edited since this study was started; start it again")
+
+
+def module_names(package: str) -> tuple[str, ...]:
+    """Return the names of the modules of a package of Talus, sorted."""
+    folder = Path(__file__).parents[2].joinpath(*package.split("."))
+    return tuple(sorted(path.stem for path in folder.glob(f"*{FILE}") if path.stem != "__init__"))
+
+
+def load_shipped(package: str) -> None:
+    """Import the modules of a package of Talus, which add to it by the calls that plug-ins make."""
+    with attribute_additions_to(TALUS):
+        for name in module_names(package):
+            import_module(f"{package}.{name}")
 
 
 def load_plugins(*names: str | Path) -> None:
@@ -185,3 +200,34 @@ def _execute(source_code: _SourceCode) -> None:
     module = sys.modules[source_code.module] = ModuleType(source_code.module)
     module.__file__ = str(source_code.file)
     exec(compile(source_code.text, str(source_code.file), "exec"), module.__dict__)
+
+
+@contextmanager
+def restore_process() -> Iterator[None]:
+    """Restore after a block the state of this process that Talus relies on.
+
+    That is the working directory, the umask, ``sys.path``, the recursion limit and the filters of
+    warnings. Filters that ignore warnings are kept.
+    """
+    folder, mask = Path.cwd(), os.umask(0)
+    os.umask(mask)
+    path, depth = list(sys.path), sys.getrecursionlimit()
+    ignored = []
+    try:
+        with warnings.catch_warnings():
+            before = list(warnings.filters)
+            try:
+                yield
+            finally:
+                ignored = [
+                    entry
+                    for entry in warnings.filters
+                    if entry[0] == "ignore" and entry not in before
+                ]
+    finally:
+        # Libraries imported in the block ignore their own harmless warnings; that stays.
+        warnings.filters = [*ignored, *warnings.filters]
+        sys.setrecursionlimit(depth)
+        sys.path[:] = path
+        os.umask(mask)
+        os.chdir(folder)

@@ -14,6 +14,7 @@ ROOMS: dict[str, tuple[str, ...]] = {
     "parameters": ("base",),
     "study": ("parameters", "base"),
     "engine": ("parameters", "base"),
+    "laws": ("engine", "parameters", "base"),
     "dataset": ("engine", "study", "parameters", "base"),
     "figures": ("dataset", "engine", "study", "parameters", "base"),
     "claims": ("dataset", "engine", "study", "parameters", "base"),

@@ -4,7 +4,7 @@
 def count_text(number: int, noun: str) -> str:
     """Return a number of things in words.
 
-    >>> counted(1, "point"), counted(2000, "point")
+    >>> count_text(1, "point"), count_text(2000, "point")
     ('1 point', '2,000 points')
     """
     return f"{number:,} {noun}" + ("" if number == 1 else "s")

@@ -12,7 +12,8 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from sim.base.files import atomic_write, is_damaged, seal
+from sim.base.files import atomic_write
+from sim.base.seals import is_damaged, seal
 from sim.claims.table import Claim
 from sim.claims.verdict import Check
 from sim.engine.cache import cache_directory

@@ -5,9 +5,9 @@ from typing import Any
 
 import numpy as np
 
+from sim.base.additions import plain_name
 from sim.dataset.results import Results
 from sim.parameters import SYSTEMS, default_of
-from sim.parameters.choices import named
 from sim.parameters.laws import LAW
 from sim.parameters.motions import MOTION
 from sim.parameters.roles import numerical_parameters, start_parameters
@@ -51,7 +51,7 @@ class Rows:
         """True per row with a value; a choice of a plug-in is compared by name, without hash."""
         values = self.columns[name]
         if name in (LAW.name, MOTION.name):
-            return np.array([value in (entry, named(entry)) for entry in values], bool)
+            return np.array([value in (entry, plain_name(entry)) for entry in values], bool)
         return values == value
 
     def count_unusual_starts(

@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 
 from sim.base.files import atomic_write
-from sim.base.sealed_json import to_sealed_json
+from sim.base.seals import to_sealed_json
 from sim.claims.judge import judge
 from sim.claims.judgement import Judgement, Variant
 from sim.claims.table import OWN

@@ -5,16 +5,15 @@ from pathlib import Path
 
 import netCDF4
 
-from sim.base.damage import checked_read
 from sim.base.errors import InputError
 from sim.base.files import atomic_write, read_regular
+from sim.base.seals import checked_read
 from sim.base.words import count_text
 from sim.dataset.adopted import FOLDER, read_points
 from sim.dataset.earlier import adopted_rows, missing_variables
 from sim.dataset.results import RUNS
 from sim.dataset.rounds import known_points
 from sim.engine.identity import NUMERICS
-from sim.parameters import amounts
 from sim.study.figure_points import needs_run_file, particle_needs
 from sim.study.load import load_study
 
@@ -56,15 +55,15 @@ def adopt(study_path: Path, dataset_path: Path, results: Path) -> str:
         content = read_regular(dataset_path)
         _require_origin(dataset_path)
         rows = read_points(dataset_path)
-        covered_amounts = {
-            key: amounts(point)
+        covered = {
+            key: point
             for key, point in points.items()
             if key in rows
             and rows[key].is_enough_for(point, particle_need(key))
             and not is_run_file_needed(key)
         }
-        adopted_rows(dataset_path, covered_amounts, particle_need)
-    if not covered_amounts:
+        adopted_rows(dataset_path, covered, particle_need)
+    if not covered:
         common = len(points.keys() & rows.keys())
         raise InputError(
             f"{dataset_path}: covers no point of {study.path}: "
@@ -76,8 +75,8 @@ def adopt(study_path: Path, dataset_path: Path, results: Path) -> str:
         output.parent.mkdir(parents=True, exist_ok=True)
         with atomic_write(output) as temporary:
             temporary.write_bytes(content)
-    covered = f"covers {len(covered_amounts):,} of {count_text(len(points), 'point')}"
-    return f"{study.name}: {dataset_path} {covered}; adopted as {output}"
+    number = f"{len(covered):,} of {count_text(len(points), 'point')}"
+    return f"{study.name}: {dataset_path} covers {number}; adopted as {output}"
 
 
 def _require_origin(path: Path) -> None:

@@ -5,13 +5,12 @@ from collections.abc import Mapping
 from functools import cache
 from json import loads
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import netCDF4
 import numpy as np
 
-from sim.base.damage import checked_read
-from sim.base.files import is_damaged
+from sim.base.seals import checked_read, is_damaged
 from sim.dataset.boundary_side import SCALARS
 from sim.engine.identity import NUMERICS
 from sim.engine.stored_run import has_enough
@@ -20,8 +19,14 @@ from sim.study.figure_points import needs_run_file, particle_needs
 from sim.study.figure_spec import Shown
 from sim.study.load import Study
 
+if TYPE_CHECKING:
+    from sim.dataset.rows import Rows
+
 #: Folder of the adopted datasets of a study, beside its runs.
 FOLDER = "adopted"
+
+#: What messages call such a dataset.
+_KIND = "dataset that was adopted"
 
 
 class AdoptedPoint(NamedTuple):
@@ -82,7 +87,7 @@ class AdoptedPoints:
         self._needs_run_file, self._particle_need = needs_run_file(study), particle_needs(study)
         self._candidates: dict[str, list[AdoptedPoint]] = defaultdict(list)
         for path in self.files:
-            with checked_read(path, "dataset that was adopted", replaceable=True):
+            with checked_read(path, _KIND, replaceable=True):
                 for point, row in read_points(path).items():
                     self._candidates[point].append(row)
 
@@ -107,6 +112,21 @@ class AdoptedPoints:
             if rows.pop(start, None):
                 runs.append(start)
         return rows
+
+    def rows(self, points: Mapping[str, Parameters]) -> "list[Rows]":
+        """Return the rows of those points that are adopted, see `source`."""
+        # Imported here, because plans of studies do not need the table libraries.
+        from sim.dataset.earlier import adopted_rows
+
+        members: dict[Path, dict[str, Parameters]] = defaultdict(dict)
+        for key, point in points.items():
+            if source := self.source(key, point):
+                members[source.dataset][key] = point
+        blocks: list[Rows] = []
+        for path in sorted(members):
+            with checked_read(path, _KIND, replaceable=True):
+                blocks += adopted_rows(path, members[path], self._particle_need)
+        return blocks
 
 
 def read_points(path: Path) -> dict[str, AdoptedPoint]:

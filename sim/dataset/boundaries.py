@@ -8,7 +8,7 @@ import pandas as pd
 
 from sim.base.errors import InputError
 from sim.base.files import atomic_write
-from sim.dataset.boundary_table import RESULT_COLUMNS, read_table
+from sim.dataset.results import RESULT_COLUMNS, read_table
 from sim.parameters import complete_values, field_info
 from sim.study.load import Study, load_study
 from sim.study.refine import Sides, locate_boundary

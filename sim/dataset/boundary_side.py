@@ -6,9 +6,8 @@ from typing import cast
 
 import numpy as np
 
-from sim.base.damage import checked_read
-from sim.base.named_values import NamedValues
-from sim.dataset.summary import summary_of
+from sim.base.seals import checked_read
+from sim.dataset.run_file import NamedValues, summary_of
 from sim.parameters import BeltParameters, ConveyorParameters, Parameters, amounts, point_id
 from sim.parameters.belt import ONSET_TRANSPORT
 

@@ -16,19 +16,19 @@ import numpy as np
 import xarray as xr
 
 from sim.base.errors import InputError
-from sim.base.files import atomic_write, require_writable, seal
+from sim.base.files import atomic_write, require_writable
+from sim.base.seals import seal
 from sim.dataset.adopted import AdoptedPoints
 from sim.dataset.boundaries import tabulate
 from sim.dataset.boundary_side import side
-from sim.dataset.boundary_table import GROUP
-from sim.dataset.combine import profiles, root, runs
-from sim.dataset.earlier import keep_dataset
+from sim.dataset.combine import natural_velocities, profiles, root, runs, si_parameters
+from sim.dataset.earlier import EarlierDataset, keep_dataset
 from sim.dataset.gather import PATH_VARIABLES
-from sim.dataset.results import PARTICLES, RUNS
+from sim.dataset.results import GROUP, PARTICLES, RUNS
 from sim.dataset.rounds import add_rounds, find_sides, known_points, with_study_amounts
 from sim.dataset.rows import Rows, select_rows
 from sim.dataset.runs import Runs
-from sim.dataset.units import natural_velocities, si_parameters
+from sim.dataset.side_by_side import RunFiles
 from sim.engine.stored_run import current_status
 from sim.parameters import SYSTEMS, Parameters, point_id
 from sim.study.figure_points import particle_needs, particles_needed
@@ -88,8 +88,10 @@ def build(
     folder = Path(results) / study.name
     if finished is not None:
         study = _select_finished(study, folder, finished)
-    adopted = AdoptedPoints(study, folder)
-    runs_of_study = Runs(folder, particle_needs(study), adopted, processes, scheduler)
+    particle_need = particle_needs(study)
+    run_files = RunFiles(folder / "runs", particle_need, processes, scheduler)
+    earlier, adopted = EarlierDataset(folder, particle_need), AdoptedPoints(study, folder)
+    runs_of_study = Runs([earlier, adopted, run_files])
     runs_of_study.read({key: point.parameters for key, point in study.points.items()})
     sides = _find_sides(study, runs_of_study)
     study = add_rounds(study, sides)

@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Mapping
 from typing import Any, SupportsFloat
 
-from sim.dataset.summary import Summary
+from sim.dataset.run_file import Summary
 from sim.parameters import Parameters
 
 #: The run is unsound if its ledger lacks more than this share of the energy turned over.

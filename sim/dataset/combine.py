@@ -20,11 +20,13 @@ from sim.dataset.rows import (
     row_points,
     row_scalars,
 )
-from sim.parameters import SYSTEMS, complete_values, field_info
+from sim.parameters import SYSTEMS, complete_values, field_info, in_si
 from sim.parameters.variables import variables_of
 from sim.study.load import Point, Study
 
 _REPLICATE = {"units": "1", "long_name": "number of the replicate"}
+
+_VELOCITIES = ("velocity", "velocity_half_width", "point_velocity", "point_half_width")
 
 
 def root(blocks: Sequence[Rows], study: Study) -> xr.Dataset:
@@ -212,3 +214,31 @@ def join_declarations(name: str, attribute: str, systems: Iterable[str]) -> str:
 
 def _text_variable(values: Iterable[str], attrs: Mapping[str, str] | None = None) -> Any:
     return "point", np.array(list(values), dtype=object), dict(attrs or {})
+
+
+def natural_velocities(root: xr.Dataset) -> xr.Dataset:
+    """Return the velocities of the root group in units of √(g · diameter) of each point."""
+    velocity_unit = np.sqrt(root["gravity"] * root["diameter"])
+    velocities = {
+        name: (root[name] / velocity_unit).assign_attrs(
+            units="1",
+            long_name=root[name].attrs["long_name"],
+            comment="multiple of √(gσ), of a belt √(g⟨d⟩)",
+        )
+        for name in _VELOCITIES
+    }
+    return xr.Dataset(velocities).reset_coords(drop=True)[list(velocities)]
+
+
+def si_parameters(points: Sequence[Point]) -> xr.Dataset:
+    """Return the dimensional parameters over ``point`` in SI, NaN where a point has none."""
+    values_in_si = [in_si(point.parameters) for point in points]
+    names = dict.fromkeys(name for row in values_in_si for name in row)
+    systems = list(dict.fromkeys(point.parameters.system for point in points))
+    variables = {}
+    for name in names:
+        (unit,) = {row[name].unit for row in values_in_si if name in row}
+        values = [row[name].value if name in row else np.nan for row in values_in_si]
+        attrs = {"units": unit, "long_name": join_declarations(name, "description", systems)}
+        variables[name] = ("point", np.array(values, float), attrs)
+    return xr.Dataset(variables, {"point": point_coordinate(points)})

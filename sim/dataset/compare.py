@@ -12,8 +12,7 @@ from scipy.stats import false_discovery_control, t
 
 from sim.base.errors import InputError
 from sim.base.statistics import CONFIDENCE, MANY, mean_interval, student, student_half_width
-from sim.dataset.added import require_known_options
-from sim.dataset.results import load
+from sim.dataset.results import load, require_known_options
 from sim.engine.stored_run import open_run_file, parameters_of
 from sim.parameters import AMOUNTS, SYSTEMS, complete_values, field_info
 

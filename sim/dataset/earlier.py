@@ -3,7 +3,7 @@
 import os
 import shutil
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -14,13 +14,22 @@ import pandas as pd
 import xarray as xr
 
 from sim.base.additions import codes
-from sim.base.damage import UNREADABLE
-from sim.base.files import atomic_write, is_damaged, read_seal
+from sim.base.files import atomic_write
 from sim.base.rooms import files_hash, room_hash
+from sim.base.seals import UNREADABLE, is_damaged, read_seal
 from sim.dataset.gather import STATE_VARIABLES, amounts_text
 from sim.dataset.results import PARTICLES, RUNS
-from sim.dataset.rows import OF_PROFILES, WORDS, Rows, dimensions, row_arrays, row_scalars
+from sim.dataset.rows import (
+    OF_PROFILES,
+    WORDS,
+    Rows,
+    dimensions,
+    row_arrays,
+    row_scalars,
+    select_rows,
+)
 from sim.engine import identity
+from sim.parameters import Parameters, amounts
 from sim.parameters.own import OBSERVABLE, own_observables
 from sim.parameters.variables import ALL
 from sim.study.figure_spec import Shown
@@ -73,7 +82,7 @@ def missing_variables(group: Any, system: str) -> list[str]:
 
 
 def keep_dataset(dataset: Path, folder: Path) -> None:
-    """Keep a dataset for `earlier_rows` as a hard link, or as a copy where links are impossible."""
+    """Keep a dataset for `EarlierDataset`: a hard link, or a copy where links are impossible."""
     with atomic_write(folder / EARLIER_FILE) as temporary:
         try:
             os.link(dataset, temporary)
@@ -88,8 +97,8 @@ def stored_particles(states: Mapping[str, netCDF4.Dataset], point: str) -> Shown
     return Shown.PATH if "path" in states[point].variables else Shown.STATE
 
 
-def earlier_rows(folder: Path, particle_need: Callable[[str], Shown]) -> list[Rows]:
-    """Return the rows of the earlier dataset that equal what their run files would give again.
+class EarlierDataset:
+    """The rows of the earlier dataset that equal what their run files would give again.
 
     Parameters
     ----------
@@ -99,22 +108,33 @@ def earlier_rows(folder: Path, particle_need: Callable[[str], Shown]) -> list[Ro
     particle_need : callable
         Returns how much must be stored of the particles of a point, by its id.
     """
-    path, runs = folder / EARLIER_FILE, folder / "runs"
 
-    def is_same(point: str, seal: str, code: str) -> bool:
-        return code == reader_hash() and _has_seal(runs / f"{point}.nc", seal)
+    def __init__(self, folder: Path, particle_need: Callable[[str], Shown]):
+        path, runs = folder / EARLIER_FILE, folder / "runs"
+        self._blocks: list[Rows] = []
 
-    try:
-        if path.is_file() and not is_damaged(path):
-            return list(_read_rows(path, is_same, particle_need))
-    except UNREADABLE:
-        pass
-    return []
+        def is_same(point: str, seal: str, code: str) -> bool:
+            return code == reader_hash() and _has_seal(runs / f"{point}.nc", seal)
+
+        with suppress(*UNREADABLE):
+            if path.is_file() and not is_damaged(path):
+                self._blocks = list(_read_rows(path, is_same, particle_need))
+
+    def rows(self, points: Mapping[str, Parameters]) -> list[Rows]:
+        """Return the rows of points with exactly these amounts."""
+        texts = {point: amounts_text(amounts(value)) for point, value in points.items()}
+        same = {
+            point
+            for block in self._blocks
+            for point, text in zip(block.points, block.origin["wanted"], strict=True)
+            if text == texts.get(point)
+        }
+        return select_rows(self._blocks, same)
 
 
 def adopted_rows(
     path: Path,
-    amounts: Mapping[str, Mapping[str, float]],
+    points: Mapping[str, Parameters],
     particle_need: Callable[[str], Shown],
 ) -> list[Rows]:
     """Return the rows of points in an adopted dataset, without replicates beyond their amounts.
@@ -123,18 +143,18 @@ def adopted_rows(
     ----------
     path : Path
         The dataset, which has at least these amounts. Its stem becomes the origin of the rows.
-    amounts : mapping
-        Amounts of each of these points, by id.
+    points : mapping
+        The points, by id.
     particle_need : callable
         Returns how much must be stored of the particles of a point, by its id.
     """
-    blocks = _read_rows(path, lambda point, *_: point in amounts, particle_need)
-    return [_trim_replicates(block, amounts, path.stem) for block in blocks]
+    blocks = _read_rows(path, lambda point, *_: point in points, particle_need)
+    return [_trim_replicates(block, points, path.stem) for block in blocks]
 
 
-def _trim_replicates(block: Rows, amounts: Mapping[str, Mapping[str, float]], dataset: str) -> Rows:
+def _trim_replicates(block: Rows, points: Mapping[str, Parameters], dataset: str) -> Rows:
     """Return the rows of an adopted dataset with the replicates beyond the amounts left empty."""
-    counts = np.array([amounts[point]["replicates"] for point in block.points])
+    counts = np.array([points[point].replicates for point in block.points])
     values = {}
     for name, array in block.values.items():
         values[name] = array
@@ -142,7 +162,7 @@ def _trim_replicates(block: Rows, amounts: Mapping[str, Mapping[str, float]], da
             values[name] = array.copy()
             is_beyond = np.arange(array.shape[1]) >= counts[:, np.newaxis]
             values[name][is_beyond] = "" if name in WORDS else np.nan
-    texts = [amounts_text(amounts[point]) for point in block.points]
+    texts = [amounts_text(amounts(points[point])) for point in block.points]
     origin = block.origin | {"wanted": texts, "adopted": [dataset] * len(texts)}
     return block._replace(origin=origin, values=values)
 

@@ -9,10 +9,8 @@ import netCDF4
 import numpy as np
 import xarray as xr
 
-from sim.base.damage import checked_read
 from sim.base.errors import InputError
-from sim.base.files import read_seal
-from sim.base.summary import read_summary
+from sim.base.seals import checked_read, read_seal, read_summary
 from sim.dataset.measures import measures
 from sim.dataset.measures.belt import column_means, cycle_means
 from sim.dataset.rows import SINGLE, WORDS, Rows, row_arrays, row_scalars

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from sim.base.named_values import NamedValues
 from sim.base.statistics import MANY, mean_interval, student, student_half_width
+from sim.dataset.run_file import NamedValues
 from sim.parameters.chute import negligible_acceleration
 from sim.parameters.common import drift_bound
 

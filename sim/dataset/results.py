@@ -11,13 +11,12 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from sim.base.damage import checked_read
+from sim.base.additions import plugin_options
 from sim.base.errors import InputError
-from sim.dataset.added import added_columns
-from sim.dataset.boundary_table import is_study_dataset, read_table
+from sim.base.seals import checked_read
 from sim.dataset.grids import GRIDS, number_density_name, regrid
 from sim.dataset.rows import CENTRES
-from sim.parameters import SYSTEMS
+from sim.parameters import SYSTEMS, defaults_of_added
 
 #: Parameters of all systems, including `system` itself.
 _PARAMETERS = tuple(dict.fromkeys(chain(*(model.model_fields for model in SYSTEMS.values()))))
@@ -27,6 +26,13 @@ PARTICLES = "states"
 
 #: Group of the dataset with the origin of each row: its run file, and the variables of that file.
 RUNS = "runs"
+
+#: Group of the dataset with the table, one row per boundary.
+GROUP = "boundaries"
+
+#: Columns with the results of a boundary, and all columns of a table without rows.
+RESULT_COLUMNS = ("low", "high", "below", "above", "verdict", "points")
+_COLUMNS = ("name", "system", "of", "along", "unit", "figures", *RESULT_COLUMNS)
 
 
 @dataclass(frozen=True)
@@ -224,3 +230,59 @@ def _with_all_parameters(dataset: xr.Dataset) -> xr.Dataset:
 def _load_group(path: Path, group: str | None) -> xr.Dataset:
     with xr.open_dataset(path, engine="netcdf4", group=group) as dataset:
         return dataset.load()
+
+
+def read_table(dataset: Path) -> pd.DataFrame:
+    """Read the table of boundaries from a dataset; it has no rows where the dataset has no table.
+
+    Raises
+    ------
+    InputError
+        When there is no dataset, or it is damaged. A damaged dataset of a study is set aside.
+    """
+    with checked_read(dataset, "dataset", replaceable=is_study_dataset(dataset), sealed=True):
+        with netCDF4.Dataset(dataset) as file:
+            if GROUP not in file.groups:
+                return pd.DataFrame(columns=_COLUMNS)
+        with xr.open_dataset(dataset, engine="netcdf4", group=GROUP) as group:
+            table = group.to_dataframe()
+    return table.assign(**added_columns({name: table[name].to_numpy() for name in table}))
+
+
+def is_study_dataset(dataset: Path) -> bool:
+    """Return whether a dataset lies where the workflow makes it, next to its runs."""
+    return dataset.name == "dataset.nc" and (dataset.parent / "runs").is_dir()
+
+
+def added_columns(columns: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """Return the columns of all added parameters, with the default where a row has no value.
+
+    Parameters
+    ----------
+    columns : mapping
+        Arrays over rows: ``system`` and parameters, NaN or ``""`` where a row has none.
+    """
+    systems = np.asarray(columns["system"])
+    filled: dict[str, np.ndarray] = {}
+    for system in sorted(set(systems) & SYSTEMS.keys()):
+        for name, default in defaults_of_added(system).items():
+            is_text = isinstance(default, str)
+            kind, none = (object, "") if is_text else (float, np.nan)
+            values = filled.get(name, columns.get(name, np.full(len(systems), none, kind)))
+            blank = values == "" if is_text else np.isnan(values)
+            filled[name] = np.where((systems == system) & blank, default, values)
+    return filled
+
+
+def require_known_options(dataset: xr.Dataset, path: Path) -> None:
+    """Refuse points with laws or motions of plug-ins that are not loaded.
+
+    Their parameters are not known, so two points that differ in one would be taken for the same.
+    """
+    for choice in ("law", "motion"):
+        loaded = plugin_options(choice)
+        for name in map(str, dataset[choice].values if choice in dataset.coords else ()):
+            # The name of an option of a plug-in ends in its hash.
+            if "." in name and name not in loaded:
+                allowed = "one of Talus, or of a plug-in that TALUS_PLUGINS names"
+                raise InputError.of_value(str(path), choice, name, allowed)

@@ -6,9 +6,9 @@ from dataclasses import replace
 from itertools import zip_longest
 from pathlib import Path
 
-from sim.base.damage import checked_read
 from sim.base.errors import InputError
 from sim.base.files import atomic_write
+from sim.base.seals import checked_read
 from sim.dataset.adopted import AdoptedPoints
 from sim.dataset.boundary_side import side, side_of_run
 from sim.parameters import Parameters, canonical_values, parse_point, point_id

@@ -1,12 +1,22 @@
-"""A run file as a mapping from name to array, where each array is read at its first access."""
+"""Run files as arrays by name, the summary at their end, and those that points start from.
+
+Each array is read at its first access.
+"""
 
 from collections.abc import Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 import netCDF4
 import numpy as np
 
-from sim.engine.stored_run import find_group
+from sim.base.errors import InputError
+from sim.base.seals import is_damaged, read_summary
+from sim.engine.stored_run import find_group, find_stage, read_parameters
+from sim.parameters import RUN_FILE, Parameters, require_compatible_source
+from sim.parameters.variables import SCALARS
+from sim.study.model import Study
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -105,3 +115,58 @@ class Replicate(Mapping[str, Any]):
 
     def __contains__(self, name: object) -> bool:
         return name in self._run
+
+
+class NamedValues(Protocol):
+    """A mapping, a dataset, a place of a claim: any object with values by name."""
+
+    def __getitem__(self, name: str, /) -> Any: ...
+
+
+class Summary(NamedTuple):
+    """Global attributes of a run file and its scalars, each over replicates."""
+
+    attrs: dict[str, Any]
+    scalars: dict[str, Any]
+
+
+def summary_of(path: Path, amounts: Mapping[str, float] | None = None) -> Summary:
+    """Return the summary of a run file, from its end alone where that has these amounts.
+
+    The summary covers no more than ``amounts``, or all that the file holds if they are omitted.
+    A file whose end is not enough is opened. This raises ``OSError`` for a damaged file and, like
+    the library, for a file that is no netCDF.
+    """
+    summary = read_summary(path)
+    if summary and (amounts is None or find_stage(summary["held"], amounts) in (0, None)):
+        replicates = slice(int(amounts["replicates"]) if amounts else None)
+        scalars = {name: values[replicates] for name, values in summary["scalars"].items()}
+        return Summary(summary["attributes"], scalars)
+    if is_damaged(path):
+        raise OSError("its checksum is wrong or missing")
+    with netCDF4.Dataset(path) as file:
+        run = RunFile(file, amounts)
+        return Summary(run.attrs, {name: run[name] for name in SCALARS if name in run})
+
+
+def require_start_files(study: Study) -> None:
+    """Refuse a run file that a point of a study cannot start from.
+
+    Points that start from other points of the study were checked when the study was loaded.
+
+    Raises
+    ------
+    InputError
+        When it is damaged or no run file, or a flow of the point cannot go on from its flow.
+    """
+
+    @cache
+    def read_start(start: str) -> Parameters:
+        try:
+            return read_parameters(Path(start))
+        except InputError as error:
+            raise InputError(f"{study.path}: start_from: {error}") from None
+
+    for point in study.points.values():
+        if (start := point.parameters.start_from).endswith(RUN_FILE):
+            require_compatible_source(point.parameters, read_start(start), str(study.path))

@@ -1,18 +1,27 @@
-"""The runs of a study, each read once: from an earlier or adopted dataset, or its run file."""
+"""The rows of the runs of a study, each read once, from the first source that has it."""
 
-from collections.abc import Callable, Collection, Iterable, Mapping
-from pathlib import Path
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from typing import Protocol
 
 import numpy as np
 
-from sim.base.damage import checked_read
-from sim.dataset.adopted import AdoptedPoints
-from sim.dataset.earlier import adopted_rows, earlier_rows
 from sim.dataset.gather import amounts_text
-from sim.dataset.rows import OF_PROFILES, Rows, select_rows
-from sim.dataset.side_by_side import read_files
+from sim.dataset.rows import OF_PROFILES, Rows, row_points, select_rows
 from sim.parameters import Parameters, amounts
-from sim.study.figure_spec import Shown
+
+
+class Source(Protocol):
+    """Where rows of runs come from: the earlier dataset, adopted datasets, or run files."""
+
+    def rows(self, points: Mapping[str, Parameters]) -> list[Rows]:
+        """Return the rows that this has of some points, by id, each with the amounts of its point.
+
+        Raises
+        ------
+        InputError
+            When a file that has to be read is missing or damaged.
+        """
+        ...
 
 
 class Runs:
@@ -20,32 +29,14 @@ class Runs:
 
     Parameters
     ----------
-    folder : Path
-        Results of the study: its runs, and its earlier dataset if there is one.
-    particle_need : callable
-        Returns how much figures need of the particles of a point, by its id.
-    adopted : AdoptedPoints
-        The points that are in adopted datasets.
-    processes : int
-        Number of processes that read run files in parallel.
-    scheduler : str, optional
-        Address of a dask scheduler whose workers read them instead.
+    sources : sequence of Source
+        The sources, in the order in which they are asked; the last one has all points.
     """
 
-    def __init__(
-        self,
-        folder: Path,
-        particle_need: Callable[[str], Shown],
-        adopted: AdoptedPoints,
-        processes: int = 1,
-        scheduler: str | None = None,
-    ):
-        self._folder, self._particle_need = folder / "runs", particle_need
-        self._adopted = adopted
-        self._processes, self._scheduler = processes, scheduler
+    def __init__(self, sources: Sequence[Source]):
+        self._sources = sources
         self._blocks: list[Rows] = []
         self._rows: dict[str, tuple[Rows, int]] = {}
-        self._add(earlier_rows(folder, particle_need))
 
     def _add(self, blocks: Iterable[Rows]) -> None:
         for block in blocks:
@@ -58,39 +49,24 @@ class Runs:
         Raises
         ------
         InputError
-            When a run file is missing or damaged, see `read_files`.
+            When a run file or an adopted dataset is missing or damaged, see `Source`.
         """
-        amounts_by_point = {point: amounts(parameters) for point, parameters in points.items()}
-        new = {
-            point: point_amounts
-            for point, point_amounts in amounts_by_point.items()
-            if not self._is_read(point, point_amounts)
-        }
+        new = {point: value for point, value in points.items() if not self._is_read(point, value)}
         if self._rows.keys() & new:
             blocks = select_rows(self._blocks, self._rows.keys() - new)
             self._blocks, self._rows = [], {}
             self._add(blocks)
-        sources = {point: self._adopted.source(point, points[point]) for point in new}
-        for dataset in sorted({source.dataset for source in sources.values() if source}):
-            members = {
-                point: new[point]
-                for point, source in sources.items()
-                if source and source.dataset == dataset
-            }
-            with checked_read(dataset, "dataset that was adopted", replaceable=True):
-                self._add(adopted_rows(dataset, members, self._particle_need))
-        files = [
-            (self._folder / f"{point}.nc", point_amounts, bool(self._particle_need(point)))
-            for point, point_amounts in new.items()
-            if not sources[point]
-        ]
-        self._add(read_files(files, self._processes, self._scheduler))
+        for source in self._sources:
+            blocks = source.rows(new)
+            self._add(blocks)
+            read = set(row_points(blocks))
+            new = {point: value for point, value in new.items() if point not in read}
 
-    def _is_read(self, point: str, point_amounts: Mapping[str, float]) -> bool:
+    def _is_read(self, point: str, parameters: Parameters) -> bool:
         if point not in self._rows:
             return False
         block, row = self._rows[point]
-        return block.origin["wanted"][row] == amounts_text(point_amounts)
+        return block.origin["wanted"][row] == amounts_text(amounts(parameters))
 
     def scalars(self, point: str) -> dict[str, np.ndarray]:
         """Return the scalars of a run that has been read; replicates beyond its own are empty."""

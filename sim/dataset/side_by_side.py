@@ -3,7 +3,7 @@
 import os
 import signal
 import threading
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
 from multiprocessing import get_context, parent_process
@@ -16,6 +16,8 @@ from sim.base.plugins import load, places
 from sim.dataset.earlier import reader_hash
 from sim.dataset.gather import read_run
 from sim.dataset.rows import Rows, merge_rows
+from sim.parameters import Parameters, amounts
+from sim.study.figure_spec import Shown
 
 #: Most run files that are read before their rows are handed over.
 BATCH = 40
@@ -38,6 +40,27 @@ class Batch(NamedTuple):
 
     blocks: list[Rows]
     problems: list[str]
+
+
+class RunFiles(NamedTuple):
+    """The rows of the run files in ``folder``; the last source, which has all points.
+
+    ``particle_need`` returns how much figures need of the particles of a point, by its id.
+    ``processes`` and ``scheduler`` are those of `read_files`.
+    """
+
+    folder: Path
+    particle_need: Callable[[str], Shown]
+    processes: int = 1
+    scheduler: str | None = None
+
+    def rows(self, points: Mapping[str, Parameters]) -> list[Rows]:
+        """Return the rows of points; raise `InputError` where files are missing or damaged."""
+        files = [
+            (self.folder / f"{key}.nc", amounts(point), bool(self.particle_need(key)))
+            for key, point in points.items()
+        ]
+        return read_files(files, self.processes, self.scheduler)
 
 
 def read_files(
@@ -93,9 +116,9 @@ def read_batch(files: Sequence[File]) -> Batch:
     rows, problems = [], []
     # A worker of a cluster may have several threads, and HDF5 is not thread-safe.
     with _READ_LOCK:
-        for path, amounts, has_state in files:
+        for path, wanted, has_state in files:
             try:
-                rows.append(read_run(path, amounts, has_state))
+                rows.append(read_run(path, wanted, has_state))
             except InputError as error:
                 problems.append(str(error))
     return Batch(merge_rows(rows), problems)

@@ -14,7 +14,7 @@ from pathlib import Path
 
 from sim.base.additions import codes
 from sim.base.errors import InputError
-from sim.base.private import NotPrivateError, cache_folder, private_folder, user_temporary_folder
+from sim.base.files import NotPrivateError, cache_folder, private_folder, user_temporary_folder
 from sim.engine.identity import COMPILED_PARTS, source_hash
 
 log = logging.getLogger("talus")

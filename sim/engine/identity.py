@@ -19,10 +19,11 @@ NUMERICS = 1
 NUMERICS_BY_HASH = {"0b14a980090c": 1}
 
 #: Parts of the package with the engine's sources, and those with compiled code.
-ENGINE_PARTS = ("parameters", "engine")
+ENGINE_PARTS = ("parameters", "laws", "engine")
 COMPILED_PARTS = (
     "engine/compile.py",
     "engine/calls.py",
+    "laws",
     "engine/contact",
     "engine/boundary",
     "engine/dynamics",

@@ -8,18 +8,18 @@ from numba import types
 from numba.core.errors import TypingError
 from numba.core.ir import Loc
 
-from sim.base.additions import attribute_errors_to, codes
+from sim.base.additions import attribute_errors_to, codes, plain_name, plugin_options
 from sim.base.errors import InputError, in_short
 from sim.engine.cache import COMPILED_KINDS
 from sim.engine.compile import PLUGIN_CODES
-from sim.parameters.choices import Choice, named, own
+from sim.parameters.choices import Choice
 
 #: The types registered so far.
 adopted_types: set[type] = set()
 
 
-def adopt_type(kind: type) -> bool:
-    """Register a type; return True where it is new.
+def adopt_type(kind: type, has_plugin: bool = True) -> bool:
+    """Register a type, of a plug-in or of Talus; return True where it is new.
 
     Raises
     ------
@@ -29,7 +29,7 @@ def adopt_type(kind: type) -> bool:
     """
     if kind in adopted_types:
         return False
-    if codes(*COMPILED_KINDS) != PLUGIN_CODES:
+    if has_plugin and codes(*COMPILED_KINDS) != PLUGIN_CODES:
         raise InputError(
             "a plug-in with a law or a motion is loaded before the first flow of a process, and "
             "imports nothing of sim.engine; start another process"
@@ -45,8 +45,8 @@ def make_numbers(
 
     The option's ``make`` computes the numbers from the ``arguments``.
     """
-    addition = own(choice.name)[option]
-    with attribute_errors_to(choice.name, named(option)):
+    addition = plugin_options(choice.name)[option]
+    with attribute_errors_to(choice.name, plain_name(option)):
         numbers = addition.make(*arguments)
         is_named = isinstance(numbers, tuple) and hasattr(numbers, "_fields")
         if not is_named or not all(isinstance(number, Real) for number in numbers):

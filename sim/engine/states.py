@@ -17,7 +17,8 @@ from typing import TYPE_CHECKING, Any, BinaryIO, Self
 import numpy as np
 
 from sim.base.errors import InputError
-from sim.base.files import atomic_write, is_damaged, open_regular, seal, set_aside
+from sim.base.files import atomic_write, open_regular
+from sim.base.seals import is_damaged, seal, set_aside
 from sim.engine.flatten import FlatState
 from sim.engine.identity import NUMERICS
 from sim.parameters import Parameters, point_id

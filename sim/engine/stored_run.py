@@ -7,10 +7,8 @@ from typing import Any
 
 import netCDF4
 
-from sim.base.damage import checked_read
 from sim.base.errors import InputError
-from sim.base.files import is_damaged
-from sim.base.summary import read_summary
+from sim.base.seals import checked_read, is_damaged, read_summary
 from sim.engine.identity import NUMERICS, numerics_of
 from sim.parameters import (
     SYSTEMS,
@@ -97,7 +95,7 @@ def read_origin_samples(path: Path) -> list[int]:
 def open_run_file(path: Path, replaceable: bool = False) -> Iterator[netCDF4.Dataset]:
     """Open a run file, without masks; an error in the block becomes one line.
 
-    Errors and ``replaceable`` are those of `sim.base.damage.checked_read`.
+    Errors and ``replaceable`` are those of `sim.base.seals.checked_read`.
     """
     with checked_read(path, "run file", replaceable, sealed=True), netCDF4.Dataset(path) as file:
         file.set_auto_mask(False)

@@ -11,8 +11,8 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from sim.base.damage import checked_read
 from sim.base.errors import InputError
+from sim.base.seals import checked_read
 from sim.dataset.run_file import RunFile
 from sim.figures.caption import unsteady_sentence
 from sim.figures.data import FigureData

@@ -12,8 +12,7 @@ from PIL.PngImagePlugin import PngInfo
 
 from sim.base.errors import InputError
 from sim.base.files import atomic_write
-from sim.dataset.added import require_known_options
-from sim.dataset.results import Results, load_results
+from sim.dataset.results import Results, load_results, require_known_options
 from sim.figures.animation import Animation, save_gif
 from sim.figures.caption import caption
 from sim.figures.data import FigureData, figure_data

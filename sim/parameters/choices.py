@@ -1,4 +1,4 @@
-"""Options that plug-ins add to a choice of a system, each with parameters of its own.
+"""Choices of a system, the contact law and the motion, and the options that plug-ins add to them.
 
 An option goes by its name and the hash of the plug-in that it is from (``hertz.1a2b3c4d``): what
 points say, and so their ids and run files. An edited one is another one.
@@ -10,14 +10,14 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cache
 from keyword import iskeyword
-from typing import Annotated, Any, ClassVar, Literal, Self
+from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import BeforeValidator, Field, create_model, model_validator
+from pydantic import BeforeValidator, Field, create_model
 
-from sim.base.additions import NAME, AdditionError, add, additions
+from sim.base.additions import NAME, AdditionError, add, plain_name, plugin_options
 from sim.base.errors import in_short
 from sim.base.require import require_function, require_line, require_number
-from sim.parameters.common import Parameters, Real, broken_rule
+from sim.parameters.common import Parameters, Real
 from sim.parameters.roles import Declaration, Role, declare
 from sim.parameters.variables import reserved_names
 
@@ -57,25 +57,20 @@ def parameter(
     )
 
 
-def own(kind: str) -> dict[str, Any]:
-    """Return the options of a kind that plug-ins have added, by the names that points have."""
-    return {f"{name}.{one.plugin.code}": one.value for name, one in additions(kind).items()}
-
-
-def named(option: str) -> str:
-    """Return the name of an option of a plug-in without the hash."""
-    return option.rpartition(".")[0]
-
-
 @dataclass(frozen=True)
-class OwnOption:
-    """An option of a plug-in: ``make`` gives the engine its numbers, ``parameters`` are its own."""
+class Option:
+    """An option of a choice: ``make`` gives the engine its numbers, ``parameters`` are its own."""
 
     make: Callable[..., Any]
     parameters: Mapping[str, Any]
 
-    #: Its functions, and how many arguments they take.
-    takes: ClassVar[Mapping[str, int]] = {"make": 1}
+    #: Number of arguments of each of its functions.
+    argument_counts: ClassVar[Mapping[str, int]] = {"make": 1}
+
+    @property
+    def compiled_by_hand(self) -> tuple[str, ...]:
+        """Functions that are missing because the type that ``make`` returns has compiled bodies."""
+        return ()
 
 
 @dataclass(frozen=True)
@@ -102,7 +97,7 @@ class Choice:
     role: Role
     kept: bool
 
-    def add(self, name: str, option: OwnOption) -> None:
+    def add(self, name: str, option: Option) -> None:
         """Add an option of the plug-in that is being loaded.
 
         Raises
@@ -111,8 +106,9 @@ class Choice:
             When its functions are none, or its parameters not those that `parameter` makes.
         """
         what, parameters = f"{self.name} {name}", option.parameters
-        for key, number in option.takes.items():
-            require_function(f"{what}: {key}", getattr(option, key), number)
+        for key, number in option.argument_counts.items():
+            if key not in option.compiled_by_hand:
+                require_function(f"{what}: {key}", getattr(option, key), number)
         if not isinstance(parameters, Mapping):
             allowed = "a mapping of names to what sim.parameter makes"
             raise AdditionError(f"{what}: parameters is {allowed}: got {in_short(parameters)}")
@@ -127,82 +123,48 @@ class Choice:
         """Refuse the name of a parameter that others have; ``what`` declares it."""
         if not (isinstance(name, str) and re.fullmatch(NAME, name)) or iskeyword(name):
             raise AdditionError(f"{what}: parameter {name!r}: a name has letters a-z, digits and _")
-        taken = {*dir(WithOwn), *WithOwn.__class_vars__, *_ELSEWHERE} | reserved_names()
+        taken = {*dir(Parameters), *Parameters.__class_vars__, *_ELSEWHERE} | reserved_names()
         if name in taken.union(*((*dir(one), *one.model_fields) for one in self.models)):
             raise AdditionError(f"{what}: parameter {name}: Talus has one of this name")
         for kind in ("law", "motion"):
-            for other, one in own(kind).items():
+            for other, one in plugin_options(kind).items():
                 if name in one.parameters:
-                    raise AdditionError(f"{what}: parameter {name}: {kind} {named(other)} has it")
+                    raise AdditionError(
+                        f"{what}: parameter {name}: {kind} {plain_name(other)} has it"
+                    )
 
     def is_own(self, option: str) -> bool:
         """Return whether an option is that of a plug-in, be it loaded or not."""
         return option not in (*self.usual, "")
 
 
-class WithOwn(Parameters):
-    """Parameters of a system with the options, by choice, that plug-ins have ``offered``."""
-
-    offered: ClassVar[Mapping[Choice, Mapping[str, Any]]]
-
-    def own_option(self, choice: Choice) -> Any:
-        """Return what a plug-in offers that this point has chosen, None where nothing is."""
-        return self.offered.get(choice, {}).get(getattr(self, choice.name, ""))
-
-    @model_validator(mode="after")
-    def _with_parameters_of_its_options(self) -> Self:
-        for choice, offered in self.offered.items():
-            for option, one in offered.items():
-                for name in one.parameters if option != getattr(self, choice.name) else ():
-                    require_usual(self, name, f"{choice.name} is {named(option)}, whose it is")
-        return self
-
-
-def require_usual(parameters: Parameters, name: str, unless: str) -> None:
-    """Refuse another value of a parameter than its default, ``unless`` something is."""
-    value, usual = getattr(parameters, name), type(parameters).model_fields[name].default
-    if value != usual:
-        raise broken_rule(name, value, f"{usual:g} unless {unless}")
-
-
-def extended(base: type[WithOwn], *choices: Choice) -> type[Parameters]:
-    """Return the parameters of a system with what plug-ins offer for choices.
-
-    Parameters
-    ----------
-    base : type
-        Stands for the parameters of Talus, its last base, where there is an offer.
-    *choices : Choice
-        What plug-ins may offer.
-    """
-    options = {choice: tuple(own(choice.name)) for choice in choices}
+def extended(base: type[Parameters], *choices: Choice) -> type[Parameters]:
+    """Return the parameters of a system with the options that plug-ins add to its choices."""
+    options = {choice: tuple(plugin_options(choice.name)) for choice in choices}
     offers = tuple((choice, names) for choice, names in options.items() if names)
-    return _extended(base, offers) if offers else base.__bases__[-1]
+    return _extended(base, offers) if offers else base
 
 
 @cache
 def _extended(
-    base: type[WithOwn], offers: tuple[tuple[Choice, tuple[str, ...]], ...]
+    base: type[Parameters], offers: tuple[tuple[Choice, tuple[str, ...]], ...]
 ) -> type[Parameters]:
-    usual: Any = base.__bases__[-1]
-    # Of a field that several bases declare pydantic takes that of the first, not of the system.
-    fields: dict[str, Any] = {
-        name: (field.annotation, field) for name, field in usual.model_fields.items()
-    }
-    kept, offered = [*base.fixed_parameters], {choice: own(choice.name) for choice, _ in offers}
-    for choice, options in offers:
-        fields[choice.name] = _field(base, choice, options)
-        for one in offered[choice].values():
-            fields |= {name: (Real, field) for name, field in one.parameters.items()}
-            kept += one.parameters if choice.kept else ()
-    made: Any = create_model(usual.__name__, __base__=base, **fields)
-    made.fixed_parameters, made.offered = tuple(kept), offered
-    return made
+    fields: dict[str, Any] = {}
+    fixed, offered = [*base.fixed_parameters], {}
+    for choice, names in offers:
+        fields[choice.name] = _field(base, choice, names)
+        offered[choice.name] = plugin_options(choice.name)
+        for option in offered[choice.name].values():
+            fields |= {name: (Real, field) for name, field in option.parameters.items()}
+            fixed += option.parameters if choice.kept else ()
+    model: Any = create_model(base.__name__, __base__=base, **fields)
+    model.fixed_parameters, model.offered = tuple(fixed), offered
+    return model
 
 
-def _field(base: type[WithOwn], choice: Choice, options: tuple[str, ...]) -> tuple[Any, Any]:
+def _field(base: type[Parameters], choice: Choice, options: tuple[str, ...]) -> tuple[Any, Any]:
     """Return type and declaration of a choice with more options."""
-    known = {named(option): option for option in options}
+    known = {plain_name(option): option for option in options}
 
     def coded(value: Any) -> Any:
         return known.get(value, value) if isinstance(value, str) else value

@@ -1,5 +1,6 @@
 """Parameters of all systems: canonical numbers, lengths of runs, sizes."""
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
 
 from annotated_types import Ge, Gt
@@ -7,6 +8,7 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, model_validator
 from pydantic.fields import FieldInfo
 from pydantic_core import PydanticCustomError
 
+from sim.base.additions import plain_name, shipped
 from sim.parameters.roles import declare
 
 SIGNIFICANT_DIGITS = 12
@@ -55,6 +57,13 @@ def broken_rule(key: str, value: Any, allowed: str) -> PydanticCustomError:
     return PydanticCustomError("rule", "{allowed}", {"key": key, "got": value, "allowed": allowed})
 
 
+def require_default(parameters: "Parameters", name: str, unless: str) -> None:
+    """Refuse another value of a parameter than its default, ``unless`` something is."""
+    value, usual = getattr(parameters, name), type(parameters).model_fields[name].default
+    if value != usual:
+        raise broken_rule(name, value, f"{usual:g} unless {unless}")
+
+
 class Parameters(BaseModel):
     """Parameters shared by all systems, and the lengths of a run counted in steps.
 
@@ -80,6 +89,8 @@ class Parameters(BaseModel):
         Directions in which particles move.
     most_contacts : int
         Contacts per particle that fit in a frame of a trajectory.
+    offered : mapping
+        Options of plug-ins: parameter -> name in points -> the option.
     """
 
     model_config = ConfigDict(
@@ -96,6 +107,7 @@ class Parameters(BaseModel):
     state_numbers: ClassVar[int]
     axes: ClassVar[int]
     most_contacts: ClassVar[int]
+    offered: ClassVar[Mapping[str, Mapping[str, Any]]] = {}
 
     if TYPE_CHECKING:
         # Every concrete system adds these, with its own ranges, defaults and meanings.
@@ -182,6 +194,19 @@ class Parameters(BaseModel):
         ge=0.001,
         le=0.5,
     )
+
+    def option(self, choice: str) -> Any:
+        """Return the law or the motion that the point has, of Talus or of a plug-in."""
+        name = getattr(self, choice)
+        return self.offered.get(choice, {}).get(name) or shipped(choice)[name]
+
+    @model_validator(mode="after")
+    def _require_option_of_parameters(self) -> Self:
+        for choice, options in self.offered.items():
+            for name, option in options.items():
+                for key in option.parameters if name != getattr(self, choice) else ():
+                    require_default(self, key, f"{choice} is {plain_name(name)}, whose it is")
+        return self
 
     @property
     def glued_particles(self) -> int:

@@ -1,16 +1,17 @@
-"""Contact laws of plug-ins, and the parameters of a chute with them."""
+"""Contact laws: what a law is, and the call that adds one."""
 
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar, get_args
 
-from sim.base.additions import attribute_errors_to
 from sim.base.require import require_count
-from sim.parameters.choices import Choice, OwnOption, WithOwn, named
+from sim.parameters.choices import Choice, Option
 from sim.parameters.chute import ChuteParameters
 from sim.parameters.conveyor import ConveyorParameters
-from sim.parameters.spheres import SphereParameters
+from sim.parameters.spheres import SMALL_OVERLAP, SphereParameters
+
+__all__ = ["LAW", "SMALL_OVERLAP", "Law", "law"]
 
 #: The choice of a contact law.
 LAW = Choice(
@@ -23,15 +24,27 @@ LAW = Choice(
 
 
 @dataclass(frozen=True)
-class OwnLaw(OwnOption):
-    """A contact law of a plug-in: see `law`."""
+class Law(Option):
+    """A contact law: see `law`."""
 
-    force: Callable[..., Any]
-    energy: Callable[..., Any]
+    force: Callable[..., Any] | None
+    energy: Callable[..., Any] | None
     collision_time: Callable[[Any], float]
     remembers: int
+    one_mass: bool
+    max_overlap: float
 
-    takes: ClassVar[Mapping[str, int]] = {"make": 2, "force": 8, "energy": 6, "collision_time": 1}
+    argument_counts: ClassVar[Mapping[str, int]] = {
+        "make": 2,
+        "force": 8,
+        "energy": 6,
+        "collision_time": 1,
+    }
+
+    @property
+    def compiled_by_hand(self) -> tuple[str, ...]:
+        """Force and energy, where both are missing."""
+        return ("force", "energy") if self.force is self.energy is None else ()
 
 
 #: Numbers of its own that a law remembers of a contact unless it says another number, and at most.
@@ -42,11 +55,13 @@ def law(
     name: str,
     *,
     make: Callable[[Any, Any], Any],
-    force: Callable[..., Any],
-    energy: Callable[..., Any],
+    force: Callable[..., Any] | None,
+    energy: Callable[..., Any] | None,
     collision_time: Callable[[Any], float],
     parameters: Mapping[str, Any] | None = None,
     remembers: int = USUALLY_REMEMBERED,
+    one_mass: bool = False,
+    max_overlap: float = math.inf,
 ) -> None:
     """Declare a contact law of the spheres, an option of the parameter ``law``.
 
@@ -76,31 +91,13 @@ def law(
         Parameters that it adds to those of the chute, made by `parameter`.
     remembers : int
         How many numbers ``force`` gives to remember.
+    one_mass : bool
+        Whether the law needs particles of one mass: ``force`` makes no use of ``mass``.
+    max_overlap : float
+        Largest overlap of an impact, in diameters, for which the law stands. Faster starts get a
+        caveat; the overlap is that of a spring of the stiffness K1.
     """
     require_count(f"law {name}: remembers", remembers, MOST_REMEMBERED)
-    LAW.add(name, OwnLaw(make, parameters or {}, force, energy, collision_time, int(remembers)))
-
-
-class WithOwnLaws(WithOwn, SphereParameters):
-    """What a law of a plug-in says of a system of spheres."""
-
-    @property
-    def collision_time(self) -> float:
-        """Duration of the shortest collision, s."""
-        one = self.own_option(LAW)
-        if one is None:
-            return super().collision_time
-        with attribute_errors_to(LAW.name, named(self.law)):
-            time = float(one.collision_time(self))
-            if not 0 < time < math.inf:
-                raise ValueError(f"a collision takes {time} s")
-        return time
-
-    @property
-    def caveat(self) -> str:
-        """Say nothing of the start: how much spheres overlap is the law's affair."""
-        return "" if self.own_option(LAW) else super().caveat
-
-
-class ChuteWithOwn(WithOwnLaws, ChuteParameters):
-    """Parameters of a chute with laws of plug-ins."""
+    functions = force, energy, collision_time
+    added = Law(make, parameters or {}, *functions, int(remembers), one_mass, max_overlap)
+    LAW.add(name, added)

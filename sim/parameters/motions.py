@@ -1,38 +1,26 @@
-"""Motions of plug-ins, and the parameters of a belt and of a conveyor with them."""
+"""Motions of plug-ins: what one is, and the call that adds one."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any, ClassVar, Self
-
-from pydantic import model_validator
+from typing import Any, ClassVar
 
 from sim.parameters.belt import BeltParameters
-from sim.parameters.choices import Choice, OwnOption, WithOwn, require_usual
+from sim.parameters.choices import Choice, Option
 from sim.parameters.conveyor import ConveyorParameters
-from sim.parameters.laws import WithOwnLaws
 
 #: The choice of a motion; that of Talus is harmonic.
 MOTION = Choice(
     "motion", (BeltParameters, ConveyorParameters), ("harmonic",), "physics", kept=False
 )
 
-#: What of the plane's motion a motion of a plug-in takes the place of.
-_HARMONIC = (
-    "phase_along",
-    "overtone",
-    "overtone_amplitude",
-    "overtone_along",
-    "overtone_phase",
-)
-
 
 @dataclass(frozen=True)
-class OwnMotion(OwnOption):
+class Motion(Option):
     """A motion of a plug-in: see `motion`."""
 
     state: Callable[..., Any]
 
-    takes: ClassVar[Mapping[str, int]] = {"make": 1, "state": 2}
+    argument_counts: ClassVar[Mapping[str, int]] = {"make": 1, "state": 2}
 
 
 def motion(
@@ -60,18 +48,4 @@ def motion(
     parameters : mapping, optional
         Parameters that it adds to those of belt and conveyor, made by `parameter`.
     """
-    MOTION.add(name, OwnMotion(make, parameters or {}, state))
-
-
-class BeltWithOwn(WithOwn, BeltParameters):
-    """Parameters of a belt with motions of plug-ins."""
-
-
-class ConveyorWithOwn(WithOwnLaws, ConveyorParameters):
-    """Parameters of a conveyor with laws and motions of plug-ins."""
-
-    @model_validator(mode="after")
-    def _of_harmonic_motions_alone(self) -> Self:
-        for name in _HARMONIC if self.own_option(MOTION) else ():
-            require_usual(self, name, "motion is harmonic, whose it is")
-        return self
+    MOTION.add(name, Motion(make, parameters or {}, state))

@@ -14,14 +14,15 @@ from pydantic import ValidationError
 from sim.base.additions import on_change
 from sim.base.errors import InputError
 from sim.base.messages import allowed_values, input_error
+from sim.base.plugins import load_shipped
 from sim.base.yaml import read_yaml
 from sim.parameters.belt import BeltParameters
 from sim.parameters.choices import extended
 from sim.parameters.chute import ChuteParameters
 from sim.parameters.common import Parameters, canonical_number
 from sim.parameters.conveyor import ConveyorParameters
-from sim.parameters.laws import LAW, ChuteWithOwn
-from sim.parameters.motions import MOTION, BeltWithOwn, ConveyorWithOwn
+from sim.parameters.laws import LAW
+from sim.parameters.motions import MOTION
 from sim.parameters.roles import (
     Declaration,
     added_parameters,
@@ -41,12 +42,13 @@ SYSTEMS: dict[str, type[Parameters]] = {
 def _update_systems() -> None:
     """Rebuild `SYSTEMS` with the laws and motions of the loaded plug-ins."""
     SYSTEMS.update(
-        chute=extended(ChuteWithOwn, LAW),
-        belt=extended(BeltWithOwn, MOTION),
-        conveyor=extended(ConveyorWithOwn, LAW, MOTION),
+        chute=extended(ChuteParameters, LAW),
+        belt=extended(BeltParameters, MOTION),
+        conveyor=extended(ConveyorParameters, LAW, MOTION),
     )
 
 
+load_shipped("sim.laws")
 on_change(_update_systems)
 
 #: Suffix of run files.

@@ -5,6 +5,8 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self
 
 from pydantic import model_validator
 
+from sim.base.additions import attribute_errors_to, plain_name
+from sim.base.plugins import module_names
 from sim.parameters.common import MAX_PARTICLES, Parameters, Real, broken_rule
 from sim.parameters.roles import declare
 
@@ -13,9 +15,6 @@ from sim.parameters.roles import declare
 RATE = 45.0e6
 RATE_DEPTH = 5.0
 RATE_EXPONENT = -0.55
-
-#: Velocity in √(gσ) of the impacts that the time step of Hertz's law must resolve.
-IMPACT = 10
 
 #: Largest overlap of an impact, in diameters, at which laws of small overlaps are valid: twice that
 #: of the paper's softest spheres.
@@ -37,6 +36,12 @@ _DEPTH_CAVEAT = (
 
 #: Skin of the neighbor list, in diameters, and the usual number of neighbors of a sphere in it.
 SKIN, USUAL_NEIGHBORS = 0.2, 8
+
+if TYPE_CHECKING:
+    LawName = str
+else:
+    #: Names of the laws that ship, those of their files, the default first.
+    LawName = Literal[tuple(dict.fromkeys(("walton_braun", *module_names("sim.laws"))))]
 
 SlidingDirection = Literal["printed", "slip"]
 
@@ -122,7 +127,7 @@ class SphereParameters(Parameters):
         id_part="stiffness",
         gt=0,
     )
-    law: Literal["walton_braun", "spring_dashpot", "hertz", "drag"] = declare(
+    law: LawName = declare(
         "walton_braun",
         description="contact law: Walton and Braun's; the linear spring and dashpot with a linear "
         "tangential spring that most DEM codes use; Hertz's and Mindlin's, at an overlap of σ/100 "
@@ -333,29 +338,27 @@ class SphereParameters(Parameters):
 
     @property
     def collision_time(self) -> float:
-        """Duration of a binary collision of the lightest particles, s, with m* = m/2.
-
-        Walton and Braun: t_c = (π/2) √(m*/K1) (1 + e). Springs with dashpots or drags:
-        π √(m*/K) √(1 + (ln e/π)²). Hertz: 2.87 (m*²/(R* E*² v))^(1/5) at a velocity of 10 √(gσ).
-        """
-        spread = self.diameter_spread
-        lightest = self.mass * (1 - spread) ** 3 / (1 + spread**2)
-        loading = math.pi / 2 * math.sqrt(lightest / 2 / self.stiffness)
-        if self.law == "hertz":
-            radius = self.diameter * (1 - spread) / 4
-            speed = IMPACT * self.velocity_unit
-            return 2.87 * ((lightest / 2 / self.effective_modulus) ** 2 / (radius * speed)) ** 0.2
-        if self.law in ("spring_dashpot", "drag"):
-            return 2 * loading * math.hypot(1, math.log(self.restitution) / math.pi)
-        return loading * (1 + self.restitution)
+        """Duration of the shortest collision, s, as the law of the point gives it."""
+        law = self.option("law")
+        with attribute_errors_to("law", plain_name(self.law)):
+            time = float(law.collision_time(self))
+            if not 0 < time < math.inf:
+                raise ValueError(f"a collision takes {time} s")
+        return time
 
     @property
-    def effective_modulus(self) -> float:
-        """E* of Hertz's law, Pa: at an overlap of σ/100 its force equals that of the spring K1.
+    def lightest_mass(self) -> float:
+        """Mass of the lightest particles, kg."""
+        spread = self.diameter_spread
+        return self.mass * (1 - spread) ** 3 / (1 + spread**2)
 
-        (4/3) E* √(σ/4) (σ/100)^(3/2) = K1 σ/100.
+    @property
+    def loading_time(self) -> float:
+        """Time for which two of the lightest particles press a spring K1, s.
+
+        (π/2) √(m*/K1), with m* = m/2.
         """
-        return 15 * self.stiffness / self.diameter
+        return math.pi / 2 * math.sqrt(self.lightest_mass / 2 / self.stiffness)
 
     @property
     def period(self) -> float:
@@ -425,7 +428,8 @@ class SphereParameters(Parameters):
         of the contact law. The depth of whole particles may differ from the requested one.
         """
         overlap = speed * math.sqrt(0.5 * self.mass / self.stiffness) / self.diameter
-        caveats = [f"impacts at {source} {_OVERLAP_CAVEAT}"] if overlap > SMALL_OVERLAP else []
+        is_large = overlap > self.option("law").max_overlap
+        caveats = [f"impacts at {source} {_OVERLAP_CAVEAT}"] if is_large else []
         if (
             abs(self.particles - self.depth * self._area)
             > DEPTH_TOLERANCE * self.depth * self._area
@@ -444,12 +448,11 @@ class SphereParameters(Parameters):
         return RATE * (max(RATE_DEPTH, self.depth) / RATE_DEPTH) ** RATE_EXPONENT
 
     @model_validator(mode="after")
-    def _require_one_mass_for_dashpots(self) -> Self:
-        # The damping for a given restitution depends on the masses of the two partners.
-        if self.law == "spring_dashpot":
+    def _require_masses_of_the_law(self) -> Self:
+        if self.option("law").one_mass:
             for name in ("diameter_spread", "bumps"):
                 if getattr(self, name):
-                    raise broken_rule(name, getattr(self, name), "0 with law: spring_dashpot")
+                    raise broken_rule(name, getattr(self, name), f"0 with law: {self.law}")
         return self
 
     @model_validator(mode="after")

@@ -8,9 +8,8 @@ from pathlib import Path
 from typing import Any
 
 from sim.report.claims import PAPERS, VERDICTS, count_verdicts, read_claims
-from sim.report.numbers import value_with_interval
+from sim.report.numbers import template, value_with_interval
 from sim.report.publish import PUBLISHED
-from sim.report.templating import template
 
 
 def page(claims: Mapping[str, Mapping[str, Any]], runs: Mapping[str, Mapping[str, Any]]) -> str:

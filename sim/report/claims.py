@@ -5,8 +5,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from sim.base.damage import checked_read
-from sim.base.sealed_json import parse_sealed_json
+from sim.base.seals import checked_read, parse_sealed_json
 from sim.parameters.words import PROTOCOLS
 from sim.report.numbers import bounds, strip, threshold, value_with_interval, value_with_p
 from sim.study.catalogue import FIGURES

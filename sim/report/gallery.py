@@ -8,7 +8,7 @@ from xml.etree import ElementTree
 
 import pandas as pd
 
-from sim.base.damage import checked_read
+from sim.base.seals import checked_read
 from sim.study.figure_spec import FigureSpec
 
 #: Figures of the first screen, if a study has them.

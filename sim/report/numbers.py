@@ -1,10 +1,15 @@
-"""Numbers with intervals and thresholds, as text and as positions on a strip."""
+"""Text of the report: numbers with intervals and thresholds, and the templates of pages."""
 
+import shlex
 from collections.abc import Mapping
 from math import isfinite
+from pathlib import Path
 from typing import Any
 
+import jinja2
 from uncertainties import ufloat
+
+from sim.base.words import duration
 
 #: Relative width of an interval below which it does not set the digits of its value.
 _EXACT = 1e-4
@@ -14,6 +19,8 @@ _LEAST_P = 1e-4
 
 #: Free margin on either side of a strip, relative to the shown range.
 _MARGIN = 0.1
+
+TEMPLATES = Path(__file__).parent / "templates"
 
 
 def finite_or_none(value: float) -> float | None:
@@ -123,3 +130,19 @@ def strip(check: Mapping[str, Any]) -> dict[str, float] | None:
         "low": low,
         "width": round(high - low, 1),
     }
+
+
+def template(name: str) -> jinja2.Template:
+    """Return a template of a page; undefined names raise an error.
+
+    Values are escaped in HTML, but not in Markdown.
+    """
+    environment = jinja2.Environment(
+        loader=jinja2.FileSystemLoader(TEMPLATES),
+        autoescape=".html" in name,
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters |= {"duration": duration, "percent": percent, "quoted": shlex.quote}
+    return environment.get_template(name)

@@ -24,16 +24,16 @@ from sim.report.claims import (
     read_claims,
 )
 from sim.report.gallery import Address, data_uri, figure_entries, headline_figures
+from sim.report.numbers import template
 from sim.report.readings import reading_tables
 from sim.report.runs import (
     adopted_datasets,
     boundary_rows,
     parameter_rows,
     run_rows,
+    state_of,
     varied_columns,
 )
-from sim.report.state import state_of
-from sim.report.templating import template
 from sim.study.load import Study, load_study
 
 

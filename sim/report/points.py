@@ -12,7 +12,7 @@ from sim.base.files import require_writable
 from sim.base.program import program
 from sim.base.words import count_text, duration
 from sim.dataset.adopted import AdoptedPoints
-from sim.dataset.starts import require_start_files
+from sim.dataset.run_file import require_start_files
 from sim.parameters import complete_values
 from sim.study.cost import Estimate, estimate
 from sim.study.figure_points import omission_notes

@@ -13,13 +13,13 @@ from typing import Any
 import numpy as np
 
 from sim.base.errors import InputError
-from sim.base.files import atomic_write, read_regular, read_seal, require_writable
+from sim.base.files import atomic_write, read_regular, require_writable
+from sim.base.seals import read_seal
 from sim.dataset.run_file import RunFile
 from sim.engine.stored_run import open_run_file, parameters_of
 from sim.parameters import Parameters, as_yaml, complete_values, default_of, field_info
 from sim.parameters.words import setting
-from sim.report.numbers import value_with_interval
-from sim.report.templating import template
+from sim.report.numbers import template, value_with_interval
 
 #: Number of lines shown from the end of a log.
 LOG_LINES = 40

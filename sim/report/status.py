@@ -11,11 +11,11 @@ from pathlib import Path
 import numpy as np
 import psutil
 
-from sim.base.damage import UNREADABLE
+from sim.base.seals import UNREADABLE
 from sim.dataset.adopted import AdoptedPoint, AdoptedPoints
 from sim.dataset.caveats import caveat_of_run
 from sim.dataset.rounds import known_points, round_files
-from sim.dataset.summary import summary_of
+from sim.dataset.run_file import summary_of
 from sim.engine.identity import NUMERICS, numerics_of
 from sim.engine.progress import CREDIT, Progress, may_end_early, progress_file, read_progress
 from sim.engine.stored_run import has_enough

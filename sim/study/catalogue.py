@@ -14,7 +14,7 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationEr
 
 from sim.base.errors import InputError
 from sim.base.messages import did_you_mean, input_error
-from sim.base.package import PACKAGE
+from sim.base.program import PACKAGE
 from sim.base.yaml import read_yaml
 from sim.parameters import SYSTEMS
 from sim.study.figure_spec import (

@@ -9,10 +9,14 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from sim.base.errors import InputError
-from sim.base.files import require_writable
-from sim.base.package import package_folder
-from sim.base.private import NotPrivateError, cache_folder, private_folder, user_temporary_folder
-from sim.base.program import program
+from sim.base.files import (
+    NotPrivateError,
+    cache_folder,
+    private_folder,
+    require_writable,
+    user_temporary_folder,
+)
+from sim.base.program import package_folder, program
 from sim.study.entries import ALLOWED_NAME, NAME
 from sim.study.load import load_study
 

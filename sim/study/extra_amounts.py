@@ -4,9 +4,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from sim.base.damage import checked_read
 from sim.base.files import atomic_write
-from sim.base.sealed_json import parse_sealed_json, to_sealed_json
+from sim.base.seals import checked_read, parse_sealed_json, to_sealed_json
 from sim.parameters import AMOUNTS, Parameters, with_larger_amounts
 from sim.study.model import Point
 

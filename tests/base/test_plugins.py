@@ -85,7 +85,7 @@ def test_parts_bring_their_plugins(tmp_path):
                 "drift",
                 "particles",
                 "time_step",
-                "own_option",
+                "option",
                 "offered",
                 "dict",
                 "point",

@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from sim.base.files import seal
+from sim.base.seals import seal
 from sim.claims import experiments
 from sim.claims.experiments import run_experiment
 from sim.claims.table import claims

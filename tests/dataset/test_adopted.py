@@ -11,8 +11,8 @@ import pytest
 import xarray as xr
 
 from sim.__main__ import main
-from sim.base.damage import DamagedError
 from sim.base.errors import InputError
+from sim.base.seals import DamagedError
 from sim.dataset import adopt as adopt_module
 from sim.dataset import earlier
 from sim.dataset.adopt import adopt

@@ -7,7 +7,7 @@ import xarray as xr
 
 from sim.base.errors import InputError
 from sim.dataset.build import build
-from sim.dataset.summary import summary_of
+from sim.dataset.run_file import summary_of
 from sim.engine.run import run_point
 from sim.parameters import amounts
 from sim.report.status import survey

@@ -13,8 +13,8 @@ from sim.__main__ import main
 from sim.base.errors import InputError
 from sim.dataset import side_by_side
 from sim.dataset.boundaries import build
-from sim.dataset.boundary_table import read_table
 from sim.dataset.build import build as build_dataset
+from sim.dataset.results import read_table
 from sim.dataset.rounds import add_rounds, added_points, find_sides, side_reader, write_round
 from sim.parameters import parse_point, point_id
 from sim.study.load import load_study

@@ -6,7 +6,7 @@ import xarray as xr
 
 from sim.dataset.caveats import UNSOUND_SHARE, caveat, caveat_of_run
 from sim.dataset.gather import read_run
-from sim.dataset.summary import summary_of
+from sim.dataset.run_file import summary_of
 from sim.parameters import BeltParameters, ChuteParameters, ConveyorParameters, amounts
 from tests.made.netcdf import store
 from tests.made.runs import write_run

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 import xarray as xr
 
-from sim.base.files import seal
+from sim.base.seals import seal
 from sim.dataset import earlier, gather, side_by_side
 from tests.made.mixed import PATHS, POINTS, SHOWN, STATES, Mixed, ids
 from tests.made.netcdf import store

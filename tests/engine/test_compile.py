@@ -106,7 +106,7 @@ def test_compiling_is_told_once_and_is_no_work():
 @pytest.mark.parametrize("given", [chute_point(depth=1, cell=4), belt_point(beads=5, width=5)])
 def test_the_time_of_the_loop_is_without_what_is_compiled_in_it(given, monkeypatch):
     system = build(given, 0)
-    holder, name = (system, "_advance") if given.system == "belt" else (system._call, "advance")
+    holder, name = (system, "_advance") if given.system == "belt" else (system._kernels, "advance")
     advance = getattr(holder, name)
 
     def advance_and_compile(*arguments):

@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 
 from sim.engine.replicate import Replicate
-from sim.engine.run import run_point
-from sim.engine.stages import read_stages
+from sim.engine.run import read_stages, run_point
 from sim.engine.stored_run import current_status, find_group
 from sim.parameters import Parameters, amounts, point_id
 from tests.engine_motion.points import belt_point, chute_point

@@ -93,7 +93,7 @@ def early(parameters: Parameters) -> dict[str, list[float]]:
 
 def worst_error(parameters: Parameters, found: Mapping, expected: Mapping) -> float:
     """Return the largest difference of two early records, relative to all series of its unit."""
-    units = {name: unit for name, (unit, _) in build(parameters, 0).series.items()}
+    units = {name: row.unit for name, row in build(parameters, 0).series.items()}
     largest: dict[str, float] = {}
     for name, values in expected.items():
         largest[units[name]] = max(largest.get(units[name], 0.0), *map(abs, values))

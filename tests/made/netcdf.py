@@ -8,7 +8,7 @@ from typing import Any
 import netCDF4
 import xarray as xr
 
-from sim.base.files import seal
+from sim.base.seals import seal
 
 #: Largest relative difference of a profile in a dataset from that in the run file.
 ROUNDING = 2.0**-10

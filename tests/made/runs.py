@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from sim.base.files import seal
-from sim.base.summary import append_summary
+from sim.base.seals import append_summary, seal
 from sim.dataset.rounds import added_points
 from sim.engine.identity import NUMERICS
 from sim.engine.observe.force_balance import base_forces

@@ -6,7 +6,7 @@ import pytest
 import yaml
 
 from sim.__main__ import main
-from sim.base.files import seal
+from sim.base.seals import seal
 from sim.parameters import BeltParameters, ChuteParameters, load_point
 from sim.report.info import describe
 from tests.made.figures import make_built_study

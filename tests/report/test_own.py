@@ -12,7 +12,7 @@ from sim.figures.several import draw_figures
 from sim.parameters import ChuteParameters, amounts
 from sim.report.page import build
 from sim.report.publish import publish
-from sim.report.state import state_of
+from sim.report.runs import state_of
 from sim.study.load import load_study
 from tests.made.report import write_claims
 from tests.made.runs import write_run

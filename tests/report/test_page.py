@@ -8,9 +8,8 @@ from pathlib import Path
 import pytest
 import xarray as xr
 
-from sim.base.damage import DamagedError
 from sim.base.errors import InputError
-from sim.base.sealed_json import parse_sealed_json, to_sealed_json
+from sim.base.seals import DamagedError, parse_sealed_json, to_sealed_json
 from sim.dataset.build import build as build_dataset
 from sim.dataset.results import load_results
 from sim.figures.several import draw_figures

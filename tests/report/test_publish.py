@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 
 from sim.__main__ import main
-from sim.base.damage import DamagedError
 from sim.base.errors import InputError
+from sim.base.seals import DamagedError
 from sim.figures.figure_records import RECORD_FILE
 from sim.report import publish
 from sim.study.catalogue import FIGURES

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from sim.__main__ import main
-from sim.base.package import package_folder
+from sim.base.program import package_folder
 from sim.study import command
 from sim.study.load import load_study
 

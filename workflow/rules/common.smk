@@ -28,7 +28,7 @@ from sim.engine.stored_run import has_enough, needs_growth, planned_amounts
 from sim.engine.identity import numerics_mark
 from sim.dataset.adopted import AdoptedPoints
 from sim.dataset.rounds import read_round
-from sim.dataset.starts import require_start_files
+from sim.dataset.run_file import require_start_files
 from sim.study.batches import plan_batches
 from sim.study.load import DEFAULT_STUDY, estimate, load_study
 
@@ -212,8 +212,7 @@ def warn_of_namesake():
 
 def start_watch():
     """Start to show the progress of the study; return the `Watch` that shows it."""
-    from sim.report.failed_jobs import FailedJobs, is_news
-    from sim.report.watch import Watch
+    from sim.report.watch import FailedJobs, Watch, is_news
 
     points = {key: point for key, point in STUDY.points.items() if key not in SOURCES}
     study_watch = Watch(replace(STUDY, points=points), Path(RESULTS))

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from sim.base.named_values import NamedValues
+from sim.dataset.run_file import NamedValues
 
 #: Cycles after the start in which density waves are reported to be strongest.
 EARLY_CYCLES = 10

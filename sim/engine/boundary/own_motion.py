@@ -5,11 +5,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sim.base.additions import plugin_error
+from sim.base.additions import plain_name, plugin_error
 from sim.engine.compile import implements, inlined, kernel
 from sim.engine.plugin_types import adopt_type, make_numbers, require_numbers
 from sim.parameters import Parameters
-from sim.parameters.choices import named
 from sim.parameters.motions import MOTION
 
 #: Parts of a cycle in which the velocity along x of a plug-in's motion is integrated, each by the
@@ -31,7 +30,7 @@ def own_motion(p: Parameters) -> "NamedTuple | None":
     try:
         _require_sound(motion)
     except ValueError as error:
-        raise plugin_error(MOTION.name, named(option), error) from None
+        raise plugin_error(MOTION.name, plain_name(option), error) from None
     return motion
 
 

@@ -1,14 +1,14 @@
-"""Contact laws: one file per law.
+"""Contact laws as compiled code.
 
 A law is a ``NamedTuple`` of its parameters and a body registered for the generic function of its
 family. numba chooses the body by the tuple's type when a kernel is compiled, so particles, plane,
 belt and obstacle share the law's code and no branch is left at run time.
 
-The parameter ``law`` of the spheres names a module of this folder, whose ``from_parameters`` makes
-the law of a point for one kind of partners, or a law of a plug-in (`sim.engine.contact.own`).
+The parameter ``law`` of the spheres names a law, of `sim.laws` or of a plug-in. Its ``make`` gives
+the tuple. Its functions become bodies in `sim.engine.contact.functions`; the files beside that one
+hold bodies that are compiled by hand.
 """
 
-from importlib import import_module
 from typing import NamedTuple
 
 from sim.parameters.laws import LAW
@@ -26,9 +26,15 @@ class Partners(NamedTuple):
 
 def law_of(parameters: SphereParameters, partners: Partners) -> NamedTuple:
     """Return the law that a point names, for one kind of partners."""
+    law = parameters.option("law")
+    if law.compiled_by_hand:
+        return law.make(parameters, partners)
+    from sim.engine.contact.functions import add_law
+
     if LAW.is_own(parameters.law):
-        from sim.engine.contact.own import add_law
         from sim.engine.plugin_types import make_numbers
 
         return make_numbers(LAW, parameters.law, add_law, parameters, partners)
-    return import_module(f"{__name__}.{parameters.law}").from_parameters(parameters, partners)
+    numbers = law.make(parameters, partners)
+    add_law(type(numbers), law, has_plugin=False)
+    return numbers

@@ -19,7 +19,7 @@ from sim.engine.contact.friction import (
     recall,
     stored_energy,
 )
-from sim.engine.contact.own import law_between
+from sim.engine.contact.functions import law_between
 from sim.engine.contact.roots import inverse_square_root
 from sim.engine.dynamics.cells import LANES, nearest_image, round_up
 from sim.engine.dynamics.neighbors import BLOCK, Search, find_touching, make_search

@@ -20,7 +20,7 @@ import numpy as np
 
 from sim.engine.compile import implements, inlined, kernel
 from sim.engine.contact.friction import blank_memory, recall
-from sim.engine.contact.own import law_between, law_on_plane
+from sim.engine.contact.functions import law_between, law_on_plane
 from sim.engine.dynamics.spheres import (
     DEPTH,
     FX,
@@ -35,7 +35,7 @@ from sim.engine.dynamics.spheres import (
     nearest_separation,
     write_approach,
 )
-from sim.engine.observe.contact_list import ContactList
+from sim.engine.observe.system import ContactList
 
 #: Components of the stress that are not zero by symmetry, and their number; the last is the force
 #: along x through planes of constant z.

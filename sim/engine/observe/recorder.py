@@ -1,4 +1,4 @@
-"""Collects the data of one replicate while it runs, and decides when it has run long enough."""
+"""Collects the data of one replicate while it runs, its trajectory included, until it may end."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -6,14 +6,23 @@ from typing import Any, cast
 
 import numpy as np
 
+from sim.engine.dynamics.status import BlowUp
 from sim.engine.flatten import FlatState, flatten, subtree
-from sim.engine.observe import stopping
-from sim.engine.observe.blocks import MAX_BLOCKS, ProfileBlocks
 from sim.engine.observe.force_balance import base_forces
-from sim.engine.observe.regime import FAILED_TREND, Trend, analyse
+from sim.engine.observe.regime import (
+    ARRESTED,
+    FAILED_TREND,
+    LENGTH,
+    LIMIT,
+    Trend,
+    analyse,
+    look_lengths,
+    verdict,
+    window_start,
+)
+from sim.engine.observe.sums import MAX_BLOCKS, ProfileBlocks
 from sim.engine.observe.system import OnSlope, Samples, System
-from sim.engine.observe.trajectory import Trajectory
-from sim.parameters.variables import HISTORY, INSTANTANEOUS
+from sim.parameters.variables import HISTORY, INSTANTANEOUS, variables_of
 
 
 @dataclass
@@ -52,7 +61,7 @@ class Recorder:
         self._published = p.protocol == "published"
         self._interval = p.sample_steps * p.time_step
         self._start = self._transient = p.transient_samples
-        self._looks = stopping.look_lengths(p.shortest_samples, p.longest_samples)
+        self._looks = look_lengths(p.shortest_samples, p.longest_samples)
         self._trend: Trend | None = None
         self._table = np.full((len(system.series), p.shortest_samples), np.nan)
         self._profiles = ProfileBlocks()
@@ -119,17 +128,17 @@ class Recorder:
         """Analyse the velocity so far; end the run where that suffices, and at its full length."""
         p, velocity = self.system.parameters, self._velocity()
         scales, period = self.system.scales, self.system.period
-        reason = stopping.LENGTH
+        reason = LENGTH
         if self._published:
             self._trend = analyse(velocity[self._start :], self._interval, scales, period)
         else:
-            self._start, self._trend, reason = stopping.verdict(
+            self._start, self._trend, reason = verdict(
                 velocity, self._interval, scales, period, p.transient_samples
             )
-            confirmed = reason in (self._reason, stopping.ARRESTED)
+            confirmed = reason in (self._reason, ARRESTED)
             self._reason, reason = reason, reason if confirmed else ""
         last = self.sample_count == self._looks[-1]
-        self.stop_reason = reason or (stopping.LIMIT if last else "")
+        self.stop_reason = reason or (LIMIT if last else "")
 
     def _velocity(self) -> np.ndarray:
         row = list(self.system.series).index("mean_velocity")
@@ -166,7 +175,7 @@ class Recorder:
         return record
 
     def _averages(self, trend: Trend) -> dict[str, float | str]:
-        transient = stopping.window_start(self._velocity(), self.system.period)
+        transient = window_start(self._velocity(), self.system.period)
         return {
             "velocity": trend.velocity.value,
             "velocity_error": trend.velocity.error,
@@ -237,3 +246,53 @@ class Recorder:
 def _sum(values: list[float]) -> float:
     """Return the sum of values, added in order; Python's `sum` rounds differently from 3.12 on."""
     return float(np.cumsum(values)[-1])
+
+
+class Trajectory:
+    """Takes a frame at the end of every ``samples``-th sample, no frames where that is 0.
+
+    Each frame has space for ``contacts`` contacts, none where that is 0; unused rows are
+    not-a-number. Frames are in single precision, like the formats of other programs: a position in
+    a cell of ten diameters is accurate to a millionth of a diameter.
+    """
+
+    def __init__(self, samples: int, contacts: int = 0):
+        self._samples, self._contacts = samples, contacts
+        self._frames: dict[str, list[np.ndarray]] = {}
+
+    def next_frame(self, count: int) -> list[int]:
+        """Return the number of samples at the next frame after ``count`` samples, if any."""
+        return [(count // self._samples + 1) * self._samples] if self._samples else []
+
+    def take(self, system: System, count: int) -> None:
+        """Take a frame of a system after ``count`` samples, if one is due."""
+        if self._samples and count % self._samples == 0:
+            state = system.snapshot()
+            if self._contacts:
+                state |= self._contact_arrays(system)
+            for name, row in variables_of("trajectory").items():
+                if row.of in state:
+                    frame = np.array(state[row.of], np.float32)
+                    self._frames.setdefault(name, []).append(frame)
+
+    def _contact_arrays(self, system: System) -> dict[str, np.ndarray]:
+        """Return the contacts of the present state; unused rows are not-a-number."""
+        contacts = system.current_contacts(self._contacts)
+        if (number := int(contacts.number[0])) > self._contacts:
+            raise BlowUp(f"{number} contacts, more than {self._contacts}, which a frame holds")
+        return {"contact_pair": contacts.pair, "contact_force": contacts.force}
+
+    def frames(self) -> dict[str, np.ndarray]:
+        """Return the frames so far, name -> (F, N, D); empty before the first."""
+        return {name: np.array(frames) for name, frames in self._frames.items()}
+
+    def restore(self, frames: Mapping[str, Any], count: int) -> None:
+        """Replace the frames by those of another trajectory after ``count`` samples.
+
+        Raises ``ValueError`` when the frames do not fit.
+        """
+        expected = count // self._samples if self._samples else 0
+        is_complete = all(len(values) == expected for values in frames.values())
+        if not is_complete or bool(frames) != bool(expected):
+            raise ValueError("its frames are not those of the trajectory")
+        self._frames = {name: list(values) for name, values in frames.items()}

@@ -1,4 +1,6 @@
-"""The regime of a flow, from tests with known error rates on the trend of its mean velocity.
+"""The regime of a flow, and when a run of the converged protocol may end.
+
+The regime follows from tests with known error rates on the trend of the mean velocity.
 
 Each decision uses the 95 % interval of the slope. A flow is accelerating where the whole interval
 is above the negligible slope, and steady where the whole interval is within it. Either verdict is
@@ -9,7 +11,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sim.engine.observe.estimate import FEWEST_SAMPLES, Interval, cycle_means, detrend, mean, slope
+from sim.engine.observe.estimate import (
+    FEWEST_SAMPLES,
+    Interval,
+    cycle_means,
+    detrend,
+    mean,
+    slope,
+    transient_end,
+)
 
 #: Smallest number of independent samples for a valid interval of the mean; below it is `short`.
 RELIABLE_SAMPLES = 15.0
@@ -22,6 +32,25 @@ OPEN_SAMPLES, EVIDENT_GAIN, EVIDENT_RATIO = 8.0, 0.5, 5.0
 
 #: A spread below this share of ``Scales.arrested`` is due to rounding.
 ROUNDING_SPREAD = 1e-3
+
+UNKNOWN_INTERVAL = Interval(np.nan, np.nan, np.nan)
+
+#: Ratio of the lengths of a run at successive looks, at which it is analysed. It ends when two
+#: looks in a row give the same reason. Looks are few, because each is a chance to stop by accident.
+GROWTH = 1.35
+
+#: An acceleration is not the end of a transient if it stays above this share of its value in the
+#: first half of the window.
+LASTING_SHARE = 0.85
+
+#: Reasons to end a run. The last one is for the published protocol.
+TARGET, ARRESTED, ACCELERATING, LIMIT, LENGTH = (
+    "target",
+    "arrested",
+    "accelerating",
+    "limit",
+    "length",
+)
 
 
 @dataclass(frozen=True)
@@ -55,8 +84,6 @@ class Trend:
     quality: str
     independent: float
 
-
-UNKNOWN_INTERVAL = Interval(np.nan, np.nan, np.nan)
 
 #: The trend of a run that blew up: no mean and no regime.
 FAILED_TREND = Trend(UNKNOWN_INTERVAL, UNKNOWN_INTERVAL, "undetermined", "failed", np.nan)
@@ -132,3 +159,61 @@ def _regime(
     if abs(gain) + half_width < negligible:
         return "steady"
     return "undetermined"
+
+
+def look_lengths(shortest: int, longest: int) -> list[int]:
+    """Return the lengths (samples) at which a run is analysed; the last one is its full length."""
+    lengths, length = [], float(shortest)
+    while length < longest:
+        lengths.append(int(length))
+        length *= GROWTH
+    return [*lengths, longest]
+
+
+def window_start(velocity: np.ndarray, period: int, least: int = 0) -> int:
+    """Return the number of samples of a velocity series to omit as transient.
+
+    It is at least ``least``, which comes from the user or the paper; whole periods remain.
+    """
+    cycles = cycle_means(velocity, period)
+    length = (len(cycles) - transient_end(cycles)) * period
+    start = max(least, len(velocity) - length, 0)
+    return start + (len(velocity) - start) % period if len(velocity) - start >= period else start
+
+
+def verdict(
+    velocity: np.ndarray, interval: float, scales: Scales, period: int, least: int
+) -> tuple[int, Trend, str]:
+    """Return start of the window (samples), its trend, and the reason to end the run or ``""``.
+
+    Parameters
+    ----------
+    velocity : (T,) array
+        Mean velocity per sample interval since the start (m/s).
+    interval, scales, period
+        As for `sim.engine.observe.regime.analyse`.
+    least : int
+        Smallest number of samples of the transient.
+    """
+    start = window_start(velocity, period, least)
+    window = velocity[start:]
+    trend = analyse(window, interval, scales, period)
+    reason = ""
+    if trend.regime == "arrested":
+        reason = ARRESTED
+    elif trend.regime == "accelerating" and _is_lasting(window, interval, period):
+        reason = ACCELERATING
+    elif trend.regime == "steady" and trend.quality == "reliable":
+        is_precise = trend.velocity.half_width <= scales.target * abs(trend.velocity.value)
+        reason = TARGET if is_precise else ""
+    return start, trend, reason
+
+
+def _is_lasting(window: np.ndarray, interval: float, period: int) -> bool:
+    """True where the acceleration in the second half of a window is about that in the first."""
+    cycles = cycle_means(window, period)
+    early, late = np.array_split(cycles, 2)
+    before, after = (slope(part, interval * period) for part in (early, late))
+    half_width = np.hypot(after.half_width, LASTING_SHARE * before.half_width)
+    is_lasting = after.value - LASTING_SHARE * before.value > half_width
+    return bool(is_lasting and before.value > before.half_width)

@@ -8,8 +8,8 @@ from typing import Any, NamedTuple
 import netCDF4
 import numpy as np
 
-from sim.base.files import atomic_write, seal
-from sim.base.summary import append_summary
+from sim.base.files import atomic_write
+from sim.base.seals import append_summary, seal
 from sim.engine.observe.recorder import Record
 from sim.parameters import Parameters, amounts, canonical_values, field_info, in_si
 from sim.parameters.variables import SCALARS, Variable, variables_of

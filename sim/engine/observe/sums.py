@@ -1,16 +1,23 @@
-"""Sums over samples: named tuples of arrays, of any type, that can be added."""
+"""Sums over samples, and over blocks of samples, from which the averaging window is chosen later.
 
-from collections.abc import Iterable
+A sum is a named tuple of arrays, of any type, that can be added.
+"""
+
+from collections.abc import Iterable, Mapping
 from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
 from sim.engine.compile import exact
+from sim.engine.flatten import refill
 
 #: Several sums of different types, over one sample or more.
 Sums = tuple[NamedTuple, ...]
 
 _Kind = TypeVar("_Kind", bound=NamedTuple)
+
+#: Largest number of blocks; once it is reached, pairs of blocks are merged.
+MAX_BLOCKS = 64
 
 
 def add_sums(first: _Kind, second: _Kind) -> _Kind:
@@ -53,3 +60,97 @@ def _add_rows(total, rows, first, last):
     for row in range(first, last):
         for k in range(total.size):
             total[k] += rows[row, k]
+
+
+class ProfileBlocks:
+    """The profiles of a run, summed in blocks of equal numbers of samples.
+
+    ``latest`` holds the profiles of the last sample alone, ``None`` before the first.
+    """
+
+    def __init__(self) -> None:
+        self.latest: Sums | None = None
+        self._blocks: list[Sums] = []
+        self._length = 1
+        self._filled = 0
+
+    def state(self) -> dict[str, Any]:
+        """Return all data of the blocks, by name."""
+        return {
+            "length": self._length,
+            "filled": self._filled,
+            "blocks": _stack(self._blocks),
+            "latest": _stack([self.latest] if self.latest else []),
+        }
+
+    def restore(self, state: Mapping[str, Any], template: Sums) -> None:
+        """Replace the data by the ``state`` of other blocks, whose sums are like ``template``.
+
+        Raises ``ValueError`` when the state does not fit.
+        """
+        has_samples = any(path.startswith("latest") for path in state)
+        structure = {
+            name: _stack([template] if has_samples else []) for name in ("blocks", "latest")
+        }
+        values = refill({"length": 0, "filled": 0} | structure, state, growing_axis=0)
+        self._length, self._filled = values["length"], values["filled"]
+        self._blocks = _unstack(values["blocks"])
+        self.latest = next(iter(_unstack(values["latest"])), None)
+
+    def add(self, profiles: Sums) -> None:
+        """Add the profiles of K samples, one per index of the first axis of the arrays."""
+        count, first = len(profiles[0][0]), 0
+        self.latest = tuple(copy_sample(sums, count - 1) for sums in profiles)
+        while first < count:
+            last = min(count, first + self._length - self._filled)
+            if self._filled == 0:
+                self._blocks.append(tuple(copy_sample(sums, first) for sums in profiles))
+            start = first + (self._filled == 0)
+            for total, sums in zip(self._blocks[-1], profiles, strict=True):
+                add_samples(total, sums, start, last)
+            self._filled = (self._filled + last - first) % self._length
+            first = last
+            if self._filled == 0 and len(self._blocks) == MAX_BLOCKS:
+                pairs = zip(self._blocks[::2], self._blocks[1::2], strict=True)
+                self._blocks = [_add(first_half, second_half) for first_half, second_half in pairs]
+                self._length *= 2
+
+    def blocks(self) -> list[tuple[int, Sums]]:
+        """Return for each block the number of samples up to its end, and its sums."""
+        ends = [(number + 1) * self._length for number in range(len(self._blocks))]
+        if self._filled:
+            ends[-1] += self._filled - self._length
+        return list(zip(ends, self._blocks, strict=True))
+
+    def sum_since(self, start: int) -> Sums | None:
+        """Return the sums over all blocks that begin at sample ``start`` or later.
+
+        At least the last block counts; ``None`` before the first sample.
+        """
+        if not self._blocks:
+            return None
+        first = min(-(-start // self._length), len(self._blocks) - 1)
+        total = self._blocks[first]
+        for block in self._blocks[first + 1 :]:
+            total = _add(total, block)
+        return total
+
+
+def _add(first: Sums, second: Sums) -> Sums:
+    return tuple(add_sums(*pair) for pair in zip(first, second, strict=True))
+
+
+def _stack(blocks: list[Sums]) -> Sums:
+    """Return sums whose arrays have an additional first axis over the blocks."""
+    return tuple(
+        type(group[0])(*map(np.stack, zip(*group, strict=True)))
+        for group in zip(*blocks, strict=True)
+    )
+
+
+def _unstack(stack: Sums) -> list[Sums]:
+    count = len(stack[0][0]) if stack else 0
+    return [
+        tuple(type(sums)(*(array[index] for array in sums)) for sums in stack)
+        for index in range(count)
+    ]

@@ -1,16 +1,46 @@
-"""The interface of a system to the recorder."""
+"""The interface of a system to the recorder: samples, energy ledger and contacts."""
 
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
-from sim.engine.observe.contact_list import ContactList
-from sim.engine.observe.ledger import Ledger
 from sim.engine.observe.regime import Scales
 from sim.engine.observe.sums import Sums
 from sim.parameters import Parameters
 from sim.parameters.variables import Variable
+
+
+class ContactList(NamedTuple):
+    """The contacts of one moment; ``number`` (1,) is their number.
+
+    Row by row ``pair`` (K, 2) holds the numbers of the two partners, and ``force`` (K, D) the force
+    on the first of them (N). Unused rows are not-a-number. `sim.parameters.variables` defines the
+    numbers of plane, belt and obstacle. Contacts beyond K are counted but not listed.
+    """
+
+    number: np.ndarray
+    pair: np.ndarray
+    force: np.ndarray
+
+
+def no_contacts(most: int, axes: int = 3) -> ContactList:
+    """Return an empty list with space for ``most`` contacts in ``axes`` directions."""
+    arrays = (np.full((most, width), np.nan) for width in (2, axes))
+    return ContactList(np.zeros(1, np.int64), *arrays)
+
+
+class Ledger(NamedTuple):
+    """The energy ledger of a system; its names are those of time series (J).
+
+    ``terms`` name -> sign: the signed sum of these series is constant. ``turnover`` names sums
+    since the start whose change measures the energy that has passed through. ``powers`` name of a
+    sum since the start -> name of the scalar with its mean rate (W).
+    """
+
+    terms: dict[str, int]
+    turnover: tuple[str, ...]
+    powers: dict[str, str]
 
 
 class Samples(NamedTuple):

@@ -11,7 +11,7 @@ from sim.engine.calls import address_of, call, kind_of
 from sim.engine.compile import exact
 from sim.engine.dynamics.disks import stored_in_disks
 from sim.engine.dynamics.status import NOT_FINITE, OK, is_finite
-from sim.engine.observe.bed import bed_energies
+from sim.engine.observe.energies import bed_energies
 from sim.engine.observe.field import LEVELS, WAVES, Field, Squares, count_beads, waves
 from sim.engine.observe.profiles import AREA, CENTRE, Profile, add_sample, empty_profile
 from sim.engine.observe.sums import first_samples, zero_samples

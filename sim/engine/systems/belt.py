@@ -14,11 +14,10 @@ from sim.engine.dynamics.gear import CORRECTORS, Gear, Verlet, rescale_terms
 from sim.engine.dynamics.neighbors import double_room, empty_pair_list, make_search
 from sim.engine.dynamics.status import LIST_FULL, REASONS, BlowUp, failure_reason
 from sim.engine.observe.bed_contacts import list_bed_contacts
-from sim.engine.observe.contact_list import ContactList, no_contacts
 from sim.engine.observe.field import squares, wave_power
 from sim.engine.observe.regime import Scales
 from sim.engine.observe.sums import Sums
-from sim.engine.observe.system import Samples, no_pause
+from sim.engine.observe.system import ContactList, Samples, no_contacts, no_pause
 from sim.engine.systems import bed_samples, shaking
 from sim.engine.systems.bed_profiles import bed_profiles
 from sim.engine.systems.belt_start import initial_bed, vibration

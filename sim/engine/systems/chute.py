@@ -23,19 +23,18 @@ from sim.engine.dynamics.spheres import (
 )
 from sim.engine.dynamics.status import LIST_FULL, BlowUp, failure_reason
 from sim.engine.dynamics.team import Team
-from sim.engine.observe.contact_list import ContactList, no_contacts
 from sim.engine.observe.contacts import (
     ContactSums,
     Sampling,
     add_contacts,
     list_contacts,
 )
-from sim.engine.observe.flow import flow_energies
+from sim.engine.observe.energies import flow_energies
 from sim.engine.observe.overlaps import EDGES, count_overlaps
 from sim.engine.observe.profiles import VOLUME, add_sample
 from sim.engine.observe.regime import Scales
 from sim.engine.observe.sums import Sums, first_samples, zero_samples
-from sim.engine.observe.system import Samples, no_pause
+from sim.engine.observe.system import ContactList, Samples, no_contacts, no_pause
 from sim.engine.systems import leap_frog
 from sim.engine.systems.chute_start import Layer, initial_layer
 from sim.engine.systems.flow_profiles import FlowProfiles

@@ -5,9 +5,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from sim.engine.observe.contacts import XX, XZ, YY, ZZ, Slip, Stress, no_slip, no_stress
+from sim.engine.observe.force_balance import inertial_number, shear_rate, stress_ratio
 from sim.engine.observe.overlaps import Overlaps, no_overlaps
 from sim.engine.observe.profiles import Profile, empty_profile
-from sim.engine.observe.rheology import inertial_number, shear_rate, stress_ratio
 from sim.engine.observe.sums import Sums
 
 #: Names of the components of the stress.

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from sim.engine.observe.ledger import Ledger
+from sim.engine.observe.system import Ledger
 
 CHUTE_LEDGER = Ledger(
     terms=dict.fromkeys(

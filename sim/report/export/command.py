@@ -6,9 +6,9 @@ from pathlib import Path
 
 import netCDF4
 
-from sim.base.damage import checked_read
 from sim.base.errors import InputError
 from sim.base.files import require_writable
+from sim.base.seals import checked_read
 from sim.engine.stored_run import parameters_of
 from sim.report.export import amber, text, vtk
 from sim.report.export.frames import Frames, frames_of

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from sim.engine.contact import Partners, drag, hertz
+from sim.engine.contact import Partners, law_of
+from sim.laws.hertz import effective_modulus, force
 from sim.parameters import ChuteParameters
 from tests.engine_motion.spheres import SphereMotion
 
@@ -38,9 +39,7 @@ def run_until_parted(motion, steps=20_000):
 @pytest.mark.parametrize("law", ["hertz", "drag"])
 def test_the_restitution_is_the_same_at_every_speed_and_size(law, restitution, speed, radii):
     point = ChuteParameters(law=law, restitution=restitution, steps_per_collision=400)
-    contact_law = {"hertz": hertz, "drag": drag}[law].from_parameters(
-        point, Partners(0.4, 0.5 * point.mass, point.time_step)
-    )
+    contact_law = law_of(point, Partners(0.4, 0.5 * point.mass, point.time_step))
     motion = run_until_parted(impact(contact_law, point, speed, radii))
     parting = motion.velocity[1, 0] - motion.velocity[0, 0]
     assert parting / speed == pytest.approx(restitution, abs=0.01)
@@ -49,8 +48,8 @@ def test_the_restitution_is_the_same_at_every_speed_and_size(law, restitution, s
 def test_hertz_collides_as_long_and_as_deep_as_the_exact_solution():
     """t_c = 2.94 (15/16)^(2/5) (m*²/(R* E*² v))^(1/5), α_max = (15 m* v²/(16 √R* E*))^(2/5)."""
     point, speed = ChuteParameters(law="hertz", restitution=1, steps_per_collision=1000), 0.3
-    law = hertz.from_parameters(point, Partners(0.4, 0.5 * point.mass, point.time_step))
-    mass, radius, modulus = point.mass / 2, point.diameter / 4, point.effective_modulus
+    law = law_of(point, Partners(0.4, 0.5 * point.mass, point.time_step))
+    mass, radius, modulus = point.mass / 2, point.diameter / 4, effective_modulus(point)
     deepest = (15 * mass * speed**2 / (16 * radius**0.5 * modulus)) ** 0.4
     duration = 2.94327 * deepest / speed
     motion, steps, overlap = impact(law, point, speed, RADII["equal"]).run(2), 0, 0.0
@@ -65,9 +64,9 @@ def test_hertz_collides_as_long_and_as_deep_as_the_exact_solution():
 
 def test_hertz_at_a_hundredth_of_a_diameter_is_the_spring():
     point = ChuteParameters(law="hertz")
-    law = hertz.from_parameters(point, Partners(0.4, 0.5 * point.mass, point.time_step))
+    law = law_of(point, Partners(0.4, 0.5 * point.mass, point.time_step))
     overlap, radius, zero = point.diameter / 100, point.diameter / 4, (0.0, 0.0, 0.0)
-    normal = hertz.force(law, overlap, 0.0, zero, zero, (0.0,) * 4, radius, point.mass)[0]
+    normal = force(law, overlap, 0.0, zero, zero, (0.0,) * 4, radius, point.mass)[0]
     assert normal == pytest.approx(point.stiffness * overlap)
 
 
@@ -80,7 +79,7 @@ def slip_of(motion, point) -> float:
 def test_hertz_slides_at_the_friction_limit():
     """Gross slip takes 3.5 (1 + e) μ v_n of the slip velocity, whatever the law."""
     point = ChuteParameters(law="hertz", restitution=0.8, steps_per_collision=400)
-    law = hertz.from_parameters(point, Partners(0.3, 0.5 * point.mass, point.time_step))
+    law = law_of(point, Partners(0.3, 0.5 * point.mass, point.time_step))
     # So slow that the pair hardly turns while it touches.
     motion = run_until_parted(impact(law, point, 0.001, RADII["equal"], slide=0.003))
     loss = 0.003 - slip_of(motion, point)
@@ -90,7 +89,7 @@ def test_hertz_slides_at_the_friction_limit():
 def test_the_shear_drag_stops_a_slip_exponentially():
     """Two equal solid spheres lose their slip at the rate (7/2) γ_s while they touch."""
     point = ChuteParameters(law="drag", restitution=0.9, steps_per_collision=400, shear_damping=20)
-    law = drag.from_parameters(point, Partners(0.4, 0.5 * point.mass, point.time_step))
+    law = law_of(point, Partners(0.4, 0.5 * point.mass, point.time_step))
     motion, steps = impact(law, point, 0.002, RADII["equal"], slide=0.001).run(1), 0
     while not steps or motion.contacts()[0].size:
         motion.run(1)

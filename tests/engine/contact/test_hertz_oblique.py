@@ -5,7 +5,8 @@ from math import sqrt
 import numpy as np
 import pytest
 
-from sim.engine.contact import Partners, hertz
+from sim.engine.contact import Partners, law_of
+from sim.laws.hertz import effective_modulus
 from sim.parameters import ChuteParameters
 from tests.engine.reference.hertz_impact import RIM, Friction, mindlin_rebound, rebound
 from tests.engine_motion.spheres import SphereMotion
@@ -38,11 +39,11 @@ class Impacts:
         self.radii, self.slopes = np.array(radii), np.array(slopes, float)
         self.mass = point.mass * (2 * self.radii / point.diameter) ** 3
         reduced = 1 / sum(1 / self.mass)
-        stiffness = point.effective_modulus * sqrt(1 / sum(1 / self.radii))
+        stiffness = effective_modulus(point) * sqrt(1 / sum(1 / self.radii))
         self.bend = unit / sum(self.radii) if len(radii) == 2 else 0.0
         self.speed = sqrt(unit**2.5 * stiffness / reduced)
         self.steps, self.step = steps, LASTING * unit / self.speed / steps
-        self.law = hertz.from_parameters(point, Partners(law.friction, reduced, self.step))
+        self.law = law_of(point, Partners(law.friction, reduced, self.step))
         self.frame = np.array([NORMAL, TANGENT] if self.bend else [[0, 0, -1.0], [0, 1.0, 0]])
         self.motion = self.pairs() if self.bend else self.spheres_on_plane()
 

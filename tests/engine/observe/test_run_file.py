@@ -12,10 +12,11 @@ import pytest
 
 from sim.engine.observe import run_file
 from sim.engine.observe.recorder import Record
+from sim.parameters.variables import variables_of
 from tests.engine_motion.points import chute_point
 from tests.made.processes import ROOT
 
-SERIES = {"mean_velocity": ("m s-1", "v")}
+SERIES = {"mean_velocity": variables_of("series")["mean_velocity"]}
 LAYOUT = run_file.Layout(0.5, np.arange(2.0), SERIES, ("x", "y", "z"), {})
 
 

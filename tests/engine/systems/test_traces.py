@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from sim.engine.observe.bed import bed_energies
+from sim.engine.observe.energies import bed_energies
 from sim.engine.observe.field import wave_power, waves
 from sim.engine.observe.overlaps import EDGES
 from sim.engine.systems import build

@@ -14,6 +14,7 @@ from sim.__main__ import main, parse
 from sim.engine.observe import run_file
 from sim.engine.observe.recorder import Record
 from sim.parameters import Parameters, point_id
+from sim.parameters.variables import variables_of
 from sim.report.export.command import FORMATS
 from tests.engine_motion.points import belt_point, chute_point
 
@@ -45,9 +46,9 @@ def record(point: Parameters, seed: int, samples: int) -> Record:
     if axes == 3:
         snapshots["fixed"] = [np.arange(number) >= point.particles] * 2
     frames = {
-        name: states[source][2:].astype(np.float32)
-        for name, source in run_file.FRAMES.items()
-        if source in states
+        name: states[row.of][2:].astype(np.float32)
+        for name, row in variables_of("trajectory").items()
+        if row.of in states
     }
     series = {"mean_velocity": np.pad(np.ones(samples), (0, 6 - samples), constant_values=np.nan)}
     return Record(series, frames=frames if samples > 1 else {}, snapshots=snapshots)
@@ -58,7 +59,8 @@ def write(path: Path, point: Parameters) -> Path:
     records = [record(point, seed, samples) for seed, samples in ((1, 6), (2, 4))]
     axes = ("x", "y", "z") if point.system == "chute" else ("x", "z")
     interval = point.sample_steps * point.time_step
-    layout = run_file.Layout(interval, np.arange(2.0), {"mean_velocity": ("m s-1", "")}, axes, {})
+    series = {"mean_velocity": variables_of("series")["mean_velocity"]}
+    layout = run_file.Layout(interval, np.arange(2.0), series, axes, {})
     attributes = {"system": point.system, "point_id": point_id(point), "status": "completed"}
     run_file.write(path, [run_file.Stage(point, records)], layout, attributes)
     return path

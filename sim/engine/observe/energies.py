@@ -1,4 +1,4 @@
-"""Energy and position of the beads of a belt at one moment."""
+"""Energies and heights of all particles at one moment."""
 
 import numpy as np
 
@@ -36,3 +36,32 @@ def bed_energies(taylor, mass, time_step, amplitude):
     for k in range(3):
         sums[k] = total(terms[k], REAL)
     return 0.5 * sums[0], sums[1] / sums[2], near / mass.size
+
+
+@exact
+def flow_energies(position, velocity, rim, mass):
+    """Return kinetic energies and height of all spheres at one moment.
+
+    Parameters
+    ----------
+    position, velocity, rim : (3, N) arrays
+        See ``Spheres`` (m, m/s).
+    mass : (N,) array
+        Masses of the spheres (kg).
+
+    Returns
+    -------
+    tuple of 3 floats
+        Twice the kinetic energy of translation (J), the sum of mass times the square of ``rim``
+        (J), height of the centre of mass (m).
+    """
+    terms, sums = np.empty((4, mass.size)), np.empty(4)
+    for i in range(mass.size):
+        vx, vy, vz = velocity[0, i], velocity[1, i], velocity[2, i]
+        wx, wy, wz = rim[0, i], rim[1, i], rim[2, i]
+        terms[0, i] = mass[i] * (vx * vx + vy * vy + vz * vz)
+        terms[1, i] = mass[i] * (wx * wx + wy * wy + wz * wz)
+        terms[2, i], terms[3, i] = position[2, i] * mass[i], mass[i]
+    for k in range(4):
+        sums[k] = total(terms[k], REAL)
+    return sums[0], sums[1], sums[2] / sums[3]

@@ -5,8 +5,7 @@ from math import inf, nan
 import numpy as np
 import pytest
 
-from sim.base.files import is_damaged, read_seal, seal
-from sim.base.summary import append_summary, read_summary
+from sim.base.seals import append_summary, is_damaged, read_seal, read_summary, seal
 
 SUMMARY = {"attributes": {"status": "completed", "note": "θ = 17°\n"}, "velocity": [0.1, inf]}
 

@@ -3,9 +3,8 @@
 import numpy as np
 import pytest
 
-from sim.engine.observe.blocks import MAX_BLOCKS, ProfileBlocks
 from sim.engine.observe.profiles import empty_profile
-from sim.engine.observe.sums import zero_samples
+from sim.engine.observe.sums import MAX_BLOCKS, ProfileBlocks, zero_samples
 
 
 def make_blocks(samples: int, at_once: int = 7) -> ProfileBlocks:

@@ -8,11 +8,13 @@ cut to μ |F_N|.
 """
 
 from math import log, pi, sqrt
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
-from sim.engine.contact import Partners
-from sim.engine.contact.own import add_functions
+from sim.parameters.laws import SMALL_OVERLAP, law
 from sim.parameters.spheres import SphereParameters
+
+#: Velocity in √(gσ) of the impacts that the time step must resolve.
+IMPACT = 10
 
 
 class Hertz(NamedTuple):
@@ -25,12 +27,27 @@ class Hertz(NamedTuple):
     friction: float
 
 
-def from_parameters(p: SphereParameters, partners: Partners) -> Hertz:
+def effective_modulus(p: SphereParameters) -> float:
+    """Return E*, Pa: at an overlap of σ/100 the force equals that of the spring K1.
+
+    (4/3) E* √(σ/4) (σ/100)^(3/2) = K1 σ/100.
+    """
+    return 15 * p.stiffness / p.diameter
+
+
+def collision_time(p: SphereParameters) -> float:
+    """Return 2.87 (m*²/(R* E*² v))^(1/5) of the lightest particles at v = 10 √(gσ), s."""
+    radius = p.diameter * (1 - p.diameter_spread) / 4
+    speed = IMPACT * p.velocity_unit
+    return 2.87 * ((p.lightest_mass / 2 / effective_modulus(p)) ** 2 / (radius * speed)) ** 0.2
+
+
+def make(p: SphereParameters, partners: Any) -> Hertz:
     """Return the law of a point for one kind of partners; plane and spheres are of one material."""
     decay = -log(p.restitution)
     damping = 2.0 * sqrt(5.0 / 6.0) * decay / sqrt(pi**2 + decay**2)
     return Hertz(
-        p.effective_modulus,
+        effective_modulus(p),
         float(p.tangential_ratio),
         damping / partners.time_step,
         float(partners.friction),
@@ -65,4 +82,12 @@ def energy(law, overlap, tangential, memory, radius, mass):
     return normal, 0.5 * square / spring if spring > 0.0 else 0.0
 
 
-add_functions(Hertz, force, energy, own_numbers=1)
+law(
+    "hertz",
+    make=make,
+    force=force,
+    energy=energy,
+    collision_time=collision_time,
+    remembers=1,
+    max_overlap=SMALL_OVERLAP,
+)

@@ -1,4 +1,4 @@
-"""Contact laws that are plain functions of two partners; plug-ins add theirs here.
+"""Contact laws that are plain functions of two partners.
 
 For each contact such a law is bundled with radius and mass of its partners (`PartnerLaw`). Laws
 that need neither are used as they are, at no extra cost.
@@ -126,17 +126,14 @@ def _stored_energy(law, overlap, memory):
     )
 
 
-def add_law(kind, law):
-    """Register a type of parameters as a law, with the functions of a plug-in."""
-    if adopt_type(kind):
-        add_functions(kind, law.force, law.energy, law.remembers)
+def add_law(kind, law, has_plugin=True):
+    """Register a type of parameters as a law, with its functions, of a plug-in or of Talus."""
+    if adopt_type(kind, has_plugin):
+        _add_functions(kind, law.force, law.energy, law.remembers)
 
 
-def add_functions(kind, force, energy, own_numbers):
-    """Register a type of parameters as a law with these functions.
-
-    It remembers ``own_numbers`` besides the tangential force.
-    """
+def _add_functions(kind, force, energy, own_numbers):
+    """Register functions for a type; it remembers ``own_numbers`` besides the tangential force."""
     own_force, own_energy = inlined(force), inlined(energy)
     _functional.add(kind)
     declare_memory(kind, own_numbers)

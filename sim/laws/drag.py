@@ -5,12 +5,10 @@ force γ_s m* v_t acts against the slip velocity v_t and has neither a limit nor
 Herrmann and Sokołowski, Eqs. 2-4, with the reduced mass of the partners in both drags).
 """
 
-from math import sqrt
-from typing import NamedTuple
+from math import hypot, log, pi, sqrt
+from typing import Any, NamedTuple
 
-from sim.engine.contact import Partners
-from sim.engine.contact.own import add_functions
-from sim.engine.contact.spring_dashpot import damping_ratio
+from sim.parameters.laws import SMALL_OVERLAP, law
 from sim.parameters.spheres import SphereParameters
 
 
@@ -22,9 +20,15 @@ class Drag(NamedTuple):
     shear: float
 
 
-def from_parameters(p: SphereParameters, partners: Partners) -> Drag:
+def collision_time(p: SphereParameters) -> float:
+    """Return π √(m*/K) √(1 + (ln e/π)²) of the lightest particles, s."""
+    return 2 * p.loading_time * hypot(1, log(p.restitution) / pi)
+
+
+def make(p: SphereParameters, partners: Any) -> Drag:
     """Return the law of a point, the same for all partners."""
-    damping = 2.0 * damping_ratio(p.restitution) * sqrt(p.stiffness)
+    decay = -log(p.restitution)
+    damping = 2.0 * (decay / sqrt(pi**2 + decay**2)) * sqrt(p.stiffness)
     shear = p.shear_damping * p.gravity
     return Drag(float(p.stiffness), damping / partners.time_step, shear / partners.time_step)
 
@@ -53,4 +57,12 @@ def energy(law, overlap, tangential, memory, radius, mass):
     return 0.5 * law.stiffness * overlap * overlap, 0.0
 
 
-add_functions(Drag, force, energy, own_numbers=2)
+law(
+    "drag",
+    make=make,
+    force=force,
+    energy=energy,
+    collision_time=collision_time,
+    remembers=2,
+    max_overlap=SMALL_OVERLAP,
+)

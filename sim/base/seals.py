@@ -1,0 +1,186 @@
+"""Seals: checksums in files of results, which show damage before a library reads a file.
+
+The end of a sealed file may hold a summary, a line of JSON, which is read without opening the file.
+It follows the end that the file declares, and the seal follows it. JSON has its checksum as a key.
+"""
+
+import hashlib
+import json
+import os
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, BinaryIO
+from xml.etree.ElementTree import ParseError
+from zlib import crc32
+
+from sim.base.errors import InputError
+from sim.base.files import open_regular
+
+#: Last bytes of a sealed file: the SHA-256 of all before them.
+SEAL = b"\nSHA-256 %s\n"
+
+#: Ending of a summary: its length in bytes and its checksum.
+_END = b"\nsummary %012d %08x"
+
+#: Bytes of this ending and of a seal.
+_ENDING, _SEAL = len(_END % (0, 0)), len(SEAL % bytes(64))
+
+#: Key of the checksum, which covers all other keys and values.
+CHECKSUM = "sha256"
+
+#: Errors that libraries raise on files with a hole or a flipped bit.
+UNREADABLE = (
+    OSError,
+    RuntimeError,
+    ValueError,
+    LookupError,
+    AttributeError,
+    TypeError,
+    ArithmeticError,
+    ParseError,
+)
+
+
+class DamagedError(InputError):
+    """A stored file cannot be read; the message gives its new name, if it was renamed."""
+
+
+@contextmanager
+def checked_read(path: Path, kind: str, replaceable: bool, sealed: bool = False) -> Iterator[None]:
+    """Turn any error of a block that reads a file into an `InputError` of one line.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    kind : str
+        Kind of file expected, for messages.
+    replaceable : bool
+        Rename an unreadable file to ``<name>.damaged``, so that the workflow makes it again.
+    sealed : bool
+        Check the checksum at its end first.
+
+    Raises
+    ------
+    InputError
+        When there is no such file.
+    DamagedError
+        When it cannot be read.
+    """
+    if not os.path.lexists(path):
+        raise InputError(f"{path}: no such {kind}; rerun the study to make it")
+    try:
+        if not path.is_file():
+            raise ValueError("no file, or a link to none")
+        if sealed and is_damaged(path):
+            raise ValueError("its checksum is wrong or missing")
+        yield
+    except InputError:
+        raise
+    except UNREADABLE as error:
+        message = f"{path}: damaged or not a {kind} ({error})"
+        if replaceable:
+            aside = set_aside(path).name
+            message += f"; now {aside}: rerun the study, which makes what is missing"
+        raise DamagedError(message) from None
+
+
+def seal(path: Path) -> None:
+    """Append a checksum to a file, for `is_damaged`.
+
+    HDF5 (netCDF-4) readers ignore bytes after the end that the file declares.
+    """
+    with path.open("r+b") as file:
+        file.write(SEAL % checksum(file, path.stat().st_size))
+
+
+def is_damaged(path: Path) -> bool:
+    """True where a sealed file, seal included, has changed since.
+
+    Libraries may crash on a damaged file; this reads only bytes.
+    """
+    with open_regular(path) as file:
+        length = max(0, file.seek(0, os.SEEK_END) - len(SEAL % bytes(64)))
+        file.seek(length)
+        ending = file.read()
+        file.seek(0)
+        return ending != SEAL % checksum(file, length)
+
+
+def read_seal(path: Path) -> str:
+    """Return the checksum in the seal of a file, ``""`` where it has no seal."""
+    length = len(SEAL % bytes(64))
+    with open_regular(path) as file:
+        file.seek(max(0, file.seek(0, os.SEEK_END) - length))
+        ending = file.read()
+    is_seal = len(ending) == length and ending.startswith(SEAL[:9])
+    return ending[9:-1].decode("ascii", "replace") if is_seal else ""
+
+
+def checksum(file: BinaryIO, length: int) -> bytes:
+    """Return the SHA-256 of the next ``length`` bytes of a file, in hexadecimal."""
+    digest = hashlib.sha256()
+    while block := file.read(min(length, 1 << 20)):
+        digest.update(block)
+        length -= len(block)
+    return digest.hexdigest().encode()
+
+
+def set_aside(path: Path) -> Path:
+    """Rename an unusable file to ``<name>.damaged`` and return the new path."""
+    return path.replace(path.with_name(f"{path.name}.damaged"))
+
+
+def append_summary(path: Path, summary: Mapping[str, Any]) -> None:
+    """Append a summary of plain values or numbers of NumPy to a file that will be sealed."""
+    text = json.dumps(summary, separators=(",", ":"), default=lambda number: number.item()).encode()
+    with path.open("ab") as file:
+        file.write(b"\n" + text + _END % (len(text), crc32(text)))
+
+
+def read_summary(path: Path) -> dict[str, Any] | None:
+    """Return the summary of a sealed file, None where it is missing or damaged.
+
+    The rest of the file is not read and may be damaged.
+    """
+    with open_regular(path) as file:
+        end = file.seek(0, os.SEEK_END) - _ENDING - _SEAL
+        if end < 0:
+            return None
+        file.seek(end)
+        ending = file.read(_ENDING + len(SEAL[:9]))
+        words = ending.split()
+        if len(words) != 4 or words[0] != b"summary":
+            return None
+        try:
+            length = int(words[1])
+            file.seek(end - length)
+            text = file.read(length)
+            return json.loads(text) if ending.startswith(_END % (length, crc32(text))) else None
+        except (ValueError, OSError):
+            return None
+
+
+def to_sealed_json(mapping: dict[str, Any]) -> str:
+    """Return a mapping with its checksum as JSON, a line for each key."""
+    sealed = mapping | {CHECKSUM: _checksum(mapping)}
+    lines = (f"{_text(key)}: {_text(value)}" for key, value in sealed.items())
+    return "{\n" + ",\n".join(lines) + "\n}\n"
+
+
+def parse_sealed_json(text: str) -> dict[str, Any]:
+    """Return the mapping in a text of `to_sealed_json`; raise ``ValueError`` if it has changed."""
+    mapping = json.loads(text)
+    checksum = mapping.pop(CHECKSUM, "")
+    if _checksum(mapping) != checksum:
+        raise ValueError("the checksum is wrong")
+    return mapping
+
+
+def _checksum(mapping: dict[str, Any]) -> str:
+    return hashlib.sha256(_text(mapping).encode()).hexdigest()
+
+
+def _text(value: Any) -> str:
+    return json.dumps(value, ensure_ascii=False, allow_nan=False)

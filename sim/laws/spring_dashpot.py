@@ -1,0 +1,31 @@
+"""Linear spring and dashpot: the compiled body is `sim.engine.contact.spring_dashpot`."""
+
+import math
+from typing import Any, NamedTuple
+
+from sim.parameters.laws import SMALL_OVERLAP, law
+from sim.parameters.spheres import SphereParameters
+
+
+def make(p: SphereParameters, partners: Any) -> NamedTuple:
+    """Return the law of a point for one kind of partners."""
+    from sim.engine.contact.spring_dashpot import from_parameters
+
+    return from_parameters(p, partners)
+
+
+def collision_time(p: SphereParameters) -> float:
+    """Return π √(m*/K) √(1 + (ln e/π)²) of the lightest particles, s."""
+    return 2 * p.loading_time * math.hypot(1, math.log(p.restitution) / math.pi)
+
+
+law(
+    "spring_dashpot",
+    make=make,
+    force=None,
+    energy=None,
+    collision_time=collision_time,
+    max_overlap=SMALL_OVERLAP,
+    # The damping for a given restitution depends on the masses of the two partners.
+    one_mass=True,
+)
