@@ -1,6 +1,6 @@
 """Transport velocity of the belt's beads over a parameter, in one panel or one per protocol.
 
-Options of a figure: those of `sim.figures.looks`; ``scale``, ``"log"`` for a logarithmic axis.
+Options of a figure: those of `sim.figures.looks`; ``log``, the logarithmic axes, x alone.
 """
 
 import pandas as pd
@@ -33,7 +33,7 @@ def draw(data: FigureData) -> Figure:
     figure, axes = canvas()
     draw_curves(axes, rows, velocity(rows), spec)
     place_legend(figure, axes)
-    if spec.options.get("scale") == "log":
+    if "x" in spec.options.get("log", ()):
         _set_log_axis(axes, rows[spec.axes[0]])
     return figure
 

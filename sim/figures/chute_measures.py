@@ -2,7 +2,7 @@
 
 Options of a figure: ``quantities``, of each ``name`` in the dataset, ``label`` with its unit, the
 parameter ``over`` which it is taken and, where there are several, ``entry`` in the legend and
-``dashes``; ``axis``, label of the vertical axis; ``scale``, ``"log"`` for a logarithmic one;
+``dashes``; ``axis``, label of the vertical axis; ``log``, the logarithmic axes, y alone;
 ``levels`` to compare with.
 """
 
@@ -39,7 +39,7 @@ def draw(data: FigureData) -> Figure:
     for level in spec.options.get("levels", ()):
         axes.axhline(level, **LEVEL)
     set_depth_axis(axes, data.rows["depth"])
-    if spec.options.get("scale") == "log":
+    if "y" in spec.options.get("log", ()):
         axes.set_yscale("log")
     else:
         _set_height(axes, quantities)

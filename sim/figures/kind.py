@@ -21,13 +21,14 @@ KINDS = {
     "belt_acceleration": "sim.figures.belt_acceleration",
     "belt_animation": "sim.figures.belt_animation",
     "belt_curves": "sim.figures.belt_curves",
+    "belt_map": "sim.figures.belt_onset",
     "belt_measures": "sim.figures.belt_measures",
-    "belt_onset": "sim.figures.belt_onset",
     "belt_paths": "sim.figures.belt_paths",
     "belt_profiles": "sim.figures.belt_profiles",
     "belt_snapshots": "sim.figures.belt_snapshots",
     "chute_animation": "sim.figures.chute_animation",
     "chute_curves": "sim.figures.chute_curves",
+    "chute_map": "sim.figures.regimes",
     "chute_measures": "sim.figures.chute_measures",
     "chute_row": "sim.figures.chute_row",
     "plot_curves": "sim.figures.plot_curves",
@@ -35,7 +36,6 @@ KINDS = {
     "plot_map": "sim.figures.plot_map",
     "plot_profiles": "sim.figures.plot_profiles",
     "plot_time_series": "sim.figures.plot_time_series",
-    "regimes": "sim.figures.regimes",
 }
 
 #: Prefix of the names of kinds whose plots study files define.

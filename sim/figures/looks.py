@@ -7,6 +7,7 @@ exceptions. ``look`` names a function where two parameters make one entry.
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 from sim.figures.style import CurveStyle, catalogue_style, cycle_style, escape_label
@@ -62,20 +63,19 @@ def _by_values(
 def _by_amplitude_or_damping(
     spec: FigureSpec, key_values: Mapping[str, Any], index: int
 ) -> tuple[CurveStyle, str]:
-    """Return a line per amplitude at the usual damping, and ``markers`` only at other dampings."""
+    """Return a line per amplitude at the usual damping, and markers alone at other dampings."""
     amplitude, damping = (
         key_values["amplitude"],
         (key_values["damping"], key_values["shear_damping"]),
     )
-    styles, markers = spec.options["styles"], spec.options["markers"]
+    styles = spec.options["styles"]
     label = f"$A_z$ = {amplitude:g} ⟨d⟩"
     if damping == (50.0, 50.0):
         return catalogue_style(*styles[amplitude]) if amplitude in styles else cycle_style(
             index
         ), label
-    next_style = cycle_style(index)
-    style = markers.get(damping, (next_style.colour, "none", next_style.marker))
-    return catalogue_style(*style), pair(*damping) + ("" if amplitude == 1 else f", {label}")
+    style = catalogue_style(*styles[damping]) if damping in styles else cycle_style(index)
+    return replace(style, dashes="none"), pair(*damping) + ("" if amplitude == 1 else f", {label}")
 
 
 def _by_damping(
@@ -84,7 +84,7 @@ def _by_damping(
     """Return a style per pair of damping coefficients, and a separate one for ``fast_start``."""
     damping, styles = (key_values["damping"], key_values["shear_damping"]), spec.options["styles"]
     if key_values.get("initial_velocity", 0):
-        return catalogue_style(*spec.options["fast_start"]), f"{pair(*damping)}, fast start"
+        return catalogue_style(*styles["fast_start"]), f"{pair(*damping)}, fast start"
     style = (
         catalogue_style(*styles[damping]) if damping in styles else cycle_style(index + len(styles))
     )

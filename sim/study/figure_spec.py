@@ -9,7 +9,7 @@ from sim.parameters import NUMERICAL, Parameters
 
 #: Kinds of plot that show regimes and boundaries, that move, and that show paths and last states of
 #: particles.
-_OF_REGIMES = frozenset({"regimes", "belt_onset", "plot_map"})
+_OF_REGIMES = frozenset({"chute_map", "belt_map", "plot_map"})
 _ANIMATED = frozenset({"chute_animation", "belt_animation"})
 _OF_PATHS = _ANIMATED | {"belt_paths"}
 _OF_STATES = frozenset({"chute_row", "belt_snapshots"})

@@ -71,7 +71,8 @@ def _system_models(system: str) -> SystemModels:
         for name, field in model.model_fields.items()
         if field.annotation is float and name not in excluded
     ]
-    figures = [name for name, spec in FIGURES.items() if spec.system == system]
+    system_of_figures = {name: spec.system for name, spec in FIGURES.items()}
+    figures = [name for name in FIGURES if system_of_figures[name] == system]
     values, lists = _with_parameters(Some, system), _with_parameters(Lists, system)
     readings = _with_parameters(Readings, system, roles.reading_parameters(model))
     override = _with_field_types(
@@ -100,6 +101,7 @@ def _system_models(system: str) -> SystemModels:
         shared | {"of": Literal[model.boundaries], "along": Literal[tuple(numbers)]},
         **({"of": Field(description=_OF_DESCRIPTION)} if system == first else {}),
     )
+    series.system_of_figures = boundary.system_of_figures = system_of_figures
     return SystemModels(values, readings, override, series, boundary)
 
 

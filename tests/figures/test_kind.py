@@ -22,7 +22,7 @@ def test_a_kind_is_imported_when_it_is_drawn():
         "from sim.figures.kind import KINDS, load_kind\n"
         "kinds = set(KINDS.values())\n"
         "before = kinds & set(sys.modules)\n"
-        "load_kind('regimes')\n"
+        "load_kind('chute_map')\n"
         "print(sorted(before), sorted(kinds & set(sys.modules)))"
     )
     root = Path(__file__).parents[2]

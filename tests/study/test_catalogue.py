@@ -10,7 +10,7 @@ import pytest
 from sim.base.errors import InputError
 from sim.claims.table import claims
 from sim.figures.kind import KINDS
-from sim.figures.style import PATTERNS
+from sim.figures.style import NAMED, PATTERNS
 from sim.parameters import SYSTEMS
 from sim.study import catalogue
 from sim.study.catalogue import FIGURES, KEYS, read_figures
@@ -51,17 +51,15 @@ def test_an_entry_says_what_is_drawn_and_what_the_paper_says(name):
 
 
 def styles(spec: FigureSpec) -> Iterator[tuple[str, ...]]:
-    options = spec.options
-    yield from (*options.get("styles", {}).values(), *options.get("markers", {}).values())
-    yield from (item["style"] for item in options.get("quantities", ()) if "style" in item)
-    if "fast_start" in options:
-        yield options["fast_start"]
+    yield from spec.options.get("styles", {}).values()
+    yield from (item["style"] for item in spec.options.get("quantities", ()) if "style" in item)
 
 
 @pytest.mark.parametrize("name", FIGURES)
 def test_curves_of_a_figure_differ_in_colour_and_have_dashes_that_are_known(name):
     figure_styles = list(styles(FIGURES[name]))
     assert len({colour for colour, *_ in figure_styles}) == len(figure_styles)
+    assert {colour for colour, *_ in figure_styles} <= set(NAMED)
     assert {dashes for _, dashes, *_ in figure_styles} <= set(PATTERNS)
 
 
@@ -85,7 +83,7 @@ system: belt
 words: {of_beads: "of all beads below {tallest} d"}
 figures:
   - name: one
-    kind: belt_curves
+    kind: curves
     about: Fig. 1
     title: Velocity
     x: frequency
@@ -114,45 +112,38 @@ def test_an_entry_becomes_what_its_figure_is(tmp_path):
         lead="Velocity of all beads below 24 d around d_o = 0.",
         named=("width",),
         says="The paper: it rises.",
-        options={"styles": {(0, 50): ("#d55e00", "solid")}, "entries": {(0, 50): "none"}},
+        options={"styles": {(0, 50): ("red", "solid")}, "entries": {(0, 50): "none"}},
     )
 
 
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
+        ("about: Fig", "abuot: Fig", "figures[0].abuot: unknown key, got 'Fig. 1'; did you mean a"),
         (
-            "about: Fig",
-            "abuot: Fig",
-            "figures[0].abuot: unknown key, got 'Fig. 1'; did you mean ab",
-        ),
-        (
-            "title: Velocity",
-            "levels: [1]\n    title: V",
-            "figures[0].levels: got [1]; allowed: a k",
+            "title: Vel",
+            "levels: [1]\n    title: Vel",
+            "figures[0].levels: got [1]; allowed: a key ",
         ),
         (
             "    where",
             "    log: [y]\n    where",
-            "figures[0].log: got ['y']; allowed: [x] of belt_curv",
+            "figures[0].log: got ['y']; allowed: [x] of curves",
         ),
         ("{obstacle:g}", "{amplitude:g}", "figures[0].lead: got 'unsupported format string"),
-        ("kind: belt_curves", "kind: belt_curve", "figures[0].kind: got 'belt_curve'; allowed: "),
-        (
-            "colour: red",
-            "colour: rot",
-            "figures[0].styles[0].colour: got 'rot'; allowed: 'black', ",
-        ),
+        ("kind: curves", "kind: curve", "figures[0].kind: got 'curve'; allowed: one of accelera"),
+        ("kind: curves", "kind: row", "figures[0].kind: got 'row'; allowed: one of acceleration"),
+        ("colour: red", "colour: rot", "figures[0].styles[0].colour: got 'rot'; allowed: 'black'"),
         ("x: frequency", "x: frequecy", "figures[0].x: got 'frequecy'; allowed: did you mean freq"),
-        ("amplitude:", "depth:", "figures[0].where: got 'depth'; allowed: did you mean width? a "),
+        ("amplitude:", "depth:", "figures[0].where: got 'depth'; allowed: a parameter of the belt"),
+        ("[1, 2]", "[1, [2]]", "figures[0].where.amplitude: got [1, [2]]; allowed: a value of a "),
         ("{of_beads}", "{of_bead}", "figures[0].lead: got 'of_bead'; allowed: in braces one of cr"),
-        (
-            "{tallest}",
-            "{talest}",
-            "words.of_beads: got 'talest'; allowed: in braces one of creep, ",
-        ),
+        ("{tallest}", "{talest}", "words.of_beads: got 'talest'; allowed: in braces one of creep"),
         ("  says", "  said", "figures[0].said: unknown key"),
         ('    says: "The paper: it rises."\n', "", "figures[0].says: got nothing; allowed: text"),
+        ("system: belt", "system: bell", "figures[0].system: got 'bell'; allowed: "),
+        ("figures:", "figure:", "figure: unknown key"),
+        ("  - name: one\n    kind", "  - one\n  - kind", "figures[0]: got 'one'; allowed: a mapp"),
     ],
 )
 def test_a_wrong_entry_is_refused_with_its_file_and_key(old, new, message, tmp_path):
