@@ -12,8 +12,9 @@ from matplotlib.figure import Figure
 from sim.base.additions import plugin_error
 from sim.base.words import printable
 from sim.figures.animation import Animation
-from sim.figures.caption import velocity_notes
-from sim.figures.data import FigureData, velocity_table
+from sim.figures.caption import point_notes
+from sim.figures.data import FigureData
+from sim.figures.quantity import point_table
 from sim.study.plot_kinds import PLOT, own_plots
 
 #: Module of each kind, with the constant ``KIND``; imported when a figure of the kind is drawn.
@@ -22,14 +23,12 @@ KINDS = {
     "belt_animation": "sim.figures.belt_animation",
     "belt_curves": "sim.figures.belt_curves",
     "belt_map": "sim.figures.belt_onset",
-    "belt_measures": "sim.figures.belt_measures",
     "belt_paths": "sim.figures.belt_paths",
     "belt_profiles": "sim.figures.belt_profiles",
     "belt_snapshots": "sim.figures.belt_snapshots",
     "chute_animation": "sim.figures.chute_animation",
     "chute_curves": "sim.figures.chute_curves",
     "chute_map": "sim.figures.regimes",
-    "chute_measures": "sim.figures.chute_measures",
     "chute_row": "sim.figures.chute_row",
     "plot_curves": "sim.figures.plot_curves",
     "plot_distribution": "sim.figures.plot_distribution",
@@ -64,8 +63,8 @@ class Kind:
     """
 
     draw: Callable[[FigureData], Figure | Animation]
-    table: Callable[[FigureData], pd.DataFrame] = velocity_table
-    notes: Callable[[FigureData], list[str]] = velocity_notes
+    table: Callable[[FigureData], pd.DataFrame] = point_table
+    notes: Callable[[FigureData], list[str]] = point_notes
     select: Callable[[FigureData], FigureData] = keep_all_points
 
 

@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from sim.figures.style import CurveStyle, catalogue_style, cycle_style, escape_label
+from sim.figures.style import PATTERNS, CurveStyle, catalogue_style, cycle_style, escape_label
 from sim.parameters.words import setting
 from sim.study.figure_spec import FigureSpec
 
@@ -39,6 +39,25 @@ def look_of(spec: FigureSpec, keys: Sequence[str] | None = None) -> Look:
         return style, ", ".join(filter(None, (entry, rest)))
 
     return look_and_rest
+
+
+def look_of_measure(spec: FigureSpec, keys: Sequence[str], option: Mapping[str, Any]) -> Look:
+    """Return the look of the curves of one of several measures.
+
+    ``option`` is the measure: its ``entry`` follows the settings, and it has a ``style`` of its
+    own, or ``dashes`` instead of those of the curve.
+    """
+    look = look_of(spec, keys)
+
+    def look_of_curve(names: dict[str, object], index: int) -> tuple[CurveStyle, str]:
+        style, entry = look(names, index)
+        if "style" in option:
+            style = catalogue_style(*option["style"])
+        elif "dashes" in option:
+            style = replace(style, dashes=PATTERNS[option["dashes"]])
+        return style, ", ".join(filter(None, (entry, option.get("entry"))))
+
+    return look_of_curve
 
 
 def settings(system: str, values: Iterable[tuple[str, object]]) -> str:

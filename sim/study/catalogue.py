@@ -32,20 +32,18 @@ FILES = tuple(PACKAGE / "papers" / paper / "figures.yaml" for paper in ("walton"
 KEYS = {
     "belt_acceleration": "x curves levels styles entry",
     "belt_animation": "",
-    "belt_curves": "x curves panels log look styles entry",
+    "belt_curves": "x curves panels axis log levels quantities look styles entry",
     "belt_map": "x y curves",
-    "belt_measures": "x curves axis levels quantities styles entry",
     "belt_paths": "",
     "belt_profiles": "x curves vary look styles entry",
     "belt_snapshots": "",
     "chute_animation": "point",
-    "chute_curves": "x curves",
+    "chute_curves": "x curves axis log levels quantities",
     "chute_map": "x y",
-    "chute_measures": "x curves axis log levels quantities",
     "chute_row": "",
 }
 #: Axis that can be logarithmic, of kinds that have one.
-_LOG_AXIS = {"belt_curves": "x", "chute_measures": "y"}
+_LOG_AXIS = {"belt_curves": "x", "chute_curves": "y"}
 
 _KEYS_OF_ALL = "name kind system about title where words lead named says"
 
