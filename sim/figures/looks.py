@@ -79,24 +79,6 @@ def _by_values(
     return style, settings(spec.system, key_values.items())
 
 
-def _by_amplitude_or_damping(
-    spec: FigureSpec, key_values: Mapping[str, Any], index: int
-) -> tuple[CurveStyle, str]:
-    """Return a line per amplitude at the usual damping, and markers alone at other dampings."""
-    amplitude, damping = (
-        key_values["amplitude"],
-        (key_values["damping"], key_values["shear_damping"]),
-    )
-    styles = spec.options["styles"]
-    label = f"$A_z$ = {amplitude:g} ⟨d⟩"
-    if damping == (50.0, 50.0):
-        return catalogue_style(*styles[amplitude]) if amplitude in styles else cycle_style(
-            index
-        ), label
-    style = catalogue_style(*styles[damping]) if damping in styles else cycle_style(index)
-    return replace(style, dashes="none"), pair(*damping) + ("" if amplitude == 1 else f", {label}")
-
-
 def _by_damping(
     spec: FigureSpec, key_values: Mapping[str, Any], index: int
 ) -> tuple[CurveStyle, str]:
@@ -112,7 +94,6 @@ def _by_damping(
 
 _LOOKS = {
     "values": _by_values,
-    "amplitude_or_damping": _by_amplitude_or_damping,
     "damping": _by_damping,
 }
 

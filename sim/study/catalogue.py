@@ -32,7 +32,7 @@ FILES = tuple(PACKAGE / "papers" / paper / "figures.yaml" for paper in ("walton"
 KEYS = {
     "belt_acceleration": "x curves levels styles entry",
     "belt_animation": "",
-    "belt_curves": "x curves panels axis log levels quantities look styles entry",
+    "belt_curves": "x curves panels axis log levels quantities styles entry",
     "belt_map": "x y curves",
     "belt_paths": "",
     "belt_profiles": "x curves vary look styles entry",
@@ -42,9 +42,9 @@ KEYS = {
     "chute_map": "x y",
     "chute_row": "",
 }
+
 #: Axis that can be logarithmic, of kinds that have one.
 _LOG_AXIS = {"belt_curves": "x", "chute_curves": "y"}
-
 _KEYS_OF_ALL = "name kind system about title where words lead named says"
 
 #: Limits that words in braces can name, as they are written there.
@@ -110,7 +110,7 @@ class FigureFile(PlotFile):
     axis: str = Field("", description="label of the vertical axis")
     levels: list[float] = Field([], description="values to compare with")
     quantities: list[Measure] = []
-    look: str = Field("", description="function of `sim.figures.looks` that styles the curves")
+    look: Literal["", "damping"] = Field("", description="function of `sim.figures.looks`")
     styles: list[Style] = []
     entry: str = Field("", description="pattern of the entries in the legend")
     point: Literal["", "slowest"] = Field("", description="which of several points is shown")

@@ -122,8 +122,8 @@ def test_an_entry_becomes_what_its_figure_is(tmp_path):
         ("about: Fig", "abuot: Fig", "figures[0].abuot: unknown key, got 'Fig. 1'; did you mean a"),
         (
             "title: Vel",
-            "levels: [1]\n    title: Vel",
-            "figures[0].levels: got [1]; allowed: a key ",
+            "look: damping\n    title: Vel",
+            "figures[0].look: got 'damping'; allowed: a ",
         ),
         (
             "    where",
