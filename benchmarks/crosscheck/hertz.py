@@ -9,6 +9,7 @@ from math import radians, tan
 from benchmarks.crosscheck.contacts import ROUNDING, Check, Edit, rebound, rebound_checks
 from benchmarks.peers.chute_input import hertz_model
 from benchmarks.peers.client import Client
+from sim.laws.hertz import effective_modulus
 from sim.parameters import ChuteParameters
 
 #: Stiffness at σ/100 (N/m) and tangential stiffness, of spheres with Poisson's ratio 0.3.
@@ -29,7 +30,7 @@ AGAIN = [(1.0, 160), (1e2, 40), (1e4, 40)]
 
 def _classic(p: ChuteParameters, commands: str) -> str:
     ours = f"pair_style granular\npair_coeff * * {hertz_model(p, p.friction)}"
-    modulus = p.effective_modulus
+    modulus = effective_modulus(p)
     theirs = (
         f"pair_style gran/hertz/history {4 / 3 * modulus:.17g} "
         f"{2 * p.tangential_ratio * modulus:.17g} 0 0 {p.friction:.17g} 0\npair_coeff * *"

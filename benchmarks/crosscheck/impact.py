@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from sim.laws.hertz import effective_modulus
 from sim.parameters import ChuteParameters
 
 
@@ -42,7 +43,7 @@ def damping_constant(restitution: float, stiffness: float, mass: float) -> float
 def springs(p: ChuteParameters, overlap: float, radius: float, mass: float) -> Springs:
     """Return the springs of a law at an overlap, for the reduced radius (m) and mass (kg)."""
     if p.law == "hertz":
-        stiffness = 2.0 * p.effective_modulus * sqrt(radius * overlap)
+        stiffness = 2.0 * effective_modulus(p) * sqrt(radius * overlap)
         damping = sqrt(5 / 6) * damping_constant(p.restitution, stiffness, mass)
         return Springs(2 / 3 * stiffness, damping, p.tangential_ratio * stiffness)
     damping = damping_constant(p.restitution, p.stiffness, mass)

@@ -5,6 +5,7 @@ from math import cos, log, pi, radians, sin, sqrt
 import numpy as np
 
 from benchmarks.peers.settings import Settings
+from sim.laws.hertz import effective_modulus
 from sim.parameters import ChuteParameters
 
 #: Height of the cell above the highest particle at first (it follows it), in diameters.
@@ -35,7 +36,7 @@ def hertz_model(p: ChuteParameters, friction: float) -> str:
     ``coeff_restitution`` is ours. The plane is of the same material.
     """
     poisson = 2.0 * (1.0 - p.tangential_ratio) / (2.0 - p.tangential_ratio)
-    modulus = 2.0 * (1.0 - poisson**2) * p.effective_modulus
+    modulus = 2.0 * (1.0 - poisson**2) * effective_modulus(p)
     return (
         f"hertz/material {modulus:.17g} {p.restitution:.17g} {poisson:.17g} "
         f"damping coeff_restitution tangential mindlin/force NULL 0 {friction:.17g}"
