@@ -2,7 +2,7 @@
 
 import math
 import textwrap
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -87,9 +87,9 @@ class CurveStyle:
     marker: str = "o"
 
 
-def catalogue_style(colour: str, dashes: str, marker: str = "o") -> CurveStyle:
-    """Return a style that a paper's figure prescribes, colour and dashes by name."""
-    return CurveStyle(NAMED[colour], PATTERNS[dashes], marker)
+def prescribed_style(look: Mapping[str, str]) -> CurveStyle:
+    """Return the style that a paper's figure prescribes: colour and dashes by name, and marker."""
+    return CurveStyle(NAMED[look["colour"]], PATTERNS[look["dashes"]], look.get("marker", "o"))
 
 
 def cycle_style(index: int) -> CurveStyle:

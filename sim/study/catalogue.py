@@ -68,36 +68,27 @@ def _one_or_tuple(value: Any) -> Any:
 _Values = Annotated[Any, AfterValidator(_one_or_tuple)]
 
 
-class Style(Strict):
-    """Style of a curve, and the values of ``curves``, in their order, that name the curve."""
+class _Look(Strict):
+    """Look of a curve, by the names of `sim.figures.style`; a measure may leave it open."""
 
-    at: _Values = ""
-    colour: Literal["black", "blue", "red", "green", "pink", "orange"]
-    dashes: Literal["solid", "short_dash", "long_dash", "dash_dot", "dotted", "none"]
+    colour: Literal["black", "blue", "red", "green", "pink", "orange"] = "black"
+    dashes: Literal["solid", "short_dash", "long_dash", "dash_dot", "dotted", "none"] = "solid"
     marker: str = ""
-    entry: str = Field("", description="its entry in the legend, instead of the figure's pattern")
-
-    @property
-    def look(self) -> tuple[str, ...]:
-        """Colour, dashes and, if it has one, marker."""
-        return (self.colour, self.dashes, *filter(None, [self.marker]))
+    entry: str = Field("", description="its entry in the legend, or a measure's part of entries")
 
 
-class Measure(Strict):
+class Style(_Look):
+    """Look of the curve that has the values ``at`` of ``curves``, in their order."""
+
+    at: _Values
+
+
+class Measure(_Look):
     """A measure of the dataset that a figure shows."""
 
     name: str
     over: str = Field("", description="parameter that it is divided by")
     label: str = Field(description="what it is, for headings, with its unit in brackets")
-    dashes: str = ""
-    entry: str = Field("", description="its part of the entries in the legend")
-    style: Style | None = None
-
-    @property
-    def option(self) -> dict[str, Any]:
-        """The measure as an option of a figure."""
-        style = {"style": self.style.look} if self.style else {}
-        return self.model_dump(exclude_unset=True, exclude={"style"}) | style
 
 
 class FigureFile(PlotFile):
@@ -131,6 +122,11 @@ class FigureFile(PlotFile):
             if key in self.model_fields_set and key not in keys:
                 allowed = f"a key of {self.kind}: {', '.join(keys)}"
                 raise broken_rule(key, getattr(self, key), allowed)
+        for key in ("x", "y"):
+            if key in keys and getattr(self, key) is None:
+                raise broken_rule(key, None, f"a name; {self.kind} has an axis {key}")
+        if self.panels not in (None, "protocol"):
+            raise broken_rule("panels", self.panels, "protocol")
         if self.log and self.log != [_LOG_AXIS[prefix + self.kind]]:
             allowed = f"[{_LOG_AXIS[prefix + self.kind]}] of {self.kind}"
             raise broken_rule("log", self.log, allowed)
@@ -141,7 +137,6 @@ class FigureFile(PlotFile):
         names = {
             "x": [self.x] if self.x and self.kind != "profiles" else [],
             "y": [self.y] if self.y else [],
-            "panels": [self.panels] if self.panels else [],
             "curves": self.curves or [],
             "vary": self.vary,
             "where": self.where,
@@ -164,10 +159,12 @@ class FigureFile(PlotFile):
             "axis": self.axis,
             "log": tuple(self.log),
             "levels": tuple(self.levels),
-            "quantities": tuple(measure.option for measure in self.quantities),
-            "styles": {style.at: style.look for style in self.styles},
+            "quantities": tuple(one.model_dump(exclude_unset=True) for one in self.quantities),
+            "styles": {
+                style.at: style.model_dump(exclude_unset=True, exclude={"at"})
+                for style in self.styles
+            },
             "entry": self.entry,
-            "entries": {style.at: style.entry for style in self.styles if style.entry},
             "point": self.point,
         }
         if self.kind == "profiles":

@@ -50,17 +50,18 @@ def test_an_entry_says_what_is_drawn_and_what_the_paper_says(name):
     assert parameters <= set(SYSTEMS[spec.system].model_fields)
 
 
-def styles(spec: FigureSpec) -> Iterator[tuple[str, ...]]:
+def styles(spec: FigureSpec) -> Iterator[dict[str, str]]:
     yield from spec.options.get("styles", {}).values()
-    yield from (item["style"] for item in spec.options.get("quantities", ()) if "style" in item)
+    yield from (item for item in spec.options.get("quantities", ()) if "colour" in item)
 
 
 @pytest.mark.parametrize("name", FIGURES)
 def test_curves_of_a_figure_differ_in_colour_and_have_dashes_that_are_known(name):
     figure_styles = list(styles(FIGURES[name]))
-    assert len({colour for colour, *_ in figure_styles}) == len(figure_styles)
-    assert {colour for colour, *_ in figure_styles} <= set(NAMED)
-    assert {dashes for _, dashes, *_ in figure_styles} <= set(PATTERNS)
+    colours = {style["colour"] for style in figure_styles}
+    assert len(colours) == len(figure_styles)
+    assert colours <= set(NAMED)
+    assert {style["dashes"] for style in figure_styles} <= set(PATTERNS)
 
 
 def test_every_kind_of_plot_is_that_of_a_figure_or_of_plots_of_a_study():
@@ -112,7 +113,7 @@ def test_an_entry_becomes_what_its_figure_is(tmp_path):
         lead="Velocity of all beads below 24 d around d_o = 0.",
         named=("width",),
         says="The paper: it rises.",
-        options={"styles": {(0, 50): ("red", "solid")}, "entries": {(0, 50): "none"}},
+        options={"styles": {(0, 50): {"colour": "red", "dashes": "solid", "entry": "none"}}},
     )
 
 
@@ -125,6 +126,7 @@ def test_an_entry_becomes_what_its_figure_is(tmp_path):
             "look: damping\n    title: Vel",
             "figures[0].look: got 'damping'; allowed: a ",
         ),
+        ("    x: frequency\n", "", "figures[0].x: got nothing; allowed: a name; curves has an a"),
         (
             "    where",
             "    log: [y]\n    where",
