@@ -27,4 +27,4 @@ def test_a_kind_is_imported_when_it_is_drawn():
     )
     root = Path(__file__).parents[2]
     done = subprocess.run([sys.executable, "-c", code], cwd=root, capture_output=True, text=True)
-    assert done.stdout == "[] ['sim.figures.regimes']\n", done.stderr
+    assert done.stdout == "[] ['sim.figures.chute_map']\n", done.stderr
