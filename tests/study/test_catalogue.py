@@ -9,13 +9,11 @@ import pytest
 
 from sim.base.errors import InputError
 from sim.claims.table import claims
-from sim.figures.kind import KINDS
 from sim.figures.style import NAMED, PATTERNS
 from sim.parameters import SYSTEMS
 from sim.study import catalogue
 from sim.study.catalogue import FIGURES, KEYS, read_figures
 from sim.study.figure_spec import LARGEST_PORTION, FigureSpec
-from sim.study.plot_file import OBSERVABLE
 from tests.made.processes import ROOT
 
 
@@ -41,7 +39,6 @@ def test_an_entry_is_plain_data_that_can_be_written_down(name):
 @pytest.mark.parametrize("name", FIGURES)
 def test_an_entry_says_what_is_drawn_and_what_the_paper_says(name):
     spec = FIGURES[name]
-    assert spec.kind in KINDS
     assert spec.lead.endswith(".")
     assert spec.says.startswith("The paper")
     assert spec.says.endswith(".")
@@ -64,10 +61,8 @@ def test_curves_of_a_figure_differ_in_colour_and_have_dashes_that_are_known(name
     assert {style["dashes"] for style in figure_styles} <= set(PATTERNS)
 
 
-def test_every_kind_of_plot_is_that_of_a_figure_or_of_plots_of_a_study():
-    own = {f"plot_{kind}" for kind in OBSERVABLE}
+def test_every_kind_of_plot_is_that_of_a_figure():
     assert {spec.kind for spec in FIGURES.values()} == set(KEYS)
-    assert set(KEYS) | own == set(KINDS)
 
 
 def test_captions_say_how_much_of_the_cell_pictures_show():
