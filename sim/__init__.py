@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from sim.parameters.choices import parameter
     from sim.parameters.laws import law
     from sim.parameters.motions import motion
-    from sim.parameters.own import observable
+    from sim.parameters.observables import observable
     from sim.study.frame import points
     from sim.study.plot_kinds import plot_kind
 
@@ -50,7 +50,7 @@ _PLACES = {
     "load": "sim.dataset.results:load",
     "load_plugins": "sim.base.plugins:load_plugins",
     "motion": "sim.parameters.motions:motion",
-    "observable": "sim.parameters.own:observable",
+    "observable": "sim.parameters.observables:observable",
     "parameter": "sim.parameters.choices:parameter",
     "plot_kind": "sim.study.plot_kinds:plot_kind",
     "points": "sim.study.frame:points",

@@ -6,7 +6,7 @@ from functools import partial
 
 from sim.__main__ import COMMANDS, parser
 from sim.parameters import SYSTEMS
-from sim.parameters.variables import Variable, variables_of
+from sim.parameters.variables import Variable, observable_variables, variables_of
 
 #: Formatter of help with lines of 90 characters, independent of the terminal.
 HELP = partial(argparse.HelpFormatter, width=90)
@@ -82,7 +82,7 @@ def variables() -> str:
         "All scalars of run files, over `(point, replicate)`; all parameters over `(point)`, as"
         " coordinates; and",
         *_listed("Of points", variables_of("point")),
-        *_listed("Measures, over `(point, replicate)`", variables_of("measure")),
+        *_listed("Measures, over `(point, replicate)`", observable_variables()),
         *_listed("Groups of the systems, besides the profiles", variables_of("group")),
     ]
     return "\n\n".join(parts) + "\n"

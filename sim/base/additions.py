@@ -183,10 +183,15 @@ def plugin_error(kind: str, name: str, error: BaseException, of: str = "") -> In
 
 @contextmanager
 def attribute_errors_to(kind: str, name: str, of: str = "") -> Iterator[None]:
-    """Raise any error of a block as an `InputError` that names an addition and its plug-in."""
+    """Raise any error of a block as an `InputError` that names an addition and its plug-in.
+
+    Errors of what Talus itself adds stay as they are.
+    """
     try:
         yield
     except (Exception, SystemExit) as error:
+        if name in shipped(kind):
+            raise
         raise plugin_error(kind, name, error, of) from None
 
 

@@ -60,6 +60,16 @@ def open_regular(path: Path) -> BinaryIO:
     return os.fdopen(number, "rb")
 
 
+def is_of_system(error: BaseException) -> bool:
+    """True for an error of the system that says nothing of the bytes of a file: no permission, EIO.
+
+    Libraries raise ``OSError`` with a negative number, or none, for bytes that they cannot use, and
+    `open_regular` EINVAL for what is no file.
+    """
+    number = error.errno if isinstance(error, OSError) else None
+    return bool(number and number > 0 and number not in (errno.EINVAL, errno.ENXIO))
+
+
 def read_regular(path: Path) -> bytes:
     """Return the contents of a regular file; raise ``OSError`` otherwise, see `open_regular`."""
     with open_regular(path) as file:

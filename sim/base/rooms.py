@@ -15,10 +15,11 @@ ROOMS: dict[str, tuple[str, ...]] = {
     "study": ("parameters", "base"),
     "engine": ("parameters", "base"),
     "laws": ("engine", "parameters", "base"),
-    "dataset": ("engine", "study", "parameters", "base"),
-    "figures": ("dataset", "engine", "study", "parameters", "base"),
-    "claims": ("dataset", "engine", "study", "parameters", "base"),
-    "report": ("claims", "figures", "dataset", "engine", "study", "parameters", "base"),
+    "measures": ("parameters", "base"),
+    "dataset": ("measures", "engine", "study", "parameters", "base"),
+    "figures": ("dataset", "measures", "engine", "study", "parameters", "base"),
+    "claims": ("dataset", "measures", "engine", "study", "parameters", "base"),
+    "report": ("claims", "figures", "dataset", "measures", "engine", "study", "parameters", "base"),
 }
 
 #: Room whose edits invalidate no output: runs depend on the number of the numerics instead.

@@ -15,7 +15,7 @@ from xml.etree.ElementTree import ParseError
 from zlib import crc32
 
 from sim.base.errors import InputError
-from sim.base.files import open_regular
+from sim.base.files import is_of_system, open_regular
 
 #: Last bytes of a sealed file: the SHA-256 of all before them.
 SEAL = b"\nSHA-256 %s\n"
@@ -66,7 +66,9 @@ def checked_read(path: Path, kind: str, replaceable: bool, sealed: bool = False)
     InputError
         When there is no such file.
     DamagedError
-        When it cannot be read.
+        When its bytes are wrong.
+    OSError
+        When the system does not give its bytes, as without permission; the file stays as it is.
     """
     if not os.path.lexists(path):
         raise InputError(f"{path}: no such {kind}; rerun the study to make it")
@@ -79,6 +81,8 @@ def checked_read(path: Path, kind: str, replaceable: bool, sealed: bool = False)
     except InputError:
         raise
     except UNREADABLE as error:
+        if is_of_system(error):
+            raise
         message = f"{path}: damaged or not a {kind} ({error})"
         if replaceable:
             aside = set_aside(path).name
@@ -128,8 +132,13 @@ def checksum(file: BinaryIO, length: int) -> bytes:
 
 
 def set_aside(path: Path) -> Path:
-    """Rename an unusable file to ``<name>.damaged`` and return the new path."""
-    return path.replace(path.with_name(f"{path.name}.damaged"))
+    """Rename an unusable file to ``<name>.damaged`` and return the new path.
+
+    Where there is one already, the name ends in ``.damaged.2``, and so on.
+    """
+    names = (f"{path.name}.damaged{ending}" for ending in ("", *(f".{n}" for n in range(2, 100))))
+    free = (name for name in names if not os.path.lexists(path.with_name(name)))
+    return path.replace(path.with_name(next(free, f"{path.name}.damaged")))
 
 
 def append_summary(path: Path, summary: Mapping[str, Any]) -> None:

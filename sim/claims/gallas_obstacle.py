@@ -8,7 +8,7 @@ from sim.claims.evidence import Evidence
 from sim.claims.lines import common_beds, complete_line, velocity_trend
 from sim.claims.place import Place, quotient, replicate_mean
 from sim.claims.verdict import Check
-from sim.dataset.measures.belt import FAR_DISTANCE
+from sim.measures.belt import FAR_DISTANCE
 
 #: Frequencies (Hz) of Fig. 6.
 FREQUENCIES = (20, 80)

@@ -28,7 +28,7 @@ from sim.claims.lines import (
 )
 from sim.claims.place import Place, quotient, with_interval
 from sim.claims.verdict import Check, Untestable
-from sim.dataset.measures.belt import speed_along_x
+from sim.dataset.belt import speed_along_x
 from sim.parameters.belt import ONSET_TRANSPORT
 
 #: Pairs of damping and shear damping (g) whose onsets are compared.

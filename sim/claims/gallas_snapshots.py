@@ -11,7 +11,7 @@ from sim.claims.evidence import Evidence
 from sim.claims.lines import complete_line
 from sim.claims.place import Place
 from sim.claims.verdict import Check, Untestable
-from sim.dataset.measures.layers import level
+from sim.measures.layers import level
 
 #: Largest rms velocity about the mean of all beads, over the belt's, of a block.
 MAX_BLOCK_AGITATION = 0.1

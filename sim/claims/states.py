@@ -15,7 +15,7 @@ from sim.claims.checks import reported
 from sim.claims.inference import share_above, share_interval
 from sim.claims.place import Place, replicate_mean, with_interval
 from sim.claims.verdict import Check, Untestable
-from sim.dataset.measures import layers, plug
+from sim.measures import layers, plug
 
 PROFILES = ("velocity_profile", "packing_profile")
 

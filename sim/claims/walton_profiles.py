@@ -25,7 +25,7 @@ from sim.claims.place import Place, replicate_mean
 from sim.claims.states import PROFILES, majority_if_mixed, plug_share, plug_shares
 from sim.claims.trends import mean_of_others, smallest_mean
 from sim.claims.verdict import Check, Untestable
-from sim.dataset.measures import layers
+from sim.measures import layers
 
 #: Least share of the mass of a bin that counts.
 MIN_MASS_SHARE = 0.01

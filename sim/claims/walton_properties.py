@@ -25,7 +25,7 @@ from sim.claims.inference import outranks, trend
 from sim.claims.place import Place, quotient
 from sim.claims.states import has_plug, majority_if_mixed, report_states
 from sim.claims.verdict import Check, Untestable
-from sim.dataset.measures import layers
+from sim.measures import layers
 
 #: Depths with crystals, and the least share of crystalline spheres there.
 CRYSTALLINE, SHARE = (10, 20, DEEPEST), 0.5

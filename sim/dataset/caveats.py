@@ -1,9 +1,9 @@
 """Caveats of a run: its own, and whether its energy adds up, overlaps are small, length fits."""
 
-from collections.abc import Iterable, Mapping
-from typing import Any, SupportsFloat
+from collections.abc import Iterable
 
 from sim.dataset.run_file import Summary
+from sim.measures.balance import missing_energy
 from sim.parameters import Parameters
 
 #: The run is unsound if its ledger lacks more than this share of the energy turned over.
@@ -33,28 +33,6 @@ _LEDGER_SCALARS = (
     "velocity",
     "acceleration",
 )
-
-
-def missing_energy(replicate: Mapping[Any, SupportsFloat]) -> float:
-    """Return the share of the energy turned over that the ledger of a replicate lacks.
-
-    A run file has the share relative to the dissipated energy. Flows that accelerate turn over
-    more, most of all those without friction. Here their gain of kinetic energy counts too, from the
-    means over the window.
-
-    Parameters
-    ----------
-    replicate : mapping
-        Scalars of a run file by name, including ``energy_residual``. Without ``frictional_power``
-        (belt) the residual is the share.
-    """
-    lacking = abs(float(replicate["energy_residual"]))
-    if "frictional_power" not in replicate:
-        return lacking
-    lost = float(replicate["frictional_power"]) + float(replicate["normal_power"])
-    mass = float(replicate["particles"]) * float(replicate["mass"])
-    gained = mass * float(replicate["velocity"]) * float(replicate["acceleration"])
-    return lacking * (lost / (lost + gained) if gained > 0 else 1.0)
 
 
 def caveat(

@@ -30,8 +30,7 @@ from sim.dataset.rows import (
 )
 from sim.engine import identity
 from sim.parameters import Parameters, amounts
-from sim.parameters.own import OBSERVABLE, own_observables
-from sim.parameters.variables import ALL
+from sim.parameters.variables import ALL, OBSERVABLE
 from sim.study.figure_spec import Shown
 
 #: Second name of the last dataset of a study. It stays when the workflow removes ``dataset.nc``,
@@ -59,9 +58,9 @@ def stored_names(system: str | None = None) -> set[str]:
 
     Observables of plug-ins come with their names and hashes too.
     """
-    own = own_observables(system)
-    own_codes = (code for code in codes(OBSERVABLE).split() if code.rpartition(".")[0] in own)
-    return {*row_scalars(system), *row_arrays(system), *STATE_VARIABLES, *own_codes}
+    scalars = row_scalars(system)
+    own_codes = (code for code in codes(OBSERVABLE).split() if code.rpartition(".")[0] in scalars)
+    return {*scalars, *row_arrays(system), *STATE_VARIABLES, *own_codes}
 
 
 def missing_variables(group: Any, system: str) -> list[str]:

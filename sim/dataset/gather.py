@@ -11,8 +11,8 @@ import xarray as xr
 
 from sim.base.errors import InputError
 from sim.base.seals import checked_read, read_seal, read_summary
+from sim.dataset.belt import column_means, cycle_means
 from sim.dataset.measures import measures
-from sim.dataset.measures.belt import column_means, cycle_means
 from sim.dataset.rows import SINGLE, WORDS, Rows, row_arrays, row_scalars
 from sim.dataset.run_file import Replicate, RunFile
 from sim.engine.identity import numerics_of

@@ -8,8 +8,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from sim.parameters.own import own_observables
-from sim.parameters.variables import SCALARS, Variable, variables_of
+from sim.parameters.variables import SCALARS, Variable, observable_variables, variables_of
 
 #: Scalars per replicate that are words.
 WORDS = tuple(name for name, row in SCALARS.items() if not row.unit)
@@ -36,10 +35,9 @@ _LENGTHS = {"replicate": "status"} | CENTRES
 def row_scalars(system: str | None = None) -> dict[str, Variable]:
     """Return the scalars per replicate that rows of a system, or of all, may hold, words last.
 
-    They are those of run files, measures, and observables of plug-ins.
+    They are those of run files, and observables.
     """
-    own = {name: one.variable for name, one in own_observables(system).items()}
-    rows = variables_of("scalar", "measure", system=system) | own
+    rows = variables_of("scalar", system=system) | observable_variables(system)
     return dict(sorted(rows.items(), key=lambda row: row[0] in WORDS))
 
 

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any, BinaryIO, Self
 import numpy as np
 
 from sim.base.errors import InputError
-from sim.base.files import atomic_write, open_regular
+from sim.base.files import atomic_write, is_of_system, open_regular
 from sim.base.seals import is_damaged, seal, set_aside
 from sim.engine.flatten import FlatState
 from sim.engine.identity import NUMERICS
@@ -234,6 +234,8 @@ class States:
         except FileNotFoundError:
             return {}
         except (OSError, ValueError, LookupError, TypeError, AttributeError) as error:
+            if is_of_system(error):
+                raise
             reason = error.strerror if isinstance(error, OSError) else error
             if not self._is_own:
                 raise InputError(f"{self.path}: {reason}") from None

@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from sim.dataset.measures.belt import speed_along_x
+from sim.dataset.belt import speed_along_x
 from sim.figures.curves import draw_family
 from sim.figures.data import FigureData
 from sim.figures.kind import Kind

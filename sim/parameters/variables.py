@@ -1,7 +1,8 @@
-"""The one table of variables: all that run files and datasets say of a run besides its parameters.
+"""The variables: all that run files and datasets say of a run besides its parameters.
 
-The table is ``variables.csv``, a line per variable; every other list of variables is a selection of
-it. Its columns are the attributes of `Variable`; an empty one stands for the usual value:
+Numbers that are computed from run files are observables, declared where they are measured. All
+others are in one table, ``variables.csv``; every other list is a selection of it. Its columns are
+the attributes of `Variable`; an empty one stands for the usual value:
 
 - ``systems``: all of them;
 - ``dims``: those of its kind, `DIMS`;
@@ -12,20 +13,24 @@ it. Its columns are the attributes of `Variable`; an empty one stands for the us
 """
 
 import csv
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
+from importlib import import_module
 from pathlib import Path
 from typing import Any
+
+from sim.base.additions import additions, shipped
 
 #: Systems that the table knows.
 ALL = ("chute", "belt", "conveyor")
 
 #: Dimensions of a variable by its kind, where the kind has the same for all: scalars, time series
-#: and profiles are in run files, measures and what is said of points in datasets alone.
+#: and profiles are in run files, observables and what is said of points in datasets alone.
 DIMS = {
     "scalar": ("replicate",),
     "series": ("replicate", "time"),
     "profile": ("replicate", "height"),
-    "measure": ("replicate",),
+    "observable": ("replicate",),
     "point": ("point",),
 }
 
@@ -39,8 +44,11 @@ _OF_RUN_FILES = ("series", "particle", "contact", "trajectory", "table")
 #: the beginning of the belt's cycle, and of successive blocks of samples.
 INSTANTANEOUS, AT_PHASE_0, HISTORY = "_instantaneous", "_at_phase_0", "_history"
 
-#: States of a deep flow, each with measures of its share, time and endings.
-PLUG_STATES = ("deep_shear", "agitated", "locked")
+#: Kind of the additions that are observables.
+OBSERVABLE = "observable"
+
+#: Gives observables from the arrays of one replicate of a run: a number, or several by name.
+Measuring = Callable[[Mapping[str, Any]], float | Mapping[str, float]]
 
 
 @dataclass(frozen=True)
@@ -127,11 +135,39 @@ def _variable(
 VARIABLES = _read(Path(__file__).with_suffix(".csv"))
 
 
-def observed(name: str, unit: str, meaning: str, system: str) -> Variable:
-    """Return the variable of a measure that is not in the table."""
-    texts = {"kind": "measure", "name": name, "unit": unit, "meaning": meaning}
-    usual = dict.fromkeys(("dims", "cell_method", "part", "of", "in_datasets", "asked_by"), "")
-    return _variable(systems=system, **texts, **usual)
+@dataclass(frozen=True)
+class Observable:
+    """A number per replicate that is computed from run files: its variable and its function."""
+
+    variable: Variable
+    measure: Measuring
+
+
+def observed(
+    name: str, unit: str, meaning: str, systems: Iterable[str], asked_by: str = ""
+) -> Variable:
+    """Return the variable of an observable."""
+    texts = {"kind": OBSERVABLE, "name": name, "unit": unit, "meaning": meaning}
+    usual = dict.fromkeys(("dims", "cell_method", "part", "of", "in_datasets"), "")
+    return _variable(systems=" ".join(systems), asked_by=asked_by, **texts, **usual)
+
+
+def _load_observables() -> None:
+    """Load the observables that ship; they import NumPy, which not every command needs."""
+    import_module("sim.measures")
+
+
+def observables(system: str | None = None) -> dict[str, Observable]:
+    """Return all observables by name, of one system or of all; those of plug-ins come last."""
+    _load_observables()
+    plugins = {name: one.value for name, one in additions(OBSERVABLE).items()}
+    every: dict[str, Observable] = {**shipped(OBSERVABLE), **plugins}
+    return {n: one for n, one in every.items() if system in (None, *one.variable.systems)}
+
+
+def observable_variables(system: str | None = None) -> dict[str, Variable]:
+    """Return the variables of all observables by name, of one system or of all."""
+    return {name: one.variable for name, one in observables(system).items()}
 
 
 def variables_of(*kinds: str, system: str | None = None) -> dict[str, Variable]:
@@ -170,8 +206,9 @@ def reserved_names() -> set[str]:
 
     They are those of all variables that studies can plot, also without their endings.
     """
-    kinds = ("scalar", "measure", "profile", "series")
-    names = {one.name for one in VARIABLES if one.kind in kinds}
+    _load_observables()
+    kinds = ("scalar", "profile", "series")
+    names = {one.name for one in VARIABLES if one.kind in kinds} | shipped(OBSERVABLE).keys()
     return names | {plotted_name(name) for name in names}
 
 

@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import psutil
 
+from sim.base.files import is_of_system
 from sim.base.seals import UNREADABLE
 from sim.dataset.adopted import AdoptedPoint, AdoptedPoints
 from sim.dataset.caveats import caveat_of_run
@@ -213,6 +214,8 @@ def _point_status(
         except FileNotFoundError:
             # A damaged file has been set aside in the meantime.
             pass
+        except OSError as error:
+            return PointStatus("failed", threads, f"{path}: cannot be read: {error.strerror}")
     return PointStatus("interrupted" if progress else "waiting", threads, progress=progress)
 
 
@@ -241,9 +244,9 @@ def _read_ended(path: Path, changed: int, parameters: Parameters) -> PointStatus
         run = summary_of(path, amounts(parameters))
         attributes, caveat = run.attrs, caveat_of_run(run, parameters)
         wall_time = float(attributes.get("wall_time", 0.0))
-    except FileNotFoundError:
-        raise
-    except UNREADABLE:
+    except UNREADABLE as error:
+        if is_of_system(error):
+            raise
         attributes = {}
     if attributes.get("point_id") != path.stem or attributes.get("status") not in (
         "completed",

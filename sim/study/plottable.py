@@ -6,8 +6,7 @@ from typing import Any
 
 from sim.base.messages import did_you_mean
 from sim.parameters import SYSTEMS
-from sim.parameters.own import own_observables
-from sim.parameters.variables import Variable, plotted_name, variables_of
+from sim.parameters.variables import Variable, observable_variables, plotted_name, variables_of
 
 
 @dataclass(frozen=True)
@@ -37,16 +36,15 @@ class Observable:
 
 
 def numbers(system: str) -> dict[str, Observable]:
-    """Return the numbers per replicate: scalars, measures, means of profiles, plug-ins'."""
-    rows = variables_of("scalar", "measure", system=system)
+    """Return the numbers per replicate: scalars, observables, means of profiles."""
+    rows = variables_of("scalar", system=system) | observable_variables(system)
     scalars = {name: _observable(name, row) for name, row in rows.items() if row.unit}
     means = {
         name: replace(one, meaning=f"{one.meaning}, mean of all particles", is_mean=True)
         for name, one in profiles(system).items()
         if name not in scalars
     }
-    own = {name: _observable(name, one.variable) for name, one in own_observables(system).items()}
-    return scalars | means | own
+    return scalars | means
 
 
 def profiles(system: str) -> dict[str, Observable]:

@@ -7,7 +7,7 @@ from sim.claims.checks import above
 from sim.claims.evidence import Evidence
 from sim.claims.states import majority_if_mixed, state_lifetime
 from sim.claims.verdict import INCONCLUSIVE, NOT_REPRODUCED, REPRODUCED
-from sim.dataset.measures.plug import spell_statistics
+from sim.measures.plug import spell_statistics
 from tests.made.chute_flows import PACKING, SIZE, flow, kinked_profile
 from tests.made.results import made_results
 

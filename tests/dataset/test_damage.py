@@ -1,5 +1,6 @@
 """Full disks, holes and flipped bits: one clear line, nothing lost, no wrong number read."""
 
+import errno
 import json
 import os
 import random
@@ -97,6 +98,29 @@ def test_a_truncated_file_is_never_read(content, path):
 def test_a_longer_file_is_never_read(content, path):
     path.write_bytes(content)
     assert assert_refused_or_true(path, content + b"\n", read_run(path))
+
+
+@pytest.mark.parametrize("name", ["EACCES", "EIO", "ESTALE", "EMFILE", "ENOMEM"])
+def test_an_error_of_the_system_is_no_damage(name, content, path, monkeypatch):
+    path.write_bytes(content)
+
+    def fail(*_: object, **__: object) -> int:
+        raise OSError(getattr(errno, name), "the system says no", str(path))
+
+    with monkeypatch.context() as patch:
+        patch.setattr("sim.base.files.os.open", fail)
+        with pytest.raises(OSError, match="the system says no"):
+            read_run(path)
+    assert path.read_bytes() == content and len(list(path.parent.iterdir())) == 1
+    read_run(path)
+
+
+def test_what_is_damaged_again_replaces_nothing(content, path):
+    for ending in ("", ".2", ".3"):
+        path.write_bytes(content + ending.encode() + b"x")
+        with pytest.raises(DamagedError, match=rf"now {path.name}\.damaged{ending}: rerun"):
+            read_run(path)
+    assert len(list(path.parent.iterdir())) == 3
 
 
 def test_only_a_sealed_file_is_whole(tmp_path):

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from sim.dataset.belt import column_means
 from sim.dataset.combine import profiles
 from sim.dataset.gather import STATE_VARIABLES
-from sim.dataset.measures.belt import column_means
 from sim.dataset.rows import Rows
 from sim.parameters.variables import variables_of
 

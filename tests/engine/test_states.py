@@ -1,5 +1,6 @@
 """A run that was stopped at any moment goes on from its states to the same bits."""
 
+import errno
 import io
 import json
 import logging
@@ -254,6 +255,18 @@ def test_a_flipped_bit_of_the_first_line_is_found(saved, tmp_path, caplog):
     whole = saved.path.read_bytes()
     saved.path.write_bytes(whole.replace(b"belt-frequency", b"belt-frequencx", 1))
     assert_set_aside(tmp_path, caplog, "other point")
+
+
+def test_states_that_the_system_does_not_give_stay_as_they_are(saved, tmp_path, monkeypatch):
+    before = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
+
+    def fail(*_: object, **__: object) -> int:
+        raise OSError(errno.EIO, "input/output error")
+
+    monkeypatch.setattr("sim.base.files.os.open", fail)
+    with pytest.raises(OSError, match="input/output error"):
+        read(tmp_path)
+    assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == before
 
 
 def test_a_longer_file_is_set_aside(saved, tmp_path, caplog):

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from sim.dataset.measures.chute import measure, quantile
+from sim.measures.chute import quantile
+from tests.measures.measuring import measured
 
 SIZE = 1e-3
 HEIGHT = (np.arange(40) + 0.5) * 0.25 * SIZE
@@ -26,7 +27,7 @@ def test_plug_alone_is_asked_for_its_order():
     below = place[:, 2] < 1.8 * SIZE
     place[below] += np.random.default_rng(1).uniform(-0.5, 0.5, (below.sum(), 3)) * SIZE
     frames = np.stack([np.zeros_like(place), place])
-    values = measure(make_run(position=(("frame", "particle", "axis"), frames)))
+    values = measured(make_run(position=(("frame", "particle", "axis"), frames)), "chute")
     assert values["shear_depth"] == pytest.approx(1.8 * SIZE, rel=1e-6)
     # All but those of the simple cubic plug's two faces have six coherent neighbors: none has 8.
     assert values["crystalline_share"] == 0.0
@@ -34,11 +35,11 @@ def test_plug_alone_is_asked_for_its_order():
 
 
 def test_run_without_particles_or_overlaps_has_its_shear_depth_alone():
-    assert set(measure(make_run())) == {"shear_depth"}
+    assert set(measured(make_run(), "chute")) == {"shear_depth"}
 
 
 def test_run_without_profiles_has_no_measures():
-    assert measure(make_run().drop_vars("packing_profile")) == {}
+    assert measured(make_run().drop_vars("packing_profile"), "chute") == {}
 
 
 def test_quantiles_of_overlaps():
@@ -51,7 +52,7 @@ def test_quantiles_of_overlaps():
     assert edges[25] < quantile(counts, edges, 0.999) < edges[26]
     assert np.isnan(quantile(0 * counts, edges, 0.5))
     run = make_run(overlap_histogram=("overlap_bin", counts), overlap_edges=("overlap_edge", edges))
-    assert measure(run)["median_overlap"] == median
+    assert measured(run, "chute")["median_overlap"] == median
 
 
 def test_rolling_of_the_lowest_spheres_is_told_where_spins_were_kept():
@@ -62,12 +63,12 @@ def test_rolling_of_the_lowest_spheres_is_told_where_spins_were_kept():
         "spin_profile": ("height", spin),
         "vertical_temperature_profile": ("height", np.where(below, 0.01, 7.0)),
     }
-    values = measure(make_run(**profiles))
+    values = measured(make_run(**profiles), "chute")
     assert values["base_rolling"] == pytest.approx(0.5)
     assert values["base_slip_ratio"] == pytest.approx(0.5 * 0.125 / 0.1)
-    assert not {"base_rolling", "base_slip_ratio"} & measure(make_run()).keys()
+    assert not {"base_rolling", "base_slip_ratio"} & measured(make_run(), "chute").keys()
 
 
 def test_forces_on_the_plane_have_a_ratio():
-    assert measure(make_run(base_normal=2.0, base_shear=0.5))["base_stress_ratio"] == 0.25
-    assert "base_stress_ratio" not in measure(make_run(base_normal=0.0, base_shear=0.0))
+    assert measured(make_run(base_normal=2.0, base_shear=0.5), "chute")["base_stress_ratio"] == 0.25
+    assert "base_stress_ratio" not in measured(make_run(base_normal=0.0, base_shear=0.0), "chute")

@@ -11,10 +11,16 @@ from typing import Any
 
 import numpy as np
 
-from sim.dataset.measures import layers
-from sim.parameters.variables import HISTORY, PLUG_STATES
+from sim.measures import layers
+from sim.parameters.observables import declare_observables
+from sim.parameters.variables import HISTORY
 
-STATES = PLUG_STATES
+#: States of a deep flow, each with measures of its share, time and endings, in words.
+STATES = {
+    "deep_shear": "without a plug",
+    "agitated": "with an agitated plug",
+    "locked": "with a locked plug",
+}
 
 #: A plug with more contacts per sphere than this is locked. Agitated plugs have about 1, locked
 #: plugs 2.7 or more.
@@ -24,14 +30,14 @@ LOCKED_CONTACTS = 2.0
 SPELL = 10.0
 
 
-def measure(run: Mapping[Any, Any]) -> dict[str, float]:
+def plug_states(run: Mapping[Any, Any]) -> dict[str, float]:
     """Return shares, times and endings of the states of a replicate over its averaging window.
 
     Each spell has or has not a plug, by its own profiles if the run has a history of profiles, and
     otherwise by those of the whole window. Empty for a run without contact numbers, or whose window
     is shorter than a spell.
     """
-    if "contact_number" not in run:
+    if not ("contact_number" in run and layers.has_profiles(run)):
         return {}
     ends, plug = _plug_spells(run)
     if not plug.size:
@@ -48,6 +54,21 @@ def measure(run: Mapping[Any, Any]) -> dict[str, float]:
         )
         values |= {f"{name}_{label}": value for label, value in statistics}
     return values
+
+
+declare_observables(
+    plug_states,
+    {
+        f"{state}_{ending}": (unit, f"{meaning} {phrase}")
+        for ending, unit, meaning in (
+            ("share", "1", "share of the window"),
+            ("time", "s", "time of the window"),
+            ("endings", "1", "how often the flow was seen to stop being"),
+        )
+        for state, phrase in STATES.items()
+    },
+    system="chute",
+)
 
 
 def _plug_spells(run: Mapping[Any, Any]) -> tuple[np.ndarray, np.ndarray]:

@@ -4,6 +4,7 @@ Profiles are arrays (H,) over slices of equal height, heights and diameters in m
 than a sphere, so neighboring slices within one layer of spheres have the same velocity.
 """
 
+from collections.abc import Mapping
 from itertools import pairwise
 from typing import Any
 
@@ -20,6 +21,11 @@ PLUG_SHEAR = 0.05
 
 #: Smallest share of the depth that a plug takes.
 MIN_PLUG_SHARE = 0.3
+
+
+def has_profiles(run: Mapping[Any, Any]) -> bool:
+    """Return whether a replicate has profiles of a flow."""
+    return "packing_profile" in run and bool(np.nansum(np.asarray(run["packing_profile"])) > 0)
 
 
 def level(height: np.ndarray, density: np.ndarray, share: float) -> float:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from sim.dataset.measures.plug import STATES, measure, spell_statistics
+from sim.measures.plug import STATES, plug_states, spell_statistics
 
 SIZE, GRAVITY = 1e-3, 10.0
 UNIT = np.sqrt(SIZE / GRAVITY)
@@ -44,7 +44,7 @@ def make_run(contacts, plugs=None, length=20.0, start=100.0) -> xr.Dataset:
 def test_shares_and_lifetimes_of_a_flow_that_passes_through_all_states():
     contacts = [1, 1, 3, 3, 3, 1, 1, 1, 1, 3]
     plugs = [1, 1, 1, 1, 1, 0, 0, 1, 1, 1]
-    values = measure(make_run(contacts, plugs))
+    values = plug_states(make_run(contacts, plugs))
     assert [values[f"{state}_share"] for state in STATES] == pytest.approx([0.2, 0.4, 0.4])
     # Two spells of agitation ended, one of deep shear, and one of two locked ones.
     assert [values[f"{state}_endings"] for state in STATES] == [1, 2, 1]
@@ -55,12 +55,12 @@ def test_shares_and_lifetimes_of_a_flow_that_passes_through_all_states():
 def test_short_blocks_are_taken_together():
     """A plug that comes and goes within 10 √(σ/g) is not a state of its own."""
     contacts, plugs = [1] * 40, [1, 1, 1, 0] * 10
-    values = measure(make_run(contacts, plugs, length=2.5))
+    values = plug_states(make_run(contacts, plugs, length=2.5))
     assert (values["deep_shear_share"], values["deep_shear_endings"]) == (1.0, 0)
 
 
 def test_without_a_history_the_plug_is_that_of_the_window():
-    values = measure(make_run([1, 1, 3, 3]))
+    values = plug_states(make_run([1, 1, 3, 3]))
     assert (values["agitated_share"], values["locked_share"]) == pytest.approx((0.5, 0.5))
     assert values["deep_shear_share"] == values["deep_shear_time"] == 0.0
     assert values["agitated_time"] == pytest.approx(40 * UNIT)
@@ -70,19 +70,19 @@ def test_without_a_history_the_plug_is_that_of_the_window():
 def test_a_flow_that_shears_throughout_is_in_one_state():
     run = make_run([3, 3, 1, 3])
     run["velocity_profile"] = "height", VELOCITY["shear"]
-    values = measure(run)
+    values = plug_states(run)
     assert values["deep_shear_share"] == 1.0 and values["locked_share"] == 0.0
 
 
 def test_a_window_of_less_than_a_spell_has_no_states():
-    assert measure(make_run([1], length=9.0)) == {}
-    assert measure(make_run([1]).drop_vars("contact_number")) == {}
+    assert plug_states(make_run([1], length=9.0)) == {}
+    assert plug_states(make_run([1]).drop_vars("contact_number")) == {}
 
 
 def test_blocks_before_the_window_do_not_count():
     run = make_run([3, 3, 1, 1], [1, 1, 1, 1])
     run["average_start"] = 140.0 * UNIT
-    values = measure(run)
+    values = plug_states(run)
     assert values["agitated_share"] == 1.0 and values["agitated_endings"] == 0
 
 

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from sim.dataset.measures.conveyor import measure
 from sim.engine.boundary.drive import plane_position, plane_velocity, vibration
 from sim.parameters import ConveyorParameters
+from tests.measures.measuring import measured
 
 
 def make_run(point: ConveyorParameters, velocity: float) -> dict:
@@ -24,7 +24,7 @@ def test_the_shaking_strength_is_the_largest_acceleration_along_z_over_gravity()
     time, drive = cycle_and_drive(point)
     velocity = np.gradient(plane_position(drive, 1, time), time)
     largest = np.abs(np.gradient(velocity, time)[5:-5]).max()
-    found = measure(make_run(point, 0.1))["shaking_strength"]
+    found = measured(make_run(point, 0.1), "conveyor")["shaking_strength"]
     assert found == pytest.approx(largest / point.gravity, rel=1e-3)
 
 
@@ -32,10 +32,14 @@ def test_what_goes_as_fast_as_the_plane_at_its_fastest_is_transported_wholly():
     point = ConveyorParameters(frequency=23, amplitude=0.7, amplitude_along=0.2, phase_along=50)
     time, drive = cycle_and_drive(point)
     fastest = plane_velocity(drive, 0, time).max()
-    assert measure(make_run(point, fastest))["transport_efficiency"] == pytest.approx(1, rel=1e-6)
-    assert measure(make_run(point, -fastest))["transport_efficiency"] == pytest.approx(-1, rel=1e-6)
+    assert measured(make_run(point, fastest), "conveyor")["transport_efficiency"] == pytest.approx(
+        1, rel=1e-6
+    )
+    assert measured(make_run(point, -fastest), "conveyor")["transport_efficiency"] == pytest.approx(
+        -1, rel=1e-6
+    )
 
 
 def test_a_plane_that_moves_up_and_down_alone_has_no_efficiency():
     point = ConveyorParameters(amplitude_along=0)
-    assert set(measure(make_run(point, 0.0))) == {"shaking_strength"}
+    assert set(measured(make_run(point, 0.0), "conveyor")) == {"shaking_strength"}

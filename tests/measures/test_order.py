@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from sim.dataset.measures.order import MIN_BONDS, coherent_bonds, crystalline_share, layer_order
+from sim.measures.order import MIN_BONDS, coherent_bonds, crystalline_share, layer_order
 
 SIZE = 1e-3
 

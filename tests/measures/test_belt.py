@@ -4,15 +4,9 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from sim.dataset.measures.belt import (
-    backflow,
-    column_means,
-    cycle_means,
-    far_height,
-    is_at_phase_0,
-    measure,
-    path_measures,
-)
+from sim.dataset.belt import column_means, cycle_means
+from sim.measures.belt import backflow, is_at_phase_0, path_measures, series_measures
+from tests.measures.measuring import measured
 
 BEAD = 1e-3
 
@@ -27,10 +21,15 @@ def ellipse(tilt, drift=0.0, major=2.0, minor=0.5, beads=30, steps=40):
     return BEAD * (np.stack([x, z], axis=-1) + starts)
 
 
+def on_the_belt(path, width=20.0):
+    """Return a replicate with a path, on a belt of ``width`` diameters."""
+    return {"path": path, "diameter": BEAD, "width": width}
+
+
 @pytest.mark.parametrize("tilt", [0.3, np.pi / 2, 2.5])
 @pytest.mark.parametrize("drift", [0.0, 4.0, -1.0])
 def test_axes_tilt_and_drift_of_an_ellipse(tilt, drift):
-    values = path_measures(ellipse(tilt, drift))
+    values = path_measures(on_the_belt(ellipse(tilt, drift)))
     assert values["path_drift"] == pytest.approx(drift * BEAD, abs=1e-12)
     assert values["path_major"] == pytest.approx(2 * BEAD / 2**0.5)
     assert values["path_minor"] == pytest.approx(0.5 * BEAD / 2**0.5)
@@ -39,11 +38,11 @@ def test_axes_tilt_and_drift_of_an_ellipse(tilt, drift):
 
 def test_the_height_of_paths_counts_each_bead_by_itself():
     path = ellipse(np.pi / 2, minor=0.0)
-    assert path_measures(path)["path_vertical"] == pytest.approx(2 * BEAD / 2**0.5)
+    assert path_measures(on_the_belt(path))["path_vertical"] == pytest.approx(2 * BEAD / 2**0.5)
     # Half of the beads the other way round: no mean path, but the same height.
     mixed = path.copy()
     mixed[:, ::2, 1] = 2 * path[0, ::2, 1] - path[:, ::2, 1]
-    values = path_measures(mixed)
+    values = path_measures(on_the_belt(mixed))
     assert values["path_vertical"] == pytest.approx(2 * BEAD / 2**0.5)
     assert values["path_major"] == pytest.approx(0, abs=1e-9)
 
@@ -54,15 +53,17 @@ def test_the_height_far_from_the_middle_counts_beads_by_their_mean_places():
     middle = BEAD * np.array([1.0, 10.0, 14.0, 46.0, 30.0, -1.0])
     height = BEAD * np.array([1.0, 2.0, 2.0, 1.0, 2.0, 1.0])
     path = np.stack(np.broadcast_arrays(middle, height * np.sin(phase)[:, None]), axis=-1)
-    assert far_height(path, 20 * BEAD, BEAD) == pytest.approx(BEAD / 2**0.5)
-    assert np.isnan(far_height(path, 10 * BEAD, BEAD))
+    far = path_measures(on_the_belt(path, width=20.0))["path_vertical_far"]
+    assert far == pytest.approx(BEAD / 2**0.5)
+    assert np.isnan(path_measures(on_the_belt(path, width=10.0))["path_vertical_far"])
 
 
 def test_backflow_counts_beads_not_squares():
     velocity = np.array([[0.1, -0.1], [0.2, np.nan]])
     density = np.array([[3.0, 1.0], [1.0, 0.0]])
-    assert backflow(velocity, density) == pytest.approx(0.2)
-    assert backflow(np.abs(velocity), density) == 0
+    field = {"field_velocity": velocity, "field_density": density}
+    assert backflow(field) == pytest.approx(0.2)
+    assert backflow(field | {"field_velocity": np.abs(velocity)}) == 0
 
 
 def make_run():
@@ -88,7 +89,7 @@ def make_run():
 
 
 def test_series_are_averaged_over_the_window_and_the_first_cycles():
-    values = measure(make_run())
+    values = measured(make_run(), "belt")
     assert values["base_occupancy"] == pytest.approx(0.4 * 7 / 8)
     assert values["base_occupancy_at_phase_0"] == pytest.approx(0.2)
     assert values["wave_power"] == pytest.approx(2.0 * 7 / 8)
@@ -103,10 +104,10 @@ def test_the_force_on_the_belt_lies_about_the_middle_of_the_intervals_in_which_i
     late = run["time"].values > 1.0
     run["belt_normal_force"] = "time", np.where(late, pressed, 1.0)
     run["belt_contact_time"] = "time", np.where(late, np.where(pressed, 1.0, 0.2), 1.0)
-    values = measure(run)
+    values = measured(run, "belt")
     assert values["belt_force_phase"] == pytest.approx(1.5 * np.pi)
     assert values["belt_contact_time"] == pytest.approx(0.6)
-    assert "belt_force_phase" not in measure(make_run())
+    assert "belt_force_phase" not in measured(make_run(), "belt")
 
 
 def test_over_the_cycle_each_moment_has_the_mean_of_its_samples_in_the_window():
@@ -135,18 +136,18 @@ def test_a_cycle_begins_at_the_sample_nearest_to_the_belts_mean_height_on_its_wa
 
 
 def test_a_window_without_the_beginning_of_a_cycle_says_nothing_of_it():
-    values = measure(make_run().isel(time=[0, 1, 81, 82]))
+    values = series_measures(make_run().isel(time=[0, 1, 81, 82]))
     assert np.isnan(values["base_occupancy_at_phase_0"])
     assert np.isnan(values["wave_power_at_phase_0"])
 
 
 def test_a_run_with_paths_has_their_height_everywhere_and_far_from_the_middle():
-    values = measure(make_run())
+    values = measured(make_run(), "belt")
     assert 0 < values["path_vertical_far"] == pytest.approx(values["path_vertical"])
 
 
 def test_a_run_without_these_arrays_has_no_measures():
-    assert measure(xr.Dataset()) == {}
+    assert measured(xr.Dataset(), "belt") == {}
     assert not column_means(xr.Dataset())
 
 

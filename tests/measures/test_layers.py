@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from sim.dataset.measures import layers
+from sim.measures import layers
 
 SIZE = 1e-3
 HEIGHT = (np.arange(80) + 0.5) * 0.25 * SIZE
