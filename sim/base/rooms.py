@@ -24,30 +24,30 @@ ROOMS: dict[str, tuple[str, ...]] = {
     "report": ("claims", "figures", "dataset", "measures", "engine", "study", "parameters", "base"),
 }
 
-#: Rooms whose edits invalidate no output: runs depend on the number of the numerics instead of the
-#: engine's code, and each figure depends on its own entry of the catalogue.
-UNTRACKED = ("engine", "study/catalogue")
+#: Room whose edits invalidate no output: runs depend on the number of the numerics instead.
+UNTRACKED = "engine"
+
+#: Folder of the papers. Each figure depends on its own entry there; the report shows all of them.
+PAPERS = "papers"
 
 
 @cache
 def room_hash(package: Path, room: str) -> str:
-    """Return a hash of the files of a room and its imports, those in `UNTRACKED` excluded.
+    """Return a hash of the files of a room and of its imports, except those of `UNTRACKED`.
 
     Parameters
     ----------
     package : Path
         Folder of the package.
     room : str
-        One of `ROOMS`. The hash of the report includes the catalogue, which the report shows.
+        One of `ROOMS`. The hash of the report includes `PAPERS`.
     """
-    untracked = UNTRACKED[:1] if room == "report" else UNTRACKED
+    folders = {room, *ROOMS[room], *([PAPERS] if room == "report" else [])} - {UNTRACKED}
     return files_hash(
         path
-        for name in (room, *ROOMS[room])
-        for path in (package / name).rglob("*")
-        if path.is_file()
-        and "__pycache__" not in path.parts
-        and not any(path.is_relative_to(package / other) for other in untracked)
+        for folder in folders
+        for path in (package / folder).rglob("*")
+        if path.is_file() and "__pycache__" not in path.parts
     )
 
 

@@ -9,7 +9,7 @@ from xml.etree import ElementTree
 import pandas as pd
 
 from sim.base.seals import checked_read
-from sim.study.catalogue import FigureSpec
+from sim.study.figure_spec import FigureSpec
 
 #: Figures of the first screen, if a study has them.
 HEADLINE = ("walton_2", "gallas_1a", "gallas_1b", "gallas_1c")

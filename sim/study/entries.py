@@ -8,7 +8,6 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 from sim.base.additions import additions
 from sim.parameters import AMOUNTS, SYSTEMS, Parameters
 from sim.parameters.common import Real, broken_rule
-from sim.study.catalogue import FIGURES
 from sim.study.refine import MAX_ROUNDS, PARTS, further_rounds
 
 #: Unicode categories without letters, some of which move the cursor or reverse the line where a
@@ -98,12 +97,14 @@ ALLOWED_NAME: dict[str, Any] = {
 class _Family(Strict):
     """Points or boundaries of one system that share most of their parameters."""
 
+    system_of_figures: ClassVar[dict[str, str]] = {}
+
     @classmethod
     def hint(cls, key: str, value: Any) -> str:
         """Return a hint at the intended value or key, empty if there is none."""
-        if key == "figures" and isinstance(value, str) and value in FIGURES:
+        if key == "figures" and isinstance(value, str) and value in cls.system_of_figures:
             (system,) = get_args(cls.model_fields["system"].annotation)
-            return f"a figure of the {system}; {value} is one of the {FIGURES[value].system}"
+            return f"a figure of the {system}; {value} is one of the {cls.system_of_figures[value]}"
         if any(key in model.model_fields for model in SYSTEMS.values()):
             return "parameters belong under base, grid or cases"
         return ""

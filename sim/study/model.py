@@ -7,8 +7,9 @@ from typing import Any
 
 from sim.base.additions import Plugin
 from sim.parameters import Parameters
-from sim.study.catalogue import FIGURES, FigureSpec
+from sim.study.catalogue import FIGURES
 from sim.study.entries import DecideFile
+from sim.study.figure_spec import FigureSpec
 from sim.study.refine import further_rounds
 
 

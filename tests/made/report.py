@@ -17,7 +17,8 @@ from sim.dataset.results import load_results
 from sim.report.claims import read_claims
 from sim.report.gallery import data_uri
 from sim.report.page import render
-from sim.study.catalogue import FIGURES, FigureSpec
+from sim.study.catalogue import FIGURES
+from sim.study.figure_spec import FigureSpec
 from sim.study.load import load_study
 from tests.made.figures import make_figures
 

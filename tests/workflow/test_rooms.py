@@ -87,7 +87,7 @@ ROOMS = {"dataset", "figures", "papers", "report"}
         ("base/errors.py", ROOMS),
         ("parameters/words.py", ROOMS),
         ("study/load.py", ROOMS),
-        ("study/catalogue/walton.py", {"report"}),
+        ("papers/walton/figures.yaml", {"report"}),
         ("engine/contact/damping.py", set()),
         ("dataset/gather.py", ROOMS),
         ("figures/caption.py", {"figures", "report"}),
@@ -109,7 +109,7 @@ def test_the_hash_of_a_room_follows_what_it_may_import_but_the_engine(tree, edit
 
 def test_an_edit_of_an_entry_of_the_catalogue_redraws_its_figure(tree, edit):
     title = FIGURES["walton_2"].title
-    edit("sim/study/catalogue/walton.py", title, f"{title}, edited")
+    edit("sim/papers/walton/figures.yaml", title, f"{title}, edited")
     assert planned_jobs(tree, study="rooms.yaml") == FIGURE_JOBS
 
 

@@ -12,7 +12,7 @@ from sim.figures.boundaries import BAR_PITCH, boundary_notes, draw_boundaries
 from sim.figures.data import FigureData
 from sim.figures.kind import Kind
 from sim.figures.style import THEORY, canvas, place_legend
-from sim.study.catalogue.limits import CREEP
+from sim.study.figure_spec import CREEP
 
 CREEPING = f"creeps: |V| < {CREEP:g} √(gσ)"
 

@@ -9,10 +9,25 @@ from sim.parameters import NUMERICAL, Parameters
 
 #: Kinds of plot that show regimes and boundaries, that move, and that show paths and last states of
 #: particles.
-_OF_REGIMES = frozenset({"regimes", "belt_onset", "plot_map"})
+_OF_REGIMES = frozenset({"chute_map", "belt_map", "plot_map"})
 _ANIMATED = frozenset({"chute_animation", "belt_animation"})
 _OF_PATHS = _ANIMATED | {"belt_paths"}
 _OF_STATES = frozenset({"chute_row", "belt_snapshots"})
+
+#: Greatest depth n whose pictures show a portion of the cell: the half near the viewer.
+LARGEST_PORTION = 10
+
+#: Profiles of a chute flow end where this share of the spheres' volume is below.
+SHARE = 0.995
+
+#: Largest half width of an interval, relative to the mean, of chute flows that a line joins.
+WIDEST_INTERVAL = 0.5
+
+#: Flows slower than this (√(gσ)) that are not at rest are said to creep.
+CREEP = 0.1
+
+#: Greatest height of the beads in an animation (⟨d⟩); few beads of a gas fly higher.
+TALLEST = 24.0
 
 
 class Shown(IntEnum):
