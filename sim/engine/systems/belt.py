@@ -183,7 +183,7 @@ class Belt(Replica):
         return self._call(shaking.advance_disks, self.disks, contacts, self.loop, motion, steps)
 
     def _take(self, most: int, profiles: bool) -> Outcome:
-        # Samples are of the shaking, those of a bed that has not settled, too.
+        # A bed that has not settled is sampled as it shakes, too.
         self.stage = SHAKING
         if self.sample_steps > self._stretch:
             self._approach(self._stretch)

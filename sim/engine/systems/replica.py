@@ -210,9 +210,9 @@ class Replica(ABC):
             return f"{reason} at step {self.loop.step[0]} {self._moment()}"
         return ""
 
-    def _total(self, name: str, gained: np.ndarray) -> np.ndarray:
+    def _total(self, name: str, gains: np.ndarray) -> np.ndarray:
         """Return totals (K,) since the start from gains (K,), and store the last as ``name``."""
-        total = np.cumsum([getattr(self, name), *gained])
+        total = np.cumsum([getattr(self, name), *gains])
         setattr(self, name, float(total[-1]))
         return total[1:]
 
