@@ -13,7 +13,7 @@ from sim.base.program import __version__
 
 if TYPE_CHECKING:
     from sim.base.plugins import load_plugins
-    from sim.claims.own import judge
+    from sim.claims.claim import judge
     from sim.dataset.results import load
     from sim.engine.dynamics.status import BlowUp
     from sim.engine.flow import Flow, simulate
@@ -45,7 +45,7 @@ __all__ = [
 _PLACES = {
     "BlowUp": "sim.engine.dynamics.status:BlowUp",
     "Flow": "sim.engine.flow:Flow",
-    "judge": "sim.claims.own:judge",
+    "judge": "sim.claims.claim:judge",
     "law": "sim.parameters.laws:law",
     "load": "sim.dataset.results:load",
     "load_plugins": "sim.base.plugins:load_plugins",

@@ -33,7 +33,7 @@ from sim.report.compare import show
 from sim.report.page import build as build_report
 from sim.report.publish import publish
 from sim.study.load import Study, load_study, parse_study
-from tests.made.plugins import restore_plugins, without_plugins
+from tests.made.plugins import plugin_claims, restore_plugins, without_plugins
 from tests.made.processes import ROOT, in_process
 from tests.made.runs import write_run
 
@@ -54,7 +54,7 @@ def _forget() -> Iterator[None]:
 
 @pytest.fixture(autouse=True)
 def _no_claims_of_papers(monkeypatch) -> None:
-    monkeypatch.setattr(judge, "claims", lambda: ())
+    monkeypatch.setattr(judge, "claims", plugin_claims)
 
 
 @pytest.fixture

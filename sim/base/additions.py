@@ -100,7 +100,7 @@ def add(kind: str, name: str, value: Any, reserved: Iterable[str] = ()) -> None:
         When the name is not valid, or in use: by Talus (``reserved``) or by a plug-in.
     """
     require_name(kind, name)
-    if _loading and _loading[-1] is TALUS:
+    if _is_shipped():
         _shipped.setdefault(kind, {})[name] = value
         return
     if name in reserved or name in _shipped.get(kind, {}):
@@ -115,9 +115,14 @@ def add(kind: str, name: str, value: Any, reserved: Iterable[str] = ()) -> None:
     entries[name] = Addition(value, _loading[-1])
 
 
+def _is_shipped() -> bool:
+    """True while files of Talus itself are loaded."""
+    return bool(_loading) and _loading[-1] is TALUS
+
+
 def require_name(kind: str, name: Any) -> None:
-    """Raise `AdditionError` for an invalid name of an addition."""
-    if not (isinstance(name, str) and re.fullmatch(NAME, name)):
+    """Raise `AdditionError` for an invalid name of an addition; Talus itself is free to choose."""
+    if not (_is_shipped() or (isinstance(name, str) and re.fullmatch(NAME, name))):
         raise AdditionError(f"{kind} {name!r}: a name has up to 40 letters a-z, digits and _")
 
 

@@ -17,6 +17,7 @@ from importlib import import_module
 from importlib.metadata import entry_points
 from importlib.util import find_spec
 from pathlib import Path
+from pkgutil import iter_modules
 from types import ModuleType
 from typing import NamedTuple
 
@@ -98,9 +99,9 @@ def load_from_environment() -> None:
 
 
 def module_names(package: str) -> tuple[str, ...]:
-    """Return the names of the modules of a package of Talus, sorted."""
+    """Return the names of the modules and packages in a package of Talus, sorted."""
     folder = Path(__file__).parents[2].joinpath(*package.split("."))
-    return tuple(sorted(path.stem for path in folder.glob(f"*{FILE}") if path.stem != "__init__"))
+    return tuple(sorted(module.name for module in iter_modules([str(folder)])))
 
 
 def load_shipped(package: str) -> None:

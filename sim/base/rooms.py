@@ -1,7 +1,8 @@
 """The rooms of the package: the rooms that each may import, and hashes of their code.
 
 Data flow from the first room to the last: parameters make points, a study lists them, the engine
-runs them, the dataset gathers the runs, figures and claims read it, and the report shows all.
+runs them, the dataset gathers the runs, figures and claims read it, and the report shows all. Laws
+and papers come in as plug-ins do: no room imports them.
 """
 
 import hashlib
@@ -19,6 +20,7 @@ ROOMS: dict[str, tuple[str, ...]] = {
     "dataset": ("measures", "engine", "study", "parameters", "base"),
     "figures": ("dataset", "measures", "engine", "study", "parameters", "base"),
     "claims": ("dataset", "measures", "engine", "study", "parameters", "base"),
+    "papers": ("claims", "dataset", "measures", "engine", "study", "parameters", "base"),
     "report": ("claims", "figures", "dataset", "measures", "engine", "study", "parameters", "base"),
 }
 

@@ -47,6 +47,9 @@ class Readings(BaseModel):
     grids: dict[str, str] = Field(
         {}, description="by grid of the profiles other than the usual one, what it is"
     )
+    model: list[dict[str, Any]] = Field(
+        [{}], description="those under which claims on the model itself are judged"
+    )
     controls: list[Control] = Field(description="what is no reading")
 
     def control_reason(self, reading: Mapping[str, Any]) -> str:

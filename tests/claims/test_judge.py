@@ -10,9 +10,9 @@ import pytest
 
 from sim.claims import judge
 from sim.claims.checks import above
+from sim.claims.claim import Number, claims
 from sim.claims.judgement import MODEL, Judgement, Variant
 from sim.claims.readings import DEFAULT, GRID, reading_label, readings_of, readings_with_runs
-from sim.claims.table import Number, claims
 from sim.claims.verdict import (
     INCONCLUSIVE,
     NOT_REPRODUCED,
@@ -49,9 +49,19 @@ def test_the_table_holds_every_claim_once_in_order_with_a_judge():
     ids = [claim.id for claim in claims()]
     assert ids == [f"W{n}" for n in range(1, 27)] + [f"G{n}" for n in range(1, 37)]
     for claim in claims():
-        assert claim.judge_function().__doc__, claim.id
+        assert claim.judge.__doc__, claim.id
         assert set(claim.figures) <= set(FIGURES)
         assert claim.needs or claim.kind == "model"
+        assert claim.place and claim.reason and claim.first
+
+
+@pytest.mark.parametrize(
+    ("checks", "why"), [((), "one at least"), ((replace(HOLDS, part="z"),), "W1 has no part z")]
+)
+def test_a_judge_that_checks_nothing_or_another_part_is_wrong(checks, why):
+    claim = claims()[0].model_copy(update={"judge": lambda *_, **__: checks})
+    with pytest.raises((TypeError, ValueError), match=why):
+        claim.checks_on({})
 
 
 @pytest.mark.parametrize(
@@ -154,7 +164,7 @@ def test_a_claim_that_says_two_things_may_hold_in_part(converged, published, ver
 
 
 def test_a_verdict_is_told_as_a_function_of_a_number_that_is_ours():
-    number = Number(what="weak", values=[0.1, 0.15], headline=0.15)
+    number = Number(bound="margin", what="weak", values=[0.1, 0.15], headline=0.15)
     claim = claims()[0].model_copy(update={"number": number})
     variant = Variant(
         "published", DEFAULT, (HOLDS,), checks_by_number={0.1: (FAILS,), 0.15: (HOLDS,)}
@@ -165,7 +175,7 @@ def test_a_verdict_is_told_as_a_function_of_a_number_that_is_ours():
     assert [row["verdict"] for row in document["by_number"]] == [NOT_REPRODUCED, REPRODUCED]
     assert document["by_number"][0]["checks"][0]["what"] == "y"
     with pytest.raises(ValueError, match="headline"):
-        Number(what="weak", values=[0.1, 0.2], headline=0.15)
+        Number(bound="margin", what="weak", values=[0.1, 0.2], headline=0.15)
 
 
 def test_readings_are_what_points_have_beyond_the_defaults():
@@ -198,7 +208,7 @@ def test_base_rows_of_another_cell_or_stiffness_are_readings():
 
 
 def test_readings_without_the_runs_of_a_claim_are_left_out(monkeypatch):
-    monkeypatch.setattr(judge, "MODEL_READINGS", ({},))
+    monkeypatch.setitem(vars(readings_of("chute")), "model", [{}])
     results = made_results(
         made_point("chute", {"velocity": 0.1}, friction_cap="after"),
         made_point("belt", {"velocity": 0.1}, integrator="verlet"),
@@ -219,12 +229,12 @@ def test_a_claim_that_names_what_a_reading_changes_is_judged_once(monkeypatch, n
     )
     evidence = list(judge._evidence(made_results(*flows), "chute"))
 
-    def judge_function(evidence):
+    def judge_made(evidence, **_):
         place = evidence.at("chute", depth=5, **named)
         return [above("V", place.velocity, 0, [place])]
 
     claim = next(claim for claim in claims() if claim.system == "chute" and claim.kind == "flow")
-    monkeypatch.setattr(type(claim), "judge_function", lambda _: judge_function)
+    claim = claim.model_copy(update={"judge": judge_made})
     variants = list(judge._variants(claim, evidence))
     assert len({variant.reading for variant in variants if variant.checks}) == readings
 
@@ -235,7 +245,7 @@ def test_a_grid_is_a_reading_of_claims_that_look_at_profiles(monkeypatch, looks_
     profiles = {"number_density": lambda z: np.exp(-z / BEAD)}
     bed = made_point("belt", {"velocity": 0.1}, profiles, height=height, slice_height=0.5)
 
-    def judge_function(evidence):
+    def judge_made(evidence, **_):
         place = evidence.at("belt")
         if looks_at == "velocity":
             return [above("V", place.velocity, 0, [place])]
@@ -243,7 +253,7 @@ def test_a_grid_is_a_reading_of_claims_that_look_at_profiles(monkeypatch, looks_
         return [above("z", middle, 0, [place])]
 
     claim = next(claim for claim in claims() if claim.system == "belt" and claim.kind == "flow")
-    monkeypatch.setattr(type(claim), "judge_function", lambda _: judge_function)
+    claim = claim.model_copy(update={"judge": judge_made})
     variants = judge._variants(claim, list(judge._evidence(made_results(bed), "belt")))
     labels = [variant.reading for variant in variants if variant.checks]
     assert len(set(labels)) == len(labels) == readings
@@ -284,7 +294,7 @@ def test_what_is_written_is_plain_json_and_one_row_per_check():
 
 
 def test_the_table_has_the_first_verdict_those_on_parts_and_those_by_number():
-    number = Number(what="weak", values=[0.1, 0.15], headline=0.15)
+    number = Number(bound="margin", what="weak", values=[0.1, 0.15], headline=0.15)
     parts = {"a": "one thing", "b": "another"}
     claim = claims()[0].model_copy(update={"number": number, "parts": parts})
     checks = on_part("a", HOLDS), on_part("b", OPEN)
@@ -319,7 +329,7 @@ def test_the_contact_law_is_judged_under_its_readings_too(monkeypatch):
         {"tangential_exponent": exponent, "overlap_memory": memory, "friction_cap": cap}
         for exponent, memory, cap in ((0.0, "shrink", "after"), (1.0, "reset", "before"))
     ]
-    monkeypatch.setattr(judge, "MODEL_READINGS", ({}, *readings))
+    monkeypatch.setitem(vars(readings_of("chute")), "model", [{}, *readings])
     (first,) = [claim for claim in claims() if claim.id == "W1"]
     verdicts = {variant.reading: variant.verdict(()) for variant in judge._variants(first, [])}
     assert verdicts == {
@@ -339,4 +349,4 @@ def test_every_reading_of_the_contact_law_is_judged():
         for value in get_args(ChuteParameters.model_fields[name].annotation)
         if value != getattr(ChuteParameters(), name)
     ]
-    assert list(judge.MODEL_READINGS) == [{}, *others]
+    assert readings_of("chute").model == [{}, *others]

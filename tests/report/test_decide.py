@@ -13,7 +13,7 @@ import pytest
 from sim.__main__ import main
 from sim.base.errors import InputError
 from sim.base.seals import to_sealed_json
-from sim.claims.table import claims
+from sim.claims.claim import claims
 from sim.claims.verdict import Check
 from sim.dataset.build import build
 from sim.report import decide as deciding

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from sim.base.errors import InputError
-from sim.claims.table import claims
+from sim.claims.claim import claims
 from sim.figures.style import NAMED, PATTERNS
 from sim.parameters import SYSTEMS
 from sim.study import catalogue

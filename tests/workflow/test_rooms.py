@@ -69,7 +69,7 @@ def test_nothing_is_old_before_an_edit(tree):
         ("sim/parameters/words.py", DATASET_JOBS),
         ("sim/engine/contact/damping.py", {}),
         ("sim/figures/caption.py", FIGURE_JOBS),
-        ("sim/claims/claims_walton.yaml", {"claims": 1, "report": 1}),
+        ("sim/papers/walton/claims.yaml", {"claims": 1, "report": 1}),
         ("sim/report/templates/report.html.j2", {"report": 1}),
     ],
 )
@@ -78,7 +78,7 @@ def test_an_edit_makes_old_what_its_room_has_made(tree, edit, name, old):
     assert planned_jobs(tree, study="rooms.yaml") == old
 
 
-ROOMS = {"dataset", "figures", "claims", "report"}
+ROOMS = {"dataset", "figures", "papers", "report"}
 
 
 @pytest.mark.parametrize(
@@ -91,7 +91,8 @@ ROOMS = {"dataset", "figures", "claims", "report"}
         ("engine/contact/damping.py", set()),
         ("dataset/gather.py", ROOMS),
         ("figures/caption.py", {"figures", "report"}),
-        ("claims/judge.py", {"claims", "report"}),
+        ("claims/judge.py", {"papers", "report"}),
+        ("papers/walton/judges/flows.py", {"papers"}),
         ("report/page.py", {"report"}),
     ],
 )
