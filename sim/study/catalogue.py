@@ -113,7 +113,7 @@ class FigureFile(PlotFile):
         prefix = f"{self.system}_"
         if prefix + self.kind not in KEYS:
             kinds = [name.removeprefix(prefix) for name in KEYS if name.startswith(prefix)]
-            raise broken_rule("kind", self.kind, f"one of {', '.join(kinds)}")
+            raise broken_rule("kind", self.kind, f"one of {', '.join(kinds) or 'none'}")
         keys = f"{_KEYS_OF_ALL} {KEYS[prefix + self.kind]}".split()
         for key in type(self).model_fields:
             if key in self.model_fields_set and key not in keys:
@@ -131,21 +131,18 @@ class FigureFile(PlotFile):
 
     @model_validator(mode="after")
     def _require_parameters(self) -> Self:
-        names = {
-            "x": [self.x] if self.x and self.kind != "profiles" else [],
-            "y": [self.y] if self.y else [],
-            "curves": self.curves or [],
-            "vary": self.vary,
-            "where": self.where,
-            "named": self.named,
-        }
-        for key, parameters in names.items():
-            for name in parameters:
-                require_parameter(key, name, self.system, (), broken_rule)
+        for key in ("x", "y", "curves", "vary", "where", "named"):
+            value = getattr(self, key) or ()
+            for name in [value] if isinstance(value, str) else value:
+                if (key, self.kind) != ("x", "profiles"):
+                    require_parameter(key, name, self.system, (), broken_rule)
         for number, measure in enumerate(self.quantities):
-            find_observable(
-                "curves", f"quantities[{number}].name", measure.name, self.system, broken_rule
-            )
+            key = f"quantities[{number}]"
+            find_observable("curves", f"{key}.name", measure.name, self.system, broken_rule)
+            if measure.over:
+                require_parameter(f"{key}.over", measure.over, self.system, (), broken_rule)
+        if self.kind == "profiles":
+            find_observable("profiles", "x", str(self.x), self.system, broken_rule)
         return self
 
     @property

@@ -132,6 +132,7 @@ def test_an_entry_becomes_what_its_figure_is(tmp_path):
         ("kind: curves", "kind: row", "figures[0].kind: got 'row'; allowed: one of acceleration"),
         ("colour: red", "colour: rot", "figures[0].styles[0].colour: got 'rot'; allowed: 'black'"),
         ("x: frequency", "x: frequecy", "figures[0].x: got 'frequecy'; allowed: did you mean freq"),
+        ("kind: curves", "kind: profiles", "figures[0].x: got 'frequency'; allowed: one of "),
         ("amplitude:", "depth:", "figures[0].where: got 'depth'; allowed: a parameter of the belt"),
         ("[1, 2]", "[1, [2]]", "figures[0].where.amplitude: got [1, [2]]; allowed: a value of a "),
         ("{of_beads}", "{of_bead}", "figures[0].lead: got 'of_bead'; allowed: in braces one of cr"),
