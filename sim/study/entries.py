@@ -190,8 +190,8 @@ def _require_claim(key: str, name: str) -> None:
     """Refuse anything but the id of a claim or ``all``."""
     ids = [[claim["id"] for claim in paper.claims] for paper in papers().values()]
     if name != "all" and name not in {*chain(*ids), *additions(JUDGE)}:
-        ranges = [f"{one[0]} to {one[-1]}" for one in ids if one]
-        raise broken_rule(key, name, f"{', '.join(ranges)}, all, or the name of a judge")
+        ranges = ", ".join(f"{one[0]} to {one[-1]}" for one in ids if one)
+        raise broken_rule(key, name, f"{ranges}, all, or the name of a judge of a plug-in")
 
 
 class BoundaryFile(_Family):
