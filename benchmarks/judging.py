@@ -14,12 +14,12 @@ import numpy as np
 import xarray as xr
 
 from sim.claims.checks import below, withhold, within
-from sim.claims.chute import acceleration, reason_unrankable, withhold_unsettled
 from sim.claims.inference import outranks, share_above, trend
 from sim.claims.place import Place, quotient
 from sim.claims.verdict import NOT_REPRODUCED, REPRODUCED, Check, combined_verdict
 from sim.dataset.results import Results
 from sim.engine.observe.regime import Scales, analyse
+from sim.papers.walton.judges.chute import acceleration, reason_unrankable, withhold_unsettled
 from sim.parameters import ChuteParameters
 from sim.parameters.chute import negligible_acceleration
 

@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sim.claims import judge as judging
 from sim.claims.judge import judge
+from sim.claims.readings import readings_of
 from sim.claims.verdict_files import as_mapping
 from sim.dataset.gather import read_run
 from sim.dataset.replicates import PARAMETERS, outcome
@@ -40,7 +40,7 @@ def test_what_is_published_is_small():
 @pytest.mark.parametrize("study", STUDIES, ids=name)
 def test_verdicts_follow_from_the_dataset(study, monkeypatch):
     # Verdicts are those of the default readings, and others take long to compile.
-    monkeypatch.setattr(judging, "MODEL_READINGS", ({},))
+    monkeypatch.setitem(vars(readings_of("chute")), "model", [{}])
     again = as_mapping(judge(load_results(study / "dataset.nc")), study.name)["claims"]
     verdicts = [
         {one["id"]: (one["verdict"], one["part_verdicts"]) for one in each}

@@ -104,7 +104,7 @@ def developed(flow: Flow) -> Ours:
     log.info("%s: developing for %g time units", flow.name, flow.relaxation)
     ours.system.settle()
     ours.advance(round(flow.relaxation * p.time_unit / (p.sample_steps * p.time_step)))
-    moving = {name: getattr(ours.system, name) for name in ours.system.moving}
+    moving = {name: getattr(ours.system, name) for name in ours.system.state_names}
     _store(path, (moving, ours.sample))
     return ours
 

@@ -76,6 +76,18 @@ def read_regular(path: Path) -> bytes:
         return file.read()
 
 
+def lock_of(path: Path) -> FileLock:
+    """Return the lock, not yet acquired, that a file is; the kernel releases it with its process.
+
+    Raises ``OSError`` where the file cannot be written, which is no lack of locks.
+    """
+    # Locking would empty the target of a symbolic link.
+    if path.is_symlink():
+        path.unlink()
+    path.touch()
+    return FileLock(path, fallback_to_soft=False)
+
+
 @contextmanager
 def file_lock(path: Path) -> Iterator[bool]:
     """Lock ``path`` for one process at a time; yield True after waiting for another process.
@@ -83,12 +95,7 @@ def file_lock(path: Path) -> Iterator[bool]:
     The kernel releases the lock when the process ends. On a file system without locks nobody waits.
     """
     name = path.with_name(f".{path.name}.lock")
-    # An unwritable folder fails here, as it is no lack of locks. A symbolic link is removed, as
-    # locking would empty its target.
-    if name.is_symlink():
-        name.unlink()
-    name.touch()
-    lock, has_waited = FileLock(name, fallback_to_soft=False), False
+    lock, has_waited = lock_of(name), False
     with suppress(OSError):
         has_waited = _wait_for(lock)
     try:

@@ -27,8 +27,8 @@ def require_line(what: str, text: Any, *, empty: bool = False, longest: int = LO
         )
 
 
-def require_function(what: str, function: Any, takes: int) -> None:
-    """Refuse anything that cannot be called with ``takes`` arguments."""
+def require_function(what: str, function: Any, takes: int, named: Collection[str] = ()) -> None:
+    """Refuse anything that cannot be called with ``takes`` arguments and those of some names."""
     if not callable(function):
         raise AdditionError(f"{what} is a function: got {in_short(function)}")
     try:
@@ -37,10 +37,11 @@ def require_function(what: str, function: Any, takes: int) -> None:
         # A function written in C may have no signature.
         return
     try:
-        parameters.bind(*range(takes))
+        parameters.bind(*range(takes), **dict.fromkeys(named))
     except TypeError:
         number = f"{takes} arguments" if takes > 1 else "1 argument"
-        raise AdditionError(f"{what} takes {number}: got {in_short(str(parameters))}") from None
+        names = ", ".join([number, *named])
+        raise AdditionError(f"{what} takes {names}: got {in_short(str(parameters))}") from None
 
 
 def require_one_of(what: str, value: Any, choices: Collection[str]) -> None:

@@ -1,7 +1,8 @@
 """The rooms of the package: the rooms that each may import, and hashes of their code.
 
 Data flow from the first room to the last: parameters make points, a study lists them, the engine
-runs them, the dataset gathers the runs, figures and claims read it, and the report shows all.
+runs them, the dataset gathers the runs, figures and claims read it, and the report shows all. Laws
+and papers come in as plug-ins do: no room imports them.
 """
 
 import hashlib
@@ -19,33 +20,37 @@ ROOMS: dict[str, tuple[str, ...]] = {
     "dataset": ("measures", "engine", "study", "parameters", "base"),
     "figures": ("dataset", "measures", "engine", "study", "parameters", "base"),
     "claims": ("dataset", "measures", "engine", "study", "parameters", "base"),
+    "papers": ("claims", "dataset", "measures", "engine", "study", "parameters", "base"),
     "report": ("claims", "figures", "dataset", "measures", "engine", "study", "parameters", "base"),
 }
 
-#: Rooms whose edits invalidate no output: runs depend on the number of the numerics instead of the
-#: engine's code, and each figure depends on its own entry of the catalogue.
-UNTRACKED = ("engine", "study/catalogue")
+#: Room whose edits invalidate no output: runs depend on the number of the numerics instead.
+UNTRACKED = "engine"
+
+#: Folder of the papers, and the file of a paper's figures there. Each figure depends on its own
+#: entry; the report shows all of them.
+PAPERS, FIGURES = "papers", "figures.yaml"
 
 
 @cache
 def room_hash(package: Path, room: str) -> str:
-    """Return a hash of the files of a room and its imports, those in `UNTRACKED` excluded.
+    """Return a hash of the files of a room and of its imports, except those of `UNTRACKED`.
 
     Parameters
     ----------
     package : Path
         Folder of the package.
     room : str
-        One of `ROOMS`. The hash of the report includes the catalogue, which the report shows.
+        One of `ROOMS`. The hash of the report includes `PAPERS`; no other includes `FIGURES`.
     """
-    untracked = UNTRACKED[:1] if room == "report" else UNTRACKED
+    folders = {room, *ROOMS[room], *([PAPERS] if room == "report" else [])} - {UNTRACKED}
     return files_hash(
         path
-        for name in (room, *ROOMS[room])
-        for path in (package / name).rglob("*")
+        for folder in folders
+        for path in (package / folder).rglob("*")
         if path.is_file()
         and "__pycache__" not in path.parts
-        and not any(path.is_relative_to(package / other) for other in untracked)
+        and (room == "report" or path.name != FIGURES)
     )
 
 

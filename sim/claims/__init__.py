@@ -1,1 +1,1 @@
-"""What the papers claim, judged from a study's dataset."""
+"""What papers and studies claim, judged from a dataset."""

@@ -1,7 +1,7 @@
 """Experiments on the model, which need no study: run once for the present code, then cached.
 
 The cache is kept beside the compiled code. The file name contains a hash of all inputs: sources of
-parameters, engine and claims, versions of libraries, the reading.
+parameters, engine, claims and papers, versions of libraries, the reading.
 """
 
 import hashlib
@@ -12,17 +12,19 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+from sim.base.additions import additions
 from sim.base.files import atomic_write
 from sim.base.seals import is_damaged, seal
-from sim.claims.table import Claim
+from sim.claims.claim import Claim
 from sim.claims.verdict import Check
 from sim.engine.cache import cache_directory
 from sim.engine.identity import library_versions, source_hash
+from sim.study.entries import JUDGE
 
 log = logging.getLogger("talus")
 
 #: Parts of the package on which the result of an experiment depends.
-SOURCES = ("parameters", "engine", "claims")
+SOURCES = ("parameters", "engine", "claims", "papers")
 
 
 def run_experiment(claim: Claim, reading: Mapping[str, Any]) -> tuple[Check, ...]:
@@ -31,8 +33,11 @@ def run_experiment(claim: Claim, reading: Mapping[str, Any]) -> tuple[Check, ...
     A cached result is used only if it is undamaged and its identity matches this code, claim and
     reading. Otherwise the experiment is run.
     """
+    plugin = additions(JUDGE).get(claim.id)
     identity = {
-        "judge": claim.judge,
+        "claim": claim.id,
+        "plugin": plugin.plugin.code if plugin else "",
+        "bounds": claim.bounds_at(),
         "reading": dict(reading),
         "sources": source_hash(SOURCES),
         "libraries": library_versions(),
@@ -41,7 +46,7 @@ def run_experiment(claim: Claim, reading: Mapping[str, Any]) -> tuple[Check, ...
     path = cache_directory(with_plugins=False) / f"{claim.id}-{name}.json"
     checks = _read(path, identity)
     if checks is None:
-        checks = tuple(claim.judge_function()(reading))
+        checks = claim.checks_on(reading)
         _write(path, identity, checks)
     return checks
 

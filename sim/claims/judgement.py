@@ -5,8 +5,8 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from math import isfinite
 
+from sim.claims.claim import Claim
 from sim.claims.readings import DEFAULT
-from sim.claims.table import Claim
 from sim.claims.verdict import (
     INCONCLUSIVE,
     NOT_REPRODUCED,

@@ -12,9 +12,9 @@ from sim.claims.verdict import RISK, Check
 
 
 def pooled_checks(
-    quantity: str, flows: Mapping[float, Place], values: Sequence[UFloat], low: float, high: float
+    quantity: str, flows: Mapping[float, Place], values: Sequence[UFloat], largest: float
 ) -> list[Check]:
-    """Return the checks that a quantity lies within bounds in flows of many depths.
+    """Return the checks that a quantity deviates from zero by less than ``largest`` at all depths.
 
     The mean over the flows decides, with equal weights: weights from the errors of a few replicates
     would favour flows that seem certain by chance. A single flow has a vote only where it is
@@ -22,10 +22,10 @@ def pooled_checks(
     """
     mean = sum(values) / len(values)
     flow_checks = [
-        within(f"{quantity}, n = {n:g}", value, low, high, [place])
+        within(f"{quantity}, n = {n:g}", value, -largest, largest, [place])
         for (n, place), value in zip(flows.items(), values, strict=True)
     ]
-    mean_check = within(f"{quantity}, {len(flows)} depths", mean, low, high, flows.values())
+    mean_check = within(f"{quantity}, {len(flows)} depths", mean, -largest, largest, flows.values())
     risk_each = RISK / (len(flow_checks) + 1)
     return [
         mean_check,

@@ -11,9 +11,9 @@ import pandas as pd
 
 from sim.base.files import atomic_write
 from sim.base.seals import to_sealed_json
+from sim.claims.claim import OWN
 from sim.claims.judge import judge
 from sim.claims.judgement import Judgement, Variant
-from sim.claims.table import OWN
 from sim.claims.verdict import Check, plan
 from sim.dataset.agreement import require_agreement
 from sim.dataset.results import load_results
@@ -67,9 +67,7 @@ def as_mapping(judgements: list[Judgement], study: str) -> dict[str, Any]:
         "study": study,
         "claims": [
             {
-                **judgement.claim.model_dump(exclude={"judge"}),
-                "paper": judgement.claim.paper,
-                "system": judgement.claim.system,
+                **judgement.claim.model_dump() | judgement.claim.texts(),
                 "verdict": judgement.verdict,
                 "decided_by": judgement.decided_by,
                 "headline": judgement.headline,

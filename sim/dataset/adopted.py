@@ -15,8 +15,8 @@ from sim.dataset.boundary_side import SCALARS
 from sim.engine.identity import NUMERICS
 from sim.engine.stored_run import has_enough
 from sim.parameters import Parameters, amounts, covers
-from sim.study.catalogue import Shown
 from sim.study.figure_points import needs_run_file, particle_needs
+from sim.study.figure_spec import Shown
 from sim.study.load import Study
 
 if TYPE_CHECKING:

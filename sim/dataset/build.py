@@ -31,8 +31,8 @@ from sim.dataset.runs import Runs
 from sim.dataset.side_by_side import RunFiles
 from sim.engine.stored_run import current_status
 from sim.parameters import SYSTEMS, Parameters, point_id
-from sim.study.catalogue import Shown
 from sim.study.figure_points import particle_needs, particles_needed
+from sim.study.figure_spec import Shown
 from sim.study.load import Boundary, Study, load_study, point_with_membership
 from sim.study.refine import Sides
 

@@ -9,9 +9,9 @@ import time
 from pathlib import Path
 from typing import Any, cast
 
-from sim.engine.observe.system import System
 from sim.engine.systems import build
 from sim.engine.systems.chute import Chute
+from sim.engine.systems.replica import Replica
 from sim.parameters import SYSTEMS, ChuteParameters, Parameters, canonical_json, parse_point
 
 #: Depth and side of the cell (both in diameters) of the chute flows, and their stiffnesses (N/m).
@@ -88,7 +88,7 @@ def _point(system: str, values: dict[str, Any]) -> Parameters:
     return parse_point({"system": system, **values}, "bench")
 
 
-def _build_relaxed(point: Parameters) -> System:
+def _build_relaxed(point: Parameters) -> Replica:
     """Return the point's flow after its transient."""
     system = build(point, 0)
     system.settle()
@@ -97,7 +97,7 @@ def _build_relaxed(point: Parameters) -> System:
     return system
 
 
-def _time_stretch(system: System | Chute) -> tuple[float, float]:
+def _time_stretch(system: Replica) -> tuple[float, float]:
     """Return million particle-steps/s and contacts per particle over one stretch."""
     point = system.parameters
     samples = max(1, int(STRETCH / (point.sample_steps * point.particles)))

@@ -6,10 +6,10 @@ from typing import NamedTuple
 
 from sim.base.errors import InputError
 from sim.engine.dynamics.status import BlowUp
-from sim.engine.observe.system import System
 from sim.engine.replicate import Start
 from sim.engine.states import States
 from sim.engine.stored_run import read_parameters
+from sim.engine.systems.replica import Replica
 from sim.parameters import RUN_FILE, Parameters, point_id, require_compatible_source
 
 
@@ -59,7 +59,7 @@ def origin_of(parameters: Parameters, output: Path) -> Origin | None:
     require_compatible_source(parameters, source, name)
     states = States(path, source, is_own=False)
 
-    def start(system: System, number: int) -> None:
+    def start(system: Replica, number: int) -> None:
         replicate = states.replicate(source, number)
         if replicate is None:
             allowed = (

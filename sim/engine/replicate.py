@@ -8,8 +8,9 @@ from typing import Any, Protocol, Self
 from sim.engine.dynamics.status import BlowUp
 from sim.engine.flatten import FlatState, flatten, refill, subtree
 from sim.engine.observe.recorder import Record, Recorder
-from sim.engine.observe.system import Samples, System
+from sim.engine.observe.system import Samples
 from sim.engine.systems import build
+from sim.engine.systems.replica import Replica
 from sim.parameters import Parameters, point_id
 
 log = logging.getLogger("talus")
@@ -19,7 +20,7 @@ SUBSTEPS = 2
 
 
 #: A function that puts the system of a replicate, given by its number, into its initial state.
-Start = Callable[[System, int], None]
+Start = Callable[[Replica, int], None]
 
 
 class Keeper(Protocol):

@@ -24,7 +24,6 @@ from sim.base.statistics import mean_interval
 from sim.engine.identity import NUMERICS, library_versions, source_hash
 from sim.engine.observe.recorder import Record
 from sim.engine.observe.run_file import Layout, Stage, write
-from sim.engine.observe.system import System
 from sim.engine.origin import Origin, is_alike, origin_of
 from sim.engine.progress import length, progress
 from sim.engine.replicate import Replicate
@@ -37,6 +36,7 @@ from sim.engine.stored_run import (
     stage_amounts,
     stage_groups,
 )
+from sim.engine.systems.replica import Replica
 from sim.parameters import Parameters, amounts, point_id, with_larger_amounts
 from sim.parameters.variables import SCALARS, variables_of
 
@@ -184,7 +184,7 @@ def _velocity(value: float, half_width: float) -> str:
     return f"velocity {value:.4g} ± {half_width:.2g} m/s"
 
 
-def _layout(parameters: Parameters, system: System) -> Layout:
+def _layout(parameters: Parameters, system: Replica) -> Layout:
     return Layout(
         interval=parameters.sample_steps * parameters.time_step,
         height=system.profile_height,

@@ -19,7 +19,7 @@ from sim.figures.data import FigureData
 from sim.figures.kind import Kind
 from sim.figures.spheres import Frame, picture, view_from
 from sim.figures.style import SHORT_DASH
-from sim.study.catalogue.limits import TALLEST
+from sim.study.figure_spec import TALLEST
 
 WIDTH_IN_PIXELS = 400
 

@@ -13,14 +13,13 @@ from matplotlib.figure import Figure
 
 from sim.base.statistics import student_half_width
 from sim.figures.caption import points_text, range_text
+from sim.figures.curves import labels_and_styles
 from sim.figures.data import FigureData, parameter_columns, split_curves
 from sim.figures.kind import Kind
 from sim.figures.looks import look_of
 from sim.figures.style import (
     PALE_LINE,
-    CurveStyle,
     canvas,
-    cycle_style,
     name_protocols,
     place_legend,
 )
@@ -48,9 +47,6 @@ VELOCITY = Profile("velocity_profile", "mean velocity $v_x$ (m/s)", "mean veloci
 #: The profiles by the names that options give.
 PROFILES = {profile.name: profile for profile in (DENSITY, VELOCITY)}
 
-#: How far flows that prescribed styles do not tell apart go on in the other ones.
-_BEYOND = 4
-
 
 def _profile(data: FigureData) -> Profile:
     return PROFILES[data.spec.options["quantity"]]
@@ -76,14 +72,10 @@ def _draw_flows(axes: Axes, data: FigureData, table: pd.DataFrame) -> None:
     beside = shown["protocol"].nunique() > 1
     keys = data.spec.options["keys"]
     look = look_of(data.spec, keys)
-    styles: dict[str, CurveStyle] = {}
-    for names, flows in split_curves(shown, "point", keys, tuple(BeltParameters.model_fields)):
-        named = {name: value for name, value in names.items() if name != "protocol"}
-        style, label = look(named, len(styles))
-        if label not in styles and style in styles.values():
-            # Another parameter tells these flows apart, which the paper's styles do not know.
-            style = cycle_style(len(styles) + _BEYOND)
-        style = styles.setdefault(label, style)
+    curves = split_curves(shown, "point", keys, tuple(BeltParameters.model_fields))
+    labels, styles = labels_and_styles([names for names, _ in curves], look)
+    for (_, flows), label in zip(curves, labels, strict=True):
+        style = styles[label]
         pale: dict[str, Any] = (
             PALE_LINE if beside and flows["protocol"].iloc[0] == "converged" else {}
         )

@@ -7,7 +7,7 @@ from typing import Any
 import pandas as pd
 
 from sim.figures.data import FigureData
-from sim.figures.quantity import Quantity, measures
+from sim.figures.quantity import Quantity, quantities
 from sim.figures.style import is_undecided
 from sim.parameters import SYSTEMS, field_info
 from sim.parameters.words import quantity, setting
@@ -39,14 +39,11 @@ def caption(data: FigureData, notes: Sequence[str]) -> str:
     return " ".join(sentence for sentence in sentences if sentence)
 
 
-def velocity_notes(data: FigureData) -> list[str]:
-    """Return the sentences of a caption on error bars and markers of velocities."""
+def point_notes(data: FigureData) -> list[str]:
+    """Return the sentences of a caption on error bars and markers of measures or velocities."""
+    if "quantities" in data.spec.options:
+        return quantity_notes(data, quantities(data))
     return [interval_sentence(data.rows), regime_sentence(data.rows)]
-
-
-def measure_notes(data: FigureData) -> list[str]:
-    """Return the sentences of a caption on error bars and markers of measures."""
-    return quantity_notes(data, measures(data))
 
 
 def quantity_notes(data: FigureData, quantities: Sequence[Quantity]) -> list[str]:

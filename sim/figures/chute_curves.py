@@ -1,8 +1,11 @@
-"""Mean velocity of chute flows over their depth, and what all curves over the depth share."""
+"""Velocity of chute flows, or measures of them, over their depth.
+
+Options of a figure: ``quantities``, the measures (of the velocity, none); ``axis``, label of the
+vertical axis; ``levels`` to compare with; ``log``, the logarithmic axes, y alone.
+"""
 
 from collections.abc import Iterable
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -13,13 +16,12 @@ from sim.figures.bars import mark_cut_bars
 from sim.figures.curves import draw_family
 from sim.figures.data import FigureData
 from sim.figures.kind import Kind
-from sim.figures.looks import Look, look_of
-from sim.figures.quantity import Quantity, velocity
-from sim.figures.style import canvas, place_legend
+from sim.figures.looks import Look, look_of, look_of_measure
+from sim.figures.quantity import Quantity, quantities, velocity
+from sim.figures.style import LEVEL, canvas, place_legend
 from sim.figures.ticks import set_ticks
 from sim.parameters import SYSTEMS
-from sim.study.catalogue import FigureSpec
-from sim.study.catalogue.limits import WIDEST_INTERVAL
+from sim.study.figure_spec import WIDEST_INTERVAL, FigureSpec
 
 #: Room above the highest flow that does not accelerate, and above the markers at the edge.
 _HEADROOM, _EDGE = 1.05, 1.02
@@ -37,18 +39,18 @@ _OF_PAPER = (0.5, 1.24, 2.5, 5, 10, 20, 40)
 _LENGTH = 4.4
 
 
-def unjoined(rows: pd.DataFrame, quantity: Quantity) -> pd.Series:
+def _unjoined(rows: pd.DataFrame, quantity: Quantity) -> pd.Series:
     """Return which flows no line joins: those that accelerate, and means of different flows."""
     unknown = quantity.half_width > WIDEST_INTERVAL * quantity.value.abs()
     return (rows["regime"] == "accelerating") | unknown
 
 
-def varied(rows: pd.DataFrame, spec: FigureSpec) -> tuple[str, ...]:
+def _varied(rows: pd.DataFrame, spec: FigureSpec) -> tuple[str, ...]:
     """Return the parameters that tell the curves of a figure apart among some points."""
     return tuple(name for name in spec.curves if rows[name].nunique() > 1)
 
 
-def set_depth_axis(axes: Axes, depths: Iterable[float]) -> None:
+def _set_depth_axis(axes: Axes, depths: Iterable[float]) -> None:
     """Make the horizontal axis one of depth, with a tick at each one that was run.
 
     Those for which there is no room beside the paper's, or each other, have no number.
@@ -60,7 +62,41 @@ def set_depth_axis(axes: Axes, depths: Iterable[float]) -> None:
     axes.set_xlabel("depth n (particles per σ²)")
 
 
-def draw_curves(
+def draw(data: FigureData) -> Figure:
+    """Draw the figure: velocities have a scale in natural units, too."""
+    figure, axes = canvas()
+    if "quantities" in data.spec.options:
+        _draw_measures(axes, data)
+    else:
+        _draw_velocities(axes, data)
+    place_legend(figure, axes)
+    return figure
+
+
+def _draw_measures(axes: Axes, data: FigureData) -> None:
+    """Draw measures; curves of one stand aside of each other, those of several do not."""
+    spec, shown = data.spec, quantities(data)
+    for quantity, option in zip(shown, spec.options["quantities"], strict=True):
+        rows, apart = quantity.known(data.rows), _unjoined(data.rows, quantity)
+        if len(shown) == 1:
+            _draw_curves(axes, rows, quantity, spec, apart)
+        else:
+            look = look_of_measure(spec, _varied(rows, spec), option)
+            _draw_curves(axes, rows, quantity, spec, apart, look=look, pitch=0)
+    for level in spec.options.get("levels", ()):
+        axes.axhline(level, **LEVEL)
+    _set_depth_axis(axes, data.rows["depth"])
+    if "y" in spec.options.get("log", ()):
+        axes.set_yscale("log")
+    else:
+        # The axis ends where intervals over two replicates may go on.
+        highest = max(quantity.value.max() for quantity in shown)
+        axes.set_ylim(0, min(axes.get_ylim()[1], 1.5 * highest) if highest > 0 else 1)
+    axes.set_ylabel(spec.options["axis"])
+    mark_cut_bars(axes)
+
+
+def _draw_curves(
     axes: Axes,
     rows: pd.DataFrame,
     quantity: Quantity,
@@ -71,24 +107,22 @@ def draw_curves(
     pitch: float = _PITCH,
 ) -> None:
     """Draw the curves of a quantity over the depth, interrupted at the flows ``apart``."""
-    names, keys = tuple(SYSTEMS["chute"].model_fields), varied(rows, spec)
+    names, keys = tuple(SYSTEMS["chute"].model_fields), _varied(rows, spec)
     look = look or look_of(spec, keys)
-    how: dict[str, Any] = {"look": look, "unjoined": apart, "pitch": pitch}
-    draw_family(axes, rows, quantity, "depth", keys, names, **how)
+    draw_family(axes, rows, quantity, "depth", keys, names, look=look, unjoined=apart, pitch=pitch)
 
 
-def draw(data: FigureData) -> Figure:
-    """Draw the figure; flows beyond the scale are markers at its top."""
+def _draw_velocities(axes: Axes, data: FigureData) -> None:
+    """Draw velocities; flows beyond the scale are markers at its top."""
     rows, found = data.rows, velocity(data.rows)
-    figure, axes = canvas()
-    apart = unjoined(rows, found)
+    apart = _unjoined(rows, found)
     ceiling = _ceiling(rows, apart)
     above = rows["velocity"] > ceiling
     held = replace(
         found, value=found.value.clip(upper=ceiling), half_width=found.half_width.mask(above)
     )
-    draw_curves(axes, rows, held, data.spec, apart | above)
-    set_depth_axis(axes, rows["depth"])
+    _draw_curves(axes, rows, held, data.spec, apart | above)
+    _set_depth_axis(axes, rows["depth"])
     axes.set_ylim(0, _EDGE * ceiling if above.any() else ceiling)
     mark_cut_bars(axes)
     _name_off_scale(axes, rows[above])
@@ -99,8 +133,6 @@ def draw(data: FigureData) -> Figure:
     )
     right.set_ylabel("V / √(gσ)")
     axes.spines["right"].set_visible(True)
-    place_legend(figure, axes)
-    return figure
 
 
 def _ceiling(rows: pd.DataFrame, apart: pd.Series) -> float:

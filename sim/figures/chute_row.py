@@ -18,7 +18,7 @@ from sim.figures.style import COLOURS, DOTTED, PALE, escape_label, place_legend
 from sim.parameters import SYSTEMS, default_of
 from sim.parameters.roles import start_parameters
 from sim.parameters.words import PROTOCOLS, setting
-from sim.study.catalogue.limits import LARGEST_PORTION, SHARE
+from sim.study.figure_spec import LARGEST_PORTION, SHARE
 
 PIXELS = 640
 

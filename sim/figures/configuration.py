@@ -11,7 +11,7 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 
 from sim.figures.spheres import frame_around, picture, project, view_from
-from sim.study.catalogue.limits import LARGEST_PORTION
+from sim.study.figure_spec import LARGEST_PORTION
 
 #: Where the viewer stands: a little down the slope and above.
 AZIMUTH, ELEVATION = -16.0, 14.0

@@ -69,7 +69,7 @@ def draw_family(
         return
     curves = split_curves(rows, along, keys, parameters)
     curves.sort(key=lambda curve: curve[1]["protocol"].iloc[0] != "published")
-    labels, styles = _labels_and_styles([names for names, _ in curves], look)
+    labels, styles = labels_and_styles([names for names, _ in curves], look)
     shifts = {label: pitch * (n - (len(styles) - 1) / 2) for n, label in enumerate(styles)}
     drawn_labels: set[str] = set()
     for (_, curve), label in zip(curves, labels, strict=True):
@@ -84,7 +84,7 @@ def draw_family(
         name_protocols(axes, str(curves[0][1]["system"].iloc[0]))
 
 
-def _labels_and_styles(
+def labels_and_styles(
     curves: Sequence[dict[str, Any]], look: Look
 ) -> tuple[list[str], dict[str, CurveStyle]]:
     """Return the legend entry of each curve, and the style of each entry.

@@ -11,7 +11,7 @@ import xarray as xr
 from sim.dataset.replicates import OUTCOME, SCALARS, outcomes
 from sim.dataset.results import Results
 from sim.parameters import NUMERICAL, SYSTEMS, field_info
-from sim.study.catalogue import FigureSpec
+from sim.study.figure_spec import FigureSpec
 
 #: Parameters that every table of velocities has in addition to those of its figure.
 _PROTOCOL = ("protocol", "target", "limit")

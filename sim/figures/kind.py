@@ -1,4 +1,4 @@
-"""The kinds of plot: their interface and the table of their modules."""
+"""The kinds of plot: their interface, and their modules."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -12,34 +12,19 @@ from matplotlib.figure import Figure
 from sim.base.additions import plugin_error
 from sim.base.words import printable
 from sim.figures.animation import Animation
-from sim.figures.caption import velocity_notes
-from sim.figures.data import FigureData, velocity_table
+from sim.figures.caption import point_notes
+from sim.figures.data import FigureData
+from sim.figures.quantity import point_table
+from sim.study.catalogue import KEYS
+from sim.study.plot_kinds import KINDS as PLOT_KINDS
 from sim.study.plot_kinds import PLOT, own_plots
-
-#: Module of each kind, with the constant ``KIND``; imported when a figure of the kind is drawn.
-KINDS = {
-    "belt_acceleration": "sim.figures.belt_acceleration",
-    "belt_animation": "sim.figures.belt_animation",
-    "belt_curves": "sim.figures.belt_curves",
-    "belt_measures": "sim.figures.belt_measures",
-    "belt_onset": "sim.figures.belt_onset",
-    "belt_paths": "sim.figures.belt_paths",
-    "belt_profiles": "sim.figures.belt_profiles",
-    "belt_snapshots": "sim.figures.belt_snapshots",
-    "chute_animation": "sim.figures.chute_animation",
-    "chute_curves": "sim.figures.chute_curves",
-    "chute_measures": "sim.figures.chute_measures",
-    "chute_row": "sim.figures.chute_row",
-    "plot_curves": "sim.figures.plot_curves",
-    "plot_distribution": "sim.figures.plot_distribution",
-    "plot_map": "sim.figures.plot_map",
-    "plot_profiles": "sim.figures.plot_profiles",
-    "plot_time_series": "sim.figures.plot_time_series",
-    "regimes": "sim.figures.regimes",
-}
 
 #: Prefix of the names of kinds whose plots study files define.
 PLOT_PREFIX = "plot_"
+
+#: The kinds: those of papers, and those of plots of a study. A module of this folder with the name
+#: of the kind has the constant ``KIND``; it is imported when a figure of the kind is drawn.
+KINDS = (*KEYS, *(PLOT_PREFIX + kind for kind in PLOT_KINDS))
 
 
 def keep_all_points(data: FigureData) -> FigureData:
@@ -64,15 +49,15 @@ class Kind:
     """
 
     draw: Callable[[FigureData], Figure | Animation]
-    table: Callable[[FigureData], pd.DataFrame] = velocity_table
-    notes: Callable[[FigureData], list[str]] = velocity_notes
+    table: Callable[[FigureData], pd.DataFrame] = point_table
+    notes: Callable[[FigureData], list[str]] = point_notes
     select: Callable[[FigureData], FigureData] = keep_all_points
 
 
 def load_kind(name: str) -> Kind:
     """Return the kind of plot with a name, from Talus or from a plug-in."""
     if name in KINDS:
-        return import_module(KINDS[name]).KIND
+        return import_module(f"sim.figures.{name}").KIND
     kind = name.removeprefix(PLOT_PREFIX)
     plot_kind = own_plots()[kind]
     base = load_kind(PLOT_PREFIX + plot_kind.like)

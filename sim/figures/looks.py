@@ -1,17 +1,18 @@
 """Styles and legend entries of the curves of a figure, from its entry of the catalogue.
 
 Options of a figure: ``styles`` are those that the paper prescribes, by the values of the parameters
-that name a curve (one value, or a tuple of several). Each is a colour, a name of dashes and a
-marker. ``entry`` is the pattern of a legend entry, by default the settings; ``entries`` are the
-exceptions. ``look`` names a function where two parameters make one entry.
+that name a curve (one value, or a tuple of several): colour, dashes, marker and, where it is no
+other's, the legend entry. ``entry`` is the pattern of the other entries, by default the settings.
+With ``look: damping`` two parameters make one entry.
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
-from sim.figures.style import CurveStyle, catalogue_style, cycle_style, escape_label
+from sim.figures.style import PATTERNS, CurveStyle, cycle_style, escape_label, prescribed_style
 from sim.parameters.words import setting
-from sim.study.catalogue import FigureSpec
+from sim.study.figure_spec import FigureSpec
 
 #: Returns style and legend entry of a curve from the values that name it and its index.
 Look = Callable[[dict[str, object], int], tuple[CurveStyle, str]]
@@ -29,7 +30,7 @@ def look_of(spec: FigureSpec, keys: Sequence[str] | None = None) -> Look:
         with the settings of all other parameters that distinguish curves.
     """
     keys = spec.curves if keys is None else keys
-    look = _LOOKS[spec.options.get("look", "values")]
+    look = _by_damping if spec.options.get("look") == "damping" else _by_values
 
     def look_and_rest(names: dict[str, object], index: int) -> tuple[CurveStyle, str]:
         key_values = {key: names[key] for key in keys}
@@ -38,6 +39,25 @@ def look_of(spec: FigureSpec, keys: Sequence[str] | None = None) -> Look:
         return style, ", ".join(filter(None, (entry, rest)))
 
     return look_and_rest
+
+
+def look_of_measure(spec: FigureSpec, keys: Sequence[str], option: Mapping[str, Any]) -> Look:
+    """Return the look of the curves of one of several measures.
+
+    ``option`` is the measure: its ``entry`` follows the settings, and it has a style of its own, or
+    ``dashes`` alone instead of those of the curve.
+    """
+    look = look_of(spec, keys)
+
+    def look_of_curve(names: dict[str, object], index: int) -> tuple[CurveStyle, str]:
+        style, entry = look(names, index)
+        if "colour" in option:
+            style = prescribed_style(option)
+        elif "dashes" in option:
+            style = replace(style, dashes=PATTERNS[option["dashes"]])
+        return style, ", ".join(filter(None, (entry, option.get("entry"))))
+
+    return look_of_curve
 
 
 def settings(system: str, values: Iterable[tuple[str, object]]) -> str:
@@ -51,31 +71,12 @@ def _by_values(
     """Return the prescribed style of the values, or else the next one, and their legend entry."""
     options, values = spec.options, tuple(key_values.values())
     styles, value = options.get("styles", {}), values[0] if len(values) == 1 else values
-    style = catalogue_style(*styles[value]) if value in styles else cycle_style(index + len(styles))
-    if value in (entries := options.get("entries", {})):
-        return style, entries[value]
+    style = prescribed_style(styles[value]) if value in styles else cycle_style(index + len(styles))
+    if entry := styles.get(value, {}).get("entry"):
+        return style, entry
     if "entry" in options:
         return style, options["entry"].format(**key_values)
     return style, settings(spec.system, key_values.items())
-
-
-def _by_amplitude_or_damping(
-    spec: FigureSpec, key_values: Mapping[str, Any], index: int
-) -> tuple[CurveStyle, str]:
-    """Return a line per amplitude at the usual damping, and ``markers`` only at other dampings."""
-    amplitude, damping = (
-        key_values["amplitude"],
-        (key_values["damping"], key_values["shear_damping"]),
-    )
-    styles, markers = spec.options["styles"], spec.options["markers"]
-    label = f"$A_z$ = {amplitude:g} ⟨d⟩"
-    if damping == (50.0, 50.0):
-        return catalogue_style(*styles[amplitude]) if amplitude in styles else cycle_style(
-            index
-        ), label
-    next_style = cycle_style(index)
-    style = markers.get(damping, (next_style.colour, "none", next_style.marker))
-    return catalogue_style(*style), pair(*damping) + ("" if amplitude == 1 else f", {label}")
 
 
 def _by_damping(
@@ -84,18 +85,11 @@ def _by_damping(
     """Return a style per pair of damping coefficients, and a separate one for ``fast_start``."""
     damping, styles = (key_values["damping"], key_values["shear_damping"]), spec.options["styles"]
     if key_values.get("initial_velocity", 0):
-        return catalogue_style(*spec.options["fast_start"]), f"{pair(*damping)}, fast start"
+        return prescribed_style(styles["fast_start"]), f"{pair(*damping)}, fast start"
     style = (
-        catalogue_style(*styles[damping]) if damping in styles else cycle_style(index + len(styles))
+        prescribed_style(styles[damping]) if damping in styles else cycle_style(index + len(styles))
     )
     return style, pair(*damping)
-
-
-_LOOKS = {
-    "values": _by_values,
-    "amplitude_or_damping": _by_amplitude_or_damping,
-    "damping": _by_damping,
-}
 
 
 def pair(damping: float, shear_damping: float) -> str:

@@ -11,6 +11,7 @@ from matplotlib.colors import LogNorm, Normalize
 from matplotlib.figure import Figure
 
 from sim.figures.caption import unsteady_sentence
+from sim.figures.chute_map import MARKS
 from sim.figures.configuration import COLOURS
 from sim.figures.data import FigureData, velocity_table
 from sim.figures.foreign_data import (
@@ -35,7 +36,6 @@ from sim.figures.plot import (
     width_of,
 )
 from sim.figures.quantity import quantity_table
-from sim.figures.regimes import MARKS
 from sim.study.plot_file import REGIME
 from sim.study.plottable import numbers
 

@@ -38,7 +38,7 @@ from sim.figures.plot import (
 )
 from sim.figures.style import PALE, CurveStyle
 from sim.figures.units import unit_of
-from sim.study.catalogue.limits import SHARE
+from sim.study.figure_spec import SHARE
 from sim.study.plottable import Observable, profiles
 
 #: Fewest replicates for which the mean has an interval: that of two says little.

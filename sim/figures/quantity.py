@@ -8,7 +8,7 @@ import pandas as pd
 
 from sim.base.errors import InputError
 from sim.base.statistics import student_half_width
-from sim.figures.data import FigureData, parameter_columns
+from sim.figures.data import FigureData, parameter_columns, velocity_table
 
 
 @dataclass(frozen=True)
@@ -29,6 +29,10 @@ class Quantity:
     label: str
     value: pd.Series
     half_width: pd.Series
+
+    def known(self, rows: pd.DataFrame) -> pd.DataFrame:
+        """Return the rows with a value; of the velocity all, as that of failed runs is unknown."""
+        return rows if self.name == "velocity" else rows[self.value.notna()]
 
 
 def velocity(rows: pd.DataFrame) -> Quantity:
@@ -84,17 +88,19 @@ def replicate_means(
     )
 
 
-def measures(data: FigureData) -> list[Quantity]:
-    """Return the ``quantities`` that the options of a figure name."""
+def quantities(data: FigureData) -> list[Quantity]:
+    """Return the measures that the option ``quantities`` of a figure names, or the velocity."""
     return [
         measure_quantity(data, option["name"], option["label"], option.get("over", ""))
-        for option in data.spec.options["quantities"]
-    ]
+        for option in data.spec.options.get("quantities", ())
+    ] or [velocity(data.rows)]
 
 
-def measure_table(data: FigureData) -> pd.DataFrame:
-    """Return the plotted data of a figure of measures, one row per point, units in the headings."""
-    return quantity_table(data, measures(data))
+def point_table(data: FigureData) -> pd.DataFrame:
+    """Return parameters and quantities of a figure, one row per point, units in the headings."""
+    if "quantities" in data.spec.options:
+        return quantity_table(data, quantities(data))
+    return velocity_table(data)
 
 
 def quantity_table(

@@ -18,7 +18,8 @@ from sim.figures.caption import caption
 from sim.figures.data import FigureData, figure_data
 from sim.figures.kind import Kind, load_kind
 from sim.figures.style import SETTINGS
-from sim.study.catalogue import FIGURES, FigureSpec
+from sim.study.catalogue import FIGURES
+from sim.study.figure_spec import FigureSpec
 
 #: Resolution of the first picture of an animation, dots per inch.
 POSTER = 150

@@ -15,7 +15,7 @@ from sim.figures.style import COLOURS, LEVEL, SETTINGS
 from sim.figures.units import label_with_unit
 from sim.parameters import Parameters
 from sim.parameters.variables import variables_of
-from sim.study.catalogue.limits import SHARE
+from sim.study.figure_spec import SHARE
 
 #: Inches of a picture's width and height.
 SIZE = (7.4, 2.8)

@@ -2,7 +2,7 @@
 
 import math
 import textwrap
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -16,6 +16,8 @@ from sim.parameters.words import PROTOCOLS
 
 #: Okabe and Ito's colours, told apart by colour-blind readers, darkest first.
 COLOURS = ("#000000", "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00")
+#: Their names in the figures of papers.
+NAMED = dict(zip(("black", "blue", "red", "green", "pink", "sky", "orange"), COLOURS, strict=True))
 DASHES = ("-", (0, (5, 2)), (0, (5, 2, 1, 2)), (0, (1, 1.5)), (0, (5, 2, 1, 2, 1, 2)))
 MARKERS = ("o", "s", "^", "D", "v", "P", "X", "p")
 
@@ -27,7 +29,7 @@ LONG_DASH = DASHES[1]
 DOTTED = DASHES[3]
 DASH_DOT = (0, (6, 2, 1, 2))
 
-#: Dash patterns by their names in the catalogue of figures.
+#: Dash patterns by their names in the figures of papers.
 PATTERNS = {
     "solid": "-",
     "short_dash": SHORT_DASH,
@@ -85,9 +87,9 @@ class CurveStyle:
     marker: str = "o"
 
 
-def catalogue_style(colour: str, dashes: str, marker: str = "o") -> CurveStyle:
-    """Return a style that the catalogue prescribes, its dashes by name."""
-    return CurveStyle(colour, PATTERNS[dashes], marker)
+def prescribed_style(look: Mapping[str, str]) -> CurveStyle:
+    """Return the style that a paper's figure prescribes: colour and dashes by name, and marker."""
+    return CurveStyle(NAMED[look["colour"]], PATTERNS[look["dashes"]], look.get("marker", "o"))
 
 
 def cycle_style(index: int) -> CurveStyle:

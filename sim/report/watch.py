@@ -5,13 +5,16 @@ import os
 import sys
 import threading
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Container, Sequence
 from contextlib import suppress
 from pathlib import Path
 
 from tqdm import tqdm
 
+from sim.base.errors import InputError
 from sim.base.words import duration
+from sim.report.status import survey
+from sim.report.status_table import as_text
 from sim.study.cost import estimate
 from sim.study.load import Study
 
@@ -54,18 +57,23 @@ class Watch(threading.Thread):
         The study. Points of rounds of refinement are reported once they have run files.
     folder : Path
         Its results: ``runs`` and ``logs/runs``.
+    sources : container of str
+        Ids of points that come from adopted datasets, which need no run.
     """
 
-    def __init__(self, study: Study, folder: Path):
+    def __init__(self, study: Study, folder: Path, sources: Container[str] = ()):
         super().__init__(daemon=True)
+        self._study, self._results = study, folder.parent
         self._runs, self._logs = folder / "runs", folder / "logs" / "runs"
         self._estimates = {
-            point.id: estimate(point.parameters).core_seconds for point in study.points.values()
+            point.id: estimate(point.parameters).core_seconds
+            for point in study.points.values()
+            if point.id not in sources
         }
         self._ended = threading.Event()
         self._start_time = time.monotonic()
         self._inodes = self._read_run_files()
-        self._failed_count, self._name = 0, study.name
+        self._failed_count = 0
         present = self._inodes.keys() & self._estimates.keys()
         self._seconds_left = sum(self._estimates[name] for name in self._estimates.keys() - present)
         self._seconds_done = 0.0
@@ -83,6 +91,20 @@ class Watch(threading.Thread):
         """Report finished points at intervals of `PAUSE`."""
         while not self._ended.wait(PAUSE):
             self._report()
+
+    def follow(self, log: logging.Logger) -> None:
+        """Start, and add to Snakemake's log the lines of failed jobs, in place of its own."""
+        self.start()
+        log.addFilter(is_news)
+        log.addHandler(FailedJobs(self.write))
+
+    def summarize(self) -> None:
+        """End, and print the status of all points; an error here must not fail the workflow."""
+        self.end()
+        try:
+            print(f"\n{as_text(survey(self._study, self._results))}\n", file=sys.stderr)
+        except (InputError, OSError) as error:
+            print(f"no summary: {error}", file=sys.stderr)
 
     def end(self) -> None:
         """Stop the thread, and report the points that have finished since."""
@@ -133,7 +155,8 @@ class Watch(threading.Thread):
         ):
             self._twentieths_written = 20 * finished // total
             print(
-                f"{self._name}: {finished} of {total} points, {self._state_text()}", file=sys.stderr
+                f"{self._study.name}: {finished} of {total} points, {self._state_text()}",
+                file=sys.stderr,
             )
 
     def _result_line(self, name: str) -> str:

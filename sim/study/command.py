@@ -1,8 +1,9 @@
-"""Commands ``init`` (write a study file to start from) and ``study`` (run a study)."""
+"""Commands ``init`` (write a study file) and ``study`` (run it), and what its Snakemake needs."""
 
 import getpass
 import os
 import re
+import shlex
 import sys
 import tempfile
 from collections.abc import Sequence
@@ -16,9 +17,11 @@ from sim.base.files import (
     require_writable,
     user_temporary_folder,
 )
+from sim.base.plugins import VARIABLE
 from sim.base.program import package_folder, program
 from sim.study.entries import ALLOWED_NAME, NAME
-from sim.study.load import load_study
+from sim.study.load import DEFAULT_STUDY, load_study
+from sim.study.model import Study
 
 #: Suffixes of study files.
 YAML_SUFFIXES = (".yaml", ".yml")
@@ -132,3 +135,47 @@ def _missing_environment() -> dict[str, str]:
         except (OSError, NotPrivateError):
             missing["XDG_CACHE_HOME"] = tempfile.mkdtemp(prefix="talus-")
     return missing
+
+
+def study_path(files: Sequence[str | Path], assignments: Sequence[str]) -> Path:
+    """Return the path of the one study file that --configfile names, or of the default one.
+
+    Snakemake merges a configfile into the one that a workflow declares. A study must be exactly
+    the named file, so the workflow declares none and reads the file by its path.
+    ``assignments`` are those of --config, which are refused.
+    """
+    if assignments:
+        raise InputError("--config: not used by Talus; edit a study file and give --configfile")
+    if len(files) > 1:
+        raise InputError("--configfile: several files given; a study is one file")
+    path = Path(files[0]) if files else DEFAULT_STUDY
+    return path.relative_to(Path.cwd()) if path.is_relative_to(Path.cwd()) else path
+
+
+def job_environment(study: Study, package: Path, own_interpreter: bool) -> str:
+    """Return the shell command by which jobs find package, study and interpreter.
+
+    The path of a study file is no parameter of its results: a moved or copied study reruns nothing.
+
+    Parameters
+    ----------
+    study : Study
+        The study.
+    package : Path
+        Folder that contains ``sim``.
+    own_interpreter : bool
+        True where jobs have an interpreter of their own, as with conda and in containers.
+    """
+    # PYTHONSAFEPATH: jobs must not import modules from the folder of the results.
+    variables: dict[str, list[str | None]] = {"PYTHONPATH": [str(package)], "PYTHONSAFEPATH": ["1"]}
+    variables["TALUS_STUDY"] = [str(study.path)]
+    if study.plugins:
+        # Jobs of runs get their points only, not the study.
+        variables[VARIABLE] = [plugin.pinned_name for plugin in study.plugins]
+    if not own_interpreter:
+        variables["PATH"] = [str(Path(sys.executable).parent), os.environ.get("PATH")]
+        variables["PYTHONPATH"].append(os.environ.get("PYTHONPATH"))
+    settings = (
+        f"{name}={shlex.quote(':'.join(filter(None, parts)))}" for name, parts in variables.items()
+    )
+    return f"export {' '.join(settings)}; "

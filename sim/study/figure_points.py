@@ -5,8 +5,8 @@ from typing import Any
 
 from sim.base.errors import InputError
 from sim.parameters import Parameters
-from sim.study.catalogue import FIGURES, FigureSpec, Shown
-from sim.study.catalogue.spec import written
+from sim.study.catalogue import FIGURES
+from sim.study.figure_spec import FigureSpec, Shown, written
 from sim.study.file import StudyFile
 from sim.study.model import Point, Study
 from sim.study.plot_kinds import base_kind

@@ -4,7 +4,7 @@ from collections.abc import Collection, Iterable, Mapping
 from functools import cache, reduce
 from operator import or_
 from types import GenericAlias
-from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple, Self
+from typing import Annotated, Any, Literal, NamedTuple, Self
 
 from pydantic import (
     BaseModel,
@@ -71,7 +71,8 @@ def _system_models(system: str) -> SystemModels:
         for name, field in model.model_fields.items()
         if field.annotation is float and name not in excluded
     ]
-    figures = [name for name, spec in FIGURES.items() if spec.system == system]
+    system_of_figures = {name: spec.system for name, spec in FIGURES.items()}
+    figures = [name for name in FIGURES if system_of_figures[name] == system]
     values, lists = _with_parameters(Some, system), _with_parameters(Lists, system)
     readings = _with_parameters(Readings, system, roles.reading_parameters(model))
     override = _with_field_types(
@@ -100,6 +101,7 @@ def _system_models(system: str) -> SystemModels:
         shared | {"of": Literal[model.boundaries], "along": Literal[tuple(numbers)]},
         **({"of": Field(description=_OF_DESCRIPTION)} if system == first else {}),
     )
+    series.system_of_figures = boundary.system_of_figures = system_of_figures
     return SystemModels(values, readings, override, series, boundary)
 
 
@@ -169,17 +171,10 @@ def _system_fields(
     }
 
 
-if TYPE_CHECKING:
-    # An upper bound of the type below, for type checkers, which do not run the catalogue.
-    _FigureName = str
-else:
-    _FigureName = Literal[tuple(FIGURES)]
-
-
 class StudyFile(Strict):
     """A study: series of points, boundaries to be found, and the figures they feed.
 
-    `file_models` makes its keys concrete with the parameters of the systems.
+    `file_models` makes its keys concrete with the parameters of the systems and the figures.
     """
 
     model_config = ConfigDict(
@@ -195,7 +190,7 @@ class StudyFile(Strict):
         json_schema_extra=ALLOWED_NAME | {"not": {"enum": list(_RESERVED_NAMES)}},
     )
     title: str = Field("", description="one line for the report")
-    figures: list[_FigureName] = optional(
+    figures: list[str] = optional(
         "all figures of the study, each fed by a series (omitted: those that are fed)"
     )
     defaults: Strict = Field(Strict(), description="parameters shared by series")
@@ -261,13 +256,15 @@ class FileModels(NamedTuple):
 
 
 def file_models() -> FileModels:
-    """Return the models of study files, with the parameters that plug-ins have added so far."""
-    return _build_file_models(tuple(SYSTEMS.values()))
+    """Return the models of study files, with what plug-ins have added so far."""
+    return _build_file_models(tuple(SYSTEMS.values()), tuple(FIGURES))
 
 
 @cache
-def _build_file_models(parameters: tuple[type[Parameters], ...]) -> FileModels:
-    """Return the models for the present `SYSTEMS`; ``parameters`` (its values) is the cache key."""
+def _build_file_models(
+    parameters: tuple[type[Parameters], ...], figures: tuple[str, ...]
+) -> FileModels:
+    """Return the models for the present `SYSTEMS` and `FIGURES`: the key of the cache."""
     systems = {system: _system_models(system) for system in SYSTEMS}
     defaults = create_model(
         "Defaults",
@@ -287,6 +284,7 @@ def _build_file_models(parameters: tuple[type[Parameters], ...]) -> FileModels:
     )
     fields = StudyFile.model_fields
     types: dict[str, Any] = {
+        "figures": (_list_type(Literal[figures]), fields["figures"]),
         "defaults": (defaults, Field(defaults(), description=fields["defaults"].description)),
         "readings": (readings, Field(readings(), description=fields["readings"].description)),
         "series": (

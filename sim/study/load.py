@@ -11,10 +11,10 @@ from sim.base.files import require_writable
 from sim.base.plugins import PATTERN, load
 from sim.base.yaml import read_yaml
 from sim.parameters import RUN_FILE, require_compatible_source
-from sim.study.catalogue import FigureSpec
 from sim.study.cost import Estimate, estimate
 from sim.study.extra_amounts import read_extra_amounts, with_extra_amounts
 from sim.study.figure_points import points_of_figures
+from sim.study.figure_spec import FigureSpec
 from sim.study.model import Boundary, Point, Study
 from sim.study.plots import plot_specs, points_of_plot
 from sim.study.points import (

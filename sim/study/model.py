@@ -7,8 +7,9 @@ from typing import Any
 
 from sim.base.additions import Plugin
 from sim.parameters import Parameters
-from sim.study.catalogue import FIGURES, FigureSpec
+from sim.study.catalogue import FIGURES
 from sim.study.entries import DecideFile
+from sim.study.figure_spec import FigureSpec
 from sim.study.refine import further_rounds
 
 
@@ -112,8 +113,8 @@ class Study:
 
     @property
     def sources(self) -> tuple[Path, ...]:
-        """The study file, the files of its parts, and the plug-ins that are files beside them."""
-        return self.files + tuple(Path(plugin.place) for plugin in self.plugins if plugin.is_file)
+        """The study file, the files of its parts, and those of the plug-ins beside them."""
+        return self.files + tuple(file for plugin in self.plugins for file in plugin.files)
 
     @property
     def path(self) -> Path:

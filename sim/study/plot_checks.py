@@ -1,22 +1,16 @@
 """Checks of plots whose keys are valid: their parameters must suit the points."""
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Sequence
 from typing import Any
 
-from sim.base.errors import InputError
-from sim.base.messages import did_you_mean
-from sim.parameters import NUMERICAL, SYSTEMS, Parameters
-from sim.study.catalogue import FigureSpec
-from sim.study.catalogue.spec import written
+from sim.parameters import NUMERICAL, Parameters
+from sim.study.figure_spec import FigureSpec, written
 from sim.study.model import Point
 from sim.study.plot_file import PlotFile
-from sim.study.plottable import SHOWN_BY
+from sim.study.plottable import SHOWN_BY, PlotErrorMaker, require_parameter
 
 #: Maximum number of panels of a plot.
 MAX_PANELS = 12
-
-#: Function: key of the plot, its value, allowed values → error to raise.
-PlotErrorMaker = Callable[[str, Any, str], InputError]
 
 
 def require_parameters(
@@ -38,7 +32,7 @@ def require_parameters(
     parameters = _parameters_by_key(plot, axes)
     for key, name in parameters:
         observables = SHOWN_BY[plot.base_kind](system) if key == plot.second_key else ()
-        _require_parameter(key, name, system, observables, plot_error)
+        require_parameter(key, name, system, observables, plot_error)
         _require_varied(key, name, points, plot_error)
     _require_distinct(parameters, plot_error)
     _require_few_panels(plot, points, plot_error)
@@ -53,29 +47,6 @@ def _parameters_by_key(plot: PlotFile, axis_names: Sequence[str]) -> list[tuple[
         for number, name in enumerate(plot.curves or [])
     ]
     return [*axes, *curves, *([("panels", plot.panels)] if plot.panels else [])]
-
-
-def _require_parameter(
-    key: str, name: str, system: str, observables: Collection[str], plot_error: PlotErrorMaker
-) -> None:
-    """Raise an error unless a name is a parameter of the system, and on an axis a number.
-
-    ``observables`` are allowed in its place; they only appear in the message.
-    """
-    fields = SYSTEMS[system].model_fields
-    if name not in fields or name == "system":
-        others = [other for other, model in SYSTEMS.items() if name in model.model_fields]
-        if name != "system" and others:
-            raise plot_error(
-                key, name, f"a parameter of the {system}; this is one of the {others[0]}"
-            )
-        names = [field for field in fields if field != "system"]
-        hint = did_you_mean(name, [*names, *observables])
-        alternative = ", or an observable" if observables else ""
-        allowed = f"{hint}a parameter of the {system} that the points vary{alternative}"
-        raise plot_error(key, name, allowed)
-    if key in ("x", "y") and fields[name].annotation not in (int, float):
-        raise plot_error(key, name, "a parameter that is a number; curves and panels take any")
 
 
 def _require_varied(

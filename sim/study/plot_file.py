@@ -6,7 +6,6 @@ from pydantic import AfterValidator, BeforeValidator, Field, WithJsonSchema, mod
 
 from sim.base.additions import NAME as PLUGIN_NAME
 from sim.parameters.common import Real, broken_rule
-from sim.study.catalogue import FIGURES
 from sim.study.entries import ALLOWED_NAME, NAME, Strict, optional, require_printable
 from sim.study.plot_beside import MAX_BESIDE, MAX_MAGNITUDE, BesideFile
 from sim.study.plot_kinds import KINDS, base_kind, own_plots
@@ -152,9 +151,7 @@ class PlotFile(Strict):
     )
 
     @model_validator(mode="after")
-    def _require_unused_name(self) -> Self:
-        if self.name.lower() in FIGURES:
-            raise broken_rule("name", self.name, "a name that no figure of the catalogue has")
+    def _require_printable_title(self) -> Self:
         require_printable(self.title)
         return self
 

@@ -4,7 +4,6 @@ from collections.abc import Iterable, Sequence
 from typing import Any
 
 from sim.base.errors import InputError
-from sim.base.messages import did_you_mean
 from sim.parameters import (
     NUMERICAL,
     SYSTEMS,
@@ -13,12 +12,12 @@ from sim.parameters import (
     field_info,
     roles,
 )
-from sim.study.catalogue import FigureSpec
+from sim.study.catalogue import FIGURES
 from sim.study.figure_points import require_distinct_positions
+from sim.study.figure_spec import FigureSpec
 from sim.study.file import StudyFile
 from sim.study.model import Point, Study
 from sim.study.plot_checks import (
-    PlotErrorMaker,
     require_distinct_map_points,
     require_parameters,
     varying_parameters,
@@ -26,7 +25,7 @@ from sim.study.plot_checks import (
 from sim.study.plot_file import AXES, OBSERVABLE, REGIME, PlotFile
 from sim.study.plot_kinds import plugin_code
 from sim.study.plot_words import caption_lead, default_title
-from sim.study.plottable import SHOWN_BY, Observable, every_name
+from sim.study.plottable import Observable, PlotErrorMaker, every_name, find_observable
 
 
 def plot_specs(
@@ -58,6 +57,8 @@ def plot_specs(
             return InputError.of_value(source, f"plots[{number}].{key}", value, allowed)
 
         # Some file systems do not tell capitals from small letters.
+        if plot.name.lower() in FIGURES:
+            raise plot_error("name", plot.name, "a name that no figure of the catalogue has")
         if plot.name.lower() in map(str.lower, (*specs, *other_names)):
             raise plot_error("name", plot.name, "a name that no other plot has, capitals or not")
         specs[plot.name] = _plot_spec(plot, study, plot_error, source, f"plots[{number}]")
@@ -164,28 +165,14 @@ def _observable(
     points: Sequence[Point],
     plot_error: PlotErrorMaker,
 ) -> Observable:
-    """Return the observable that a key of a plot names; raise ``InputError`` for other names."""
-    observables = SHOWN_BY[plot.base_kind](system)
-    observable = observables.get(name)
-    if observable is None:
-        raise plot_error(key, name, _observable_hint(plot, name, system, list(observables)))
+    """Return the observable that a key of a plot names, if its points keep it."""
+    observable = find_observable(plot.base_kind, key, name, system, plot_error)
     if observable.asked_by and not all(
         getattr(point.parameters, observable.asked_by, False) for point in points
     ):
         allowed = f"points with {observable.asked_by}: true, without which it is not kept"
         raise plot_error(key, name, allowed)
     return observable
-
-
-def _observable_hint(plot: PlotFile, name: str, system: str, names: list[str]) -> str:
-    """Return the allowed values for a message on an observable that a plot cannot show."""
-    for other in SYSTEMS:
-        if other != system and name in SHOWN_BY[plot.base_kind](other):
-            return f"an observable of the {system}; {name} is one of the {other}"
-    for kind, observables in SHOWN_BY.items():
-        if name in observables(system):
-            return f"an observable of {plot.kind}; {name} is shown by kind: {kind}"
-    return did_you_mean(name, names) + "one of " + ", ".join(names)
 
 
 #: Parameters that captions give elsewhere or not at all.

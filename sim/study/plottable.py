@@ -1,7 +1,10 @@
-"""What plots can show: observables by their names in study files, with units and meanings."""
+"""What plots can show: observables and parameters by their names, with units and meanings."""
 
+from collections.abc import Callable, Collection
 from dataclasses import dataclass, replace
+from typing import Any
 
+from sim.base.messages import did_you_mean
 from sim.parameters import SYSTEMS
 from sim.parameters.variables import Variable, observable_variables, plotted_name, variables_of
 
@@ -77,3 +80,54 @@ def every_name() -> list[str]:
     """Return the names of the observables of all kinds of plot and systems."""
     named = (SHOWN_BY[kind](system) for kind in SHOWN_BY for system in SYSTEMS)
     return list(dict.fromkeys(name for each in named for name in each))
+
+
+#: Function: key of a plot, its value, allowed values → error to raise.
+PlotErrorMaker = Callable[[str, Any, str], Exception]
+
+
+def find_observable(
+    kind: str, key: str, name: str, system: str, plot_error: PlotErrorMaker
+) -> Observable:
+    """Return the observable that a key of a plot names.
+
+    ``kind`` is one of `SHOWN_BY`. Raises what ``plot_error`` makes for a name that it cannot show.
+    """
+    observables = SHOWN_BY[kind](system)
+    if name in observables:
+        return observables[name]
+    for other in SYSTEMS:
+        if other != system and name in SHOWN_BY[kind](other):
+            raise plot_error(
+                key, name, f"an observable of the {system}; {name} is one of the {other}"
+            )
+    for other, shown in SHOWN_BY.items():
+        if name in shown(system):
+            raise plot_error(
+                key, name, f"an observable of {kind}; {name} is shown by kind: {other}"
+            )
+    allowed = did_you_mean(name, observables) + "one of " + ", ".join(observables)
+    raise plot_error(key, name, allowed)
+
+
+def require_parameter(
+    key: str, name: str, system: str, observables: Collection[str], plot_error: PlotErrorMaker
+) -> None:
+    """Raise an error unless a name is a parameter of the system, and on an axis a number.
+
+    ``observables`` are allowed in its place; they only appear in the message.
+    """
+    fields = SYSTEMS[system].model_fields
+    if name not in fields or name == "system":
+        others = [other for other, model in SYSTEMS.items() if name in model.model_fields]
+        if name != "system" and others:
+            raise plot_error(
+                key, name, f"a parameter of the {system}; this is one of the {others[0]}"
+            )
+        names = [field for field in fields if field != "system"]
+        hint = did_you_mean(name, [*names, *observables])
+        alternative = ", or an observable" if observables else ""
+        allowed = f"{hint}a parameter of the {system} that the points vary{alternative}"
+        raise plot_error(key, name, allowed)
+    if key in ("x", "y") and fields[name].annotation not in (int, float):
+        raise plot_error(key, name, "a parameter that is a number; curves and panels take any")

@@ -126,6 +126,15 @@ MOTION = "motion('m', make=dict, state=dict, "
         (JUDGE.replace("'belt'", "{}"), "judge j: system is one of chute, belt, conveyor: got {}"),
         (JUDGE.replace("'c'", "3"), "judge j: criterion is text, not empty: got 3"),
         (f"{JUDGE}(1)", "judge j is a function: got 1"),
+        (f"{JUDGE[:-1]}, colour=1)(dict)", "judge j: colour: unknown key, got 1"),
+        (
+            f"{JUDGE[:-1]}, bounds={{'a': 1}})(lambda e: [])",
+            "judge j takes 1 argument, a: got '(e)'",
+        ),
+        (
+            JUDGE.replace("'c'", "'{b}', bounds={'a': 1}") + "(dict)",
+            "judge j: bounds: got {'a': 1}; allowed: one that fits each brace of '{b}'",
+        ),
         ("motion(2, make=dict, state=dict)", "motion 2: a name has up to 40 letters"),
         ("motion('m', make=1, state=dict)", "motion m: make is a function: got 1"),
         (MOTION + "parameters={'a': 5})", "parameters.a is what sim.parameter makes: got 5"),
@@ -227,7 +236,7 @@ def test_installed_packages_add_by_their_entry_points(tmp_path, monkeypatch):
     (metadata / "entry_points.txt").write_text("[talus.plugins]\nanswers = talus_answers.own\n")
     monkeypatch.syspath_prepend(tmp_path)
     (plugin,) = load(["answers"], Path(), "here")
-    assert plugin.place == "answers" and not plugin.is_file
+    assert plugin.place == "answers" and not plugin.files
     assert set(additions("observable")) == {"answer"}
     # All of the package counts.
     (package / "__init__.py").write_text("x = 1\n")

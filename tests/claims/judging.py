@@ -2,14 +2,13 @@
 
 from sim.claims.evidence import Evidence
 from sim.claims.verdict import NOT_REPRODUCED, combined_verdict
-from tests.made.results import headline_number, made_results
+from tests.made.results import headline_bounds, made_results
 
 
 def checks_on(judge, points, boundaries=()) -> list:
     """Return the checks of a judge on points of the published protocol."""
-    return judge(
-        Evidence(made_results(*points, boundaries=boundaries), "published"), *headline_number(judge)
-    )
+    results = made_results(*points, boundaries=boundaries)
+    return judge(Evidence(results, "published"), **headline_bounds(judge))
 
 
 def verdict_on(judge, points, boundaries=()) -> str:

@@ -6,8 +6,8 @@ import pytest
 
 from sim.base.seals import seal
 from sim.claims import experiments
+from sim.claims.claim import claims
 from sim.claims.experiments import run_experiment
-from sim.claims.table import claims
 from sim.claims.verdict import Check
 
 CLAIM = claims()[0]
@@ -22,12 +22,12 @@ def run_readings(tmp_path, monkeypatch) -> list:
     """Return the readings under which the experiment was really run."""
     readings = []
 
-    def judge(reading):
+    def judge(reading, **_):
         readings.append(dict(reading))
         return CHECKS
 
     monkeypatch.setattr(experiments, "cache_directory", lambda with_plugins: tmp_path)
-    monkeypatch.setattr(type(CLAIM), "judge_function", lambda _: judge)
+    monkeypatch.setitem(vars(CLAIM), "judge", judge)
     return readings
 
 

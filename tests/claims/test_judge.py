@@ -10,9 +10,10 @@ import pytest
 
 from sim.claims import judge
 from sim.claims.checks import above
+from sim.claims.claim import Number, claims
 from sim.claims.judgement import MODEL, Judgement, Variant
+from sim.claims.points import Points
 from sim.claims.readings import DEFAULT, GRID, reading_label, readings_of, readings_with_runs
-from sim.claims.table import Number, claims
 from sim.claims.verdict import (
     INCONCLUSIVE,
     NOT_REPRODUCED,
@@ -26,8 +27,8 @@ from sim.claims.verdict import (
 from sim.claims.verdict_files import as_mapping, as_table
 from sim.dataset.grids import GRIDS
 from sim.parameters import SYSTEMS, ChuteParameters, roles
-from sim.report.claims import SYSTEM
 from sim.study.catalogue import FIGURES
+from sim.study.papers import Readings, papers
 from tests.made.paper_belt import BEAD
 from tests.made.results import made_point, made_results
 
@@ -49,9 +50,19 @@ def test_the_table_holds_every_claim_once_in_order_with_a_judge():
     ids = [claim.id for claim in claims()]
     assert ids == [f"W{n}" for n in range(1, 27)] + [f"G{n}" for n in range(1, 37)]
     for claim in claims():
-        assert claim.judge_function().__doc__, claim.id
+        assert claim.judge.__doc__, claim.id
         assert set(claim.figures) <= set(FIGURES)
         assert claim.needs or claim.kind == "model"
+        assert claim.place and claim.reason and claim.first
+
+
+@pytest.mark.parametrize(
+    ("checks", "why"), [((), "one at least"), ((replace(HOLDS, part="z"),), "W1 has no part z")]
+)
+def test_a_judge_that_checks_nothing_or_another_part_is_wrong(checks, why):
+    claim = claims()[0].model_copy(update={"judge": lambda *_, **__: checks})
+    with pytest.raises((TypeError, ValueError), match=why):
+        claim.checks_on({})
 
 
 @pytest.mark.parametrize(
@@ -108,8 +119,8 @@ def test_a_control_is_no_reading():
 
 
 def test_every_reading_has_the_words_that_leave_it_open_or_is_a_control():
-    for system in SYSTEM.values():
-        model, declared = SYSTEMS[system], readings_of(system)
+    for paper in papers().values():
+        model, declared = SYSTEMS[paper.system], paper.readings
         for name in set(roles.reading_parameters(model)) - declared.open.keys():
             others = set(get_args(model.model_fields[name].annotation)) - {getattr(model(), name)}
             assert others, f"{name}: neither open nor a choice of which all others are controls"
@@ -154,7 +165,7 @@ def test_a_claim_that_says_two_things_may_hold_in_part(converged, published, ver
 
 
 def test_a_verdict_is_told_as_a_function_of_a_number_that_is_ours():
-    number = Number(what="weak", values=[0.1, 0.15], headline=0.15)
+    number = Number(bound="margin", what="weak", values=[0.1, 0.15], headline=0.15)
     claim = claims()[0].model_copy(update={"number": number})
     variant = Variant(
         "published", DEFAULT, (HOLDS,), checks_by_number={0.1: (FAILS,), 0.15: (HOLDS,)}
@@ -165,7 +176,7 @@ def test_a_verdict_is_told_as_a_function_of_a_number_that_is_ours():
     assert [row["verdict"] for row in document["by_number"]] == [NOT_REPRODUCED, REPRODUCED]
     assert document["by_number"][0]["checks"][0]["what"] == "y"
     with pytest.raises(ValueError, match="headline"):
-        Number(what="weak", values=[0.1, 0.2], headline=0.15)
+        Number(bound="margin", what="weak", values=[0.1, 0.2], headline=0.15)
 
 
 def test_readings_are_what_points_have_beyond_the_defaults():
@@ -176,13 +187,13 @@ def test_readings_are_what_points_have_beyond_the_defaults():
         made_point("belt", {"velocity": 0.1}, integrator="verlet", belt_ghost="centred"),
         made_point("chute", {"velocity": 0.1}, friction_cap="after"),
     )
-    assert readings_with_runs(results, "belt") == [
+    assert readings_with_runs(results, "belt", readings_of("belt")) == [
         {"integrator": "verlet"},
         {"belt_ghost": "centred", "integrator": "verlet"},
         {GRID: "edges"},
         {GRID: "points"},
     ]
-    assert readings_with_runs(results, "chute") == [{"friction_cap": "after"}]
+    assert readings_with_runs(results, "chute", readings_of("chute")) == [{"friction_cap": "after"}]
 
 
 def test_base_rows_of_another_cell_or_stiffness_are_readings():
@@ -190,7 +201,7 @@ def test_base_rows_of_another_cell_or_stiffness_are_readings():
         *(made_point("chute", {"velocity": 0.1}, **settings) for settings in ({}, {"cell": 5})),
         made_point("chute", {"velocity": 0.1}, stiffness=1000, friction_cap="after"),
     )
-    assert readings_with_runs(results, "chute") == [
+    assert readings_with_runs(results, "chute", readings_of("chute")) == [
         {"friction_cap": "after"},
         {"cell": 5},
         {"stiffness": 1000},
@@ -198,7 +209,7 @@ def test_base_rows_of_another_cell_or_stiffness_are_readings():
 
 
 def test_readings_without_the_runs_of_a_claim_are_left_out(monkeypatch):
-    monkeypatch.setattr(judge, "MODEL_READINGS", ({},))
+    monkeypatch.setitem(vars(readings_of("chute")), "model", [{}])
     results = made_results(
         made_point("chute", {"velocity": 0.1}, friction_cap="after"),
         made_point("belt", {"velocity": 0.1}, integrator="verlet"),
@@ -217,15 +228,16 @@ def test_a_claim_that_names_what_a_reading_changes_is_judged_once(monkeypatch, n
         made_point("chute", {"velocity": 0.1}, depth=5, **settings)
         for settings in ({}, {"cell": 5})
     )
-    evidence = list(judge._evidence(made_results(*flows), "chute"))
+    results, chute = made_results(*flows), readings_of("chute")
+    evidence = list(judge._evidence(results, Points(results), "chute", chute))
 
-    def judge_function(evidence):
+    def judge_made(evidence, **_):
         place = evidence.at("chute", depth=5, **named)
         return [above("V", place.velocity, 0, [place])]
 
     claim = next(claim for claim in claims() if claim.system == "chute" and claim.kind == "flow")
-    monkeypatch.setattr(type(claim), "judge_function", lambda _: judge_function)
-    variants = list(judge._variants(claim, evidence))
+    claim = claim.model_copy(update={"judge": judge_made})
+    variants = list(judge._variants(claim, chute, evidence))
     assert len({variant.reading for variant in variants if variant.checks}) == readings
 
 
@@ -235,7 +247,7 @@ def test_a_grid_is_a_reading_of_claims_that_look_at_profiles(monkeypatch, looks_
     profiles = {"number_density": lambda z: np.exp(-z / BEAD)}
     bed = made_point("belt", {"velocity": 0.1}, profiles, height=height, slice_height=0.5)
 
-    def judge_function(evidence):
+    def judge_made(evidence, **_):
         place = evidence.at("belt")
         if looks_at == "velocity":
             return [above("V", place.velocity, 0, [place])]
@@ -243,11 +255,13 @@ def test_a_grid_is_a_reading_of_claims_that_look_at_profiles(monkeypatch, looks_
         return [above("z", middle, 0, [place])]
 
     claim = next(claim for claim in claims() if claim.system == "belt" and claim.kind == "flow")
-    monkeypatch.setattr(type(claim), "judge_function", lambda _: judge_function)
-    variants = judge._variants(claim, list(judge._evidence(made_results(bed), "belt")))
+    claim = claim.model_copy(update={"judge": judge_made})
+    results, belt = made_results(bed), readings_of("belt")
+    evidence = judge._evidence(results, Points(results), "belt", belt)
+    variants = judge._variants(claim, belt, list(evidence))
     labels = [variant.reading for variant in variants if variant.checks]
     assert len(set(labels)) == len(labels) == readings
-    grids = [reading_label("belt", {GRID: name}) for name in readings_of("belt").grids]
+    grids = [reading_label("belt", {GRID: name}, belt) for name in belt.grids]
     assert labels[1:] == grids[: readings - 1]
 
 
@@ -284,7 +298,7 @@ def test_what_is_written_is_plain_json_and_one_row_per_check():
 
 
 def test_the_table_has_the_first_verdict_those_on_parts_and_those_by_number():
-    number = Number(what="weak", values=[0.1, 0.15], headline=0.15)
+    number = Number(bound="margin", what="weak", values=[0.1, 0.15], headline=0.15)
     parts = {"a": "one thing", "b": "another"}
     claim = claims()[0].model_copy(update={"number": number, "parts": parts})
     checks = on_part("a", HOLDS), on_part("b", OPEN)
@@ -304,7 +318,7 @@ def test_a_study_of_nothing_relevant_leaves_the_claims_on_flows_untestable():
     results = made_results(made_point("belt", {"velocity": 0.1}, diameter_spread=0.1))
     judgements = judge.judge(results)
     assert {judgement.claim.system for judgement in judgements} == {"belt"}
-    assert {claim.system for claim in claims()} == set(SYSTEM.values())
+    assert {claim.system for claim in claims()} == {paper.system for paper in papers().values()}
     for judgement in judgements:
         assert judgement.verdict == UNTESTABLE, judgement.claim.id
         assert all(variant.reason for variant in judgement.variants), judgement.claim.id
@@ -319,9 +333,10 @@ def test_the_contact_law_is_judged_under_its_readings_too(monkeypatch):
         {"tangential_exponent": exponent, "overlap_memory": memory, "friction_cap": cap}
         for exponent, memory, cap in ((0.0, "shrink", "after"), (1.0, "reset", "before"))
     ]
-    monkeypatch.setattr(judge, "MODEL_READINGS", ({}, *readings))
+    chute = Readings(model=[{}, *readings])
     (first,) = [claim for claim in claims() if claim.id == "W1"]
-    verdicts = {variant.reading: variant.verdict(()) for variant in judge._variants(first, [])}
+    variants = judge._variants(first, chute, [])
+    verdicts = {variant.reading: variant.verdict(()) for variant in variants}
     assert verdicts == {
         DEFAULT: REPRODUCED,
         "γ = 0; overlap_memory shrink; friction_cap after": REPRODUCED,
@@ -339,4 +354,4 @@ def test_every_reading_of_the_contact_law_is_judged():
         for value in get_args(ChuteParameters.model_fields[name].annotation)
         if value != getattr(ChuteParameters(), name)
     ]
-    assert list(judge.MODEL_READINGS) == [{}, *others]
+    assert readings_of("chute").model == [{}, *others]

@@ -7,7 +7,7 @@ import pytest
 from sim.base.plugins import load_plugins
 from sim.claims import judge
 from sim.claims.verdict_files import as_mapping, as_table
-from tests.made.plugins import restore_plugins
+from tests.made.plugins import plugin_claims, restore_plugins
 from tests.made.processes import ROOT
 from tests.made.results import made_point, made_results
 
@@ -18,7 +18,7 @@ SPEEDING = {"acceleration": 2.0}
 
 @pytest.fixture(autouse=True)
 def _its_claim_alone(monkeypatch):
-    monkeypatch.setattr(judge, "claims", lambda: ())
+    monkeypatch.setattr(judge, "claims", plugin_claims)
     with restore_plugins():
         load_plugins(Path(STEEPER))
         yield

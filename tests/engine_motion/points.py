@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from sim.engine.systems import belt, build, chute
+from sim.engine.systems import build, replica
 from sim.parameters import Parameters, parse_point
 
 
@@ -34,5 +34,4 @@ def series_of(parameters: Parameters, replicate: int = 0) -> dict[str, np.ndarra
 def pause_within_samples(monkeypatch, point: Parameters) -> None:
     """Let a state be offered three times in each sample, of which a run else takes several in one
     go."""
-    for system in (belt, chute):
-        monkeypatch.setattr(system, "MOST_WORK", point.particles * point.sample_steps // 3 + 1)
+    monkeypatch.setattr(replica, "MOST_WORK", point.particles * point.sample_steps // 3 + 1)

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from matplotlib.lines import Line2D
 
+from sim.figures.chute_map import MARKS
 from sim.figures.foreign_data import _MARKERS
 from sim.figures.kind import load_kind
-from sim.figures.regimes import MARKS
 from sim.figures.style import COLOURS, MARKERS
 from tests.figures.made_plots import drawn
 from tests.figures.test_plot_texts import shown_texts

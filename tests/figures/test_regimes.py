@@ -11,7 +11,7 @@ import pytest
 import xarray as xr
 
 from sim.figures.boundaries import BOUNDARIES, boundary_sentence
-from sim.figures.regimes import MARKS, creeping
+from sim.figures.chute_map import MARKS, creeping
 from sim.study.catalogue import FIGURES
 from tests.figures import drawing
 from tests.figures.drawing import data_of_figure, draw, picture

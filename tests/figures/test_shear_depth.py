@@ -9,7 +9,7 @@ from matplotlib.markers import CARETDOWN, CARETUP
 
 from sim.base.errors import InputError
 from sim.base.statistics import student_half_width
-from sim.figures.quantity import measures
+from sim.figures.quantity import quantities
 from tests.figures.drawing import data_of_figure, draw, picture
 from tests.figures.made_chute import SPREAD
 from tests.made.netcdf import store
@@ -34,7 +34,7 @@ def test_every_material_is_a_curve_over_the_depths(data):
 
 
 def test_heights_have_students_interval_over_replicates(data):
-    (heights,) = measures(data)
+    (heights,) = quantities(data)
     assert heights.name == "shear_depth"
     rows = data.rows.assign(half_width=heights.half_width)
     rows = rows.set_index(["restitution", "stiffness", "depth"])

@@ -7,7 +7,7 @@ import numpy as np
 from sim.claims.evidence import Evidence
 from sim.claims.verdict import Check, combined_verdict
 from sim.parameters import BeltParameters, parse_point
-from tests.made.results import MadePoint, headline_number, made_point, made_results
+from tests.made.results import MadePoint, headline_bounds, made_point, made_results
 
 #: Mean diameter, m.
 BEAD = 1e-3
@@ -137,7 +137,7 @@ def checks_of(
 ) -> list[Check]:
     """Return the checks of a judge on made-up points."""
     results = made_results(*points, boundaries=boundaries)
-    return judge(Evidence(results, protocol), *headline_number(judge))
+    return judge(Evidence(results, protocol), **headline_bounds(judge))
 
 
 def verdict_of(judge: Callable, points: Sequence[MadePoint], **rest: object) -> str:

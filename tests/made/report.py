@@ -9,15 +9,16 @@ from unittest.mock import patch
 import pandas as pd
 from PIL import Image
 
+from sim.claims.claim import Claim, First, Number
 from sim.claims.judgement import Judgement, Variant
-from sim.claims.table import Claim, First, Number
 from sim.claims.verdict import Check
 from sim.claims.verdict_files import write
 from sim.dataset.results import load_results
 from sim.report.claims import read_claims
 from sim.report.gallery import data_uri
 from sim.report.page import render
-from sim.study.catalogue import FIGURES, FigureSpec
+from sim.study.catalogue import FIGURES
+from sim.study.figure_spec import FigureSpec
 from sim.study.load import load_study
 from tests.made.figures import make_figures
 
@@ -96,7 +97,7 @@ def made_claims(points: list[str]) -> list[Judgement]:
             _claim(
                 "G13",
                 "Stiffness hardly matters",
-                number=Number(what="weak", values=[0.1, 0.15], headline=0.15),
+                number=Number(bound="margin", what="weak", values=[0.1, 0.15], headline=0.15),
             ),
             (
                 Variant(
@@ -133,7 +134,9 @@ def _claim(name: str, title: str, **others) -> Claim:
         criterion="the criterion & its <limits>",
         reason="noise of the proposed one",
         needs="chutes and belts",
-        judge="made.judge",
+        judge=print,
+        paper={"W": "walton", "G": "gallas"}[name[0]],
+        system={"W": "chute", "G": "belt"}[name[0]],
         first=First(verdict="inconclusive", criterion="another", why="a band of ours"),
         **others,
     )

@@ -8,7 +8,7 @@ import pandas as pd
 import xarray as xr
 from scipy.special import ndtri
 
-from sim.claims.table import claims
+from sim.claims.claim import claims
 from sim.dataset.replicates import outcomes
 from sim.dataset.results import Results
 from sim.parameters import SYSTEMS, Parameters, complete_values, field_info, parse_point, point_id
@@ -268,9 +268,8 @@ def _padded(rows: Sequence[np.ndarray], shape: tuple[int, ...]) -> np.ndarray:
     return table
 
 
-def headline_number(judge: Callable) -> tuple[float, ...]:
-    """Return the number of a judge's headline verdict, empty where the judge takes none."""
-    numbers = [
-        claim.number for claim in claims() if claim.number and claim.judge_function() is judge
-    ]
-    return tuple(number.headline for number in numbers[:1])
+def headline_bounds(judge: Callable) -> dict[str, object]:
+    """Return the bounds of a judge's claim, those of a partial function replaced."""
+    function, others = getattr(judge, "func", judge), getattr(judge, "keywords", {})
+    (bounds,) = (claim.bounds_at() for claim in claims() if claim.judge is function)
+    return bounds | others

@@ -3,6 +3,7 @@
 import logging
 import os
 import time
+from unittest.mock import Mock
 
 import pytest
 
@@ -171,3 +172,27 @@ def test_a_job_without_a_log_is_told_by_its_rule(log, lines):
 )
 def test_what_the_line_of_a_failed_job_makes_superfluous_is_no_news(log, said, is_told):
     assert is_news(log.makeRecord("", logging.WARNING, "", 0, said, (), None)) == is_told
+
+
+def test_a_workflow_that_is_followed_tells_failed_jobs_and_ends_with_the_status(
+    study, tmp_path, capsys
+):
+    log, watch = logging.Logger("snakemake"), Watch(study, tmp_path / study.name)
+    watch.follow(log)
+    log.error("Execute 3 jobs...")
+    fail(log)
+    watch.summarize()
+    output = capsys.readouterr().err
+    assert "run: job failed" in output and "Execute" not in output
+    assert "\n3 points: " in output
+
+
+def test_adopted_points_are_not_waited_for(study, tmp_path):
+    *adopted, other = study.points
+    assert Watch(study, tmp_path, adopted)._estimates.keys() == {other}
+
+
+def test_an_unreadable_folder_leaves_only_the_status_out(study, tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr("sim.report.watch.survey", Mock(side_effect=PermissionError("runs")))
+    Watch(study, tmp_path).summarize()
+    assert "no summary: runs" in capsys.readouterr().err

@@ -1,16 +1,22 @@
 """The catalogue of figures: every entry is plain data and complete."""
 
+import subprocess
+import sys
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import pytest
 
-from sim.claims.table import claims
-from sim.figures.kind import KINDS
-from sim.figures.style import PATTERNS
+from sim.base.errors import InputError
+from sim.claims.claim import claims
+from sim.figures.style import NAMED, PATTERNS
 from sim.parameters import SYSTEMS
-from sim.study.catalogue import FIGURES, FigureSpec
-from sim.study.plot_file import OBSERVABLE
+from sim.study import catalogue
+from sim.study.catalogue import FIGURES, KEYS, read_figures
+from sim.study.figure_spec import LARGEST_PORTION, FigureSpec
+from sim.study.papers import Paper
+from tests.made.processes import ROOT
 
 
 def simple_values(value: Any) -> Iterator[Any]:
@@ -35,7 +41,6 @@ def test_an_entry_is_plain_data_that_can_be_written_down(name):
 @pytest.mark.parametrize("name", FIGURES)
 def test_an_entry_says_what_is_drawn_and_what_the_paper_says(name):
     spec = FIGURES[name]
-    assert spec.kind in KINDS
     assert spec.lead.endswith(".")
     assert spec.says.startswith("The paper")
     assert spec.says.endswith(".")
@@ -44,24 +49,132 @@ def test_an_entry_says_what_is_drawn_and_what_the_paper_says(name):
     assert parameters <= set(SYSTEMS[spec.system].model_fields)
 
 
-def styles(spec: FigureSpec) -> Iterator[tuple[str, ...]]:
-    options = spec.options
-    yield from (*options.get("styles", {}).values(), *options.get("markers", {}).values())
-    yield from (item["style"] for item in options.get("quantities", ()) if "style" in item)
-    if "fast_start" in options:
-        yield options["fast_start"]
+def styles(spec: FigureSpec) -> Iterator[dict[str, str]]:
+    yield from spec.options.get("styles", {}).values()
+    yield from (item for item in spec.options.get("quantities", ()) if "colour" in item)
 
 
 @pytest.mark.parametrize("name", FIGURES)
 def test_curves_of_a_figure_differ_in_colour_and_have_dashes_that_are_known(name):
     figure_styles = list(styles(FIGURES[name]))
-    assert len({colour for colour, *_ in figure_styles}) == len(figure_styles)
-    assert {dashes for _, dashes, *_ in figure_styles} <= set(PATTERNS)
+    colours = {style["colour"] for style in figure_styles}
+    assert len(colours) == len(figure_styles)
+    assert colours <= set(NAMED)
+    assert {style["dashes"] for style in figure_styles} <= set(PATTERNS)
 
 
-def test_every_kind_of_plot_is_that_of_a_figure_or_of_plots_of_a_study():
-    own = {f"plot_{kind}" for kind in OBSERVABLE}
-    assert {spec.kind for spec in FIGURES.values()} | own == set(KINDS)
+def test_every_kind_of_plot_is_that_of_a_figure():
+    assert {spec.kind for spec in FIGURES.values()} == set(KEYS)
+
+
+def test_captions_say_how_much_of_the_cell_pictures_show():
+    rows = [spec for spec in FIGURES.values() if spec.kind == "chute_row"]
+    assert rows
+    for spec in rows:
+        shows_half = spec.where["depth"] <= LARGEST_PORTION
+        assert ("the half of the periodic cell near the viewer" in spec.lead) is shows_half
+
+
+ENTRY = """\
+words: {of_beads: "of all beads below {tallest} d"}
+figures:
+  - name: one
+    kind: curves
+    about: Fig. 1
+    title: Velocity
+    x: frequency
+    curves: [damping, shear_damping]
+    styles: [{at: [0, 50], colour: red, dashes: solid, entry: none}]
+    where: {amplitude: [1, 2], obstacle: 0}
+    lead: Velocity {of_beads} around d_o = {obstacle:g}.
+    named: [width]
+    says: "The paper: it rises."
+"""
+
+
+def paper_in(folder: Path, name: str = "a") -> Paper:
+    """Return a paper on the belt whose files lie in a folder."""
+    words = {"name": name, "author": "A", "quote": "A (2000)", "system": "belt"}
+    return Paper(**words, folder=folder, package=name)
+
+
+def test_an_entry_becomes_what_its_figure_is(tmp_path):
+    (tmp_path / "figures.yaml").write_text(ENTRY)
+    (spec,) = read_figures(paper_in(tmp_path))
+    assert spec == FigureSpec(
+        name="one",
+        kind="belt_curves",
+        paper="A (2000), Fig. 1",
+        system="belt",
+        title="Velocity",
+        axes=("frequency",),
+        curves=("damping", "shear_damping"),
+        where={"amplitude": (1, 2), "obstacle": 0},
+        lead="Velocity of all beads below 24 d around d_o = 0.",
+        named=("width",),
+        says="The paper: it rises.",
+        options={"styles": {(0, 50): {"colour": "red", "dashes": "solid", "entry": "none"}}},
+    )
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("about: Fig", "abuot: Fig", "figures[0].abuot: unknown key, got 'Fig. 1'; did you mean a"),
+        (
+            "title: Vel",
+            "look: damping\n    title: Vel",
+            "figures[0].look: got 'damping'; allowed: a ",
+        ),
+        ("    x: frequency\n", "", "figures[0].x: got nothing; allowed: a name; curves has an a"),
+        (
+            "    where",
+            "    log: [y]\n    where",
+            "figures[0].log: got ['y']; allowed: [x] of curves",
+        ),
+        ("{obstacle:g}", "{amplitude:g}", "figures[0].lead: got 'unsupported format string"),
+        ("kind: curves", "kind: curve", "figures[0].kind: got 'curve'; allowed: one of accelera"),
+        ("kind: curves", "kind: row", "figures[0].kind: got 'row'; allowed: one of acceleration"),
+        ("colour: red", "colour: rot", "figures[0].styles[0].colour: got 'rot'; allowed: 'black'"),
+        ("x: frequency", "x: frequecy", "figures[0].x: got 'frequecy'; allowed: did you mean freq"),
+        ("kind: curves", "kind: profiles", "figures[0].x: got 'frequency'; allowed: one of "),
+        ("amplitude:", "depth:", "figures[0].where: got 'depth'; allowed: a parameter of the belt"),
+        ("[1, 2]", "[1, [2]]", "figures[0].where.amplitude: got [1, [2]]; allowed: a value of a "),
+        ("{of_beads}", "{of_bead}", "figures[0].lead: got 'of_bead'; allowed: in braces one of cr"),
+        ("{tallest}", "{talest}", "words.of_beads: got 'talest'; allowed: in braces one of creep"),
+        ("  says", "  said", "figures[0].said: unknown key"),
+        ('    says: "The paper: it rises."\n', "", "figures[0].says: got nothing; allowed: text"),
+        ("figures:", "figure:", "figure: unknown key"),
+        ("  - name: one\n    kind", "  - one\n  - kind", "figures[0]: got 'one'; allowed: a mapp"),
+    ],
+)
+def test_a_wrong_entry_is_refused_with_its_file_and_key(old, new, message, tmp_path):
+    path = tmp_path / "figures.yaml"
+    assert old in ENTRY
+    path.write_text(ENTRY.replace(old, new, 1))
+    with pytest.raises(InputError) as refused:
+        read_figures(paper_in(tmp_path))
+    assert str(refused.value).startswith(f"{path}: {message}")
+    assert "\n" not in str(refused.value)
+
+
+def test_figures_of_one_name_are_refused(tmp_path, monkeypatch):
+    same = {}
+    for name in ("a", "b"):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "figures.yaml").write_text(ENTRY)
+        same[name] = paper_in(tmp_path / name, name)
+    monkeypatch.setattr(catalogue, "papers", lambda: same)
+    allowed = "a name that no other"
+    with pytest.raises(InputError, match=rf"b/figures\.yaml: name: got 'one'; allowed: {allowed}"):
+        len(catalogue.Catalogue())
+
+
+def test_the_files_are_read_when_a_figure_is_asked_for():
+    code = (
+        "import sim.study.entries, sim.study.catalogue as c; assert 'data' not in vars(c.FIGURES)"
+    )
+    subprocess.run([sys.executable, "-c", code], cwd=ROOT, check=True)
 
 
 def test_levels_in_figures_are_those_of_the_verdicts():

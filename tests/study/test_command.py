@@ -1,15 +1,19 @@
 """A study file to start from, and the command that becomes Snakemake."""
 
 import os
+import shlex
+import shutil
+import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 
 from sim.__main__ import main
+from sim.base.errors import InputError
 from sim.base.program import package_folder
 from sim.study import command
-from sim.study.load import load_study
+from sim.study.load import DEFAULT_STUDY, load_study
 
 MERGED = "study: merged\na: &a {x: 1}\n" + "".join(
     f"b{n}: &b{n} {{<<: [{', '.join([f'*b{n - 1}' if n else '*a'] * 9)}]}}\n" for n in range(9)
@@ -162,3 +166,29 @@ def test_what_is_there_stays(exec_call, monkeypatch, tmp_path):
         main(["study", "first.yaml"])
     assert exec_call[2]["XDG_CACHE_HOME"] == str(tmp_path / "own")
     assert exec_call[2].get("USER") == os.environ.get("USER")
+
+
+def test_a_workflow_runs_the_one_study_file_that_is_named(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert command.study_path([], []) == DEFAULT_STUDY
+    assert command.study_path([tmp_path / "a" / "b.yaml"], []) == Path("a/b.yaml")
+    assert command.study_path(["/b.yaml"], []) == Path("/b.yaml")
+    with pytest.raises(InputError, match=r"^--config: not used by Talus"):
+        command.study_path(["a.yaml"], ["x=1"])
+    with pytest.raises(InputError, match=r"^--configfile: several files given"):
+        command.study_path(["a.yaml", "b.yaml"], [])
+
+
+@pytest.mark.parametrize("own_interpreter", [False, True])
+def test_jobs_find_package_study_and_interpreter(own_interpreter, tmp_path, monkeypatch):
+    monkeypatch.setenv("PYTHONPATH", "mine")
+    path = tmp_path / "{x} 'y'" / "first.yaml"
+    path.parent.mkdir()
+    shutil.copy(package_folder("config") / "first.yaml", path)
+    line = command.job_environment(load_study(path, None), Path("/a b"), own_interpreter)
+    names = ["PYTHONPATH", "TALUS_STUDY", "PYTHONSAFEPATH", "TALUS_PLUGINS"]
+    show = [sys.executable, "-c", f"import os; print(*map(os.environ.get, {names}), sep='\\n')"]
+    output = subprocess.check_output(["bash", "-c", line + shlex.join(show)], text=True)
+    package = "/a b" if own_interpreter else "/a b:mine"
+    assert output.splitlines() == [package, str(path), "1", "None"]
+    assert (f"PATH={Path(sys.executable).parent}" in line) != own_interpreter

@@ -4,7 +4,7 @@ import pytest
 
 from sim.base.errors import InputError
 from sim.parameters import SYSTEMS
-from sim.study.catalogue import FigureSpec
+from sim.study.figure_spec import FigureSpec
 from sim.study.load import Study, parse_study
 from sim.study.plot_file import AXES, OBSERVABLE
 from sim.study.plottable import SHOWN_BY

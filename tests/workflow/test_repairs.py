@@ -81,6 +81,26 @@ def test_a_living_workflow_keeps_its_lock(killed):
     assert "cannot be locked" in killed.second.stdout + killed.second.stderr
 
 
+def test_a_killed_study_starts_again_while_another_runs_in_the_folder(tmp_path):
+    """Snakemake's own locks do not say whose they are."""
+    processes = []
+    try:
+        for name in ("small", "other"):
+            (tmp_path / f"{name}.yaml").write_text(STUDY.replace("study: small", f"study: {name}"))
+            words = command(tmp_path, "warm", study=f"{name}.yaml")
+            process = subprocess.Popen(words, cwd=tmp_path, start_new_session=True)
+            processes.append(process)
+            wait_until((tmp_path / "results" / name / "runs" / ".batches").exists, process)
+            os.killpg(process.pid, signal.SIGSTOP)
+        os.killpg(processes[0].pid, signal.SIGKILL)
+        restarted = snakemake(tmp_path, "warm", study="small.yaml")
+        assert restarted.returncode == 0, restarted.stderr
+    finally:
+        for process in processes:
+            os.killpg(process.pid, signal.SIGKILL)
+            process.wait()
+
+
 def test_the_longest_points_start_first(killed):
     study = killed.study
     costs = [estimate(study.points[point].parameters).core_seconds for point in points(killed.log)]

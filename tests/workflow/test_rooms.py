@@ -69,7 +69,7 @@ def test_nothing_is_old_before_an_edit(tree):
         ("sim/parameters/words.py", DATASET_JOBS),
         ("sim/engine/contact/damping.py", {}),
         ("sim/figures/caption.py", FIGURE_JOBS),
-        ("sim/claims/claims_walton.yaml", {"claims": 1, "report": 1}),
+        ("sim/papers/walton/claims.yaml", {"claims": 1, "report": 1}),
         ("sim/report/templates/report.html.j2", {"report": 1}),
     ],
 )
@@ -78,7 +78,7 @@ def test_an_edit_makes_old_what_its_room_has_made(tree, edit, name, old):
     assert planned_jobs(tree, study="rooms.yaml") == old
 
 
-ROOMS = {"dataset", "figures", "claims", "report"}
+ROOMS = {"dataset", "figures", "papers", "report"}
 
 
 @pytest.mark.parametrize(
@@ -87,11 +87,12 @@ ROOMS = {"dataset", "figures", "claims", "report"}
         ("base/errors.py", ROOMS),
         ("parameters/words.py", ROOMS),
         ("study/load.py", ROOMS),
-        ("study/catalogue/walton.py", {"report"}),
+        ("papers/walton/figures.yaml", {"report"}),
         ("engine/contact/damping.py", set()),
         ("dataset/gather.py", ROOMS),
         ("figures/caption.py", {"figures", "report"}),
-        ("claims/judge.py", {"claims", "report"}),
+        ("claims/judge.py", {"papers", "report"}),
+        ("papers/walton/judges/flows.py", {"papers", "report"}),
         ("report/page.py", {"report"}),
     ],
 )
@@ -108,7 +109,7 @@ def test_the_hash_of_a_room_follows_what_it_may_import_but_the_engine(tree, edit
 
 def test_an_edit_of_an_entry_of_the_catalogue_redraws_its_figure(tree, edit):
     title = FIGURES["walton_2"].title
-    edit("sim/study/catalogue/walton.py", title, f"{title}, edited")
+    edit("sim/papers/walton/figures.yaml", title, f"{title}, edited")
     assert planned_jobs(tree, study="rooms.yaml") == FIGURE_JOBS
 
 

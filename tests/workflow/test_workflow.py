@@ -185,29 +185,6 @@ def test_a_second_study_of_the_same_name_is_pointed_out(tree):
     assert "warning: other.yaml: study: tiny is also the name of" in plan(tree, study="other.yaml")
 
 
-@pytest.mark.parametrize("damage", [b"\xff\x00\xfe", b"", b"missing.yaml", b"a\x00b"])
-def test_a_damaged_note_of_whose_the_results_are_stops_nothing(damage, tree):
-    note = tree / "results" / "tiny" / ".study"
-    content = note.read_bytes()
-    note.write_bytes(damage)
-    try:
-        assert "warning" not in plan(tree)
-    finally:
-        note.write_bytes(content)
-
-
-def test_a_device_in_place_of_that_note_is_not_read(tree):
-    note = tree / "results" / "tiny" / ".study"
-    content = note.read_bytes()
-    note.unlink()
-    note.symlink_to("/dev/zero")
-    try:
-        assert "warning" not in plan(tree)
-    finally:
-        note.unlink()
-        note.write_bytes(content)
-
-
 def test_a_clock_that_was_ahead_makes_nothing_old_and_hides_nothing(tree):
     results = tree / "results" / "tiny"
     ahead = time.time() + 1e8

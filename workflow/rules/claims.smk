@@ -18,9 +18,9 @@ rule claims:
     conda:
         "../envs/talus.yaml"
     resources:
-        **READER_RESOURCES,
+        **PLAN.reader_resources,
     params:
         numerics=numerics_mark(),
-        code=room_code("claims", "judge"),
+        code=room_code("papers", "judge"),
     shell:
         'python -m sim claims "$TALUS_STUDY" > {log} 2>&1'

@@ -15,11 +15,11 @@ rule dataset:
         "../envs/talus.yaml"
     threads: max(1, min(len(STUDY.points) // 20, local_cores() or 1))
     resources:
-        **READER_RESOURCES,
+        **PLAN.reader_resources,
     params:
         membership=[(point.id, point.series, point.figures) for point in STUDY.points.values()],
         amounts=[amounts(point.parameters) for point in STUDY.points.values()],
-        boundaries=boundary_searches(),
+        boundaries=PLAN.boundary_searches,
         states=[name for name, spec in STUDY.entries.items() if spec.particles],
         title=STUDY.title,
         code=room_code("dataset", "observable"),

@@ -6,7 +6,19 @@ rule figures:
     input:
         rules.dataset.output,
     output:
-        figure_files(),
+        [
+            update(
+                report(
+                    path,
+                    caption=f"../report/{'data' if kind == 'data' else 'figure'}.rst",
+                    category="Figures",
+                    labels={"figure": name, "file": kind},
+                )
+                if kind
+                else path
+            )
+            for path, name, kind in PLAN.figure_files
+        ],
     log:
         f"{RESULTS}/logs/figures.log",
     benchmark:
@@ -15,8 +27,8 @@ rule figures:
         "../envs/talus.yaml"
     threads: max(1, min(len(STUDY.figures), local_cores() or 2))
     resources:
-        **READER_RESOURCES
-        | {"mem_mb": lambda wildcards, threads: threads * READER_RESOURCES["mem_mb"]},
+        **PLAN.reader_resources
+        | {"mem_mb": lambda wildcards, threads: threads * PLAN.reader_resources["mem_mb"]},
     params:
         folder=subpath(output[0], parent=True),
         names=list(STUDY.figures),

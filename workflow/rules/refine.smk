@@ -13,9 +13,9 @@ checkpoint refine:
     conda:
         "../envs/talus.yaml"
     resources:
-        **READER_RESOURCES,
+        **PLAN.reader_resources,
     params:
-        boundaries=boundary_searches(),
+        boundaries=PLAN.boundary_searches,
         code=room_code("dataset"),
     shell:
         'python -m sim refine "$TALUS_STUDY" {wildcards.round} > {log} 2>&1'
@@ -37,9 +37,9 @@ rule boundaries:
     conda:
         "../envs/talus.yaml"
     resources:
-        **READER_RESOURCES,
+        **PLAN.reader_resources,
     params:
-        boundaries=boundary_searches(),
+        boundaries=PLAN.boundary_searches,
         code=room_code("dataset"),
     shell:
         'python -m sim boundaries "$TALUS_STUDY" > {log} 2>&1'

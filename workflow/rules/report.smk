@@ -6,7 +6,7 @@ if STUDY.pages:
     # All pages in one job, which skips pages of unchanged runs.
     rule pages:
         input:
-            [run_file(point) for point in STUDY.points],
+            [PLAN.run_file(point) for point in STUDY.points],
         output:
             update([f"{RESULTS}/pages/{point}.html" for point in STUDY.points]),
         log:
@@ -17,7 +17,7 @@ if STUDY.pages:
             "../envs/talus.yaml"
         threads: max(1, min(len(STUDY.points), local_cores() or 2))
         resources:
-            **READER_RESOURCES,
+            **PLAN.reader_resources,
         params:
             folder=subpath(output[0], parent=True),
             code=room_code("report"),
@@ -45,7 +45,7 @@ rule report:
     conda:
         "../envs/talus.yaml"
     resources:
-        **READER_RESOURCES,
+        **PLAN.reader_resources,
     params:
         # The study file is no input: its path may contain braces and must not trigger a rerun.
         study=files_hash(STUDY.files),

@@ -3,7 +3,7 @@
 
 rule warm:
     output:
-        WARM_FILE,
+        f"{RESULTS}/runs/.warm",
     log:
         f"{RESULTS}/logs/warm.log",
     benchmark:
@@ -12,7 +12,7 @@ rule warm:
         "../envs/talus.yaml"
     threads: len({point.parameters.system for point in STUDY.points.values()}) or 1
     resources:
-        mem_mb=job_memory(1200),
+        mem_mb=PLAN.memory(1200),
         runtime=30,
     params:
         numerics=numerics_mark(),
@@ -41,25 +41,25 @@ rule run:
     input:
         rules.warm.output,
         START_FILE,
-        lambda wildcards: origin_file(wildcards.point),
+        lambda wildcards: PLAN.origin_files(wildcards.point),
     output:
-        update(run_file("{point}")),
+        update(PLAN.run_file("{point}")),
     log:
         f"{RESULTS}/logs/jobs/{{point}}.log",
     benchmark:
         f"{RESULTS}/benchmarks/runs/{{point}}.tsv"
-    priority: lambda wildcards: core_seconds([wildcards.point])
+    priority: lambda wildcards: PLAN.core_seconds([wildcards.point])
     conda:
         "../envs/talus.yaml"
-    threads: lambda wildcards: estimates([wildcards.point])[0].threads
+    threads: lambda wildcards: PLAN.estimates([wildcards.point])[0].threads
     resources:
-        mem_mb=lambda wildcards: job_memory(estimates([wildcards.point])[0].memory),
-        runtime=lambda wildcards: job_minutes([wildcards.point]),
+        mem_mb=lambda wildcards: PLAN.memory(PLAN.estimates([wildcards.point])[0].memory),
+        runtime=lambda wildcards: PLAN.minutes([wildcards.point]),
     params:
         folder=lambda wildcards, output: RESULTS,
         backups=lambda wildcards, output: [f".snakemake/backups/{path}" for path in output],
-        points=lambda wildcards, output: points_json([wildcards.point]),
-        amount=lambda wildcards: planned_amount_text(wildcards.point),
+        points=lambda wildcards, output: PLAN.points_json([wildcards.point]),
+        amount=lambda wildcards: PLAN.amount_text(wildcards.point),
         numerics=numerics_mark(),
     shell:
         RUN
@@ -75,23 +75,23 @@ for batch, points in BATCHES.items():
             rules.warm.output,
             START_FILE,
         output:
-            update([run_file(point) for point in points]),
+            update([PLAN.run_file(point) for point in points]),
         log:
             f"{RESULTS}/logs/jobs/{batch}.log",
         benchmark:
             f"{RESULTS}/benchmarks/runs/{batch}.tsv"
-        priority: core_seconds(points)
+        priority: PLAN.core_seconds(points)
         conda:
             "../envs/talus.yaml"
         threads: 1
         resources:
-            mem_mb=job_memory(max(cost.memory for cost in estimates(points))),
-            runtime=job_minutes(points),
+            mem_mb=PLAN.memory(max(cost.memory for cost in PLAN.estimates(points))),
+            runtime=PLAN.minutes(points),
         params:
             folder=lambda wildcards, output: RESULTS,
             backups=lambda wildcards, output: [f".snakemake/backups/{path}" for path in output],
-            points=lambda wildcards, output: points_json(Path(path).stem for path in output),
-            amount=planned_amount_text(points[0]),
+            points=lambda wildcards, output: PLAN.points_json(Path(path).stem for path in output),
+            amount=PLAN.amount_text(points[0]),
             numerics=numerics_mark(),
         shell:
             RUN

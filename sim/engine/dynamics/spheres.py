@@ -309,6 +309,16 @@ def make_memory(law: NamedTuple, contacts: int) -> np.ndarray:
     return np.zeros((2, memory_size(type(law)), contacts))
 
 
+def memory_after(memory: np.ndarray, step: int) -> np.ndarray:
+    """Return the memory (M, C) that a step has written; the next step reads it."""
+    return memory[step % 2]
+
+
+def restart_memory(memory: np.ndarray, step: int) -> np.ndarray:
+    """Return the memory after a step, for a flow that counts that step as number 0."""
+    return memory[::-1].copy() if step % 2 else memory
+
+
 def enlarge_memory(memory: np.ndarray, contacts: int) -> np.ndarray:
     """Return a copy of the memory with room for more contacts."""
     return np.pad(memory, ((0, 0), (0, 0), (0, contacts - memory.shape[2])))

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 
@@ -21,7 +21,8 @@ from sim.engine.observe.regime import (
     window_start,
 )
 from sim.engine.observe.sums import MAX_BLOCKS, ProfileBlocks
-from sim.engine.observe.system import OnSlope, Samples, System
+from sim.engine.observe.system import Samples
+from sim.engine.systems.replica import Replica
 from sim.parameters.variables import HISTORY, INSTANTANEOUS, variables_of
 
 
@@ -52,7 +53,7 @@ class Recorder:
     then; ``snapshots`` name -> states so far; ``path`` of the particles, once it has been traced.
     """
 
-    def __init__(self, system: System):
+    def __init__(self, system: Replica):
         p = system.parameters
         self.system = system
         self.sample_count = 0
@@ -209,8 +210,7 @@ class Recorder:
     def _base_forces(self, series: dict[str, np.ndarray], start: int) -> dict[str, float]:
         names = ("base_shear_force", "base_normal_force", "mean_velocity")
         shear, normal, velocity = (series[name][start:] for name in names)
-        # Only systems on a slope have series of base forces.
-        system = cast(OnSlope, self.system)
+        system = self.system
         return base_forces(shear, normal, velocity, system.mass, system.weight, self._interval)
 
     def _add_profiles(self, record: Record) -> None:
@@ -264,7 +264,7 @@ class Trajectory:
         """Return the number of samples at the next frame after ``count`` samples, if any."""
         return [(count // self._samples + 1) * self._samples] if self._samples else []
 
-    def take(self, system: System, count: int) -> None:
+    def take(self, system: Replica, count: int) -> None:
         """Take a frame of a system after ``count`` samples, if one is due."""
         if self._samples and count % self._samples == 0:
             state = system.snapshot()
@@ -275,7 +275,7 @@ class Trajectory:
                     frame = np.array(state[row.of], np.float32)
                     self._frames.setdefault(name, []).append(frame)
 
-    def _contact_arrays(self, system: System) -> dict[str, np.ndarray]:
+    def _contact_arrays(self, system: Replica) -> dict[str, np.ndarray]:
         """Return the contacts of the present state; unused rows are not-a-number."""
         contacts = system.current_contacts(self._contacts)
         if (number := int(contacts.number[0])) > self._contacts:

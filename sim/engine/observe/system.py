@@ -1,14 +1,11 @@
-"""The interface of a system to the recorder: samples, energy ledger and contacts."""
+"""The parts of the interface between a system and the recorder: samples, ledger, contacts."""
 
-from collections.abc import Callable, Mapping, Sequence
-from typing import Any, NamedTuple, Protocol
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
 
 import numpy as np
 
-from sim.engine.observe.regime import Scales
 from sim.engine.observe.sums import Sums
-from sim.parameters import Parameters
-from sim.parameters.variables import Variable
 
 
 class ContactList(NamedTuple):
@@ -24,7 +21,7 @@ class ContactList(NamedTuple):
     force: np.ndarray
 
 
-def no_contacts(most: int, axes: int = 3) -> ContactList:
+def no_contacts(most: int, axes: int) -> ContactList:
     """Return an empty list with space for ``most`` contacts in ``axes`` directions."""
     arrays = (np.full((most, width), np.nan) for width in (2, axes))
     return ContactList(np.zeros(1, np.int64), *arrays)
@@ -43,6 +40,16 @@ class Ledger(NamedTuple):
     powers: dict[str, str]
 
 
+def make_ledger(*names: str, turnover: tuple[str, ...]) -> Ledger:
+    """Return a ledger of energies, losses and works: each work came in, all else is the outcome.
+
+    The mean rate of ``normal_loss`` is ``normal_power``, and so for each loss and work.
+    """
+    terms = {name: -1 if name.endswith("_work") else 1 for name in names}
+    sums = [name for name in names if not name.endswith("_energy")]
+    return Ledger(terms, turnover, {name: f"{name.rpartition('_')[0]}_power" for name in sums})
+
+
 class Samples(NamedTuple):
     """K successive samples.
 
@@ -57,107 +64,3 @@ class Samples(NamedTuple):
     def first(self) -> dict[str, float]:
         """Return the values of the first sample."""
         return {name: float(values[0]) for name, values in self.values.items()}
-
-
-def no_pause() -> None:
-    """Do nothing at the pauses of a system."""
-
-
-class System(Protocol):
-    """One replicate in motion: the interface of a system to ``sim.engine.run``.
-
-    Attributes
-    ----------
-    parameters : Parameters
-        The point.
-    time_step : float
-        Time step (s), that of the point or a fraction of it.
-    series : dict
-        Time series by name.
-    ledger : Ledger
-        The time series whose sum is the energy.
-    axes : tuple of str
-        Names of the directions.
-    mass : float
-        Mass of all particles (kg).
-    loop_time : float
-        Processor time in the compiled loop over time steps (s).
-    profile_height : (H,) array
-        Centres of the slices of the profiles (m).
-    scales, period : Scales, int
-        Thresholds and period (samples) for the analysis of the velocity's trend.
-    coordinates : dict
-        Coordinates of tables and path: name -> (unit, long name, values).
-    history_profiles : tuple of str
-        Names of the profiles that are stored by block, as functions of time.
-    state_names : tuple of str
-        Names of the attributes that change during motion: arrays and numbers, or tuples, lists and
-        dictionaries of them.
-    stage : str
-        Name of the phase before the first sample, empty once samples may be taken.
-    pause : callable
-        Called every few tenths of a second during long computations. A run that continues from a
-        state stored in it gives the same bits.
-    """
-
-    parameters: Parameters
-    time_step: float
-    series: dict[str, Variable]
-    ledger: Ledger
-    axes: tuple[str, ...]
-    mass: float
-    loop_time: float
-    profile_height: np.ndarray
-    scales: Scales
-    period: int
-    coordinates: dict[str, tuple[str, str, np.ndarray]]
-    history_profiles: tuple[str, ...]
-    state_names: tuple[str, ...]
-    stage: str
-    pause: Callable[[], None]
-
-    def settle(self) -> None:
-        """Bring the initial state to rest where the paper does, continuing from ``stage``.
-
-        Raises ``BlowUp`` when that fails.
-        """
-
-    def take_over(self, other: Any) -> None:
-        """Start from the state of another such system with the same particles, without settling.
-
-        Raises ``ValueError`` with the reason where this system cannot start from that state.
-        """
-
-    def sample(self, most: int = 1, profiles: bool = False) -> Samples:
-        """Advance by at least one and at most ``most`` samples and return them.
-
-        Raises ``BlowUp``, which holds the samples taken before the blow-up.
-        """
-
-    def advance(self) -> dict[str, float]:
-        """Advance to the next sample and return a value per time series; may raise ``BlowUp``."""
-
-    def no_profiles(self) -> Sums:
-        """Return sums of profiles that are zero."""
-
-    def profiles(self, sums: Sums) -> dict[str, np.ndarray]:
-        """Return the profiles, named arrays (H,), from their sums."""
-
-    def tables(self, sums: Sums) -> dict[str, np.ndarray]:
-        """Return the tables, named arrays with other dimensions than height, from their sums."""
-
-    def current_contacts(self, most: int) -> ContactList:
-        """Return the contacts of the present state; those beyond ``most`` are only counted."""
-        ...
-
-    def trace(self) -> np.ndarray:
-        """Advance for a short time and return the path of every particle (S, N, D) in m."""
-
-    def snapshot(self) -> dict[str, np.ndarray]:
-        """Return positions, velocities and other arrays of the particles, by name."""
-
-
-class OnSlope(System, Protocol):
-    """A system with a base shear force; ``weight`` of all particles along and normal to it (N)."""
-
-    weight: tuple[float, float]

@@ -2,7 +2,7 @@
 
 from importlib import import_module
 
-from sim.engine.observe.system import System
+from sim.engine.systems.replica import Replica
 from sim.parameters import Parameters
 
 #: Module and class of each system, imported only when needed with the kernels it compiles.
@@ -13,7 +13,7 @@ SYSTEMS = {
 }
 
 
-def build(parameters: Parameters, replicate: int, substeps: int = 1) -> System:
+def build(parameters: Parameters, replicate: int, substeps: int = 1) -> Replica:
     """Return replicate number ``replicate`` (from 0) of a point in its initial state.
 
     Every time step is divided into ``substeps``; samples are taken at the same times.

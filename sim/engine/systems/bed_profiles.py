@@ -1,10 +1,10 @@
-"""Profiles of the bed over the height above the belt, at all times and at phase 0."""
+"""Profiles of the bed over the height above the belt, and its field in the laboratory."""
 
-from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from sim.engine.observe.field import Squares, squares
 from sim.engine.observe.profiles import Profile, empty_profile
 from sim.engine.observe.sums import Sums, mask_samples
 from sim.parameters import BeltParameters
@@ -26,13 +26,15 @@ class Phases(NamedTuple):
 class BedProfiles(NamedTuple):
     """How the bed is cut into ``slices`` of ``slice_height`` (m) and of ``width`` (m).
 
-    Sums are profiles by centres and by area. Where ``at_phase_0`` is true, the same two follow for
-    the beginning of the cycle alone. Where ``phases`` is not 0, sums of so many phases follow.
+    Sums are profiles by centres and by area, and the field in the ``squares``. Where ``at_phase_0``
+    is true, the same two profiles follow for the beginning of the cycle alone. Where ``phases`` is
+    not 0, sums of so many phases follow.
     """
 
     slices: int
     slice_height: float
     width: float
+    squares: Squares
     at_phase_0: bool
     phases: int
 
@@ -42,10 +44,10 @@ class BedProfiles(NamedTuple):
 
     def empty(self) -> Sums:
         """Return sums of zero."""
-        profiles = (empty_profile(self.slices, 2) for _ in range(4 if self.at_phase_0 else 2))
+        profiles = [empty_profile(self.slices, 2) for _ in range(4 if self.at_phase_0 else 2)]
         shape = (self.phases, self.slices)
         phases = (Phases(np.zeros(shape), np.zeros((*shape, 2))),) if self.phases else ()
-        return *profiles, *phases
+        return *profiles[:2], self.squares.empty(), *profiles[2:], *phases
 
     def phase_sums(self, centres: Profile, area: Profile, phase: np.ndarray) -> Sums:
         """Return the requested sums per sample, zero for samples of other phases.
@@ -63,9 +65,9 @@ class BedProfiles(NamedTuple):
             sums.append(phase_sums)
         return tuple(sums)
 
-    def profiles(self, centres: Profile, area: Profile) -> dict[str, np.ndarray]:
+    def profiles(self, sums: Any) -> dict[str, np.ndarray]:
         """Return velocity, densities and granular temperature per slice."""
-        slab = self.width * self.slice_height
+        (centres, area), slab = sums[:2], self.width * self.slice_height
         temperature = centres.temperature()
         return {
             "velocity_profile": centres.velocity(),
@@ -75,16 +77,17 @@ class BedProfiles(NamedTuple):
             "vertical_temperature_profile": temperature[:, 1],
         }
 
-    def tables(self, centres: Profile, phased: Sequence[Any]) -> dict[str, np.ndarray]:
-        """Return the requested tables.
+    def tables(self, sums: Any) -> dict[str, np.ndarray]:
+        """Return the means in the squares and the requested tables.
 
-        They are velocity and densities at the beginning of the cycle, and the granular temperature
+        These are velocity and densities at the beginning of the cycle, and the granular temperature
         about the mean velocity at each phase.
         """
-        tables = {}
+        centres, _, field, *phased = sums
+        tables = self.squares.tables(field)
         if self.at_phase_0:
-            profiles = self.profiles(*phased[:2])
-            tables = {name: profiles[mean] for name, mean in parts(AT_PHASE_0, "belt").items()}
+            profiles = self.profiles(phased)
+            tables |= {name: profiles[mean] for name, mean in parts(AT_PHASE_0, "belt").items()}
         if self.phases:
             tables["fluctuation_temperature_profile"] = _fluctuation_temperature(
                 centres, phased[-1]
@@ -113,6 +116,7 @@ def bed_profiles(p: BeltParameters) -> BedProfiles:
         max(1, round(HEIGHT / p.slice_height)),
         p.slice_height * p.diameter,
         p.width * p.diameter,
+        squares(p.width * p.diameter, p.diameter, p.amplitude),
         p.phase_0_profiles,
         p.samples_per_cycle if p.fluctuation_profiles else 0,
     )

@@ -1,4 +1,4 @@
-"""The initial state of a belt: its vibration, and beads at random above it."""
+"""The initial state of a belt: beads at random above it, and the stages until they are shaken."""
 
 from math import pi, radians, tan
 from typing import NamedTuple
@@ -8,11 +8,15 @@ import numpy as np
 from sim.engine.boundary.belt import Belt, OwnBelt, belt_height
 from sim.engine.boundary.own_motion import own_motion
 from sim.engine.dynamics.cells import Box
+from sim.engine.dynamics.gear import CORRECTORS, Gear, Verlet
 from sim.engine.systems.packing import random_packing
 from sim.parameters import BeltParameters
 
 #: Area fraction of the random initial state; random sequential addition saturates near 0.55.
 INITIAL_PACKING = 0.3
+
+#: Stages before the first sample, and that of the samples.
+FALLING, PRIOR_SHAKING, SHAKING = "falling", "shaken before", ""
 
 
 class Bed(NamedTuple):
@@ -65,3 +69,32 @@ def vibration(p: BeltParameters, frequency: float) -> Belt | OwnBelt:
     )
     motion = own_motion(p)
     return belt if motion is None else OwnBelt(*belt, motion)
+
+
+class Stage(NamedTuple):
+    """How the bed moves in a stage: the ``belt``, the ``integrator``, the words for messages."""
+
+    belt: Belt | OwnBelt
+    integrator: Gear | Verlet
+    words: str
+
+
+def make_stages(
+    p: BeltParameters, settling_step: float, time_step: float, cycle_steps: int
+) -> dict[str, Stage]:
+    """Return the stages of a point: steps (s) of settling and shaking, steps in a cycle."""
+    stages = {
+        FALLING: _stage(p, 0.0, settling_step, "while the bed settles"),
+        SHAKING: _stage(p, p.frequency, time_step, "of the shaking"),
+    }
+    if frequency := p.prior_frequency:
+        words, step = "of the shaking at the prior frequency", 1.0 / (frequency * cycle_steps)
+        stages[PRIOR_SHAKING] = _stage(p, frequency, step, words)
+    return stages
+
+
+def _stage(p: BeltParameters, frequency: float, time_step: float, words: str) -> Stage:
+    step = float(time_step)
+    verlet = p.integrator == "verlet"
+    integrator = Verlet(step) if verlet else Gear(step, CORRECTORS[p.corrector_order])
+    return Stage(vibration(p, frequency), integrator, words)

@@ -24,42 +24,25 @@ class Layer(NamedTuple):
 
 
 def initial_layer(p: SphereParameters, box: Box, replicate: int) -> Layer:
-    """Return the initial state of a replicate of spheres.
+    """Return the initial state of a replicate of spheres, or of discs in the plane y = 0.
 
     Raises ``ValueError`` when the particles do not fit.
     """
     rng = np.random.default_rng([p.seed, replicate])
-    height = p.depth * pi / 6.0 * p.diameter / p.initial_packing
+    dimension, solid, root = (2, 4.0, np.sqrt) if p.is_flat else (3, 6.0, np.cbrt)
+    cell, in_space = (make_box(box.length[0]), _insert_y) if p.is_flat else (box, np.asarray)
+    height = p.depth * pi / solid * p.diameter / p.initial_packing
     size = _relative_diameters(p, rng)
-    if p.diameter_spread > 0.0:
-        # The flow weighs as much as one of equal spheres.
-        size /= np.cbrt((size**3).mean())
+    # The flow weighs as much as one of equal particles.
+    size /= root((size**dimension).mean())
     radius = 0.5 * p.diameter * size
-    position = random_packing(box, height, radius, rng)
+    position = random_packing(cell, height, radius, rng)
     velocity = _random_velocities(p, position.shape, rng)
-    mobile = Layer(position, velocity, radius, p.mass * size**3, height)
+    mass = p.mass * size**dimension
+    mobile = Layer(in_space(position), in_space(velocity), radius, mass, height)
     if not p.bumps:
         return mobile
-    return _lift_above(mobile, p, _bump_positions(p, box, replicate))
-
-
-def initial_row(p: SphereParameters, box: Box, replicate: int) -> Layer:
-    """Return the initial state of a replicate of discs, all in the plane y = 0.
-
-    Raises ``ValueError`` when the discs do not fit.
-    """
-    rng = np.random.default_rng([p.seed, replicate])
-    height = p.depth * pi / 4.0 * p.diameter / p.initial_packing
-    size = _relative_diameters(p, rng)
-    size /= np.sqrt((size**2).mean())
-    radius = 0.5 * p.diameter * size
-    flat = make_box(box.length[0])
-    position = random_packing(flat, height, radius, rng)
-    velocity = _random_velocities(p, position.shape, rng)
-    mobile = Layer(_insert_y(position), _insert_y(velocity), radius, p.mass * size**2, height)
-    if not p.bumps:
-        return mobile
-    return _lift_above(mobile, p, _insert_y(_bump_positions(p, flat, replicate)))
+    return _lift_above(mobile, p, in_space(_bump_positions(p, cell, replicate)))
 
 
 def _relative_diameters(p: SphereParameters, rng) -> np.ndarray:

@@ -1,14 +1,16 @@
 """Profiles of a flow on a plane over the height: those of every run, and those on request."""
 
+from math import ceil, pi
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from sim.engine.observe.contacts import XX, XZ, YY, ZZ, Slip, Stress, no_slip, no_stress
 from sim.engine.observe.force_balance import inertial_number, shear_rate, stress_ratio
-from sim.engine.observe.overlaps import Overlaps, no_overlaps
+from sim.engine.observe.overlaps import no_overlaps
 from sim.engine.observe.profiles import Profile, empty_profile
 from sim.engine.observe.sums import Sums
+from sim.parameters.spheres import SphereParameters
 
 #: Names of the components of the stress.
 STRESSES = {
@@ -52,9 +54,9 @@ class FlowProfiles(NamedTuple):
             no_slip(self.slices),
         )
 
-    def profiles(self, profile: Profile) -> dict[str, np.ndarray]:
+    def profiles(self, sums: Any) -> dict[str, np.ndarray]:
         """Return velocity, packing fraction and granular temperature per slice."""
-        slab = self.area * self.slice_height
+        profile, slab = sums[0], self.area * self.slice_height
         temperature = profile.temperature()
         return {
             "velocity_profile": profile.velocity(),
@@ -63,10 +65,9 @@ class FlowProfiles(NamedTuple):
             "vertical_temperature_profile": temperature[:, 2],
         }
 
-    def tables(
-        self, profile: Profile, overlaps: Overlaps, *contact_sums: Any
-    ) -> dict[str, np.ndarray]:
+    def tables(self, sums: Any) -> dict[str, np.ndarray]:
         """Return the histogram of overlaps and, if requested, profiles of contacts and rheology."""
+        profile, overlaps, *contact_sums = sums
         histogram = {"overlap_histogram": overlaps.counts}
         return histogram | (self._contact_tables(profile, *contact_sums) if contact_sums else {})
 
@@ -94,3 +95,17 @@ class FlowProfiles(NamedTuple):
             rate, normal, self.diameter, self.density
         )
         return tables
+
+
+def flow_profiles(p: SphereParameters, depth: float, area: float, gravity: float) -> FlowProfiles:
+    """Return the slices of a point for a layer of an initial ``depth`` (m)."""
+    slice_height = p.slice_height * p.diameter
+    return FlowProfiles(
+        ceil((1.5 * depth + 10.0 * p.diameter) / slice_height),
+        slice_height,
+        area,
+        gravity,
+        p.diameter,
+        density=p.mass / (pi / 6.0 * p.diameter**3),
+        stress=p.stress_profiles,
+    )

@@ -7,6 +7,7 @@ import pytest
 from sim.engine.dynamics.status import BlowUp
 from sim.engine.observe.sums import add_sums
 from sim.engine.systems import build
+from sim.engine.systems.belt_start import vibration
 from sim.parameters import parse_point
 from sim.parameters.variables import AT_PHASE_0, parts
 from tests.engine_motion.points import belt_point, series_of, sums_of
@@ -79,13 +80,13 @@ def test_obstacle_stands_at_half_the_width_and_one_amplitude():
     ("angle", "ratio"), [(90, 0.0), (60, 1 / np.sqrt(3)), (45, 1.0), (30, 3**0.5)]
 )
 def test_horizontal_amplitude_follows_from_the_angle(angle, ratio):
-    motion = build(belt_point(vibration_angle=angle, amplitude=0.5), 0).belt
+    motion = vibration(belt_point(vibration_angle=angle, amplitude=0.5), 20)
     assert motion.amplitude_z == pytest.approx(0.5e-3)
     assert motion.amplitude_x == pytest.approx(0.5e-3 * ratio, abs=1e-18)
 
 
 def test_belt_starts_at_its_phase_and_turns_with_its_frequency():
-    motion = build(belt_point(frequency=30, phase=90), 0).belt
+    motion = vibration(belt_point(phase=90), 30)
     assert motion.phase == pytest.approx(np.pi / 2)
     assert motion.angular_frequency == pytest.approx(60 * np.pi)
 

@@ -2,10 +2,8 @@
 
 import pytest
 
-from sim.engine.systems import belt, build, chute
+from sim.engine.systems import build, replica
 from tests.engine_motion.points import belt_point, chute_point
-
-MODULES = {"belt": belt, "chute": chute}
 
 POINTS = [
     belt_point(beads=20, width=5, prior_frequency=30, prior_cycles=2),
@@ -16,14 +14,13 @@ POINTS = [
 @pytest.mark.parametrize("point", POINTS, ids=lambda point: point.system)
 def test_no_more_than_some_steps_lie_between_two_pauses(point, monkeypatch):
     most = point.particles * point.sample_steps // 3
-    monkeypatch.setattr(MODULES[point.system], "MOST_WORK", most)
+    monkeypatch.setattr(replica, "MOST_WORK", most)
     system, runs = build(point, 0), []
     advance = system._advance
 
-    def advanced(*arguments):
-        # Of one thread the steps come first, of the kernel last.
-        runs.append(arguments[0] if point.system == "chute" else arguments[-1])
-        return advance(*arguments)
+    def advanced(steps):
+        runs.append(steps)
+        return advance(steps)
 
     monkeypatch.setattr(system, "_advance", advanced)
     system.pause = lambda: runs.append(None)

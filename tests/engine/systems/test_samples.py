@@ -12,14 +12,12 @@ CHUTE = chute_point(depth=2, cell=5)
 BELT = belt_point(beads=40, width=8, obstacle=1.5)
 
 
-def running_system(point, most: int = 64):
-    """Return a system in motion that takes no more samples than so many at once."""
+def running_system(point):
+    """Return a system in motion."""
     system = build(point, 0)
     system.settle()
     for _ in range(9):
         system.sample()
-    if point.system == "chute":
-        system._most = most
     return system
 
 
@@ -49,7 +47,7 @@ def test_samples_of_the_belt_are_what_array_arithmetic_makes_of_the_state():
     """To the bit: the sums are those of numpy, in its order."""
     system = running_system(BELT)
     p, disks = system.parameters, system.disks
-    width, squares = system.box.length[0], system.squares
+    width, squares = system.box.length[0], system.slices.squares
     for _ in range(20):
         sample = system.sample(1, profiles=True)
         row, field = sample.first(), sample.profiles[2]

@@ -1,0 +1,264 @@
+"""Claims: what a paper or a study says, and the call that declares how runs decide it."""
+
+from collections.abc import Callable, Iterable
+from dataclasses import replace
+from importlib import import_module
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    ConfigDict,
+    Field,
+    SkipValidation,
+    ValidationError,
+    model_validator,
+)
+
+from sim.base.additions import (
+    TALUS,
+    AdditionError,
+    add,
+    additions,
+    attribute_additions_to,
+    error_text,
+    plugin_error,
+    require_name,
+    shipped,
+)
+from sim.base.errors import InputError
+from sim.base.messages import input_error
+from sim.base.require import require_function, require_line, require_one_of
+from sim.base.words import printable
+from sim.claims.criterion import Bound, fill
+from sim.claims.verdict import Check, Untestable
+from sim.parameters import SYSTEMS
+from sim.parameters.common import broken_rule
+from sim.study.catalogue import FIGURES
+from sim.study.entries import JUDGE
+from sim.study.papers import PAPER, Paper, papers
+
+#: In place of a paper, for a study's own claims.
+OWN = "own"
+
+#: Largest number of characters of each text of a claim.
+MAX_TEXT = 2000
+
+#: Judge of a claim: returns at least one check, from the runs of one protocol and reading
+#: (`sim.claims.evidence`) and, by their names, the bounds of the criterion.
+JudgeFunction = Callable[..., Iterable[Check]]
+
+#: Text without control characters and marks of direction.
+Line = Annotated[str, AfterValidator(printable)]
+
+
+class First(BaseModel):
+    """The first verdict on a claim, on the runs published then."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
+
+    verdict: Literal["reproduced", "not reproduced", "inconclusive", "untestable"] = Field(
+        description="on the first data"
+    )
+    criterion: Line = Field("", description="the first one, where it was restated")
+    why: Line = Field("", description="why it was restated, or why the verdict is another now")
+
+
+class Number(BaseModel):
+    """A bound of a criterion that the paper does not give."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
+
+    bound: str = Field(exclude=True, description="its name in the criterion and for the judge")
+    what: Line = Field(min_length=1, description="the number in words")
+    values: list[float] = Field(min_length=2, description="those under which it is judged")
+    headline: float = Field(description="the one that gives the verdict")
+    unit: Line = Field("", description="unit of the values")
+
+    @model_validator(mode="after")
+    def _has_headline_value(self) -> Self:
+        if self.headline not in self.values:
+            raise broken_rule("headline", self.headline, f"one of the values {self.values}")
+        return self
+
+
+class Claim(BaseModel):
+    """One claim and how it is decided; `judge` declares it."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
+
+    id: str = Field(description="its name")
+    title: str = Field(description="a few words")
+    statement: str = Field(description="what is claimed, of a paper in other words")
+    place: Line = Field("", description="section or figure of the paper")
+    criterion: str = Field(description="when it holds, filled from the bounds")
+    bounds: dict[str, Bound] = Field({}, exclude=True, description="numbers of the criterion")
+    reason: str = Field("", description="why the criterion is what it is")
+    needs: str = Field("", description="runs that decide it")
+    kind: Literal["model", "flow"] = Field("flow", description="judged by itself or from runs")
+    figures: list[str] = Field([], description="figures that show it")
+    first: First | None = Field(None, description="how it was judged first")
+    parts: dict[str, Line] = Field({}, description="what it says, where that is several things")
+    contradiction: Line = Field("", description="why its parts cannot both hold")
+    number: Number | None = Field(None, description="what the paper does not give")
+    paper: Line = Field(OWN, description="short name of its paper")
+    system: str = Field(description="system whose runs decide it")
+    judge: SkipValidation[JudgeFunction] = Field(exclude=True, description="its judge")
+
+    @model_validator(mode="after")
+    def _names_bounds_and_figures(self) -> Self:
+        for name in self.figures:
+            if name not in FIGURES:
+                raise broken_rule("figures", name, "the name of a figure")
+        try:
+            self.texts()
+        except ValueError as error:
+            raise broken_rule("bounds", self.bounds, str(error)) from None
+        return self
+
+    def texts(self) -> dict[str, str]:
+        """Return ``criterion`` and ``reason``, filled from the bounds at the headline number.
+
+        Braces in the texts of a claim without bounds name none.
+        """
+        bounds, texts = self.bounds_at(), {"criterion": self.criterion, "reason": self.reason}
+        return {key: fill(text, bounds) for key, text in texts.items()} if bounds else texts
+
+    def bounds_at(self, number: float | None = None) -> dict[str, Bound]:
+        """Return the arguments of the judge, with a value of the number or its headline."""
+        if self.number is None:
+            return self.bounds
+        return self.bounds | {self.number.bound: self.number.headline if number is None else number}
+
+    def checks_on(self, subject: Any, number: float | None = None) -> tuple[Check, ...]:
+        """Return the checks of the judge on evidence, or on a reading for a claim on the model.
+
+        Parameters
+        ----------
+        subject : Evidence or mapping
+            What the judge gets.
+        number : float, optional
+            Value of the number that the paper does not give, by default its headline.
+
+        Raises
+        ------
+        Untestable, ZeroDivisionError
+            When runs are missing, or a quantity to divide by is zero.
+        InputError
+            For any other error of a plug-in's judge, with its line there.
+        """
+        try:
+            checks = tuple(self.judge(subject, **self.bounds_at(number)))
+            if not all(isinstance(check, Check) for check in checks) or not checks:
+                raise TypeError("a judge returns checks, one at least")
+            parts = {check.part for check in checks if check.has_vote}
+            if unknown := parts - set(self.parts or ("",)):
+                raise ValueError(f"{self.id} has no part {', '.join(sorted(unknown))}")
+        except Untestable as error:
+            raise Untestable(printable(str(error))) from None
+        except ZeroDivisionError:
+            raise
+        except Exception as error:
+            if self.id not in additions(JUDGE):
+                raise
+            raise plugin_error(JUDGE, self.id, error) from None
+        return tuple(map(_printable_check, checks))
+
+
+def _printable_check(check: Check) -> Check:
+    """Return a check whose texts contain no control characters and no marks of direction."""
+    what, unit, withheld = map(printable, (check.what, check.unit, check.withheld))
+    return replace(check, what=what, unit=unit, withheld=withheld)
+
+
+def judge(
+    name: str,
+    *,
+    system: str,
+    title: str,
+    statement: str,
+    criterion: str,
+    reason: str = "",
+    needs: str = "",
+    **further: Any,
+) -> Callable[[JudgeFunction], JudgeFunction]:
+    """Declare a claim on the runs of a study; the decorated function judges it.
+
+    The function takes the evidence of one protocol and reading (`sim.claims.evidence`), and the
+    bounds by their names. It returns checks (`sim.claims.checks`), all of which must hold. It
+    raises `Untestable` where runs are missing.
+
+    Parameters
+    ----------
+    name : str
+        Name of the claim.
+    system : str
+        A system of `sim.parameters.SYSTEMS`, ``chute`` or ``belt`` for instance.
+    title, statement, criterion : str
+        A short title; the claim itself; the condition under which it holds.
+    reason, needs : str
+        Why the criterion follows from the statement; the runs that decide it.
+    **further
+        Any other field of `Claim`. Of these, ``bounds`` has the numbers of the criterion by name:
+        ``{name}`` in ``criterion`` and ``reason`` is filled from it.
+    """
+    require_name(JUDGE, name)
+    require_one_of(f"judge {name}: system", system, SYSTEMS)
+    words = {"title": title, "statement": statement, "criterion": criterion}
+    for key, text in (words | {"reason": reason, "needs": needs}).items():
+        require_line(f"judge {name}: {key}", text, empty=key not in words, longest=MAX_TEXT)
+    fields = words | {"reason": reason, "needs": needs, "system": system} | further
+
+    def register(function: JudgeFunction) -> JudgeFunction:
+        try:
+            claim = Claim(id=name, judge=function, **fields)
+        except ValidationError as error:
+            raise AdditionError(str(input_error(error, Claim, f"judge {name}"))) from None
+        require_function(f"judge {name}", function, takes=1, named=claim.bounds_at())
+        add(JUDGE, name, claim)
+        return function
+
+    return register
+
+
+def _declare_claims(paper: Paper) -> None:
+    """Declare the claims of a paper by `judge`, from its ``claims.yaml`` if it has one.
+
+    Each claim there has the arguments of `judge`, its name as ``id`` and its function as ``judge``,
+    such as ``judges.onset`` of a module ``judges`` beside the file.
+
+    Raises
+    ------
+    InputError
+        For a file that is not readable, and for the first wrong claim.
+    """
+    path = paper.folder / "claims.yaml"
+    of_plugin = additions(PAPER).get(paper.name)
+    try:
+        with attribute_additions_to(of_plugin.plugin if of_plugin else TALUS):
+            for claim in paper.claims:
+                words = dict(claim)
+                name, place = words.pop("id"), words.pop("judge")
+                module, _, function_name = place.rpartition(".")
+                function = getattr(import_module(f"{paper.package}.{module}"), function_name)
+                judge(name, **words, paper=paper.name, system=paper.system)(function)
+    except InputError:
+        raise
+    except Exception as error:
+        # Judges of plug-ins are anybody's code.
+        raise InputError(f"{path}: {error_text(error, paper.folder)}") from None
+
+
+def claims() -> list[Claim]:
+    """Return all claims: those of the papers that ship, by system, then those of plug-ins."""
+    every = papers()
+    declared = {claim.paper for claim in _registered()}
+    for name in every.keys() - declared:
+        _declare_claims(every[name])
+    order = {name: number for number, name in enumerate(every)}
+    return sorted(_registered(), key=lambda claim: order.get(claim.paper, len(order)))
+
+
+def _registered() -> list[Claim]:
+    of_plugins = (addition.value for addition in additions(JUDGE).values())
+    return [*shipped(JUDGE).values(), *of_plugins]

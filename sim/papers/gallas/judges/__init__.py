@@ -1,0 +1,1 @@
+"""Judges of Gallas' claims, a function each, and what they share."""

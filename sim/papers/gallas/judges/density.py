@@ -1,0 +1,281 @@
+"""Judges of Gallas' claims about where the beads are: their density over height."""
+
+from collections.abc import Callable, Sequence
+from math import inf, nan, sqrt
+
+import numpy as np
+from scipy.optimize import curve_fit
+from uncertainties import UFloat
+
+from sim.claims.checks import above, below, reported, within
+from sim.claims.evidence import Evidence
+from sim.claims.inference import trend
+from sim.claims.place import Place, quotient, replicate_mean, with_interval
+from sim.claims.trends import mean_of_others
+from sim.claims.verdict import SIGMAS, Check, Untestable
+from sim.papers.gallas.judges.bed import half_height, height_spread, layer_width, peak_density
+from sim.papers.gallas.judges.lines import common_beds, complete_line, select_replicated
+
+DENSITY = "number_density"
+
+#: Damping and shear damping (g).
+Pair = tuple[float, float]
+
+#: Frequencies (Hz) that are needed of a bed that flows.
+FLOWING = (20, 60, 80)
+
+
+def g15(
+    evidence: Evidence,
+    *,
+    frequency: float,
+    low: float,
+    high: float,
+    max_deviation: float,
+    end: float,
+    margin: float,
+) -> list[Check]:
+    """Slices between two heights (⟨d⟩) deviate little from their mean; the plateau ends above.
+
+    It ends at ``end``, within ``margin`` (both ⟨d⟩). The fit is a plateau with a linear fall to
+    zero; the plateau ends where the fall begins.
+    """
+    place = evidence.at("belt", frequency=frequency)
+    diameter = place["diameter"]
+    density, height = place.profile(DENSITY)
+    inside = (height > low * diameter) & (height < high * diameter)
+    plateau = density[:, inside]
+    deviation = plateau / plateau.mean(axis=1, keepdims=True) - 1
+    measured_end = place.measure(plateau_end(diameter), DENSITY, grid="slices") / diameter
+    top = place.measure(half_height, DENSITY) / diameter
+    beads = place.measure(lambda height, number: number.sum() * (height[1] - height[0]), DENSITY)
+    expected = place["beads"] / (place["width"] * diameter)
+    slices = [
+        within(
+            f"deviation of ρ from its plateau at {z / diameter:g}⟨d⟩",
+            replicate_mean(column),
+            -max_deviation,
+            max_deviation,
+            (place,),
+        )
+        for z, column in zip(height[inside], deviation.T, strict=True)
+    ]
+    thick = float(np.diff(place.profile(DENSITY, "slices")[1][:2])[0]) / diameter
+    quantity, bounds = f"end of the plateau, slices of {thick:g}⟨d⟩", (end - margin, end + margin)
+    return [
+        *slices,
+        within(quantity, measured_end, *bounds, (place,), "⟨d⟩"),
+        reported("height at which ρ is half of its plateau", top, (place,), "⟨d⟩"),
+        reported("∫ρ dz over N/L", beads / expected, (place,)),
+    ]
+
+
+def plateau_end(diameter: float) -> Callable[[np.ndarray, np.ndarray], float]:
+    """Return a function of height and density: the height (m) at which the plateau ends.
+
+    It fits, by least squares, a constant up to there and a straight fall to zero above, averaged
+    over each slice. The lowest ``diameter`` (m), where beads lie on the belt, does not count.
+    """
+
+    def measure(height: np.ndarray, number: np.ndarray) -> float:
+        slices, width = height[height > diameter], height[1] - height[0]
+        fine = slices[:, None] + width * (np.arange(20) / 20 - 0.475)
+
+        def profile(_: np.ndarray, level: float, end: float, fall: float) -> np.ndarray:
+            return level * np.clip(1 - (fine - end) / fall, 0, 1).mean(axis=1)
+
+        level = float(np.median(number[number > 0.5 * number.max()]))
+        start = level, half_height(height, number) - 0.5 * diameter, diameter
+        bounds = (0, 0, 0.05 * diameter), (np.inf, height[-1], height[-1])
+        fit, _ = curve_fit(profile, slices, number[height > diameter], start, bounds=bounds)
+        return float(fit[1])
+
+    return measure
+
+
+def g16(evidence: Evidence, *, max_ratio: float, lowest: float) -> list[Check]:
+    """The slice at the belt has less than ``max_ratio`` times the largest density.
+
+    The frequencies are those from ``lowest`` (Hz) on. This is tested in the time mean and, where
+    it was recorded, at the beginning of the cycle.
+    """
+    line = select_replicated(evidence.line("belt", "frequency"))
+    flowing = {frequency: place for frequency, place in line.items() if frequency >= lowest}
+    if not set(FLOWING) <= set(flowing):
+        raise Untestable("no runs at 20, 60 and 80 Hz with several beds")
+    checks = []
+    for frequency, place in flowing.items():
+        for name, phase_label in ((DENSITY, "time mean"), (f"{DENSITY}_at_phase_0", "phase 0")):
+            try:
+                share = place.measure(belt_density_ratio, name)
+            except Untestable:
+                if name == DENSITY:
+                    raise
+                continue
+            quantity = f"ρ at the belt over the largest, {frequency:g} Hz, {phase_label}"
+            checks.append(below(quantity, share, max_ratio, (place,)))
+    return checks
+
+
+def belt_density_ratio(_: np.ndarray, number: np.ndarray) -> float:
+    """Return the density at the belt over the largest density."""
+    return float(number[0] / number.max())
+
+
+def g17(evidence: Evidence, *, frequencies: Sequence[float]) -> list[Check]:
+    """Over the frequencies (Hz) the largest density falls and the layer widens."""
+    line = complete_line(evidence, "frequency", frequencies)
+    places, values = list(line.values()), ", ".join(f"{f:g}" for f in line)
+    checks = []
+    for quantity, measure, is_rising in (
+        ("ρ_max", peak_density, False),
+        ("width of the layer", layer_width, True),
+    ):
+        groups = [place.measure_replicates(measure, DENSITY) for place in places]
+        name = f"{quantity} over f (Hz) = {values}"
+        checks.append(trend(name, [groups], places, rising=is_rising))
+    for f, place in line.items():
+        width = place.measure(height_spread, DENSITY) / place["diameter"]
+        checks.append(
+            reported(f"standard deviation of the heights, {f:g} Hz", width, [place], "⟨d⟩")
+        )
+    return checks
+
+
+def check_wider(wide: Place, narrow: Place, comparison: str) -> list[Check]:
+    """Return the check that the layer is wider at one place than at another.
+
+    The standard deviation of all heights is reported only: few beads high above can dominate it.
+    """
+    checks = []
+    for quantity, measure, threshold in (
+        ("width of the layer", layer_width, 0),
+        ("standard deviation of the heights", height_spread, -inf),
+    ):
+        gain = (wide.measure(measure, DENSITY) - narrow.measure(measure, DENSITY)) / wide[
+            "diameter"
+        ]
+        checks.append(above(f"{quantity} {comparison}", gain, threshold, (wide, narrow), "⟨d⟩"))
+    return checks
+
+
+def g18(
+    evidence: Evidence,
+    *,
+    empty_density: float,
+    heights: float,
+    still: float,
+    fluid: Sequence[float],
+) -> list[Check]:
+    """Above some heights of the still bed there are beads at fluid frequencies (Hz), else none.
+
+    None means a density below ``empty_density`` (⟨d⟩⁻²), in the first slice that is wholly above.
+    """
+    bed, *beds = complete_line(evidence, "frequency", (still, *fluid)).values()
+    top = heights * bed.measure(half_height, DENSITY).nominal_value
+    checks = []
+    for place in (bed, *beds):
+        density = place.measure(_density_above(top), DENSITY) * place["diameter"] ** 2
+        quantity = f"ρ⟨d⟩² above {heights} bed heights, {place['frequency']:g} Hz"
+        checks.append(
+            (below if place is bed else above)(quantity, density, empty_density, (place,))
+        )
+    return checks
+
+
+def _density_above(top: float) -> Callable[[np.ndarray, np.ndarray], float]:
+    """Return a function of height and density: the density of the first slice above ``top`` (m)."""
+
+    def measure(height: np.ndarray, number: np.ndarray) -> float:
+        higher = np.flatnonzero(height - 0.5 * (height[1] - height[0]) >= top)
+        return float(number[higher[0]]) if higher.size else nan
+
+    return measure
+
+
+def g19(evidence: Evidence, *, frequency: float, angles: Sequence[float]) -> list[Check]:
+    """Densities at several angles differ by less than those of two beds at one angle do.
+
+    All beds but one select the largest difference, see `largest_difference`. The scatter of one bed
+    is a mean over all slices, over beds and angles.
+    """
+    line = complete_line(evidence, "vibration_angle", angles, frequency=frequency)
+    places = list(line.values())
+    profiles = [place.profile(DENSITY)[0] for place in places]
+    shared = common_beds(places)
+    if len(shared[0]) < 3:
+        where = f"{frequency} Hz and {', '.join(map(str, angles))} degrees"
+        raise Untestable(f"fewer than three beds that are known at {where}")
+    density = np.array([profile[beds] for profile, beds in zip(profiles, shared, strict=True)])
+    mean = density.mean(axis=1)
+    dense = mean.mean(axis=0) > 0.01 * mean.max()
+    density = density[:, :, dense] / mean.max()
+    difference = largest_difference(density)
+    scatter = float(np.sqrt(density.var(axis=1, ddof=1).mean()))
+    # Chi-square's error of a standard deviation, its slices taken as one: they move together.
+    freedom = len(places) * (len(shared[0]) - 1)
+    error = with_interval(scatter, SIGMAS * scatter / sqrt(2 * freedom))
+    ratio = quotient(difference, error)
+    return [
+        below("largest difference of ρ over the scatter of one bed", ratio, 1, places),
+        reported("largest difference of ρ over ρ_max", difference, places),
+        reported("scatter of one bed over ρ_max", scatter, places),
+    ]
+
+
+def largest_difference(density: np.ndarray) -> UFloat:
+    """Return the largest difference of mean densities (A, R, S) between two angles in a slice.
+
+    For each bed in turn, all other beds select the angles and the slice, and the bed itself gives
+    the difference. So the choice of the largest of many differences adds no bias. The sizes of a
+    bed's beads are the same at all angles, so they do not count as scatter.
+    """
+    differences = []
+    for bed, mean in enumerate(mean_of_others(density, axis=1).swapaxes(0, 1)):
+        slice_index = int(np.ptp(mean, axis=0).argmax())
+        high, low = int(mean[:, slice_index].argmax()), int(mean[:, slice_index].argmin())
+        differences.append(density[high, bed, slice_index] - density[low, bed, slice_index])
+    return replicate_mean(np.array(differences))
+
+
+def g20(
+    evidence: Evidence,
+    *,
+    frequency: float,
+    loose: Pair,
+    shearing: Pair,
+    usual: Pair,
+    firm: Pair,
+    height: float,
+    max_change: float,
+) -> list[Check]:
+    """Less friction widens the layer; the number of beads below ``height`` (⟨d⟩) hardly changes.
+
+    Pairs are damping and shear damping (g).
+    """
+    flows = [
+        evidence.at("belt", frequency=frequency, damping=damping, shear_damping=shear)
+        for damping, shear in (loose, shearing, usual, firm)
+    ]
+    at_loose, at_shearing, at_usual, at_firm = flows
+    checks = []
+    for wide, narrow in ((at_loose, at_usual), (at_loose, at_firm), (at_shearing, at_firm)):
+        label = f"at {_pair_label(wide)} less {_pair_label(narrow)}"
+        checks += check_wider(wide, narrow, label)
+    for place in (at_loose, at_shearing):
+        change = density_near_belt(place, height) / density_near_belt(at_firm, height) - 1
+        pair = f"{_pair_label(place)} over {_pair_label(at_firm)}"
+        quantity = f"beads below {height}⟨d⟩ at {pair}, less 1"
+        checks.append(within(quantity, change, -max_change, max_change, (place, at_firm)))
+    return checks
+
+
+def density_near_belt(place: Place, height: float) -> UFloat:
+    """Return the number of beads per area (m⁻²) in the slices below ``height`` (⟨d⟩)."""
+    top = height * place["diameter"]
+    return place.measure(lambda z, number: number[z < top].mean(), DENSITY)
+
+
+def _pair_label(place: Place) -> str:
+    """Return the damping and shear damping of a place."""
+    return f"({place['damping']:g}g, {place['shear_damping']:g}g)"

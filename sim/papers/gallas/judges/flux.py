@@ -1,0 +1,149 @@
+"""Judges of Gallas' claims about the mean velocity: frequency, angle, amplitude, stiffness."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from uncertainties import UFloat
+
+from sim.claims.checks import above, remove_votes, reported, withhold, within
+from sim.claims.criterion import fill
+from sim.claims.evidence import Evidence
+from sim.claims.place import Place, quotient
+from sim.claims.verdict import Check, Untestable
+from sim.papers.gallas.judges.bed import peak_density
+from sim.papers.gallas.judges.lines import (
+    MARKERS,
+    MIN_FLOW_FREQUENCY,
+    select_replicated,
+    velocity_order,
+    velocity_trend,
+)
+
+#: Frequencies (Hz) that are needed: those of the coarse grid, and those just after the jump of V.
+COARSE, FINE = (20, 30, 40, 50, 60, 80, 100), (16, 18, 20, 25, 30)
+
+#: Frequencies (Hz) at which beds creep; in the paper no bed flows there.
+CREEP = (10, 14)
+
+#: Stiffness (g⟨m⟩/⟨d⟩) above which it hardly matters; the change there is reported.
+LIMIT = 500
+
+
+def g1(
+    evidence: Evidence,
+    *,
+    step: float,
+    lowest: float,
+    straight: tuple[float, float],
+    min_r2: float,
+) -> list[Check]:
+    """V rises over frequencies ``step`` (Hz) apart and over all of them from ``lowest`` on.
+
+    V(f) is a line, by its R², between the frequencies ``straight``.
+    V at 10 and 14 Hz over V(20 Hz), the creep, is reported.
+    """
+    line = select_replicated(evidence.line("belt", "frequency"))
+    if not set(line) >= {*COARSE, *FINE}:
+        raise Untestable("no frequencies 16, 18, 20, 25, 30, 40, 50, 60, 80, 100 Hz with two beds")
+    flowing = {f: place for f, place in line.items() if f in FINE or f >= MIN_FLOW_FREQUENCY}
+    fine = {f: place for f, place in flowing.items() if f >= lowest}
+    coarse = {f: place for f, place in fine.items() if f % step == 0}
+    fast = {f: place for f, place in coarse.items() if straight[0] <= f <= straight[1]}
+    fit = determination(np.array([*fast]), [place.velocity for place in fast.values()])
+    quantity = "R² of a line through V(f), {} to {} Hz".format(*straight)
+    creep = [
+        reported(
+            f"creep, V({f:g} Hz)/V(20 Hz)",
+            quotient(line[f].velocity, line[20].velocity),
+            (line[f], line[20]),
+        )
+        for f in CREEP
+        if f in line
+    ]
+    return [
+        velocity_trend(coarse, "f (Hz)", monotone=True),
+        velocity_trend(fine, "f (Hz)", monotone=True),
+        above(quantity, fit, min_r2, fast.values()),
+        *creep,
+    ]
+
+
+def determination(abscissa: np.ndarray, values: Sequence[UFloat]) -> UFloat:
+    """Return R² of the straight line through some values."""
+    centred = abscissa - abscissa.mean()
+    mean = sum(values) / len(values)
+    deviations = [value - mean for value in values]
+    product = sum(x * y for x, y in zip(centred, deviations, strict=True))
+    return product**2 / ((centred**2).sum() * sum(y**2 for y in deviations))
+
+
+def g2(evidence: Evidence, *, angles: Sequence[float], lowest: float) -> list[Check]:
+    """V falls over the angles, at all frequencies from ``lowest`` (Hz) on."""
+    check = velocity_order(evidence, "vibration_angle", angles, lowest)
+    if check is None:
+        where = {"lowest": lowest, "angles": angles}
+        raise Untestable(fill("no frequency from {lowest} Hz on at {angles:and} degrees", where))
+    return [check]
+
+
+def g8(evidence: Evidence, *, amplitudes: Sequence[float], lowest: float) -> list[Check]:
+    """V falls over the amplitudes from ``lowest`` (Hz) on; ratios at other damping are reported."""
+    check = velocity_order(evidence, "amplitude", amplitudes, lowest)
+    if check is None:
+        where = {"lowest": lowest, "sizes": sorted(amplitudes)}
+        raise Untestable(fill("no frequency from {lowest} Hz on at amplitudes {sizes:and}", where))
+    checks = [check]
+    usual = select_replicated(evidence.line("belt", "frequency"))
+    for damping, shear in MARKERS:
+        line = evidence.line("belt", "frequency", damping=damping, shear_damping=shear)
+        for frequency, place in select_replicated(line).items():
+            if frequency >= lowest and frequency in usual:
+                ratio = quotient(place.velocity, usual[frequency].velocity)
+                quantity = f"V at (γ, γ_s) = ({damping}g, {shear}g) over (50g, 50g)"
+                places = place, usual[frequency]
+                checks.append(reported(f"{quantity}, {frequency:g} Hz", ratio, places))
+    return checks
+
+
+def g13(
+    evidence: Evidence,
+    *,
+    max_change: float,
+    stiffnesses: Sequence[float],
+    usual: float,
+    frequencies: Sequence[float],
+) -> list[Check]:
+    """Velocity and largest density change by less than ``max_change`` from the usual stiffness.
+
+    The change at 500, which is no larger than 500, is reported.
+    """
+    checks = []
+    for frequency in frequencies:
+        # At the usual stiffness this parameter has no effect.
+        alike = evidence.with_default("stiffness_keeps")
+        place = alike.at("belt", frequency=frequency, stiffness=usual)
+        for stiffness in (*stiffnesses, LIMIT):
+            line = evidence.line("belt", "stiffness", frequency=frequency)
+            label = f"Y = {stiffness} against {usual}, {frequency} Hz"
+            if stiffness in line:
+                changes = _changes(line[stiffness], place, label, max_change)
+                checks += remove_votes(changes) if stiffness == LIMIT else changes
+            elif stiffness != LIMIT:
+                missing = within(
+                    f"change of V, {label}", float("nan"), -max_change, max_change, [place]
+                )
+                checks += withhold([missing], f"Y = {stiffness} was not run")
+    if not any(check.can_decide and check.has_vote for check in checks):
+        raise Untestable("no stiffness above 500 but the usual one")
+    return checks
+
+
+def _changes(place: Place, usual: Place, label: str, max_change: float) -> list[Check]:
+    """Return the checks that velocity and largest density change by less than ``max_change``."""
+    speed = quotient(place.velocity, usual.velocity) - 1
+    densities = [flow.measure(peak_density, "number_density") for flow in (place, usual)]
+    density_change, pair = densities[0] / densities[1] - 1, (place, usual)
+    return [
+        within(f"change of V, {label}", speed, -max_change, max_change, pair),
+        within(f"change of ρ_max, {label}", density_change, -max_change, max_change, pair),
+    ]

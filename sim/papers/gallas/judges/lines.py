@@ -1,0 +1,111 @@
+"""Helpers of the judges of the belt: places along a parameter, comparisons of velocities."""
+
+from collections.abc import Mapping, Sequence
+from functools import reduce
+from math import nan
+from typing import Any
+
+import numpy as np
+from uncertainties import UFloat, ufloat, umath
+
+from sim.claims.evidence import Evidence
+from sim.claims.inference import trend
+from sim.claims.place import Place
+from sim.claims.verdict import LONGER_RUNS, SIGMAS, Check
+
+#: Lowest frequency (Hz) at which the bed certainly flows.
+MIN_FLOW_FREQUENCY = 20.0
+
+#: Pairs of damping and shear damping (g) drawn as markers in Fig. 1b.
+MARKERS = ((0, 50), (10, 10), (50, 100))
+
+#: The system of half the size.
+HALF_SYSTEM = {"beads": 100, "width": 10}
+
+
+def complete_line(
+    evidence: Evidence, name: str, values: Sequence[float], **where: Any
+) -> dict[float, Place]:
+    """Return the places at some values of a parameter of the belt.
+
+    Raises `Untestable` if one is missing.
+    """
+    return {value: evidence.at("belt", **{name: value}, **where) for value in values}
+
+
+def select_replicated(line: Mapping[float, Place]) -> dict[float, Place]:
+    """Return the places with at least two completed beds."""
+    return {value: place for value, place in line.items() if place.completed > 1}
+
+
+def common_beds(places: Sequence[Place]) -> list[np.ndarray]:
+    """Return per place the indices of the completed beds that all places share, in one order.
+
+    Places that start from different seeds share no beds.
+    """
+    if len({place["seed"] for place in places}) > 1:
+        return [np.arange(0) for _ in places]
+    numbers = [place.values("replicate_seed") for place in places]
+    shared = reduce(np.intersect1d, numbers)
+    return [np.flatnonzero(np.isin(bed_seeds, shared)) for bed_seeds in numbers]
+
+
+def velocity_trend(
+    line: Mapping[float, Place], parameter: str, *, rising: bool = True, monotone: bool = False
+) -> Check:
+    """Return the check that V rises (or falls) along a line; see `sim.claims.inference.trend`."""
+    groups = [place.values("velocity") for place in line.values()]
+    values = ", ".join(f"{value:g}" for value in line)
+    text = f"V over {parameter} = {values}"
+    return trend(text, [groups], line.values(), rising=rising, monotone=monotone)
+
+
+def velocity_order(
+    evidence: Evidence, name: str, fastest_first: Sequence[float], lowest: float
+) -> Check | None:
+    """Return the check that V falls along values of a parameter.
+
+    It uses the frequencies from ``lowest`` (Hz) on at which all values have been run. Returns none
+    if there are no such frequencies.
+    """
+    lines = [
+        select_replicated(evidence.line("belt", "frequency", **{name: value}))
+        for value in fastest_first
+    ]
+    shared = [
+        frequency for frequency in sorted(set.intersection(*map(set, lines))) if frequency >= lowest
+    ]
+    if not shared:
+        return None
+    strata = [[line[frequency].values("velocity") for line in lines] for frequency in shared]
+    places = [line[frequency] for frequency in shared for line in lines]
+    values = ", ".join(f"{value:g}" for value in fastest_first)
+    text = f"V over {name} {values}, {len(shared)} frequencies from {shared[0]:g} Hz on"
+    return trend(text, strata, places, rising=False)
+
+
+def reason_drifting(place: Place, max_drift: float, cycles: int) -> str:
+    """Return why V may not have converged: it may drift, relative to V, in so many cycles.
+
+    Empty if the drift is surely below ``max_drift``.
+    """
+    averaged = place.window * place["frequency"]
+    drift = place.velocity_change / place.velocity.nominal_value * cycles / averaged
+    largest = abs(drift.nominal_value) + SIGMAS * drift.std_dev
+    if largest < max_drift:
+        return ""
+    return (
+        f"V changes by {abs(drift.nominal_value):.1%}, or up to {largest:.1%}, in {cycles} "
+        f"cycles at γ_s = {place['shear_damping']:g}g: {LONGER_RUNS} or more beds"
+    )
+
+
+def elasticity(line: Mapping[float, Place]) -> UFloat:
+    """Return the slope of ln V against the logarithm of the parameter of a line."""
+    velocities = [place.velocity for place in line.values()]
+    if not all(velocity.nominal_value > 0 for velocity in velocities):
+        return ufloat(nan, 0)
+    centred = np.log(np.array([*line]))
+    centred -= centred.mean()
+    rise = sum(x * umath.log(v) for x, v in zip(centred, velocities, strict=True))
+    return rise / (centred**2).sum()

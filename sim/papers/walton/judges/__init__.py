@@ -1,0 +1,1 @@
+"""Judges of Walton's claims, a function each, and what they share."""

@@ -1,0 +1,344 @@
+"""Judges of Walton's claims about profiles: shear, density and plugs over height."""
+
+from collections.abc import Callable, Sequence
+from math import inf
+
+import numpy as np
+
+from sim.claims.checks import above, below, reported, withhold
+from sim.claims.criterion import fill
+from sim.claims.evidence import Evidence
+from sim.claims.inference import share_above, trend
+from sim.claims.place import Place, replicate_mean
+from sim.claims.trends import mean_of_others, smallest_mean
+from sim.claims.verdict import Check, Untestable
+from sim.measures import layers
+from sim.papers.walton.judges.chute import (
+    WIDTHS,
+    age,
+    base_flows,
+    depth_label,
+    longest_lasting_row,
+    reason_incomparable,
+    reason_unrankable,
+    select_replicated,
+    stiffness_suffix,
+    withhold_unsettled,
+)
+from sim.papers.walton.judges.states import PROFILES, majority_if_mixed, plug_share, plug_shares
+
+#: Least share of the mass of a bin that counts, where a claim gives none.
+MIN_MASS_SHARE = 0.01
+
+#: Least number of replicates for a statement about all bins at once.
+MIN_REPLICATES = 6
+
+#: Depths below which flows are shallow, and those of the shallowest.
+SHALLOW, SHALLOWEST = 5, 2.5
+
+#: Factor on an age that allows for rounding to whole samples.
+AGE_ROUNDING = 0.99
+
+
+def w10(evidence: Evidence, *, min_mass_share: float) -> list[Check]:
+    """Steps of the velocity from each slice with enough mass to the next; all bins at once."""
+    flows = _shallow_flows(evidence, SHALLOW)
+    checks = (
+        above(
+            f"least du/dz, n = {n:g}",
+            smallest_mean(_steps(place, "velocity_profile", min_mass_share=min_mass_share)),
+            0,
+            [place],
+            "1/s",
+        )
+        for n, place in flows.items()
+    )
+    return withhold_unsettled(checks, flows.values())
+
+
+def w11(
+    evidence: Evidence,
+    *,
+    min_share: float,
+    depths: Sequence[float],
+    cells: Sequence[float],
+    majority: float,
+) -> list[Check]:
+    """Share of all runs of deep flows, whatever their start and cell, that ride as a plug.
+
+    It must exceed ``majority``. A plug takes more than ``min_share`` of the depth. Runs that
+    accelerate do not count.
+    """
+    plugs_by_cell, places = {}, []
+    for cell in cells:
+        lines = (evidence.line("chute", "initial_velocity", depth=n, cell=cell) for n in depths)
+        flows = [place for line in lines for place in line.values()]
+        plug_shares_of_runs = [_steady_plugs(place) for place in flows]
+        if plug_shares_of_runs:
+            plugs_by_cell[cell] = np.concatenate(plug_shares_of_runs) > min_share
+            places += flows
+    where = fill("n = {depths:and}", {"depths": depths})
+    if len(plugs_by_cell) < 2:
+        raise Untestable(f"no flows at {where} in cells of two widths")
+    plugs = np.concatenate(list(plugs_by_cell.values()))
+    if not plugs.size:
+        raise Untestable(f"all flows at {where} accelerate")
+    checks = [
+        share_above("share of runs with a plug", int(plugs.sum()), plugs.size, majority, places)
+    ]
+    for cell, cell_plugs in plugs_by_cell.items():
+        if cell_plugs.size:
+            quantity = f"share of runs with a plug in cells of {cell} σ, {cell_plugs.size} runs"
+            checks.append(reported(quantity, plug_share(cell_plugs)))
+    return checks
+
+
+def _steady_plugs(place: Place) -> np.ndarray:
+    """Return the share of the depth taken by the plug, of replicates that do not accelerate."""
+    return plug_shares(place)[place.values("regime") != "accelerating"]
+
+
+def w12(evidence: Evidence) -> list[Check]:
+    """Steps of the packing from each layer of a diameter to the next, all tested at once.
+
+    Slices thinner than a sphere also show the gap between layers. Their largest steps are reported,
+    from the plane upwards and from the first centres upwards.
+    """
+    flows = _shallow_flows(evidence, SHALLOWEST)
+    checks = []
+    for n, place in flows.items():
+        layered = np.diff(_layer_packing(place), axis=1)
+        if not layered.size:
+            raise Untestable(f"fewer than two layers at n = {n:g}")
+        quantity = "largest rise of the packing with height"
+        checks.append(
+            below(f"{quantity}, by layers, n = {n:g}", -smallest_mean(-layered), 0, [place])
+        )
+        for start, lowest in (("the plane", 0.0), ("the first centres", 0.5 * place["diameter"])):
+            sliced = _steps(place, "packing_profile", lowest, 1.0)
+            label = f"{quantity}, by slices from {start} on, n = {n:g}"
+            checks.append(reported(label, -smallest_mean(-sliced), [place]))
+    return withhold_unsettled(checks, flows.values())
+
+
+def w13(evidence: Evidence, *, depths: Sequence[float]) -> list[Check]:
+    """Packing by layers of a diameter: the densest inner one against the lowest and the highest."""
+    flows = {
+        n: place for n, place in select_replicated(base_flows(evidence)).items() if n in depths
+    }
+    if len(flows) < len(depths):
+        missing = fill("no flows at n = {depths:and} that have replicates", {"depths": depths})
+        raise Untestable(missing)
+    checks = []
+    for n, place in flows.items():
+        rows = _layer_packing(place)
+        if len(rows) < 2 or rows.shape[1] < 3:
+            raise Untestable(f"fewer than three layers, or than two replicates, at n = {n:g}")
+        for name, end in (("lowest", 0), ("highest", -1)):
+            quantity = f"packing of the densest inner layer less that of the {name}, n = {n:g}"
+            checks.append(
+                above(quantity, replicate_mean(_densest_inner(rows) - rows[:, end]), 0, [place])
+            )
+    return withhold_unsettled(checks, flows.values())
+
+
+def _densest_inner(rows: np.ndarray) -> np.ndarray:
+    """Return the packing (R) of the densest inner layer of layers (R, L).
+
+    All other replicates select the layer, see `mean_of_others`.
+    """
+    layer = 1 + mean_of_others(rows)[:, 1:-1].argmax(axis=1)
+    return rows[np.arange(len(rows)), layer]
+
+
+def w14(
+    evidence: Evidence,
+    *,
+    min_age: float,
+    min_packing: float,
+    max_spread: float,
+    min_difference: float,
+    depth: float,
+    stiffness: float,
+) -> list[Check]:
+    """The deepest flow above and below its shear depth: packing, its spread, the difference.
+
+    It counts from ``min_age`` (√(σ/g)) on. It is of a larger ``stiffness`` (N/m) where no flow of
+    the softest spheres lasts.
+    """
+    place = _oldest(longest_lasting_row(evidence, depth, stiffness), depth)
+
+    def variation(plug: np.ndarray, _: float) -> float:
+        return plug.std(ddof=1) / plug.mean() if plug.size > 1 else np.nan
+
+    checks = []
+    for quantity, function, compare, threshold in (
+        ("packing of the plug", lambda plug, _: plug.mean(), above, min_packing),
+        ("standard deviation of its packing over its mean", variation, below, max_spread),
+        (
+            "packing of the plug less that of the shear layer",
+            lambda plug, sheared: plug.mean() - sheared,
+            above,
+            min_difference,
+        ),
+    ):
+        values = place.measure_replicates(_plug_measure(place, function), *PROFILES)
+        check = compare(
+            f"{quantity}, {depth_label(place)}", replicate_mean(values), threshold, [place]
+        )
+        checks.append(majority_if_mixed(check, place, values))
+    reason = f"averaged from {age(place):.0f} √(σ/g) on: runs of {min_age:,} and more"
+    return withhold(
+        withhold_unsettled(checks, [place]), reason if age(place) < AGE_ROUNDING * min_age else ""
+    )
+
+
+def _oldest(evidence: Evidence, depth: float) -> Place:
+    """Return the flow of a depth with the latest start of averaging.
+
+    Flows with replicates are preferred. Raises `Untestable` if there is no flow.
+    """
+    flows = evidence.line("chute", "transient", depth=depth)
+    if not flows:
+        raise Untestable(f"no {evidence.protocol} run of the chute at depth {depth:g}")
+    line = select_replicated(flows) or flows
+    return line[max(line)]
+
+
+def w17(evidence: Evidence, *, depths: Sequence[float], stiffness: float) -> list[Check]:
+    """Trend of the shear depth over the depths, and of its share of the depth.
+
+    The flows are those of one cell and one age. They are of a larger ``stiffness`` (N/m) where no
+    flow of the softest spheres lasts at the last depth.
+    """
+    line = _thinning_flows(longest_lasting_row(evidence, depths[-1], stiffness), depths)
+    if len(line) < 3:
+        cell = fill("no cell with three depths of {depths:and}", {"depths": depths})
+        raise Untestable(f"{cell} that have replicates")
+    places = list(line.values())
+    depths_text = ", ".join(f"{n:g}" for n in line) + stiffness_suffix(places[-1])
+    thickness = [place.values("shear_depth") for place in places]
+    tops = [
+        place.measure_replicates(lambda z, packing: layers.surface(z, packing), PROFILES[1])
+        for place in places
+    ]
+    fractions = [layer / top for layer, top in zip(thickness, tops, strict=True)]
+    checks = [
+        trend(f"shear depth over n = {depths_text}", [thickness], places, rising=False),
+        trend(f"its share of the depth over n = {depths_text}", [fractions], places, rising=False),
+    ]
+    reasons = [reason_incomparable(places), *map(reason_unrankable, places)]
+    missing = "" if set(line) == set(depths) else f"n = {depths_text} alone in one cell"
+    return withhold(checks, "; ".join(filter(None, [missing, *reasons])))
+
+
+def _thinning_flows(evidence: Evidence, depths: Sequence[float]) -> dict[float, Place]:
+    """Return the flows over which the shear layer may thin: the most depths of one cell and age.
+
+    At a tie the narrowest cell is chosen, then the oldest flows.
+    """
+    lines: list[dict[float, Place]] = [{}]
+    for cell in WIDTHS:
+        starts = {
+            start
+            for n in depths
+            for start in evidence.line("chute", "transient", depth=n, cell=cell)
+        }
+        for start in sorted(starts, reverse=True):
+            line = select_replicated(evidence.line("chute", "depth", cell=cell, transient=start))
+            lines.append({n: place for n, place in line.items() if n in depths})
+    return max(lines, key=len)
+
+
+def w18(evidence: Evidence, *, min_depth: float) -> list[Check]:
+    """The slowest flow: the least shear above any height, relative to that below it.
+
+    A plug has less than 5 % there (W11). The ratio of the least to the largest du/dz is reported.
+    """
+    flows = select_replicated(base_flows(evidence, min_depth))
+    if len(flows) < 3:
+        raise Untestable(f"fewer than three flows with n ≥ {min_depth} that have replicates")
+    n, place = min(flows.items(), key=lambda flow: flow[1].velocity.nominal_value)
+
+    def stiffest(height: np.ndarray, velocity: np.ndarray, packing: np.ndarray) -> float:
+        shear = layers.relative_shear(height, velocity, packing, place["diameter"])[1]
+        return min(shear, default=inf)
+
+    shear, even = (place.measure(measure, *PROFILES) for measure in (stiffest, _evenness(place)))
+    quantity = f"least shear above a height over that below it, n = {n:g}"
+    checks = [
+        above(quantity, shear, layers.PLUG_SHEAR, [place]),
+        reported(f"least over largest du/dz, n = {n:g}", even, [place]),
+    ]
+    return withhold_unsettled(checks, [place])
+
+
+def _shallow_flows(evidence: Evidence, max_depth: float) -> dict[float, Place]:
+    """Return the flows from one layer to less than ``max_depth`` that have many replicates."""
+    flows = {n: place for n, place in base_flows(evidence, 1).items() if n < max_depth}
+    replicated_flows = select_replicated(flows, MIN_REPLICATES)
+    if not replicated_flows:
+        raise Untestable(f"no flow with 1 ≤ n < {max_depth:g} that has {MIN_REPLICATES} replicates")
+    return replicated_flows
+
+
+def _steps(
+    place: Place,
+    name: str,
+    lowest: float = 0.0,
+    scale: float | None = None,
+    min_mass_share: float = MIN_MASS_SHARE,
+) -> np.ndarray:
+    """Return the steps (R, B) of a profile between slices with enough mass, over ``scale``.
+
+    Without a scale they are divided by the heights: slopes. Slices below ``lowest`` (m) do not
+    count.
+    """
+    (rows, height), (packing, _) = place.profile(name), place.profile("packing_profile")
+    mean = packing.mean(axis=0)
+    is_counted = (mean > min_mass_share * mean.sum()) & (height >= lowest)
+    return np.diff(rows[:, is_counted], axis=1) / (scale or np.diff(height[is_counted]))
+
+
+def _layer_packing(place: Place) -> np.ndarray:
+    """Return the packing by layers of a diameter (R, L), of layers that all replicates have."""
+    packing, height = place.profile("packing_profile")
+    rows = [layers.packing_by_diameters(height, row, place["diameter"]) for row in packing]
+    return np.array([row[: min(map(len, rows))] for row in rows])
+
+
+def _evenness(place: Place) -> Callable[..., float]:
+    """Return a function of profiles: the ratio of the least to the largest mean du/dz.
+
+    The means are over a diameter, because a slice shares its spheres with its neighbors.
+    """
+
+    def evenness(height: np.ndarray, velocity: np.ndarray, packing: np.ndarray) -> float:
+        across = round(place["diameter"] / (height[1] - height[0]))
+        dense = velocity[packing > MIN_MASS_SHARE * packing.sum()]
+        slopes = dense[across:] - dense[:-across]
+        rises = slopes.size > 1 and slopes.max() > 0
+        return slopes.min() / slopes.max() if rises else np.nan
+
+    return evenness
+
+
+def _plug_measure(
+    place: Place, function: Callable[[np.ndarray, float], float]
+) -> Callable[..., float]:
+    """Return a function of profiles, which applies ``function`` to plug and shear layer.
+
+    ``function`` gets the packing by layers of the plug and the mean packing of the shear layer. The
+    layers are two diameters thick, as layers of a crystal are not a diameter apart. The gap under
+    the centres of the lowest spheres belongs to no layer.
+    """
+    diameter = place["diameter"]
+
+    def measure(height: np.ndarray, velocity: np.ndarray, packing: np.ndarray) -> float:
+        depth = layers.shear_depth(height, velocity, packing, diameter)
+        rows = layers.packing_by_diameters(height, packing, diameter, layers=2)
+        plug = rows[2 * diameter * np.arange(len(rows)) >= depth]
+        sheared = packing[(height >= 0.5 * diameter) & (height < depth)]
+        return function(plug, sheared.mean()) if plug.size and sheared.size else np.nan
+
+    return measure

@@ -1,0 +1,340 @@
+"""Judges of Walton's claims about regimes: flows that accelerate, are steady, come to rest."""
+
+from collections.abc import Mapping, Sequence
+from itertools import chain
+from math import inf, nan, radians, tan
+
+from uncertainties import UFloat
+
+from sim.base.statistics import MANY, student
+from sim.claims.checks import above, below, judge_parts, remove_votes, reported, withhold, within
+from sim.claims.criterion import fill
+from sim.claims.evidence import Evidence
+from sim.claims.place import Place, quotient, replicate_mean, with_interval
+from sim.claims.verdict import LONGER_RUNS, NOT_REPRODUCED, REPRODUCED, Check, Unbounded, Untestable
+from sim.papers.walton.judges.chute import (
+    CELLS,
+    acceleration,
+    base_flows,
+    driving_acceleration,
+    is_flowing,
+    natural_speed,
+    reason_unsettled,
+    select_replicated,
+    waive_samples,
+    withhold_unsettled,
+)
+from sim.papers.walton.judges.states import report_states
+
+#: Depths of the sweeps over friction.
+SWEEP_DEPTHS = (1.24, 2.5, 5, 10, 20)
+
+#: Depths at which states are reported by start.
+STATE_DEPTHS = (10, 20)
+
+#: Largest distance of a start from the steady velocity it leads to, relative to it.
+NEAR_TOLERANCE = 0.25
+
+
+def w6(
+    evidence: Evidence,
+    *,
+    min_ratio: float,
+    errors: float,
+    frictions: Sequence[float],
+    depths: Sequence[float],
+) -> list[Check]:
+    """Accelerations below tan θ: against those of a sliding block, and some errors above zero.
+
+    Flows at ``depths`` are needed at each of the frictions.
+    """
+    lines = {mu: evidence.line("chute", "depth", friction=mu) for mu in frictions}
+    missing = [f"{mu:g}" for mu, line in lines.items() if not line.keys() >= set(depths)]
+    if missing:
+        where = fill("n = {depths:and}", {"depths": depths})
+        raise Untestable(f"no flows at {where} at friction {', '.join(missing)}")
+    checks = []
+    for mu, line in lines.items():
+        for depth, place in line.items():
+            gain, slope = acceleration(place), radians(place["angle"])
+            block, label = 1 - mu / tan(slope), f"μ = {mu:g}, n = {depth:g}"
+            quantity = f"dV/dt over that of a block, {label}"
+            checks.append(waive_samples(above(quantity, gain / block, min_ratio, [place]), place))
+            error = place.value(
+                "acceleration", "acceleration_error"
+            ).std_dev / driving_acceleration(place)
+            # The one-sided bound, which decides, then lies at so many errors.
+            wide = with_interval(
+                gain.nominal_value, errors * error * student(MANY) / student(MANY, sides=1)
+            )
+            quantity = f"dV/dt over g sin θ within {errors} errors, {label}"
+            checks.append(waive_samples(above(quantity, wide, 0, [place]), place))
+    return checks
+
+
+def w7(evidence: Evidence, *, max_deviation: float, min_speed: float) -> list[Check]:
+    """The flow of half a layer: dV/dt against a sphere that rolls alone, and its velocity."""
+    place = evidence.at("chute", depth=0.5)
+    if place.completed < 2:
+        raise Untestable("no flow at n = 0.5 that has replicates")
+    speed = place.velocity / natural_speed(place)
+    rolling, bounds = acceleration(place) / (5 / 7), (1 - max_deviation, 1 + max_deviation)
+    checks = [
+        within("dV/dt over (5/7) g sin θ, n = 0.5", rolling, *bounds, [place]),
+        above("V at which it still does so, n = 0.5", speed, min_speed, [place], "√(gσ)"),
+    ]
+    if place.regime in ("undetermined", "mixed"):
+        return withhold(checks, f"the flow is {place.regime}")
+    # The velocity is the mean over the window, and the trend of the window decides. A flow that
+    # still grows at too low a velocity needs a longer run; a plateau has another trend.
+    rolls, fast = (waive_samples(check, place) for check in checks)
+    short = rolls.verdict == REPRODUCED and fast.verdict == NOT_REPRODUCED
+    return [rolls, *withhold([fast], LONGER_RUNS if short else "")]
+
+
+def w8(
+    evidence: Evidence,
+    *,
+    depths: tuple[float, float],
+    max_acceleration: float,
+    min_average: float,
+    min_faster_depth: float,
+) -> list[Check]:
+    """Flows between two depths: their drift, and V over that of the next deeper flow.
+
+    The ends of the range are reported, and so is the least depth of a steady flow.
+    """
+    flows = select_replicated(base_flows(evidence))
+    low, high = depths
+    thin = {n: place for n, place in flows.items() if low <= n <= high}
+    thin = {n: place for n, place in thin.items() if place["average"] >= min_average}
+    between = [n for n in thin if low < n < high]
+    deep = min((n for n in flows if n >= min_faster_depth), default=None)
+    if len(between) < 2 or deep is None:
+        raise Untestable(
+            f"fewer than two flows with {low} < n < {high}, replicates and {min_average} √(σ/g), "
+            f"or none with n ≥ {min_faster_depth}"
+        )
+    checks = []
+    for n, place in thin.items():
+        drift = acceleration(place)
+        steady = within(
+            f"dV/dt over g sin θ, n = {n:g}", drift, -max_acceleration, max_acceleration, [place]
+        )
+        ratio, pair = quotient(place.velocity, flows[deep].velocity), [place, flows[deep]]
+        slower = below(f"V at n = {n:g} over that at n = {deep:g}", ratio, 1, pair)
+        pair_checks = [waive_samples(steady, place), slower]
+        checks += pair_checks if n in between else remove_votes(pair_checks)
+    least = _boundary(evidence, "acceleration", "depth", any_protocol=True)
+    if least is not None:
+        checks.append(reported("least depth of a steady flow", least))
+    return checks
+
+
+def _boundary(
+    evidence: Evidence, of: str, along: str, any_protocol: bool = False, **where: float
+) -> UFloat | None:
+    """Return a boundary; none if it was never searched.
+
+    The interval is infinite where a start has no boundary in the range.
+    """
+    try:
+        return evidence.boundary("chute", of, along, seeds=True, any_protocol=any_protocol, **where)
+    except Unbounded:
+        return with_interval(nan, inf)
+    except Untestable:
+        return None
+
+
+def w19(
+    evidence: Evidence,
+    *,
+    max_slope: float,
+    somewhat: float,
+    greatly: float,
+    starts: Sequence[float],
+    min_rest: float,
+) -> list[Check]:
+    """Flows over a sweep of friction: steady a little above tan θ (a), at rest beyond twice (b).
+
+    Frictions are ``somewhat`` and ``greatly`` above tan θ by its multiples. The velocity of a
+    steady flow changes by less than ``max_slope`` times g sin θ. Whether flows come to rest, for
+    ``min_rest`` (√(σ/g)), is judged after slow ``starts`` (√(gσ)); fast starts are reported.
+    """
+    return judge_parts(
+        a=lambda: _check_steady_above(evidence, somewhat, max_slope),
+        b=lambda: _check_arrested_beyond(evidence, greatly, starts, min_rest),
+    )
+
+
+def _check_steady_above(evidence: Evidence, somewhat: float, max_slope: float) -> list[Check]:
+    """Check the mean slope of all replicates per depth, pooled over frictions just above tan θ."""
+    checks, has_sweep = [], False
+    for n in SWEEP_DEPTHS:
+        flows = [
+            place
+            for mu, place in _sweep(evidence, n).items()
+            if 1 < mu <= somewhat and place.completed > 1
+        ]
+        if not flows:
+            continue
+        has_sweep |= len(flows) > 1
+        pooled = sum(map(acceleration, flows)) / len(flows)
+        quantity = f"dV/dt over g sin θ, {len(flows)} frictions, n = {n:g}"
+        stopped = [place for place in flows if not is_flowing(place)]
+        check = within(quantity, pooled, -max_slope, max_slope, flows)
+        checks += withhold([check], f"{len(stopped)} of them do not move" if stopped else "")
+    if not has_sweep:
+        raise Untestable(f"no depth with replicates at two frictions from 1 to {somewhat} tan θ")
+    return checks
+
+
+def _check_arrested_beyond(
+    evidence: Evidence, greatly: float, starts: Sequence[float], min_rest: float
+) -> list[Check]:
+    """Check, by initial velocity, that flows much rougher than the slope come to rest."""
+    slow: list[Check] = []
+    usual: list[Check] = []
+    for n in SWEEP_DEPTHS:
+        for start in starts:
+            sweep = _sweep(evidence, n, initial_velocity=start)
+            rough = [place for mu, place in sweep.items() if mu > greatly]
+            slow += [_check_arrested(place, min_rest) for place in rough]
+            usual += chain.from_iterable(map(_report_rest_time, rough))
+        sweep = _sweep(evidence, n)
+        usual += [_check_arrested(place, min_rest) for mu, place in sweep.items() if mu > greatly]
+    if not slow and not usual:
+        raise Untestable(fill("no flow beyond {greatly:times} tan θ", {"greatly": greatly}))
+    return [*slow, *remove_votes(usual)]
+
+
+def _sweep(evidence: Evidence, depth: float, **where: float) -> dict[float, Place]:
+    """Return the flows of a depth by their friction over tan θ."""
+    line = evidence.line("chute", "friction", depth=depth, cell=CELLS[depth], **where)
+    return {mu / tan(radians(place["angle"])): place for mu, place in line.items()}
+
+
+def _check_arrested(place: Place, min_rest: float) -> Check:
+    """Return the check that a flow has come to rest for ``min_rest`` (√(σ/g)) at least.
+
+    In that regime V/√(gσ) stays below 1e-3 over half of the window. A flow that moves without much
+    change fails. One that slows is undecided, and so is one whose replicates disagree.
+    """
+    rests, regimes = nan, set(place.values("regime"))
+    if place["average"] >= 2 * min_rest and regimes == {"arrested"}:
+        rests = 1.0
+    elif "arrested" not in regimes and (regimes == {"accelerating"} or not reason_unsettled(place)):
+        rests = 0.0
+    return above(f"at rest (1) or not (0), {_rough_label(place)}", rests, 0.5, [place])
+
+
+def _rough_label(place: Place) -> str:
+    """Return the label of a flow of the sweeps over friction."""
+    return f"μ = {place['friction']:g}, n = {place['depth']:g}, V0 = {place['initial_velocity']:g}"
+
+
+def _report_rest_time(place: Place) -> list[Check]:
+    """Report the time, in √(σ/g), until a flow was at rest; no check for one that moves."""
+    if place.regime != "arrested":
+        return []
+    try:
+        rest_time = replicate_mean(place.values("transient_end")) / (
+            natural_speed(place) / place["gravity"]
+        )
+    except Untestable:
+        return []
+    return [reported(f"time until at rest, {_rough_label(place)}", rest_time, [place], "√(σ/g)")]
+
+
+def w23(
+    evidence: Evidence,
+    *,
+    margin: float,
+    depths: Sequence[float],
+    slow: tuple[float, float],
+    fast: tuple[float, float],
+) -> list[Check]:
+    """Velocities after slower and faster starts equal that after the nearest one within ``margin``.
+
+    The nearest start is the one closest to the velocity it led to. ``slow`` and ``fast`` are
+    fractions of that velocity, each as numerator and denominator. The states of deep flows are
+    reported by their start.
+    """
+    checks, missing = [], []
+    max_slow, min_fast = slow[0] / slow[1], fast[0] / fast[1]
+    for n in depths:
+        line = evidence.line("chute", "initial_velocity", depth=n, cell=CELLS[n])
+        near = _nearest_start(line)
+        if near is None:
+            missing.append(f"{n:g}")
+            continue
+        steady = line.pop(near)
+        reached = steady.velocity.nominal_value / natural_speed(steady)
+        relative = {start: start / reached for start in line}
+        ends = min(relative.values(), default=inf), max(relative.values(), default=0)
+        if abs(near / reached - 1) > NEAR_TOLERANCE or ends[0] > max_slow or ends[1] < min_fast:
+            missing.append(f"{n:g}")
+            continue
+        for start, place in line.items():
+            ratio = quotient(place.velocity, steady.velocity)
+            quantity = f"V after a start at {relative[start]:.2g} V, n = {n:g}, over the usual V"
+            bounds = 1 - margin, 1 + margin
+            pair = [place, steady]
+            # A flow that has come to rest has not forgotten its start.
+            moving = [flow for flow in pair if is_flowing(flow)]
+            checks += withhold_unsettled([within(quantity, ratio, *bounds, pair)], moving)
+    if missing:
+        raise Untestable(f"no starts at V, half and twice of it at n = {', '.join(missing)}")
+    return [*checks, *chain.from_iterable(_report_start_states(evidence, n) for n in STATE_DEPTHS)]
+
+
+def _report_start_states(evidence: Evidence, depth: float) -> list[Check]:
+    """Report the states of a deep flow by its start."""
+    line = evidence.line("chute", "initial_velocity", depth=depth, cell=CELLS[depth])
+    reports = []
+    for start, place in line.items():
+        try:
+            reports += report_states(f"start at {start:g} √(gσ), n = {depth:g}", [place])
+        except Untestable:
+            continue
+    return reports
+
+
+def _nearest_start(line: Mapping[float, Place]) -> float | None:
+    """Return the start (√(gσ)) nearest to the velocity it led to, of settled flows if any."""
+
+    def distance(start: float) -> tuple[bool, float]:
+        place = line[start]
+        reached = place.velocity.nominal_value / natural_speed(place)
+        return bool(reason_unsettled(place)), abs(start / reached - 1)
+
+    return min((start for start in line if is_flowing(line[start])), key=distance, default=None)
+
+
+def w25(
+    evidence: Evidence, *, min_width: float, required: Sequence[float], depth: float
+) -> list[Check]:
+    """The window between angles at which flows rest and run away exceeds ``min_width`` (degrees).
+
+    The narrowest window of any seed decides. Its ends are the inner ones of the brackets: flows
+    move at the lower end, and do not accelerate at the upper one. It is needed at the ``required``
+    depths, and judged at one more where it was searched.
+    """
+    checks, missing = [], []
+    for n in (*required, depth):
+        try:
+            runaway, rest = (
+                evidence.brackets("chute", of, "angle", depth=n) for of in ("acceleration", "flow")
+            )
+        except Untestable:
+            if n in required:
+                missing.append(f"{n:g}")
+            continue
+        width = (runaway["low"] - rest["high"]).dropna()
+        quantity = f"narrowest window of {len(width)} seeds, n = {n:g}"
+        check = above(quantity, float(width.min()), min_width, unit="°")
+        has_seeds = len(width) == len(runaway) > 1
+        checks += withhold([check], "" if has_seeds else "limits from two seeds or more")
+    if missing:
+        raise Untestable(f"no bounds of the angle of steady flow at n = {', '.join(missing)}")
+    return checks

@@ -1,0 +1,273 @@
+"""The papers' figures: entries of YAML files, which are plots of a study file with further keys."""
+
+from collections import UserDict
+from collections.abc import Mapping
+from functools import cached_property
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import AfterValidator, Field, ValidationError, model_validator
+
+from sim.base.additions import on_change
+from sim.base.errors import InputError
+from sim.base.messages import input_error
+from sim.base.yaml import read_yaml
+from sim.parameters.common import broken_rule
+from sim.study.entries import Strict
+from sim.study.figure_spec import (
+    CREEP,
+    LARGEST_PORTION,
+    SHARE,
+    TALLEST,
+    WIDEST_INTERVAL,
+    FigureSpec,
+)
+from sim.study.papers import Paper, papers
+from sim.study.plot_file import PlotFile
+from sim.study.plottable import find_observable, require_parameter
+
+#: Keys of each kind of plot besides those of all kinds. Its name begins with its system.
+KEYS = {
+    "belt_acceleration": "x curves levels styles entry",
+    "belt_animation": "",
+    "belt_curves": "x curves panels axis log levels quantities styles entry",
+    "belt_map": "x y curves",
+    "belt_paths": "",
+    "belt_profiles": "x curves vary look styles entry",
+    "belt_snapshots": "",
+    "chute_animation": "point",
+    "chute_curves": "x curves axis log levels quantities",
+    "chute_map": "x y",
+    "chute_row": "",
+}
+
+#: Axis that can be logarithmic, of kinds that have one.
+_LOG_AXIS = {"belt_curves": "x", "chute_curves": "y"}
+_KEYS_OF_ALL = "name kind system about title where words lead named says"
+
+#: Limits that words in braces can name, as they are written there.
+_LIMITS = {
+    "creep": f"{CREEP:g}",
+    "largest_portion": f"{LARGEST_PORTION:g}",
+    "share": f"{100 * SHARE:g}",
+    "tallest": f"{TALLEST:g}",
+    "widest_interval": f"{100 * WIDEST_INTERVAL:g}",
+}
+
+
+def _one_or_tuple(value: Any) -> Any:
+    """Return a value of a parameter, or a tuple of the values of a list."""
+    values = value if isinstance(value, list) else [value]
+    if not all(isinstance(one, bool | int | float | str) for one in values):
+        raise broken_rule("", value, "a value of a parameter, or a list of values")
+    return tuple(values) if isinstance(value, list) else value
+
+
+_Values = Annotated[Any, AfterValidator(_one_or_tuple)]
+
+
+class _Look(Strict):
+    """Look of a curve, by the names of `sim.figures.style`; a measure may leave it open."""
+
+    colour: Literal["black", "blue", "red", "green", "pink", "orange"] = "black"
+    dashes: Literal["solid", "short_dash", "long_dash", "dash_dot", "dotted", "none"] = "solid"
+    marker: str = ""
+    entry: str = Field("", description="its entry in the legend, or a measure's part of entries")
+
+
+class Style(_Look):
+    """Look of the curve that has the values ``at`` of ``curves``, in their order."""
+
+    at: _Values
+
+
+class Measure(_Look):
+    """A measure of the dataset that a figure shows."""
+
+    name: str
+    over: str = Field("", description="parameter that it is divided by")
+    label: str = Field(description="what it is, for headings, with its unit in brackets")
+
+
+class FigureFile(PlotFile):
+    """A figure of a paper. Words in braces in ``title``, ``lead`` and ``says`` are filled in."""
+
+    kind: str = Field("curves", description="kind of `KEYS`, without the system")
+    title: str
+    about: str = Field(description="figure of the paper, or what of the paper it is about")
+    vary: list[str] = Field([], description="parameters, on no axis, that the points must vary")
+    axis: str = Field("", description="label of the vertical axis")
+    levels: list[float] = Field([], description="values to compare with")
+    quantities: list[Measure] = []
+    look: Literal["", "damping"] = Field("", description="function of `sim.figures.looks`")
+    styles: list[Style] = []
+    entry: str = Field("", description="pattern of the entries in the legend")
+    point: Literal["", "slowest"] = Field("", description="which of several points is shown")
+    where: dict[str, _Values] = Field({}, description="values that a point must have to be drawn")
+    words: dict[str, str] = Field({}, description="texts for the braces, besides those of the file")
+    lead: str = Field(description="first sentences of the caption: what is drawn")
+    named: list[str] = Field(description="parameters whose values the caption gives")
+    says: str = Field(description="last sentences of the caption: what the paper says")
+
+    @model_validator(mode="after")
+    def _require_keys_of_kind(self) -> Self:
+        prefix = f"{self.system}_"
+        if prefix + self.kind not in KEYS:
+            kinds = [name.removeprefix(prefix) for name in KEYS if name.startswith(prefix)]
+            raise broken_rule("kind", self.kind, f"one of {', '.join(kinds) or 'none'}")
+        keys = f"{_KEYS_OF_ALL} {KEYS[prefix + self.kind]}".split()
+        for key in type(self).model_fields:
+            if key in self.model_fields_set and key not in keys:
+                allowed = f"a key of {self.kind}: {', '.join(keys)}"
+                raise broken_rule(key, getattr(self, key), allowed)
+        for key in ("x", "y"):
+            if key in keys and getattr(self, key) is None:
+                raise broken_rule(key, None, f"a name; {self.kind} has an axis {key}")
+        if self.panels not in (None, "protocol"):
+            raise broken_rule("panels", self.panels, "protocol")
+        if self.log and self.log != [_LOG_AXIS[prefix + self.kind]]:
+            allowed = f"[{_LOG_AXIS[prefix + self.kind]}] of {self.kind}"
+            raise broken_rule("log", self.log, allowed)
+        return self
+
+    @model_validator(mode="after")
+    def _require_parameters(self) -> Self:
+        for key in ("x", "y", "curves", "vary", "where", "named"):
+            value = getattr(self, key) or ()
+            for name in [value] if isinstance(value, str) else value:
+                if (key, self.kind) != ("x", "profiles"):
+                    require_parameter(key, name, self.system, (), broken_rule)
+        for number, measure in enumerate(self.quantities):
+            key = f"quantities[{number}]"
+            find_observable("curves", f"{key}.name", measure.name, self.system, broken_rule)
+            if measure.over:
+                require_parameter(f"{key}.over", measure.over, self.system, (), broken_rule)
+        if self.kind == "profiles":
+            find_observable("profiles", "x", str(self.x), self.system, broken_rule)
+        return self
+
+    @property
+    def options(self) -> dict[str, Any]:
+        """What the kind of plot leaves open, by the names of `sim.figures`; empty ones left out."""
+        options: dict[str, Any] = {
+            "look": self.look,
+            "axis": self.axis,
+            "log": tuple(self.log),
+            "levels": tuple(self.levels),
+            "quantities": tuple(one.model_dump(exclude_unset=True) for one in self.quantities),
+            "styles": {
+                style.at: style.model_dump(exclude_unset=True, exclude={"at"})
+                for style in self.styles
+            },
+            "entry": self.entry,
+            "point": self.point,
+        }
+        if self.kind == "profiles":
+            profile = find_observable("profiles", "x", self.x, self.system, broken_rule)
+            options |= {"quantity": profile.source, "keys": tuple(self.curves or ())}
+        return {name: value for name, value in options.items() if value}
+
+
+class PaperFigures(Strict):
+    """The figures of a paper."""
+
+    words: dict[str, str] = Field({}, description="texts for the braces of all figures")
+    figures: list[FigureFile]
+
+
+def _give_system(contents: Any, system: str) -> Any:
+    """Return contents of a file whose figures are of a system, but where they name another."""
+    match contents:
+        case {"figures": [*figures]}:
+            figures = [
+                {"system": system, **one} if isinstance(one, dict) else one for one in figures
+            ]
+            return contents | {"figures": figures}
+    return contents
+
+
+def read_figures(paper: Paper) -> list[FigureSpec]:
+    """Read ``figures.yaml`` of a paper; a paper without this file has none.
+
+    Raises
+    ------
+    InputError
+        For a file that is not readable, and for the first wrong or unknown key, kind or name.
+    """
+    path = paper.folder / "figures.yaml"
+    if not path.exists():
+        return []
+    source = str(path)
+    try:
+        file = PaperFigures.model_validate(_give_system(read_yaml(path), paper.system))
+    except ValidationError as error:
+        raise input_error(error, PaperFigures, source) from None
+    words = _LIMITS | _fill(file.words, _LIMITS, source, "words")
+    return [
+        _spec(paper, figure, words, source, f"figures[{number}]")
+        for number, figure in enumerate(file.figures)
+    ]
+
+
+def _spec(
+    paper: Paper, figure: FigureFile, words: Mapping[str, str], source: str, key: str
+) -> FigureSpec:
+    """Return what the figure at ``key`` of a file is."""
+    words = {**words, **figure.words, **figure.where}
+    texts = _fill(figure.model_dump(include={"title", "lead", "says"}), words, source, key)
+    x = None if figure.kind == "profiles" else figure.x
+    return FigureSpec(
+        name=figure.name,
+        kind=f"{figure.system}_{figure.kind}",
+        paper=f"{paper.quote}, {figure.about}",
+        system=figure.system,
+        title=texts["title"],
+        axes=(*filter(None, (x, figure.y, figure.panels)), *figure.vary),
+        curves=tuple(name for name in figure.curves or () if name not in figure.vary),
+        where=figure.where,
+        lead=texts["lead"],
+        named=tuple(figure.named),
+        says=texts["says"],
+        options=figure.options,
+    )
+
+
+def _fill(
+    texts: Mapping[str, str], words: Mapping[str, Any], source: str, key: str
+) -> dict[str, str]:
+    """Return texts with words in place of their braces."""
+    filled = {}
+    for name, text in texts.items():
+        try:
+            filled[name] = text.format(**words)
+        except (KeyError, IndexError, TypeError, ValueError) as error:
+            got = error.args[0] if isinstance(error, KeyError) else str(error)
+            allowed = f"in braces one of {', '.join(words)}"
+            raise InputError.of_value(source, f"{key}.{name}", got, allowed) from None
+    return filled
+
+
+class Catalogue(UserDict[str, FigureSpec]):
+    """The figures of all papers by name, read when the first of them is asked for."""
+
+    def __init__(self) -> None:
+        """Read nothing yet: many commands need no figure."""
+
+    @cached_property
+    def data(self) -> dict[str, FigureSpec]:  # type: ignore[override]
+        """The figures; animations come last."""
+        figures: dict[str, FigureSpec] = {}
+        for paper in papers().values():
+            for spec in read_figures(paper):
+                if spec.name in figures:
+                    allowed = "a name that no other figure has"
+                    raise InputError.of_value(
+                        str(paper.folder / "figures.yaml"), "name", spec.name, allowed
+                    )
+                figures[spec.name] = spec
+        return dict(sorted(figures.items(), key=lambda item: item[1].animated))
+
+
+FIGURES = Catalogue()
+
+# A plug-in may add a paper.
+on_change(lambda: FIGURES.__dict__.pop("data", None))

@@ -1,0 +1,155 @@
+"""What a figure is: its kind of plot, the points that feed it, and what its caption says."""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from enum import IntEnum
+from typing import Any
+
+from sim.parameters import NUMERICAL, Parameters
+
+#: Kinds of plot that show regimes and boundaries, that move, and that show paths and last states of
+#: particles.
+_OF_REGIMES = frozenset({"chute_map", "belt_map", "plot_map"})
+_ANIMATED = frozenset({"chute_animation", "belt_animation"})
+_OF_PATHS = _ANIMATED | {"belt_paths"}
+_OF_STATES = frozenset({"chute_row", "belt_snapshots"})
+
+#: Greatest depth n whose pictures show a portion of the cell: the half near the viewer.
+LARGEST_PORTION = 10
+
+#: Profiles of a chute flow end where this share of the spheres' volume is below.
+SHARE = 0.995
+
+#: Largest half width of an interval, relative to the mean, of chute flows that a line joins.
+WIDEST_INTERVAL = 0.5
+
+#: Flows slower than this (√(gσ)) that are not at rest are said to creep.
+CREEP = 0.1
+
+#: Greatest height of the beads in an animation (⟨d⟩); few beads of a gas fly higher.
+TALLEST = 24.0
+
+
+class Shown(IntEnum):
+    """What is shown of the particles of a point, the later the more of them is kept."""
+
+    NOTHING = 0
+    STATE = 1
+    PATH = 2
+
+
+@dataclass(frozen=True)
+class FigureSpec:
+    """A figure as plain data: numbers, texts, and tuples and mappings of them.
+
+    Attributes
+    ----------
+    name : str
+        Name in study files, targets and file names.
+    kind : str
+        Kind of plot, one of `sim.figures.kind.KINDS`.
+    paper : str
+        Figure of the paper it reproduces, or what it is about in it; empty for a study's own plot.
+    system : str
+        System of all the points that feed it.
+    title : str
+        One line for tables and the report.
+    axes : tuple of str
+        Parameters that must take at least two values among those points; curves are drawn along the
+        first.
+    curves : tuple of str
+        Parameters that tell the paper's curves apart; a study may vary them or not.
+    where : mapping
+        Values that parameters of a point must have to be drawn, or tuples of values of which each
+        must have one; others of a series that feeds the figure are left out.
+    lead : str
+        First sentences of the caption: what is drawn.
+    named : tuple of str
+        Parameters whose values the caption gives.
+    says : str
+        Last sentences of the caption: what the paper says that the figure shows.
+    series : tuple of str
+        Series whose points feed it, where the study says so itself; those of the catalogue are fed
+        by the series that name them.
+    options : mapping
+        What the kind of plot leaves open, such as quantities, and styles that the paper prescribes;
+        the module of the kind says which it knows.
+    """
+
+    name: str
+    kind: str
+    paper: str
+    system: str
+    title: str
+    axes: tuple[str, ...] = ()
+    curves: tuple[str, ...] = ()
+    where: Mapping[str, Any] = field(default_factory=dict)
+    lead: str = ""
+    named: tuple[str, ...] = ()
+    says: str = ""
+    series: tuple[str, ...] = ()
+    options: Mapping[str, Any] = field(default_factory=dict)
+
+    @property
+    def regimes(self) -> bool:
+        """Whether it shows regimes and the boundaries found between them, not velocities."""
+        return self.kind in _OF_REGIMES
+
+    @property
+    def particles(self) -> Shown:
+        """What it shows of the particles, which the dataset then keeps."""
+        if self.kind in _OF_PATHS:
+            return Shown.PATH
+        return Shown.STATE if self.kind in _OF_STATES else Shown.NOTHING
+
+    @property
+    def animated(self) -> bool:
+        """Whether it moves: a GIF with a poster instead of a picture."""
+        return self.kind in _ANIMATED
+
+    @property
+    def draws_curves(self) -> bool:
+        """Whether points are joined to curves, on which each has a place of its own."""
+        return bool(self.axes) and not self.regimes
+
+    @property
+    def taken(self) -> dict[str, str]:
+        """Values in ``where`` in words, by parameter."""
+        return {name: ", ".join(map(written, _tuple(value))) for name, value in self.where.items()}
+
+    def shows(self, parameters: Parameters) -> bool:
+        """Return whether a point with these parameters is among those drawn."""
+        return all(self.takes(name, parameters) for name in self.where)
+
+    def is_fed_by(self, system: str, series: Iterable[str]) -> bool:
+        """Return whether a point of some series is one of those that a study's own plot shows."""
+        return system == self.system and not set(series).isdisjoint(self.series)
+
+    def takes(self, name: str, parameters: Parameters) -> bool:
+        """Return whether a point is not left out for the parameter ``name`` of ``where``."""
+        return getattr(parameters, name) in _tuple(self.where[name])
+
+    def place(self, parameters: Parameters) -> tuple[Any, ...]:
+        """Return the values that place a point on the curves; points of the same lie on each other.
+
+        Parameters that set how a point is computed do so only where the figure is about them.
+        """
+        own = {*self.axes, *self.curves}
+        names = type(parameters).model_fields
+        return tuple(
+            getattr(parameters, name) for name in names if name in own or name not in NUMERICAL
+        )
+
+    @property
+    def suffixes(self) -> tuple[str, str, str, str]:
+        """Of its files: picture, picture that scales or moves, data behind it, caption."""
+        return ".png", ".gif" if self.animated else ".svg", ".csv", ".caption.txt"
+
+
+def _tuple(value: Any) -> tuple[Any, ...]:
+    return value if isinstance(value, tuple) else (value,)
+
+
+def written(value: Any) -> str:
+    """Write a value of a parameter for people."""
+    return value if isinstance(value, str) else f"{value:g}"

@@ -1,0 +1,241 @@
+"""The plan of a workflow: which points of a study it runs, in which jobs, and at which cost."""
+
+import json
+from collections import defaultdict
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import suppress
+from operator import attrgetter
+from pathlib import Path
+from typing import Any, Protocol
+
+from filelock import FileLock, Timeout
+
+from sim.base.errors import InputError
+from sim.base.file_times import age
+from sim.base.files import atomic_write, lock_of, read_regular
+from sim.parameters import RUN_FILE, Parameters, canonical_json
+from sim.study.batches import plan_batches
+from sim.study.cost import Estimate, estimate
+from sim.study.load import load_study
+from sim.study.model import Study
+
+
+class RunFiles(Protocol):
+    """Functions that say how much run files hold: the module `sim.engine.stored_run`."""
+
+    def has_enough(self, path: Path, parameters: Parameters) -> bool: ...
+    def needs_growth(self, path: Path, parameters: Parameters) -> bool: ...
+    def planned_amounts(self, path: Path, parameters: Parameters) -> dict[str, float]: ...
+
+
+class Adopted(Protocol):
+    """Points whose rows come from other datasets: `sim.dataset.adopted.AdoptedPoints`."""
+
+    files: list[Path]
+
+    def source(self, point: str, parameters: Parameters) -> object: ...
+    def sources(self, points: Mapping[str, Parameters]) -> Mapping[str, object]: ...
+
+
+class Plan:
+    """What the rules of the workflow ask of a study; points are given by their ids.
+
+    Parameters
+    ----------
+    study : Study
+        The study.
+    folder : Path
+        Its results.
+    run_files : RunFiles
+        How much run files hold.
+    adopted : Adopted
+        Its adopted points. Points in ``sources`` need no run file.
+    read_round : callable
+        Function: file of a round of refinement → points that it adds, by id.
+    """
+
+    def __init__(
+        self,
+        study: Study,
+        folder: Path,
+        run_files: RunFiles,
+        adopted: Adopted,
+        read_round: Callable[[Path], Mapping[str, Parameters]],
+    ):
+        self.study, self.folder = study, folder
+        self._run_files, self._adopted, self._read_round = run_files, adopted, read_round
+        self.sources = adopted.sources(
+            {key: point.parameters for key, point in study.points.items()}
+        )
+        self._amount_texts: dict[str, str] = {}
+        self._owner, self._batches = folder / ".study", folder / "runs" / ".batches"
+
+    def parameters(self, point: str) -> Parameters:
+        """Return the parameters of a point, from the study or any round of refinement."""
+        if point in self.study.points:
+            return self.study.points[point].parameters
+        rounds = (self.round_file(number) for number in range(1, self.study.rounds + 1))
+        for path in filter(Path.is_file, rounds):
+            if added := self._read_round(path).get(point):
+                return added
+        raise InputError(f"{point}: no point of {self.study.path}")
+
+    def run_file(self, point: str) -> str:
+        """Return the path of the run file of a point."""
+        return f"{self.folder}/runs/{point}.nc"
+
+    def round_file(self, number: int) -> Path:
+        """Return the path of the file with the points that a round of refinement adds."""
+        return self.folder / "rounds" / f"{number}.json"
+
+    def origin_files(self, point: str) -> list[str]:
+        """Return a list with the run file that a point starts from; for most points it is empty."""
+        start = self.parameters(point).start_from
+        return [start if start.endswith(RUN_FILE) else self.run_file(start)] if start else []
+
+    def files_to_gather(self, rounds: Iterable[Path]) -> list[str]:
+        """Return the run files of the study and of some rounds, and the adopted datasets.
+
+        ``rounds`` are the files of the rounds, each read before the next is asked for.
+        """
+        points = [point for point in self.study.points if point not in self.sources]
+        for path in rounds:
+            added = self._read_round(path)
+            to_run = [point for point in added if not self._adopted.source(point, added[point])]
+            for point in to_run:
+                self.needs_run(point)
+            points += to_run
+        return [*map(self.run_file, points), *map(str, self._adopted.files)]
+
+    def needs_run(self, point: str) -> bool:
+        """True where a point lacks a run file with the present numerics and large enough amounts.
+
+        A file with smaller amounts is dated back until they suffice. Snakemake records the
+        parameters of a failed job as if it were done, so they cannot show that the file must grow.
+        """
+        path, parameters = Path(self.run_file(point)), self.parameters(point)
+        is_enough = self._run_files.has_enough(path, parameters)
+        age(path, not is_enough and self._run_files.needs_growth(path, parameters))
+        return not is_enough
+
+    def amount_text(self, point: str) -> str:
+        """Return a text with the amounts that the run file of a point has, or will have.
+
+        A run file with large enough amounts keeps its text, so Snakemake only reruns others.
+        """
+        if point not in self._amount_texts:
+            path, parameters = Path(self.run_file(point)), self.parameters(point)
+            planned = self._run_files.planned_amounts(path, parameters)
+            self._amount_texts[point] = json.dumps(planned, sort_keys=True)
+        return self._amount_texts[point]
+
+    def points_json(self, points: Iterable[str]) -> str:
+        """Return the parameters of points as a JSON list."""
+        return f"[{','.join(canonical_json(self.parameters(point)) for point in points)}]"
+
+    def batches_to_run(self, cores: float | None) -> dict[str, list[str]]:
+        """Return a map from names of batches to their points: short points to run or to continue.
+
+        The points of a batch have the same planned amounts, which are a parameter of the rule. None
+        starts from the end of another point. ``cores`` is that of `plan_batches`.
+        """
+        points_by_amount: dict[str, dict[str, Parameters]] = defaultdict(dict)
+        for point in self.study.points:
+            if point not in self.sources and self.needs_run(point) and not self.origin_files(point):
+                points_by_amount[self.amount_text(point)][point] = self.parameters(point)
+        return {
+            name: members
+            for points in points_by_amount.values()
+            for name, members in plan_batches(points, cores).items()
+        }
+
+    def read_batches(self) -> dict[str, list[str]]:
+        """Return the batches planned by the main Snakemake, for a job on a cluster."""
+        return json.loads(read_regular(self._batches))
+
+    def start(self, batches: Mapping[str, Sequence[str]]) -> FileLock:
+        """Write notes for jobs and later workflows; return the lock of the results.
+
+        Keep the lock while the workflow lives. The kernel releases it with the process, so a killed
+        workflow leaves none. On a file system without locks, there is none.
+
+        Raises
+        ------
+        InputError
+            When another workflow has the lock.
+        """
+        self._batches.parent.mkdir(parents=True, exist_ok=True)
+        lock = lock_of(self.folder / ".lock")
+        try:
+            lock.acquire(blocking=False)
+        except Timeout:
+            raise InputError(f"{self.folder}: cannot be locked: its workflow is running") from None
+        except OSError:
+            pass  # no locks on this file system
+        notes = {self._owner: str(self.study.path.resolve()), self._batches: json.dumps(batches)}
+        for path, text in notes.items():
+            with atomic_write(path) as temporary:
+                temporary.write_text(text, encoding="utf-8")
+        return lock
+
+    def estimates(self, points: Iterable[str]) -> list[Estimate]:
+        """Return the estimated costs of points."""
+        return [estimate(self.parameters(point)) for point in points]
+
+    def core_seconds(self, points: Iterable[str]) -> float:
+        """Return the time (s) that points take together on one core."""
+        return sum(cost.core_seconds for cost in self.estimates(points))
+
+    def minutes(self, points: Iterable[str]) -> int:
+        """Return the run time (min) of a job: 10 min plus three times the estimate."""
+        return 10 + int(self.core_seconds(points) / 20)
+
+    def memory(self, megabytes: int) -> int:
+        """Return the memory (MB) of a job: on a cluster, two Snakemakes besides its command."""
+        return 400 + len(self.study.points) // 50 + megabytes
+
+    @property
+    def reader_resources(self) -> dict[str, int]:
+        """Resources of jobs that read all runs or their dataset."""
+        count = len(self.study.points)
+        return {"mem_mb": self.memory(700 + count // 5), "runtime": 20 + count // 200}
+
+    @property
+    def figure_files(self) -> list[tuple[str, str, str]]:
+        """Path, figure and kind of each figure's files; no kind if not in Snakemake's report."""
+        kinds = {".csv": "data", ".svg": "picture", ".gif": "animation"}
+        return [
+            (
+                f"{self.folder}/figures/{name}{suffix}",
+                name,
+                "" if spec.animated and suffix == ".csv" else kinds.get(suffix, ""),
+            )
+            for name, spec in self.study.entries.items()
+            for suffix in spec.suffixes
+        ]
+
+    @property
+    def boundary_searches(self) -> list[tuple[Any, ...]]:
+        """Settings of the boundaries of the study; rules rerun when they change."""
+        search = attrgetter("name", "of", "along", "low", "high", "tolerance")
+        return [
+            (*search(one), canonical_json(one.parameters_at(one.low)), one.figures)
+            for one in self.study.boundaries
+        ]
+
+    @property
+    def namesake_warning(self) -> str:
+        """Warning that another study file has its results in the same folder, or an empty text.
+
+        Names of run files derive from their points. So the two studies share the runs of common
+        points and keep all others; the rest of the folder follows the study file that was run last.
+        """
+        # A damaged note names no study; the workflow rewrites it.
+        with suppress(OSError, InputError, ValueError):
+            other = load_study(read_regular(self._owner).decode("utf-8"), plugins=False)
+            if other.name == self.study.name and set(other.points) != set(self.study.points):
+                return (
+                    f"warning: {self.study.path}: study: {self.study.name} is also the name of "
+                    f"{other.path}; dataset, figures and report will be those of the former"
+                )
+        return ""

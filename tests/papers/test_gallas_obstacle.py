@@ -1,0 +1,111 @@
+"""Judges of claims about the obstacle."""
+
+import numpy as np
+import pytest
+
+from sim.claims.verdict import (
+    INCONCLUSIVE,
+    NOT_REPRODUCED,
+    REPORTED,
+    REPRODUCED,
+    Untestable,
+)
+from sim.papers.gallas.judges.obstacle import g31, g33, g34
+from tests.made.paper_belt import BEAD, checks_of, paper_point, velocity, verdict_of
+
+SIZES = (0, 0.5, 1.5, 2.5)
+
+
+def rows(velocities=None, sizes=SIZES, **rest):
+    """Return points at two frequencies and several diameters, with velocities (m/s) if given."""
+    scalars_by_size = (
+        [None] * len(sizes) if velocities is None else [{"velocity": v} for v in velocities]
+    )
+    return [
+        paper_point(scalars, frequency=frequency, obstacle=size, **rest)
+        for frequency in (20, 80)
+        for size, scalars in zip(sizes, scalars_by_size, strict=True)
+    ]
+
+
+def test_an_obstacle_slows_the_flow():
+    assert verdict_of(g31, rows()) == REPRODUCED
+    assert verdict_of(g31, rows([0.3, 0.25, 0.1, 0.05])) == NOT_REPRODUCED
+    assert verdict_of(g31, rows([0.3, 0.1, 0.2, 0.05], replicates=8)) == REPRODUCED
+    assert verdict_of(g31, rows(scatter=0.5)) == INCONCLUSIVE
+    with pytest.raises(Untestable, match=r"obstacle 2\.5"):
+        checks_of(g31, rows(sizes=SIZES[:-1]))
+
+
+@pytest.mark.parametrize(
+    ("share", "verdict"),
+    [
+        (0.001, REPRODUCED),
+        (0.05, NOT_REPRODUCED),
+        ([0.0, 0.02, 0.005, 0.03, 0.001], INCONCLUSIVE),
+    ],
+)
+def test_no_turbulence(share, verdict):
+    points = [paper_point({"backflow": share}, frequency=80, obstacle=size) for size in (1.5, 2.5)]
+    assert verdict_of(g33, points) == verdict
+    with pytest.raises(Untestable, match=r"obstacle 2\.5"):
+        checks_of(g33, points[:1])
+
+
+def blocked(local, scatter=1e-3, far_height=1.2):
+    """Return beds with and without an obstacle, slowed everywhere or only close to it.
+
+    Behind it the paths are 1.2 times as high as without it, and ``far_height`` times as high far
+    away.
+    """
+    points = []
+    for frequency in (20, 80):
+        free = paper_point(frequency=frequency)
+        speed = velocity(free.parameters)
+
+        def along(column, speed=speed):
+            near = np.abs(column - 10 * BEAD) < 4 * BEAD
+            return speed * np.where(near, 0.4, 1.0 if local else 0.5)
+
+        height = free.scalars["path_vertical"].mean()
+        scalars = {"path_vertical": 1.2 * height, "path_vertical_far": far_height * height}
+        profiles = {"column_velocity": along}
+        stopped = paper_point(scalars, profiles, frequency=frequency, obstacle=1.5, scatter=scatter)
+        points += [free, stopped]
+    return points
+
+
+def test_the_effect_spreads_over_the_system():
+    assert verdict_of(g34, blocked(local=False)) == REPRODUCED
+    # The shape changes nowhere but close to the obstacle.
+    assert verdict_of(g34, blocked(local=True, far_height=1.0)) == NOT_REPRODUCED
+    assert verdict_of(g34, blocked(local=False, scatter=1.5)) == INCONCLUSIVE
+    with pytest.raises(Untestable, match=r"obstacle 1\.5"):
+        checks_of(g34, blocked(local=False)[::2])
+
+
+def test_paths_that_change_only_close_to_the_obstacle_are_no_effect_on_the_system():
+    checks = checks_of(g34, blocked(local=False, far_height=0.5))
+    assert [check.verdict for check in checks] == [NOT_REPRODUCED, REPORTED] * 2
+
+
+def test_shares_of_the_slow_down_are_taken_bed_by_bed():
+    uneven = np.array([0.1, 0.2, 0.3, 0.4, 0.5])[:, None]
+    points = []
+    for frequency in (20, 80):
+        shape = np.where(np.abs(np.arange(20) - 9.5) < 5, 0.4, 0.5)
+        for size, slowed in ((0, np.ones(20)), (1.5, shape)):
+            profiles = {"column_velocity": uneven * slowed}
+            points.append(paper_point(profiles=profiles, frequency=frequency, obstacle=size))
+    check = checks_of(g34, points)[1]
+    assert check.value == pytest.approx(0.25 / 0.55)
+    assert check.half_width == pytest.approx(0, abs=1e-9)
+
+
+def test_a_uniform_slow_down_has_half_of_it_far_away():
+    points = [
+        paper_point(frequency=frequency, obstacle=size)
+        for frequency in (20, 80)
+        for size in (0, 1.5)
+    ]
+    assert checks_of(g34, points)[1].value == pytest.approx(0.5)

@@ -1,0 +1,297 @@
+"""Judges of claims about the onset of transport, from boundaries and from scans."""
+
+import numpy as np
+import pytest
+
+from sim.claims.claim import claims
+from sim.claims.evidence import Evidence
+from sim.claims.verdict import INCONCLUSIVE, NOT_REPRODUCED, REPRODUCED, Untestable, plan
+from sim.papers.gallas.judges.onset import find_onset, g3, g4, g5, g6, g7, g35
+from sim.parameters.belt import ONSET_TRANSPORT
+from tests.claims.judging import by_part
+from tests.made.paper_belt import checks_of, paper_point, velocity, verdict_of
+from tests.made.results import made_boundary, made_results
+
+#: The share of A_x ω that counts as transport, that of boundaries.
+LEAST = ONSET_TRANSPORT
+
+SCAN = (14, 15, 15.5, 16, 16.5, 17, 18, 20)
+FINE = (*SCAN[:-1], 18.5, 19, 19.5, 20)
+PAIRS = ((50, 50), (0, 50), (10, 10), (50, 100), (10, 50))
+
+#: Velocity (m/s) well above a tenth of the belt's.
+MOVING = 0.15
+
+
+def scan(frequencies=SCAN, **parameters):
+    """Return a row of frequencies."""
+    return [paper_point(frequency=frequency, **parameters) for frequency in frequencies]
+
+
+def early(start, frequencies=SCAN, **parameters):
+    """Return a row of frequencies with transport from ``start`` (Hz) on."""
+    return [
+        paper_point(
+            {"velocity": MOVING if frequency >= start else 0.0}, frequency=frequency, **parameters
+        )
+        for frequency in frequencies
+    ]
+
+
+def boundary(low, high, **parameters):
+    """Return an onset found by refinement, from two seeds."""
+    return [
+        made_boundary("belt", "transport", "frequency", low, high, seed=seed, **parameters)
+        for seed in (1, 2)
+    ]
+
+
+def onset_interval(points, boundaries=()):
+    """Return value and half width (Hz) of the onset at the paper's parameters."""
+    evidence = Evidence(made_results(*points, boundaries=boundaries), "published")
+    value = find_onset(evidence, LEAST).frequency
+    return value.nominal_value, 1.96 * value.std_dev
+
+
+def crossing(low, high, share):
+    """Return where a straight line from rest to a share of the belt's speed passes `LEAST`."""
+    return low + (high - low) * LEAST / share
+
+
+def test_a_scan_finds_where_the_mean_passes_a_tenth_of_the_belt():
+    speed = 1e-3 * 2 * np.pi * 16
+    points = early(16)
+    value, half_width = onset_interval(points)
+    assert value == pytest.approx(crossing(15.5, 16, MOVING / speed))
+    assert half_width == pytest.approx(0.25)
+
+
+def test_beds_that_differ_widen_the_interval():
+    spread = [
+        paper_point({"velocity": [0, 0, 0, 0.045]}, replicates=4, frequency=15.5)
+        if point.parameters.frequency == 15.5
+        else point
+        for point in early(16, replicates=4)
+    ]
+    value, half_width = onset_interval(spread)
+    assert 15 < value < 15.5 and half_width > 0.4
+
+
+def test_single_beds_that_creep_to_and_fro_are_no_transport():
+    creeping = [
+        paper_point({"velocity": [0.005, -0.005, 0.006, -0.005, 0.0]}, frequency=frequency)
+        for frequency in (12, 13, 14, 15)
+    ]
+    value, _ = onset_interval([*creeping, *early(16, (16, 17, 18, 20))])
+    assert 15 < value < 16
+
+
+def test_frequencies_may_have_more_beds_than_others():
+    points = [paper_point(frequency=10, replicates=16), *early(16)]
+    assert onset_interval(points) == pytest.approx(onset_interval(early(16)), abs=1e-3)
+
+
+def test_a_bed_that_failed_somewhere_counts_elsewhere():
+    points = early(16)
+    failed = {"status": ["completed", "failed", "completed", "completed", "completed"]}
+    points[SCAN.index(15.5)] = paper_point({"velocity": 0.0} | failed, frequency=15.5)
+    assert onset_interval(points) == pytest.approx(onset_interval(early(16)), abs=1e-3)
+
+
+def test_beds_that_nowhere_meet_are_no_scan():
+    points = []
+    for frequency, beds in ((15, (0, 1)), (17, (2, 3))):
+        status = ["completed" if bed in beds else "failed" for bed in range(4)]
+        points.append(paper_point({"status": status}, frequency=frequency, replicates=4))
+    with pytest.raises(Untestable, match="no scan of the frequency with two beds"):
+        onset_interval(points)
+
+
+def test_a_scan_in_coarse_steps_tells_no_onset():
+    with pytest.raises(Untestable, match="steps of 1 Hz between 15 and 17 Hz"):
+        onset_interval(early(16, (14, 15, 17, 18, 20)))
+
+
+def test_the_onset_is_a_function_of_what_counts_as_transport():
+    evidence = Evidence(made_results(*early(16)), "published")
+    onsets = [find_onset(evidence, least).frequency.nominal_value for least in (0.02, 0.1, 0.2)]
+    assert onsets == sorted(onsets) and onsets[-1] > onsets[0]
+
+
+def test_single_beds_of_a_refinement_are_no_scan():
+    refined = [
+        paper_point(frequency=frequency, replicates=1) for frequency in (15.25, 15.75, 16.25, 17.5)
+    ]
+    assert onset_interval([*early(16), *refined]) == onset_interval(early(16))
+
+
+def test_few_beds_at_a_frequency_that_tells_it_widen_the_interval():
+    def half_width(beds):
+        near = paper_point(
+            {"velocity": [0.01, 0.03] * (beds // 2)}, frequency=15.5, replicates=beds
+        )
+        line = [near if point.parameters.frequency == 15.5 else point for point in early(16)]
+        return onset_interval(line)[1]
+
+    assert half_width(2) > 6 * half_width(4)
+
+
+def test_boundaries_are_those_of_the_headline():
+    numbers = {claim.number.headline for claim in claims() if "transport" in str(claim.number)}
+    assert numbers == {ONSET_TRANSPORT}
+
+
+def test_boundaries_serve_where_they_tell_it_better():
+    point = [paper_point(frequency=30)]
+    # Its ends are bounds of one side.
+    bound = 0.125 * 1.96 / 1.645
+    assert onset_interval(point, boundary(15.0, 15.25)) == pytest.approx((15.125, bound), rel=1e-3)
+    two = [boundary(15.0, 15.25)[0], boundary(16.0, 16.25)[1]]
+    value, half_width = onset_interval(point, two)
+    assert value == pytest.approx(15.625)
+    assert half_width == pytest.approx(12.7 * 0.5, rel=0.01)
+    interval = onset_interval(early(16), boundary(15.5, 15.75))
+    assert interval == pytest.approx((15.625, bound), rel=1e-3)
+
+
+def test_a_boundary_from_one_seed_says_nothing_of_other_beds():
+    boundary_row = boundary(15.0, 15.25)[:1]
+    assert onset_interval([paper_point(frequency=30)], boundary_row)[1] == np.inf
+    assert onset_interval(early(16), boundary_row) == onset_interval(early(16))
+
+
+@pytest.mark.parametrize(
+    ("points", "message"),
+    [
+        ([], "no scan of the frequency with two beds; no boundary"),
+        (scan((17, 18, 20)), "beds flow at the lowest, 17 Hz"),
+        (scan((14, 15)), "beds do not flow at the highest, 15 Hz"),
+    ],
+)
+def test_what_holds_no_onset_is_untestable(points, message):
+    with pytest.raises(Untestable, match=message):
+        onset_interval([*points, paper_point(frequency=30, vibration_angle=60)])
+
+
+def angles(start=None):
+    """Return scans at three angles; with ``start`` the flattest begins to flow there."""
+    flat = early(start, FINE, vibration_angle=30) if start else scan(vibration_angle=30)
+    return [*flat, *scan(), *scan(vibration_angle=60)]
+
+
+def test_onset_at_three_angles():
+    assert verdict_of(g3, angles()) == REPRODUCED
+    assert verdict_of(g3, angles(start=19)) == NOT_REPRODUCED
+    assert verdict_of(g3, angles(start=15.35)) == INCONCLUSIVE
+    with pytest.raises(Untestable, match="vibration_angle 60"):
+        checks_of(g3, [*scan(), *scan(vibration_angle=30)])
+
+
+def test_what_half_a_step_leaves_open_no_number_of_beds_decides():
+    beds = angles(start=15.35)
+    open_ones = [check for check in checks_of(g3, beds) if check.verdict == INCONCLUSIVE]
+    assert [check.what for check in open_ones] == ["onset at 30 degrees"]
+    assert open_ones[0].replicate_factor == np.inf and "finer steps" in plan(open_ones[0])
+    scattered = {"velocity": [0, 0, 0, 0.1]}
+    wide = [
+        paper_point(scattered, replicates=4, frequency=15.5, vibration_angle=30)
+        if point.parameters.frequency == 15.5 and point.parameters.vibration_angle == 30
+        else point
+        for point in beds
+    ]
+    unsure = [check for check in checks_of(g3, wide) if check.verdict == INCONCLUSIVE]
+    assert unsure and "replicates" in plan(unsure[0])
+
+
+def damped(last):
+    """Return the onsets at five pairs of damping, the last one chosen."""
+    return [
+        boundary_row
+        for (damping, shear), low in zip(PAIRS, (15.5, 15.75, 15.5, 15.75, last), strict=True)
+        for boundary_row in boundary(low, low + 0.25, damping=damping, shear_damping=shear)
+    ]
+
+
+def test_onset_whatever_the_damping():
+    point = [paper_point()]
+    assert verdict_of(g4, point, boundaries=damped(15.75)) == REPRODUCED
+    assert verdict_of(g4, point, boundaries=damped(17)) == NOT_REPRODUCED
+    assert verdict_of(g4, point, boundaries=damped(16.5)) == INCONCLUSIVE
+    with pytest.raises(Untestable, match="shear_damping 50"):
+        checks_of(g4, point, boundaries=damped(15.75)[:-2])
+
+
+def test_onset_at_a_larger_amplitude():
+    points = scan((15, 20), amplitude=1.5)
+    at = {low: boundary(low, low + 0.25, amplitude=1.5) for low in (13, 15, 16)}
+
+    def parts(points, low=16):
+        return by_part(checks_of(g5, points, boundaries=at[low]))
+
+    assert parts(points) == {"a": REPRODUCED, "b": REPRODUCED}
+    assert parts(points, 15) == {"a": INCONCLUSIVE, "b": REPRODUCED}
+    assert parts(points, 13) == {"a": NOT_REPRODUCED, "b": REPRODUCED}
+    moving = [paper_point({"velocity": 0.07}, frequency=15, amplitude=1.5), points[1]]
+    assert parts(moving) == {"a": REPRODUCED, "b": NOT_REPRODUCED}
+    with pytest.raises(Untestable, match=r"amplitude 1\.5"):
+        checks_of(g5, scan())
+
+
+def test_onset_at_a_smaller_amplitude():
+    points = scan((15, 16, 17, 17.5, 18, 19, 20), amplitude=0.5)
+
+    def parts(boundaries=()):
+        return [check.verdict for check in checks_of(g6, points, boundaries=boundaries)]
+
+    # The paper's 18 Hz is Γ = 0.64, its Γ = 0.8 is 20.1 Hz.
+    assert parts() == [REPRODUCED, NOT_REPRODUCED]
+    assert parts(boundary(20, 20.1, amplitude=0.5)) == [NOT_REPRODUCED, REPRODUCED]
+    with pytest.raises(Untestable, match=r"amplitude 0\.5"):
+        checks_of(g6, scan())
+
+
+@pytest.mark.parametrize(
+    ("low", "verdict"), [(15.75, REPRODUCED), (14, NOT_REPRODUCED), (15, INCONCLUSIVE)]
+)
+def test_onset_at_the_acceleration_of_gravity(low, verdict):
+    assert verdict_of(g7, [paper_point()], boundaries=boundary(low, low + 0.25)) == verdict
+
+
+def test_the_acceleration_is_that_of_the_belt():
+    check = checks_of(g7, [paper_point()], boundaries=boundary(16, 16))[0]
+    assert check.value == pytest.approx((2 * 3.14159 * 16) ** 2 * 1e-3 / 10, rel=1e-4)
+
+
+SHARP = (14, 15, 15.5, 16, 16.5, 17, 18, 20, 25, 40, 80)
+
+
+def sweeps(down=15.75, **rest):
+    """Return a scan and a boundary of the sweep down."""
+    points = scan(SHARP, **rest)
+    return points, boundary(down, down + 0.25, prior_frequency=25)
+
+
+def test_a_sharp_threshold():
+    points, back = sweeps()
+    assert verdict_of(g35, points, boundaries=back) == REPRODUCED
+    points, back = sweeps(down=13)
+    assert verdict_of(g35, points, boundaries=back) == NOT_REPRODUCED
+    points, back = sweeps(down=15)
+    assert verdict_of(g35, points, boundaries=back) == INCONCLUSIVE
+
+
+def test_a_slow_rise_is_not_a_sharp_threshold():
+    slow = [
+        paper_point(
+            {"velocity": velocity(point.parameters) * min(1, frequency / 40)}, frequency=frequency
+        )
+        for frequency, point in zip(SHARP, scan(SHARP), strict=True)
+    ]
+    assert verdict_of(g35, slow, boundaries=sweeps()[1]) == NOT_REPRODUCED
+
+
+def test_a_threshold_needs_scan_and_sweep():
+    with pytest.raises(Untestable, match="scan of the frequency with 15"):
+        checks_of(g35, scan((16, 20)))
+    with pytest.raises(Untestable, match="prior_frequency 25"):
+        checks_of(g35, scan(SHARP))

@@ -1,0 +1,321 @@
+"""Judges of properties of the spheres: verdicts on correct, wrong, few or scattered flows."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from sim.claims.verdict import (
+    INCONCLUSIVE,
+    NOT_REPRODUCED,
+    REPORTED,
+    REPRODUCED,
+    RISK,
+    Untestable,
+    combined_verdict,
+)
+from sim.papers.walton.judges.properties import w15, w16, w20, w21, w22
+from tests.claims.judging import by_part, checks_on, failed_quantities, verdict_on
+from tests.made.chute_flows import PACKING, SIZE, SLOPE, SPEEDS, base_flows, flow, kinked_profile
+from tests.made.results import SCATTER
+
+
+def parts(judge, points) -> dict[str, str]:
+    """Return the verdict on each part of a claim."""
+    return by_part(checks_on(judge, points))
+
+
+@pytest.mark.parametrize("judge", [w15, w16, w21, w22])
+def test_the_base_case_alone_tests_nothing(judge):
+    with pytest.raises(Untestable, match="no "):
+        checks_on(judge, base_flows({1.24: 4.4, 5: 8.2}))
+
+
+def ordered_flow(share, knee=2, rest=0.0, **options):
+    """Return a flow with a crystalline share: a plug on ``knee`` diameters, or sheared."""
+    scalars = {"crystalline_share": share, "layer_order": 0.6}
+    return flow(15, scalars, riding(options["depth"], knee, rest), **options)
+
+
+def riding(depth, knee=2, rest=0.0, replicates=5):
+    """Return profiles of a plug on ``knee`` diameters."""
+    return {
+        "velocity_profile": kinked_profile(knee, depth, rest, replicates),
+        "packing_profile": lambda z: PACKING * (z < depth * SIZE / 0.9),
+    }
+
+
+def crystals(share=0.8, spread=0.3, bumps=0.1, wide=0.6, rest=0.0, scatter=0.01):
+    """Return flows with crystalline plugs, and their three controls with weaker order."""
+    options = {"scatter": scatter}
+    return [
+        *(ordered_flow(share, depth=n, **options) for n in (10, 20, 40)),
+        ordered_flow(share, depth=10, cell=5, **options),
+        ordered_flow(spread, depth=10, cell=5, diameter_spread=0.1, rest=rest, **options),
+        ordered_flow(bumps, depth=10, cell=5, bumps=1, **options),
+        ordered_flow(wide, depth=10, cell=20, **options),
+    ]
+
+
+@pytest.mark.parametrize(
+    ("changes", "wrong"),
+    [
+        ({}, ""),
+        ({"share": 0.4, "wide": 0.35}, "a"),
+        ({"spread": 0.85}, "b"),
+        ({"bumps": 0.85}, "c"),
+        ({"wide": 0.85}, "d"),
+    ],
+)
+def test_crystals_and_what_weakens_them(changes, wrong):
+    expected = {part: NOT_REPRODUCED if part in wrong else REPRODUCED for part in "abcd"}
+    assert parts(w15, crystals(**changes)) == expected
+
+
+def test_crystals_of_uncertain_extent_decide_nothing():
+    assert set(parts(w15, crystals(scatter=0.9, share=0.5)).values()) >= {INCONCLUSIVE}
+
+
+def test_a_plug_is_not_compared_with_a_flow_that_shears():
+    verdicts = parts(w15, crystals(rest=0.5))
+    assert verdicts == {"a": REPRODUCED, "b": INCONCLUSIVE, "c": REPRODUCED, "d": REPRODUCED}
+
+
+@pytest.mark.parametrize(("control", "part"), [(4, "b"), (5, "c"), (6, "d")])
+def test_a_part_without_its_control_has_no_verdict(control, part):
+    verdicts = parts(w15, [point for k, point in enumerate(crystals()) if k != control])
+    assert set("abcd") - set(verdicts) == {part}
+
+
+def resilient(speeds=(13, 9, 7), depths=(1.4, 2, 2.9), n=5, **options):
+    """Return flows at one depth along the restitution."""
+    return [
+        flow(speed, {"shear_depth": depth * SIZE}, depth=n, restitution=e, **options)
+        for e, speed, depth in zip((0.7, 0.85, 0.95), speeds, depths, strict=True)
+    ]
+
+
+@pytest.mark.parametrize(
+    ("changes", "wrong"),
+    [
+        ({}, 0),
+        ({"speeds": (7, 9, 13)}, 1),
+        ({"depths": (3, 2, 1.5)}, 1),
+        ({"speeds": (7, 9, 13), "depths": (3, 2, 1.5)}, 2),
+    ],
+)
+def test_more_elastic_is_slower_and_deeper(changes, wrong):
+    assert len(failed_quantities(checks_on(w16, resilient(**changes)))) == wrong
+    assert verdict_on(w16, resilient(**changes)) == (NOT_REPRODUCED if wrong else REPRODUCED)
+
+
+def test_velocities_too_close_or_few_decide_nothing():
+    assert verdict_on(w16, resilient(speeds=(9, 9, 9))) == INCONCLUSIVE
+    assert verdict_on(w16, resilient(speeds=(9, 13, 7), replicates=2)) == INCONCLUSIVE
+
+
+def test_several_states_of_a_depth_are_ranked():
+    """At one restitution half the runs are in another state: there is no mean, but a trend."""
+    points = resilient()
+    states = flow([9, 9, 9, 20, 20], {"shear_depth": 2 * SIZE}, depth=5)
+    assert verdict_on(w16, [points[0], states, points[2]]) == REPRODUCED
+
+
+def test_stiffer_spheres_decide_where_they_were_run():
+    soft, hard = resilient(speeds=(7, 9, 13)), resilient(stiffness=1000)
+    checks = checks_on(w16, [*soft, *hard])
+    assert {check.verdict for check in checks} == {REPRODUCED}
+    assert all("K1 = 1000 N/m" in check.what for check in checks)
+
+
+def test_flows_without_replicates_are_left_out():
+    with pytest.raises(Untestable, match="three coefficients"):
+        checks_on(w16, resilient(replicates=1))
+    single = flow(4, depth=5, restitution=0.6, replicates=1)
+    assert verdict_on(w16, [*resilient(), single]) == REPRODUCED
+
+
+def test_the_lowest_restitution_is_reported():
+    slow = flow(4, depth=5, restitution=0.6)
+    checks = checks_on(w16, [*resilient(), slow])
+    assert combined_verdict(checks) == REPRODUCED and checks[-1].verdict == REPORTED
+
+
+def soft(median=0.003, dynamic=0.05, static=None, replicates=5, **options):
+    """Return flows of the softest spheres with quantiles of their overlaps."""
+    options["replicates"] = replicates
+    thin = {"median_overlap": median, "overlap_999": 0.025}
+    deep = {"median_overlap": 0.003, "overlap_999": dynamic}
+    rest = {"regime": "arrested", "quality": "jammed", "independent_samples": 0.0}
+    return [
+        *(flow(4.5, thin, depth=n, **options) for n in (1.24, 2.5)),
+        flow(30, deep, riding(40, replicates=replicates), depth=40, **options),
+        *([flow(0, rest | {"base_overlap": static}, depth=40, angle=0)] if static else []),
+    ]
+
+
+@pytest.mark.parametrize(
+    ("changes", "wrong"),
+    [
+        ({}, ""),
+        ({"median": 0.002}, "a"),
+        ({"median": 0.011}, "a"),
+        ({"dynamic": 0.02}, "b"),
+        ({"static": 0.0056}, ""),
+        ({"static": 0.02}, "c"),
+    ],
+)
+def test_overlaps_of_the_softest_spheres(changes, wrong):
+    verdicts = parts(w20, soft(**changes))
+    assert set(verdicts) == ({"a", "b", "c"} if "static" in changes else {"a", "b"})
+    assert {part for part, verdict in verdicts.items() if verdict != REPRODUCED} == set(wrong)
+
+
+def mixed(point, riders, **scalars):
+    """Return a flow with ``riders`` of ten replicates as a plug; the others shear throughout."""
+    depth = point["depth"]
+    profiles = riding(depth, replicates=10)
+    sheared = riding(depth, knee=depth, replicates=10)["velocity_profile"]
+    plugs = np.arange(10) < riders
+    profiles["velocity_profile"] = np.where(plugs[:, None], profiles["velocity_profile"], sheared)
+    scalars = {name: np.where(plugs, *values) for name, values in scalars.items()}
+    return flow(15, scalars, profiles, replicates=10, **point)
+
+
+@pytest.mark.parametrize(("riders", "verdict"), [(9, REPRODUCED), (6, INCONCLUSIVE)])
+def test_of_flows_in_two_states_most_must_hold(riders, verdict):
+    states = {"crystalline_share": (0.8, 0.1), "layer_order": (0.6, 0.1)}
+    flows = [mixed({"depth": n}, riders, **states) for n in (10, 20, 40)]
+    assert parts(w15, flows)["a"] == verdict
+    overlaps = {"overlap_999": (0.05, 0.01), "median_overlap": (1e-3, 1e-3)}
+    deep = mixed({"depth": 40}, riders, **overlaps)
+    assert parts(w20, [*soft()[:2], deep])["b"] == verdict
+
+
+def test_uncertain_overlaps_decide_nothing():
+    assert set(parts(w20, soft(scatter=0.8)).values()) == {INCONCLUSIVE}
+    assert set(parts(w20, soft(replicates=1)).values()) == {INCONCLUSIVE}
+
+
+def stiff(slower=0.6, deeper=2.0, shallow=1.01, hotter=3.0, scatter=SCATTER, **options):
+    """Return deep and shallow flows at two stiffnesses; arguments are ratios, stiff over soft."""
+    points = []
+    for n in (1.24, 2.5, 20, 40):
+        for stiffness in (100, 1000):
+            hard = stiffness == 1000
+            speed = SPEEDS[n] * ((slower if n > 10 else shallow) if hard else 1)
+            heat = 1e-4 * (hotter if hard else 1)
+            points.append(
+                flow(
+                    speed,
+                    {"shear_depth": (deeper if hard else 1) * SIZE},
+                    {
+                        "velocity_profile": kinked_profile(2, n, replicates=5),
+                        "packing_profile": lambda z, n=n: PACKING * (z < n * SIZE),
+                        # What moves in the bottom layer and high above it does not count.
+                        "vertical_temperature_profile": lambda z, heat=heat: np.where(
+                            (z > SIZE) & (z < 2 * SIZE), heat, 1.0
+                        ),
+                    },
+                    depth=n,
+                    stiffness=stiffness,
+                    scatter=scatter,
+                    **options,
+                )
+            )
+    return points
+
+
+@pytest.mark.parametrize(
+    ("changes", "wrong"),
+    [
+        ({}, ""),
+        ({"slower": 1.05}, "b"),
+        ({"deeper": 0.9}, "b"),
+        ({"shallow": 1.08}, "a"),
+        ({"shallow": 0.92}, "a"),
+    ],
+)
+def test_stiffer_spheres(changes, wrong):
+    verdicts = parts(w21, stiff(**changes))
+    assert verdicts == {part: NOT_REPRODUCED if part in wrong else REPRODUCED for part in "ab"}
+
+
+def test_stiffer_spheres_hop():
+    assert verdict_on(w22, stiff()) == REPRODUCED
+    assert verdict_on(w22, stiff(hotter=0.8)) == NOT_REPRODUCED
+
+
+def test_stiffer_spheres_with_scattered_flows_decide_nothing():
+    assert parts(w21, stiff(slower=1, shallow=1.03, scatter=0.5)) == dict.fromkeys(
+        "ab", INCONCLUSIVE
+    )
+    assert verdict_on(w22, stiff(hotter=1.0)) == INCONCLUSIVE
+
+
+def test_flows_of_other_ages_are_not_compared():
+    aged = [*stiff()[:-1], *stiff(transient=900)[-1:]]
+    checks = [check for check in checks_on(w21, aged) if check.part == "b" and check.has_vote]
+    assert [bool(check.withheld) for check in checks] == [False, False, True, True]
+    assert "flows of ages 300 and 900" in checks[-1].withheld
+
+
+@pytest.mark.parametrize(("transient", "comparable"), [(600.02, True), (607, False)])
+def test_ages_are_equal_within_a_sample(transient, comparable):
+    aged = [*stiff()[:-1], *stiff(transient=transient)[-1:]]
+    checks = [check for check in checks_on(w21, aged) if check.part == "b" and check.has_vote]
+    assert (not checks[-1].withheld) == comparable
+
+
+def test_stiffer_spheres_are_shown_beside():
+    plug = stiff()[4].profiles
+    fast = flow(26, {"shear_depth": 3 * SIZE}, plug, depth=20, stiffness=10_000)
+    checks = checks_on(w21, [*stiff(), fast])
+    assert failed_quantities(checks) == []
+    (slower,) = (
+        check for check in checks if check.what.startswith("share of pairs slower with 10000")
+    )
+    assert slower.p_fails <= RISK and not slower.votes
+
+
+def runaway(points, number: int):
+    """Return points, one of them as if it ran away."""
+    gain = np.full(5, 0.1 * SLOPE)
+    scalars = points[number].scalars | {"acceleration": gain}
+    return [*points[:number], replace(points[number], scalars=scalars), *points[number + 1 :]]
+
+
+@pytest.mark.parametrize(
+    ("judge", "points", "number", "part"),
+    [
+        (w15, crystals(), 2, "a"),
+        (w15, crystals(), 4, "b"),
+        (w16, resilient(), 0, "a"),
+        (w20, soft(), 0, "a"),
+        (w20, soft(), 2, "b"),
+        (w21, stiff(), 1, "a"),
+        (w21, stiff(), 4, "b"),
+        (w22, stiff(), 4, ""),
+    ],
+)
+def test_flows_that_have_not_settled_decide_nothing(judge, points, number, part):
+    assert parts(judge, points)[part] == REPRODUCED
+    assert parts(judge, runaway(points, number))[part] == INCONCLUSIVE
+
+
+@pytest.mark.parametrize(("judge", "part"), [(w21, "b"), (w22, "")])
+def test_where_no_soft_flow_lasts_at_the_deepest_the_next_depth_decides(judge, part):
+    assert parts(judge, runaway(stiff(), 6))[part] == REPRODUCED
+    gone = [*stiff()[:6], *stiff()[7:]]
+    assert parts(judge, gone)[part] == REPRODUCED
+    contrary = [*stiff(slower=1.5, hotter=0.5)[:6], *stiff()[7:]]
+    assert parts(judge, contrary)[part] == NOT_REPRODUCED
+
+
+def test_crystals_of_stiffer_spheres_count_where_no_soft_flow_lasts():
+    hard = [ordered_flow(0.3, depth=n, cell=5, stiffness=1000) for n in (10, 20, 40)]
+    assert parts(w15, [*crystals(), *hard])["a"] == REPRODUCED
+    checks = checks_on(w15, [*runaway(crystals(), 2), *hard])
+    labels = [check.what for check in checks if check.part == "a" and check.has_vote]
+    assert labels[-1] == "crystalline share of the plug, n = 40, K1 = 1000 N/m"
+    assert by_part(checks)["a"] == NOT_REPRODUCED

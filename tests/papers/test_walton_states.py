@@ -1,0 +1,76 @@
+"""Lifetimes are pooled over runs; of runs in several states a majority must satisfy a claim."""
+
+import numpy as np
+import pytest
+
+from sim.claims.checks import above
+from sim.claims.evidence import Evidence
+from sim.claims.verdict import INCONCLUSIVE, NOT_REPRODUCED, REPRODUCED
+from sim.measures.plug import spell_statistics
+from sim.papers.walton.judges.states import majority_if_mixed, state_lifetime
+from tests.made.chute_flows import PACKING, SIZE, flow, kinked_profile
+from tests.made.results import made_results
+
+
+def deep(shares, riding):
+    """Return a flow with crystalline shares per replicate; the first ``riding`` have a plug."""
+    velocity = np.array(
+        [kinked_profile(2 if k < riding else 20, 20, replicates=1)[0] for k in range(8)]
+    )
+    profiles = {
+        "velocity_profile": velocity,
+        "packing_profile": lambda z: PACKING * (z < 20 * SIZE / 0.9),
+    }
+    point = flow(15, {"crystalline_share": np.array(shares)}, profiles, depth=20, replicates=8)
+    return Evidence(made_results(point), "published").at("chute", depth=20)
+
+
+@pytest.mark.parametrize(
+    ("shares", "verdict"),
+    [
+        ([0.9, 0.8, 0.9, 0.8, 0.9, 0.8, 0.9, 0.4], REPRODUCED),
+        ([0.9, 0.8, 0.9, 0.8, 0.3, 0.3, 0.3, 0.3], INCONCLUSIVE),
+        ([0.9, 0.3, 0.4, 0.3, 0.3, 0.3, 0.3, 0.3], NOT_REPRODUCED),
+    ],
+)
+def test_of_runs_in_different_states_most_must_hold(shares, verdict):
+    place = deep(shares, riding=4)
+    check = above("share", place.value("crystalline_share"), 0.5, [place])
+    majority = majority_if_mixed(check, place, place.values("crystalline_share"))
+    assert majority.what == "share of runs, 4 of 8 with a plug, that hold: share"
+    assert majority.value == np.mean(np.array(shares) > 0.5) and majority.verdict == verdict
+
+
+@pytest.mark.parametrize("riding", [0, 8])
+def test_the_mean_of_runs_in_one_state_counts(riding):
+    place = deep(np.linspace(0.6, 0.8, 8), riding)
+    check = above("share", place.value("crystalline_share"), 0.5, [place])
+    assert majority_if_mixed(check, place, place.values("crystalline_share")) is check
+
+
+def test_the_lifetime_does_not_depend_on_the_length_of_the_runs():
+    """States that end at random after 500 on average, seen in windows of 200, 1,000 and 5,000."""
+    rng = np.random.default_rng(2)
+    for window, runs in ((200, 2000), (1000, 400), (5000, 80)):
+        length = np.full(window // 10, 10.0)
+        time, endings = 0.0, 0.0
+        for _ in range(runs):
+            inside = np.cumsum(rng.random(length.size) < 10.0 / 500.0) % 2 == rng.integers(2)
+            _, lived, ended = spell_statistics(inside, length)
+            time, endings = time + lived, endings + ended
+        # What a run shows ends in one spell fewer than it has.
+        assert time / endings == pytest.approx(500, rel=0.12)
+
+
+def test_the_interval_holds_the_lifetime():
+    rng = np.random.default_rng(3)
+    is_inside = []
+    for _ in range(400):
+        time = 4000.0
+        lifetime = state_lifetime(time, int(rng.poisson(time / 500)))
+        is_inside.append(abs(lifetime.nominal_value - 500) < 1.96 * lifetime.std_dev)
+    assert np.mean(is_inside) > 0.94
+
+
+def test_a_state_that_never_ended_lasts_longer_than_a_third_of_the_time():
+    assert state_lifetime(3.0, 0) == pytest.approx(3.0 / np.log(20))

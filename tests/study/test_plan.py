@@ -1,0 +1,264 @@
+"""What a workflow runs of a study, in which jobs, and what it notes; without Snakemake."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from sim.base.errors import InputError
+from sim.base.file_times import YEAR_2000
+from sim.parameters import BeltParameters, amounts, canonical_values, covers, parse_point, point_id
+from sim.study.cost import estimate
+from sim.study.load import load_study
+from sim.study.plan import Plan
+
+STUDY = """\
+study: planned
+pages: true
+defaults: {belt: {beads: 10, width: 5, replicates: 2}}
+series:
+  - {name: beds, system: belt, grid: {frequency: [20, 40, 60]}, figures: [gallas_1a]}
+  - {name: later, system: belt, cases: [{frequency: 80, start_from: START}]}
+"""
+
+#: A study with a boundary.
+ONSET = (Path(__file__).parents[1] / "data" / "onset.yaml").read_text(encoding="utf-8")
+
+#: The first point; the one that starts from it is the last.
+FIRST = BeltParameters(beads=10, width=5, frequency=20)
+
+#: A point of a round of refinement.
+ADDED = BeltParameters(beads=10, width=5, frequency=30, replicates=2)
+
+
+class RunFiles:
+    """Run files of JSON with their amounts, in place of those of the engine."""
+
+    def _read(self, path, parameters):
+        return json.loads(path.read_text()) if path.exists() else {}
+
+    def has_enough(self, path, parameters):
+        held = self._read(path, parameters)
+        return bool(held) and covers(held, amounts(parameters))
+
+    def needs_growth(self, path, parameters):
+        return path.exists() and not self.has_enough(path, parameters)
+
+    def planned_amounts(self, path, parameters):
+        is_enough = self.has_enough(path, parameters)
+        return self._read(path, parameters) if is_enough else amounts(parameters)
+
+
+class Adopted:
+    """Adopted points by their ids."""
+
+    def __init__(self, *points):
+        self.points, self.files = points, [Path("adopted.nc")] if points else []
+
+    def source(self, point, parameters):
+        return point if point in self.points else None
+
+    def sources(self, points):
+        return {point: point for point in points if point in self.points}
+
+
+def read_round(path):
+    values = json.loads(path.read_text())
+    return {key: parse_point(point, path) for key, point in values.items()}
+
+
+@pytest.fixture
+def make_plan(tmp_path, monkeypatch):
+    """Return a function that makes the plan of a study in an empty folder."""
+    monkeypatch.chdir(tmp_path)
+
+    def make(*adopted, text=STUDY, name="planned.yaml"):
+        Path(name).write_text(text.replace("START", point_id(FIRST)))
+        study = load_study(name)
+        return Plan(study, Path("results/planned"), RunFiles(), Adopted(*adopted), read_round)
+
+    return make
+
+
+def write_run(plan, point, **held):
+    """Write a run file of a point with its amounts, or others."""
+    path = Path(plan.run_file(point))
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(json.dumps(amounts(plan.parameters(point)) | held))
+    return path
+
+
+def write_round(plan, number, *added):
+    path = plan.round_file(number)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(json.dumps({point_id(point): canonical_values(point) for point in added}))
+    return path
+
+
+def test_short_points_without_a_run_file_share_a_batch(make_plan):
+    plan = make_plan()
+    first, second, third, later = plan.study.points
+    (batch,) = plan.batches_to_run(1).values()
+    assert sorted(batch) == sorted([first, second, third])
+    assert plan.origin_files(later) == [plan.run_file(first)] and not plan.origin_files(first)
+    write_run(plan, first)
+    (batch,) = plan.batches_to_run(1).values()
+    assert sorted(batch) == sorted([second, third])
+    write_run(plan, second)
+    assert plan.batches_to_run(1) == {}
+
+
+def test_points_of_a_batch_have_the_same_planned_amounts(make_plan):
+    text = (
+        STUDY + "  - {name: more, system: belt, grid: {frequency: [90, 95]}, base: {average: 9}}\n"
+    )
+    plan = make_plan(text=text)
+    batches = plan.batches_to_run(1)
+    texts = [{plan.amount_text(point) for point in batch} for batch in batches.values()]
+    assert len(batches) == 2 and all(len(one) == 1 for one in texts) and texts[0] != texts[1]
+
+
+def test_a_run_file_with_smaller_amounts_is_dated_back_until_it_has_grown(make_plan):
+    plan = make_plan()
+    point = next(iter(plan.study.points))
+    path = write_run(plan, point, replicates=1)
+    changed = path.stat().st_mtime
+    assert plan.needs_run(point) and plan.needs_run(point)
+    assert path.stat().st_mtime < YEAR_2000
+    path.write_text(json.dumps(amounts(plan.parameters(point))))
+    assert not plan.needs_run(point)
+    assert path.stat().st_mtime >= changed
+
+
+def test_amounts_keep_their_text_while_a_run_file_has_enough(make_plan):
+    plan = make_plan()
+    larger, missing, smaller, _ = plan.study.points
+    write_run(plan, larger, replicates=5)
+    write_run(plan, smaller, replicates=1)
+    texts = [json.loads(plan.amount_text(point)) for point in (larger, missing, smaller)]
+    assert [text["replicates"] for text in texts] == [5, 2, 2]
+
+
+def test_adopted_points_are_not_run_and_their_datasets_are_gathered(make_plan):
+    first, second, *_ = make_plan().study.points
+    plan = make_plan(second)
+    (batch,) = plan.batches_to_run(1).values()
+    assert first in batch and second not in batch
+    files = plan.files_to_gather([])
+    assert plan.run_file(second) not in files and files[-1] == "adopted.nc"
+    assert plan.run_file(first) in files and len(files) == len(plan.study.points)
+
+
+def test_points_of_rounds_are_gathered_and_looked_up(make_plan):
+    plan = make_plan(text=ONSET)
+    added = point_id(ADDED)
+    with pytest.raises(InputError, match=f"{added}: no point of planned.yaml"):
+        plan.parameters(added)
+    files = plan.files_to_gather([])
+    path = write_round(plan, 1, ADDED)
+    assert plan.parameters(added) == ADDED
+    assert json.loads(plan.points_json([added])) == [canonical_values(ADDED)]
+    assert plan.files_to_gather([path]) == [*files, plan.run_file(added)]
+    adopting = make_plan(added, text=ONSET)
+    assert adopting.files_to_gather([path]) == [*files, "adopted.nc"]
+
+
+def test_a_round_is_read_before_the_next_is_asked_for(make_plan):
+    """The file of the next round may be out of date until then."""
+    plan, read = make_plan(text=ONSET), []
+    plan._read_round = lambda path: read.append(path) or read_round(path)
+    path = write_round(plan, 1, ADDED)
+
+    def rounds():
+        yield path
+        assert read[:1] == [path]
+
+    plan.files_to_gather(rounds())
+
+
+def test_jobs_ask_for_what_their_points_cost(make_plan):
+    plan = make_plan()
+    costs = [estimate(point.parameters) for point in plan.study.points.values()]
+    seconds = sum(cost.core_seconds for cost in costs)
+    assert plan.estimates(plan.study.points) == costs
+    assert plan.core_seconds(plan.study.points) == pytest.approx(seconds)
+    assert plan.minutes(plan.study.points) == 10 + int(3 * seconds / 60)
+    assert plan.memory(300) == 700
+    assert plan.reader_resources == {"mem_mb": 1100, "runtime": 20}
+
+
+def test_pictures_and_data_of_figures_go_to_the_report_of_snakemake(make_plan):
+    kinds = {Path(path).suffix: kind for path, _, kind in make_plan().figure_files}
+    assert kinds[".svg"] == "picture" and kinds[".csv"] == "data" and kinds[".txt"] == ""
+
+
+def test_settings_of_boundaries_follow_the_study(make_plan):
+    (search,) = make_plan(text=ONSET).boundary_searches
+    assert search[:6] == ("onset", "transport", "frequency", 8, 40, 1)
+    (other,) = make_plan(text=ONSET.replace("beads: 10", "beads: 12")).boundary_searches
+    assert other[:6] == search[:6] and other != search
+    assert make_plan().boundary_searches == []
+
+
+def test_notes_tell_jobs_the_batches_and_later_workflows_the_study(make_plan):
+    plan = make_plan()
+    batches = plan.batches_to_run(1)
+    assert plan.namesake_warning == ""
+    plan.start(batches)
+    assert plan.read_batches() == batches
+    assert plan.namesake_warning == ""
+    assert make_plan(name="copy.yaml").namesake_warning == ""
+    other = make_plan(text=STUDY.replace("[20, 40, 60]", "[20, 50]"), name="other.yaml")
+    expected = "warning: other.yaml: study: planned is also the name of "
+    assert other.namesake_warning.startswith(expected)
+
+
+@pytest.mark.parametrize("damage", [b"\xff\x00\xfe", b"", b"missing.yaml", b"a\x00b"])
+def test_a_damaged_note_names_no_study(damage, make_plan):
+    plan = make_plan()
+    plan.folder.mkdir(parents=True)
+    (plan.folder / ".study").write_bytes(damage)
+    assert plan.namesake_warning == ""
+
+
+def test_a_device_in_place_of_that_note_is_not_read(make_plan):
+    plan = make_plan()
+    plan.folder.mkdir(parents=True)
+    (plan.folder / ".study").symlink_to("/dev/zero")
+    assert plan.namesake_warning == ""
+
+
+def test_a_lock_empties_no_file_that_a_link_names(make_plan):
+    plan = make_plan()
+    plan.folder.mkdir(parents=True)
+    (plan.folder / ".lock").symlink_to(Path("planned.yaml").resolve())
+    assert plan.start({}).is_locked
+    assert Path("planned.yaml").read_text().startswith("study: planned")
+
+
+#: A workflow that keeps the lock until it is killed.
+HOLDER = """\
+import sys, time
+from pathlib import Path
+from filelock import FileLock
+lock = FileLock(Path("results/planned/.lock"), fallback_to_soft=False)
+lock.acquire(blocking=False)
+print("locked", flush=True)
+time.sleep(600)
+"""
+
+
+def test_results_are_locked_while_another_workflow_lives(make_plan):
+    plan = make_plan()
+    plan.folder.mkdir(parents=True)
+    other = subprocess.Popen([sys.executable, "-c", HOLDER], stdout=subprocess.PIPE, text=True)
+    try:
+        assert other.stdout.readline() == "locked\n"
+        with pytest.raises(InputError, match=r"^results/planned: cannot be locked: "):
+            plan.start({})
+    finally:
+        other.kill()
+        other.communicate()
+    assert plan.start({}).is_locked
