@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from sim.parameters.laws import law
     from sim.parameters.motions import motion
     from sim.parameters.observables import observable
-    from sim.study.frame import points
+    from sim.study.load import points
     from sim.study.plot_kinds import plot_kind
 
 __all__ = [
@@ -53,7 +53,7 @@ _PLACES = {
     "observable": "sim.parameters.observables:observable",
     "parameter": "sim.parameters.choices:parameter",
     "plot_kind": "sim.study.plot_kinds:plot_kind",
-    "points": "sim.study.frame:points",
+    "points": "sim.study.load:points",
     "simulate": "sim.engine.flow:simulate",
 }
 

@@ -3,8 +3,8 @@
 import pytest
 
 from sim.base.errors import InputError
+from sim.study.entries import MAX_VALUES, expand_range
 from sim.study.load import parse_study
-from sim.study.ranges import MAX_VALUES, expand_range
 
 
 def points(grid: dict) -> list[str]:

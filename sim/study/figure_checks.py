@@ -1,8 +1,9 @@
-"""Checks of plots whose keys are valid: their parameters must suit the points."""
+"""Checks of figures and plots whose keys are valid: they must suit the points."""
 
 from collections.abc import Sequence
 from typing import Any
 
+from sim.base.errors import InputError
 from sim.parameters import NUMERICAL, Parameters
 from sim.study.figure_spec import FigureSpec, written
 from sim.study.model import Point
@@ -11,6 +12,64 @@ from sim.study.plottable import SHOWN_BY, PlotErrorMaker, require_parameter
 
 #: Maximum number of panels of a plot.
 MAX_PANELS = 12
+
+
+def require_points_vary(
+    spec: FigureSpec, figure_points: Sequence[Point], source: str, path: str
+) -> None:
+    """Raise ``InputError`` for a figure without points, or whose points do not vary its axes."""
+    if not figure_points:
+        conditions = ", ".join(f"{key} {values}" for key, values in spec.taken.items())
+        raise InputError.of_value(source, path, spec.name, f"series with a point at {conditions}")
+    for axis in spec.axes:
+        values = {getattr(point.parameters, axis) for point in figure_points}
+        if len(values) < 2:
+            got = f"{spec.name} with {axis} = {written(values.pop())} alone"
+            allowed = f"series that feed {spec.name} and together vary {', '.join(spec.axes)}"
+            if axis in spec.taken:
+                allowed += f", of which it takes {axis} {spec.taken[axis]} alone"
+            raise InputError.of_value(source, path, got, allowed)
+
+
+def require_distinct_positions(
+    spec: FigureSpec, figure_points: Sequence[Point], source: str, path: str
+) -> None:
+    """Raise ``InputError`` if a figure would draw two points indistinguishably at one position."""
+    if not spec.draws_curves:
+        return
+    points_by_position: dict[tuple[Any, ...], Point] = {}
+    for point in figure_points:
+        other = points_by_position.setdefault(spec.place(point.parameters), point)
+        if other is not point:
+            raise InputError(
+                f"{source}: {path}: got {spec.name} with two points at "
+                f"{_settings(spec, point.parameters)} that differ in "
+                f"{_differences(other.parameters, point.parameters)}{_series_note(other, point)}, "
+                "which it does not show; allowed: one point at each place of a curve, the other "
+                "in a series that does not feed it"
+            )
+
+
+def _settings(spec: FigureSpec, parameters: Parameters) -> str:
+    names = dict.fromkeys((*spec.axes, *spec.curves))
+    return ", ".join(f"{name} = {written(getattr(parameters, name))}" for name in names)
+
+
+def _differences(first: Parameters, second: Parameters) -> str:
+    """Return text with the parameters in which two points differ, and both values of each."""
+    names = type(first).model_fields
+    pairs = {name: (getattr(first, name), getattr(second, name)) for name in names}
+    return ", ".join(
+        f"{name} ({written(value)}, {written(other_value)})"
+        for name, (value, other_value) in pairs.items()
+        if value != other_value
+    )
+
+
+def _series_note(first: Point, second: Point) -> str:
+    """Return text with the series of two points, empty if it is the same."""
+    names = first.series[0], second.series[0]
+    return f" (series {names[0]} and {names[1]})" if names[0] != names[1] else ""
 
 
 def require_parameters(

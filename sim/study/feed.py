@@ -1,6 +1,8 @@
-"""Convert the plots of a study file to figure entries like those of the catalogue."""
+"""Last step of a study: feed its points to figures of the catalogue and to its own plots."""
 
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 from sim.base.errors import InputError
@@ -13,70 +15,95 @@ from sim.parameters import (
     roles,
 )
 from sim.study.catalogue import FIGURES
-from sim.study.figure_points import require_distinct_positions
+from sim.study.figure_checks import (
+    require_distinct_map_points,
+    require_distinct_positions,
+    require_parameters,
+    require_points_vary,
+    varying_parameters,
+)
 from sim.study.figure_spec import FigureSpec
 from sim.study.file import StudyFile
 from sim.study.model import Point, Study
-from sim.study.plot_checks import (
-    require_distinct_map_points,
-    require_parameters,
-    varying_parameters,
-)
 from sim.study.plot_file import AXES, OBSERVABLE, REGIME, PlotFile
 from sim.study.plot_kinds import plugin_code
 from sim.study.plot_words import caption_lead, default_title
 from sim.study.plottable import Observable, PlotErrorMaker, every_name, find_observable
 
 
-def plot_specs(
-    file: StudyFile, study: Study, source: str, other_names: Iterable[str] = ()
-) -> dict[str, FigureSpec]:
-    """Return a map from the name of each plot of a study file to its figure entry.
-
-    Parameters
-    ----------
-    file : StudyFile
-        The file.
-    study : Study
-        The study, with points and series.
-    source : str
-        The file's name, for messages.
-    other_names : iterable of str
-        Names of other plots of the study.
+def feed(study: Study, files: Sequence[tuple[Path, StudyFile]]) -> Study:
+    """Return the study with the figures that its points feed, and with the plots of its files.
 
     Raises
     ------
     InputError
-        For clashing names; unknown series, parameters or observables; parameters that do not
-        vary; and points that a plot could not tell apart.
+        If a figure is listed but not fed, or fed but not listed. Also if it shows none of its
+        points, if these do not vary its axes, or if two would share one position on a curve. For
+        a plot that has the name of another, see `_plot_spec` for its other mistakes.
     """
-    specs: dict[str, FigureSpec] = {}
-    for number, plot in enumerate(file.plots or []):
-
-        def plot_error(key: str, value: Any, allowed: str, number: int = number) -> InputError:
-            return InputError.of_value(source, f"plots[{number}].{key}", value, allowed)
-
-        # Some file systems do not tell capitals from small letters.
-        if plot.name.lower() in FIGURES:
-            raise plot_error("name", plot.name, "a name that no figure of the catalogue has")
-        if plot.name.lower() in map(str.lower, (*specs, *other_names)):
-            raise plot_error("name", plot.name, "a name that no other plot has, capitals or not")
-        specs[plot.name] = _plot_spec(plot, study, plot_error, source, f"plots[{number}]")
-    return specs
+    entries = _figures(study, files)
+    for number, (path, file) in enumerate(files):
+        # A part knows its own series alone.
+        series = [entry.name for _, entry in file.entries] if number else list(study.series)
+        for index, plot in enumerate(file.plots or []):
+            place = f"plots[{index}]"
+            _require_new_name(plot.name, entries, str(path), f"{place}.name")
+            entries[plot.name] = _plot_spec(plot, study, series, str(path), place)
+    return replace(study, entries=entries)
 
 
-def points_of_plot(spec: FigureSpec, points: Iterable[Point]) -> tuple[str, ...]:
-    """Return the ids of the points of a study that a plot shows."""
-    return tuple(
-        point.id for point in points if spec.is_fed_by(point.parameters.system, point.series)
-    )
+def _figures(study: Study, files: Sequence[tuple[Path, StudyFile]]) -> dict[str, FigureSpec]:
+    """Return the entries of the catalogue that the series of a study feed."""
+    feeds: dict[str, tuple[str, str]] = {}
+    for path, file in files:
+        for key, entry in file.entries:
+            for index, name in enumerate(entry.figures):
+                feeds.setdefault(name, (str(path), f"{key}.figures[{index}]"))
+    path, file = files[0]
+    for index, name in enumerate(file.figures or []):
+        if name not in feeds:
+            allowed = "a figure that a series of the study feeds"
+            raise InputError.of_value(path, f"figures[{index}]", name, allowed)
+    figures = {name: spec for name, spec in FIGURES.items() if name in feeds}
+    for name, spec in figures.items():
+        if file.figures is not None and name not in file.figures:
+            allowed = "a figure that the study lists under figures"
+            raise InputError.of_value(*feeds[name], name, allowed)
+        points = [point for point in study.points.values() if name in point.figures]
+        require_points_vary(spec, points, *feeds[name])
+        require_distinct_positions(spec, points, *feeds[name])
+    return figures
+
+
+def _require_new_name(name: str, entries: Iterable[str], source: str, key: str) -> None:
+    # Some file systems do not tell capitals from small letters.
+    if name.lower() in FIGURES:
+        allowed = "a name that no figure of the catalogue has"
+        raise InputError.of_value(source, key, name, allowed)
+    if name.lower() in map(str.lower, entries):
+        allowed = "a name that no other plot has, capitals or not"
+        raise InputError.of_value(source, key, name, allowed)
 
 
 def _plot_spec(
-    plot: PlotFile, study: Study, plot_error: PlotErrorMaker, source: str, path: str
+    plot: PlotFile, study: Study, series: Sequence[str], source: str, place: str
 ) -> FigureSpec:
-    """Return the figure entry of a plot."""
-    names = _series_names(plot, study, plot_error)
+    """Return the figure entry of a plot of a file with some series.
+
+    Raises
+    ------
+    InputError
+        For unknown series, parameters or observables; parameters that do not vary; and points
+        that the plot could not tell apart.
+    """
+
+    def plot_error(key: str, value: Any, allowed: str) -> InputError:
+        return InputError.of_value(source, f"{place}.{key}", value, allowed)
+
+    for number, name in enumerate(plot.series or []):
+        if name not in series:
+            raise plot_error(f"series[{number}]", name, "one of " + ", ".join(series))
+    names = plot.series or series
     points = [point for point in study.points.values() if set(point.series) & set(names)]
     system = _plot_system(plot, points, plot_error)
     points = [point for point in points if point.parameters.system == system]
@@ -117,15 +144,8 @@ def _plot_spec(
     )
     if plot.base_kind == "map":
         require_distinct_map_points(spec, points, plot_error)
-    require_distinct_positions(spec, points, source, path)
+    require_distinct_positions(spec, points, source, place)
     return spec
-
-
-def _series_names(plot: PlotFile, study: Study, plot_error: PlotErrorMaker) -> Sequence[str]:
-    for number, name in enumerate(plot.series or []):
-        if name not in study.series:
-            raise plot_error(f"series[{number}]", name, "one of " + ", ".join(study.series))
-    return plot.series or list(study.series)
 
 
 def _plot_system(plot: PlotFile, points: Sequence[Point], plot_error: PlotErrorMaker) -> str:
