@@ -52,8 +52,8 @@ def expand(files: Sequence[tuple[Path, StudyFile]]) -> Study:
             series[entry.name] = family.add_to(points, family_boundaries)
             boundaries += family_boundaries
     path, file = files[0]
-    _require_feasible_number(points, file, str(path))
-    _require_valid_starts(points, str(path))
+    readings = _readings_by_system(file)
+    _require_valid_points(points, file, str(path))
     return Study(
         name=file.study,
         title=file.title,
@@ -61,7 +61,7 @@ def expand(files: Sequence[tuple[Path, StudyFile]]) -> Study:
         points=points,
         series=series,
         boundaries=tuple(boundaries),
-        readings=_readings_by_system(file),
+        readings=readings,
         decide=file.decide,
         pages=file.pages,
     )
@@ -251,17 +251,17 @@ def _readings_by_system(file: StudyFile) -> dict[str, list[dict[str, Any]]]:
     return readings
 
 
-def _require_feasible_number(points: dict[str, Point], file: StudyFile, source: str) -> None:
+def _require_valid_points(points: dict[str, Point], file: StudyFile, source: str) -> None:
+    """Raise ``InputError`` for too many points, or a start from what is not there.
+
+    A point may start from one of the study or from a run file.
+    """
     if len(points) > MAX_POINTS:
         allowed = f"at most {MAX_POINTS:,} points in the study"
         raise InputError.of_value(source, "parts", f"{len(points):,} points", allowed)
     if file.pages and len(points) > MAX_PAGES:
         allowed = f"false, for more than {MAX_PAGES:,} points"
         raise InputError.of_value(source, "pages", True, allowed)
-
-
-def _require_valid_starts(points: dict[str, Point], source: str) -> None:
-    """Raise ``InputError`` if a point starts from neither a point of the study nor a run file."""
     for point in points.values():
         start = point.parameters.start_from
         if start in points:

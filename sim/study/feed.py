@@ -15,20 +15,12 @@ from sim.parameters import (
     roles,
 )
 from sim.study.catalogue import FIGURES
-from sim.study.figure_checks import (
-    require_distinct_map_points,
-    require_distinct_positions,
-    require_parameters,
-    require_points_vary,
-    varying_parameters,
-)
-from sim.study.figure_spec import FigureSpec
+from sim.study.figure_spec import FigureSpec, written
 from sim.study.file import StudyFile
 from sim.study.model import Point, Study
-from sim.study.plot_file import AXES, OBSERVABLE, REGIME, PlotFile
+from sim.study.plot_contents import PlotContents, varying_parameters
 from sim.study.plot_kinds import plugin_code
 from sim.study.plot_words import caption_lead, default_title
-from sim.study.plottable import Observable, PlotErrorMaker, every_name, find_observable
 
 
 def feed(study: Study, files: Sequence[tuple[Path, StudyFile]]) -> Study:
@@ -39,16 +31,20 @@ def feed(study: Study, files: Sequence[tuple[Path, StudyFile]]) -> Study:
     InputError
         If a figure is listed but not fed, or fed but not listed. Also if it shows none of its
         points, if these do not vary its axes, or if two would share one position on a curve. For
-        a plot that has the name of another, see `_plot_spec` for its other mistakes.
+        plots with clashing names, unknown series, parameters or observables, and parameters that
+        do not vary.
     """
     entries = _figures(study, files)
     for number, (path, file) in enumerate(files):
         # A part knows its own series alone.
         series = [entry.name for _, entry in file.entries] if number else list(study.series)
         for index, plot in enumerate(file.plots or []):
-            place = f"plots[{index}]"
-            _require_new_name(plot.name, entries, str(path), f"{place}.name")
-            entries[plot.name] = _plot_spec(plot, study, series, str(path), place)
+            names = plot.series or series
+            points = [point for point in study.points.values() if set(point.series) & set(names)]
+            contents = PlotContents(plot, points, str(path), f"plots[{index}]")
+            _require_known_names(contents, series, entries)
+            entries[plot.name] = spec = _plot_spec(contents, names)
+            _require_distinct_positions(spec, contents.points, contents.source, contents.place)
     return replace(study, entries=entries)
 
 
@@ -70,63 +66,41 @@ def _figures(study: Study, files: Sequence[tuple[Path, StudyFile]]) -> dict[str,
             allowed = "a figure that the study lists under figures"
             raise InputError.of_value(*feeds[name], name, allowed)
         points = [point for point in study.points.values() if name in point.figures]
-        require_points_vary(spec, points, *feeds[name])
-        require_distinct_positions(spec, points, *feeds[name])
+        _require_points_vary(spec, points, *feeds[name])
+        _require_distinct_positions(spec, points, *feeds[name])
     return figures
 
 
-def _require_new_name(name: str, entries: Iterable[str], source: str, key: str) -> None:
+def _require_known_names(
+    contents: PlotContents, series: Sequence[str], entries: Iterable[str]
+) -> None:
+    """Raise ``InputError`` for a plot of unknown series, or with the name of another figure."""
+    name = contents.plot.name
     # Some file systems do not tell capitals from small letters.
     if name.lower() in FIGURES:
-        allowed = "a name that no figure of the catalogue has"
-        raise InputError.of_value(source, key, name, allowed)
+        raise contents.error("name", name, "a name that no figure of the catalogue has")
     if name.lower() in map(str.lower, entries):
-        allowed = "a name that no other plot has, capitals or not"
-        raise InputError.of_value(source, key, name, allowed)
+        raise contents.error("name", name, "a name that no other plot has, capitals or not")
+    for number, one in enumerate(contents.plot.series or []):
+        if one not in series:
+            raise contents.error(f"series[{number}]", one, "one of " + ", ".join(series))
 
 
-def _plot_spec(
-    plot: PlotFile, study: Study, series: Sequence[str], source: str, place: str
-) -> FigureSpec:
-    """Return the figure entry of a plot of a file with some series.
-
-    Raises
-    ------
-    InputError
-        For unknown series, parameters or observables; parameters that do not vary; and points
-        that the plot could not tell apart.
-    """
-
-    def plot_error(key: str, value: Any, allowed: str) -> InputError:
-        return InputError.of_value(source, f"{place}.{key}", value, allowed)
-
-    for number, name in enumerate(plot.series or []):
-        if name not in series:
-            raise plot_error(f"series[{number}]", name, "one of " + ", ".join(series))
-    names = plot.series or series
-    points = [point for point in study.points.values() if set(point.series) & set(names)]
-    system = _plot_system(plot, points, plot_error)
-    points = [point for point in points if point.parameters.system == system]
-    key, _ = OBSERVABLE[plot.base_kind]
-    is_map = plot.base_kind == "map" and plot.observable == REGIME
-    observable = (
-        None if is_map else _observable(plot, key, plot.observable, system, points, plot_error)
-    )
-    second = _second_observable(plot, system, points, plot_error)
-    axes = () if second else plot.axis_names
-    curves, panels = tuple(plot.curves or ()), plot.panels or ""
-    require_parameters(plot, axes, system, points, plot_error)
-    spec = FigureSpec(
+def _plot_spec(contents: PlotContents, series: Sequence[str]) -> FigureSpec:
+    """Return the figure entry of a plot of some series."""
+    plot, observable, second = contents.plot, contents.observable, contents.second
+    contents.require_drawable()
+    return FigureSpec(
         name=plot.name,
         kind=f"plot_{plot.kind}",
         paper="",
-        system=system,
+        system=contents.system,
         title=plot.title or default_title(plot, observable, second),
-        axes=axes,
-        curves=curves + ((panels,) if panels else ()),
-        lead=caption_lead(plot, observable, second, system),
-        named=_caption_parameters(system, [point.parameters for point in points]),
-        series=tuple(names),
+        axes=contents.axes,
+        curves=contents.groups,
+        lead=caption_lead(plot, observable, second, contents.system),
+        named=_caption_parameters(contents.system, contents.parameters),
+        series=tuple(series),
         options={
             "show": plot.observable,
             "second": second.name if second else "",
@@ -135,64 +109,71 @@ def _plot_spec(
                 (data.label, tuple(map(tuple, data.points)), data.line)
                 for data in plot.beside or ()
             ),
-            "panels": panels,
-            "curves": curves,
+            "panels": plot.panels or "",
+            "curves": tuple(plot.curves or ()),
             "units": plot.units,
             "log": tuple(plot.log),
         }
         | plugin_code(plot.kind),
     )
-    if plot.base_kind == "map":
-        require_distinct_map_points(spec, points, plot_error)
-    require_distinct_positions(spec, points, source, place)
-    return spec
 
 
-def _plot_system(plot: PlotFile, points: Sequence[Point], plot_error: PlotErrorMaker) -> str:
-    """Return the system of a plot: the value of its key, or the only system of its points."""
-    systems = list(dict.fromkeys(point.parameters.system for point in points))
-    if plot.system is None and len(systems) > 1:
-        raise plot_error(
-            "system", None, "one of " + ", ".join(systems) + ", as the series have several"
-        )
-    system = plot.system or systems[0]
-    if system not in systems:
-        raise plot_error("system", system, f"a system of its series: {', '.join(systems)}")
-    return system
+def _require_points_vary(
+    spec: FigureSpec, figure_points: Sequence[Point], source: str, path: str
+) -> None:
+    """Raise ``InputError`` for a figure without points, or whose points do not vary its axes."""
+    if not figure_points:
+        conditions = ", ".join(f"{key} {values}" for key, values in spec.taken.items())
+        raise InputError.of_value(source, path, spec.name, f"series with a point at {conditions}")
+    for axis in spec.axes:
+        values = {getattr(point.parameters, axis) for point in figure_points}
+        if len(values) < 2:
+            got = f"{spec.name} with {axis} = {written(values.pop())} alone"
+            allowed = f"series that feed {spec.name} and together vary {', '.join(spec.axes)}"
+            if axis in spec.taken:
+                allowed += f", of which it takes {axis} {spec.taken[axis]} alone"
+            raise InputError.of_value(source, path, got, allowed)
 
 
-def _second_observable(
-    plot: PlotFile, system: str, points: Sequence[Point], plot_error: PlotErrorMaker
-) -> Observable | None:
-    """Return the second observable; ``None`` if a parameter is on that axis, or may be.
+def _require_distinct_positions(
+    spec: FigureSpec, figure_points: Sequence[Point], source: str, path: str
+) -> None:
+    """Raise ``InputError`` if a figure would draw two points indistinguishably at one position."""
+    if not spec.draws_curves:
+        return
+    points_by_position: dict[tuple[Any, ...], Point] = {}
+    for point in figure_points:
+        other = points_by_position.setdefault(spec.place(point.parameters), point)
+        if other is not point:
+            raise InputError(
+                f"{source}: {path}: got {spec.name} with two points at "
+                f"{_settings(spec, point.parameters)} that differ in "
+                f"{_differences(other.parameters, point.parameters)}{_series_note(other, point)}, "
+                "which it does not show; allowed: one point at each place of a curve, the other "
+                "in a series that does not feed it"
+            )
 
-    A name of neither kind is refused later, with the parameters.
-    """
-    name = getattr(plot, plot.second_key) if plot.second_key else None
-    if name is None or (plot.second_key in AXES[plot.base_kind] and name not in every_name()):
-        return None
-    if name == plot.observable:
-        key, _ = OBSERVABLE[plot.base_kind]
-        raise plot_error(plot.second_key, name, f"an observable other than {key}")
-    return _observable(plot, plot.second_key, name, system, points, plot_error)
+
+def _settings(spec: FigureSpec, parameters: Parameters) -> str:
+    names = dict.fromkeys((*spec.axes, *spec.curves))
+    return ", ".join(f"{name} = {written(getattr(parameters, name))}" for name in names)
 
 
-def _observable(
-    plot: PlotFile,
-    key: str,
-    name: str,
-    system: str,
-    points: Sequence[Point],
-    plot_error: PlotErrorMaker,
-) -> Observable:
-    """Return the observable that a key of a plot names, if its points keep it."""
-    observable = find_observable(plot.base_kind, key, name, system, plot_error)
-    if observable.asked_by and not all(
-        getattr(point.parameters, observable.asked_by, False) for point in points
-    ):
-        allowed = f"points with {observable.asked_by}: true, without which it is not kept"
-        raise plot_error(key, name, allowed)
-    return observable
+def _differences(first: Parameters, second: Parameters) -> str:
+    """Return text with the parameters in which two points differ, and both values of each."""
+    names = type(first).model_fields
+    pairs = {name: (getattr(first, name), getattr(second, name)) for name in names}
+    return ", ".join(
+        f"{name} ({written(value)}, {written(other_value)})"
+        for name, (value, other_value) in pairs.items()
+        if value != other_value
+    )
+
+
+def _series_note(first: Point, second: Point) -> str:
+    """Return text with the series of two points, empty if it is the same."""
+    names = first.series[0], second.series[0]
+    return f" (series {names[0]} and {names[1]})" if names[0] != names[1] else ""
 
 
 #: Parameters that captions give elsewhere or not at all.

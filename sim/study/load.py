@@ -46,7 +46,8 @@ def load_study(
     InputError
         For any mistake that prevents the study from being run as written.
     """
-    return _study(read(path, plugins), results)
+    documents = read(path, plugins)
+    return _study(documents, results)
 
 
 def parse_study(
@@ -56,13 +57,15 @@ def parse_study(
 
     See `load_study`.
     """
-    return _study(with_parts(mapping, Path(path), plugins), results)
+    documents = with_parts(mapping, Path(path), plugins)
+    return _study(documents, results)
 
 
 def _study(documents: list[Document], results: str | Path | None) -> Study:
     """Return the study of documents, with the amounts that decisions have added to its points."""
     files = validate(documents)
-    study = feed(expand(files), files)
+    study = expand(files)
+    study = feed(study, files)
     if results is not None:
         folder = Path(results) / study.name
         require_writable(folder, f"{study.path}: study")

@@ -32,16 +32,20 @@ def read(path: str | Path, plugins: bool = True) -> list[Document]:
     Raises
     ------
     InputError
-        If a file or a plug-in cannot be read, or a part has parts of its own.
+        If a file or a plug-in cannot be read.
     """
-    return with_parts(read_yaml(path), Path(path), plugins)
+    contents = read_yaml(path)
+    return with_parts(contents, Path(path), plugins)
 
 
 def with_parts(contents: Any, path: Path, plugins: bool = True) -> list[Document]:
     """Return the document of a study file and those of its parts: see `read`."""
     documents = [_document(contents, path, plugins)]
     for index, name in enumerate(_names(contents, "parts", PART_NAME)):
-        part = _read_part(path.parent / name, f"{path}: parts[{index}]")
+        try:
+            part = read_yaml(path.parent / name)
+        except InputError as error:
+            raise InputError(f"{path}: parts[{index}]: {error}") from None
         documents.append(_document(part, path.parent / name, plugins))
     return documents
 
@@ -59,14 +63,3 @@ def _names(contents: Any, key: str, pattern: str) -> list[str]:
     ):
         return names
     return []
-
-
-def _read_part(path: Path, source: str) -> Any:
-    """Return the contents of a part; raise ``InputError`` if it has parts of its own."""
-    try:
-        contents = read_yaml(path)
-    except InputError as error:
-        raise InputError(f"{source}: {error}") from None
-    if isinstance(contents, dict) and "parts" in contents:
-        raise InputError.of_value(source, "", path.name, "a study without parts of its own")
-    return contents

@@ -217,19 +217,22 @@ def validate(documents: Sequence[Document]) -> list[tuple[Path, StudyFile]]:
     ------
     InputError
         With the file, the key, its value and the allowed values. Also if two files have a series
-        of the same name.
+        of the same name, or a part has parts of its own.
     """
+    source, parts = documents[0].path, documents[1:]
+    for index, part in enumerate(parts):
+        if isinstance(part.contents, dict) and "parts" in part.contents:
+            allowed = "a study without parts of its own"
+            raise InputError.of_value(source, f"parts[{index}]", part.path.name, allowed)
     files = [(document.path, _validate_file(document)) for document in documents]
-    names = {entry.name for _, entry in files[0][1].entries}
-    for index, (path, part) in enumerate(files[1:]):
-        for _, entry in part.entries:
+    names: set[str] = set()
+    for number, (path, file) in enumerate(files):
+        for _, entry in file.entries:
             if entry.name in names:
-                key, allowed = (
-                    f"parts[{index}]: series {entry.name}",
-                    "a part without a series of a name that another has",
-                )
-                raise InputError.of_value(documents[0].path, key, path.name, allowed)
-        names |= {entry.name for _, entry in part.entries}
+                key = f"parts[{number - 1}]: series {entry.name}"
+                allowed = "a part without a series of a name that another has"
+                raise InputError.of_value(source, key, path.name, allowed)
+            names.add(entry.name)
     return files
 
 
