@@ -1,16 +1,19 @@
 """Models of a study file: its keys, its series and its boundaries, whatever their system."""
 
 from collections.abc import Iterator
+from itertools import chain
 from math import prod
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self, get_args
 
 from pydantic import ConfigDict, Field, model_validator
 
+from sim.base.additions import additions
 from sim.base.plugins import ALLOWED, PATTERN
 from sim.parameters import AMOUNTS, SYSTEMS
 from sim.parameters.common import Real, broken_rule
 from sim.study.entries import (
     ALLOWED_NAME,
+    JUDGE,
     NAME,
     DecideFile,
     Lists,
@@ -20,6 +23,7 @@ from sim.study.entries import (
     optional,
     require_printable,
 )
+from sim.study.papers import papers
 from sim.study.plot_file import PlotFile
 from sim.study.read import PART_NAME
 from sim.study.refine import MAX_ROUNDS, PARTS, further_rounds
@@ -212,6 +216,17 @@ class StudyFile(Strict):
     def _require_points(self) -> Self:
         if not self.series and not self.boundaries and not self.parts:
             raise broken_rule("series", None, "at least one series, boundaries, or parts")
+        return self
+
+    @model_validator(mode="after")
+    def _require_known_claims(self) -> Self:
+        ids = [[claim["id"] for claim in paper.claims] for paper in papers().values()]
+        names = {"all", *chain(*ids), *additions(JUDGE)}
+        for index, name in enumerate(self.decide.claims or [] if self.decide else []):
+            if name not in names:
+                ranges = ", ".join(f"{one[0]} to {one[-1]}" for one in ids if one)
+                allowed = f"{ranges}, all, or the name of a judge of a plug-in"
+                raise broken_rule(f"decide.claims[{index}]", name, allowed)
         return self
 
     @model_validator(mode="after")
