@@ -8,7 +8,6 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from pydantic import ValidationError
 
 from sim.__main__ import main
 from sim.base.errors import InputError
@@ -17,9 +16,8 @@ from sim.claims.claim import claims
 from sim.claims.verdict import Check
 from sim.dataset.build import build
 from sim.report import decide as deciding
-from sim.study.entries import DecideFile
 from sim.study.extra_amounts import extra_amounts_file
-from sim.study.load import load_study
+from sim.study.load import load_study, parse_study
 from tests.made.netcdf import edit_file
 from tests.made.runs import write_run
 
@@ -189,12 +187,20 @@ def test_what_cannot_be_decided_is_refused(tmp_path, text, message):
         load_study(tmp_path / "open.yaml", tmp_path)
 
 
+def decided_claims(*names: str) -> list[str]:
+    series = [{"name": "a", "system": "chute"}]
+    decide = {"budget": 1.0, "claims": [*names]}
+    return parse_study(
+        {"study": "s", "series": series, "decide": decide}, "s.yaml", None
+    ).decide.claims
+
+
 def test_claims_of_the_papers_may_be_decided_and_no_others():
     every = [claim.id for claim in claims()]
-    assert DecideFile(budget=1, claims=[*every, "all"]).claims == [*every, "all"]
+    assert decided_claims(*every, "all") == [*every, "all"]
     for name in ("W0", "W27", "G37", "G99", "X1"):
-        with pytest.raises(ValidationError, match="claims"):
-            DecideFile(budget=1, claims=[name])
+        with pytest.raises(InputError, match=rf"s\.yaml: decide\.claims\[0\]: got '{name}'"):
+            decided_claims(name)
 
 
 def test_what_has_too_few_samples_to_tell_gets_some(made, monkeypatch):
