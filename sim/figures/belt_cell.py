@@ -70,14 +70,14 @@ def with_particles(data: FigureData, *names: str) -> list[PointParticles]:
     InputError
         When the dataset has not kept one of the arrays ``names`` of them.
     """
-    found = []
+    points = []
     for row in data.rows[data.rows["completed"] > 0].to_dict("records"):
         state = data.results.particles(row["point"])
         for name in names:
             if name not in state:
                 raise InputError(f"{row['point']}: no {name} of the particles in the dataset")
-        found.append(PointParticles(row, state))
-    return found
+        points.append(PointParticles(row, state))
+    return points
 
 
 def cells(points: Sequence[PointParticles], top: float) -> tuple[Figure, list[Axes]]:

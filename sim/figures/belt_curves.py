@@ -34,7 +34,7 @@ def draw(data: FigureData) -> Figure:
         return _draw_protocols(rows, spec)
     figure, axes = canvas()
     if len(shown) == 1:
-        _draw_curves(axes, shown[0].known(rows), shown[0], spec)
+        _draw_curves(axes, shown[0].rows_with_value(rows), shown[0], spec)
     else:
         _draw_several(axes, rows, shown, spec)
     for level in spec.options.get("levels", ()):
@@ -71,7 +71,9 @@ def _draw_several(axes: Axes, rows: pd.DataFrame, shown: list[Quantity], spec: F
     names, keys = tuple(BeltParameters.model_fields), spec.curves or ("protocol",)
     for quantity, option in zip(shown, spec.options["quantities"], strict=True):
         look = look_of_measure(spec, spec.curves, option)
-        draw_family(axes, quantity.known(rows), quantity, spec.axes[0], keys, names, look=look)
+        draw_family(
+            axes, quantity.rows_with_value(rows), quantity, spec.axes[0], keys, names, look=look
+        )
     axes.set_ylim(bottom=0)
     _label(axes, spec)
 

@@ -132,7 +132,7 @@ def table(data: FigureData) -> pd.DataFrame:
     """Return the data behind a panel: a row per point and slice, units in the headings."""
     profile, names = _profile(data), (*data.spec.named, "initial_velocity", "protocol")
     columns = parameter_columns(data.rows, "belt", names)
-    found = profiles(data, profile).rename(
+    slices = profiles(data, profile).rename(
         columns={
             "z": "height above the belt [⟨d⟩]",
             "mean": profile.heading,
@@ -140,11 +140,11 @@ def table(data: FigureData) -> pd.DataFrame:
         }
     )
     points = pd.DataFrame(columns | {"completed replicates": data.rows["completed"]})
-    return points.merge(found, on="point", how="inner")
+    return points.merge(slices, on="point", how="inner")
 
 
 def notes(data: FigureData) -> list[str]:
-    """Return what the caption says of heights, bands and regimes."""
+    """Return the sentences of the caption on heights, bands and regimes."""
     completed = data.rows["completed"]
     several, single = completed[completed > 1], completed[completed == 1]
     sentences = [

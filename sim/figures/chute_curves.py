@@ -77,7 +77,7 @@ def _draw_measures(axes: Axes, data: FigureData) -> None:
     """Draw measures; curves of one stand aside of each other, those of several do not."""
     spec, shown = data.spec, quantities(data)
     for quantity, option in zip(shown, spec.options["quantities"], strict=True):
-        rows, apart = quantity.known(data.rows), _unjoined(data.rows, quantity)
+        rows, apart = quantity.rows_with_value(data.rows), _unjoined(data.rows, quantity)
         if len(shown) == 1:
             _draw_curves(axes, rows, quantity, spec, apart)
         else:
@@ -114,14 +114,16 @@ def _draw_curves(
 
 def _draw_velocities(axes: Axes, data: FigureData) -> None:
     """Draw velocities; flows beyond the scale are markers at its top."""
-    rows, found = data.rows, velocity(data.rows)
-    apart = _unjoined(rows, found)
+    rows, quantity = data.rows, velocity(data.rows)
+    apart = _unjoined(rows, quantity)
     ceiling = _ceiling(rows, apart)
     above = rows["velocity"] > ceiling
-    held = replace(
-        found, value=found.value.clip(upper=ceiling), half_width=found.half_width.mask(above)
+    clipped = replace(
+        quantity,
+        value=quantity.value.clip(upper=ceiling),
+        half_width=quantity.half_width.mask(above),
     )
-    _draw_curves(axes, rows, held, data.spec, apart | above)
+    _draw_curves(axes, rows, clipped, data.spec, apart | above)
     _set_depth_axis(axes, rows["depth"])
     axes.set_ylim(0, _EDGE * ceiling if above.any() else ceiling)
     mark_cut_bars(axes)

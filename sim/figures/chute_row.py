@@ -56,8 +56,8 @@ def _flows(data: FigureData) -> list[tuple[str, dict[str, Any]]]:
     """
     rows = data.rows[data.rows["completed"] > 0]
     chute, flows = SYSTEMS["chute"], []
-    told = (*start_parameters(chute), "stiffness")
-    varied = [name for name in told if rows[name].nunique() > 1]
+    candidates = (*start_parameters(chute), "stiffness")
+    varied = [name for name in candidates if rows[name].nunique() > 1]
     for names, points in split_curves(
         rows, "point", ("protocol", *varied), tuple(chute.model_fields)
     ):

@@ -30,7 +30,7 @@ class Quantity:
     value: pd.Series
     half_width: pd.Series
 
-    def known(self, rows: pd.DataFrame) -> pd.DataFrame:
+    def rows_with_value(self, rows: pd.DataFrame) -> pd.DataFrame:
         """Return the rows with a value; of the velocity all, as that of failed runs is unknown."""
         return rows if self.name == "velocity" else rows[self.value.notna()]
 

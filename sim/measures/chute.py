@@ -51,31 +51,26 @@ def plug_order(run: Mapping[Any, Any]) -> dict[str, float]:
 
 
 @observable(
-    "median_overlap",
-    system=("chute", "conveyor"),
-    unit="1",
-    meaning="median overlap of the contacts, in diameters",
-)
-def median_overlap(run: Mapping[Any, Any]) -> float:
-    """Return the median of the overlaps of contacts, NaN for a run without their histogram."""
-    return _overlap(run, 0.5)
-
-
-@observable(
     "overlap_999",
     system=("chute", "conveyor"),
     unit="1",
     meaning="99.9th percentile of the overlaps of the contacts, in diameters",
 )
-def overlap_999(run: Mapping[Any, Any]) -> float:
-    """Return a high quantile of the overlaps of contacts, NaN for a run without their histogram."""
-    return _overlap(run, 0.999)
-
-
-def _overlap(run: Mapping[Any, Any], share: float) -> float:
+@observable(
+    "median_overlap",
+    system=("chute", "conveyor"),
+    unit="1",
+    meaning="median overlap of the contacts, in diameters",
+)
+def overlap_quantiles(run: Mapping[Any, Any]) -> dict[str, float]:
+    """Return quantiles of the overlaps of contacts, empty for a run without their histogram."""
     if "overlap_histogram" not in run:
-        return nan
-    return quantile(np.asarray(run["overlap_histogram"]), np.asarray(run["overlap_edges"]), share)
+        return {}
+    counts, edges = np.asarray(run["overlap_histogram"]), np.asarray(run["overlap_edges"])
+    return {
+        "median_overlap": quantile(counts, edges, 0.5),
+        "overlap_999": quantile(counts, edges, 0.999),
+    }
 
 
 def quantile(counts: np.ndarray, edges: np.ndarray, share: float) -> float:

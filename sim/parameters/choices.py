@@ -164,10 +164,10 @@ def _extended(
 
 def _field(base: type[Parameters], choice: Choice, options: tuple[str, ...]) -> tuple[Any, Any]:
     """Return type and declaration of a choice with more options."""
-    known = {plain_name(option): option for option in options}
+    options_by_name = {plain_name(option): option for option in options}
 
     def coded(value: Any) -> Any:
-        return known.get(value, value) if isinstance(value, str) else value
+        return options_by_name.get(value, value) if isinstance(value, str) else value
 
     if held := base.model_fields.get(choice.name):
         extra = held.json_schema_extra

@@ -153,7 +153,7 @@ def observed(
 
 
 def _load_observables() -> None:
-    """Load the observables that ship; they import NumPy, which not every command needs."""
+    """Load the observables that ship; they import NumPy, which parameters do without."""
     import_module("sim.measures")
 
 

@@ -220,9 +220,12 @@ class StudyFile(Strict):
 
     @model_validator(mode="after")
     def _require_known_claims(self) -> Self:
+        claims = (self.decide and self.decide.claims) or []
+        if set(claims) <= {"all"}:
+            return self
         ids = [[claim["id"] for claim in paper.claims] for paper in papers().values()]
         names = {"all", *chain(*ids), *additions(JUDGE)}
-        for index, name in enumerate(self.decide.claims or [] if self.decide else []):
+        for index, name in enumerate(claims):
             if name not in names:
                 ranges = ", ".join(f"{one[0]} to {one[-1]}" for one in ids if one)
                 allowed = f"{ranges}, all, or the name of a judge of a plug-in"

@@ -69,6 +69,7 @@ class Plan:
         )
         self._amount_texts: dict[str, str] = {}
         self._owner, self._batches = folder / ".study", folder / "runs" / ".batches"
+        self._own_path = str(study.path.resolve())
 
     def parameters(self, point: str) -> Parameters:
         """Return the parameters of a point, from the study or any round of refinement."""
@@ -172,7 +173,7 @@ class Plan:
             raise InputError(f"{self.folder}: cannot be locked: its workflow is running") from None
         except OSError:
             pass  # no locks on this file system
-        notes = {self._owner: str(self.study.path.resolve()), self._batches: json.dumps(batches)}
+        notes = {self._owner: self._own_path, self._batches: json.dumps(batches)}
         for path, text in notes.items():
             with atomic_write(path) as temporary:
                 temporary.write_text(text, encoding="utf-8")
@@ -232,7 +233,10 @@ class Plan:
         """
         # A damaged note names no study; the workflow rewrites it.
         with suppress(OSError, InputError, ValueError):
-            other = load_study(read_regular(self._owner).decode("utf-8"), plugins=False)
+            path = read_regular(self._owner).decode("utf-8")
+            if path == self._own_path:
+                return ""
+            other = load_study(path, plugins=False)
             if other.name == self.study.name and set(other.points) != set(self.study.points):
                 return (
                     f"warning: {self.study.path}: study: {self.study.name} is also the name of "

@@ -6,9 +6,10 @@ from typing import Any
 import numpy as np
 
 from sim.dataset.measures import measure
+from sim.parameters.variables import observables
 
 
 def measured(run: Mapping[Any, Any], system: str) -> dict[str, float]:
     """Return the observables of a replicate that have a value."""
-    values = measure(run, system, "a point")
+    values = measure(run, observables(system), "a point")
     return {name: value for name, value in values.items() if not np.isnan(value)}
