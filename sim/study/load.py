@@ -99,7 +99,8 @@ def parse_study(
         require_writable(Path(results) / file.study, f"{source}: study")
     points = study.points
     if file.decide and results is not None:
-        points = with_extra_amounts(points, read_extra_amounts(Path(results) / file.study))
+        extra = read_extra_amounts(Path(results) / file.study)
+        points = with_extra_amounts(points, extra, judged=file.decide.claims is not None)
     return replace(
         study,
         points=points,
