@@ -70,7 +70,11 @@ def _study(documents: list[Document], results: str | Path | None) -> Study:
         folder = Path(results) / study.name
         require_writable(folder, f"{study.path}: study")
         if study.decide:
-            points = with_extra_amounts(study.points, read_extra_amounts(folder))
+            points = with_extra_amounts(
+                study.points,
+                read_extra_amounts(folder),
+                judged=study.decide.claims is not None,
+            )
             study = replace(study, points=points)
     plugins = dict.fromkeys(plugin for document in documents for plugin in document.plugins)
     return replace(study, plugins=tuple(plugins))

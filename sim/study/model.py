@@ -18,7 +18,8 @@ from sim.study.refine import further_rounds
 class Point:
     """One point of a study, which may belong to several series and figures.
 
-    ``left_out`` holds the figures that its series feed but that do not show it.
+    ``left_out`` holds the figures that its series feed but that do not show it. ``looks`` is how
+    often claims on it are judged with the option of buying more runs.
     """
 
     id: str
@@ -26,6 +27,7 @@ class Point:
     series: tuple[str, ...]
     figures: tuple[str, ...]
     left_out: tuple[str, ...] = ()
+    looks: int = 0
 
 
 @dataclass(frozen=True)

@@ -12,9 +12,12 @@ import pytest
 from sim.__main__ import main
 from sim.base.errors import InputError
 from sim.base.seals import to_sealed_json
+from sim.claims.checks import above
 from sim.claims.claim import claims
+from sim.claims.place import Place
 from sim.claims.verdict import Check
 from sim.dataset.build import build
+from sim.dataset.results import load_results
 from sim.report import decide as deciding
 from sim.study.extra_amounts import extra_amounts_file
 from sim.study.load import load_study, parse_study
@@ -169,7 +172,30 @@ def test_open_claims_get_the_replicates_of_their_points(made, monkeypatch, capsy
     assert out.startswith("W9: replicates of 1 point") and "W8" not in out
     assert folder.replicates() == [4, 3]
     held = json.loads(extra_amounts_file(folder.root / "open").read_text())
-    assert held["amounts"] == {first: {"replicates": 4.0}}
+    assert held["amounts"] == {first: {"replicates": 4.0}} and held["rounds"] == {first: 1}
+
+
+def test_each_look_of_the_judge_is_counted(made, monkeypatch):
+    """Two rounds make three looks; points of which nothing was bought have been looked at once."""
+    folder = made("budget: 10, claims: [W9]")
+    first, second = folder.points
+    check = Check("x", 1.5, 0.6, 1.0, 9.0, points=(first,), samples=99)
+    monkeypatch.setattr(deciding, "judge", lambda results: [judged("W9", default=[check, check])])
+    for _ in range(2):
+        folder.run()
+        folder.decide()
+    folder.run()
+    assert {point.id: point.looks for point in folder.points.values()} == {first: 3, second: 1}
+    results = load_results(folder.root / "open" / "dataset.nc")
+    places = [Place(results, point) for point in (first, second)]
+    assert [place.looks for place in places] == [3, 1]
+    assert above("V", places[0].velocity, 0, places).looks == 3
+
+
+def test_runs_that_are_bought_for_precision_are_no_looks(made):
+    folder = made("budget: 10, precision: 0.05")
+    folder.decide()
+    assert {point.looks for point in folder.points.values()} == {0}
 
 
 @pytest.mark.parametrize(
