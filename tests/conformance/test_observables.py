@@ -48,6 +48,6 @@ def test_a_replicate_without_arrays_has_no_value_and_no_error(system, monkeypatc
     point = point_of(system)
     known = dict.fromkeys(variables_of("scalar", system=system), np.nan) | complete_values(point)
     known |= {name: value for name, (value, _) in point.limits.items()}
-    values = measure(known, system, "p")
+    values = measure(known | {"particles": point.particles}, system, "p")
     assert values.keys() == kept.keys()
     assert {name for name, value in values.items() if not np.isnan(value)} <= OF_PARAMETERS
