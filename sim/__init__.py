@@ -2,7 +2,7 @@
 
 In Python: `simulate` runs one point, `Flow` runs one step by step, `points` lists the points of a
 study, and `load` reads the results of a study (docs/api.md). Plug-ins extend it by
-`law`, `motion`, `observable`, `plot_kind`, `judge` (docs/extending.md).
+`law`, `motion`, `observable`, `plot_kind`, `judge`, `paper` (docs/extending.md).
 """
 
 from pkgutil import resolve_name
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from sim.parameters.motions import motion
     from sim.parameters.observables import observable
     from sim.study.frame import points
+    from sim.study.papers import paper
     from sim.study.plot_kinds import plot_kind
 
 __all__ = [
@@ -35,6 +36,7 @@ __all__ = [
     "load_plugins",
     "motion",
     "observable",
+    "paper",
     "parameter",
     "plot_kind",
     "points",
@@ -51,6 +53,7 @@ _PLACES = {
     "load_plugins": "sim.base.plugins:load_plugins",
     "motion": "sim.parameters.motions:motion",
     "observable": "sim.parameters.observables:observable",
+    "paper": "sim.study.papers:paper",
     "parameter": "sim.parameters.choices:parameter",
     "plot_kind": "sim.study.plot_kinds:plot_kind",
     "points": "sim.study.frame:points",

@@ -5,7 +5,7 @@ import re
 import pytest
 
 from sim.claims.readings import readings_of
-from sim.report.claims import SYSTEM as SYSTEM_OF_PAPER
+from sim.study.papers import papers
 from tests.made.processes import ROOT
 
 PAGES = sorted([*(ROOT / "docs").glob("*.md"), ROOT / "README.md", ROOT / "CONTRIBUTING.md"])
@@ -29,7 +29,7 @@ def test_files_that_a_page_names_are_there(page):
     assert missing == []
 
 
-@pytest.mark.parametrize("system", SYSTEM_OF_PAPER.values())
+@pytest.mark.parametrize("system", [paper.system for paper in papers().values()])
 def test_each_open_place_of_a_paper_has_a_row_among_the_readings(system):
     """Its first cell names the parameter, the second has words of the paper."""
     text = (ROOT / "docs" / "physics.md").read_text(encoding="utf-8")

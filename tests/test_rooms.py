@@ -21,7 +21,7 @@ ONLY = {
     "papers": {
         "base": {"plugins", "statistics"},
         "parameters": {"", "belt"},
-        "study": set(),
+        "study": {"papers"},
         "engine": {"boundary.drive", "contact", "contact.walton_braun", "systems.chute"},
         "dataset": {"belt"},
         "measures": {"belt", "layers", "plug"},

@@ -30,24 +30,23 @@ class Plugin:
     name : str
         Its name in the study file.
     place : str
-        Path of its file, or name of the installed package, by which another process loads it.
+        Path of its file or folder, or name of the installed package, by which another process loads
+        it.
     code : str
         Hash of its content.
+    files : tuple of Path
+        Its files, where it stands beside a study; an installed one has none.
     """
 
     name: str
     place: str
     code: str
+    files: tuple[Path, ...] = ()
 
     @property
     def pinned_name(self) -> str:
         """Entry of ``TALUS_PLUGINS`` with its hash, so that a later edit is noticed."""
         return f"{self.place}@{self.code}"
-
-    @property
-    def is_file(self) -> bool:
-        """True for a file beside a study, False for an installed package."""
-        return self.name.endswith(FILE)
 
     def __str__(self) -> str:
         return f"plug-in {self.name} ({self.code})"
@@ -211,7 +210,7 @@ def plugin_code_error(error: Exception) -> InputError | None:
             filter(None, (_compile_error(addition, str(error)) for addition in every)), None
         )
     last = Path(traceback.extract_tb(error.__traceback__)[-1].filename)
-    plugins = [addition.plugin for addition in every if Path(addition.plugin.place) == last]
+    plugins = [addition.plugin for addition in every if last in addition.plugin.files]
     return InputError(f"{plugins[0]}: {error_text(error, last)}") if plugins else None
 
 
@@ -230,21 +229,30 @@ def _compile_error(addition: Addition, text: str) -> InputError | None:
     return None
 
 
-def error_text(error: BaseException, file: Path) -> str:
-    """Return type and message of an error, after the line of ``file`` that raised it."""
+def error_text(error: BaseException, place: Path) -> str:
+    """Return type and message of an error, after the line that raised it in a file or a folder.
+
+    An `InputError` says by itself where it comes from.
+    """
+    if isinstance(error, InputError):
+        return str(error)
     try:
         words = str(error)
     except Exception:
         words = "an error without words"
     kind = "" if isinstance(error, AdditionError) else f"{type(error).__name__}: "
-    return f"{_line_of(error, file)}{kind}{words}"
+    return f"{_line_of(error, place)}{kind}{words}"
 
 
-def _line_of(error: BaseException, file: Path) -> str:
-    """Return ``line N: `` for the last line of a file in a traceback, ``""`` where it has none."""
-    lines = [
-        frame.lineno
-        for frame in traceback.extract_tb(error.__traceback__)
-        if Path(frame.filename) == file
-    ]
-    return f"line {lines[-1]}: " if lines else ""
+def _line_of(error: BaseException, place: Path) -> str:
+    """Return ``line N: `` for the last line of a file in a traceback, ``""`` where it has none.
+
+    Of a folder it is the last line of any file in it, after the name of that file.
+    """
+    for frame in reversed(traceback.extract_tb(error.__traceback__)):
+        file = Path(frame.filename)
+        if file == place:
+            return f"line {frame.lineno}: "
+        if file.is_relative_to(place):
+            return f"{file.relative_to(place)} line {frame.lineno}: "
+    return ""

@@ -1,4 +1,4 @@
-"""Plug-ins: a file beside a study, or an installed package, that adds to what Talus knows.
+"""Plug-ins: a file or folder beside a study, or an installed package, adding to what Talus knows.
 
 A plug-in is Python code, and loading it runs it. Only a study file or a person
 (`sim.load_plugins`, ``TALUS_PLUGINS``) can name plug-ins; results cannot. Each one loaded is
@@ -44,9 +44,15 @@ VARIABLE = "TALUS_PLUGINS"
 
 #: Pattern of a plug-in's name in a study file, and the same in words.
 PATTERN = r"^[A-Za-z_][A-Za-z0-9_-]*(\.py)?$"
-ALLOWED = "a Python file beside the study, as my_law.py, or the name of an installed plug-in"
+ALLOWED = (
+    "a Python file beside the study, as my_law.py, a folder there with an __init__.py, or the name "
+    "of an installed plug-in"
+)
 
 _CODE_DIGITS = 8
+
+#: The file of a folder that is run.
+_INIT = "__init__.py"
 
 #: Ending of a name with a hash.
 _PINNED = re.compile(rf"@[0-9a-f]{{{_CODE_DIGITS}}}$")
@@ -65,9 +71,9 @@ def load(names: Iterable[str], folder: Path, source: str) -> tuple[Plugin, ...]:
     Parameters
     ----------
     names : iterable of str
-        Files in ``folder``, with their suffix, and names of installed plug-ins.
+        Files in ``folder``, with their suffix, folders there, and names of installed plug-ins.
     folder : Path
-        Folder of the files.
+        Folder of the files and folders.
     source : str
         File and key that name them, for messages: ``study.yaml: plugins``.
 
@@ -135,21 +141,23 @@ class _SourceCode(NamedTuple):
     module: str
     text: bytes | None = None
 
+    @property
+    def place(self) -> Path:
+        """Where lines of errors are sought: the file, or the folder."""
+        return Path(self.plugin.place) if self.plugin.files else self.file
+
 
 def _find(name: str, folder: Path, error_of: Callable[[str], InputError]) -> _SourceCode:
     """Return the code of a plug-in by its name; ``error_of`` turns a reason into an error."""
-    if name.endswith(FILE):
-        path = (folder / name).absolute()
-        try:
-            text = read_regular(path)
-        except OSError as error:
-            raise error_of(f"{path}: {error.strerror or error}") from None
-        code = _hash([(path.name, text)])
-        # Each content has its own module name, by which types of compiled code are told apart.
-        module = f"talus_plugin_{re.sub('[^a-zA-Z0-9]', '_', path.stem)}_{code}"
-        return _SourceCode(Plugin(path.name, str(path), code), path, module, text)
+    path = (folder / name).absolute()
     entries = entry_points(group=GROUP)
+    if name.endswith(FILE):
+        return _beside_study(path, path, (path,), error_of)
     if name not in entries.names:
+        if (path / _INIT).is_file():
+            contents = (one for one in sorted(path.rglob("*")) if one.is_file())
+            visible = tuple(one for one in contents if _is_content(one.relative_to(path)))
+            return _beside_study(path, path / _INIT, visible, error_of)
         installed = ", ".join(sorted(entries.names)) or "none"
         raise error_of(f"installed: {installed}")
     module = entries[name].module
@@ -160,6 +168,26 @@ def _find(name: str, folder: Path, error_of: Callable[[str], InputError]) -> _So
     files = file.parent.rglob(f"*{FILE}") if spec.submodule_search_locations else [file]
     code = _hash((path.name, path.read_bytes()) for path in sorted(files))
     return _SourceCode(Plugin(name, name, code), file, module)
+
+
+def _is_content(path: Path) -> bool:
+    """Return whether a file within a folder counts: it is neither hidden nor made by Python."""
+    return not any(part.startswith(".") or part == "__pycache__" for part in path.parts)
+
+
+def _beside_study(
+    place: Path, file: Path, files: tuple[Path, ...], error_of: Callable[[str], InputError]
+) -> _SourceCode:
+    """Return the code of a file or folder at a place beside a study; ``file`` is run."""
+    try:
+        texts = {one: read_regular(one) for one in files}
+    except OSError as error:
+        raise error_of(f"{error.filename or place}: {error.strerror or error}") from None
+    root = place if file != place else place.parent
+    code = _hash((str(one.relative_to(root)), text) for one, text in texts.items())
+    # Each content has its own module name, by which types of compiled code are told apart.
+    module = f"talus_plugin_{re.sub('[^a-zA-Z0-9]', '_', place.stem)}_{code}"
+    return _SourceCode(Plugin(place.name, str(place), code, files), file, module, texts[file])
 
 
 def _hash(files: Iterable[tuple[str, bytes]]) -> str:
@@ -183,7 +211,7 @@ def _run(source_code: _SourceCode, error_of: Callable[[str], InputError]) -> Non
         raise
     except BaseException as error:
         sys.modules.pop(source_code.module, None)
-        raise error_of(error_text(error, source_code.file)) from None
+        raise error_of(error_text(error, source_code.place)) from None
     _plugins[plugin.code] = plugin
     notify_listeners()
     print(
@@ -200,6 +228,8 @@ def _execute(source_code: _SourceCode) -> None:
     # Exactly the hashed text is run, never a compiled file of an earlier one.
     module = sys.modules[source_code.module] = ModuleType(source_code.module)
     module.__file__ = str(source_code.file)
+    if source_code.file != source_code.place:
+        module.__path__ = [str(source_code.place)]
     exec(compile(source_code.text, str(source_code.file), "exec"), module.__dict__)
 
 

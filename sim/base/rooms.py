@@ -27,8 +27,9 @@ ROOMS: dict[str, tuple[str, ...]] = {
 #: Room whose edits invalidate no output: runs depend on the number of the numerics instead.
 UNTRACKED = "engine"
 
-#: Folder of the papers. Each figure depends on its own entry there; the report shows all of them.
-PAPERS = "papers"
+#: Folder of the papers, and the file of a paper's figures there. Each figure depends on its own
+#: entry; the report shows all of them.
+PAPERS, FIGURES = "papers", "figures.yaml"
 
 
 @cache
@@ -40,14 +41,16 @@ def room_hash(package: Path, room: str) -> str:
     package : Path
         Folder of the package.
     room : str
-        One of `ROOMS`. The hash of the report includes `PAPERS`.
+        One of `ROOMS`. The hash of the report includes `PAPERS`; no other includes `FIGURES`.
     """
     folders = {room, *ROOMS[room], *([PAPERS] if room == "report" else [])} - {UNTRACKED}
     return files_hash(
         path
         for folder in folders
         for path in (package / folder).rglob("*")
-        if path.is_file() and "__pycache__" not in path.parts
+        if path.is_file()
+        and "__pycache__" not in path.parts
+        and (room == "report" or path.name != FIGURES)
     )
 
 

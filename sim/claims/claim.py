@@ -3,8 +3,6 @@
 from collections.abc import Callable, Iterable
 from dataclasses import replace
 from importlib import import_module
-from pathlib import Path
-from pkgutil import resolve_name
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import (
@@ -18,29 +16,30 @@ from pydantic import (
 )
 
 from sim.base.additions import (
+    TALUS,
     AdditionError,
     add,
     additions,
+    attribute_additions_to,
+    error_text,
     plugin_error,
     require_name,
     shipped,
 )
+from sim.base.errors import InputError
 from sim.base.messages import input_error
 from sim.base.require import require_function, require_line, require_one_of
 from sim.base.words import printable
-from sim.base.yaml import read_yaml
 from sim.claims.criterion import Bound, fill
 from sim.claims.verdict import Check, Untestable
 from sim.parameters import SYSTEMS
 from sim.parameters.common import broken_rule
 from sim.study.catalogue import FIGURES
 from sim.study.entries import JUDGE
+from sim.study.papers import PAPER, Paper, papers
 
 #: In place of a paper, for a study's own claims.
 OWN = "own"
-
-#: Package of the papers that ship; nothing imports it by a statement.
-PAPERS = "sim.papers"
 
 #: Largest number of characters of each text of a claim.
 MAX_TEXT = 2000
@@ -222,27 +221,44 @@ def judge(
     return register
 
 
-def judge_table(path: Path, judges: str) -> None:
-    """Declare the claims of a paper by `judge`, from a table.
+def _declare_claims(paper: Paper) -> None:
+    """Declare the claims of a paper by `judge`, from its ``claims.yaml`` if it has one.
 
-    Parameters
-    ----------
-    path : Path
-        A YAML file: ``paper``, ``system``, and ``claims``, each with the arguments of `judge`, its
-        name as ``id`` and its function as ``judge``.
-    judges : str
-        Package of these functions.
+    Each claim there has the arguments of `judge`, its name as ``id`` and its function as ``judge``,
+    such as ``judges.onset`` of a module ``judges`` beside the file.
+
+    Raises
+    ------
+    InputError
+        For a file that is not readable, and for the first wrong claim.
     """
-    table = read_yaml(path)
-    shared = {key: table[key] for key in ("paper", "system")}
-    for words in table["claims"]:
-        name, function = words.pop("id"), resolve_name(f"{judges}.{words.pop('judge')}")
-        judge(name, **words, **shared)(function)
+    path = paper.folder / "claims.yaml"
+    of_plugin = additions(PAPER).get(paper.name)
+    try:
+        with attribute_additions_to(of_plugin.plugin if of_plugin else TALUS):
+            for claim in paper.claims:
+                words = dict(claim)
+                name, place = words.pop("id"), words.pop("judge")
+                module, _, function_name = place.rpartition(".")
+                function = getattr(import_module(f"{paper.package}.{module}"), function_name)
+                judge(name, **words, paper=paper.name, system=paper.system)(function)
+    except InputError:
+        raise
+    except Exception as error:
+        # Judges of plug-ins are anybody's code.
+        raise InputError(f"{path}: {error_text(error, paper.folder)}") from None
 
 
 def claims() -> list[Claim]:
     """Return all claims: those of the papers that ship, by system, then those of plug-ins."""
-    import_module(PAPERS)
-    order = {system: number for number, system in enumerate(SYSTEMS)}
-    published = sorted(shipped(JUDGE).values(), key=lambda claim: order[claim.system])
-    return [*published, *(addition.value for addition in additions(JUDGE).values())]
+    every = papers()
+    declared = {claim.paper for claim in _registered()}
+    for name in every.keys() - declared:
+        _declare_claims(every[name])
+    order = {name: number for number, name in enumerate(every)}
+    return sorted(_registered(), key=lambda claim: order.get(claim.paper, len(order)))
+
+
+def _registered() -> list[Claim]:
+    of_plugins = (addition.value for addition in additions(JUDGE).values())
+    return [*shipped(JUDGE).values(), *of_plugins]

@@ -12,29 +12,33 @@ from sim.claims.points import Points
 from sim.claims.readings import GRID, reading_label, readings_of, readings_with_runs
 from sim.claims.verdict import Untestable
 from sim.dataset.results import Results
+from sim.study.papers import Readings
 
 
 def judge(results: Results) -> list[Judgement]:
     """Judge the claims, of papers and plug-ins, on systems that the study has runs of."""
-    systems = set(results.dataset["system"].values)
-    evidence_by_system = {system: list(_evidence(results, system)) for system in systems}
-    return [
-        Judgement(
-            claim,
-            tuple(_variants(claim, evidence_by_system[claim.system])),
-            reading_label(claim.system, readings_of(claim.system).headline),
-        )
-        for claim in claims()
-        if claim.system in systems
-    ]
+    systems, points = set(results.dataset["system"].values), Points(results)
+    judgements, evidence_by_readings = [], {}
+    for claim in claims():
+        if claim.system not in systems:
+            continue
+        readings = readings_of(claim.system, claim.paper)
+        key = claim.system, id(readings)
+        if key not in evidence_by_readings:
+            evidence_by_readings[key] = list(_evidence(results, points, claim.system, readings))
+        variants = tuple(_variants(claim, readings, evidence_by_readings[key]))
+        headline = reading_label(claim.system, readings.headline, readings)
+        judgements.append(Judgement(claim, variants, headline))
+    return judgements
 
 
-def _evidence(results: Results, system: str) -> Iterator[tuple[dict[str, Any], Evidence]]:
+def _evidence(
+    results: Results, points: Points, system: str, readings: Readings
+) -> Iterator[tuple[dict[str, Any], Evidence]]:
     """Yield each reading with the evidence of each protocol, the headline reading first."""
-    points, headline = Points(results), readings_of(system).headline
-    others = [
-        reading for reading in ({}, *readings_with_runs(results, system)) if reading != headline
-    ]
+    headline = readings.headline
+    with_runs = readings_with_runs(results, system, readings)
+    others = [reading for reading in ({}, *with_runs) if reading != headline]
     for reading in (headline, *others):
         runs = {name: value for name, value in reading.items() if name != GRID}
         regridded = replace(results, grid=reading.get(GRID, results.grid))
@@ -43,7 +47,9 @@ def _evidence(results: Results, system: str) -> Iterator[tuple[dict[str, Any], E
 
 
 def _variants(
-    claim: Claim, evidence_by_reading: Sequence[tuple[Mapping[str, Any], Evidence]]
+    claim: Claim,
+    readings: Readings,
+    evidence_by_reading: Sequence[tuple[Mapping[str, Any], Evidence]],
 ) -> Iterator[Variant]:
     """Yield the claim at the headline reading, then at readings that change its checks.
 
@@ -51,21 +57,21 @@ def _variants(
     reading uses the same points under both. Nor does another profile grid, if the claim uses no
     profile.
     """
-    paper_readings = readings_of(claim.system)
     if claim.kind == "model":
-        for changes in paper_readings.model:
-            label, checks = reading_label(claim.system, changes), run_experiment(claim, changes)
-            yield Variant(MODEL, label, checks, control=paper_readings.control_reason(changes))
+        for changes in readings.model:
+            label = reading_label(claim.system, changes, readings)
+            checks = run_experiment(claim, changes)
+            yield Variant(MODEL, label, checks, control=readings.control_reason(changes))
         return
     keys = set()
     for reading, evidence in evidence_by_reading:
         if claim.paper == OWN and not evidence.has_runs(claim.system):
             # A protocol without runs is skipped for a study's own claims.
             continue
-        label = reading_label(claim.system, reading)
-        variant = _judge_under(claim, evidence, label, paper_readings.control_reason(reading))
+        label = reading_label(claim.system, reading, readings)
+        variant = _judge_under(claim, evidence, label, readings.control_reason(reading))
         key = variant.protocol, repr(variant.checks)
-        if reading == paper_readings.headline or not (variant.reason or key in keys):
+        if reading == readings.headline or not (variant.reason or key in keys):
             yield variant
         keys.add(key)
 

@@ -7,9 +7,10 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from sim.report.claims import PAPERS, VERDICTS, count_verdicts, read_claims
+from sim.report.claims import VERDICTS, count_verdicts, read_claims
 from sim.report.numbers import template, value_with_interval
 from sim.report.publish import PUBLISHED
+from sim.study.papers import papers
 
 
 def page(claims: Mapping[str, Mapping[str, Any]], runs: Mapping[str, Mapping[str, Any]]) -> str:
@@ -34,7 +35,7 @@ def page(claims: Mapping[str, Mapping[str, Any]], runs: Mapping[str, Mapping[str
             number=partial(_number, claims),
             counts=count_verdicts(list(claims.values())),
             statements=len(claims),
-            papers=PAPERS,
+            papers={name: paper.author for name, paper in papers().items()},
             verdicts=VERDICTS,
             runs=runs,
         )
@@ -78,7 +79,7 @@ def _number(
 
 def main(published: Path = PUBLISHED) -> str:
     """Return the page of the published studies of both papers."""
-    folders = {paper: published / f"paper_{paper}" for paper in PAPERS}
+    folders = {paper: published / f"paper_{paper}" for paper in papers()}
     claims = {
         claim["id"]: claim
         for folder in folders.values()

@@ -9,6 +9,7 @@ from sim.base.seals import checked_read, parse_sealed_json
 from sim.parameters.words import PROTOCOLS
 from sim.report.numbers import bounds, strip, threshold, value_with_interval, value_with_p
 from sim.study.catalogue import FIGURES
+from sim.study.papers import papers
 
 #: Verdicts, best first, each with its tone and its sign.
 VERDICTS = {
@@ -23,11 +24,6 @@ VERDICTS = {
 
 #: The further outcome of a check that does not vote.
 REPORTED = {"reported": ("none", "i")}
-
-PAPERS = {"walton": "Walton", "gallas": "Gallas et al."}
-
-#: System whose runs decide the claims of a paper.
-SYSTEM = {"walton": "chute", "gallas": "belt"}
 
 _MODEL = "Experiments on the model itself"
 
@@ -76,7 +72,7 @@ def count_verdicts(claims: Sequence[Mapping[str, Any]]) -> dict[str, dict[str, i
             )
             for verdict in VERDICTS
         }
-        for paper in PAPERS
+        for paper in papers()
         if any(claim["paper"] == paper for claim in claims)
     }
 
@@ -112,12 +108,13 @@ def claim_rows(
         Names of the figures in the report.
     """
     figure_names = set(figure_names)
+    authors = {name: paper.author for name, paper in papers().items()}
     rows = {run["point"]: run for run in runs}
     numbers = {point: run["number"] for point, run in rows.items()}
     return [
         {
             **claim,
-            "author": PAPERS.get(claim["paper"], ""),
+            "author": authors.get(claim["paper"], ""),
             "figures": [
                 {"name": name, "title": FIGURES[name].paper, "drawn": name in figure_names}
                 for name in claim["figures"]
@@ -159,7 +156,7 @@ def _cost(
 def _variant(
     variant: Mapping[str, Any], claim: Mapping[str, Any], numbers: Mapping[str, int]
 ) -> dict[str, Any]:
-    system = claim.get("system") or SYSTEM[claim["paper"]]
+    system = claim.get("system") or papers()[claim["paper"]].system
     title = PROTOCOLS[system].get(variant["protocol"], _MODEL).capitalize()
     is_headline = variant["reading"] == claim["headline"]
     reading = "" if variant["reading"] == "default" else f", {variant['reading']}"

@@ -12,7 +12,7 @@ import xarray as xr
 from sim.base.errors import InputError
 from sim.claims.judge import judge
 from sim.claims.judgement import Judgement
-from sim.claims.readings import reading_label
+from sim.claims.readings import reading_label, readings_of
 from sim.dataset.agreement import require_agreement
 from sim.dataset.results import Results, load_results
 from sim.study.command import snakemake_command
@@ -141,7 +141,10 @@ def _claim_offers(study: Study, results: Results, claim_ids: list[str]) -> Itera
 def _readings(study: Study, judgement: Judgement) -> list[str]:
     """Return the headline reading, and the readings under which the study runs every series."""
     system = judgement.claim.system
-    texts = (reading_label(system, reading) for reading in study.readings.get(system, ()))
+    texts = (
+        reading_label(system, reading, readings_of(system))
+        for reading in study.readings.get(system, ())
+    )
     return list(dict.fromkeys([judgement.headline, *texts]))
 
 

@@ -10,9 +10,7 @@ import pandas as pd
 
 from sim.base.seals import checked_read
 from sim.study.figure_spec import FigureSpec
-
-#: Figures of the first screen, if a study has them.
-HEADLINE = ("walton_2", "gallas_1a", "gallas_1b", "gallas_1c")
+from sim.study.papers import papers
 
 _MEDIA = {
     ".svg": "image/svg+xml",
@@ -117,8 +115,9 @@ def _is_broad(svg: Path) -> bool:
 
 
 def headline_figures(entries: Sequence[Mapping[str, Any]]) -> list[Mapping[str, Any]]:
-    """Return the figures of the first screen: those in `HEADLINE`, or else the first figure."""
-    return [entry for entry in entries if entry["name"] in HEADLINE] or list(entries[:1])
+    """Return the figures of the first screen: headlines of papers, or else the first figure."""
+    names = {name for paper in papers().values() for name in paper.headline}
+    return [entry for entry in entries if entry["name"] in names] or list(entries[:1])
 
 
 def describe_ranges(table: pd.DataFrame) -> str:

@@ -14,7 +14,6 @@ from sim.dataset.caveats import CLOSED_SHARE
 from sim.dataset.results import Results, load_results
 from sim.figures.figure_records import require_unchanged
 from sim.report.claims import (
-    PAPERS,
     REPORTED,
     VERDICTS,
     claim_rows,
@@ -35,6 +34,7 @@ from sim.report.runs import (
     varied_columns,
 )
 from sim.study.load import Study, load_study
+from sim.study.papers import papers
 
 
 def build(study_path: str | Path, results: str | Path = "results") -> Path:
@@ -108,7 +108,7 @@ def render(
         page = Path("pages") / f"{run['point']}.html"
         run["page"] = page.as_posix() if (figures.parent / page).is_file() else ""
     all_rows = claim_rows(claims, runs, study.figures)
-    rows = [row for row in all_rows if row["paper"] in PAPERS]
+    rows = [row for row in all_rows if row["paper"] in papers()]
     entries = figure_entries(study.entries.values(), figures, rows, address)
     order = _page_order(study, entries, has_tested_claims(rows))
     return template("report.html.j2").render(

@@ -6,12 +6,12 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from sim.claims.readings import reading_label, readings_of, readings_with_runs
+from sim.claims.readings import reading_label, readings_with_runs
 from sim.dataset.caveats import UNSOUND_SHARE
 from sim.dataset.results import Results
 from sim.parameters import SYSTEMS
 from sim.parameters.roles import reading_parameters as parameters_of
-from sim.report.claims import SYSTEM
+from sim.study.papers import Paper, papers
 
 
 def reading_tables(claims: Sequence[Mapping[str, Any]], results: Results) -> list[dict[str, Any]]:
@@ -20,8 +20,8 @@ def reading_tables(claims: Sequence[Mapping[str, Any]], results: Results) -> lis
     Returns
     -------
     list of dict
-        ``paper``; ``why``, the reason for the headline reading; ``readings``; and ``rows``, the
-        claims that more than one reading tests, with the verdict under each.
+        ``paper`` and its ``author``; ``why``, the reason for the headline reading; ``readings``;
+        and ``rows``, the claims that more than one reading tests, with the verdict under each.
 
         Each reading has its ``words``, and the ``sentences`` that leave it open or the reason why
         it is a ``control``. Of the claims ``tested`` under it, ``hold`` hold. Of the ``common``
@@ -33,20 +33,22 @@ def reading_tables(claims: Sequence[Mapping[str, Any]], results: Results) -> lis
         ``sound`` close their energy ledger. ``missing`` is the worst ledger of these points.
     """
     tables = []
-    for paper, system in SYSTEM.items():
+    for name, paper in papers().items():
         paper_claims = [
-            claim for claim in claims if claim["paper"] == paper and claim["kind"] != "model"
+            claim for claim in claims if claim["paper"] == name and claim["kind"] != "model"
         ]
-        words = list(dict.fromkeys(name for claim in paper_claims for name in claim["by_reading"]))
+        words = list(
+            dict.fromkeys(label for claim in paper_claims for label in claim["by_reading"])
+        )
         if len(words) > 1:
-            columns = [_reading(name, paper_claims, results, system) for name in words]
+            columns = [_reading(label, paper_claims, results, paper) for label in words]
             rows = [
                 {"id": claim["id"], "title": claim["title"], "verdicts": _verdicts(claim, words)}
                 for claim in paper_claims
                 if sum(verdict != "untestable" for verdict in claim["by_reading"].values()) > 1
             ]
-            why = readings_of(system).why
-            tables.append({"paper": paper, "why": why, "readings": columns, "rows": rows})
+            heading = {"paper": name, "author": paper.author, "why": paper.readings.why}
+            tables.append(heading | {"readings": columns, "rows": rows})
     return tables
 
 
@@ -55,15 +57,13 @@ def _verdicts(claim: Mapping[str, Any], words: Sequence[str]) -> list[str]:
 
 
 def _reading(
-    words: str, claims: Sequence[Mapping[str, Any]], results: Results, system: str
+    words: str, claims: Sequence[Mapping[str, Any]], results: Results, paper: Paper
 ) -> dict[str, Any]:
     """Return one reading for the report: sentences, counts of verdicts, checks of the time step."""
-    declared = readings_of(system)
-    candidates = [declared.headline, {}, *readings_with_runs(results, system)]
-    values = next(
-        (candidate for candidate in candidates if reading_label(system, candidate) == words), {}
-    )
-    first = reading_label(system, declared.headline)
+    system, declared = paper.system, paper.readings
+    candidates = [declared.headline, {}, *readings_with_runs(results, system, declared)]
+    values = next((one for one in candidates if reading_label(system, one, declared) == words), {})
+    first = reading_label(system, declared.headline, declared)
     pairs = [_verdicts(candidate, (words, first)) for candidate in claims]
     common = [pair for pair in pairs if "untestable" not in pair]
     return {
@@ -76,7 +76,7 @@ def _reading(
         "common": len(common),
         "common_hold": sum(_is_reproduced(here) for here, _ in common),
         "headline_hold": sum(_is_reproduced(there) for _, there in common),
-        **_step_checks(results.dataset, system, values),
+        **_step_checks(results.dataset, paper, values),
     }
 
 
@@ -85,14 +85,14 @@ def _is_reproduced(verdict: str) -> bool:
     return verdict.startswith("reproduced")
 
 
-def _step_checks(dataset: xr.Dataset, system: str, values: Mapping[str, Any]) -> dict[str, Any]:
+def _step_checks(dataset: xr.Dataset, paper: Paper, values: Mapping[str, Any]) -> dict[str, Any]:
     """Return checks of the published time step under a reading: by theory and by energy of runs."""
-    model = SYSTEMS[system]
+    model = SYSTEMS[paper.system]
     defaults = model()
-    is_chosen = (dataset["system"] == system) & (dataset["protocol"] == "published")
+    is_chosen = (dataset["system"] == paper.system) & (dataset["protocol"] == "published")
     for name in parameters_of(model):
         is_chosen = is_chosen & (dataset[name] == values.get(name, getattr(defaults, name)))
-    for name in values.keys() & readings_of(system).rows:
+    for name in values.keys() & paper.readings.rows:
         is_chosen = is_chosen & (dataset[name] == values[name])
     points = dataset.isel(point=np.flatnonzero(is_chosen))
     missing_energy = np.abs(points["missing_energy"].values)

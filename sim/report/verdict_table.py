@@ -5,8 +5,9 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from sim.report.claims import PAPERS, VERDICTS, count_verdicts, read_claims
+from sim.report.claims import VERDICTS, count_verdicts, read_claims
 from sim.report.publish import PUBLISHED
+from sim.study.papers import papers
 
 _HEAD = """\
 # Verdicts, first and now
@@ -34,10 +35,10 @@ def page(claims: Sequence[Mapping[str, Any]]) -> str:
         The claims of both papers, as `sim.report.claims.read_claims` returns them.
     """
     parts = [_HEAD, _totals(claims)]
-    for paper, author in PAPERS.items():
-        rows = [_row(claim) for claim in claims if claim["paper"] == paper]
+    for name, paper in papers().items():
+        rows = [_row(claim) for claim in claims if claim["paper"] == name]
         heads = "| claim | first | now | by number of ours | why |\n| --- | --- | --- | --- | --- |"
-        parts.append("\n".join([f"## {author}\n", heads, *rows, ""]))
+        parts.append("\n".join([f"## {paper.author}\n", heads, *rows, ""]))
     return "\n".join(parts)
 
 
@@ -49,13 +50,15 @@ def _totals(claims: Sequence[Mapping[str, Any]]) -> str:
         + " | ".join(
             f"{sum(one['paper'] == paper and one['first']['verdict'] == verdict for one in claims)}"
             f" | {now[paper][verdict]}"
-            for paper in PAPERS
+            for paper in papers()
         )
         + " |"
         for verdict in VERDICTS
     ]
-    heads = " | ".join(f"{author}, first | now" for author in PAPERS.values())
-    return "\n".join([f"| verdict | {heads} |", "| --- |" + " --- |" * 2 * len(PAPERS), *rows, ""])
+    heads = " | ".join(f"{paper.author}, first | now" for paper in papers().values())
+    return "\n".join(
+        [f"| verdict | {heads} |", "| --- |" + " --- |" * 2 * len(papers()), *rows, ""]
+    )
 
 
 def _row(claim: Mapping[str, Any]) -> str:
@@ -77,7 +80,7 @@ def _row(claim: Mapping[str, Any]) -> str:
 
 def main(published: Path = PUBLISHED) -> str:
     """Return the page of the published studies of both papers."""
-    files = (published / f"paper_{paper}" / "claims.json" for paper in PAPERS)
+    files = (published / f"paper_{paper}" / "claims.json" for paper in papers())
     claim_lists = [read_claims(file, replaceable=False) for file in files]
     return page([claim for claims in claim_lists for claim in claims])
 

@@ -3,14 +3,13 @@
 from collections import UserDict
 from collections.abc import Mapping
 from functools import cached_property
-from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import AfterValidator, Field, ValidationError, model_validator
 
+from sim.base.additions import on_change
 from sim.base.errors import InputError
 from sim.base.messages import input_error
-from sim.base.program import PACKAGE
 from sim.base.yaml import read_yaml
 from sim.parameters.common import broken_rule
 from sim.study.entries import Strict
@@ -22,11 +21,9 @@ from sim.study.figure_spec import (
     WIDEST_INTERVAL,
     FigureSpec,
 )
+from sim.study.papers import Paper, papers
 from sim.study.plot_file import PlotFile
 from sim.study.plottable import find_observable, require_parameter
-
-#: Files of the papers, in the order of figures in tables and reports.
-FILES = tuple(PACKAGE / "papers" / paper / "figures.yaml" for paper in ("walton", "gallas"))
 
 #: Keys of each kind of plot besides those of all kinds. Its name begins with its system.
 KEYS = {
@@ -116,7 +113,7 @@ class FigureFile(PlotFile):
         prefix = f"{self.system}_"
         if prefix + self.kind not in KEYS:
             kinds = [name.removeprefix(prefix) for name in KEYS if name.startswith(prefix)]
-            raise broken_rule("kind", self.kind, f"one of {', '.join(kinds)}")
+            raise broken_rule("kind", self.kind, f"one of {', '.join(kinds) or 'none'}")
         keys = f"{_KEYS_OF_ALL} {KEYS[prefix + self.kind]}".split()
         for key in type(self).model_fields:
             if key in self.model_fields_set and key not in keys:
@@ -134,21 +131,18 @@ class FigureFile(PlotFile):
 
     @model_validator(mode="after")
     def _require_parameters(self) -> Self:
-        names = {
-            "x": [self.x] if self.x and self.kind != "profiles" else [],
-            "y": [self.y] if self.y else [],
-            "curves": self.curves or [],
-            "vary": self.vary,
-            "where": self.where,
-            "named": self.named,
-        }
-        for key, parameters in names.items():
-            for name in parameters:
-                require_parameter(key, name, self.system, (), broken_rule)
+        for key in ("x", "y", "curves", "vary", "where", "named"):
+            value = getattr(self, key) or ()
+            for name in [value] if isinstance(value, str) else value:
+                if (key, self.kind) != ("x", "profiles"):
+                    require_parameter(key, name, self.system, (), broken_rule)
         for number, measure in enumerate(self.quantities):
-            find_observable(
-                "curves", f"quantities[{number}].name", measure.name, self.system, broken_rule
-            )
+            key = f"quantities[{number}]"
+            find_observable("curves", f"{key}.name", measure.name, self.system, broken_rule)
+            if measure.over:
+                require_parameter(f"{key}.over", measure.over, self.system, (), broken_rule)
+        if self.kind == "profiles":
+            find_observable("profiles", "x", str(self.x), self.system, broken_rule)
         return self
 
     @property
@@ -173,49 +167,49 @@ class FigureFile(PlotFile):
         return {name: value for name, value in options.items() if value}
 
 
-class PaperFile(Strict):
-    """The figures of a paper, of one system but where they name another."""
+class PaperFigures(Strict):
+    """The figures of a paper."""
 
-    paper: str = Field(description="how captions quote the paper")
-    system: str
     words: dict[str, str] = Field({}, description="texts for the braces of all figures")
     figures: list[FigureFile]
 
-    @model_validator(mode="before")
-    @classmethod
-    def _give_system(cls, contents: Any) -> Any:
-        match contents:
-            case {"system": system, "figures": [*figures]}:
-                figures = [
-                    {"system": system, **one} if isinstance(one, dict) else one for one in figures
-                ]
-                return contents | {"figures": figures}
-        return contents
+
+def _give_system(contents: Any, system: str) -> Any:
+    """Return contents of a file whose figures are of a system, but where they name another."""
+    match contents:
+        case {"figures": [*figures]}:
+            figures = [
+                {"system": system, **one} if isinstance(one, dict) else one for one in figures
+            ]
+            return contents | {"figures": figures}
+    return contents
 
 
-def read_figures(path: Path) -> list[FigureSpec]:
-    """Read the figures of a paper.
+def read_figures(paper: Paper) -> list[FigureSpec]:
+    """Read ``figures.yaml`` of a paper; a paper without this file has none.
 
     Raises
     ------
     InputError
         For a file that is not readable, and for the first wrong or unknown key, kind or name.
     """
+    path = paper.folder / "figures.yaml"
+    if not path.exists():
+        return []
     source = str(path)
-    contents = read_yaml(path)
     try:
-        file = PaperFile.model_validate(contents)
+        file = PaperFigures.model_validate(_give_system(read_yaml(path), paper.system))
     except ValidationError as error:
-        raise input_error(error, PaperFile, source) from None
+        raise input_error(error, PaperFigures, source) from None
     words = _LIMITS | _fill(file.words, _LIMITS, source, "words")
     return [
-        _spec(file, figure, words, source, f"figures[{number}]")
+        _spec(paper, figure, words, source, f"figures[{number}]")
         for number, figure in enumerate(file.figures)
     ]
 
 
 def _spec(
-    file: PaperFile, figure: FigureFile, words: Mapping[str, str], source: str, key: str
+    paper: Paper, figure: FigureFile, words: Mapping[str, str], source: str, key: str
 ) -> FigureSpec:
     """Return what the figure at ``key`` of a file is."""
     words = {**words, **figure.words, **figure.where}
@@ -224,7 +218,7 @@ def _spec(
     return FigureSpec(
         name=figure.name,
         kind=f"{figure.system}_{figure.kind}",
-        paper=f"{file.paper}, {figure.about}",
+        paper=f"{paper.quote}, {figure.about}",
         system=figure.system,
         title=texts["title"],
         axes=(*filter(None, (x, figure.y, figure.panels)), *figure.vary),
@@ -262,13 +256,18 @@ class Catalogue(UserDict[str, FigureSpec]):
     def data(self) -> dict[str, FigureSpec]:  # type: ignore[override]
         """The figures; animations come last."""
         figures: dict[str, FigureSpec] = {}
-        for path in FILES:
-            for spec in read_figures(path):
+        for paper in papers().values():
+            for spec in read_figures(paper):
                 if spec.name in figures:
                     allowed = "a name that no other figure has"
-                    raise InputError.of_value(path, "name", spec.name, allowed)
+                    raise InputError.of_value(
+                        str(paper.folder / "figures.yaml"), "name", spec.name, allowed
+                    )
                 figures[spec.name] = spec
         return dict(sorted(figures.items(), key=lambda item: item[1].animated))
 
 
 FIGURES = Catalogue()
+
+# A plug-in may add a paper.
+on_change(lambda: FIGURES.__dict__.pop("data", None))

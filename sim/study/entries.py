@@ -1,6 +1,7 @@
 """Entries of a study file, whatever their system: parameters, series, boundaries, overrides."""
 
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self, get_args
+from itertools import chain
+from typing import TYPE_CHECKING, Any, ClassVar, Self, get_args
 from unicodedata import category
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
@@ -8,6 +9,7 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 from sim.base.additions import additions
 from sim.parameters import AMOUNTS, SYSTEMS, Parameters
 from sim.parameters.common import Real, broken_rule
+from sim.study.papers import papers
 from sim.study.refine import MAX_ROUNDS, PARTS, further_rounds
 
 #: Unicode categories without letters, some of which move the cursor or reverse the line where a
@@ -151,11 +153,6 @@ class SeriesFile(_Family):
     figures: list[str] = Field([], description="figures that the series feeds")
 
 
-#: Pattern of the id of a claim of the papers, ``all``, or the name of a plug-in's judge.
-CLAIM = r"^(W([1-9]|1[0-9]|2[0-6])|G([1-9]|[12][0-9]|3[0-6])|all|[a-z][a-z0-9_]{0,39})$"
-
-ALLOWED_CLAIM = "W1 to W26, G1 to G36, all, or the name of a judge of a plug-in"
-
 #: Kind of the plug-in additions that judge claims.
 JUDGE = "judge"
 
@@ -164,9 +161,7 @@ class DecideFile(Strict):
     """What is to be decided by more replicates and longer runs, added in rounds."""
 
     budget: Real = Field(description="core hours that all rounds may add", gt=0, le=1e6)
-    claims: list[
-        Annotated[str, Field(pattern=CLAIM, json_schema_extra={"allowed": ALLOWED_CLAIM})]
-    ] = optional(
+    claims: list[str] = optional(
         "claims of the papers to be decided, as G3; [all] for all that the study tests; under each "
         "of the study's readings",
         min_length=1,
@@ -184,13 +179,19 @@ class DecideFile(Strict):
 
     @model_validator(mode="after")
     def _require_goal(self) -> Self:
-        names = {*additions(JUDGE), "all"}
         for index, name in enumerate(self.claims or []):
-            if name[0].islower() and name not in names:
-                raise broken_rule(f"claims[{index}]", name, ALLOWED_CLAIM)
+            _require_claim(f"claims[{index}]", name)
         if self.claims is None and self.precision is None:
             raise broken_rule("claims", None, "claims, precision, or both")
         return self
+
+
+def _require_claim(key: str, name: str) -> None:
+    """Refuse anything but the id of a claim or ``all``."""
+    ids = [[claim["id"] for claim in paper.claims] for paper in papers().values()]
+    if name != "all" and name not in {*chain(*ids), *additions(JUDGE)}:
+        ranges = ", ".join(f"{one[0]} to {one[-1]}" for one in ids if one)
+        raise broken_rule(key, name, f"{ranges}, all, or the name of a judge of a plug-in")
 
 
 class BoundaryFile(_Family):

@@ -256,13 +256,15 @@ class FileModels(NamedTuple):
 
 
 def file_models() -> FileModels:
-    """Return the models of study files, with the parameters that plug-ins have added so far."""
-    return _build_file_models(tuple(SYSTEMS.values()))
+    """Return the models of study files, with what plug-ins have added so far."""
+    return _build_file_models(tuple(SYSTEMS.values()), tuple(FIGURES))
 
 
 @cache
-def _build_file_models(parameters: tuple[type[Parameters], ...]) -> FileModels:
-    """Return the models for the present `SYSTEMS`; ``parameters`` (its values) is the cache key."""
+def _build_file_models(
+    parameters: tuple[type[Parameters], ...], figures: tuple[str, ...]
+) -> FileModels:
+    """Return the models for the present `SYSTEMS` and `FIGURES`: the key of the cache."""
     systems = {system: _system_models(system) for system in SYSTEMS}
     defaults = create_model(
         "Defaults",
@@ -282,7 +284,7 @@ def _build_file_models(parameters: tuple[type[Parameters], ...]) -> FileModels:
     )
     fields = StudyFile.model_fields
     types: dict[str, Any] = {
-        "figures": (_list_type(Literal[tuple(FIGURES)]), fields["figures"]),
+        "figures": (_list_type(Literal[figures]), fields["figures"]),
         "defaults": (defaults, Field(defaults(), description=fields["defaults"].description)),
         "readings": (readings, Field(readings(), description=fields["readings"].description)),
         "series": (

@@ -113,8 +113,8 @@ class Study:
 
     @property
     def sources(self) -> tuple[Path, ...]:
-        """The study file, the files of its parts, and the plug-ins that are files beside them."""
-        return self.files + tuple(Path(plugin.place) for plugin in self.plugins if plugin.is_file)
+        """The study file, the files of its parts, and those of the plug-ins beside them."""
+        return self.files + tuple(file for plugin in self.plugins for file in plugin.files)
 
     @property
     def path(self) -> Path:

@@ -236,7 +236,7 @@ def test_installed_packages_add_by_their_entry_points(tmp_path, monkeypatch):
     (metadata / "entry_points.txt").write_text("[talus.plugins]\nanswers = talus_answers.own\n")
     monkeypatch.syspath_prepend(tmp_path)
     (plugin,) = load(["answers"], Path(), "here")
-    assert plugin.place == "answers" and not plugin.is_file
+    assert plugin.place == "answers" and not plugin.files
     assert set(additions("observable")) == {"answer"}
     # All of the package counts.
     (package / "__init__.py").write_text("x = 1\n")

@@ -12,6 +12,7 @@ from sim.claims import judge
 from sim.claims.checks import above
 from sim.claims.claim import Number, claims
 from sim.claims.judgement import MODEL, Judgement, Variant
+from sim.claims.points import Points
 from sim.claims.readings import DEFAULT, GRID, reading_label, readings_of, readings_with_runs
 from sim.claims.verdict import (
     INCONCLUSIVE,
@@ -26,8 +27,8 @@ from sim.claims.verdict import (
 from sim.claims.verdict_files import as_mapping, as_table
 from sim.dataset.grids import GRIDS
 from sim.parameters import SYSTEMS, ChuteParameters, roles
-from sim.report.claims import SYSTEM
 from sim.study.catalogue import FIGURES
+from sim.study.papers import Readings, papers
 from tests.made.paper_belt import BEAD
 from tests.made.results import made_point, made_results
 
@@ -118,8 +119,8 @@ def test_a_control_is_no_reading():
 
 
 def test_every_reading_has_the_words_that_leave_it_open_or_is_a_control():
-    for system in SYSTEM.values():
-        model, declared = SYSTEMS[system], readings_of(system)
+    for paper in papers().values():
+        model, declared = SYSTEMS[paper.system], paper.readings
         for name in set(roles.reading_parameters(model)) - declared.open.keys():
             others = set(get_args(model.model_fields[name].annotation)) - {getattr(model(), name)}
             assert others, f"{name}: neither open nor a choice of which all others are controls"
@@ -186,13 +187,13 @@ def test_readings_are_what_points_have_beyond_the_defaults():
         made_point("belt", {"velocity": 0.1}, integrator="verlet", belt_ghost="centred"),
         made_point("chute", {"velocity": 0.1}, friction_cap="after"),
     )
-    assert readings_with_runs(results, "belt") == [
+    assert readings_with_runs(results, "belt", readings_of("belt")) == [
         {"integrator": "verlet"},
         {"belt_ghost": "centred", "integrator": "verlet"},
         {GRID: "edges"},
         {GRID: "points"},
     ]
-    assert readings_with_runs(results, "chute") == [{"friction_cap": "after"}]
+    assert readings_with_runs(results, "chute", readings_of("chute")) == [{"friction_cap": "after"}]
 
 
 def test_base_rows_of_another_cell_or_stiffness_are_readings():
@@ -200,7 +201,7 @@ def test_base_rows_of_another_cell_or_stiffness_are_readings():
         *(made_point("chute", {"velocity": 0.1}, **settings) for settings in ({}, {"cell": 5})),
         made_point("chute", {"velocity": 0.1}, stiffness=1000, friction_cap="after"),
     )
-    assert readings_with_runs(results, "chute") == [
+    assert readings_with_runs(results, "chute", readings_of("chute")) == [
         {"friction_cap": "after"},
         {"cell": 5},
         {"stiffness": 1000},
@@ -227,7 +228,8 @@ def test_a_claim_that_names_what_a_reading_changes_is_judged_once(monkeypatch, n
         made_point("chute", {"velocity": 0.1}, depth=5, **settings)
         for settings in ({}, {"cell": 5})
     )
-    evidence = list(judge._evidence(made_results(*flows), "chute"))
+    results, chute = made_results(*flows), readings_of("chute")
+    evidence = list(judge._evidence(results, Points(results), "chute", chute))
 
     def judge_made(evidence, **_):
         place = evidence.at("chute", depth=5, **named)
@@ -235,7 +237,7 @@ def test_a_claim_that_names_what_a_reading_changes_is_judged_once(monkeypatch, n
 
     claim = next(claim for claim in claims() if claim.system == "chute" and claim.kind == "flow")
     claim = claim.model_copy(update={"judge": judge_made})
-    variants = list(judge._variants(claim, evidence))
+    variants = list(judge._variants(claim, chute, evidence))
     assert len({variant.reading for variant in variants if variant.checks}) == readings
 
 
@@ -254,10 +256,12 @@ def test_a_grid_is_a_reading_of_claims_that_look_at_profiles(monkeypatch, looks_
 
     claim = next(claim for claim in claims() if claim.system == "belt" and claim.kind == "flow")
     claim = claim.model_copy(update={"judge": judge_made})
-    variants = judge._variants(claim, list(judge._evidence(made_results(bed), "belt")))
+    results, belt = made_results(bed), readings_of("belt")
+    evidence = judge._evidence(results, Points(results), "belt", belt)
+    variants = judge._variants(claim, belt, list(evidence))
     labels = [variant.reading for variant in variants if variant.checks]
     assert len(set(labels)) == len(labels) == readings
-    grids = [reading_label("belt", {GRID: name}) for name in readings_of("belt").grids]
+    grids = [reading_label("belt", {GRID: name}, belt) for name in belt.grids]
     assert labels[1:] == grids[: readings - 1]
 
 
@@ -314,7 +318,7 @@ def test_a_study_of_nothing_relevant_leaves_the_claims_on_flows_untestable():
     results = made_results(made_point("belt", {"velocity": 0.1}, diameter_spread=0.1))
     judgements = judge.judge(results)
     assert {judgement.claim.system for judgement in judgements} == {"belt"}
-    assert {claim.system for claim in claims()} == set(SYSTEM.values())
+    assert {claim.system for claim in claims()} == {paper.system for paper in papers().values()}
     for judgement in judgements:
         assert judgement.verdict == UNTESTABLE, judgement.claim.id
         assert all(variant.reason for variant in judgement.variants), judgement.claim.id
@@ -329,9 +333,10 @@ def test_the_contact_law_is_judged_under_its_readings_too(monkeypatch):
         {"tangential_exponent": exponent, "overlap_memory": memory, "friction_cap": cap}
         for exponent, memory, cap in ((0.0, "shrink", "after"), (1.0, "reset", "before"))
     ]
-    monkeypatch.setitem(vars(readings_of("chute")), "model", [{}, *readings])
+    chute = Readings(model=[{}, *readings])
     (first,) = [claim for claim in claims() if claim.id == "W1"]
-    verdicts = {variant.reading: variant.verdict(()) for variant in judge._variants(first, [])}
+    variants = judge._variants(first, chute, [])
+    verdicts = {variant.reading: variant.verdict(()) for variant in variants}
     assert verdicts == {
         DEFAULT: REPRODUCED,
         "γ = 0; overlap_memory shrink; friction_cap after": REPRODUCED,

@@ -57,6 +57,7 @@ def assert_refused_or_true(path: Path, content: bytes, expected) -> bool:
     except DamagedError as error:
         assert str(error).startswith(f"{path}: damaged") and "\n" not in str(error)
         assert not path.exists() and aside.read_bytes() == content
+        aside.unlink()
         return True
     assert path.exists() and row.values.keys() == expected.values.keys()
     for name, values in row.values.items():

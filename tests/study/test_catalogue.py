@@ -3,6 +3,7 @@
 import subprocess
 import sys
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -14,6 +15,7 @@ from sim.parameters import SYSTEMS
 from sim.study import catalogue
 from sim.study.catalogue import FIGURES, KEYS, read_figures
 from sim.study.figure_spec import LARGEST_PORTION, FigureSpec
+from sim.study.papers import Paper
 from tests.made.processes import ROOT
 
 
@@ -74,8 +76,6 @@ def test_captions_say_how_much_of_the_cell_pictures_show():
 
 
 ENTRY = """\
-paper: A (2000)
-system: belt
 words: {of_beads: "of all beads below {tallest} d"}
 figures:
   - name: one
@@ -92,10 +92,15 @@ figures:
 """
 
 
+def paper_in(folder: Path, name: str = "a") -> Paper:
+    """Return a paper on the belt whose files lie in a folder."""
+    words = {"name": name, "author": "A", "quote": "A (2000)", "system": "belt"}
+    return Paper(**words, folder=folder, package=name)
+
+
 def test_an_entry_becomes_what_its_figure_is(tmp_path):
-    path = tmp_path / "figures.yaml"
-    path.write_text(ENTRY)
-    (spec,) = read_figures(path)
+    (tmp_path / "figures.yaml").write_text(ENTRY)
+    (spec,) = read_figures(paper_in(tmp_path))
     assert spec == FigureSpec(
         name="one",
         kind="belt_curves",
@@ -132,13 +137,13 @@ def test_an_entry_becomes_what_its_figure_is(tmp_path):
         ("kind: curves", "kind: row", "figures[0].kind: got 'row'; allowed: one of acceleration"),
         ("colour: red", "colour: rot", "figures[0].styles[0].colour: got 'rot'; allowed: 'black'"),
         ("x: frequency", "x: frequecy", "figures[0].x: got 'frequecy'; allowed: did you mean freq"),
+        ("kind: curves", "kind: profiles", "figures[0].x: got 'frequency'; allowed: one of "),
         ("amplitude:", "depth:", "figures[0].where: got 'depth'; allowed: a parameter of the belt"),
         ("[1, 2]", "[1, [2]]", "figures[0].where.amplitude: got [1, [2]]; allowed: a value of a "),
         ("{of_beads}", "{of_bead}", "figures[0].lead: got 'of_bead'; allowed: in braces one of cr"),
         ("{tallest}", "{talest}", "words.of_beads: got 'talest'; allowed: in braces one of creep"),
         ("  says", "  said", "figures[0].said: unknown key"),
         ('    says: "The paper: it rises."\n', "", "figures[0].says: got nothing; allowed: text"),
-        ("system: belt", "system: bell", "figures[0].system: got 'bell'; allowed: "),
         ("figures:", "figure:", "figure: unknown key"),
         ("  - name: one\n    kind", "  - one\n  - kind", "figures[0]: got 'one'; allowed: a mapp"),
     ],
@@ -148,18 +153,20 @@ def test_a_wrong_entry_is_refused_with_its_file_and_key(old, new, message, tmp_p
     assert old in ENTRY
     path.write_text(ENTRY.replace(old, new, 1))
     with pytest.raises(InputError) as refused:
-        read_figures(path)
+        read_figures(paper_in(tmp_path))
     assert str(refused.value).startswith(f"{path}: {message}")
     assert "\n" not in str(refused.value)
 
 
 def test_figures_of_one_name_are_refused(tmp_path, monkeypatch):
-    for name in ("a.yaml", "b.yaml"):
-        (tmp_path / name).write_text(ENTRY)
-    monkeypatch.setattr(catalogue, "FILES", (tmp_path / "a.yaml", tmp_path / "b.yaml"))
-    with pytest.raises(
-        InputError, match=r"b\.yaml: name: got 'one'; allowed: a name that no other"
-    ):
+    same = {}
+    for name in ("a", "b"):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "figures.yaml").write_text(ENTRY)
+        same[name] = paper_in(tmp_path / name, name)
+    monkeypatch.setattr(catalogue, "papers", lambda: same)
+    allowed = "a name that no other"
+    with pytest.raises(InputError, match=rf"b/figures\.yaml: name: got 'one'; allowed: {allowed}"):
         len(catalogue.Catalogue())
 
 

@@ -92,7 +92,7 @@ ROOMS = {"dataset", "figures", "papers", "report"}
         ("dataset/gather.py", ROOMS),
         ("figures/caption.py", {"figures", "report"}),
         ("claims/judge.py", {"papers", "report"}),
-        ("papers/walton/judges/flows.py", {"papers"}),
+        ("papers/walton/judges/flows.py", {"papers", "report"}),
         ("report/page.py", {"report"}),
     ],
 )

@@ -1,7 +1,5 @@
 """Gallas, Herrmann and Sokołowski (1992), beads on a vibrating belt: its claims and judges."""
 
-from pathlib import Path
+from sim.study.papers import paper
 
-from sim.claims.claim import judge_table
-
-judge_table(Path(__file__).with_name("claims.yaml"), f"{__name__}.judges")
+paper(__name__)

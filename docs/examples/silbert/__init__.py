@@ -1,0 +1,5 @@
+"""Silbert et al., Phys. Rev. E 64, 051302 (2001): flows of spheres down a rough plane."""
+
+import sim
+
+sim.paper(__name__)

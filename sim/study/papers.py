@@ -1,0 +1,141 @@
+"""Papers: what one says of itself, and the call that adds one.
+
+A paper is a package with ``paper.yaml``, and where it has them ``figures.yaml``
+(`sim.study.catalogue`) and ``claims.yaml`` with the functions that judge them (`sim.claims.claim`).
+"""
+
+import sys
+from collections.abc import Mapping
+from functools import cached_property
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from sim.base.additions import add, additions, shipped
+from sim.base.errors import InputError
+from sim.base.messages import input_error
+from sim.base.require import require_one_of
+from sim.base.yaml import read_yaml
+from sim.parameters import SYSTEMS
+from sim.parameters.laws import LAW
+
+#: Kind of the additions that are papers.
+PAPER = "paper"
+
+#: Package of the papers that ship; nothing imports it by a statement.
+SHIPPED = "sim.papers"
+
+
+class _Strict(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
+
+
+class Control(_Strict):
+    """Values of parameters that are no reading of the paper, and why."""
+
+    values: dict[str, Any] = Field(min_length=1)
+    why: str = Field(min_length=1)
+
+
+class Readings(_Strict):
+    """How a paper is read."""
+
+    headline: dict[str, Any] = Field({}, description="what differs from the defaults")
+    why: str = Field("nothing in the paper is open", description="why it gives the verdicts")
+    open: dict[str, str] = Field({}, description="by parameter, the words that leave it open")
+    rows: dict[str, list[float]] = Field(
+        {}, description="by parameter of the grid, values of base rows that are readings as well"
+    )
+    grids: dict[str, str] = Field(
+        {}, description="by grid of the profiles other than the usual one, what it is"
+    )
+    model: list[dict[str, Any]] = Field(
+        [{}], description="those under which claims on the model itself are judged"
+    )
+    controls: list[Control] = Field([], description="what is no reading")
+
+    def control_reason(self, reading: Mapping[str, Any]) -> str:
+        """Return why a reading is not one of the paper's, empty where it is one."""
+        if LAW.is_own(reading.get("law", "")):
+            return "the law of a plug-in"
+        for control in self.controls:
+            if control.values.items() <= reading.items():
+                return control.why
+        return ""
+
+    def sentences(self, reading: Mapping[str, Any]) -> list[str]:
+        """Return the words of the paper that leave a reading open."""
+        return [self.open[name] for name in reading if name in self.open]
+
+
+class Paper(_Strict):
+    """A paper, by its file ``paper.yaml``.
+
+    ``package`` is the module with its judges, ``folder`` holds its files.
+    """
+
+    name: str = Field(description="short name, by which figures and verdicts name it")
+    author: str = Field(min_length=1, description="who wrote it, for headings")
+    quote: str = Field(min_length=1, description="how captions quote it, such as Walton (1993)")
+    system: str = Field(description="system whose runs draw its figures and decide its claims")
+    headline: list[str] = Field([], description="its figures on the first screen of a report")
+    readings: Readings = Readings()
+    folder: Path = Field(exclude=True)
+    package: str = Field(exclude=True)
+
+    @cached_property
+    def claims(self) -> list[dict[str, Any]]:
+        """Its claims as ``claims.yaml`` has them, empty without this file.
+
+        Raises
+        ------
+        InputError
+            For a file that is not readable, and for one that is no list of claims.
+        """
+        path = self.folder / "claims.yaml"
+        contents = read_yaml(path) if path.exists() else {"claims": []}
+        match contents:
+            case {"claims": [*claims]} if len(contents) == 1:
+                for number, claim in enumerate(claims):
+                    if not (isinstance(claim, dict) and {"id", "judge"} <= claim.keys()):
+                        allowed = "a mapping with id, judge and the words of a claim"
+                        raise InputError.of_value(str(path), f"claims[{number}]", claim, allowed)
+                return claims
+        raise InputError.of_value(str(path), "", contents, "claims, a list, and nothing else")
+
+
+def paper(package: str) -> None:
+    """Declare a paper, from the files beside the module that calls this.
+
+    Parameters
+    ----------
+    package : str
+        ``__name__`` of the package of the paper.
+
+    Raises
+    ------
+    InputError
+        For an unreadable ``paper.yaml``, and for its first wrong or unknown key.
+    """
+    folder = Path(str(sys.modules[package].__file__)).parent
+    path = folder / "paper.yaml"
+    contents = read_yaml(path)
+    if not isinstance(contents, dict):
+        raise InputError.of_value(str(path), "", contents, "a mapping of names to values")
+    try:
+        one = Paper.model_validate(contents | {"folder": folder, "package": package})
+    except ValidationError as error:
+        raise input_error(error, Paper, str(path)) from None
+    require_one_of(f"{path}: system", one.system, SYSTEMS)
+    add(PAPER, one.name, one)
+
+
+def papers() -> dict[str, Paper]:
+    """Return all papers by name: those that ship by their systems, then those of plug-ins."""
+    import_module(SHIPPED)
+    order = list(SYSTEMS)
+    every = sorted(shipped(PAPER).values(), key=lambda one: order.index(one.system))
+    every += [addition.value for addition in additions(PAPER).values()]
+    return {one.name: one for one in every}
