@@ -16,8 +16,6 @@ from tests.engine_motion.helpers import (
 )
 from tests.engine_motion.spheres import SphereMotion
 
-SPEEDS = np.geomspace(1e-3, 1.0, 7)
-
 
 def drop_sphere(law, speed: float, gap: float, slide: float = 0.0) -> SphereMotion:
     """A sphere after its impact on the plane at ``speed``, met ``gap`` steps after the start."""

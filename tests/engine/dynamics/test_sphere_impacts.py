@@ -10,6 +10,7 @@ from tests.engine_motion.helpers import (
     collision_time,
     sphere_law,
 )
+from tests.engine_motion.impacts import Impacts
 from tests.engine_motion.spheres import SphereMotion
 
 SPEEDS = np.geomspace(1e-3, 1.0, 7)
@@ -34,6 +35,20 @@ def separation_speed(motion, frame=None) -> float:
     """Speed at which the two spheres part along the line of the impact."""
     relative = motion.velocity[1] - motion.velocity[0]
     return float(relative @ (np.eye(3) if frame is None else frame)[:, 0])
+
+
+@pytest.mark.parametrize("radii", [(RADIUS,), (RADIUS, RADIUS)], ids=["plane", "pair"])
+@pytest.mark.parametrize("restitution", [0.3, 0.5, 0.7, 0.85, 0.95, 1.0])
+def test_restitution_is_the_root_of_the_stiffness_ratio_at_every_speed(restitution, radii):
+    """Wherever within a step the contact begins; the rest is the time step's and has no trend."""
+    law = sphere_law(restitution=restitution)
+    step, mass = collision_time(law) / 40, [MASS] * len(radii)
+    measured = [
+        Impacts(law, radii, mass, step, np.full(5, speed)).run(400).velocities()[:, 0] / speed
+        for speed in SPEEDS
+    ]
+    assert np.abs(np.array(measured) - restitution).max() < 1e-3
+    assert np.ptp(measured, axis=0).max() < 1e-9
 
 
 def test_restitution_error_falls_with_the_square_of_the_time_step():
