@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 
+from sim.base.statistics import student
 from sim.claims.checks import below, withhold, within
 from sim.claims.inference import outranks, share_above, trend
 from sim.claims.place import Place, quotient
@@ -284,6 +285,36 @@ def rates_by_replicates(
     ]
 
 
+def look_rates(looks: int, distance: float, counted: bool, trials: int) -> tuple[float, float]:
+    """Return how often a bound is called held and failed when beds are bought until it is decided.
+
+    The first look has 8 beds, each further one half as many again. The value lies ``distance`` of
+    its first half widths beyond the threshold. ``counted``: the judge knows of the looks.
+    """
+    rng = np.random.default_rng([trials, looks, int(10 + distance)])
+    outcomes = {REPRODUCED: 0, NOT_REPRODUCED: 0}
+    for _ in range(trials):
+        beds, width = rng.normal(size=8), float(student(7)) / np.sqrt(8)
+        shift = distance * width
+        for look in range(1, looks + 1):
+            error = float(beds.std(ddof=1)) / np.sqrt(beds.size)
+            half = float(student(beds.size - 1)) * error
+            check = Check(
+                "V",
+                float(beds.mean()) + shift,
+                half,
+                0.0,
+                np.inf,
+                freedom=beds.size - 1,
+                looks=look if counted else 0,
+            )
+            if check.verdict in outcomes:
+                outcomes[check.verdict] += 1
+                break
+            beds = np.concatenate([beds, rng.normal(size=beds.size // 2)])
+    return outcomes[REPRODUCED] / trials, outcomes[NOT_REPRODUCED] / trials
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.judging", description=__doc__)
     parser.add_argument("--trials", type=int, default=TRIALS, help="sets of flows per number")
@@ -317,6 +348,12 @@ def main() -> None:
                 reproduced, failed = joint_rates(votes, 2, odd, replicates, trials // 2)
                 cells = f"{100 * reproduced:.0f} | {100 * failed:.0f}"
                 print(f"| {votes} | {odd:+d} | {replicates} | {cells} |", flush=True)
+    print("\n| looks | distance | looks not counted | counted |\n| --- | --- | --- | --- |")
+    for looks in (1, 2, 4, 9):
+        for distance in (0, 1, 2):
+            columns = [look_rates(looks, distance, c, 20 * trials) for c in (False, True)]
+            cells = " | ".join(f"{100 * held:.1f} / {100 * failed:.1f}" for held, failed in columns)
+            print(f"| {looks} | +{distance} | {cells} |", flush=True)
     numbers = (3, 6, 12, 24, 48)
     heads = " | ".join(map(str, numbers))
     print(f"\n| statement | flows | {heads} |\n|" + " --- |" * (2 + len(numbers)))

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from sim.parameters.laws import law
     from sim.parameters.motions import motion
     from sim.parameters.observables import observable
-    from sim.study.frame import points
+    from sim.study.load import points
     from sim.study.papers import paper
     from sim.study.plot_kinds import plot_kind
 
@@ -56,7 +56,7 @@ _PLACES = {
     "paper": "sim.study.papers:paper",
     "parameter": "sim.parameters.choices:parameter",
     "plot_kind": "sim.study.plot_kinds:plot_kind",
-    "points": "sim.study.frame:points",
+    "points": "sim.study.load:points",
     "simulate": "sim.engine.flow:simulate",
 }
 

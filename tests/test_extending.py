@@ -4,13 +4,11 @@ import importlib
 import json
 import os
 import re
-import runpy
 import shutil
 import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -217,44 +215,6 @@ def test_the_guide_shows_the_examples_and_its_other_snippets_work(folder, monkey
     assert studies
 
 
-@pytest.mark.parametrize("sizes", [(5e-4, 5e-4), (5e-4, 2e-4), (3e-4, np.inf)])
-@pytest.mark.parametrize("restitution", [1.0, 0.9, 0.5])
-@pytest.mark.parametrize("speed", [0.03, 3.0])
-def test_hertz_mindlin_gives_the_restitution_at_every_size_and_speed(sizes, restitution, speed):
-    """The law's own promise, which is why its damping follows the stiffness at each overlap."""
-    own = SimpleNamespace(**runpy.run_path(str(EXAMPLES / "hertz_mindlin.py")))
-    inverse = sum(1 / size for size in sizes)
-    radius, mass = 1 / inverse, 1e4 / sum(1 / size**3 for size in sizes)
-    given = SimpleNamespace(restitution=restitution, youngs_modulus=1e6, poisson_ratio=0.3)
-    lasts = 2.87 * (mass**2 / (radius * (1e6 / 1.82) ** 2 * speed)) ** 0.2
-    step = lasts / 200
-    law = own.make(given, SimpleNamespace(friction=0.4, time_step=step))
-    velocity, overlap, memory, lost = speed, speed * step, (0.0,), 0.0
-    none = (0.0,) * 3
-    while overlap > 0:
-        force, _, memory, part = own.force(
-            law, overlap, velocity * step, none, none, memory, radius, mass
-        )
-        velocity -= force / mass * step
-        overlap += velocity * step
-        lost += part
-    assert -velocity / speed == pytest.approx(restitution, abs=1e-3)
-    # What is dissipated is what the spheres lack, but for the dashpot's end.
-    assert lost / (0.5 * mass * speed**2) == pytest.approx(1 - restitution**2, abs=0.01)
-
-
-def test_hertz_mindlin_stores_what_its_spring_does():
-    own = SimpleNamespace(**runpy.run_path(str(EXAMPLES / "hertz_mindlin.py")))
-    law = own.HertzMindlin(1e6, 1e6, 0.0, 0.4)
-    none, overlaps = (0.0,) * 3, np.linspace(0, 1e-5, 2001)
-    forces = [own.force(law, one, 0.0, none, none, (0.0,), 1e-3, 1e-6)[0] for one in overlaps]
-    pressed, sheared = own.energy(law, 1e-5, none, (0.0,), 1e-3, 1e-6)
-    assert pressed == pytest.approx(np.trapezoid(forces, overlaps), rel=1e-5) and sheared == 0
-    _, held, _, _ = own.force(law, 1e-5, 0.0, (1e-6, 0, 0), none, (0.0,), 1e-3, 1e-6)
-    limit = 0.4 * forces[-1]
-    assert np.hypot(*held[:2]) == pytest.approx(min(limit, 8e6 * 1e-4 * 1e-6))
-
-
 def test_points_tell_the_law_and_its_code(folder):
     def ids() -> set[str]:
         study = {"study": "s", "plugins": ["hertz_mindlin.py"]}
@@ -354,29 +314,6 @@ def test_results_of_a_law_that_is_not_there_are_read_but_not_compared(folder):
     assert found.dataset["youngs_modulus"].values.tolist() == [1e6, 2e6]
     with pytest.raises(InputError, match=r"law: got 'hertz_mindlin.*TALUS_PLUGINS"):
         show(Path("results/s"), Path("results/s"), "velocity", (), "text")
-
-
-def test_an_ellipse_is_the_harmonic_motion_where_nothing_lags(folder):
-    lines = (
-        "import numpy as np, sim\n"
-        "sim.load_plugins('ellipse.py')\n"
-        "from sim.engine.boundary.belt import belt_state\n"
-        "from sim.engine.systems.belt_start import vibration\n"
-        "from sim.parameters import parse_point\n"
-        "def state(belt, time):\n"
-        "    return belt_state(belt, time)\n"
-        "def at(time, **given):\n"
-        "    p = parse_point({'system': 'belt', 'phase': 30} | given, 'p')\n"
-        "    height, speed = call(vibration(p, 20.0), time)\n"
-        "    return np.array([height, *speed])\n"
-        "import numba\n"
-        "call = numba.njit(state)\n"
-        "usual = at(0.013)\n"
-        "assert np.allclose(usual, at(0.013, motion='ellipse', belt_lag=0), rtol=1e-12)\n"
-        "found, before = at(0.013, motion='ellipse'), at(0.013 - 1 / 80)\n"
-        "assert np.allclose(found, [usual[0], before[1], usual[2]], rtol=1e-9)\n"
-    )
-    in_process(folder, lines)
 
 
 @pytest.mark.parametrize(

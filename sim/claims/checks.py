@@ -34,6 +34,7 @@ def within(
         points=tuple(dict.fromkeys(place.id for place in places)),
         samples=min((place.samples for place in places), default=inf),
         freedom=min((place.freedom for place in places), default=inf),
+        looks=max((place.looks for place in places), default=0),
     )
 
 

@@ -162,4 +162,5 @@ def _p_value_check(
         high=inf if is_lower_bound else threshold,
         points=tuple(dict.fromkeys(place.id for place in places)),
         tested=p_values,
+        looks=max((place.looks for place in places), default=0),
     )

@@ -91,6 +91,11 @@ class Place:
         return float(np.nansum(self.values("independent_samples")))
 
     @property
+    def looks(self) -> int:
+        """How often claims on the point have been judged with the option of buying more runs."""
+        return int(self["looks"]) if "looks" in self._variables else 0
+
+    @property
     def freedom(self) -> float:
         """Degrees of freedom of intervals: those over replicates, or within a single one."""
         return max(1.0, self.samples - 1) if self.completed == 1 else self.completed - 1.0

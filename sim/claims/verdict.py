@@ -88,6 +88,9 @@ class Check:
         The points among them whose runs are too short.
     coarse : bool
         Whether its interval is the step of a scan, which more replicates do not narrow.
+    looks : int
+        How often it has been judged, this time included, with the option of buying more runs where
+        it is open; 0 in a study that buys none. See `spent`.
     """
 
     what: str
@@ -105,6 +108,7 @@ class Check:
     tested: tuple[float, float] | None = None
     short: tuple[str, ...] = ()
     coarse: bool = False
+    looks: int = 0
 
     @property
     def has_vote(self) -> bool:
@@ -124,16 +128,17 @@ class Check:
         With two thresholds it is the p-value at the nearer one (two one-sided tests).
         """
         if self.tested is not None:
-            return self.tested[0]
-        return max(self._p_beyond(self.value - self.low), self._p_beyond(self.high - self.value))
+            return spent(self.tested[0], self.looks)
+        p = max(self._p_beyond(self.value - self.low), self._p_beyond(self.high - self.value))
+        return spent(p, self.looks)
 
     @property
     def p_fails(self) -> float:
         """p-value of "fails": how often chance alone would be as clear of the allowed range."""
         if self.tested is not None:
-            return self.tested[1]
+            return spent(self.tested[1], self.looks)
         below, above = self.low - self.value, self.value - self.high
-        return min(self._p_beyond(below, True), self._p_beyond(above, True))
+        return spent(min(self._p_beyond(below, True), self._p_beyond(above, True)), self.looks)
 
     def _p_beyond(self, distance: float, inclusive: bool = False) -> float:
         """Return the p-value of a distance from a threshold.
@@ -183,14 +188,30 @@ class Check:
             return nan
         if self.coarse:
             return inf
+        # What the next look may spend of the risk.
+        needed_clear = -float(ndtri(RISK / spent(1.0, self.looks and self.looks + 1, most=inf)))
         if self.tested is not None:
             clear = -float(ndtri(min(self.tested)))
-            needed = (float(student(MANY, sides=1)) / clear) ** 2 if clear > 0 else inf
         else:
             ends = [end for end in (self.low, self.high) if isfinite(end)]
             distance = min(abs(self.value - end) for end in ends)
-            needed = (self.bound / distance) ** 2 if distance else inf
+            clear = distance / self.half_width * float(student(MANY))
+        needed = (needed_clear / clear) ** 2 if clear > 0 else inf
         return needed if needed <= MAX_REPLICATE_FACTOR else inf
+
+
+def spent(p: float, looks: int, most: float = 1.0) -> float:
+    """Return a p-value that accounts for looking again; unchanged without looks.
+
+    Beds are bought until a claim is decided, so a value on its threshold is looked at until chance
+    decides. The k-th look therefore may spend 1/2^k of the 2.5 % that a bound may be wrong over all
+    looks: its p-value counts 2^(k+1)-fold against `RISK`. However many looks there are, a value on
+    its threshold is decided, either way, in at most 5 of 100 cases.
+
+    >>> spent(0.01, 0), spent(0.01, 1), spent(0.01, 2)
+    (0.01, 0.04, 0.08)
+    """
+    return min(most, p * 2 ** (looks + 1)) if looks else p
 
 
 def holm_p(p_list: Sequence[float]) -> float:

@@ -20,7 +20,7 @@ from sim.dataset.results import load_results
 from sim.study.load import load_study
 
 #: Fields of a check that judges and `decide` use and the files do not hold.
-_INTERNAL_FIELDS = {"tested", "short", "coarse"}
+_INTERNAL_FIELDS = {"tested", "short", "coarse", "looks"}
 
 
 def build(study_path: str | Path, results: str | Path = "results") -> Path:

@@ -14,7 +14,6 @@ from sim.dataset.earlier import adopted_rows, missing_variables
 from sim.dataset.results import RUNS
 from sim.dataset.rounds import known_points
 from sim.engine.identity import NUMERICS
-from sim.study.figure_points import needs_run_file, particle_needs
 from sim.study.load import load_study
 
 #: Digits of the SHA-256 of an adopted dataset that are its file name.
@@ -50,7 +49,7 @@ def adopt(study_path: Path, dataset_path: Path, results: Path) -> str:
     study = load_study(study_path, results)
     folder = results / study.name
     points = known_points(study, folder)
-    is_run_file_needed, particle_need = needs_run_file(study), particle_needs(study)
+    is_run_file_needed, particle_need = study.needs_run_file, study.particles_needed
     with checked_read(dataset_path, "dataset", replaceable=False, sealed=True):
         content = read_regular(dataset_path)
         _require_origin(dataset_path)

@@ -15,7 +15,6 @@ from sim.dataset.boundary_side import SCALARS
 from sim.engine.identity import NUMERICS
 from sim.engine.stored_run import has_enough
 from sim.parameters import Parameters, amounts, covers
-from sim.study.figure_points import needs_run_file, particle_needs
 from sim.study.figure_spec import Shown
 from sim.study.load import Study
 
@@ -84,7 +83,7 @@ class AdoptedPoints:
     def __init__(self, study: Study, folder: Path):
         self.files = sorted((folder / FOLDER).glob("*.nc"))
         self._runs = folder / "runs"
-        self._needs_run_file, self._particle_need = needs_run_file(study), particle_needs(study)
+        self._needs_run_file, self._particle_need = study.needs_run_file, study.particles_needed
         self._candidates: dict[str, list[AdoptedPoint]] = defaultdict(list)
         for path in self.files:
             with checked_read(path, _KIND, replaceable=True):

@@ -31,9 +31,9 @@ from sim.dataset.runs import Runs
 from sim.dataset.side_by_side import RunFiles
 from sim.engine.stored_run import current_status
 from sim.parameters import SYSTEMS, Parameters, point_id
-from sim.study.figure_points import particle_needs, particles_needed
+from sim.study.expand import point_with_membership
 from sim.study.figure_spec import Shown
-from sim.study.load import Boundary, Study, load_study, point_with_membership
+from sim.study.load import Boundary, Study, load_study
 from sim.study.refine import Sides
 
 #: NetCDF compression of arrays.
@@ -88,7 +88,7 @@ def build(
     folder = Path(results) / study.name
     if finished is not None:
         study = _select_finished(study, folder, finished)
-    particle_need = particle_needs(study)
+    particle_need = study.particles_needed
     run_files = RunFiles(folder / "runs", particle_need, processes, scheduler)
     earlier, adopted = EarlierDataset(folder, particle_need), AdoptedPoints(study, folder)
     runs_of_study = Runs([earlier, adopted, run_files])
@@ -170,7 +170,7 @@ def _groups(
             )
     states = {key: state for block in blocks for key, state in block.states.items()}
     for key, point in study.points.items():
-        if key in states and (need := particles_needed(point.figures)):
+        if key in states and (need := study.particles_shown(point.figures)):
             state = states[key].drop_encoding()
             if need < Shown.PATH:
                 state = state.drop_vars(PATH_VARIABLES, errors="ignore")

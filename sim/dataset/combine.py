@@ -159,7 +159,7 @@ def _attributes(origin: pd.DataFrame, study: Study) -> dict[str, str]:
 
 
 def _labels(study: Study, caveats: Iterable[str], hashes: Iterable[str]) -> dict[str, Any]:
-    """Return coordinates with id, series, figures, caveat, source and particles of each point."""
+    """Return coordinates of each point: id, series, figures, caveat, source, particles, looks."""
     points = list(study.points.values())
     return _with_attrs(
         {
@@ -169,6 +169,7 @@ def _labels(study: Study, caveats: Iterable[str], hashes: Iterable[str]) -> dict
             "caveat": _text_variable(caveats),
             "run_source_hash": _text_variable(hashes),
             "particles": ("point", [point.parameters.particles for point in points]),
+            "looks": ("point", [point.looks for point in points]),
         }
     )
 

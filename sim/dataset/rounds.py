@@ -12,8 +12,8 @@ from sim.base.seals import checked_read
 from sim.dataset.adopted import AdoptedPoints
 from sim.dataset.boundary_side import side, side_of_run
 from sim.parameters import Parameters, canonical_values, parse_point, point_id
-from sim.study.load import Boundary, Study, load_study, point_with_membership
-from sim.study.plots import points_of_plot
+from sim.study.expand import point_with_membership
+from sim.study.load import Boundary, Study, load_study
 from sim.study.refine import Sides, divide_range, next_values
 
 #: Returns the side of a boundary that the run of a point is on, ``None`` where it is not known.
@@ -144,13 +144,7 @@ def add_rounds(study: Study, sides_of_boundaries: Sequence[Sides]) -> Study:
             )
             points[point.id] = point
             series[boundary.name] = tuple(dict.fromkeys((*series[boundary.name], point.id)))
-    figures = {
-        name: tuple(point.id for point in points.values() if name in point.figures)
-        for name in study.figures
-        if name not in study.plots
-    }
-    figures |= {name: points_of_plot(plot, points.values()) for name, plot in study.plots.items()}
-    return replace(study, points=points, series=series, figures=figures)
+    return replace(study, points=points, series=series)
 
 
 def _walk_rounds(

@@ -25,6 +25,7 @@ law(
     force=None,
     energy=None,
     collision_time=collision_time,
+    remembers=1,
     max_overlap=SMALL_OVERLAP,
     # The damping for a given restitution depends on the masses of the two partners.
     one_mass=True,

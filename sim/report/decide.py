@@ -102,7 +102,11 @@ def _round(study_path: Path, results: Path) -> tuple[list[str], bool]:
         remaining -= offer.hours if fits else 0.0
     bought = amounts != extra.amounts
     if bought:
-        write_extra_amounts(folder, ExtraAmounts(amounts, hours_before))
+        rounds = {
+            point: extra.rounds.get(point, 0) + (amounts[point] != extra.amounts.get(point))
+            for point in amounts
+        }
+        write_extra_amounts(folder, ExtraAmounts(amounts, hours_before, rounds))
         lines.append("bought; run the study again")
     spent = f"{spent_hours - hours_before:.2g} of {study.decide.budget:g} core hours spent"
     return [*lines, spent if offers else f"nothing is open; {spent}"], bought

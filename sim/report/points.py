@@ -15,7 +15,6 @@ from sim.dataset.adopted import AdoptedPoints
 from sim.dataset.run_file import require_start_files
 from sim.parameters import complete_values
 from sim.study.cost import Estimate, estimate
-from sim.study.figure_points import omission_notes
 from sim.study.load import Point, Study, load_study
 from sim.study.refine import PARTS, divide_range
 
@@ -54,7 +53,7 @@ def as_table(study: Study, adopted: Mapping[str, str] = _NOTHING_ADOPTED) -> str
     sections = [
         align_table(_HEADINGS, rows, _RIGHT),
         _plot_lines(study),
-        omission_notes(study),
+        study.omission_notes,
         _caveat_lines(study),
         [
             _total_line(list(costs.values())),

@@ -1,16 +1,13 @@
-"""Entries of a study file, whatever their system: parameters, series, boundaries, overrides."""
+"""Keys of a study file, whatever their system: parameters, lists and ranges, overrides, names."""
 
-from itertools import chain
-from typing import TYPE_CHECKING, Any, ClassVar, Self, get_args
+from math import floor
+from typing import Any, ClassVar, Self
 from unicodedata import category
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from sim.base.additions import additions
-from sim.parameters import AMOUNTS, SYSTEMS, Parameters
+from sim.parameters import SYSTEMS, Parameters, canonical_number
 from sim.parameters.common import Real, broken_rule
-from sim.study.papers import papers
-from sim.study.refine import MAX_ROUNDS, PARTS, further_rounds
 
 #: Unicode categories without letters, some of which move the cursor or reverse the line where a
 #: title is shown; and the maximum length of a title.
@@ -22,6 +19,12 @@ def require_printable(text: str, key: str = "title", max_length: int = _MAX_TITL
     if len(text) > max_length or any(category(letter) in _UNPRINTABLE for letter in text):
         allowed = f"one line of at most {max_length} letters, without control or direction marks"
         raise broken_rule(key, text, allowed)
+
+
+NAME = r"^[A-Za-z0-9][A-Za-z0-9_-]*$"
+ALLOWED_NAME: dict[str, Any] = {
+    "allowed": "up to 60 letters, digits, '-' and '_', a letter or digit first"
+}
 
 
 class Strict(BaseModel):
@@ -90,67 +93,76 @@ class Override(Strict):
     set: Some = Field(description="parameters to set at those points")
 
 
-NAME = r"^[A-Za-z0-9][A-Za-z0-9_-]*$"
-ALLOWED_NAME: dict[str, Any] = {
-    "allowed": "up to 60 letters, digits, '-' and '_', a letter or digit first"
+_ALLOWED_RANGE = "a list of values, {start, stop, num} or {start, stop, step}"
+
+#: Maximum number of values of a range.
+MAX_VALUES = 10_000
+
+#: Relative slack of the last value: steps of 0.1 need not sum to 0.4.
+_SLACK = 1e-9
+
+#: Name of a range in the JSON schema, and its definition there.
+RANGE = "Range"
+RANGE_SCHEMA: dict[str, Any] = {
+    "description": "evenly spaced values from start to stop, which counts as one of them",
+    "type": "object",
+    "properties": {
+        "start": {"type": "number"},
+        "stop": {"type": "number"},
+        "num": {"type": "integer", "minimum": 2, "maximum": MAX_VALUES},
+        "step": {"type": "number", "not": {"const": 0}},
+    },
+    "required": ["start", "stop"],
+    "oneOf": [{"required": ["num"]}, {"required": ["step"]}],
+    "additionalProperties": False,
 }
 
 
-class _Family(Strict):
-    """Points or boundaries of one system that share most of their parameters."""
+def expand_range(value: Any) -> Any:
+    """Return the values of a range; return any other value unchanged, for later validation.
 
-    system_of_figures: ClassVar[dict[str, str]] = {}
-
-    @classmethod
-    def hint(cls, key: str, value: Any) -> str:
-        """Return a hint at the intended value or key, empty if there is none."""
-        if key == "figures" and isinstance(value, str) and value in cls.system_of_figures:
-            (system,) = get_args(cls.model_fields["system"].annotation)
-            return f"a figure of the {system}; {value} is one of the {cls.system_of_figures[value]}"
-        if any(key in model.model_fields for model in SYSTEMS.values()):
-            return "parameters belong under base, grid or cases"
-        return ""
-
-    name: str = Field(
-        pattern=NAME,
-        max_length=60,
-        description="name, unique in the study",
-        json_schema_extra=ALLOWED_NAME,
+    >>> expand_range({"start": 0.3, "stop": 0.6, "step": 0.1})
+    [0.3, 0.4, 0.5, 0.6]
+    >>> expand_range({"start": 1, "stop": 2, "num": 3})
+    [1.0, 1.5, 2.0]
+    """
+    if not isinstance(value, dict):
+        return value
+    are_numbers = all(
+        type(number) in (int, float) and abs(number) < 1e15 for number in value.values()
     )
-    system: str = Field(description="which of the systems")
-    base: Some = optional("parameters shared by all points")
-    grid: Lists = optional("one point (boundary) for every combination of the values listed")
-
-    if TYPE_CHECKING:
-        # The subclasses declare it, so that it follows their own keys in the reference.
-        overrides: list[Override]
-
-    @model_validator(mode="after")
-    def _require_overrides_outside_grid(self) -> Self:
-        grid_names = self.grid.model_fields_set if self.grid else set()
-        for index, override in enumerate(self.overrides):
-            for name in sorted(grid_names & override.set.model_fields_set):
-                key = f"overrides[{index}].set.{name}"
-                value = getattr(override.set, name)
-                raise broken_rule(key, value, f"parameters other than grid.{name} of the series")
-        return self
-
-    @model_validator(mode="after")
-    def _require_one_amount_in_grid(self) -> Self:
-        for name in sorted(self.grid.model_fields_set & AMOUNTS if self.grid else ()):
-            values = getattr(self.grid, name)
-            if len(values) > 1:
-                allowed = "one value: how much of a point is run tells no points apart"
-                raise broken_rule(f"grid.{name}", values, allowed)
-        return self
+    if not are_numbers or set(value) not in ({"start", "stop", "num"}, {"start", "stop", "step"}):
+        raise broken_rule("", value, _ALLOWED_RANGE)
+    start, stop = value["start"], value["stop"]
+    if "num" in value:
+        count = value["num"]
+        if type(count) is not int or not 2 <= count <= MAX_VALUES:
+            raise broken_rule("num", count, f"an integer in [2, {MAX_VALUES}]")
+        step = (stop - start) / (count - 1)
+    else:
+        step = value["step"]
+        steps = (stop - start) / step if step else -1.0
+        if not 0 <= steps <= MAX_VALUES - 1:
+            raise broken_rule(
+                "step", step, f"a step from start to stop, of {MAX_VALUES} values at most"
+            )
+        count = floor(steps * (1 + _SLACK) + _SLACK) + 1
+    return [canonical_number(start + number * step) for number in range(count)]
 
 
-class SeriesFile(_Family):
-    """A series of points. Without grid and cases, the base is its one point."""
+def expand_integer_range(value: Any) -> Any:
+    """Return the values of a range as `expand_range` does, whole numbers as ``int``."""
+    numbers = expand_range(value)
+    if numbers is value:
+        return value
+    return [int(number) if float(number).is_integer() else number for number in numbers]
 
-    cases: list[Some] = optional("further points, each with the parameters given", min_length=1)
-    overrides: list[Override] = Field([], description="changes at certain values")
-    figures: list[str] = Field([], description="figures that the series feeds")
+
+def allow_range_in_schema(schema: dict[str, Any]) -> None:
+    """Change the JSON schema of a list so that it allows a range, too."""
+    schema.pop("default", None)
+    list_schema = {key: schema.pop(key) for key in ("type", "items", "minItems") if key in schema}
+    schema["anyOf"] = [list_schema, {"$ref": f"#/$defs/{RANGE}"}]
 
 
 #: Kind of the plug-in additions that judge claims.
@@ -179,57 +191,6 @@ class DecideFile(Strict):
 
     @model_validator(mode="after")
     def _require_goal(self) -> Self:
-        for index, name in enumerate(self.claims or []):
-            _require_claim(f"claims[{index}]", name)
         if self.claims is None and self.precision is None:
             raise broken_rule("claims", None, "claims, precision, or both")
-        return self
-
-
-def _require_claim(key: str, name: str) -> None:
-    """Refuse anything but the id of a claim or ``all``."""
-    if name == "all":
-        return
-    ids = [[claim["id"] for claim in paper.claims] for paper in papers().values()]
-    if name not in {*chain(*ids), *additions(JUDGE)}:
-        ranges = ", ".join(f"{one[0]} to {one[-1]}" for one in ids if one)
-        raise broken_rule(key, name, f"{ranges}, all, or the name of a judge of a plug-in")
-
-
-class BoundaryFile(_Family):
-    """A boundary between regimes, for each combination of the grid."""
-
-    of: str = Field(description="what changes there")
-    along: str = Field(description="parameter along which it is looked for")
-    range: list[Real] = Field(
-        description="lowest and highest value of that parameter",
-        min_length=2,
-        max_length=2,
-        json_schema_extra={"allowed": "two numbers, the lower one first"},
-    )
-    tolerance: Real = Field(description="width of the interval to find the boundary in", gt=0)
-    overrides: list[Override] = Field([], description="changes at certain values")
-    figures: list[str] = Field([], description="figures that are fed")
-
-    @model_validator(mode="after")
-    def _require_valid_range(self) -> Self:
-        low, high = self.range
-        if not low < high:
-            raise broken_rule("range", self.range, "two numbers, the lower one first")
-        if further_rounds(low, high, self.tolerance) > MAX_ROUNDS:
-            finest = (high - low) / PARTS ** (MAX_ROUNDS + 1)
-            raise broken_rule("tolerance", self.tolerance, f"a number >= {1.01 * finest:.3g}")
-        return self
-
-    @model_validator(mode="after")
-    def _require_along_unset(self) -> Self:
-        sections = {"base": self.base, "grid": self.grid}
-        sections |= {
-            f"overrides[{i}].set": override.set for i, override in enumerate(self.overrides)
-        }
-        for path, section in sections.items():
-            if section and self.along in section.model_fields_set:
-                value = getattr(section, self.along)
-                allowed = f"parameters other than {self.along}, which the boundary is along"
-                raise broken_rule(f"{path}.{self.along}", value, allowed)
         return self

@@ -20,10 +20,13 @@ class ExtraAmounts:
         Amounts by id of the point and name of the amount.
     before : float
         Core hours that the study had taken before the first round was added.
+    rounds : mapping
+        In how many rounds amounts were added, by id of the point.
     """
 
     amounts: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     before: float = 0.0
+    rounds: Mapping[str, int] = field(default_factory=dict)
 
 
 def extra_amounts_file(folder: Path) -> Path:
@@ -45,7 +48,9 @@ def read_extra_amounts(folder: Path) -> ExtraAmounts:
             point: {name: _checked_amount(name, value) for name, value in wanted_amounts.items()}
             for point, wanted_amounts in document["amounts"].items()
         }
-        return ExtraAmounts(amounts, float(document["before"]))
+        # Files from before rounds were counted name none: there was one at least.
+        rounds = dict.fromkeys(amounts, 1) | document.get("rounds", {})
+        return ExtraAmounts(amounts, float(document["before"]), rounds)
 
 
 def _checked_amount(name: str, value: float) -> float:
@@ -58,19 +63,24 @@ def _checked_amount(name: str, value: float) -> float:
 
 def write_extra_amounts(folder: Path, extra: ExtraAmounts) -> None:
     """Write the extra amounts of a study; the file is complete or does not appear."""
-    document = {"before": extra.before, "amounts": extra.amounts}
+    document = {"before": extra.before, "amounts": extra.amounts, "rounds": extra.rounds}
     with atomic_write(extra_amounts_file(folder)) as temporary:
         temporary.write_text(to_sealed_json(document), encoding="utf-8")
 
 
-def with_extra_amounts(points: Mapping[str, Point], extra: ExtraAmounts) -> dict[str, Point]:
-    """Return points with their extra amounts.
+def with_extra_amounts(
+    points: Mapping[str, Point], extra: ExtraAmounts, judged: bool = False
+) -> dict[str, Point]:
+    """Return points with their extra amounts, and with their looks where verdicts ask for them.
 
-    A point that others start from gets at least as many replicates as they have.
+    A point that others start from gets at least as many replicates as they have. ``judged`` says
+    whether runs are bought for open claims.
     """
     new_points = {
         name: replace(
-            point, parameters=_with_larger_amounts(point.parameters, extra.amounts.get(name, {}))
+            point,
+            parameters=_with_larger_amounts(point.parameters, extra.amounts.get(name, {})),
+            looks=1 + extra.rounds.get(name, 0) if judged else 0,
         )
         for name, point in points.items()
     }

@@ -1,174 +1,153 @@
-"""Pydantic models of a study file, the source of validation, schema and reference."""
+"""Models of a study file: its keys, its series and its boundaries, whatever their system."""
 
-from collections.abc import Collection, Iterable, Mapping
-from functools import cache, reduce
-from operator import or_
-from types import GenericAlias
-from typing import Annotated, Any, Literal, NamedTuple, Self
+from collections.abc import Iterator
+from itertools import chain
+from math import prod
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self, get_args
 
-from pydantic import (
-    BaseModel,
-    BeforeValidator,
-    ConfigDict,
-    Field,
-    ValidationError,
-    create_model,
-    model_validator,
-)
+from pydantic import ConfigDict, Field, model_validator
 
-from sim.base.messages import input_error
+from sim.base.additions import additions
 from sim.base.plugins import ALLOWED, PATTERN
-from sim.parameters import SYSTEMS, Parameters, roles
-from sim.parameters.common import broken_rule
-from sim.study.catalogue import FIGURES
+from sim.parameters import AMOUNTS, SYSTEMS
+from sim.parameters.common import Real, broken_rule
 from sim.study.entries import (
     ALLOWED_NAME,
+    JUDGE,
     NAME,
-    BoundaryFile,
     DecideFile,
     Lists,
     Override,
-    Readings,
-    SeriesFile,
     Some,
     Strict,
     optional,
     require_printable,
 )
+from sim.study.papers import papers
 from sim.study.plot_file import PlotFile
-from sim.study.ranges import allow_range_in_schema, expand_integer_range, expand_range
+from sim.study.read import PART_NAME
+from sim.study.refine import MAX_ROUNDS, PARTS, further_rounds
+
+#: Maximum number of points of a study.
+MAX_POINTS = 100_000
 
 #: Names that no study may have: folders of results that hold published studies.
 _RESERVED_NAMES = ("published",)
 
-#: Description of the key ``of`` in the first system, whose models the reference shows.
-_OF_DESCRIPTION = (
-    "what changes there: flow (arrested or not), acceleration (accelerating or not), transport "
-    "(belt: mean velocity beyond 10 % of the belt's or not)"
-)
 
-#: Type of the key ``figures`` of a system that feeds no figure.
-_NO_FIGURES = Annotated[list[str], Field(max_length=0)]
+class _Family(Strict):
+    """Points or boundaries of one system that share most of their parameters."""
 
+    system_of_figures: ClassVar[dict[str, str]] = {}
 
-class SystemModels(NamedTuple):
-    """Models of the parts of a study file that concern one system."""
+    @classmethod
+    def hint(cls, key: str, value: Any) -> str:
+        """Return a hint at the intended value or key, empty if there is none."""
+        if key == "figures" and isinstance(value, str) and value in cls.system_of_figures:
+            (system,) = get_args(cls.model_fields["system"].annotation)
+            return f"a figure of the {system}; {value} is one of the {cls.system_of_figures[value]}"
+        if any(key in model.model_fields for model in SYSTEMS.values()):
+            return "parameters belong under base, grid or cases"
+        return ""
 
-    parameters: type[Some]
-    readings: type[Lists]
-    override: type[Override]
-    series: type[SeriesFile]
-    boundary: type[BoundaryFile]
-
-
-def _system_models(system: str) -> SystemModels:
-    """Return the models of the entries of a study file with the parameters of a system."""
-    model, first = SYSTEMS[system], next(iter(SYSTEMS))
-    # No boundary is along a parameter that flows do not depend on, such as the length of a run.
-    excluded = roles.numerical_parameters(model) - set(roles.start_parameters(model))
-    numbers = [
-        name
-        for name, field in model.model_fields.items()
-        if field.annotation is float and name not in excluded
-    ]
-    system_of_figures = {name: spec.system for name, spec in FIGURES.items()}
-    figures = [name for name in FIGURES if system_of_figures[name] == system]
-    values, lists = _with_parameters(Some, system), _with_parameters(Lists, system)
-    readings = _with_parameters(Readings, system, roles.reading_parameters(model))
-    override = _with_field_types(
-        Override,
-        system,
-        f"Parameters of the {system} that change at the points where others have certain values.",
-        {"when": lists, "set": values},
+    name: str = Field(
+        pattern=NAME,
+        max_length=60,
+        description="name, unique in the study",
+        json_schema_extra=ALLOWED_NAME,
     )
-    shared: dict[str, Any] = {
-        "system": Literal[system],
-        "base": values,
-        "grid": lists,
-        "overrides": _list_type(override),
-        "figures": _list_type(Literal[tuple(figures)]) if figures else _NO_FIGURES,
-    }
-    series = _with_field_types(
-        SeriesFile,
-        system,
-        f"A series of points of the {system}. Without grid and cases, the base is its one point.",
-        shared | {"cases": _list_type(values)},
+    system: str = Field(description="which of the systems")
+    base: Some = optional("parameters shared by all points")
+    grid: Lists = optional("one point (boundary) for every combination of the values listed")
+
+    if TYPE_CHECKING:
+        # The subclasses declare it, so that it follows their own keys in the reference.
+        overrides: list[Override]
+
+    @model_validator(mode="after")
+    def _require_overrides_outside_grid(self) -> Self:
+        grid_names = self.grid.model_fields_set if self.grid else set()
+        for index, override in enumerate(self.overrides):
+            for name in sorted(grid_names & override.set.model_fields_set):
+                key = f"overrides[{index}].set.{name}"
+                value = getattr(override.set, name)
+                raise broken_rule(key, value, f"parameters other than grid.{name} of the series")
+        return self
+
+    @model_validator(mode="after")
+    def _require_one_amount_in_grid(self) -> Self:
+        for name in sorted(self.grid.model_fields_set & AMOUNTS if self.grid else ()):
+            values = getattr(self.grid, name)
+            if len(values) > 1:
+                allowed = "one value: how much of a point is run tells no points apart"
+                raise broken_rule(f"grid.{name}", values, allowed)
+        return self
+
+    @property
+    def grid_lists(self) -> dict[str, list[Any]]:
+        """Lists of values by parameter, empty without a grid."""
+        return self.grid.explicit_values() if self.grid else {}
+
+
+class SeriesFile(_Family):
+    """A series of points. Without grid and cases, the base is its one point."""
+
+    cases: list[Some] = optional("further points, each with the parameters given", min_length=1)
+    overrides: list[Override] = Field([], description="changes at certain values")
+    figures: list[str] = Field([], description="figures that the series feeds")
+
+    @property
+    def max_points(self) -> int:
+        """Number of points under each reading, duplicates included."""
+        return (prod(map(len, self.grid_lists.values())) if self.grid else 0) + len(
+            self.cases or []
+        )
+
+
+class BoundaryFile(_Family):
+    """A boundary between regimes, for each combination of the grid."""
+
+    of: str = Field(description="what changes there")
+    along: str = Field(description="parameter along which it is looked for")
+    range: list[Real] = Field(
+        description="lowest and highest value of that parameter",
+        min_length=2,
+        max_length=2,
+        json_schema_extra={"allowed": "two numbers, the lower one first"},
     )
-    boundary = _with_field_types(
-        BoundaryFile,
-        system,
-        f"A boundary between regimes of the {system}, for each combination of the grid.",
-        shared | {"of": Literal[model.boundaries], "along": Literal[tuple(numbers)]},
-        **({"of": Field(description=_OF_DESCRIPTION)} if system == first else {}),
-    )
-    series.system_of_figures = boundary.system_of_figures = system_of_figures
-    return SystemModels(values, readings, override, series, boundary)
+    tolerance: Real = Field(description="width of the interval to find the boundary in", gt=0)
+    overrides: list[Override] = Field([], description="changes at certain values")
+    figures: list[str] = Field([], description="figures that are fed")
 
+    @model_validator(mode="after")
+    def _require_valid_range(self) -> Self:
+        low, high = self.range
+        if not low < high:
+            raise broken_rule("range", self.range, "two numbers, the lower one first")
+        if further_rounds(low, high, self.tolerance) > MAX_ROUNDS:
+            finest = (high - low) / PARTS ** (MAX_ROUNDS + 1)
+            raise broken_rule("tolerance", self.tolerance, f"a number >= {1.01 * finest:.3g}")
+        return self
 
-def _with_parameters(base: type[Some], system: str, names: Collection[str] | None = None) -> Any:
-    """Return a model based on ``base`` with the parameters of a system as optional fields.
+    @model_validator(mode="after")
+    def _require_along_unset(self) -> Self:
+        sections = {"base": self.base, "grid": self.grid}
+        sections |= {
+            f"overrides[{i}].set": override.set for i, override in enumerate(self.overrides)
+        }
+        for path, section in sections.items():
+            if section and self.along in section.model_fields_set:
+                value = getattr(section, self.along)
+                allowed = f"parameters other than {self.along}, which the boundary is along"
+                raise broken_rule(f"{path}.{self.along}", value, allowed)
+        return self
 
-    ``names`` limits the fields to these parameters.
-    """
-    fields: dict[str, Any] = {}
-    for key, parameter in SYSTEMS[system].model_fields.items():
-        if key == "system" or (names is not None and key not in names):
-            continue
-        value: Any = parameter.annotation
-        if parameter.metadata:
-            value = Annotated[(value, *parameter.metadata)]
-        field = optional(parameter.description)
-        if issubclass(base, Lists):
-            value = Annotated[_list_type(value), Field(min_length=1)]
-            if parameter.annotation in (int, float):
-                expand = expand_integer_range if parameter.annotation is int else expand_range
-                value = Annotated[value, BeforeValidator(expand)]
-                field = Field(
-                    None, description=parameter.description, json_schema_extra=allow_range_in_schema
-                )
-        fields[key] = value, field
-    name = f"{system.capitalize()}{base.__name__}"
-    model = create_model(name, __base__=base, __doc__=base.__doc__, **fields)
-    model.parameters = SYSTEMS[system]
-    return model
-
-
-def _with_field_types(
-    base: type[BaseModel], system: str, doc: str, types: dict[str, Any], **replacements: Any
-) -> Any:
-    """Return a model based on ``base`` whose fields have the types of a system.
-
-    ``replacements`` replaces the declarations of fields by name.
-    """
-    fields: dict[str, Any] = {
-        name: (kind, replacements.get(name, base.model_fields[name]))
-        for name, kind in types.items()
-    }
-    name = f"{system.capitalize()}{base.__name__.removesuffix('File')}"
-    return create_model(name, __base__=base, __doc__=doc, **fields)
-
-
-def _list_type(kind: Any) -> Any:
-    """Return the type ``list[kind]``, for a ``kind`` that is only known at run time."""
-    return GenericAlias(list, (kind,))
-
-
-def _union_type(kinds: Iterable[type[BaseModel]]) -> Any:
-    """Return the union of the types of an entry, discriminated by its key ``system``."""
-    return Annotated[reduce(or_, kinds), Field(discriminator="system")]
-
-
-def _system_fields(
-    systems: Mapping[str, SystemModels], kind: str, description: str
-) -> dict[str, Any]:
-    """Return an optional field for each system, whose type is one of its `SystemModels`.
-
-    ``kind`` names that model; ``description`` has a placeholder for the system.
-    """
-    return {
-        system: (getattr(models, kind), optional(description.format(system)))
-        for system, models in systems.items()
-    }
+    @property
+    def max_points(self) -> int:
+        """Maximum number of points after all rounds: each divides at most two gaps."""
+        low, high = self.range
+        rounds = further_rounds(low, high, self.tolerance)
+        return prod(map(len, self.grid_lists.values())) * (PARTS + 1 + 2 * (PARTS - 1) * rounds)
 
 
 class StudyFile(Strict):
@@ -219,13 +198,7 @@ class StudyFile(Strict):
         min_length=1,
     )
     parts: list[
-        # A lone hyphen would be standard input.
-        Annotated[
-            str,
-            Field(
-                pattern=r"^([^/\\-]|[^/\\]{2,})$", json_schema_extra={"allowed": "a file's name"}
-            ),
-        ]
+        Annotated[str, Field(pattern=PART_NAME, json_schema_extra={"allowed": "a file's name"})]
     ] = optional(
         "study files in the same folder whose points, boundaries and figures this one has too",
         min_length=1,
@@ -245,72 +218,48 @@ class StudyFile(Strict):
             raise broken_rule("series", None, "at least one series, boundaries, or parts")
         return self
 
+    @model_validator(mode="after")
+    def _require_known_claims(self) -> Self:
+        claims = (self.decide and self.decide.claims) or []
+        if set(claims) <= {"all"}:
+            return self
+        ids = [[claim["id"] for claim in paper.claims] for paper in papers().values()]
+        names = {"all", *chain(*ids), *additions(JUDGE)}
+        for index, name in enumerate(claims):
+            if name not in names:
+                ranges = ", ".join(f"{one[0]} to {one[-1]}" for one in ids if one)
+                allowed = f"{ranges}, all, or the name of a judge of a plug-in"
+                raise broken_rule(f"decide.claims[{index}]", name, allowed)
+        return self
 
-class FileModels(NamedTuple):
-    """Models of study files: of each system, of the keys that all systems share, of the whole."""
+    @model_validator(mode="after")
+    def _require_distinct_names(self) -> Self:
+        names: set[str] = set()
+        for key, entry in self.entries:
+            if entry.name in names:
+                raise broken_rule(f"{key}.name", entry.name, "a name that no other series has")
+            names.add(entry.name)
+        return self
 
-    systems: dict[str, SystemModels]
-    defaults: type[Strict]
-    readings: type[Strict]
-    study: type[StudyFile]
+    @model_validator(mode="after")
+    def _require_feasible_number(self) -> Self:
+        total = 0
+        for key, entry in self.entries:
+            lists = self.reading_lists(entry.system) if isinstance(entry, SeriesFile) else {}
+            total += prod(map(len, lists.values())) * entry.max_points
+            if total > MAX_POINTS:
+                allowed = f"at most {MAX_POINTS:,} points in the study"
+                raise broken_rule(f"{key}.grid", f"{total:,} points", allowed)
+        return self
 
+    @property
+    def entries(self) -> Iterator[tuple[str, SeriesFile | BoundaryFile]]:
+        """Pairs of a key in the file and the series or boundaries there, in order."""
+        for name in ("series", "boundaries"):
+            for index, entry in enumerate(getattr(self, name) or []):
+                yield f"{name}[{index}]", entry
 
-def file_models() -> FileModels:
-    """Return the models of study files, with what plug-ins have added so far."""
-    return _build_file_models(tuple(SYSTEMS.values()), tuple(FIGURES))
-
-
-@cache
-def _build_file_models(
-    parameters: tuple[type[Parameters], ...], figures: tuple[str, ...]
-) -> FileModels:
-    """Return the models for the present `SYSTEMS` and `FIGURES`: the key of the cache."""
-    systems = {system: _system_models(system) for system in SYSTEMS}
-    defaults = create_model(
-        "Defaults",
-        __base__=Strict,
-        __doc__="Parameters shared by all series of a system.",
-        **_system_fields(systems, "parameters", "shared by all series of the {}"),
-    )
-    readings = create_model(
-        "SharedReadings",
-        __base__=Strict,
-        __doc__="Readings of the papers under which all series of a system are run.",
-        **_system_fields(
-            systems,
-            "readings",
-            "of the {}: every combination; figures and boundaries take the first",
-        ),
-    )
-    fields = StudyFile.model_fields
-    types: dict[str, Any] = {
-        "figures": (_list_type(Literal[figures]), fields["figures"]),
-        "defaults": (defaults, Field(defaults(), description=fields["defaults"].description)),
-        "readings": (readings, Field(readings(), description=fields["readings"].description)),
-        "series": (
-            _list_type(_union_type(models.series for models in systems.values())),
-            fields["series"],
-        ),
-        "boundaries": (
-            _list_type(_union_type(models.boundary for models in systems.values())),
-            fields["boundaries"],
-        ),
-    }
-    doc = "A study: series of points, boundaries to be found, and the figures they feed."
-    study = create_model("StudyFile", __base__=StudyFile, __doc__=doc, **types)
-    return FileModels(systems, defaults, readings, study)
-
-
-def validate_study(mapping: Any, source: str) -> StudyFile:
-    """Validate the contents of a study file, without its points, and return its model.
-
-    Raises
-    ------
-    InputError
-        With the file, the key, its value and the allowed values.
-    """
-    model = file_models().study
-    try:
-        return model.model_validate(mapping)
-    except ValidationError as error:
-        raise input_error(error, model, source) from None
+    def reading_lists(self, system: str) -> dict[str, list[Any]]:
+        """Return the lists of readings of a system by parameter; there may be none."""
+        readings = getattr(self.readings, system)
+        return readings.explicit_values() if readings else {}

@@ -1,46 +1,28 @@
-"""Read a study file and its parts, and expand them to points, boundaries and figures."""
+"""Load a study: read, validate, expand and feed its file; and its points as a table."""
 
-import re
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from sim.base.additions import Plugin
 from sim.base.errors import InputError
 from sim.base.files import require_writable
-from sim.base.plugins import PATTERN, load
-from sim.base.yaml import read_yaml
-from sim.parameters import RUN_FILE, require_compatible_source
-from sim.study.cost import Estimate, estimate
+from sim.parameters import complete_values
+from sim.study.cost import estimate
+from sim.study.expand import expand
 from sim.study.extra_amounts import read_extra_amounts, with_extra_amounts
-from sim.study.figure_points import points_of_figures
-from sim.study.figure_spec import FigureSpec
+from sim.study.feed import feed
 from sim.study.model import Boundary, Point, Study
-from sim.study.plots import plot_specs, points_of_plot
-from sim.study.points import (
-    MAX_POINTS,
-    expand_study_file,
-    point_with_membership,
-    require_same_point,
-)
-from sim.study.series import readings_by_system
+from sim.study.read import Document, read, with_parts
+from sim.study.validate import validate
 
-__all__ = [
-    "Boundary",
-    "Estimate",
-    "Point",
-    "Study",
-    "estimate",
-    "load_study",
-    "parse_study",
-    "point_with_membership",
-]
+if TYPE_CHECKING:
+    import pandas as pd
+
+__all__ = ["Boundary", "Point", "Study", "load_study", "parse_study", "points"]
 
 #: Study to use if none is named.
 DEFAULT_STUDY = Path("config/quick.yaml")
-
-#: Maximum number of points of a study with a page for each point.
-MAX_PAGES = 1000
 
 
 def load_study(
@@ -64,7 +46,8 @@ def load_study(
     InputError
         For any mistake that prevents the study from being run as written.
     """
-    return parse_study(read_yaml(path), path, results, plugins)
+    documents = read(path, plugins)
+    return _study(documents, results)
 
 
 def parse_study(
@@ -74,105 +57,71 @@ def parse_study(
 
     See `load_study`.
     """
-    source, folder = str(path), Path(path).parent
-    loaded_plugins = _load_plugins(mapping, Path(path)) if plugins else ()
-    file, study, feeds = expand_study_file(mapping, Path(path))
-    plots: dict[str, FigureSpec] = {}
-    for index, name in enumerate(file.parts or []):
-        part_mapping = _read_part(folder / name, source, index)
-        loaded_plugins += _load_plugins(part_mapping, folder / name) if plugins else ()
-        part_file, part, part_feeds = expand_study_file(part_mapping, folder / name)
-        study = _merge_part(study, part, f"{source}: parts[{index}]")
-        plots |= plot_specs(part_file, part, str(folder / name), plots)
-        feeds = part_feeds | feeds
-    if len(study.points) > MAX_POINTS:
-        allowed = f"at most {MAX_POINTS:,} points in the study"
-        raise InputError.of_value(source, "parts", f"{len(study.points):,} points", allowed)
-    if file.pages and len(study.points) > MAX_PAGES:
-        allowed = f"false, for more than {MAX_PAGES:,} points"
-        raise InputError.of_value(source, "pages", True, allowed)
-    _require_valid_starts(study, source)
-    figures = points_of_figures(file, study.points.values(), feeds, source)
-    plots = plot_specs(file, study, source, plots) | plots
-    figures |= {name: points_of_plot(spec, study.points.values()) for name, spec in plots.items()}
+    documents = with_parts(mapping, Path(path), plugins)
+    return _study(documents, results)
+
+
+def _study(documents: list[Document], results: str | Path | None) -> Study:
+    """Return the study of documents, with the amounts that decisions have added to its points."""
+    files = validate(documents)
+    study = expand(files)
+    study = feed(study, files)
     if results is not None:
-        require_writable(Path(results) / file.study, f"{source}: study")
-    points = study.points
-    if file.decide and results is not None:
-        points = with_extra_amounts(points, read_extra_amounts(Path(results) / file.study))
-    return replace(
-        study,
-        points=points,
-        figures=figures,
-        plots=plots,
-        readings=readings_by_system(file),
-        decide=file.decide,
-        pages=file.pages,
-        plugins=tuple(dict.fromkeys(loaded_plugins)),
-    )
+        folder = Path(results) / study.name
+        require_writable(folder, f"{study.path}: study")
+        if study.decide:
+            points = with_extra_amounts(
+                study.points,
+                read_extra_amounts(folder),
+                judged=study.decide.claims is not None,
+            )
+            study = replace(study, points=points)
+    plugins = dict.fromkeys(plugin for document in documents for plugin in document.plugins)
+    return replace(study, plugins=tuple(plugins))
 
 
-def _load_plugins(mapping: Any, path: Path) -> tuple[Plugin, ...]:
-    """Load and return the plug-ins that a study file names; none if the key is malformed.
+def points(study: str | Path | Mapping[str, Any]) -> "pd.DataFrame":
+    """Return the points of a study as a table: one row per point, in the order of the study.
 
-    The rest of the file can only be validated once plug-ins are loaded, so a malformed key is
-    refused then.
+    Parameters
+    ----------
+    study : str, Path or mapping
+        The study file, or a mapping with the contents of one.
+
+    Returns
+    -------
+    pandas.DataFrame
+        The index holds the ids of the points. Columns are all parameters in the units of a study
+        file, ``particles``, ``core_seconds`` (an estimate for all replicates), ``series`` and
+        ``figures``. Parameters that the system of a point does not have are missing.
+
+    Raises
+    ------
+    InputError
+        For any mistake that prevents the study from being run as written.
+
+    Examples
+    --------
+    >>> series = {"name": "depths", "system": "chute", "grid": {"depth": [1.24, 2.5]}}
+    >>> list(points({"study": "mine", "series": [series]}).depth)
+    [1.24, 2.5]
     """
-    names = mapping.get("plugins") if isinstance(mapping, dict) else None
-    if isinstance(names, list) and all(
-        isinstance(name, str) and re.match(PATTERN, name) for name in names
-    ):
-        return load(names, path.parent, f"{path}: plugins")
-    return ()
+    import pandas as pd
 
-
-def _require_valid_starts(study: Study, source: str) -> None:
-    """Raise ``InputError`` if a point starts from neither a point of the study nor a run file."""
-    for point in study.points.values():
-        start = point.parameters.start_from
-        if start in study.points:
-            require_compatible_source(point.parameters, study.points[start].parameters, source)
-        elif start and not (start.endswith(RUN_FILE) and _is_file(Path(start))):
-            allowed = "the id of a point of the study, or a run file (*.nc) that is there"
-            raise InputError.of_value(source, "start_from", start, allowed)
-
-
-def _is_file(path: Path) -> bool:
-    """True where ``path`` is a file; a name that is too long is none."""
-    try:
-        return path.is_file()
-    except OSError:
-        return False
-
-
-def _read_part(path: Path, source: str, index: int) -> Any:
-    """Return the contents of a part; raise ``InputError`` if it has parts of its own."""
-    try:
-        mapping = read_yaml(path)
-    except InputError as error:
-        raise InputError(f"{source}: parts[{index}]: {error}") from None
-    if isinstance(mapping, dict) and "parts" in mapping:
-        allowed = "a study without parts of its own"
-        raise InputError.of_value(source, f"parts[{index}]", path.name, allowed)
-    return mapping
-
-
-def _merge_part(study: Study, part: Study, source: str) -> Study:
-    """Return a study with the points, series and boundaries of a part added."""
-    for name in part.series:
-        if name in study.series:
-            allowed = "a part without a series of a name that another has"
-            raise InputError.of_value(source, f"series {name}", part.path.name, allowed)
-    points = dict(study.points)
-    for point in part.points.values():
-        figures = point.figures + point.left_out
-        for name in point.series:
-            points[point.id] = point_with_membership(points, point.parameters, name, figures)
-        require_same_point(points[point.id], point.parameters, source)
-    return replace(
-        study,
-        files=study.files + part.files,
-        points=points,
-        series=study.series | part.series,
-        boundaries=study.boundaries + part.boundaries,
-    )
+    if isinstance(study, Mapping):
+        validated_study = parse_study(dict(study), "points", None)
+    elif isinstance(study, (str, Path)):
+        validated_study = load_study(study, None)
+    else:
+        raise InputError.of_value("points", "study", study, "the path of a study file or a mapping")
+    rows = {
+        point.id: complete_values(point.parameters)
+        | {
+            "particles": point.parameters.particles,
+            "core_seconds": estimate(point.parameters).core_seconds,
+            "series": point.series,
+            "figures": point.figures,
+        }
+        for point in validated_study.points.values()
+    }
+    return pd.DataFrame.from_dict(rows, orient="index").rename_axis("point")

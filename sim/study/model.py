@@ -1,15 +1,16 @@
 """Model of a study: points, boundaries to be found, figures."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 from sim.base.additions import Plugin
 from sim.parameters import Parameters
-from sim.study.catalogue import FIGURES
 from sim.study.entries import DecideFile
-from sim.study.figure_spec import FigureSpec
+from sim.study.figure_spec import FigureSpec, Shown
+from sim.study.plot_kinds import base_kind
 from sim.study.refine import further_rounds
 
 
@@ -17,7 +18,8 @@ from sim.study.refine import further_rounds
 class Point:
     """One point of a study, which may belong to several series and figures.
 
-    ``left_out`` holds the figures that its series feed but that do not show it.
+    ``left_out`` holds the figures that its series feed but that do not show it. ``looks`` is how
+    often claims on it are judged with the option of buying more runs.
     """
 
     id: str
@@ -25,6 +27,7 @@ class Point:
     series: tuple[str, ...]
     figures: tuple[str, ...]
     left_out: tuple[str, ...] = ()
+    looks: int = 0
 
 
 @dataclass(frozen=True)
@@ -76,12 +79,12 @@ class Study:
     points : dict
         Points by id, in the order of the file; equal points of several series appear once. They
         include the points of the first round of the boundaries.
-    series, figures : dict
-        Ids of the points of each series (or boundary) and of each figure, in order.
+    series : dict
+        Ids of the points of each series (or boundary), in order.
     boundaries : tuple of Boundary
         Boundaries to be found.
-    plots : mapping
-        Its own plots by name, as entries like those of the catalogue; ``figures`` has them, too.
+    entries : dict
+        Figures that its points feed, by name: entries of the catalogue, then its own plots.
     readings : mapping
         Readings of the paper under which every series is run, by system. Each reading maps the
         parameters that differ from their defaults to values.
@@ -98,18 +101,29 @@ class Study:
     files: tuple[Path, ...]
     points: dict[str, Point]
     series: dict[str, tuple[str, ...]]
-    figures: dict[str, tuple[str, ...]]
     boundaries: tuple[Boundary, ...]
-    plots: Mapping[str, FigureSpec] = field(default_factory=dict)
+    entries: dict[str, FigureSpec] = field(default_factory=dict)
     readings: Mapping[str, Sequence[Mapping[str, Any]]] = field(default_factory=dict)
     decide: DecideFile | None = None
     pages: bool = False
     plugins: tuple[Plugin, ...] = ()
 
+    @cached_property
+    def figures(self) -> dict[str, tuple[str, ...]]:
+        """Ids of the points of each figure and plot, in order."""
+        return {
+            name: tuple(
+                point.id
+                for point in self.points.values()
+                if name in point.figures or spec.is_fed_by(point.parameters.system, point.series)
+            )
+            for name, spec in self.entries.items()
+        }
+
     @property
-    def entries(self) -> dict[str, FigureSpec]:
-        """Entries of the figures of the study, by name."""
-        return {name: self.plots.get(name) or FIGURES[name] for name in self.figures}
+    def plots(self) -> dict[str, FigureSpec]:
+        """Entries of the study's own plots, by name."""
+        return {name: spec for name, spec in self.entries.items() if not spec.paper}
 
     @property
     def sources(self) -> tuple[Path, ...]:
@@ -125,3 +139,55 @@ class Study:
     def rounds(self) -> int:
         """Maximum number of rounds of refinement after the first."""
         return max((boundary.rounds for boundary in self.boundaries), default=0)
+
+    def particles_shown(self, figures: Iterable[str]) -> Shown:
+        """Return how much of their points' particles some figures show."""
+        return max((self.entries[name].particles for name in figures), default=Shown.NOTHING)
+
+    def particles_needed(self, point: str) -> Shown:
+        """Return how much of a point's particles the figures need."""
+        known = self.points[point].figures if point in self.points else ()
+        return max(self._later_particles, self.particles_shown(known))
+
+    @cached_property
+    def _later_particles(self) -> Shown:
+        """What a point of a later round may need: the figures that it feeds are not known yet."""
+        return self.particles_shown(name for one in self.boundaries for name in one.figures)
+
+    def needs_run_file(self, point: str) -> bool:
+        """Return whether a point needs its run file: for its page or a plot of time series."""
+        if point in self.points:
+            system, series = self.points[point].parameters.system, self.points[point].series
+            return self.pages or any(spec.is_fed_by(system, series) for spec in self._time_series)
+        names = {boundary.name for boundary in self.boundaries}
+        return any(not names.isdisjoint(spec.series) for spec in self._time_series)
+
+    @cached_property
+    def _time_series(self) -> list[FigureSpec]:
+        """Plots of that kind, and of a plug-in's kind based on it."""
+        return [
+            spec
+            for spec in self.plots.values()
+            if base_kind(spec.kind.removeprefix("plot_")) == "time_series"
+        ]
+
+    @property
+    def omission_notes(self) -> list[str]:
+        """A sentence for each figure that omits points of its series: how many, and why.
+
+        Pictures of a single point get none, since they omit all other points by definition.
+        """
+        sentences = []
+        for name, members in self.figures.items():
+            spec = self.entries[name]
+            omitted = [one.parameters for one in self.points.values() if name in one.left_out]
+            if omitted and spec.axes:
+                total = len(omitted) + len(members)
+                points = f"{len(omitted):,} of {total:,} point" + "s" * (total > 1)
+                values = "; ".join(
+                    f"{key} {values}"
+                    for key, values in spec.taken.items()
+                    if any(not spec.takes(key, parameters) for parameters in omitted)
+                )
+                sentences.append(f"{name} leaves out {points}: it takes {values}")
+        return sentences

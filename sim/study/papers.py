@@ -11,7 +11,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import Field, ValidationError
 
 from sim.base.additions import add, additions, shipped
 from sim.base.errors import InputError
@@ -20,6 +20,7 @@ from sim.base.require import require_one_of
 from sim.base.yaml import read_yaml
 from sim.parameters import SYSTEMS
 from sim.parameters.laws import LAW
+from sim.study.entries import Strict
 
 #: Kind of the additions that are papers.
 PAPER = "paper"
@@ -28,18 +29,14 @@ PAPER = "paper"
 SHIPPED = "sim.papers"
 
 
-class _Strict(BaseModel):
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
-
-
-class Control(_Strict):
+class Control(Strict):
     """Values of parameters that are no reading of the paper, and why."""
 
     values: dict[str, Any] = Field(min_length=1)
     why: str = Field(min_length=1)
 
 
-class Readings(_Strict):
+class Readings(Strict):
     """How a paper is read."""
 
     headline: dict[str, Any] = Field({}, description="what differs from the defaults")
@@ -70,7 +67,7 @@ class Readings(_Strict):
         return [self.open[name] for name in reading if name in self.open]
 
 
-class Paper(_Strict):
+class Paper(Strict):
     """A paper, by its file ``paper.yaml``.
 
     ``package`` is the module with its judges, ``folder`` holds its files.

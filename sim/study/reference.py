@@ -10,12 +10,11 @@ from pydantic.json_schema import models_json_schema
 
 from sim.base.errors import InputError
 from sim.parameters import SYSTEMS, FieldRow, field_info
-from sim.study import ranges
 from sim.study.catalogue import FIGURES
-from sim.study.file import file_models
-from sim.study.plot_beside import BesideFile
-from sim.study.plot_file import PlotFile
+from sim.study.entries import RANGE, RANGE_SCHEMA
+from sim.study.plot_file import BesideFile, PlotFile
 from sim.study.plottable import SHOWN_BY
+from sim.study.validate import file_models
 
 SCHEMA_NAME = "schema.json"
 GUIDE_NAME = "README.md"
@@ -42,7 +41,7 @@ def schema() -> dict[str, Any]:
         "if": {"required": ["system"]},
         "then": point,
         "else": study,
-        "$defs": definitions["$defs"] | {ranges.NAME: ranges.SCHEMA},
+        "$defs": definitions["$defs"] | {RANGE: RANGE_SCHEMA},
     }
 
 

@@ -8,6 +8,7 @@ from benchmarks.judging import (
     STATEMENTS,
     half_width,
     joint_rates,
+    look_rates,
     majority_rates,
     rates,
     rates_by_replicates,
@@ -36,6 +37,15 @@ def test_more_replicates_tighten_an_interval_as_one_over_their_root():
     wide, narrow = (half_width(rng, KINDS["stationary"], number) for number in (4, 16))
     # Four times as many, and Student's factors of 3 and 15 degrees of freedom.
     assert narrow / wide == pytest.approx(0.5 * 2.13 / 3.18, abs=0.12)
+
+
+@pytest.mark.parametrize("looks", [2, 4, 9])
+def test_looking_again_until_chance_decides_has_its_price(looks):
+    """On its threshold a value is open: whatever the judge says of it is wrong."""
+    assert sum(look_rates(looks, 0, False, MANY)) > 0.1
+    assert sum(look_rates(looks, 0, True, MANY)) <= at_most(0.05, MANY)
+    held, failed = look_rates(looks, 2, True, MANY)
+    assert held > 0.95 and failed == 0
 
 
 def test_a_claim_of_many_votes_needs_all_and_fails_with_one():

@@ -31,6 +31,13 @@ def series_of(parameters: Parameters, replicate: int = 0) -> dict[str, np.ndarra
     return {name: np.array([sample[name] for sample in samples]) for name in system.series}
 
 
+def energy_residual(series: dict[str, np.ndarray], ledger) -> float:
+    """What a ledger lacks after the first sample, relative to the energy turned over."""
+    total = sum(sign * series[name] for name, sign in ledger.terms.items())
+    turnover = sum(series[name][-1] - series[name][0] for name in ledger.turnover)
+    return float((total[-1] - total[0]) / turnover)
+
+
 def pause_within_samples(monkeypatch, point: Parameters) -> None:
     """Let a state be offered three times in each sample, of which a run else takes several in one
     go."""

@@ -1,17 +1,14 @@
 """Animations: frames and size of the files, slow motion, one cycle of the belt, captions."""
 
 import numpy as np
-import pandas as pd
 import pytest
-from PIL import Image
 
 from sim.dataset.results import load_results
 from sim.figures import belt_animation, chute_animation
 from sim.study.catalogue import FIGURES
-from tests.figures.drawing import data_of_figure, draw, drawn, picture, without_particles
+from tests.figures.drawing import data_of_figure, drawn, picture, without_particles
 
 ANIMATIONS = [name for name, spec in FIGURES.items() if spec.animated]
-LARGEST = 1.5e6
 
 
 @pytest.fixture(scope="module")
@@ -35,21 +32,6 @@ def test_an_animation_has_frames_that_differ(results, name):
     first = images[0].get_array().copy()
     moving.show(moving.frames - 1)
     assert (images[0].get_array() != first).any()
-
-
-@pytest.mark.parametrize("name", ["animation_rolling", "animation_obstacle"])
-def test_files_are_an_endless_gif_a_poster_data_and_a_caption(chute_dataset, tmp_path, name):
-    files = {path.suffix: path for path in draw(name, chute_dataset, tmp_path)}
-    assert set(files) == {".gif", ".png", ".csv", ".txt"}
-    assert files[".gif"].stat().st_size < LARGEST
-    with Image.open(files[".gif"]) as gif, Image.open(files[".png"]) as poster:
-        assert 20 <= gif.n_frames <= 40
-        assert gif.info["loop"] == 0
-        assert poster.width > 2 * gif.width
-    assert len(pd.read_csv(files[".csv"])) == 1
-    caption = files[".txt"].read_text()
-    assert "Parameters: " in caption
-    assert "The paper: " in caption
 
 
 def test_no_sphere_goes_further_than_the_eye_follows(results):

@@ -1,19 +1,8 @@
-"""Kinds of plot: one interface, and nothing imported that a figure does not draw with."""
+"""Kinds of plot: nothing is imported that a figure does not draw with."""
 
 import subprocess
 import sys
 from pathlib import Path
-
-import pytest
-
-from sim.figures.kind import KINDS, Kind, load_kind
-
-
-@pytest.mark.parametrize("name", KINDS)
-def test_every_kind_has_all_four_functions(name):
-    kind = load_kind(name)
-    assert type(kind) is Kind
-    assert all(callable(function) for function in vars(kind).values())
 
 
 def test_a_kind_is_imported_when_it_is_drawn():

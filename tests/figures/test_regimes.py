@@ -8,7 +8,6 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
-import xarray as xr
 
 from sim.figures.boundaries import BOUNDARIES, boundary_sentence
 from sim.figures.chute_map import MARKS, creeping
@@ -16,7 +15,6 @@ from sim.study.catalogue import FIGURES
 from tests.figures import drawing
 from tests.figures.drawing import data_of_figure, draw, picture
 from tests.made.figures import make_built_regimes
-from tests.made.netcdf import store
 
 NAMES = ("regimes_friction", "regimes_angle", "belt_onset")
 
@@ -162,14 +160,3 @@ def test_the_caption_says_what_was_not_found(dataset_path):
     missing = verdicts[verdicts["verdict"] == "none"]
     named = "; ".join(f"limit of arrest, n = {depth:g}" for depth in missing["depth"])
     assert f"2 not within the range searched ({named}). Shown: limit of acceleration (2)." in said
-
-
-@pytest.mark.parametrize("name", NAMES)
-def test_a_figure_without_a_boundary_or_a_completed_point_is_still_drawn(
-    name, dataset_path, tmp_path
-):
-    with xr.open_dataset(dataset_path) as opened:
-        dataset = opened.load()
-    dataset["status"][:] = "failed"
-    store(dataset, tmp_path / "dataset.nc")
-    assert all(path.stat().st_size > 0 for path in draw(name, tmp_path / "dataset.nc", tmp_path))

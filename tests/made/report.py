@@ -173,7 +173,9 @@ def make_page(folder: Path) -> Path:
     (folder / "onset.yaml").write_text(BOUNDARY)
     bounds = load_study(folder / "onset.yaml", results)
     with register_animation(made / "figures") as name:
-        study = replace(study, boundaries=bounds.boundaries, figures={**study.figures, name: ()})
+        study = replace(
+            study, boundaries=bounds.boundaries, entries=study.entries | {name: FIGURES[name]}
+        )
         page = render(
             study,
             replace(load_results(made / "dataset.nc"), boundaries=pd.DataFrame([BOUNDARY_ROW])),

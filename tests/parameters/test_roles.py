@@ -82,7 +82,8 @@ import json
 import jsonschema
 from sim.base.errors import InputError
 from sim.parameters import parse_point
-from sim.study.load import estimate, parse_study
+from sim.study.cost import estimate
+from sim.study.load import parse_study
 from sim.study.reference import reference_text, schema
 
 study = {

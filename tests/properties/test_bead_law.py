@@ -43,7 +43,6 @@ def parts(law: dict, damped, overlap, normal, velocity):
     )
 
 
-ATTRACTIONS = st.sampled_from(["kept", "clipped"])
 MASSES = st.sampled_from(["own", "reduced"])
 
 
@@ -61,67 +60,6 @@ def test_forces_of_beads_are_as_printed_at_all_magnitudes(contacts, damping_mass
         cut = pull[:, None] & (attraction == "clipped")
         wanted = np.where(cut, 0.0, expected[0] + expected[1]) + expected[2]
         assert (norms(found - wanted) <= rounding).all()
-
-
-@given(bead_contacts(), ATTRACTIONS)
-def test_beads_that_change_places_feel_the_opposite_force_if_the_mass_is_reduced(
-    contacts, attraction
-):
-    law, overlap, normal, velocity, mass, other = contacts
-    reduced = spring_damping(**law, damping_mass="reduced", attraction=attraction)
-    here = disk_forces(reduced, overlap, normal, velocity, mass, 1 / other)
-    there = disk_forces(reduced, overlap, -normal, -velocity, other, 1 / mass)
-    damped = mass * other / (mass + other)
-    size = sum(map(norms, parts(law, damped, overlap, normal, velocity)))
-    assert (norms(here + there) <= 1e-12 * size).all()
-
-
-@given(bead_contacts(), MASSES, ATTRACTIONS)
-def test_beads_lose_energy_in_the_frame_of_the_pair(contacts, damping_mass, attraction):
-    """Beside the spring, both forces work against the relative motion."""
-    law, overlap, normal, velocity, mass, other = contacts
-    compiled = spring_damping(**law, damping_mass=damping_mass, attraction=attraction)
-    here = disk_forces(compiled, overlap, normal, velocity, mass, 1 / other)
-    there = disk_forces(compiled, overlap, -normal, -velocity, other, 1 / mass)
-    spring = law["stiffness"] * overlap[:, None] * normal
-    power = ((here + spring) * velocity).sum(axis=1) - ((there - spring) * velocity).sum(axis=1)
-    size = (norms(here) + norms(there) + norms(spring)) * norms(velocity)
-    assert (power <= 1e-12 * size).all()
-
-
-@given(bead_contacts(), MASSES, ATTRACTIONS, SEEDS)
-def test_forces_of_beads_turn_with_the_frame(contacts, damping_mass, attraction, seed):
-    law, overlap, normal, velocity, mass, other = contacts
-    compiled = spring_damping(**law, damping_mass=damping_mass, attraction=attraction)
-    force = disk_forces(compiled, overlap, normal, velocity, mass, 1 / other)
-    angle = np.random.default_rng(seed).uniform(0, 2 * np.pi)
-    turn = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
-    turned = disk_forces(compiled, overlap, normal @ turn, velocity @ turn, mass, 1 / other)
-    size = sum(map(norms, parts(law, mass, overlap, normal, velocity)))
-    assert (norms(turned - force @ turn) <= 1e-12 * size).all()
-
-
-@given(bead_contacts(), MASSES, ATTRACTIONS, st.tuples(*[magnitudes(-6, 6)] * 3))
-def test_forces_of_beads_scale_with_length_time_and_mass(
-    contacts, damping_mass, attraction, scales
-):
-    law, overlap, normal, velocity, mass, other = contacts
-    length, time, weight = scales
-    readings = {"damping_mass": damping_mass, "attraction": attraction}
-    force = disk_forces(
-        spring_damping(**law, **readings), overlap, normal, velocity, mass, 1 / other
-    )
-    scaled = spring_damping(
-        law["stiffness"] * weight / time**2,
-        law["damping"] / time,
-        law["shear_damping"] / time,
-        **readings,
-    )
-    speeds = length / time * velocity
-    found = disk_forces(scaled, length * overlap, normal, speeds, weight * mass, 1 / weight / other)
-    unit = weight * length / time**2
-    size = sum(map(norms, parts(law, mass, overlap, normal, velocity)))
-    assert (norms(found / unit - force) <= 1e-12 * size).all()
 
 
 @given(

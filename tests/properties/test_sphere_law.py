@@ -3,11 +3,10 @@
 import itertools
 
 import numpy as np
-import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sim.claims.contacts import contact_path, vector_spring
+from sim.claims.contacts import contact_path
 from sim.engine.contact.walton_braun import walton_braun
 from tests.engine_motion.helpers import CAPS, EXPONENTS, MEMORIES, SLIDINGS, rotation
 from tests.properties.values import SEEDS, magnitudes, norms
@@ -143,53 +142,6 @@ def test_no_cycle_of_overlap_gives_energy(law, peaks):
     assert work.min() >= -rounding
     lost = loading * (1 - law.loading / law.unloading)
     assert work[-1] >= lost - rounding
-
-
-@given(
-    sphere_laws(readings=st.just({})),
-    magnitudes(-9, 3),
-    magnitudes(-9, 3),
-    magnitudes(-3, 3),
-)
-def test_an_impact_of_spheres_has_the_restitution_e_at_any_mass_and_speed(law, mass, other, speed):
-    """The motion whose force is m* times its acceleration leaves at e times its first speed."""
-    reduced = mass * other / (mass + other)
-    restitution = np.sqrt(law.loading / law.unloading)
-    rate = np.sqrt(law.loading / reduced)
-    phase = np.linspace(0, np.pi / 2, 201)
-    peak = speed / rate
-    rest = (1 - restitution**2) * peak
-    approach, retreat = peak * np.sin(phase[1:]), rest + (peak - rest) * np.cos(phase[1:])
-    deceleration = np.concatenate(
-        [rate**2 * approach, (rate / restitution) ** 2 * (retreat - rest)]
-    )
-    overlap = np.concatenate([approach, retreat])
-    force = contact_path(law, overlap, np.tile(Z, (400, 1)), np.zeros((400, 3)))[0]
-    assert np.abs(force - reduced * deceleration).max() <= 1e-9 * law.loading * peak
-    leaving = (peak - rest) * rate / restitution
-    assert leaving == pytest.approx(restitution * speed, rel=1e-9)
-
-
-@given(
-    st.sampled_from(CAPS),
-    magnitudes(-3, 6),
-    magnitudes(-2, 1),
-    magnitudes(-3, 2),
-    SEEDS,
-    magnitudes(-3, 1),
-)
-def test_exponent_0_is_the_linear_spring(cap, stiffness, friction, ratio, seed, slip):
-    law = walton_braun(stiffness, 1.0, friction, ratio, 0.0, friction_cap=cap)
-    slips = np.zeros((STEPS, 3))
-    limit = friction * stiffness * 1e-5
-    slips[:, :2] = (
-        slip * limit / law.tangential * np.random.default_rng(seed).normal(size=(STEPS, 2))
-    )
-    found = contact_path(law, np.full(STEPS, 1e-5), np.tile(Z, (STEPS, 1)), slips)[1]
-    force = np.full(STEPS, stiffness * 1e-5)
-    expected = vector_spring(slips[:, :2].copy(), force, law.tangential, friction)
-    assert norms(found[:, :2] - expected).max() <= 1e-10 * limit
-    assert not found[:, 2].any()
 
 
 @given(

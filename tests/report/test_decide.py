@@ -8,18 +8,19 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from pydantic import ValidationError
 
 from sim.__main__ import main
 from sim.base.errors import InputError
 from sim.base.seals import to_sealed_json
+from sim.claims.checks import above
 from sim.claims.claim import claims
+from sim.claims.place import Place
 from sim.claims.verdict import Check
 from sim.dataset.build import build
+from sim.dataset.results import load_results
 from sim.report import decide as deciding
-from sim.study.entries import DecideFile
 from sim.study.extra_amounts import extra_amounts_file
-from sim.study.load import load_study
+from sim.study.load import load_study, parse_study
 from tests.made.netcdf import edit_file
 from tests.made.runs import write_run
 
@@ -171,7 +172,30 @@ def test_open_claims_get_the_replicates_of_their_points(made, monkeypatch, capsy
     assert out.startswith("W9: replicates of 1 point") and "W8" not in out
     assert folder.replicates() == [4, 3]
     held = json.loads(extra_amounts_file(folder.root / "open").read_text())
-    assert held["amounts"] == {first: {"replicates": 4.0}}
+    assert held["amounts"] == {first: {"replicates": 4.0}} and held["rounds"] == {first: 1}
+
+
+def test_each_look_of_the_judge_is_counted(made, monkeypatch):
+    """Two rounds make three looks; points of which nothing was bought have been looked at once."""
+    folder = made("budget: 10, claims: [W9]")
+    first, second = folder.points
+    check = Check("x", 1.5, 0.6, 1.0, 9.0, points=(first,), samples=99)
+    monkeypatch.setattr(deciding, "judge", lambda results: [judged("W9", default=[check, check])])
+    for _ in range(2):
+        folder.run()
+        folder.decide()
+    folder.run()
+    assert {point.id: point.looks for point in folder.points.values()} == {first: 3, second: 1}
+    results = load_results(folder.root / "open" / "dataset.nc")
+    places = [Place(results, point) for point in (first, second)]
+    assert [place.looks for place in places] == [3, 1]
+    assert above("V", places[0].velocity, 0, places).looks == 3
+
+
+def test_runs_that_are_bought_for_precision_are_no_looks(made):
+    folder = made("budget: 10, precision: 0.05")
+    folder.decide()
+    assert {point.looks for point in folder.points.values()} == {0}
 
 
 @pytest.mark.parametrize(
@@ -189,12 +213,20 @@ def test_what_cannot_be_decided_is_refused(tmp_path, text, message):
         load_study(tmp_path / "open.yaml", tmp_path)
 
 
+def decided_claims(*names: str) -> list[str]:
+    series = [{"name": "a", "system": "chute"}]
+    decide = {"budget": 1.0, "claims": [*names]}
+    return parse_study(
+        {"study": "s", "series": series, "decide": decide}, "s.yaml", None
+    ).decide.claims
+
+
 def test_claims_of_the_papers_may_be_decided_and_no_others():
     every = [claim.id for claim in claims()]
-    assert DecideFile(budget=1, claims=[*every, "all"]).claims == [*every, "all"]
+    assert decided_claims(*every, "all") == [*every, "all"]
     for name in ("W0", "W27", "G37", "G99", "X1"):
-        with pytest.raises(ValidationError, match="claims"):
-            DecideFile(budget=1, claims=[name])
+        with pytest.raises(InputError, match=rf"s\.yaml: decide\.claims\[0\]: got '{name}'"):
+            decided_claims(name)
 
 
 def test_what_has_too_few_samples_to_tell_gets_some(made, monkeypatch):

@@ -14,8 +14,10 @@ from sim.base.words import duration
 from sim.parameters import BeltParameters, ChuteParameters, parse_point, point_id
 from sim.report.points import as_json, as_table, warnings
 from sim.study.catalogue import FIGURES
+from sim.study.cost import estimate
 from sim.study.extra_amounts import ExtraAmounts, with_extra_amounts
-from sim.study.load import MAX_POINTS, Study, estimate, parse_study
+from sim.study.file import MAX_POINTS
+from sim.study.load import Study, parse_study
 
 CONFIG = Path(__file__).parents[2] / "config"
 

@@ -9,7 +9,7 @@ from sim.engine.contact import Partners, law_of
 from sim.laws.hertz import effective_modulus
 from sim.parameters import ChuteParameters
 from tests.engine.reference.hertz_impact import RIM, Friction, mindlin_rebound, rebound
-from tests.engine_motion.spheres import SphereMotion
+from tests.engine_motion.impacts import Impacts
 
 #: Of spheres with Poisson's ratio 0.3.
 SHARE = 2 * (1 - 0.3) / (2 - 0.3)
@@ -22,84 +22,35 @@ PARTNERS = {"plane": (0.4e-3,), "equal": (0.5e-3, 0.5e-3), "unlike": (0.3e-3, 0.
 #: Duration of an elastic impact in the units of the reference.
 LASTING = 2.94327 * (15 / 16) ** 0.4
 
-#: From the first sphere of a pair to the second one, and the way along which that slides.
-NORMAL, TANGENT = np.array([0.6, 0.0, 0.8]), np.array([-0.64, 0.6, 0.48])
 
+class HertzImpacts(Impacts):
+    """One impact for each slope; lengths of the reference are ``unit``.
 
-class Impacts:
-    """One impact for each slope, apart from each other, each begun at another part of a step.
-
-    Lengths of the reference are ``unit``, of which the centres are 1/``bend`` apart.
+    The centres are 1/``bend`` units apart.
     """
 
     def __init__(self, law: Friction, radii, slopes, steps: int, unit=1e-5):
         point = ChuteParameters(
             law="hertz", restitution=law.restitution, tangential_ratio=law.share
         )
-        self.radii, self.slopes = np.array(radii), np.array(slopes, float)
-        self.mass = point.mass * (2 * self.radii / point.diameter) ** 3
-        reduced = 1 / sum(1 / self.mass)
-        stiffness = effective_modulus(point) * sqrt(1 / sum(1 / self.radii))
-        self.bend = unit / sum(self.radii) if len(radii) == 2 else 0.0
-        self.speed = sqrt(unit**2.5 * stiffness / reduced)
-        self.steps, self.step = steps, LASTING * unit / self.speed / steps
-        self.law = law_of(point, Partners(law.friction, reduced, self.step))
-        self.frame = np.array([NORMAL, TANGENT] if self.bend else [[0, 0, -1.0], [0, 1.0, 0]])
-        self.motion = self.pairs() if self.bend else self.spheres_on_plane()
+        mass = point.mass * (2 * np.array(radii) / point.diameter) ** 3
+        reduced = 1 / sum(1 / mass)
+        stiffness = effective_modulus(point) * sqrt(1 / sum(1 / np.array(radii)))
+        self.bend = unit / sum(radii) if len(radii) == 2 else 0.0
+        self.speed = speed = sqrt(unit**2.5 * stiffness / reduced)
+        self.steps, self.slopes = steps, np.array(slopes, float)
+        time_step = LASTING * unit / speed / steps
+        made = law_of(point, Partners(law.friction, reduced, time_step))
+        speeds = np.full(len(slopes), speed)
+        super().__init__(made, radii, mass, time_step, speeds, speed * self.slopes)
 
-    def spheres_on_plane(self) -> SphereMotion:
-        """Return spheres above the plane, which slides along them as the second ones of pairs."""
-        velocity = -self.approach_velocities()
-        return self.sphere_motion(
-            self.positions(self.radii[0]) - self.delays()[:, None] * velocity, velocity
-        )
-
-    def pairs(self) -> SphereMotion:
-        """Return pairs of spheres whose momenta cancel."""
-        normal = self.frame[0]
-        first = self.positions(30e-3)
-        velocity, shares = self.approach_velocities(), self.mass[::-1] / sum(self.mass)
-        second = first + sum(self.radii) * normal - self.delays()[:, None] * velocity
-        return self.sphere_motion(
-            np.stack([first, second], axis=1).reshape(-1, 3),
-            np.stack([-shares[0] * velocity, shares[1] * velocity], axis=1).reshape(-1, 3),
-        )
-
-    def positions(self, height: float) -> np.ndarray:
-        number = np.arange(len(self.slopes))
-        return np.stack([6e-3 * (number % 9), 9e-3 * (number // 9), 0 * number + height], axis=1)
-
-    def delays(self) -> np.ndarray:
-        """Return the times until the contacts begin (slopes,)."""
-        return self.step * np.linspace(0.1, 0.9, len(self.slopes))
-
-    def approach_velocities(self) -> np.ndarray:
-        """Return the velocities of the second surface relative to the first (slopes, 3)."""
-        return self.speed * (self.slopes[:, None] * self.frame[1] - self.frame[0])
-
-    def sphere_motion(self, position, velocity) -> SphereMotion:
-        size, mass = (np.tile(v, len(self.slopes)) for v in (self.radii, self.mass))
-        return SphereMotion(
-            position, velocity, law=self.law, time_step=self.step, radius=size, mass=mass
-        )
-
-    def run(self, durations: float = 1.25) -> "Impacts":
+    def run(self, durations: float = 1.25) -> "HertzImpacts":
         """Run for so many durations of an elastic impact, until all have parted."""
-        self.motion.run(round(durations * self.steps))
-        assert not self.motion.contacts()[0].size and not self.motion.plane_contacts()[0].size
-        return self
+        return super().run(round(durations * self.steps))
 
     def velocities(self) -> np.ndarray:
-        """Return velocities along normal and tangent, and all rims', over the speed (slopes, …)."""
-        velocity = self.motion.velocity.reshape(len(self.slopes), -1, 3)
-        spin = self.motion.spin.reshape(velocity.shape)
-        relative = velocity[:, 1] - velocity[:, 0] if self.bend else -velocity[:, 0]
-        rims = self.radii * (spin @ np.cross(*self.frame))
-        return np.hstack([relative @ self.frame.T, rims]) / self.speed
-
-    def slips(self) -> np.ndarray:
-        """Return the velocities of the surfaces along each other, over the normal speed."""
-        return self.velocities()[:, 1] - self.velocities()[:, 2:].sum(axis=1)
+        """Return the velocities over the speed."""
+        return super().velocities() / self.speed
 
     def expected(self, law: Friction) -> np.ndarray:
         """Return the velocities that the reference gives, as `velocities` does."""
@@ -112,8 +63,8 @@ class Impacts:
         return np.array(rows)
 
 
-def impacts(law: Friction, partners="plane", slopes=SLOPES, steps=400, **options) -> Impacts:
-    return Impacts(law, PARTNERS[partners], slopes, steps, **options).run()
+def impacts(law: Friction, partners="plane", slopes=SLOPES, steps=400, **options) -> HertzImpacts:
+    return HertzImpacts(law, PARTNERS[partners], slopes, steps, **options).run()
 
 
 @pytest.mark.parametrize("partners", PARTNERS)
@@ -172,7 +123,7 @@ def test_with_two_sevenths_of_the_stiffness_a_sticking_impact_turns_the_slip_rou
 
 def test_an_impact_without_loss_goes_backwards_as_it_came():
     impact = impacts(Friction(2 / 7, 0.3), "unlike", STICKING, 800, unit=1e-7)
-    before, spheres = impact.approach_velocities() / impact.speed, impact.motion.spheres
+    before, spheres = impact.start / impact.speed, impact.motion.spheres
     spheres.velocity[:] *= -1
     spheres.rim[:] *= -1
     back = impact.run(1.75).velocities()

@@ -7,7 +7,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from sim.claims.contacts import contact_path
-from tests.engine_motion.helpers import CAPS, EXPONENTS, MEMORIES, rotation, sphere_law
+from tests.engine_motion.helpers import CAPS, EXPONENTS, sphere_law
 
 OVERLAP = 1e-5
 Z = np.array([0.0, 0.0, 1.0])
@@ -131,29 +131,6 @@ def test_friction_turned_at_full_sliding_keeps_its_stiffness_when_the_limit_rise
         assert force[2, 0] == pytest.approx(law.limit.friction * normal[2], rel=1e-12)
         gain = force[4, 0] - force[3, 0]
         assert gain == pytest.approx(law.tangential * 1e-12, rel=1e-3)
-
-
-@pytest.mark.parametrize("memory", MEMORIES)
-@pytest.mark.parametrize("exponent", EXPONENTS)
-@pytest.mark.parametrize("cap", CAPS)
-def test_any_history_stays_tangential_below_the_limit_and_turns_with_the_frame(
-    cap, exponent, memory
-):
-    law = sphere_law(tangential_exponent=exponent, friction_cap=cap, overlap_memory=memory)
-    rng = np.random.default_rng(7)
-    normal = Z + 0.1 * rng.normal(size=(3000, 3)).cumsum(axis=0) / 30
-    normal /= np.linalg.norm(normal, axis=1)[:, None]
-    slip = 1e-7 * rng.normal(size=(3000, 3))
-    slip -= (slip * normal).sum(axis=1)[:, None] * normal
-    overlap = OVERLAP * (1 + 0.9 * np.sin(rng.normal(0, 0.1, 3000).cumsum()))
-    force, friction, _ = contact_path(law, overlap, normal, slip)
-    size = np.linalg.norm(friction, axis=1)
-    assert (size <= 0.4 * force * (1 + 1e-12)).all()
-    assert np.mean(size < 0.39 * force) > 0.05 and (force == 0.0).any()
-    assert np.abs((friction * normal).sum(axis=1)).max() < 1e-12 * limit_of(law)
-    frame = rotation(rng)
-    turned_force = contact_path(law, overlap, normal @ frame.T, slip @ frame.T)[1]
-    assert np.abs(turned_force - friction @ frame.T).max() < 1e-9 * limit_of(law)
 
 
 def impulse(law, steps: int) -> float:

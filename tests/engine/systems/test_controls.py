@@ -114,12 +114,6 @@ def test_a_bumpy_plane_slows_the_flow():
     assert end(bumps=1.0) < 0.7 * end()
 
 
-@pytest.mark.parametrize("name", ["bumps", "diameter_spread"])
-def test_spring_and_dashpot_knows_equal_spheres_alone(name):
-    with pytest.raises(InputError, match=rf"{name}: got 0.1; allowed: 0 with law"):
-        chute_point(law="spring_dashpot", **{name: 0.1})
-
-
 def test_all_beads_can_start_with_a_velocity():
     small = {"beads": 40, "width": 8}
     still, pushed = (build(belt_point(**small, initial_velocity=v), 0) for v in (0, 3))

@@ -10,7 +10,6 @@ from sim.figures.data import split_curves
 from sim.parameters import SYSTEMS, BeltParameters, ChuteParameters
 from sim.report.points import as_table
 from sim.study.catalogue import FIGURES
-from sim.study.figure_points import omission_notes
 from sim.study.load import Study, load_study, parse_study
 
 
@@ -146,14 +145,14 @@ def test_the_study_tells_apart_what_the_curves_do(figure, name):
 def test_points_left_out_are_counted_with_the_values_taken(parse):
     study = parse({"grid": {"frequency": [10, 15, 25, 60]}, "figures": ["gallas_2a", "gallas_1a"]})
     sentence = "gallas_2a leaves out 2 of 4 points: it takes frequency 10, 20, 60, 80"
-    assert omission_notes(study) == [sentence]
+    assert study.omission_notes == [sentence]
     assert sentence in as_table(study).splitlines()
 
 
 def test_only_what_leaves_points_out_is_named(parse):
     grid = {"frequency": [20, 80], "obstacle": [0, 1], "vibration_angle": [30, 45]}
     study = parse({"grid": grid, "figures": ["gallas_6"]})
-    assert omission_notes(study) == [
+    assert study.omission_notes == [
         "gallas_6 leaves out 4 of 8 points: it takes vibration_angle 45"
     ]
 
@@ -161,7 +160,7 @@ def test_only_what_leaves_points_out_is_named(parse):
 def test_series_of_other_figures_count_nothing_as_left_out(parse):
     first = {"grid": {"frequency": [10, 60]}, "figures": ["gallas_2a"]}
     second = {"name": "b", "grid": {"frequency": [15, 25]}, "figures": ["gallas_1a"]}
-    assert omission_notes(parse(first, second)) == []
+    assert parse(first, second).omission_notes == []
 
 
 def test_a_point_left_out_of_a_part_is_counted(tmp_path):
@@ -172,7 +171,7 @@ def test_a_point_left_out_of_a_part_is_counted(tmp_path):
     path = tmp_path / "two.yaml"
     text = "study: two\nparts: [one.yaml]\n" + series.replace("N", "two").replace("F", "15, 25, 80")
     path.write_text(text)
-    (sentence,) = omission_notes(load_study(path, tmp_path))
+    (sentence,) = load_study(path, tmp_path).omission_notes
     assert sentence.startswith("gallas_2a leaves out 2 of 5 points")
 
 

@@ -1,0 +1,279 @@
+"""Third step of a study: expand its validated files to points, series and boundaries."""
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from functools import partial
+from itertools import product
+from pathlib import Path
+from typing import Any
+
+from sim.base.errors import InputError
+from sim.parameters import (
+    RUN_FILE,
+    SYSTEMS,
+    Parameters,
+    amounts,
+    parse_point,
+    point_id,
+    require_compatible_source,
+    roles,
+    with_larger_amounts,
+)
+from sim.study.catalogue import FIGURES
+from sim.study.file import MAX_POINTS, BoundaryFile, SeriesFile, StudyFile
+from sim.study.model import Boundary, Point, Study
+from sim.study.refine import divide_range
+
+#: Maximum number of points of a study with a page for each point.
+MAX_PAGES = 1000
+
+
+def expand(files: Sequence[tuple[Path, StudyFile]]) -> Study:
+    """Return the study that a file and its parts describe, without its figures.
+
+    Parameters
+    ----------
+    files : sequence of (Path, StudyFile)
+        The study file, then its parts, with their paths.
+
+    Raises
+    ------
+    InputError
+        For a point that is not valid, a start from a point or file that is not there, and too
+        many points.
+    """
+    points: dict[str, Point] = {}
+    series: dict[str, tuple[str, ...]] = {}
+    boundaries: list[Boundary] = []
+    for path, file in files:
+        for key, entry in file.entries:
+            family = _Family(file, entry, key, str(path))
+            family_boundaries = list(family.boundaries())
+            series[entry.name] = family.add_to(points, family_boundaries)
+            boundaries += family_boundaries
+    path, file = files[0]
+    readings = _readings_by_system(file)
+    _require_valid_points(points, file, str(path))
+    return Study(
+        name=file.study,
+        title=file.title,
+        files=tuple(path for path, _ in files),
+        points=points,
+        series=series,
+        boundaries=tuple(boundaries),
+        readings=readings,
+        decide=file.decide,
+        pages=file.pages,
+    )
+
+
+@dataclass(frozen=True)
+class _Draft:
+    """Values of a point while they are collected, with the key of each in the file.
+
+    ``other_readings`` names the readings that differ from the first one in the study.
+    """
+
+    values: dict[str, Any] = field(default_factory=dict)
+    paths: dict[str, str] = field(default_factory=dict)
+    other_readings: frozenset[str] = frozenset()
+
+    def with_values(self, values: dict[str, Any], path: str) -> "_Draft":
+        """Return a copy in which ``values``, given at ``path``, replace earlier ones."""
+        paths = {name: f"{path}.{name}" for name in values}
+        return replace(self, values=self.values | values, paths=self.paths | paths)
+
+    def combinations(
+        self, lists: dict[str, list[Any]], path: str
+    ) -> Iterator[tuple[set[str], "_Draft"]]:
+        """Yield a copy for each combination of values of lists at ``path``, in lexical order.
+
+        Beside it stand the names whose value is not the first of its list.
+        """
+        for indices in product(*(range(len(values)) for values in lists.values())):
+            choice = dict(zip(lists, indices, strict=True))
+            values = {name: lists[name][index] for name, index in choice.items()}
+            paths = {name: f"{path}.{name}[{index}]" for name, index in choice.items()}
+            draft = replace(self, values=self.values | values, paths=self.paths | paths)
+            yield {name for name, index in choice.items() if index}, draft
+
+
+@dataclass(frozen=True)
+class _Family:
+    """The points of a series, or the boundaries of an ``entry``, at ``key`` of a study file."""
+
+    file: StudyFile
+    entry: SeriesFile | BoundaryFile
+    key: str
+    source: str
+
+    def add_to(self, points: dict[str, Point], boundaries: Iterable[Boundary]) -> tuple[str, ...]:
+        """Add the points to others, or those of the first round of boundaries; return their ids."""
+        ids = {}
+        for parameters, figures in self._members(boundaries):
+            point = point_with_membership(points, parameters, self.entry.name, figures)
+            self._require_same_point(point, parameters)
+            ids[point.id] = points[point.id] = point
+        return tuple(ids)
+
+    def boundaries(self) -> Iterator[Boundary]:
+        """Yield the boundaries, after validating both ends of their ranges; none of a series."""
+        if isinstance(self.entry, SeriesFile):
+            return
+        for draft in self._drafts():
+            for index, value in enumerate(self.entry.range):
+                self._parameters_along(draft, value, f"range[{index}]")
+            yield Boundary(
+                name=self.entry.name,
+                of=self.entry.of,
+                along=self.entry.along,
+                low=self.entry.range[0],
+                high=self.entry.range[1],
+                tolerance=self.entry.tolerance,
+                grid={name: draft.values[name] for name in self.entry.grid_lists},
+                figures=tuple(self.entry.figures),
+                parameters_at=partial(self._parameters_along, draft),
+            )
+
+    def _members(
+        self, boundaries: Iterable[Boundary]
+    ) -> Iterator[tuple[Parameters, Iterable[str]]]:
+        """Yield the parameters of each point, and the figures that it feeds.
+
+        Under another reading, these are the figures with a curve for that.
+        """
+        for boundary in boundaries:
+            for value in divide_range(boundary.low, boundary.high):
+                yield boundary.parameters_at(value), boundary.figures
+        for draft in self._drafts() if isinstance(self.entry, SeriesFile) else ():
+            figures = [
+                name
+                for name in self.entry.figures
+                if draft.other_readings <= set(FIGURES[name].curves)
+            ]
+            yield self._parameters(draft), figures
+
+    def _drafts(self) -> Iterator[_Draft]:
+        """Yield the drafts of the points of a series, or of boundaries."""
+        cases = self.entry.cases if isinstance(self.entry, SeriesFile) else None
+        for base in self._bases():
+            if self.entry.grid:
+                for _, draft in base.combinations(self.entry.grid_lists, f"{self.key}.grid"):
+                    yield draft
+            for index, case in enumerate(cases or []):
+                yield base.with_values(case.explicit_values(), f"{self.key}.cases[{index}]")
+            if not self.entry.grid and not cases:
+                yield base
+
+    def _bases(self) -> Iterator[_Draft]:
+        """Yield the base of a series under each reading, or of boundaries under the first one."""
+        system = self.entry.system
+        draft = _Draft({"system": system}, {"system": f"{self.key}.system"})
+        if shared := getattr(self.file.defaults, system):
+            draft = draft.with_values(shared.explicit_values(), f"defaults.{system}")
+        for others, base in draft.combinations(
+            self.file.reading_lists(system), f"readings.{system}"
+        ):
+            if others and not isinstance(self.entry, SeriesFile):
+                return
+            if self.entry.base:
+                base = base.with_values(self.entry.base.explicit_values(), f"{self.key}.base")
+            yield replace(base, other_readings=frozenset(others))
+
+    def _parameters_along(self, draft: _Draft, value: float, key: str = "range") -> Parameters:
+        """Return the parameters of the point of a boundary at a value of the parameter along it."""
+        assert isinstance(self.entry, BoundaryFile)
+        along = self.entry.along
+        paths = draft.paths | {along: f"{self.key}.{key}"}
+        return self._parameters(replace(draft, values=draft.values | {along: value}, paths=paths))
+
+    def _parameters(self, draft: _Draft) -> Parameters:
+        """Return the parameters of a draft, with the overrides whose conditions it meets.
+
+        Conditions apply to the point before any override, defaults included. Later overrides win.
+        """
+        before = parse_point(draft.values, self.source, draft.paths)
+        changed = draft
+        for index, override in enumerate(self.entry.overrides):
+            conditions = override.when.explicit_values()
+            if all(getattr(before, name) in values for name, values in conditions.items()):
+                path = f"{self.key}.overrides[{index}].set"
+                changed = changed.with_values(override.set.explicit_values(), path)
+        if changed is draft:
+            return before
+        return parse_point(changed.values, self.source, changed.paths)
+
+    def _require_same_point(self, point: Point, parameters: Parameters) -> None:
+        """Raise `InputError` if parameters of the same id differ in more than amounts."""
+        names = roles.amount_parameters(type(parameters))
+        same_amounts = {name: getattr(point.parameters, name) for name in names}
+        if parameters.model_copy(update=same_amounts) != point.parameters:
+            raise InputError(
+                f"{self.source}: two different points have the id {point.id}; change either's seed"
+            )
+
+
+def point_with_membership(
+    points: dict[str, Point], parameters: Parameters, series: str, figures: Iterable[str]
+) -> Point:
+    """Return the point of ``parameters``, old or new, as a member of a series and of figures.
+
+    Its amounts are the larger of the old and the new ones. It joins the figures that show it; the
+    others leave it out.
+    """
+    key = point_id(parameters)
+    point = points.get(key, Point(key, parameters, (), ()))
+    names = dict.fromkeys((*point.figures, *point.left_out, *figures))
+    shows = {name: FIGURES[name].shows(parameters) for name in names}
+    return replace(
+        point,
+        parameters=with_larger_amounts(point.parameters, amounts(parameters)),
+        series=tuple(dict.fromkeys((*point.series, series))),
+        figures=tuple(name for name in names if shows[name]),
+        left_out=tuple(name for name in names if not shows[name]),
+    )
+
+
+def _readings_by_system(file: StudyFile) -> dict[str, list[dict[str, Any]]]:
+    """Return the readings of all series by system, each as values that differ from the defaults."""
+    readings = {}
+    for system, model in SYSTEMS.items():
+        if lists := file.reading_lists(system):
+            default = model()
+            readings[system] = [
+                {
+                    name: value
+                    for name, value in draft.values.items()
+                    if value != getattr(default, name)
+                }
+                for _, draft in _Draft().combinations(lists, "")
+            ]
+    return readings
+
+
+def _require_valid_points(points: dict[str, Point], file: StudyFile, source: str) -> None:
+    """Raise ``InputError`` for too many points, or a start from what is not there.
+
+    A point may start from one of the study or from a run file.
+    """
+    if len(points) > MAX_POINTS:
+        allowed = f"at most {MAX_POINTS:,} points in the study"
+        raise InputError.of_value(source, "parts", f"{len(points):,} points", allowed)
+    if file.pages and len(points) > MAX_PAGES:
+        allowed = f"false, for more than {MAX_PAGES:,} points"
+        raise InputError.of_value(source, "pages", True, allowed)
+    for point in points.values():
+        start = point.parameters.start_from
+        if start in points:
+            require_compatible_source(point.parameters, points[start].parameters, source)
+        elif start and not (start.endswith(RUN_FILE) and _is_file(Path(start))):
+            allowed = "the id of a point of the study, or a run file (*.nc) that is there"
+            raise InputError.of_value(source, "start_from", start, allowed)
+
+
+def _is_file(path: Path) -> bool:
+    """True where ``path`` is a file; a name that is too long is none."""
+    try:
+        return path.is_file()
+    except OSError:
+        return False

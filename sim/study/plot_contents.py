@@ -1,0 +1,179 @@
+"""What a plot shows of a study: points, observables, and the parameters on its axes."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+from sim.base.errors import InputError
+from sim.parameters import NUMERICAL, Parameters
+from sim.study.figure_spec import written
+from sim.study.model import Point
+from sim.study.plot_file import AXES, OBSERVABLE, REGIME, PlotFile
+from sim.study.plottable import (
+    SHOWN_BY,
+    Observable,
+    every_name,
+    find_observable,
+    require_parameter,
+)
+
+#: Maximum number of panels of a plot.
+MAX_PANELS = 12
+
+
+@dataclass(frozen=True)
+class PlotContents:
+    """Some points of a study, as a plot at a ``place`` of the file ``source`` shows them."""
+
+    plot: PlotFile
+    all_points: Sequence[Point]
+    source: str
+    place: str
+
+    def error(self, key: str, value: Any, allowed: str) -> InputError:
+        """Return the error of a key of the plot."""
+        return InputError.of_value(self.source, f"{self.place}.{key}", value, allowed)
+
+    @cached_property
+    def system(self) -> str:
+        """System of the plot: the value of its key, or the only system of its points."""
+        systems = list(dict.fromkeys(point.parameters.system for point in self.all_points))
+        if self.plot.system is None and len(systems) > 1:
+            allowed = "one of " + ", ".join(systems) + ", as the series have several"
+            raise self.error("system", None, allowed)
+        system = self.plot.system or systems[0]
+        if system not in systems:
+            allowed = f"a system of its series: {', '.join(systems)}"
+            raise self.error("system", system, allowed)
+        return system
+
+    @cached_property
+    def points(self) -> list[Point]:
+        """Points of its system."""
+        return [one for one in self.all_points if one.parameters.system == self.system]
+
+    @cached_property
+    def parameters(self) -> list[Parameters]:
+        """Parameters of these points."""
+        return [point.parameters for point in self.points]
+
+    @cached_property
+    def observable(self) -> Observable | None:
+        """The observable, ``None`` on a map of regimes."""
+        if self.plot.base_kind == "map" and self.plot.observable == REGIME:
+            return None
+        return self._observable(OBSERVABLE[self.plot.base_kind][0], self.plot.observable)
+
+    @cached_property
+    def second(self) -> Observable | None:
+        """The second observable, ``None`` if a parameter is on that axis, or may be.
+
+        A name of neither kind is refused later, with the parameters.
+        """
+        plot, key = self.plot, self.plot.second_key
+        name = getattr(plot, key) if key else None
+        if name is None or (key in AXES[plot.base_kind] and name not in every_name()):
+            return None
+        if name == plot.observable:
+            first, _ = OBSERVABLE[plot.base_kind]
+            raise self.error(key, name, f"an observable other than {first}")
+        return self._observable(key, name)
+
+    @property
+    def axes(self) -> tuple[str, ...]:
+        """Parameters on its axes."""
+        return () if self.second else self.plot.axis_names
+
+    @property
+    def groups(self) -> tuple[str, ...]:
+        """Parameters that tell curves and panels apart."""
+        return (*(self.plot.curves or ()), *([self.plot.panels] if self.plot.panels else ()))
+
+    def require_drawable(self) -> None:
+        """Raise ``InputError`` for what the points do not keep or vary, or what hides a point."""
+        keys: dict[str, str] = {}
+        named = self._parameters_by_key()
+        for key, name in named:
+            shown = SHOWN_BY[self.plot.base_kind](self.system)
+            alternatives = shown if key == self.plot.second_key else ()
+            require_parameter(key, name, self.system, alternatives, self.error)
+            self._require_varied(key, name)
+        for key, name in named:
+            if name in keys:
+                raise self.error(key, name, f"a parameter other than {keys[name]}")
+            keys[name] = key
+        self._require_few_panels()
+        self._require_logarithms()
+        self._require_distinct_map_points()
+
+    def _observable(self, key: str, name: str) -> Observable:
+        """Return the observable that a key of the plot names, if its points keep it."""
+        observable = find_observable(self.plot.base_kind, key, name, self.system, self.error)
+        needed = observable.asked_by
+        if needed and not all(getattr(point, needed, False) for point in self.parameters):
+            allowed = f"points with {needed}: true, without which it is not kept"
+            raise self.error(key, name, allowed)
+        return observable
+
+    def _parameters_by_key(self) -> list[tuple[str, str]]:
+        """Return pairs of a key of the plot and the parameter that it names."""
+        plot = self.plot
+        axes = [(key, getattr(plot, key)) for key in ("x", "y") if getattr(plot, key) in self.axes]
+        curves = [
+            (f"curves[{number}]" if len(plot.curves or []) > 1 else "curves", name)
+            for number, name in enumerate(plot.curves or [])
+        ]
+        return [*axes, *curves, *([("panels", plot.panels)] if plot.panels else [])]
+
+    def _require_varied(self, key: str, name: str) -> None:
+        values = {getattr(point, name) for point in self.parameters}
+        if len(values) < 2:
+            vary = varying_parameters(self.parameters)
+            allowed = "a parameter that the points vary" + (f": {', '.join(vary)}" if vary else "")
+            got = f"{name}, which is {_value_text(values.pop())} throughout"
+            raise self.error(key, got, allowed)
+
+    def _require_few_panels(self) -> None:
+        if self.plot.panels:
+            count = len({getattr(point, self.plot.panels) for point in self.parameters})
+            if count > MAX_PANELS:
+                allowed = f"a parameter of at most {MAX_PANELS} values"
+                raise self.error("panels", f"{self.plot.panels} with {count} values", allowed)
+
+    def _require_logarithms(self) -> None:
+        """Raise an error for a logarithmic axis whose parameter is zero or less at some point."""
+        for number, axis in enumerate(self.plot.log):
+            name = getattr(self.plot, axis)
+            if name in self.axes:
+                least = min(getattr(point, name) for point in self.parameters)
+                if least <= 0:
+                    got = f"{axis} with {name} = {written(least)}"
+                    allowed = f"an axis of values > 0, or no log of {axis}"
+                    raise self.error(f"log[{number}]", got, allowed)
+
+    def _require_distinct_map_points(self) -> None:
+        """Raise an error for a map that would draw several points at one position."""
+        shown = (*self.axes, *self.groups)
+        points_by_position: dict[tuple[Any, ...], Parameters] = {}
+        for point in self.parameters if self.plot.base_kind == "map" else ():
+            position = tuple(getattr(point, name) for name in shown)
+            other = points_by_position.setdefault(position, point)
+            if other is not point:
+                vary = varying_parameters([other, point])
+                differences = ", ".join(name for name in vary if name not in shown) or "numerics"
+                allowed = f"a map with one point at each place: these differ in {differences}"
+                raise self.error("panels", self.plot.panels, allowed)
+
+
+def varying_parameters(points: Sequence[Parameters]) -> list[str]:
+    """Return the parameters that points of one system vary, except numerical ones."""
+    return [
+        name
+        for name in type(points[0]).model_fields
+        if name not in NUMERICAL and len({getattr(point, name) for point in points}) > 1
+    ]
+
+
+def _value_text(value: Any) -> str:
+    return str(value).lower() if isinstance(value, bool) else written(value)

@@ -1,0 +1,246 @@
+"""Second step of a study: validate what was read by the models of its systems and figures."""
+
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from functools import cache, reduce
+from operator import or_
+from pathlib import Path
+from types import GenericAlias
+from typing import Annotated, Any, Literal, NamedTuple
+
+from pydantic import BaseModel, BeforeValidator, Field, ValidationError, create_model
+
+from sim.base.errors import InputError
+from sim.base.messages import input_error
+from sim.parameters import SYSTEMS, Parameters, roles
+from sim.study.catalogue import FIGURES
+from sim.study.entries import (
+    Lists,
+    Override,
+    Readings,
+    Some,
+    Strict,
+    allow_range_in_schema,
+    expand_integer_range,
+    expand_range,
+    optional,
+)
+from sim.study.file import BoundaryFile, SeriesFile, StudyFile
+from sim.study.read import Document
+
+#: Description of the key ``of`` in the first system, whose models the reference shows.
+_OF_DESCRIPTION = (
+    "what changes there: flow (arrested or not), acceleration (accelerating or not), transport "
+    "(belt: mean velocity beyond 10 % of the belt's or not)"
+)
+
+#: Type of the key ``figures`` of a system that feeds no figure.
+_NO_FIGURES = Annotated[list[str], Field(max_length=0)]
+
+
+class SystemModels(NamedTuple):
+    """Models of the parts of a study file that concern one system."""
+
+    parameters: type[Some]
+    readings: type[Lists]
+    override: type[Override]
+    series: type[SeriesFile]
+    boundary: type[BoundaryFile]
+
+
+def _system_models(system: str) -> SystemModels:
+    """Return the models of the entries of a study file with the parameters of a system."""
+    model, first = SYSTEMS[system], next(iter(SYSTEMS))
+    # No boundary is along a parameter that flows do not depend on, such as the length of a run.
+    excluded = roles.numerical_parameters(model) - set(roles.start_parameters(model))
+    numbers = [
+        name
+        for name, field in model.model_fields.items()
+        if field.annotation is float and name not in excluded
+    ]
+    system_of_figures = {name: spec.system for name, spec in FIGURES.items()}
+    figures = [name for name in FIGURES if system_of_figures[name] == system]
+    values, lists = _with_parameters(Some, system), _with_parameters(Lists, system)
+    readings = _with_parameters(Readings, system, roles.reading_parameters(model))
+    override = _with_field_types(
+        Override,
+        system,
+        f"Parameters of the {system} that change at the points where others have certain values.",
+        {"when": lists, "set": values},
+    )
+    shared: dict[str, Any] = {
+        "system": Literal[system],
+        "base": values,
+        "grid": lists,
+        "overrides": _list_type(override),
+        "figures": _list_type(Literal[tuple(figures)]) if figures else _NO_FIGURES,
+    }
+    series = _with_field_types(
+        SeriesFile,
+        system,
+        f"A series of points of the {system}. Without grid and cases, the base is its one point.",
+        shared | {"cases": _list_type(values)},
+    )
+    boundary = _with_field_types(
+        BoundaryFile,
+        system,
+        f"A boundary between regimes of the {system}, for each combination of the grid.",
+        shared | {"of": Literal[model.boundaries], "along": Literal[tuple(numbers)]},
+        **({"of": Field(description=_OF_DESCRIPTION)} if system == first else {}),
+    )
+    series.system_of_figures = boundary.system_of_figures = system_of_figures
+    return SystemModels(values, readings, override, series, boundary)
+
+
+def _with_parameters(base: type[Some], system: str, names: Collection[str] | None = None) -> Any:
+    """Return a model based on ``base`` with the parameters of a system as optional fields.
+
+    ``names`` limits the fields to these parameters.
+    """
+    fields: dict[str, Any] = {}
+    for key, parameter in SYSTEMS[system].model_fields.items():
+        if key == "system" or (names is not None and key not in names):
+            continue
+        value: Any = parameter.annotation
+        if parameter.metadata:
+            value = Annotated[(value, *parameter.metadata)]
+        field = optional(parameter.description)
+        if issubclass(base, Lists):
+            value = Annotated[_list_type(value), Field(min_length=1)]
+            if parameter.annotation in (int, float):
+                expand = expand_integer_range if parameter.annotation is int else expand_range
+                value = Annotated[value, BeforeValidator(expand)]
+                field = Field(
+                    None, description=parameter.description, json_schema_extra=allow_range_in_schema
+                )
+        fields[key] = value, field
+    name = f"{system.capitalize()}{base.__name__}"
+    model = create_model(name, __base__=base, __doc__=base.__doc__, **fields)
+    model.parameters = SYSTEMS[system]
+    return model
+
+
+def _with_field_types(
+    base: type[BaseModel], system: str, doc: str, types: dict[str, Any], **replacements: Any
+) -> Any:
+    """Return a model based on ``base`` whose fields have the types of a system.
+
+    ``replacements`` replaces the declarations of fields by name.
+    """
+    fields: dict[str, Any] = {
+        name: (kind, replacements.get(name, base.model_fields[name]))
+        for name, kind in types.items()
+    }
+    name = f"{system.capitalize()}{base.__name__.removesuffix('File')}"
+    return create_model(name, __base__=base, __doc__=doc, **fields)
+
+
+def _list_type(kind: Any) -> Any:
+    """Return the type ``list[kind]``, for a ``kind`` that is only known at run time."""
+    return GenericAlias(list, (kind,))
+
+
+def _union_type(kinds: Iterable[type[BaseModel]]) -> Any:
+    """Return the union of the types of an entry, discriminated by its key ``system``."""
+    return Annotated[reduce(or_, kinds), Field(discriminator="system")]
+
+
+def _system_fields(
+    systems: Mapping[str, SystemModels], kind: str, description: str
+) -> dict[str, Any]:
+    """Return an optional field for each system, whose type is one of its `SystemModels`.
+
+    ``kind`` names that model; ``description`` has a placeholder for the system.
+    """
+    return {
+        system: (getattr(models, kind), optional(description.format(system)))
+        for system, models in systems.items()
+    }
+
+
+class FileModels(NamedTuple):
+    """Models of study files: of each system, of the keys that all systems share, of the whole."""
+
+    systems: dict[str, SystemModels]
+    defaults: type[Strict]
+    readings: type[Strict]
+    study: type[StudyFile]
+
+
+def file_models() -> FileModels:
+    """Return the models of study files, with what plug-ins have added so far."""
+    return _build_file_models(tuple(SYSTEMS.values()), tuple(FIGURES))
+
+
+@cache
+def _build_file_models(
+    parameters: tuple[type[Parameters], ...], figures: tuple[str, ...]
+) -> FileModels:
+    """Return the models for the present `SYSTEMS` and `FIGURES`: the key of the cache."""
+    systems = {system: _system_models(system) for system in SYSTEMS}
+    defaults = create_model(
+        "Defaults",
+        __base__=Strict,
+        __doc__="Parameters shared by all series of a system.",
+        **_system_fields(systems, "parameters", "shared by all series of the {}"),
+    )
+    readings = create_model(
+        "SharedReadings",
+        __base__=Strict,
+        __doc__="Readings of the papers under which all series of a system are run.",
+        **_system_fields(
+            systems,
+            "readings",
+            "of the {}: every combination; figures and boundaries take the first",
+        ),
+    )
+    fields = StudyFile.model_fields
+    types: dict[str, Any] = {
+        "figures": (_list_type(Literal[figures]), fields["figures"]),
+        "defaults": (defaults, Field(defaults(), description=fields["defaults"].description)),
+        "readings": (readings, Field(readings(), description=fields["readings"].description)),
+        "series": (
+            _list_type(_union_type(models.series for models in systems.values())),
+            fields["series"],
+        ),
+        "boundaries": (
+            _list_type(_union_type(models.boundary for models in systems.values())),
+            fields["boundaries"],
+        ),
+    }
+    doc = "A study: series of points, boundaries to be found, and the figures they feed."
+    study = create_model("StudyFile", __base__=StudyFile, __doc__=doc, **types)
+    return FileModels(systems, defaults, readings, study)
+
+
+def validate(documents: Sequence[Document]) -> list[tuple[Path, StudyFile]]:
+    """Return the path and the model of each file of a study.
+
+    Raises
+    ------
+    InputError
+        With the file, the key, its value and the allowed values. Also if two files have a series
+        of the same name, or a part has parts of its own.
+    """
+    source, parts = documents[0].path, documents[1:]
+    for index, part in enumerate(parts):
+        if isinstance(part.contents, dict) and "parts" in part.contents:
+            allowed = "a study without parts of its own"
+            raise InputError.of_value(source, f"parts[{index}]", part.path.name, allowed)
+    files = [(document.path, _validate_file(document)) for document in documents]
+    names: set[str] = set()
+    for number, (path, file) in enumerate(files):
+        for _, entry in file.entries:
+            if entry.name in names:
+                key = f"parts[{number - 1}]: series {entry.name}"
+                allowed = "a part without a series of a name that another has"
+                raise InputError.of_value(source, key, path.name, allowed)
+            names.add(entry.name)
+    return files
+
+
+def _validate_file(document: Document) -> StudyFile:
+    model = file_models().study
+    try:
+        return model.model_validate(document.contents)
+    except ValidationError as error:
+        raise input_error(error, model, str(document.path)) from None

@@ -1,0 +1,303 @@
+"""What holds for every contact law: a law is tested by being registered.
+
+Those of ``TALUS_PLUGINS`` are tested too.
+"""
+
+from functools import cache
+
+import numpy as np
+import pytest
+
+from sim.base.additions import shipped
+from sim.base.errors import InputError
+from sim.claims.contacts import contact_path
+from sim.engine.contact import Partners, law_of
+from sim.engine.contact.friction import memory_size
+from sim.engine.contact.functions import PartnerLaw
+from sim.engine.replicate import Replicate
+from sim.engine.states import pack, unpack
+from sim.engine.systems import build, leap_frog
+from sim.parameters import Parameters, parse_point
+from sim.parameters.laws import LAW
+from tests.conformance import names_of
+from tests.engine_motion.helpers import LAWS, rotation
+from tests.engine_motion.impacts import NORMAL, TANGENT, Impacts
+from tests.engine_motion.points import energy_residual, series_of
+
+#: Laws with what else their points say: of Walton and Braun's, readings that change the law.
+CASES = {name: {} for name in names_of(LAW)}
+CASES |= {f"walton_braun {one['overlap_memory']}": one for one in LAWS[1:]}
+
+#: What laws lack by their nature.
+LACKING = {
+    ("drag", "limit"): "the shear drag has none",
+    ("walton_braun reset", "restitution"): "forgets the dent, and so pushes twice",
+    ("walton_braun reset", "energy"): "the second push is for nothing",
+}
+
+FRICTION = 0.3
+
+#: Radii, in diameters, of both spheres, or of the one that meets the plane.
+PARTNERS = {"plane": (0.5,), "equal": (0.5, 0.5), "unlike": (0.3, 0.8)}
+
+#: A small flow.
+FLOW = {"depth": 4, "cell": 4, "transient": 5, "average": 25}
+
+
+def with_property(name: str = ""):
+    """Give a test every case but those that lack a property."""
+    return pytest.mark.parametrize("case", [case for case in CASES if (case, name) not in LACKING])
+
+
+with_partners = pytest.mark.parametrize("partners", PARTNERS)
+
+
+def point_of(case: str, **values) -> Parameters:
+    """Return a point of a case, whose time steps are short."""
+    given = {"system": "chute", "law": case.split()[0], "steps_per_collision": 400}
+    return parse_point(given | CASES[case] | values, "test")
+
+
+def impacts(point: Parameters, partners: str, speeds, friction=FRICTION, **motion) -> Impacts:
+    """Return impacts of partners under the law of a point; skip those of masses it cannot bear."""
+    if partners == "unlike" and point.option("law").one_mass:
+        pytest.skip("for equal masses alone")
+    radii = point.diameter * np.array(PARTNERS[partners])
+    mass = point.mass * (2 * radii / point.diameter) ** 3
+    law = law_of(point, Partners(friction, 1 / sum(1 / mass), point.time_step))
+    return Impacts(law, radii, mass, point.time_step, speeds, **motion)
+
+
+def velocity_units(point: Parameters, *speeds: float) -> np.ndarray:
+    """Return speeds in m/s of those in the unit of a point."""
+    return point.velocity_unit * np.array(speeds)
+
+
+@with_partners
+@pytest.mark.parametrize("restitution", [0.5, 0.9, 1.0])
+@with_property("restitution")
+def test_the_restitution_is_that_of_the_point_at_every_speed(case, restitution, partners):
+    point = point_of(case, restitution=restitution)
+    speeds = velocity_units(point, 0.02, 0.2, 1, 5)
+    parting = impacts(point, partners, speeds).run_until_parted().velocities()[:, 0]
+    assert parting / speeds == pytest.approx(restitution, abs=0.01)
+
+
+@with_property()
+def test_the_time_of_the_shortest_collision_is_what_the_law_says(case):
+    for spread in (0.0,) if point_of(case).option("law").one_mass else (0.0, 0.3):
+        point = point_of(case, diameter_spread=spread, steps_per_collision=200)
+        radii, mass = np.full(2, 0.5 * point.diameter * (1 - spread)), point.lightest_mass
+        law = law_of(point, Partners(FRICTION, 0.5 * mass, point.time_step))
+        times = []
+        for speed in velocity_units(point, 0.1, 10):
+            one = Impacts(law, radii, [mass, mass], point.time_step, speed)
+            pushes = [one.motion.run(1).force.any() for _ in range(1000)]
+            times.append(sum(pushes) / 200)
+            assert not pushes[-1]
+        assert min(times) == pytest.approx(1, rel=0.1)
+
+
+@with_partners
+@with_property()
+def test_surfaces_that_roll_on_each_other_feel_no_friction(case, partners):
+    """Spheres like gears; a sphere on the plane like a wheel."""
+    point = point_of(case, restitution=0.5)
+    speeds, rolling = velocity_units(point, 0.2), velocity_units(point, 0.4)
+    radii = point.diameter * np.array(PARTNERS[partners])
+    signs = np.array([1.0, -1.0])[: len(radii)]
+    turning = (rolling * signs / radii)[:, None] * [0, 0, 1]
+    slides = rolling if partners == "plane" else 0.0
+    made = impacts(point, partners, speeds, slides=slides, spins=turning).run_until_parted()
+    _, along, *rims = made.velocities()[0]
+    assert rims == pytest.approx(rolling * signs, rel=1e-11)
+    assert along == pytest.approx(slides, rel=1e-11, abs=1e-12 * rolling[0])
+
+
+@with_partners
+@with_property("limit")
+def test_gross_sliding_takes_what_the_friction_of_the_impact_gives(case, partners):
+    """3.5 (1 + e) μ v_n of the slip; so slow that pairs hardly turn while they touch."""
+    speeds = velocity_units(point := point_of(case), 0.01, 0.02)
+    made = impacts(point, partners, speeds, slides=10 * speeds).run_until_parted()
+    lost, parting = 10 * speeds - made.slips(), made.velocities()[:, 0]
+    assert lost == pytest.approx(3.5 * FRICTION * (speeds + parting), rel=0.02)
+
+
+@with_partners
+@with_property()
+def test_without_friction_surfaces_slide_as_before(case, partners):
+    values = {"shear_damping": 0} if case == "drag" else {}
+    speeds = velocity_units(point := point_of(case, **values), 0.2)
+    made = impacts(point, partners, speeds, friction=0.0, slides=speeds).run_until_parted()
+    _, along, *rims = made.velocities()[0]
+    if partners == "plane":
+        assert along == pytest.approx(speeds[0], rel=1e-12)
+    assert not np.any(rims)
+
+
+def oblique(case: str, partners: str, number: int = 30, frame=None, **values) -> Impacts:
+    """Return random impacts of spheres that slide and spin."""
+    rng = np.random.default_rng(11)
+    point = point_of(case, **values)
+    slides = velocity_units(point, *rng.uniform(-0.6, 0.6, number))
+    spins = 40 * rng.normal(size=(number, len(PARTNERS[partners]), 3))
+    speeds = np.full(number, 0.2 * point.velocity_unit)
+    return impacts(point, partners, speeds, slides=slides, spins=spins, frame=frame)
+
+
+@with_partners
+@with_property("energy")
+def test_an_impact_loses_what_the_law_says(case, partners):
+    made = oblique(case, partners)
+    before, sums = made.motion.energy(), made.motion.flow.sums
+    lost = before - made.run_until_parted().motion.energy()
+    assert lost > 0 and sums[leap_frog.FRICTION_WORK] > 0 and sums[leap_frog.NORMAL_LOSS] > 0
+    said = sums[leap_frog.NORMAL_LOSS] + sums[leap_frog.FRICTION_WORK]
+    assert lost == pytest.approx(said, rel=0.02)
+
+
+@with_partners
+@with_property("energy")
+def test_no_impact_gains_energy(case, partners):
+    made = oblique(case, partners)
+
+    def energies() -> np.ndarray:
+        motion = made.motion
+        spheres = motion.mass * (motion.velocity**2).sum(axis=1)
+        spheres += motion.inertia * (motion.spin**2).sum(axis=1)
+        return spheres.reshape(made.number, -1).sum(axis=1)
+
+    before = energies()
+    made.run_until_parted()
+    assert (energies() < before).all()
+
+
+@cache
+def flow(case: str) -> dict[str, np.ndarray]:
+    """Return the time series of a small flow."""
+    return series_of(point_of(case, **FLOW, steps_per_collision=40))
+
+
+@with_property("energy")
+def test_the_energy_of_a_flow_adds_up(case):
+    point = point_of(case, **FLOW, steps_per_collision=40)
+    assert abs(energy_residual(flow(case), build(point, 0).ledger)) < 1e-2
+
+
+@with_property()
+def test_flows_have_the_same_bits_twice_and_after_a_pause(case):
+    point = point_of(case, **FLOW, steps_per_collision=40)
+    replicate = Replicate(point, 0)
+    system = replicate.system
+    system.settle()
+    for number in range(6):
+        outcome = system.sample()
+        sample = outcome.first()
+        assert all(sample[name] == flow(case)[name][number] for name in system.series)
+        if number == 2:
+            replicate.recorder.take_snapshot()
+            replicate.recorder.take(outcome)
+            system = Replicate.from_state(point, 0, unpack(pack(replicate.state()))).system
+
+
+@pytest.mark.parametrize("partners", ["equal", "unlike"])
+@with_property()
+def test_forces_are_opposite_and_torques_those_of_one_force(case, partners):
+    made = oblique(case, partners, number=1)
+    motion, touched = made.motion, 0
+    for _ in range(200):
+        motion.run(2)
+        scale = np.abs(motion.force).max()
+        assert np.abs(motion.force.sum(axis=0)).max() <= 1e-12 * scale
+        first, second = motion.torque / made.radii[:, None]
+        assert np.abs(first - second).max() <= 1e-12 * scale
+        # A little late the normal has turned by what the pair has turned in a step.
+        assert abs(first @ made.axes[0]) <= 0.05 * scale
+        touched += bool(scale) and np.abs(first).max() > 0
+    assert touched > 50
+    assert np.abs(motion.momentum()).max() < 1e-12 * motion.mass.max() * np.linalg.norm(made.start)
+
+
+@with_property()
+def test_an_impact_in_a_turned_frame_is_the_turned_impact(case):
+    frame = np.array([NORMAL, TANGENT]) @ rotation(np.random.default_rng(5)).T
+    here, there = (
+        oblique(case, "equal", frame=one).run_until_parted().velocities() for one in (None, frame)
+    )
+    assert there == pytest.approx(here, abs=1e-8 * np.abs(here).max())
+
+
+@with_property()
+def test_any_history_is_that_of_the_turned_and_the_swapped_partners(case):
+    """And its friction is tangential, and within the limit of those laws that have one."""
+    point = point_of(case)
+    law = law_of(point, Partners(FRICTION, 0.5 * point.mass, point.time_step))
+    if not point.option("law").compiled_by_hand:
+        law = PartnerLaw(law, 0.25 * point.diameter, 0.5 * point.mass)
+    rng = np.random.default_rng(7)
+    normal = [0, 0, 1] + 0.1 * rng.normal(size=(3000, 3)).cumsum(axis=0) / 30
+    normal /= np.linalg.norm(normal, axis=1)[:, None]
+    slip = 1e-7 * rng.normal(size=(3000, 3)).cumsum(axis=0) / 30
+    slip -= (slip * normal).sum(axis=1)[:, None] * normal
+    overlap = 1e-5 * (1 + 0.9 * np.sin(rng.normal(0, 0.1, 3000).cumsum()))
+    force, friction, memory = contact_path(law, overlap, normal, slip)
+    size, limit = np.linalg.norm(friction, axis=1), FRICTION * np.abs(force)
+    assert np.abs((friction * normal).sum(axis=1)).max() < 1e-12 * size.max()
+    if (case, "limit") not in LACKING:
+        assert (size <= limit * (1 + 1e-12)).all()
+        assert 0.05 < np.mean(size < 0.97 * limit) < 0.95
+    swapped = contact_path(law, overlap, -normal, -slip)
+    assert np.array_equal(swapped[0], force) and np.array_equal(swapped[1], -friction)
+    assert np.array_equal(swapped[2][:, 3:], memory[:, 3:])
+    frame = rotation(rng)
+    turned = contact_path(law, overlap, normal @ frame.T, slip @ frame.T)
+    assert turned[0] == pytest.approx(force, rel=1e-12)
+    assert np.abs(turned[1] - friction @ frame.T).max() < 1e-9 * limit.max()
+
+
+@with_property()
+def test_contacts_keep_as_many_numbers_as_their_law_says(case):
+    system = build(point_of(case, depth=1, cell=4), 0)
+    numbers = 3 + system.parameters.option("law").remembers
+    assert system.memory.shape[:2] == system.plane.memory.shape[:2] == (2, numbers)
+    assert {memory_size(type(law)) for law in system.laws} == {numbers}
+
+
+@with_partners
+@with_property()
+def test_a_contact_that_ends_is_forgotten(case, partners):
+    made = oblique(case, partners)
+    spheres, number = made.motion.spheres, len(made.motion.mass)
+    start = {name: getattr(spheres, name).copy() for name in ("position", "velocity", "rim")}
+    labels = spheres.label[0].copy()
+    found = []
+    for _ in range(2):
+        made.run_until_parted()
+        found.append(made.velocities())
+        back = np.argsort(labels)[spheres.label[0]]
+        for name, columns in start.items():
+            getattr(spheres, name)[:, :number] = columns[:, back]
+    assert found[1] == pytest.approx(found[0], abs=1e-9 * np.abs(found[0]).max())
+
+
+@with_property()
+def test_points_beyond_the_masses_and_overlaps_of_a_law_are_refused_or_have_a_caveat(case):
+    law = point_of(case).option("law")
+    for name in ("bumps", "diameter_spread"):
+        if law.one_mass:
+            with pytest.raises(InputError, match=rf"{name}: got 0.1; allowed: 0 with law"):
+                point_of(case, **{name: 0.1})
+        else:
+            point_of(case, **{name: 0.1})
+    if np.isfinite(law.max_overlap):
+        point = point_of(case)
+        speed = law.max_overlap * point.diameter * (2 * point.stiffness / point.mass) ** 0.5
+        for share in (0.98, 1.02):
+            start = 2 * share * speed / point.velocity_unit
+            has_caveat = "overlap" in point_of(case, initial_velocity=start).caveat
+            assert has_caveat == (share > 1)
+
+
+def test_laws_that_ship_and_the_table_of_what_is_lacking_are_those_that_points_may_name():
+    assert set(shipped("law")) == set(LAW.usual) and {case for case, _ in LACKING} <= CASES.keys()

@@ -1,0 +1,143 @@
+"""What holds for every kind of plot: a kind is tested by being registered."""
+
+import shutil
+import struct
+from collections.abc import Callable
+from pathlib import Path
+from xml.etree import ElementTree
+
+import numpy as np
+import pandas as pd
+import pytest
+from PIL import Image
+
+from sim.dataset.build import build
+from sim.figures import belt_animation, chute_animation
+from sim.figures.kind import KINDS, PLOT_PREFIX, Kind, load_kind
+from sim.figures.render import find_spec, render
+from sim.study.figure_spec import FigureSpec
+from sim.study.load import load_study
+from sim.study.plot_kinds import KINDS as PLOT_KINDS
+from sim.study.plot_kinds import base_kind, own_plots
+from tests import conformance  # noqa: F401  (loads the plug-ins)
+from tests.figures import made_belt, made_chute
+from tests.made.figures import make_built_regimes, make_built_study
+from tests.made.netcdf import edit_file
+from tests.made.once import once
+from tests.made.runs import write_run
+
+#: Most bytes of an animation, for a quick report.
+LARGEST = 1.5e6
+
+SVG = "{http://www.w3.org/2000/svg}"
+
+OWN = (*PLOT_KINDS, *own_plots())
+
+#: Keys of a study's own plots, by the kind of Talus whose they are.
+KEYS = {
+    "curves": "x: friction, curves: angle",
+    "map": "x: friction, y: angle, colour: velocity",
+    "profiles": "x: velocity, curves: friction, panels: angle",
+    "time_series": "curves: friction, panels: angle",
+    "distribution": "x: friction, curves: angle",
+}
+
+#: Replicates that have completed: all, one, none.
+STATES = {"all": None, "one": 1, "none": 0}
+
+
+@once
+def make_own(folder: Path) -> tuple[Path, Path]:
+    """Make a study with a plot of each kind of a study's own."""
+    path = folder / "own.yaml"
+    plots = "\n".join(
+        f"  - {{name: {kind}, kind: {kind}, {KEYS[base_kind(kind)]}}}" for kind in OWN
+    )
+    path.write_text(
+        "study: own\nseries: [{name: flows, system: chute, base: {replicates: 3},\n"
+        f"  grid: {{friction: [0.3, 0.4], angle: [16, 17]}}}}]\nplots:\n{plots}\n"
+    )
+    for number, point in enumerate(load_study(path, folder).points.values()):
+        parameters, velocity = point.parameters, (0.4 + number) * np.array([1, 1.1, 1.2])
+        arrays = made_chute.made_profiles(parameters)
+        write_run(folder / "own" / "runs", parameters, velocity, arrays=arrays)
+    return path, build(path, folder)
+
+
+MADE = (
+    make_own,
+    made_belt.make_dataset,
+    made_chute.make_dataset,
+    make_built_study,
+    make_built_regimes,
+)
+
+
+@pytest.fixture(scope="module")
+def found(tmp_path_factory) -> Callable[[str], tuple[FigureSpec, Path]]:
+    """Return a function: kind -> a figure of it, with a dataset whose points feed it."""
+    first: dict[str, tuple[FigureSpec, Path]] = {}
+    makers = iter(MADE)
+
+    def find(kind: str) -> tuple[FigureSpec, Path]:
+        while kind not in first:
+            study_path, results = next(makers)(tmp_path_factory.mktemp("made"))
+            dataset = results if results.suffix else next(results.glob("*/dataset.nc"))
+            study = load_study(study_path, dataset.parent.parent)
+            for name in study.figures:
+                spec = find_spec(name, study.plots)
+                first.setdefault(spec.kind, (spec, dataset))
+        return first[kind]
+
+    return find
+
+
+@pytest.fixture(autouse=True)
+def small(monkeypatch) -> None:
+    """Let pictures of animations, which take long, be small."""
+    monkeypatch.setattr(chute_animation, "PIXELS", 50)
+    monkeypatch.setattr(belt_animation, "WIDTH_IN_PIXELS", 50)
+
+
+def with_completed(dataset: Path, replicates: int | None) -> Path:
+    """Return a copy beside a dataset, of which so many replicates have completed at most."""
+    if replicates is None:
+        return dataset
+    copy = dataset.with_name(f"dataset-{replicates}.nc")
+    shutil.copy(dataset, copy)
+    with edit_file(copy) as file:
+        variable = file["status"]
+        variable.set_auto_chartostring(False)
+        failed = np.array(list("failed".ljust(variable.shape[-1], "\0")), "S1")
+        variable[:, replicates:] = failed
+    return copy
+
+
+@pytest.mark.parametrize("state", STATES)
+@pytest.mark.parametrize("kind", [*KINDS, *(PLOT_PREFIX + kind for kind in own_plots())])
+def test_a_kind_draws_its_picture_data_and_caption(kind, state, found, tmp_path):
+    assert type(load_kind(kind)) is Kind
+    spec, dataset = found(kind)
+    files = render(spec, with_completed(dataset, STATES[state]), tmp_path)
+    assert [file.name for file in files] == [spec.name + suffix for suffix in spec.suffixes]
+    png, other, table, caption = files
+    width, _ = struct.unpack(">II", png.read_bytes()[16:24])
+    with Image.open(png) as picture:
+        assert width >= 900 and picture.info["dpi"][0] >= 149.9
+        assert np.ptp(np.asarray(picture.convert("L"))) > 100
+    if spec.animated:
+        with Image.open(other) as moving:
+            assert moving.n_frames in range(20, 41) or state == "none"
+            assert moving.info.get("loop", 0) == 0 and width > 2 * moving.width
+            assert other.stat().st_size < LARGEST
+    else:
+        root = ElementTree.parse(other).getroot()
+        assert root.tag == f"{SVG}svg" and len(list(root.iter(f"{SVG}path"))) > 10
+    text, rows = caption.read_text(), pd.read_csv(table)
+    assert text.strip() and all(line == line.strip() for line in text.splitlines())
+    assert len(rows) or state == "none"
+    assert ("Left out because the run failed: " in text) == (state == "none")
+    assert len(rows) == 0 or any("[" in heading for heading in rows)
+    if state == "all" and not spec.animated:
+        again = render(spec, dataset, tmp_path / "again")
+        assert [path.read_bytes() for path in again] == [path.read_bytes() for path in files]
