@@ -100,6 +100,10 @@ class Claim(BaseModel):
     first: First | None = Field(None, description="how it was judged first")
     parts: dict[str, Line] = Field({}, description="what it says, where that is several things")
     contradiction: Line = Field("", description="why its parts cannot both hold")
+    condition: Line = Field("", description="what its verdict holds for, where not for everything")
+    protocol: Literal["", "published", "converged"] = Field(
+        "", description="the protocol that decides it; else converged runs do where there are any"
+    )
     number: Number | None = Field(None, description="what the paper does not give")
     paper: Line = Field(OWN, description="short name of its paper")
     system: str = Field(description="system whose runs decide it")

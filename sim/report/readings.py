@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from sim.claims.readings import reading_label, readings_with_runs
+from sim.claims.readings import combined_readings, reading_label
 from sim.dataset.caveats import UNSOUND_SHARE
 from sim.dataset.results import Results
 from sim.parameters import SYSTEMS
@@ -61,7 +61,7 @@ def _reading(
 ) -> dict[str, Any]:
     """Return one reading for the report: sentences, counts of verdicts, checks of the time step."""
     system, declared = paper.system, paper.readings
-    candidates = [declared.headline, {}, *readings_with_runs(results, system, declared)]
+    candidates = combined_readings(results, system, declared)
     values = next((one for one in candidates if reading_label(system, one, declared) == words), {})
     first = reading_label(system, declared.headline, declared)
     pairs = [_verdicts(candidate, (words, first)) for candidate in claims]
