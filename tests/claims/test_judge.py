@@ -70,7 +70,8 @@ def test_a_judge_that_checks_nothing_or_another_part_is_wrong(checks, why):
     ("variants", "verdict"),
     [
         ([variant_of(HOLDS, "converged"), variant_of(HOLDS)], REPRODUCED),
-        ([variant_of(FAILS, "converged"), variant_of(HOLDS)], NOT_REPRODUCED),
+        ([variant_of(FAILS, "converged"), variant_of(FAILS)], NOT_REPRODUCED),
+        ([variant_of(FAILS, "converged"), variant_of(OPEN)], NOT_REPRODUCED),
         # What a flow that has not relaxed says is shown and gives no verdict.
         ([variant_of(OPEN, "converged"), variant_of(FAILS)], INCONCLUSIVE),
         ([NO_RUNS, variant_of(FAILS)], NOT_REPRODUCED),
@@ -166,10 +167,17 @@ def on_part(part: str, check: Check) -> Check:
         ([("a", HOLDS), ("b", HOLDS)], [], REPRODUCED),
         ([("a", HOLDS), ("b", FAILS)], [], REPRODUCED_IN_PART),
         ([("a", HOLDS), ("b", OPEN)], [], REPRODUCED_IN_PART),
-        ([("a", OPEN), ("b", FAILS)], [], NOT_REPRODUCED),
+        # One part that fails does not refute the others.
+        ([("a", OPEN), ("b", FAILS)], [], INCONCLUSIVE),
+        ([("b", FAILS)], [], INCONCLUSIVE),
+        ([("a", FAILS), ("b", FAILS)], [], NOT_REPRODUCED),
         # Each part is decided by its own protocol, a part without runs is not reproduced yet.
-        ([("a", HOLDS)], [("a", FAILS), ("b", HOLDS)], REPRODUCED),
+        ([("a", HOLDS)], [("a", OPEN), ("b", HOLDS)], REPRODUCED),
         ([("a", HOLDS)], [("a", HOLDS)], REPRODUCED_IN_PART),
+        # A part that depends on the protocol does not hold.
+        ([("a", HOLDS)], [("a", FAILS), ("b", HOLDS)], REPRODUCED_IN_PART),
+        ([("a", HOLDS), ("b", OPEN)], [("a", FAILS)], PROTOCOL_DEPENDENT),
+        ([("a", HOLDS), ("b", FAILS)], [("a", FAILS)], PROTOCOL_DEPENDENT),
     ],
 )
 def test_a_claim_that_says_two_things_may_hold_in_part(converged, published, verdict):
@@ -183,6 +191,19 @@ def test_a_claim_that_says_two_things_may_hold_in_part(converged, published, ver
     torn = claim.model_copy(update={"contradiction": "both cannot be"})
     assert Judgement(torn, tuple(variants)).verdict == PAPER_INCONSISTENT
     assert Judgement(torn, (NO_RUNS,)).verdict == UNTESTABLE
+
+
+@pytest.mark.parametrize(
+    ("second", "verdict"), [(HOLDS, REPRODUCED_IN_PART), (OPEN, READING_DEPENDENT)]
+)
+def test_a_part_may_depend_on_the_reading(second, verdict):
+    claim = claims()[0].model_copy(update={"parts": {"a": "one thing", "b": "another"}})
+    headline = Variant("published", DEFAULT, (on_part("a", FAILS), on_part("b", second)))
+    other = Variant("published", "other", (on_part("a", HOLDS), on_part("b", HOLDS)))
+    judgement = Judgement(claim, (headline, other))
+    assert judgement.verdict == verdict
+    assert judgement.part_verdicts["a"] == READING_DEPENDENT
+    assert judgement.verdict_under("other") == REPRODUCED
 
 
 def test_a_verdict_is_told_as_a_function_of_a_number_that_is_ours():
@@ -292,7 +313,7 @@ def test_what_is_written_is_plain_json_and_one_row_per_check():
     document = json.loads(text)
     assert [row["decided_by"] for row in document["claims"]] == ["converged", ""]
     first = document["claims"][0]
-    assert first["verdict"] == REPRODUCED and first["protocol_dependent"]
+    assert first["verdict"] == PROTOCOL_DEPENDENT and first["protocol_dependent"]
     check = first["variants"][0]["checks"][0]
     assert (
         check.items()
