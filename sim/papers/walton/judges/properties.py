@@ -42,18 +42,19 @@ def w15(
     *,
     majority: float,
     depths: Sequence[float],
+    cell: float,
     stiffness: float,
     spread: float,
     width: float,
 ) -> list[Check]:
     """Crystals at several depths of one age (a), and three factors that favour them (b, c, d).
 
-    ``majority`` is the least share of crystalline spheres, in flows of one ``stiffness`` (N/m). The
-    factors are a spread of the diameters, bumps, and the width (σ) of the cell, in flows of the
-    softest spheres.
+    ``majority`` is the least share of crystalline spheres, in cells of one width ``cell`` (σ) and
+    with one ``stiffness`` (N/m). The factors are a spread of the diameters, bumps, and the
+    ``width`` (σ) of the cell, in flows of the softest spheres.
     """
     return judge_parts(
-        a=lambda: _crystals(evidence, majority, depths, stiffness),
+        a=lambda: _crystals(evidence, majority, depths, cell, stiffness),
         b=lambda: _compare_order(
             evidence, f"diameters ±{100 * spread:g} %", diameter_spread=spread
         ),
@@ -63,9 +64,9 @@ def w15(
 
 
 def _crystals(
-    evidence: Evidence, majority: float, depths: Sequence[float], stiffness: float
+    evidence: Evidence, majority: float, depths: Sequence[float], cell: float, stiffness: float
 ) -> list[Check]:
-    wheres = [{"depth": n, "cell": CELLS[n], "stiffness": stiffness} for n in depths]
+    wheres = [{"depth": n, "cell": cell, "stiffness": stiffness} for n in depths]
     deep = flows_of_one_age(evidence, wheres)
     checks = []
     for place in deep:
