@@ -30,10 +30,11 @@ def judgement_of(name: str, points) -> Judgement:
 
 
 def by_part(checks) -> dict[str, str]:
-    """Return the verdict on each part of a claim."""
-    names = dict.fromkeys(check.part for check in checks)
+    """Return the verdict on each part of a claim that any check votes on."""
+    votes = [check for check in checks if check.has_vote]
+    names = dict.fromkeys(check.part for check in votes)
     return {
-        name: combined_verdict(check for check in checks if check.part == name) for name in names
+        name: combined_verdict(check for check in votes if check.part == name) for name in names
     }
 
 
