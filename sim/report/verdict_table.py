@@ -1,4 +1,4 @@
-"""The page of docs/ with all claims: first verdict, present verdict, and reason of the change."""
+"""The page of docs/ with all claims: the verdicts of each round, and why they differ."""
 
 import sys
 from collections.abc import Mapping, Sequence
@@ -12,14 +12,22 @@ from sim.study.papers import papers
 _HEAD = """\
 # Verdicts, then and now
 
-Each claim of both papers with four verdicts: that of the first criterion on the runs published
-first; that of the second round, under restated criteria and on **fresh seeds**; that of a referee
-who judged the same runs anew; and that of the present rules ([validation](validation.md)), which
-answer the referee. The last column says why they differ. Only the text of both papers was at hand,
-no figure.
+Only the text of both papers was at hand, no figure. Each claim has four verdicts:
+
+- *first*: of the first criterion, on the runs published first;
+- *second round*: of restated criteria, on **fresh seeds**;
+- *referee*: of one who judged the runs of the second round anew;
+- *now*: of the present rules, on the same runs
+  ([how often they err](validation.md#how-often-the-judge-is-right)).
+
+The last column says what changed since the second round, and then why the first criterion was
+restated. A verdict that changed since the second round is bold. It may hold under a condition ("at
+K1 = 1,000 N/m"); letters are the statements of a claim that says several things. *By number of
+ours* has the verdict for other values of a number that the paper does not give.
+
 Sentences, criteria and evidence: the reports
 ([Walton](../results/published/paper_walton/report.html),
-[Gallas](../results/published/paper_gallas/report.html)); the verdicts by reading and protocol:
+[Gallas](../results/published/paper_gallas/report.html)). Verdicts by reading and protocol:
 `verdicts.csv` beside them.
 
 `python -m sim.report.verdict_table > docs/verdicts.md` makes this page from `claims.json` of both.
@@ -34,7 +42,12 @@ def page(claims: Sequence[Mapping[str, Any]]) -> str:
     claims : sequence of mapping
         The claims of both papers, as `sim.report.claims.read_claims` returns them.
     """
-    parts = [_HEAD, _totals(claims)]
+    to_second, to_now = changes(claims)
+    counts = (
+        f"Of {len(claims)} verdicts {to_second} changed from the first to the second round, and "
+        f"{to_now} from the second to now.\n"
+    )
+    parts = [_HEAD, _totals(claims), counts]
     for name, paper in papers().items():
         rows = [_row(claim) for claim in claims if claim["paper"] == name]
         heads = (
@@ -76,12 +89,12 @@ def changes(claims: Sequence[Mapping[str, Any]]) -> tuple[int, int]:
 def _row(claim: Mapping[str, Any]) -> str:
     first, second, now = claim["first"], claim["round_two"], claim["verdict"]
     verdict = f"**{now}**" if second["verdict"] != now else now
+    if claim["condition"]:
+        verdict += f" {claim['condition']}"
     if claim["part_verdicts"]:
         verdict += ": " + ", ".join(
             f"{part} {part_verdict}" for part, part_verdict in claim["part_verdicts"].items()
         )
-    if claim["condition"]:
-        verdict += f", {claim['condition']}"
     numbers = ", ".join(
         f"{number['value']:g}: {number['verdict']}" for number in claim["by_number"]
     )
