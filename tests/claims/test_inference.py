@@ -156,6 +156,8 @@ def slope(kind: str, **options) -> Check:
         # Three of five cannot hold where three fail.
         (["holds", "holds", "fails", "fails", "fails"], NOT_REPRODUCED),
         (["fails"] * 5, NOT_REPRODUCED),
+        (["holds", "open", "fails", "fails"], NOT_REPRODUCED),
+        (["holds", "holds", "open", "fails"], INCONCLUSIVE),
         # Two that were run are no variety, and do not deny one.
         (["holds"] * 2, INCONCLUSIVE),
         (["fails"] * 2, INCONCLUSIVE),
