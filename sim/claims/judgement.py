@@ -188,7 +188,10 @@ class Judgement:
         return PROTOCOL_DEPENDENT if self._is_protocol_dependent(part) else ""
 
     def _is_protocol_dependent(self, part: str) -> bool:
-        return _contradict(self._voting_variants(self.headline, part).values(), part)
+        """True where protocols contradict each other, unless the claim names the one of its own."""
+        return not self.claim.protocol and _contradict(
+            self._voting_variants(self.headline, part).values(), part
+        )
 
     def _is_reading_dependent(self, part: str) -> bool:
         """True where a reading decides a part by itself, and the other way than the headline one.

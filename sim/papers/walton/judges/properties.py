@@ -315,9 +315,10 @@ def _stiffer(
 
 def _pair_of_one_age(
     evidence: Evidence, depth: float, softest: float, stiffness: float
-) -> list[Place]:
+) -> tuple[Place, Place]:
     wheres = [{"depth": depth, "stiffness": value} for value in (softest, stiffness)]
-    return flows_of_one_age(evidence, wheres)
+    soft, stiff = flows_of_one_age(evidence, wheres)
+    return soft, stiff
 
 
 def _limit_votes(checks: list[Check], has_vote: bool) -> list[Check]:
