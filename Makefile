@@ -30,7 +30,7 @@ figures: setup  ## the quick study: figures and report into results/quick
 paper: $(PAPERS:%=paper-%)  ## both papers in full, published into results/published (hours: see config/README.md)
 
 $(PAPERS:%=paper-%): paper-%: setup
-	$(BIN)/python -m sim decide config/paper_$*.yaml --cores $(CORES)
+	$(BIN)/python -m sim $(if $(shell grep '^decide:' config/paper_$*.yaml),decide,study) config/paper_$*.yaml --cores $(CORES)
 	$(BIN)/python -m sim publish config/paper_$*.yaml
 
 test: setup  ## the whole test suite

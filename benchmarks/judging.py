@@ -15,9 +15,18 @@ import xarray as xr
 
 from sim.base.statistics import student
 from sim.claims.checks import below, withhold, within
+from sim.claims.claim import Claim
 from sim.claims.inference import outranks, share_above, trend
+from sim.claims.judgement import Judgement, Variant
 from sim.claims.place import Place, quotient
-from sim.claims.verdict import NOT_REPRODUCED, REPRODUCED, Check, combined_verdict
+from sim.claims.readings import DEFAULT
+from sim.claims.verdict import (
+    NOT_REPRODUCED,
+    READING_DEPENDENT,
+    REPRODUCED,
+    Check,
+    combined_verdict,
+)
 from sim.dataset.results import Results
 from sim.engine.observe.regime import Scales, analyse
 from sim.papers.walton.judges.chute import acceleration, reason_unrankable, withhold_unsettled
@@ -37,6 +46,9 @@ PLACE_LABELS = ("system", "target", "gravity", "angle", "depth", "diameter")
 
 #: Margin of an equality, and trials that give the half width of a statement.
 MARGIN, PILOT = 0.1, 60
+
+#: Distances (half widths) of the headline reading and of another one from their threshold.
+APART = ((0, 0), (0.5, 0.5), (1, 1), (0.5, -0.5), (1, -1), (1.5, -1.5))
 
 #: Distances from the threshold in half widths, the true side positive, and replicates.
 DISTANCES, REPLICATES, TRIALS = (-1, 0, 1, 2), (3, 8), 200
@@ -315,6 +327,34 @@ def look_rates(looks: int, distance: float, counted: bool, trials: int) -> tuple
     return outcomes[REPRODUCED] / trials, outcomes[NOT_REPRODUCED] / trials
 
 
+def dependence_rate(readings: int, headline: float, other: float, trials: int) -> float:
+    """Return how often a claim is said to depend on the reading.
+
+    Each reading has 8 beds of its own. The headline reading and all others but one lie ``headline``
+    half widths above a threshold, the last one ``other``.
+    """
+    rng = np.random.default_rng([trials, readings, int(10 + headline), int(10 + other)])
+    claim = Claim(
+        id="V", title="", statement="", criterion="", system="belt", judge=lambda evidence: ()
+    )
+    distances = [headline] * (readings - 1) + [other]
+    dependent = 0
+    for _ in range(trials):
+        beds = rng.normal(size=(readings, 8))
+        errors = beds.std(axis=1, ddof=1) / np.sqrt(8)
+        means = beds.mean(axis=1) + np.array(distances) * float(student(7)) / np.sqrt(8)
+        checks = (
+            Check("V", float(mean), float(student(7)) * float(error), 0.0, np.inf, freedom=7)
+            for mean, error in zip(means, errors, strict=True)
+        )
+        variants = (
+            Variant("published", DEFAULT if number == 0 else f"reading {number}", (check,))
+            for number, check in enumerate(checks)
+        )
+        dependent += Judgement(claim, tuple(variants)).verdict == READING_DEPENDENT
+    return dependent / trials
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.judging", description=__doc__)
     parser.add_argument("--trials", type=int, default=TRIALS, help="sets of flows per number")
@@ -354,6 +394,11 @@ def main() -> None:
             columns = [look_rates(looks, distance, c, 20 * trials) for c in (False, True)]
             cells = " | ".join(f"{100 * held:.1f} / {100 * failed:.1f}" for held, failed in columns)
             print(f"| {looks} | +{distance} | {cells} |", flush=True)
+    heads = " | ".join(f"{a:+g} and {b:+g}" for a, b in APART)
+    print(f"\n| readings | {heads} |\n|" + " --- |" * (1 + len(APART)))
+    for readings in (2, 5, 10, 20):
+        cells = (f"{100 * dependence_rate(readings, a, b, 20 * trials):.1f}" for a, b in APART)
+        print(f"| {readings} | {' | '.join(cells)} |", flush=True)
     numbers = (3, 6, 12, 24, 48)
     heads = " | ".join(map(str, numbers))
     print(f"\n| statement | flows | {heads} |\n|" + " --- |" * (2 + len(numbers)))

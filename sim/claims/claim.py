@@ -64,6 +64,16 @@ class First(BaseModel):
     why: Line = Field("", description="why it was restated, or why the verdict is another now")
 
 
+class RoundTwo(BaseModel):
+    """The verdict of the second campaign, and that of a referee on the same runs."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
+
+    verdict: Line = Field(description="under the criteria of the second campaign")
+    referee: Line = Field(description="what a referee concluded from the same runs")
+    why: Line = Field("", description="why the criterion or the verdict is another now")
+
+
 class Number(BaseModel):
     """A bound of a criterion that the paper does not give."""
 
@@ -98,8 +108,13 @@ class Claim(BaseModel):
     kind: Literal["model", "flow"] = Field("flow", description="judged by itself or from runs")
     figures: list[str] = Field([], description="figures that show it")
     first: First | None = Field(None, description="how it was judged first")
+    round_two: RoundTwo | None = Field(None, description="how it was judged in the second round")
     parts: dict[str, Line] = Field({}, description="what it says, where that is several things")
     contradiction: Line = Field("", description="why its parts cannot both hold")
+    condition: Line = Field("", description="what its verdict holds for, where not for everything")
+    protocol: Literal["", "published", "converged"] = Field(
+        "", description="the protocol that decides it; else converged runs do where there are any"
+    )
     number: Number | None = Field(None, description="what the paper does not give")
     paper: Line = Field(OWN, description="short name of its paper")
     system: str = Field(description="system whose runs decide it")

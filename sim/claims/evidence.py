@@ -46,6 +46,11 @@ class Evidence:
         self._points = points or Points(results)
         self._places: dict[str, Place] = {}
 
+    @property
+    def grid(self) -> str:
+        """Grid on which profiles are evaluated, one of `sim.dataset.grids.GRIDS`."""
+        return self._results.grid
+
     def with_default(self, name: str) -> "Evidence":
         """Return this evidence with one parameter of the reading reset to its default."""
         if name not in self.reading:

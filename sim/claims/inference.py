@@ -1,6 +1,7 @@
 """Tests without an interval: trends, ranks, shares of runs. Their statistics come from scipy."""
 
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from itertools import combinations
 from math import inf, nan
 
@@ -8,7 +9,7 @@ import numpy as np
 from scipy import stats
 
 from sim.claims.place import Place
-from sim.claims.verdict import RISK, Check, holm_p
+from sim.claims.verdict import REPRODUCED, RISK, Check, holm_p
 
 Groups = Sequence[np.ndarray]
 
@@ -122,6 +123,54 @@ def share_above(
         for alternative in ("greater", "less")
     )
     return _p_value_check(quantity, count / number, True, (p_holds, p_fails), places, threshold)
+
+
+def at_least(quantity: str, number: int, checks: Sequence[Check]) -> Check:
+    """Return the check that at least so many of several checks hold, whichever these are.
+
+    The value shown is how many hold by themselves. That fewer can hold means that all but
+    ``number - 1`` of them fail. Checks that decide nothing count as open.
+    """
+    p_holds, p_fails = (
+        [
+            p_value if check.can_decide else 1.0
+            for check, p_value in zip(checks, p_values, strict=True)
+        ]
+        for p_values in ([check.p_holds for check in checks], [check.p_fails for check in checks])
+    )
+    return Check(
+        what=quantity,
+        value=sum(check.verdict == REPRODUCED for check in checks),
+        half_width=nan,
+        low=number - 0.5,
+        high=inf,
+        points=tuple(dict.fromkeys(point for check in checks for point in check.points)),
+        # Looks are in the p-values of the checks already.
+        tested=(
+            conjunction_p(p_holds, number),
+            conjunction_p(p_fails, len(checks) - number + 1) if len(checks) >= number else 1.0,
+        ),
+        short=tuple(dict.fromkeys(point for check in checks for point in check.short)),
+    )
+
+
+def conjunction_p(p_values: Sequence[float], least: int) -> float:
+    """Return the p-value that at least so many of several statements are true.
+
+    It is K - u + 1 times the u-th smallest of K p-values (Benjamini and Heller 2008).
+
+    >>> conjunction_p([0.01, 0.5, 0.02], 2)
+    0.04
+    """
+    if least > len(p_values):
+        return 1.0
+    return min(1.0, (len(p_values) - least + 1) * sorted(p_values)[least - 1])
+
+
+def correct_for(number: int, check: Check) -> Check:
+    """Return a test without an interval as one of several, with Bonferroni's correction."""
+    holds, fails = (min(1.0, number * p) for p in check.tested or (1.0, 1.0))
+    return replace(check, tested=(holds, fails))
 
 
 def share_interval(count: int, number: int) -> tuple[float, float]:

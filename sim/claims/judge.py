@@ -9,8 +9,8 @@ from sim.claims.evidence import Evidence
 from sim.claims.experiments import run_experiment
 from sim.claims.judgement import MODEL, PROTOCOLS, Judgement, Variant
 from sim.claims.points import Points
-from sim.claims.readings import GRID, reading_label, readings_of, readings_with_runs
-from sim.claims.verdict import Untestable
+from sim.claims.readings import GRID, combined_readings, reading_label, readings_of
+from sim.claims.verdict import Check, Untestable
 from sim.dataset.results import Results
 from sim.study.papers import Readings
 
@@ -36,10 +36,7 @@ def _evidence(
     results: Results, points: Points, system: str, readings: Readings
 ) -> Iterator[tuple[dict[str, Any], Evidence]]:
     """Yield each reading with the evidence of each protocol, the headline reading first."""
-    headline = readings.headline
-    with_runs = readings_with_runs(results, system, readings)
-    others = [reading for reading in ({}, *with_runs) if reading != headline]
-    for reading in (headline, *others):
+    for reading in combined_readings(results, system, readings):
         runs = {name: value for name, value in reading.items() if name != GRID}
         regridded = replace(results, grid=reading.get(GRID, results.grid))
         for protocol in PROTOCOLS:
@@ -63,17 +60,30 @@ def _variants(
             checks = run_experiment(claim, changes)
             yield Variant(MODEL, label, checks, control=readings.control_reason(changes))
         return
-    keys = set()
+    keys, grids = set(), set()
     for reading, evidence in evidence_by_reading:
+        grid = reading.get(GRID)
+        of_headline = reading == readings.headline | ({GRID: grid} if grid else {})
+        if grid and not of_headline and grid not in grids:
+            # Where a grid changes nothing at the headline reading, the claim uses no profile.
+            continue
         if claim.paper == OWN and not evidence.has_runs(claim.system):
             # A protocol without runs is skipped for a study's own claims.
             continue
         label = reading_label(claim.system, reading, readings)
         variant = _judge_under(claim, evidence, label, readings.control_reason(reading))
-        key = variant.protocol, repr(variant.checks)
+        key = variant.protocol, tuple(map(_rounded, variant.checks))
         if reading == readings.headline or not (variant.reason or key in keys):
             yield variant
+            grids.add(grid)
         keys.add(key)
+
+
+def _rounded(check: Check) -> tuple[Any, ...]:
+    """Return what tells one check from another; equal sums may differ in their last digits."""
+    numbers = check.value, check.half_width, check.samples, *(check.tested or ())
+    rest = check.what, check.part, check.votes, check.withheld, check.points
+    return *(f"{number:.9g}" for number in numbers), *rest
 
 
 def _judge_under(claim: Claim, evidence: Evidence, reading: str, control: str) -> Variant:

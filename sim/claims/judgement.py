@@ -1,6 +1,6 @@
 """Outcome of a claim: its checks under every protocol and reading, and one verdict."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from math import isfinite
@@ -11,14 +11,13 @@ from sim.claims.verdict import (
     INCONCLUSIVE,
     NOT_REPRODUCED,
     PAPER_INCONSISTENT,
+    PROTOCOL_DEPENDENT,
     READING_DEPENDENT,
     REPRODUCED,
-    RISK,
+    REPRODUCED_IN_PART,
     UNTESTABLE,
     Check,
     combined_verdict,
-    holm_p,
-    p_values,
     verdict_of_parts,
 )
 
@@ -70,11 +69,17 @@ class Judgement:
 
     @cached_property
     def verdict(self) -> str:
-        """The headline verdict, unless it depends on the reading or the paper is inconsistent."""
+        """The headline verdict, unless it depends on something or the paper is inconsistent.
+
+        A claim of which some parts hold, whatever they are compared with, is reproduced in part.
+        """
         headline_verdict = self.verdict_under(self.headline)
         if self.claim.contradiction and headline_verdict != UNTESTABLE:
             return PAPER_INCONSISTENT
-        return READING_DEPENDENT if self.reading_dependent else headline_verdict
+        dependences = list(filter(None, map(self._dependence, self._parts)))
+        if not dependences:
+            return headline_verdict
+        return REPRODUCED_IN_PART if REPRODUCED in self.part_verdicts.values() else dependences[0]
 
     @property
     def decided_by(self) -> str:
@@ -85,10 +90,9 @@ class Judgement:
     @property
     def part_verdicts(self) -> dict[str, str]:
         """The headline verdict on each part; empty for a claim without parts."""
-        votes = {part: self._votes(self.headline, part) for part in self.claim.parts}
         return {
-            part: combined_verdict(checks) if checks else UNTESTABLE
-            for part, checks in votes.items()
+            part: self._dependence(part) or verdict_of_parts([self._votes(self.headline, part)])
+            for part in self.claim.parts
         }
 
     @property
@@ -152,18 +156,12 @@ class Judgement:
         return verdict_of_parts([self._votes(reading, part) for part in self._parts])
 
     def deciding_variant(self, reading: str, part: str = "") -> Variant | None:
-        """Return the variant that decides a part: the converged one where there is one.
+        """Return the variant that decides a part: of the claim's protocol, or the converged one.
 
         A converged variant decides even where it is inconclusive: runs of a fixed length may show
         flows that have not relaxed.
         """
-        for protocol in (*PROTOCOLS, MODEL):
-            for variant in self.variants:
-                if (variant.protocol, variant.reading) == (protocol, reading) and variant.votes_on(
-                    part
-                ):
-                    return variant
-        return None
+        return next(iter(self._voting_variants(reading, part).values()), None)
 
     def _votes(self, reading: str, part: str) -> list[Check]:
         variant = self.deciding_variant(reading, part)
@@ -176,54 +174,54 @@ class Judgement:
     @property
     def protocol_dependent(self) -> bool:
         """True where two protocols contradict each other at the headline reading, on any part."""
-        return any(
-            _contradict(
-                combined_verdict(variant.votes_on(part))
-                for variant in self._variants_under(self.headline)
-                if variant.votes_on(part)
-            )
-            for part in self._parts
-        )
+        return any(self._is_protocol_dependent(part) for part in self._parts)
 
     @property
     def reading_dependent(self) -> bool:
-        """True where two readings of the paper contradict each other on any part.
+        """True where another reading of the paper contradicts the headline one, on any part."""
+        return any(self._is_reading_dependent(part) for part in self._parts)
 
-        Compared are readings under the protocol of the headline verdict, so that runs of different
-        lengths are not mixed. Where the headline reading has no runs, any protocol is compared. A
-        contradiction must be clear with Holm's correction for the number of readings.
-        """
-        return any(
-            _differ(
-                [
-                    p_values(variant.votes_on(part))
-                    for variant in self._comparable_variants(part, protocol)
-                ]
-            )
-            for part in self._parts
-            for protocol in (*PROTOCOLS, MODEL)
+    def _dependence(self, part: str) -> str:
+        """Return the verdict on a part that is not the same everywhere; empty for any other."""
+        if self._is_reading_dependent(part):
+            return READING_DEPENDENT
+        return PROTOCOL_DEPENDENT if self._is_protocol_dependent(part) else ""
+
+    def _is_protocol_dependent(self, part: str) -> bool:
+        """True where protocols contradict each other, unless the claim names the one of its own."""
+        return not self.claim.protocol and _contradict(
+            self._voting_variants(self.headline, part).values(), part
         )
 
-    def _comparable_variants(self, part: str, protocol: str) -> list[Variant]:
-        """Return the readings that vote on a part under a protocol, if it is the one compared."""
-        headline = self.deciding_variant(self.headline, part)
-        if headline is not None and headline.protocol != protocol:
-            return []
-        return [
-            variant
+    def _is_reading_dependent(self, part: str) -> bool:
+        """True where a reading decides a part by itself, and the other way than the headline one.
+
+        Runs of the deciding protocol are compared. A reading without such runs is compared under
+        another protocol that both have: runs of different lengths are never mixed. There is no
+        correction for the number of readings, which would hide a contradiction the better the more
+        readings are run: two readings contradict each other by chance in less than 5 of 100 cases.
+        """
+        headline = self._voting_variants(self.headline, part)
+        readings = {variant.reading for variant in self.variants if not variant.control}
+        for reading in readings - {self.headline}:
+            other = self._voting_variants(reading, part)
+            shared = next((protocol for protocol in headline if protocol in other), None)
+            if shared and _contradict((headline[shared], other[shared]), part):
+                return True
+        return False
+
+    def _voting_variants(self, reading: str, part: str) -> dict[str, Variant]:
+        """Return the variants of a reading that vote on a part by protocol, the deciding first."""
+        voting = {
+            variant.protocol: variant
             for variant in self.variants
-            if variant.protocol == protocol and not variant.control and variant.votes_on(part)
-        ]
-
-    def _variants_under(self, reading: str) -> list[Variant]:
-        return [variant for variant in self.variants if variant.reading == reading]
-
-
-def _differ(p_pairs: Sequence[tuple[float, float]]) -> bool:
-    """True where a statement holds under one reading and fails under another, by p-values."""
-    p_holds, p_fails = ([pair[index] for pair in p_pairs] for index in (0, 1))
-    return all(holm_p(p) <= RISK for p in (p_holds, p_fails))
+            if variant.reading == reading and variant.votes_on(part)
+        }
+        order = (self.claim.protocol, *PROTOCOLS, MODEL)
+        return {name: voting[name] for name in dict.fromkeys(order) if name in voting}
 
 
-def _contradict(verdicts: Iterable[str]) -> bool:
-    return set(verdicts) >= {REPRODUCED, NOT_REPRODUCED}
+def _contradict(variants: Iterable[Variant], part: str) -> bool:
+    """True where a part is reproduced under one variant and not reproduced under another."""
+    verdicts = {combined_verdict(variant.votes_on(part)) for variant in variants}
+    return verdicts >= {REPRODUCED, NOT_REPRODUCED}

@@ -34,13 +34,24 @@ def reading_label(system: str, reading: Mapping[str, Any], readings: Readings) -
     return "; ".join(words) or DEFAULT
 
 
-def readings_with_runs(
+def combined_readings(results: Results, system: str, readings: Readings) -> list[dict[str, Any]]:
+    """Return the readings under which runs of a system can be judged, the headline reading first.
+
+    What the paper's words allow together is judged together: the runs of each reading, evaluated on
+    each grid of the profiles.
+    """
+    runs = [{}, *_readings_with_runs(results, system, readings)]
+    ordered = [readings.headline, *(one for one in runs if one != readings.headline)]
+    grids = [{}, *({GRID: name} for name in readings.grids)]
+    return [one | grid for one in ordered for grid in grids]
+
+
+def _readings_with_runs(
     results: Results, system: str, paper_readings: Readings
 ) -> list[dict[str, Any]]:
     """Return the readings other than the default that some points of a system have.
 
     Choices of the models come first, then base rows: flows of another cell, or another stiffness.
-    Last are other grids for the profiles of the default reading's runs.
     """
     model = SYSTEMS[system]
     defaults = model()
@@ -58,4 +69,4 @@ def readings_with_runs(
         for value in values
         if value in points[name].values
     ]
-    return [*readings.values(), *rows, *({GRID: name} for name in paper_readings.grids)]
+    return [*readings.values(), *rows]

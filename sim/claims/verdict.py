@@ -12,6 +12,7 @@ REPRODUCED = "reproduced"
 REPRODUCED_IN_PART = "reproduced in part"
 NOT_REPRODUCED = "not reproduced"
 READING_DEPENDENT = "depends on the reading"
+PROTOCOL_DEPENDENT = "depends on the protocol"
 PAPER_INCONSISTENT = "paper inconsistent"
 INCONCLUSIVE = "inconclusive"
 UNTESTABLE = "untestable"
@@ -24,6 +25,7 @@ VERDICTS = (
     REPRODUCED_IN_PART,
     NOT_REPRODUCED,
     READING_DEPENDENT,
+    PROTOCOL_DEPENDENT,
     PAPER_INCONSISTENT,
     INCONCLUSIVE,
     UNTESTABLE,
@@ -253,20 +255,20 @@ def p_values(checks: Iterable[Check]) -> tuple[float, float]:
 def verdict_of_parts(parts: Sequence[Sequence[Check]]) -> str:
     """Return the verdict on a claim of several parts, from the votes on each part.
 
-    The claim is reproduced in part where at least one part is reproduced and another is not, or not
-    yet. That any part holds, or any fails, must be clear with Holm's correction.
+    The claim is reproduced in part where a part is reproduced and another is not, or not yet; that
+    any part holds must be clear with Holm's correction. It is not reproduced where no part is: one
+    part that fails does not refute the others.
     """
     voting_parts = [checks for checks in parts if checks]
     if not voting_parts:
         return UNTESTABLE
-    verdicts = [combined_verdict(checks) for checks in voting_parts]
-    if len(voting_parts) == len(parts) and set(verdicts) == {REPRODUCED}:
-        return REPRODUCED
+    verdicts = {combined_verdict(checks) for checks in voting_parts}
+    if len(verdicts) == 1 and len(voting_parts) == len(parts):
+        return verdicts.pop()
     if REPRODUCED in verdicts:
         p_holds = holm_p([p_values(checks)[0] for checks in voting_parts])
         return REPRODUCED_IN_PART if p_holds <= RISK else INCONCLUSIVE
-    p_fails = holm_p([p_values(checks)[1] for checks in voting_parts])
-    return NOT_REPRODUCED if p_fails <= RISK else INCONCLUSIVE
+    return INCONCLUSIVE
 
 
 def plan(check: Check) -> str:

@@ -1,4 +1,4 @@
-"""Verdicts as files: JSON with all evidence, CSV with a row per check."""
+"""Verdicts as files: JSON with all evidence, a table of checks, and one of verdicts by reading."""
 
 import hashlib
 from dataclasses import asdict
@@ -14,7 +14,7 @@ from sim.base.seals import to_sealed_json
 from sim.claims.claim import OWN
 from sim.claims.judge import judge
 from sim.claims.judgement import Judgement, Variant
-from sim.claims.verdict import Check, plan
+from sim.claims.verdict import UNTESTABLE, Check, plan
 from sim.dataset.agreement import require_agreement
 from sim.dataset.results import load_results
 from sim.study.load import load_study
@@ -24,12 +24,14 @@ _INTERNAL_FIELDS = {"tested", "short", "coarse", "looks"}
 
 
 def build(study_path: str | Path, results: str | Path = "results") -> Path:
-    """Write ``results/<study>/claims.json`` and ``claims.csv`` from the dataset of a study.
+    """Write ``claims.json``, ``claims.csv`` and ``verdicts.csv`` into ``results/<study>``.
+
+    They are made from the dataset of the study.
 
     Returns
     -------
     Path
-        The JSON file. Both appear complete or not at all.
+        The JSON file. Each file appears complete or not at all, the JSON file last.
 
     Raises
     ------
@@ -47,14 +49,19 @@ def build(study_path: str | Path, results: str | Path = "results") -> Path:
 def write(judgements: list[Judgement], study: str, folder: Path) -> Path:
     """Write the verdicts on a study into a folder; return the JSON file.
 
-    The JSON file holds the checksums of both files.
+    The JSON file holds the checksums of the tables.
     """
-    table = as_table(judgements).to_csv(index=False, float_format="%.6g").encode()
-    with atomic_write(folder / "claims.csv") as temporary:
-        temporary.write_bytes(table)
+    checksums = {}
+    for name, rows in (
+        ("claims.csv", as_table(judgements)),
+        ("verdicts.csv", by_variant(judgements)),
+    ):
+        table = rows.to_csv(index=False, float_format="%.6g").encode()
+        with atomic_write(folder / name) as temporary:
+            temporary.write_bytes(table)
+        checksums[name] = hashlib.sha256(table).hexdigest()
     output = folder / "claims.json"
     with atomic_write(output) as temporary:
-        checksums = {"claims.csv": hashlib.sha256(table).hexdigest()}
         temporary.write_text(
             to_sealed_json(as_mapping(judgements, study) | checksums), encoding="utf-8"
         )
@@ -177,6 +184,32 @@ def as_table(judgements: list[Judgement]) -> pd.DataFrame:
                 rows.append(shared | part | values | derived)
             if not variant.checks:
                 rows.append(shared | {"reason": variant.reason})
+    return pd.DataFrame(rows)
+
+
+def by_variant(judgements: list[Judgement]) -> pd.DataFrame:
+    """Return the verdicts by protocol and reading, a row per claim and per part of a claim.
+
+    ``verdict`` is the headline verdict. Each further column is one protocol under one reading; a
+    cell is empty where that has no runs of its own for the claim.
+    """
+    rows = []
+    for judgement in judgements:
+        claim, part_verdicts = judgement.claim, judgement.part_verdicts
+        for part in ("", *claim.parts):
+            row = {
+                "claim": claim.id,
+                "part": part,
+                "says": claim.parts[part] if part else claim.title,
+                "verdict": part_verdicts[part] if part else judgement.verdict,
+                "condition": claim.condition,
+            }
+            for variant in judgement.variants:
+                parts = (part,) if part else claim.parts
+                verdict = variant.verdict(parts)
+                if verdict != UNTESTABLE:
+                    row[f"{variant.protocol}, {variant.reading}"] = verdict
+            rows.append(row)
     return pd.DataFrame(rows)
 
 

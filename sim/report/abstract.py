@@ -10,6 +10,7 @@ from typing import Any
 from sim.report.claims import VERDICTS, count_verdicts, read_claims
 from sim.report.numbers import template, value_with_interval
 from sim.report.publish import PUBLISHED
+from sim.report.verdict_table import changes
 from sim.study.papers import papers
 
 
@@ -34,6 +35,7 @@ def page(claims: Mapping[str, Mapping[str, Any]], runs: Mapping[str, Mapping[str
             claim=partial(_claim, claims),
             number=partial(_number, claims),
             counts=count_verdicts(list(claims.values())),
+            changes=changes(list(claims.values())),
             statements=len(claims),
             papers={name: paper.author for name, paper in papers().items()},
             verdicts=VERDICTS,

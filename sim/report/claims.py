@@ -17,6 +17,7 @@ VERDICTS = {
     "reproduced in part": ("part-good", "◐"),
     "not reproduced": ("bad", "✗"),
     "depends on the reading": ("torn", "⇄"),
+    "depends on the protocol": ("torn", "⇅"),
     "paper inconsistent": ("torn-paper", "≠"),
     "inconclusive": ("open", "?"),
     "untestable": ("none", "–"),
@@ -42,20 +43,21 @@ def read_claims(path: Path, replaceable: bool = True) -> list[dict[str, Any]]:
 
 
 def require_table(folder: Path) -> None:
-    """Raise an error unless ``claims.csv``, the table of verdicts, was written with the claims.
+    """Raise an error unless the tables of checks and of verdicts were written with the claims.
 
     Raises
     ------
     InputError
-        Where it, or ``claims.json``, is missing.
+        Where one of them, or ``claims.json``, is missing.
     DamagedError
-        When the table has changed since, or ``claims.json`` cannot be read.
+        When a table has changed since, or ``claims.json`` cannot be read.
     """
-    table = folder / "claims.csv"
-    with checked_read(table, "table of verdicts", replaceable=True):
-        recorded = _read(folder / "claims.json")[table.name]
-        if hashlib.sha256(table.read_bytes()).hexdigest() != recorded:
-            raise ValueError("the checksum is wrong")
+    for name in ("claims.csv", "verdicts.csv"):
+        table = folder / name
+        with checked_read(table, "table of verdicts", replaceable=True):
+            recorded = _read(folder / "claims.json")[name]
+            if hashlib.sha256(table.read_bytes()).hexdigest() != recorded:
+                raise ValueError("the checksum is wrong")
 
 
 def _read(path: Path, replaceable: bool = True) -> dict[str, Any]:

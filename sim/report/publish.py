@@ -25,7 +25,7 @@ from sim.study.load import Study, load_study
 PUBLISHED = Path("results/published")
 
 #: Result files of a published study besides its figures.
-RESULT_FILES = ("dataset.nc", "claims.json", "claims.csv")
+RESULT_FILES = ("dataset.nc", "claims.json", "claims.csv", "verdicts.csv")
 
 #: Files that are generated: provenance, report, and the checksums of all files.
 GENERATED_FILES = PROVENANCE, REPORT, CHECKSUMS = "provenance.json", "report.html", "SHA256SUMS"

@@ -6,7 +6,8 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from sim.claims.readings import reading_label, readings_with_runs
+from sim.claims.judgement import PROTOCOLS
+from sim.claims.readings import GRID, combined_readings, reading_label
 from sim.dataset.caveats import UNSOUND_SHARE
 from sim.dataset.results import Results
 from sim.parameters import SYSTEMS
@@ -21,7 +22,8 @@ def reading_tables(claims: Sequence[Mapping[str, Any]], results: Results) -> lis
     -------
     list of dict
         ``paper`` and its ``author``; ``why``, the reason for the headline reading; ``readings``;
-        and ``rows``, the claims that more than one reading tests, with the verdict under each.
+        ``claims``, which more than one protocol or reading tests; and ``rows``, one per protocol
+        and reading, with their ``verdicts`` on these claims, None where it has no runs of its own.
 
         Each reading has its ``words``, and the ``sentences`` that leave it open or the reason why
         it is a ``control``. Of the claims ``tested`` under it, ``hold`` hold. Of the ``common``
@@ -41,15 +43,47 @@ def reading_tables(claims: Sequence[Mapping[str, Any]], results: Results) -> lis
             dict.fromkeys(label for claim in paper_claims for label in claim["by_reading"])
         )
         if len(words) > 1:
-            columns = [_reading(label, paper_claims, results, paper) for label in words]
-            rows = [
-                {"id": claim["id"], "title": claim["title"], "verdicts": _verdicts(claim, words)}
-                for claim in paper_claims
-                if sum(verdict != "untestable" for verdict in claim["by_reading"].values()) > 1
+            readings = {
+                reading_label(paper.system, reading, paper.readings): reading
+                for reading in combined_readings(results, paper.system, paper.readings)
+            }
+            # What is the same runs on another grid is told of the headline reading alone.
+            shown = [
+                label
+                for label in words
+                if GRID not in (reading := readings.get(label, {}))
+                or reading == paper.readings.headline | {GRID: reading[GRID]}
+            ]
+            columns = [
+                _reading(label, readings.get(label, {}), paper_claims, results, paper)
+                for label in shown
             ]
             heading = {"paper": name, "author": paper.author, "why": paper.readings.why}
-            tables.append(heading | {"readings": columns, "rows": rows})
+            tables.append(heading | {"readings": columns} | _by_variant(paper_claims, words))
     return tables
+
+
+def _by_variant(claims: Sequence[Mapping[str, Any]], words: Sequence[str]) -> dict[str, Any]:
+    """Return the claims that several protocols or readings test, and a row for each of these."""
+    verdicts = {
+        claim["id"]: {
+            (variant["protocol"], variant["reading"]): variant["verdict"]
+            for variant in claim["variants"]
+            if variant["verdict"] != "untestable"
+        }
+        for claim in claims
+    }
+    several = [claim for claim in claims if len(verdicts[claim["id"]]) > 1]
+    rows = [
+        {
+            "protocol": protocol,
+            "words": label,
+            "verdicts": [verdicts[claim["id"]].get((protocol, label)) for claim in several],
+        }
+        for label in words
+        for protocol in PROTOCOLS
+    ]
+    return {"claims": several, "rows": [row for row in rows if any(row["verdicts"])]}
 
 
 def _verdicts(claim: Mapping[str, Any], words: Sequence[str]) -> list[str]:
@@ -57,12 +91,14 @@ def _verdicts(claim: Mapping[str, Any], words: Sequence[str]) -> list[str]:
 
 
 def _reading(
-    words: str, claims: Sequence[Mapping[str, Any]], results: Results, paper: Paper
+    words: str,
+    values: Mapping[str, Any],
+    claims: Sequence[Mapping[str, Any]],
+    results: Results,
+    paper: Paper,
 ) -> dict[str, Any]:
     """Return one reading for the report: sentences, counts of verdicts, checks of the time step."""
     system, declared = paper.system, paper.readings
-    candidates = [declared.headline, {}, *readings_with_runs(results, system, declared)]
-    values = next((one for one in candidates if reading_label(system, one, declared) == words), {})
     first = reading_label(system, declared.headline, declared)
     pairs = [_verdicts(candidate, (words, first)) for candidate in claims]
     common = [pair for pair in pairs if "untestable" not in pair]

@@ -1,4 +1,4 @@
-"""The page of docs/ with all claims: first verdict, present verdict, and reason of the change."""
+"""The page of docs/ with all claims: the verdicts of each round, and why they differ."""
 
 import sys
 from collections.abc import Mapping, Sequence
@@ -10,17 +10,25 @@ from sim.report.publish import PUBLISHED
 from sim.study.papers import papers
 
 _HEAD = """\
-# Verdicts, first and now
+# Verdicts, then and now
 
-Each claim of both papers with the verdict that the first criterion gave on the runs published
-first, the verdict that the present criterion gives on those published now, and why the two differ
-or why the criterion was restated. The present ones are of a second campaign on **fresh seeds**, run
-after criteria, rules and readings had been restated, but for one rule that was made when it was
-seen that no flow of the softest spheres lasts at depth 40: those of 1,000 N/m are judged there
-(W14, a part of W15, W17; W21 and W22 then compare depth 20 alone).
+Only the text of both papers was at hand, no figure. Each claim has four verdicts:
+
+- *first*: of the first criterion, on the runs published first;
+- *second round*: of restated criteria, on **fresh seeds**;
+- *referee*: of one who judged the runs of the second round anew;
+- *now*: of the present rules, on the same runs
+  ([how often they err](validation.md#how-often-the-judge-is-right)).
+
+The last column says what changed since the second round, and then why the first criterion was
+restated. A verdict that changed since the second round is bold. It may hold under a condition ("at
+K1 = 1,000 N/m"); letters are the statements of a claim that says several things. *By number of
+ours* has the verdict for other values of a number that the paper does not give.
+
 Sentences, criteria and evidence: the reports
 ([Walton](../results/published/paper_walton/report.html),
-[Gallas](../results/published/paper_gallas/report.html)).
+[Gallas](../results/published/paper_gallas/report.html)). Verdicts by reading and protocol:
+`verdicts.csv` beside them.
 
 `python -m sim.report.verdict_table > docs/verdicts.md` makes this page from `claims.json` of both.
 """
@@ -34,48 +42,66 @@ def page(claims: Sequence[Mapping[str, Any]]) -> str:
     claims : sequence of mapping
         The claims of both papers, as `sim.report.claims.read_claims` returns them.
     """
-    parts = [_HEAD, _totals(claims)]
+    to_second, to_now = changes(claims)
+    counts = (
+        f"Of {len(claims)} verdicts {to_second} changed from the first to the second round, and "
+        f"{to_now} from the second to now.\n"
+    )
+    parts = [_HEAD, _totals(claims), counts]
     for name, paper in papers().items():
         rows = [_row(claim) for claim in claims if claim["paper"] == name]
-        heads = "| claim | first | now | by number of ours | why |\n| --- | --- | --- | --- | --- |"
+        heads = (
+            "| claim | first | second round | referee | now | by number of ours | why |\n"
+            "| --- | --- | --- | --- | --- | --- | --- |"
+        )
         parts.append("\n".join([f"## {paper.author}\n", heads, *rows, ""]))
     return "\n".join(parts)
 
 
 def _totals(claims: Sequence[Mapping[str, Any]]) -> str:
-    """Return a table with the number of claims by verdict and paper, first and now."""
+    """Return a table with the number of claims by verdict and paper: first, in round two, now."""
     now = count_verdicts(claims)
-    rows = [
-        f"| {verdict} | "
-        + " | ".join(
-            f"{sum(one['paper'] == paper and one['first']['verdict'] == verdict for one in claims)}"
-            f" | {now[paper][verdict]}"
-            for paper in papers()
-        )
-        + " |"
-        for verdict in VERDICTS
-    ]
-    heads = " | ".join(f"{paper.author}, first | now" for paper in papers().values())
+    rows = []
+    for verdict in VERDICTS:
+        cells = []
+        for paper in papers():
+            of_paper = [claim for claim in claims if claim["paper"] == paper]
+            cells += [
+                sum(claim[when]["verdict"] == verdict for claim in of_paper)
+                for when in ("first", "round_two")
+            ]
+            cells.append(now[paper][verdict])
+        rows.append(f"| {verdict} | {' | '.join(map(str, cells))} |")
+    heads = " | ".join(f"{paper.author}, first | second | now" for paper in papers().values())
     return "\n".join(
-        [f"| verdict | {heads} |", "| --- |" + " --- |" * 2 * len(papers()), *rows, ""]
+        [f"| verdict | {heads} |", "| --- |" + " --- |" * 3 * len(papers()), *rows, ""]
+    )
+
+
+def changes(claims: Sequence[Mapping[str, Any]]) -> tuple[int, int]:
+    """Return how many headline verdicts changed from the first to the second round, and to now."""
+    return (
+        sum(claim["first"]["verdict"] != claim["round_two"]["verdict"] for claim in claims),
+        sum(claim["round_two"]["verdict"] != claim["verdict"] for claim in claims),
     )
 
 
 def _row(claim: Mapping[str, Any]) -> str:
-    first, now = claim["first"], claim["verdict"]
-    has_changed = first["verdict"] != now
-    verdict = f"**{now}**" if has_changed else now
+    first, second, now = claim["first"], claim["round_two"], claim["verdict"]
+    verdict = f"**{now}**" if second["verdict"] != now else now
+    if claim["condition"]:
+        verdict += f" {claim['condition']}"
     if claim["part_verdicts"]:
         verdict += ": " + ", ".join(
             f"{part} {part_verdict}" for part, part_verdict in claim["part_verdicts"].items()
         )
-    if claim["protocol_dependent"]:
-        verdict += "; depends on the protocol"
     numbers = ", ".join(
         f"{number['value']:g}: {number['verdict']}" for number in claim["by_number"]
     )
     title = f"{claim['id']} {claim['title']}"
-    return f"| {title} | {first['verdict']} | {verdict} | {numbers} | {first['why']} |"
+    why = " ".join(filter(None, (second["why"], first["why"] and f"At first: {first['why']}")))
+    cells = title, first["verdict"], second["verdict"], second["referee"], verdict, numbers, why
+    return f"| {' | '.join(cells)} |"
 
 
 def main(published: Path = PUBLISHED) -> str:

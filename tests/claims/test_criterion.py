@@ -43,6 +43,22 @@ def test_every_number_of_a_criterion_is_a_bound_that_its_judge_takes(claim):
     assert set(claim.bounds) <= named(claim.criterion) | named(claim.reason)
 
 
+def numbers_of(bound) -> set[float]:
+    """Return the numbers of a bound, however it is nested."""
+    return set.union(*map(numbers_of, bound)) if isinstance(bound, list) else {bound}
+
+
+CONDITIONAL = [claim for claim in claims() if claim.condition]
+
+
+@pytest.mark.parametrize("claim", CONDITIONAL, ids=lambda claim: claim.id)
+def test_a_condition_has_the_numbers_of_the_criterion(claim):
+    bounds = set().union(*map(numbers_of, claim.bounds_at().values()))
+    words = re.sub("|".join(NAMES), "", claim.condition)
+    numbers = {float(number.replace(",", "")) for number in re.findall(r"\d[\d.,]*", words)}
+    assert numbers <= bounds
+
+
 def test_a_criterion_whose_braces_name_no_bound_is_refused():
     fields = dict(claims()[0]) | {"bounds": {"low": 15}, "reason": "ours"}
     assert Claim(**fields | {"criterion": "above {low} Hz"}).texts()["criterion"] == "above 15 Hz"

@@ -6,8 +6,17 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from sim.claims.inference import mann_whitney_p, outranks, share_above, share_interval, trend
-from sim.claims.verdict import INCONCLUSIVE, NOT_REPRODUCED, REPRODUCED, RISK, holm_p
+from sim.claims.inference import (
+    at_least,
+    conjunction_p,
+    correct_for,
+    mann_whitney_p,
+    outranks,
+    share_above,
+    share_interval,
+    trend,
+)
+from sim.claims.verdict import INCONCLUSIVE, NOT_REPRODUCED, REPRODUCED, RISK, Check, holm_p
 from tests.made.results import spread
 
 
@@ -98,3 +107,88 @@ def test_shares_of_runs_are_exact(count, number, verdict):
 
 def test_the_interval_of_a_share_is_wilsons():
     assert share_interval(18, 23) == pytest.approx((0.581, 0.903), abs=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("p_values", "least", "p"),
+    [
+        # All of them: the largest; any of them: Bonferroni's.
+        ([0.01, 0.5, 0.02], 3, 0.5),
+        ([0.01, 0.5, 0.02], 1, 0.03),
+        ([0.01, 0.5, 0.02], 2, 0.04),
+        ([0.01, 0.9, 0.02, 0.03, 0.8], 3, 0.09),
+        ([0.6, 0.5], 1, 1.0),
+        ([0.001, 0.001], 3, 1.0),
+        ([], 1, 1.0),
+    ],
+)
+def test_that_some_of_several_hold_has_one_p_value(p_values, least, p):
+    assert conjunction_p(p_values, least) == pytest.approx(p)
+
+
+@pytest.mark.parametrize(("least", "true"), [(2, 1), (3, 2), (3, 0)])
+def test_that_some_of_several_hold_is_seldom_wrong(least, true):
+    """One fewer than claimed is true, and sure; p-values of the others are uniform."""
+    rng, trials = np.random.default_rng(8), 2000
+    p_values = rng.uniform(size=(trials, 5))
+    p_values[:, :true] = 0
+    wrong = np.mean([conjunction_p(row, least) <= RISK for row in p_values])
+    # What so many trials may scatter.
+    assert wrong <= RISK + 3.1 * np.sqrt(RISK / trials)
+    # The bound is close where only the most doubtful statement is false.
+    assert true < least - 1 or wrong >= RISK / 2
+
+
+SLOPES = {"holds": 0.0, "fails": 3.0, "open": 1.0}
+
+
+def slope(kind: str, **options) -> Check:
+    """Return the check of a slope between -1 and 1 that holds, fails or is open."""
+    return Check(kind, SLOPES[kind], 0.1, -1.0, 1.0, points=(kind,), **options)
+
+
+@pytest.mark.parametrize(
+    ("kinds", "verdict"),
+    [
+        (["holds"] * 3, REPRODUCED),
+        (["holds"] * 3 + ["fails", "open"], REPRODUCED),
+        (["holds", "holds", "open", "open", "fails"], INCONCLUSIVE),
+        # Three of five cannot hold where three fail.
+        (["holds", "holds", "fails", "fails", "fails"], NOT_REPRODUCED),
+        (["fails"] * 5, NOT_REPRODUCED),
+        (["holds", "open", "fails", "fails"], NOT_REPRODUCED),
+        (["holds", "holds", "open", "fails"], INCONCLUSIVE),
+        # Two that were run are no variety, and do not deny one.
+        (["holds"] * 2, INCONCLUSIVE),
+        (["fails"] * 2, INCONCLUSIVE),
+    ],
+)
+def test_some_of_several_checks_must_hold(kinds, verdict):
+    check = at_least("depths", 3, [slope(kind) for kind in kinds])
+    assert (check.verdict, check.value) == (verdict, kinds.count("holds"))
+    assert check.points == tuple(dict.fromkeys(kinds))
+
+
+@pytest.mark.parametrize("option", [{"withheld": "it still moves"}, {"samples": 2}])
+def test_checks_that_decide_nothing_are_open_ones_among_several(option):
+    held = [slope("holds"), slope("holds")]
+    assert at_least("x", 3, [*held, slope("holds")]).verdict == REPRODUCED
+    for kind in SLOPES:
+        assert at_least("x", 3, [*held, slope(kind, **option)]).verdict == INCONCLUSIVE
+
+
+def test_looks_are_paid_for_once_by_several_checks():
+    slight = [Check("x", 0.0, 0.01, -1, 1, tested=(0.01, 0.9), looks=1) for _ in range(3)]
+    # 0.01 counts fourfold at the first look.
+    assert at_least("x", 3, slight).p_holds == pytest.approx(0.04)
+    assert at_least("x", 2, slight).p_holds == pytest.approx(0.08)
+
+
+def test_one_of_several_tests_must_be_clearer():
+    check = trend("x", [groups(1, 2, 3)])
+    corrected = correct_for(3, check)
+    assert corrected.tested == pytest.approx((3 * check.tested[0], 1.0))
+    assert (corrected.what, corrected.value) == (check.what, check.value)
+    likely = Check("x", 1.0, np.nan, 0, np.inf, tested=(0.03, 0.9))
+    assert likely.verdict == REPRODUCED and correct_for(3, likely).verdict == INCONCLUSIVE
+    assert correct_for(3, likely).tested == (0.09, 1.0)

@@ -13,11 +13,12 @@ from sim.claims.checks import above
 from sim.claims.claim import Number, claims
 from sim.claims.judgement import MODEL, Judgement, Variant
 from sim.claims.points import Points
-from sim.claims.readings import DEFAULT, GRID, reading_label, readings_of, readings_with_runs
+from sim.claims.readings import DEFAULT, GRID, combined_readings, reading_label, readings_of
 from sim.claims.verdict import (
     INCONCLUSIVE,
     NOT_REPRODUCED,
     PAPER_INCONSISTENT,
+    PROTOCOL_DEPENDENT,
     READING_DEPENDENT,
     REPRODUCED,
     REPRODUCED_IN_PART,
@@ -69,7 +70,8 @@ def test_a_judge_that_checks_nothing_or_another_part_is_wrong(checks, why):
     ("variants", "verdict"),
     [
         ([variant_of(HOLDS, "converged"), variant_of(HOLDS)], REPRODUCED),
-        ([variant_of(FAILS, "converged"), variant_of(HOLDS)], NOT_REPRODUCED),
+        ([variant_of(FAILS, "converged"), variant_of(FAILS)], NOT_REPRODUCED),
+        ([variant_of(FAILS, "converged"), variant_of(OPEN)], NOT_REPRODUCED),
         # What a flow that has not relaxed says is shown and gives no verdict.
         ([variant_of(OPEN, "converged"), variant_of(FAILS)], INCONCLUSIVE),
         ([NO_RUNS, variant_of(FAILS)], NOT_REPRODUCED),
@@ -79,12 +81,13 @@ def test_a_judge_that_checks_nothing_or_another_part_is_wrong(checks, why):
         ([variant_of(HOLDS), variant_of(FAILS, reading="other")], READING_DEPENDENT),
         ([variant_of(HOLDS), variant_of(OPEN, reading="other")], REPRODUCED),
         (
+            # Readings are compared with the headline one, not with each other.
             [
                 variant_of(OPEN),
                 variant_of(FAILS, reading="other"),
                 variant_of(HOLDS, reading="third"),
             ],
-            READING_DEPENDENT,
+            INCONCLUSIVE,
         ),
     ],
 )
@@ -101,13 +104,32 @@ def test_only_contradictions_make_a_claim_dependent():
     assert judged(variant_of(HOLDS), other).verdict == READING_DEPENDENT
 
 
-def test_of_many_readings_one_that_differs_must_do_so_clearly():
-    """A failure with p = 0.01 is clear among two readings, but not with correction for twelve."""
-    likely = Check("z", 0.0, nan, 0.0, inf, tested=(1.0, 0.01))
+def test_more_readings_do_not_hide_one_that_differs():
+    """A reading that fails with p = 0.04 is a contradiction, however many others hold."""
+    likely = Check("z", 0.0, nan, 0.0, inf, tested=(1.0, 0.04))
     other = variant_of(likely, reading="belt_ghost centred")
     alike = [variant_of(HOLDS, reading=f"corrections = {number}") for number in range(10)]
     assert judged(variant_of(HOLDS), other).reading_dependent
-    assert not judged(variant_of(HOLDS), other, *alike).reading_dependent
+    assert judged(variant_of(HOLDS), other, *alike).reading_dependent
+
+
+def test_readings_are_compared_with_the_headline_one_under_a_protocol_of_both():
+    fails = variant_of(FAILS, reading="other")
+    assert not judged(variant_of(HOLDS, "converged"), fails).reading_dependent
+    both = [variant_of(HOLDS, "converged"), variant_of(HOLDS)]
+    assert judged(*both, fails).verdict == READING_DEPENDENT
+    assert not judged(*both, fails, variant_of(OPEN, "converged", "other")).reading_dependent
+
+
+def test_protocols_that_contradict_each_other_are_the_verdict():
+    assert judged(variant_of(HOLDS, "converged"), variant_of(FAILS)).verdict == PROTOCOL_DEPENDENT
+
+
+def test_a_claim_may_name_the_protocol_that_decides_it():
+    variants = variant_of(OPEN, "converged"), variant_of(HOLDS)
+    claim = judged(*variants).claim.model_copy(update={"protocol": "published"})
+    judgement = Judgement(claim, variants)
+    assert (judgement.verdict, judgement.decided_by) == (REPRODUCED, "published")
 
 
 def test_a_control_is_no_reading():
@@ -145,10 +167,17 @@ def on_part(part: str, check: Check) -> Check:
         ([("a", HOLDS), ("b", HOLDS)], [], REPRODUCED),
         ([("a", HOLDS), ("b", FAILS)], [], REPRODUCED_IN_PART),
         ([("a", HOLDS), ("b", OPEN)], [], REPRODUCED_IN_PART),
-        ([("a", OPEN), ("b", FAILS)], [], NOT_REPRODUCED),
+        # One part that fails does not refute the others.
+        ([("a", OPEN), ("b", FAILS)], [], INCONCLUSIVE),
+        ([("b", FAILS)], [], INCONCLUSIVE),
+        ([("a", FAILS), ("b", FAILS)], [], NOT_REPRODUCED),
         # Each part is decided by its own protocol, a part without runs is not reproduced yet.
-        ([("a", HOLDS)], [("a", FAILS), ("b", HOLDS)], REPRODUCED),
+        ([("a", HOLDS)], [("a", OPEN), ("b", HOLDS)], REPRODUCED),
         ([("a", HOLDS)], [("a", HOLDS)], REPRODUCED_IN_PART),
+        # A part that depends on the protocol does not hold.
+        ([("a", HOLDS)], [("a", FAILS), ("b", HOLDS)], REPRODUCED_IN_PART),
+        ([("a", HOLDS), ("b", OPEN)], [("a", FAILS)], PROTOCOL_DEPENDENT),
+        ([("a", HOLDS), ("b", FAILS)], [("a", FAILS)], PROTOCOL_DEPENDENT),
     ],
 )
 def test_a_claim_that_says_two_things_may_hold_in_part(converged, published, verdict):
@@ -162,6 +191,19 @@ def test_a_claim_that_says_two_things_may_hold_in_part(converged, published, ver
     torn = claim.model_copy(update={"contradiction": "both cannot be"})
     assert Judgement(torn, tuple(variants)).verdict == PAPER_INCONSISTENT
     assert Judgement(torn, (NO_RUNS,)).verdict == UNTESTABLE
+
+
+@pytest.mark.parametrize(
+    ("second", "verdict"), [(HOLDS, REPRODUCED_IN_PART), (OPEN, READING_DEPENDENT)]
+)
+def test_a_part_may_depend_on_the_reading(second, verdict):
+    claim = claims()[0].model_copy(update={"parts": {"a": "one thing", "b": "another"}})
+    headline = Variant("published", DEFAULT, (on_part("a", FAILS), on_part("b", second)))
+    other = Variant("published", "other", (on_part("a", HOLDS), on_part("b", HOLDS)))
+    judgement = Judgement(claim, (headline, other))
+    assert judgement.verdict == verdict
+    assert judgement.part_verdicts["a"] == READING_DEPENDENT
+    assert judgement.verdict_under("other") == REPRODUCED
 
 
 def test_a_verdict_is_told_as_a_function_of_a_number_that_is_ours():
@@ -187,13 +229,11 @@ def test_readings_are_what_points_have_beyond_the_defaults():
         made_point("belt", {"velocity": 0.1}, integrator="verlet", belt_ghost="centred"),
         made_point("chute", {"velocity": 0.1}, friction_cap="after"),
     )
-    assert readings_with_runs(results, "belt", readings_of("belt")) == [
-        {"integrator": "verlet"},
-        {"belt_ghost": "centred", "integrator": "verlet"},
-        {GRID: "edges"},
-        {GRID: "points"},
+    runs = {}, {"integrator": "verlet"}, {"belt_ghost": "centred", "integrator": "verlet"}
+    grids = {}, {GRID: "edges"}, {GRID: "points"}
+    assert combined_readings(results, "belt", readings_of("belt")) == [
+        run | grid for run in runs for grid in grids
     ]
-    assert readings_with_runs(results, "chute", readings_of("chute")) == [{"friction_cap": "after"}]
 
 
 def test_base_rows_of_another_cell_or_stiffness_are_readings():
@@ -201,7 +241,9 @@ def test_base_rows_of_another_cell_or_stiffness_are_readings():
         *(made_point("chute", {"velocity": 0.1}, **settings) for settings in ({}, {"cell": 5})),
         made_point("chute", {"velocity": 0.1}, stiffness=1000, friction_cap="after"),
     )
-    assert readings_with_runs(results, "chute", readings_of("chute")) == [
+    readings = combined_readings(results, "chute", readings_of("chute"))
+    assert [reading for reading in readings if GRID not in reading] == [
+        {},
         {"friction_cap": "after"},
         {"cell": 5},
         {"stiffness": 1000},
@@ -271,7 +313,7 @@ def test_what_is_written_is_plain_json_and_one_row_per_check():
     document = json.loads(text)
     assert [row["decided_by"] for row in document["claims"]] == ["converged", ""]
     first = document["claims"][0]
-    assert first["verdict"] == REPRODUCED and first["protocol_dependent"]
+    assert first["verdict"] == PROTOCOL_DEPENDENT and first["protocol_dependent"]
     check = first["variants"][0]["checks"][0]
     assert (
         check.items()

@@ -6,6 +6,7 @@ import pytest
 from benchmarks.judging import (
     KINDS,
     STATEMENTS,
+    dependence_rate,
     half_width,
     joint_rates,
     look_rates,
@@ -37,6 +38,13 @@ def test_more_replicates_tighten_an_interval_as_one_over_their_root():
     wide, narrow = (half_width(rng, KINDS["stationary"], number) for number in (4, 16))
     # Four times as many, and Student's factors of 3 and 15 degrees of freedom.
     assert narrow / wide == pytest.approx(0.5 * 2.13 / 3.18, abs=0.12)
+
+
+@pytest.mark.parametrize("readings", [2, 10])
+def test_a_claim_depends_on_readings_that_differ_and_hardly_on_others(readings):
+    """Two readings three half widths apart are noticed, and ten on one threshold are not."""
+    assert dependence_rate(readings, 0, 0, MANY) <= at_most(0.05, MANY)
+    assert 1 - dependence_rate(readings, 1.5, -1.5, MANY) <= at_most(0.2, MANY)
 
 
 @pytest.mark.parametrize("looks", [2, 4, 9])

@@ -25,6 +25,7 @@ from sim.papers.gallas.judges.density import (
     largest_difference,
     plateau_end,
 )
+from tests.claims.judging import by_part
 from tests.made.paper_belt import BEAD, checks_of, density, paper_point, verdict_of
 from tests.made.results import headline_bounds, made_results
 
@@ -109,11 +110,46 @@ def test_hardly_a_bead_at_the_belt():
         checks_of(g16, row((20, 60)))
 
 
-def test_faster_shaking_smears_the_bed():
-    assert verdict_of(g17, row()) == REPRODUCED
-    assert verdict_of(g17, changed(row(), block, frequency=80)) == INCONCLUSIVE
-    few = {"replicates": 2, "scatter": 0.5}
-    assert verdict_of(g17, row(**few)) == INCONCLUSIVE
+def test_beads_at_the_belt_at_the_beginning_of_the_cycle_are_shown():
+    """The paper's figure is one of a time mean."""
+    early = {"number_density_at_phase_0": block}
+    points = [paper_point(profiles=early, frequency=f) for f in (20, 60, 80)]
+    checks = checks_of(g16, points)
+    assert [(check.what.rpartition(", ")[2], check.votes) for check in checks] == [
+        *[("time mean", True)] * 3,
+        *[("phase 0", False)] * 3,
+    ]
+    assert all(check.value == pytest.approx(1) for check in checks[3:])
+    assert verdict_of(g16, points) == REPRODUCED
+
+
+def parts(judge, points) -> dict[str, str]:
+    """Return the verdict on each part of a claim."""
+    return by_part(checks_of(judge, points))
+
+
+#: Densities of the bed at 80 Hz: more beads of the usual shape, and a thin layer with a gas.
+USUAL = density(paper_point(frequency=80).parameters)
+SMEARED = {
+    "denser": lambda height: 2 * USUAL(height),
+    "thinner": lambda height: 0.2 * block(height, 4 * BEAD) + 0.05 * USUAL(height),
+}
+
+
+@pytest.mark.parametrize(
+    ("profile", "wrong"),
+    [(USUAL, ""), (SMEARED["denser"], "a"), (SMEARED["thinner"], "b"), (block, "ab")],
+)
+def test_faster_shaking_smears_the_bed_and_one_sure_reversal_denies_it(profile, wrong):
+    """Over the four frequencies there is a trend, but the last step goes the other way."""
+    verdicts = parts(g17, changed(row(), profile, frequency=80))
+    assert verdicts == {part: NOT_REPRODUCED if part in wrong else REPRODUCED for part in "ab"}
+
+
+def test_beds_too_few_or_missing_are_not_known_to_smear():
+    # Densities that scatter as a whole have one width.
+    verdicts = {"a": INCONCLUSIVE, "b": REPRODUCED}
+    assert parts(g17, row(replicates=2, scatter=0.5)) == verdicts
     with pytest.raises(Untestable, match="frequency 60"):
         checks_of(g17, row((10, 20, 80)))
 
@@ -195,8 +231,11 @@ def friction(profiles=None, **rest):
 
 
 def test_less_friction_smears_the_bed():
-    assert verdict_of(g20, friction()) == REPRODUCED
-    assert verdict_of(g20, friction({(10, 10): block})) == NOT_REPRODUCED
+    assert parts(g20, friction()) == {"a": REPRODUCED, "b": REPRODUCED}
+    assert parts(g20, friction({(10, 10): block})) == dict.fromkeys("ab", NOT_REPRODUCED)
+    # A thin layer with as many beads at the belt.
+    thin = density(paper_point(frequency=80, shear_damping=400).parameters)
+    assert parts(g20, friction({(10, 10): thin})) == {"a": NOT_REPRODUCED, "b": REPRODUCED}
     assert verdict_of(g20, friction(scatter=0.5)) == INCONCLUSIVE
     with pytest.raises(Untestable, match="damping 50, shear_damping 100"):
         checks_of(g20, friction()[:-1])
@@ -208,6 +247,7 @@ def test_fewer_beads_at_the_belt_are_not_the_claim():
     checks = checks_of(g20, friction(fewer))
     verdicts = [check.verdict for check in checks]
     assert verdicts == [REPRODUCED, REPORTED] * 3 + [NOT_REPRODUCED, REPRODUCED]
+    assert by_part(checks) == {"a": REPRODUCED, "b": NOT_REPRODUCED}
 
 
 def test_a_gas_above_does_not_widen_the_layer():

@@ -14,7 +14,7 @@ from tests.made.results import headline_bounds, made_results
 #: A judge at another threshold.
 g14 = partial(judge_g14, threshold=0.02)
 
-FREQUENCIES = (10, 15, 16, 18, 20, 25, 30, 40, 50, 60, 80, 100)
+FREQUENCIES = (10, 15, *range(16, 31, 2), 25, 40, 50, 60, 80, 100)
 
 
 def rows(name, values, frequencies=(20, 50, 80), **rest):
@@ -53,6 +53,20 @@ def test_a_dip_between_frequencies_10_hz_apart_is_one_of_the_fine_grid():
     points = replaced(base(replicates=8), {"velocity": 0.05}, replicates=8, frequency=25)
     coarse, fine = checks_of(g1, points)[:2]
     assert (coarse.verdict, fine.verdict) == (REPRODUCED, NOT_REPRODUCED)
+
+
+def test_a_fine_grid_of_too_wide_steps_decides_nothing():
+    """From 20 to 30 Hz the grid is one of 5 Hz: a fall between may be missed, or not be one."""
+    wide = [
+        point for point in base(replicates=8) if point.parameters.frequency not in (22, 24, 26, 28)
+    ]
+    for points in (wide, replaced(wide, {"velocity": 0.05}, replicates=8, frequency=25)):
+        coarse, fine = checks_of(g1, points)[:2]
+        assert (coarse.verdict, fine.verdict) == (REPRODUCED, INCONCLUSIVE)
+        assert fine.withheld == "frequencies up to 2 Hz apart"
+    # Above 30 Hz any steps will do.
+    gap = [point for point in base() if point.parameters.frequency != 28]
+    assert verdict_of(g1, gap) == INCONCLUSIVE
 
 
 def test_creep_below_the_onset_is_reported():

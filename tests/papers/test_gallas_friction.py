@@ -2,11 +2,22 @@
 
 import pytest
 
-from sim.claims.verdict import INCONCLUSIVE, NOT_REPRODUCED, REPRODUCED, Untestable
+from sim.claims.verdict import (
+    INCONCLUSIVE,
+    NOT_REPRODUCED,
+    PROTOCOL_DEPENDENT,
+    REPRODUCED,
+    Untestable,
+)
 from sim.papers.gallas.judges.friction import g9, g10, g11, g12, g36
+from tests.claims.judging import judgement_of
 from tests.made.paper_belt import checks_of, paper_point, verdict_of
 
 SHEAR = (0, 10, 20, 50, 100)
+
+
+#: Velocities (m/s) that rise fast up to 10g, and gently from there on.
+GENTLE = (0.0, 0.1, 0.102, 0.105, 0.108)
 
 
 def line(velocities=None, values=SHEAR, frequencies=(20, 50), **rest):
@@ -32,29 +43,64 @@ def test_fast_rise_then_gentle():
         checks_of(g9, line(values=(0, 10, 50, 100)))
 
 
-@pytest.mark.parametrize("judge", [g9, g36])
-def test_velocities_that_drift_decide_nothing(judge):
-    """By 12 % in 100 cycles at 20 Hz, by 5 % at 50 Hz."""
-    values = (0, 10, 20, 50, 100)
+def drifting(protocol):
+    """Return points that drift: by 12 % in 100 cycles at 20 Hz, by 5 % at 50 Hz, by 3 % at 80."""
     drift = {"acceleration": 0.0025, "acceleration_half_width": 1e-5}
-    points = [
-        paper_point({"velocity": 0.1 + shear / 1e4} | drift, frequency=f, shear_damping=shear)
-        for f in (20, 50, 80)
-        for shear in values
+    return [
+        paper_point(
+            {"velocity": 0.1 + shear / 1e4} | drift,
+            frequency=frequency,
+            shear_damping=shear,
+            protocol=protocol,
+        )
+        for frequency in (20, 50, 80)
+        for shear in SHEAR
     ]
-    assert verdict_of(judge, points) == INCONCLUSIVE
-    assert all("longer runs" in check.withheld for check in checks_of(judge, points))
+
+
+@pytest.mark.parametrize("judge", [g9, g36])
+def test_converged_velocities_that_drift_decide_nothing(judge):
+    checks = checks_of(judge, drifting("converged"), protocol="converged")
+    assert {check.verdict for check in checks if check.has_vote} == {INCONCLUSIVE}
+    assert all("longer runs" in check.withheld for check in checks)
+
+
+@pytest.mark.parametrize("judge", [g9, g36])
+def test_runs_of_the_papers_length_are_judged_as_they_are(judge):
+    """These drift, and show what the paper could see: the same rise at all frequencies."""
+    checks = checks_of(judge, drifting("published"))
+    assert not any(check.withheld for check in checks)
+    assert verdict_of(judge, drifting("published")) == NOT_REPRODUCED
 
 
 @pytest.mark.parametrize(("half_width", "verdict"), [(1e-6, REPRODUCED), (2e-3, INCONCLUSIVE)])
-def test_velocities_must_be_known_not_to_drift(half_width, verdict):
+def test_converged_velocities_must_be_known_not_to_drift(half_width, verdict):
     steady = {"acceleration": 0.0, "acceleration_half_width": half_width}
     points = [
-        paper_point({"velocity": velocity} | steady, frequency=f, shear_damping=shear)
+        paper_point(
+            {"velocity": velocity} | steady, frequency=f, shear_damping=shear, protocol=protocol
+        )
+        for protocol in ("converged", "published")
         for f in (20, 50)
-        for shear, velocity in ((0, 0.0), (10, 0.1), (20, 0.102), (50, 0.105), (100, 0.108))
+        for shear, velocity in zip(SHEAR, GENTLE, strict=True)
     ]
-    assert verdict_of(g9, points) == verdict
+    assert verdict_of(g9, points, protocol="converged") == verdict
+    assert verdict_of(g9, points) == REPRODUCED
+
+
+@pytest.mark.parametrize(
+    ("converged", "verdict"),
+    [
+        ([0, 0.1, 0.1, 0.095, 0.09], PROTOCOL_DEPENDENT),
+        ([0, 0.1, 0.102, 0.105, 0.108], REPRODUCED),
+    ],
+)
+def test_a_rise_of_short_runs_alone_depends_on_the_protocol(converged, verdict):
+    """What runs of the paper's length show, converged ones contradict."""
+    points = [*line(GENTLE), *line(converged, protocol="converged")]
+    judgement = judgement_of("G9", points)
+    assert (judgement.verdict, judgement.decided_by) == (verdict, "converged")
+    assert judgement_of("G9", line(GENTLE)).verdict == REPRODUCED
 
 
 def test_beads_that_do_not_move_have_no_slope():
@@ -100,6 +146,14 @@ def scattered(ratio, **rest):
 )
 def test_poor_statistics_at_small_shear_friction(ratio, verdict):
     assert verdict_of(g11, scattered(ratio)) == verdict
+
+
+def test_the_scatter_of_runs_of_the_papers_length_decides():
+    """A converged bed goes on until its mean is known, which makes its scatter."""
+    converged = scattered(2, protocol="converged")
+    judgement = judgement_of("G11", [*scattered(20), *converged])
+    assert (judgement.verdict, judgement.decided_by) == (REPRODUCED, "published")
+    assert judgement_of("G11", converged).decided_by == "converged"
 
 
 def test_scatter_needs_several_beds():

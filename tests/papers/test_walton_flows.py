@@ -88,6 +88,19 @@ def test_the_deepest_flow_counts_with_the_lowest_velocity_of_any_window():
     assert single.verdict == REPRODUCED
 
 
+def test_a_depth_counts_once_however_many_beds_it_has():
+    """Replicates are no depths: four depths in order of six are as sure with 30 beds as with 3."""
+    speeds = dict(zip((1.24, 1.5, 2.5, 5, 10, 20), (4, 5, 6, 7, 5.5, 4.5), strict=True))
+    few, many = (
+        checks_on(w9, base_flows(speeds, replicates=count, cell=10))[0] for count in (3, 30)
+    )
+    assert few.verdict == many.verdict == INCONCLUSIVE
+    assert few.tested == many.tested
+    # All of six in order: one of 720 orders.
+    (rising,) = checks_on(w9, base_flows(dict(zip(speeds, range(4, 10), strict=True)), cell=10))
+    assert rising.p_holds == pytest.approx(1 / 720, rel=1e-6)
+
+
 def test_cells_are_not_mixed():
     """Flows in the narrow cell are twice as fast at any depth, which is no trend."""
     wide = base_flows({n: 8 + 0.1 * n for n in (1.24, 2.5, 5, 10)})

@@ -4,12 +4,20 @@ import numpy as np
 import pytest
 
 from sim.claims.place import replicate_mean
-from sim.claims.verdict import INCONCLUSIVE, NOT_REPRODUCED, REPORTED, REPRODUCED, Untestable
+from sim.claims.verdict import (
+    INCONCLUSIVE,
+    NOT_REPRODUCED,
+    READING_DEPENDENT,
+    REPORTED,
+    REPRODUCED,
+    Untestable,
+)
 from sim.papers.walton.judges.profiles import _densest_inner, w10, w11, w12, w13, w14, w17, w18
-from tests.claims.judging import checks_on, failed_quantities, verdict_on
+from tests.claims.judging import by_part, checks_on, failed_quantities, judgement_of, verdict_on
 from tests.made.chute_flows import (
     PACKING,
     PAPER,
+    RUNAWAY,
     SIZE,
     SLOPE,
     SPEEDS,
@@ -69,46 +77,77 @@ def test_statements_on_all_bins_need_many_replicates(judge):
     [(2.0, 0.0, REPRODUCED), (2.0, 0.1, NOT_REPRODUCED), (9.0, 0.0, NOT_REPRODUCED)],
 )
 def test_plug_over_a_shear_layer(knee, rest, verdict):
-    flows = [shaped(n, kinked_profile(n / 10 * knee, n, rest)) for n in (10, 20, 40)]
+    flows = [shaped(n, kinked_profile(n / 10 * knee, n, rest), cell=10) for n in (10, 20, 40)]
     assert verdict_on(w11, flows) == verdict
 
 
-def test_plugs_are_counted_over_all_starts_and_cells():
+def test_plugs_are_counted_over_all_starts():
     plug, sheared = kinked_profile(2, 10), kinked_profile(2, 10, 0.2)
     points = [
-        *(shaped(10, plug, cell=5, initial_velocity=v) for v in (8, 16, 30)),
-        shaped(10, sheared),
+        *(shaped(10, plug, initial_velocity=v) for v in (8, 16, 30)),
+        shaped(10, sheared, initial_velocity=60),
     ]
     checks = checks_on(w11, points)
     assert checks[0].value == 0.75 and checks[0].verdict == REPRODUCED
-    # Shares of 15 and of 5 runs, with Wilson's intervals.
-    assert [check.value for check in checks[1:]] == pytest.approx([0.898, 0.217], abs=1e-3)
+    # Shares of 5 runs, with Wilson's intervals.
+    shares = {check.what.rpartition(", ")[2]: check for check in checks[1:]}
+    assert list(shares) == ["V0 = 8", "V0 = 16", "V0 = 30", "V0 = 60"]
+    assert not any(check.has_vote for check in shares.values())
+    values = [shares[f"V0 = {start}"].value for start in (16, 60)]
+    assert values == pytest.approx([0.783, 0.217], abs=1e-3)
     ends = [
-        check.value + check.half_width * sign
-        for check, sign in zip(checks[1:], (1, -1), strict=True)
+        shares[f"V0 = {v}"].value + shares[f"V0 = {v}"].half_width * sign
+        for v, sign in ((16, 1), (60, -1))
     ]
     assert ends == pytest.approx([1, 0], abs=1e-9)
     # Half of few runs is not often, and not seldom.
     assert verdict_on(w11, points[-2:]) == INCONCLUSIVE
 
 
+def in_cells(*widths):
+    """Return eight runs of depths 10 and 20 per width: plugs, but not in cells of 10."""
+    return [
+        shaped(n, kinked_profile(n / 5, n, 0.2 * (cell == 10), 8), cell=cell, replicates=8)
+        for n in (10, 20)
+        for cell in widths
+    ]
+
+
+def test_plugs_in_cells_of_other_widths_are_not_counted():
+    alone, (share, *_) = checks_on(w11, in_cells(10)), checks_on(w11, in_cells(5, 10, 20))
+    assert share == alone[0] and share.verdict == NOT_REPRODUCED
+    assert share.what == "share of runs with a plug, n = 10, 20 in cells of 10 σ"
+    with pytest.raises(Untestable, match="in cells of 10 σ"):
+        checks_on(w11, in_cells(5, 20))
+
+
+def test_the_width_of_the_cell_is_a_reading_of_plugs():
+    judgement = judgement_of("W11", in_cells(5, 10))
+    assert judgement.verdict == READING_DEPENDENT
+    by_reading = {reading: judgement.verdict_under(reading) for reading in judgement.readings}
+    assert by_reading == {"default": NOT_REPRODUCED, "L = 5 σ": REPRODUCED}
+    assert judgement_of("W11", in_cells(10)).verdict == NOT_REPRODUCED
+
+
 def test_runs_that_accelerate_are_no_plugs():
     runs = {"regime": ["accelerating", "steady", "steady", "steady", "steady"]}
-    points = [shaped(10, kinked_profile(2, 10), scalars=runs), shaped(20, kinked_profile(2, 20))]
-    assert "10 runs" not in checks_on(w11, points)[0].what
-    assert checks_on(w11, points)[1].what.endswith("cells of 5 σ, 5 runs")
-    assert checks_on(w11, points)[2].what.endswith("cells of 10 σ, 4 runs")
-
-
-def test_plugs_need_cells_of_two_widths():
-    with pytest.raises(Untestable, match="two widths"):
-        checks_on(w11, [shaped(20, kinked_profile(2, 20))])
+    points = [
+        shaped(10, kinked_profile(2, 10), scalars=runs),
+        shaped(20, kinked_profile(4, 20), cell=10),
+    ]
+    share, *by_depth = checks_on(w11, points)
+    # Of nine runs, all have a plug.
+    assert (share.value, share.p_holds) == (1, pytest.approx(0.5**9))
+    assert [check.value for check in by_depth] == pytest.approx([0.755, 0.783], abs=1e-3)
+    with pytest.raises(Untestable, match="do not accelerate"):
+        gone = {"regime": "accelerating"}
+        checks_on(w11, [shaped(10, kinked_profile(2, 10), scalars=gone)])
 
 
 @pytest.mark.parametrize("judge", [w14, w17])
-def test_deep_flows_must_be_there(judge):
-    with pytest.raises(Untestable, match=r"depth|three depths"):
-        checks_on(judge, base_flows({1.24: 4, 5: 8}))
+def test_deep_flows_of_stiff_spheres_must_be_there(judge):
+    with pytest.raises(Untestable, match="at depth"):
+        checks_on(judge, base_flows({1.24: 4, 5: 8, 10: 15, 20: 25, 40: 30}))
 
 
 def thinning(z, bump: float):
@@ -135,15 +174,37 @@ def test_packing_that_falls_from_layer_to_layer(bump, scatter, verdict):
     assert verdict_on(w12, flows) == verdict
 
 
-def test_rises_of_the_packing_between_slices_are_reported():
-    _, sliced = (
-        check
-        for check in checks_on(
-            w12, [shaped(1.24, packing=lambda z: thinning(z, 0.2), replicates=8)]
-        )
-        if check.verdict == REPORTED
-    )
-    assert sliced.value == pytest.approx(0.2 - 0.15 / 4, abs=0.01)
+def test_rises_of_the_packing_between_slices_are_shown():
+    flow_of_one = [shaped(1.24, packing=lambda z: thinning(z, 0.2), replicates=8)]
+    layers, centres, plane = checks_on(w12, flow_of_one)
+    assert layers.has_vote and not centres.votes and plane.verdict == REPORTED
+    for sliced in (centres, plane):
+        assert sliced.value == pytest.approx(0.2 - 0.15 / 4, abs=0.01)
+    assert centres.p_fails < 0.05
+
+
+def gap_at_the_plane(z):
+    """Return a packing that falls with height, but for a gap under the first centres."""
+    return np.clip(0.5 - 0.15 * z, 0, None) * np.where(z < 0.5, 0.9, 1)
+
+
+@pytest.mark.parametrize(
+    ("packing", "by_slices", "verdict"),
+    [
+        (lambda z: thinning(z, 0.2), NOT_REPRODUCED, READING_DEPENDENT),
+        (lambda z: thinning(z, 0), REPRODUCED, REPRODUCED),
+        # What lies under the first centres belongs to no sphere's middle.
+        (gap_at_the_plane, REPRODUCED, REPRODUCED),
+    ],
+)
+def test_the_thickness_of_the_slices_is_a_reading_of_the_packing(packing, by_slices, verdict):
+    judgement = judgement_of("W12", [shaped(1.24, packing=packing, replicates=8)])
+    by_reading = {reading: judgement.verdict_under(reading) for reading in judgement.readings}
+    assert by_reading == {
+        "default": REPRODUCED,
+        "profiles by slices of a quarter diameter": by_slices,
+    }
+    assert judgement.verdict == verdict
 
 
 def test_a_single_layer_cannot_thin_out():
@@ -201,7 +262,7 @@ def test_maximum_inside_needs_all_intermediate_flows_with_replicates(missing):
 
 
 def block(plug: float = 0.62, sheared: float = 0.5, ripple: float = 0.0, gap: float = 1, **options):
-    """Return a flow at depth 40 with a shear layer of four diameters under a plug.
+    """Return a flow of stiff spheres at depth 40: a plug on a shear layer of four diameters.
 
     ``gap`` is the packing under the lowest centres over that of the shear layer.
     """
@@ -212,7 +273,7 @@ def block(plug: float = 0.62, sheared: float = 0.5, ripple: float = 0.0, gap: fl
         return np.where(z < 4, layer, np.where(z < 60, rippled, 0))
 
     velocity = np.tile(kinked_profile(4.2, 40, replicates=1), (5, 1))
-    return [shaped(40, velocity, packing, **{"transient": 2000} | options)]
+    return [shaped(40, velocity, packing, **{"transient": 2000, "stiffness": 1000} | options)]
 
 
 @pytest.mark.parametrize(
@@ -229,7 +290,8 @@ def block(plug: float = 0.62, sheared: float = 0.5, ripple: float = 0.0, gap: fl
 )
 def test_block_over_a_looser_layer(options, wrong):
     checks = checks_on(w14, block(**options))
-    assert [quantity.removesuffix(", n = 40") for quantity in failed_quantities(checks)] == wrong
+    label = ", n = 40, K1 = 1000 N/m"
+    assert [quantity.removesuffix(label) for quantity in failed_quantities(checks)] == wrong
     assert verdict_on(w14, block(**options)) == (NOT_REPRODUCED if wrong else REPRODUCED)
 
 
@@ -252,45 +314,65 @@ def test_an_age_may_be_rounded_to_whole_samples_and_the_oldest_flow_counts():
     assert verdict_on(w14, [*block(transient=300, replicates=9), *old]) == REPRODUCED
 
 
-def test_a_block_of_stiffer_spheres_counts_where_the_softest_does_not_last():
-    loose = block(plug=0.58, stiffness=1000)
-    assert verdict_on(w14, [*block(), *loose]) == REPRODUCED
-    running = block(scalars={"acceleration": np.full(5, 0.1 * SLOPE)})
-    assert next(check.what for check in checks_on(w14, [*running, *loose])).endswith("1000 N/m")
-    assert verdict_on(w14, [*running, *loose]) == NOT_REPRODUCED
-    assert verdict_on(w14, loose) == NOT_REPRODUCED
+@pytest.mark.parametrize("options", [{}, {"scalars": RUNAWAY}])
+def test_a_block_is_one_of_stiff_spheres_whatever_the_softest_do(options):
+    soft = block(stiffness=100, **options)
+    assert verdict_on(w14, [*soft, *block(plug=0.58)]) == NOT_REPRODUCED
+    assert verdict_on(w14, [*block(plug=0.58, stiffness=100), *block()]) == REPRODUCED
+    with pytest.raises(Untestable, match="at depth 40"):
+        checks_on(w14, soft)
 
 
 def with_depths(*depths, scatter=SCATTER, **options):
-    """Return flows at four depths in cells of 5 diameters, with given shear depths."""
+    """Return flows of stiff spheres at three depths in cells of 5, with given shear depths."""
+    options = {"stiffness": 1000, "cell": 5} | options
     return [
-        shaped(n, scalars={"shear_depth": depth * SIZE}, scatter=scatter, cell=5, **options)
-        for n, depth in zip((5, 10, 20, 40), depths, strict=True)
+        shaped(n, scalars={"shear_depth": depth * SIZE}, scatter=scatter, **options)
+        for n, depth in zip((10, 20, 40), depths, strict=True)
     ]
 
 
-def test_shear_depth_falls_with_the_depth():
-    assert verdict_on(w17, with_depths(3.2, 3, 2, 1.5)) == REPRODUCED
-    assert verdict_on(w17, with_depths(3, 4, 9, 30)) == NOT_REPRODUCED
-    # A thicker layer may be a smaller fraction.
-    thickness, fraction = checks_on(w17, with_depths(2, 2.2, 2.4, 2.6))
-    assert (thickness.verdict, fraction.verdict) == (NOT_REPRODUCED, REPRODUCED)
-    assert verdict_on(w17, with_depths(3, 2.9, 3.1, 2.8, scatter=0.5)) == INCONCLUSIVE
+@pytest.mark.parametrize(
+    ("depths", "verdicts"),
+    [
+        ((3, 2, 1.5), {"a": REPRODUCED, "b": REPRODUCED}),
+        ((1, 4, 30), {"a": NOT_REPRODUCED, "b": NOT_REPRODUCED}),
+        # A thicker layer may be a smaller fraction.
+        ((2.2, 2.4, 2.6), {"a": NOT_REPRODUCED, "b": REPRODUCED}),
+    ],
+)
+def test_shear_depth_and_its_share_fall_with_the_depth(depths, verdicts):
+    assert by_part(checks_on(w17, with_depths(*depths))) == verdicts
 
 
-def test_shear_depths_of_stiffer_spheres_count_where_the_softest_do_not_last():
-    hard = with_depths(3, 4, 9, 30, stiffness=1000)
-    assert verdict_on(w17, [*with_depths(3.2, 3, 2, 1.5), *hard]) == REPRODUCED
-    assert verdict_on(w17, [*with_depths(3.2, 3, 2, 1.5)[:3], *hard]) == NOT_REPRODUCED
+def test_shear_depths_that_scatter_decide_nothing():
+    checks = checks_on(w17, with_depths(3, 2.9, 3.1, scatter=0.5))
+    assert by_part(checks)["a"] == INCONCLUSIVE
 
 
-def test_flows_of_unlike_cells_ages_or_too_few_depths_are_not_compared():
-    points = with_depths(3.2, 3, 2, 1.5)
-    young = shaped(40, scalars={"shear_depth": SIZE}, cell=5, transient=40)
-    reasons = [checks_on(w17, flows)[0].withheld for flows in (points[1:], [*points[:3], young])]
-    assert reasons[0] == "n = 10, 20, 40 alone in one cell"
-    # A young flow is left out, not compared.
-    assert reasons[1] == "n = 5, 10, 20 alone in one cell"
+def test_shear_depths_are_those_of_stiff_spheres_and_of_deep_flows():
+    usual = checks_on(w17, with_depths(3, 2, 1.5))
+    assert usual[0].what.endswith("shear depth over n = 10, 20, 40, K1 = 1000 N/m")
+    # Neither the softest spheres nor a flow that shears throughout change anything.
+    others = [
+        *with_depths(1, 4, 30, stiffness=100),
+        shaped(5, scalars={"shear_depth": SIZE}, cell=5, stiffness=1000),
+    ]
+    assert checks_on(w17, [*others, *with_depths(3, 2, 1.5)]) == usual
+
+
+def test_shear_depths_of_unlike_cells_or_ages_are_not_compared():
+    points = with_depths(3, 2, 1.5)
+    young = {"scalars": {"shear_depth": SIZE}, "cell": 5, "stiffness": 1000, "transient": 40}
+    unlike = [*points[:2], shaped(40, **young)]
+    assert {check.withheld for check in checks_on(w17, unlike)} == {
+        "flows of ages 40 and 300 √(σ/g) are compared"
+    }
+    # Younger windows of the others make it comparable.
+    alike = [*unlike, *(shaped(n, **young) for n in (10, 20))]
+    assert not any(check.withheld for check in checks_on(w17, alike))
+    with pytest.raises(Untestable, match="depth 40, cell 5"):
+        checks_on(w17, [*points[:2], *with_depths(3, 2, 1.5, cell=10)])
 
 
 @pytest.mark.parametrize(

@@ -5,6 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from sim.claims.evidence import Evidence
+from sim.claims.inference import trend
 from sim.claims.verdict import (
     INCONCLUSIVE,
     NOT_REPRODUCED,
@@ -14,10 +16,19 @@ from sim.claims.verdict import (
     Untestable,
     combined_verdict,
 )
-from sim.papers.walton.judges.properties import w15, w16, w20, w21, w22
+from sim.papers.walton.judges.properties import _agitation, w15, w16, w20, w21, w22
 from tests.claims.judging import by_part, checks_on, failed_quantities, verdict_on
-from tests.made.chute_flows import PACKING, SIZE, SLOPE, SPEEDS, base_flows, flow, kinked_profile
-from tests.made.results import SCATTER
+from tests.made.chute_flows import (
+    PACKING,
+    SIZE,
+    SLOPE,
+    SPEEDS,
+    UNIT,
+    base_flows,
+    flow,
+    kinked_profile,
+)
+from tests.made.results import SCATTER, made_results
 
 
 def parts(judge, points) -> dict[str, str]:
@@ -34,7 +45,8 @@ def test_the_base_case_alone_tests_nothing(judge):
 def ordered_flow(share, knee=2, rest=0.0, **options):
     """Return a flow with a crystalline share: a plug on ``knee`` diameters, or sheared."""
     scalars = {"crystalline_share": share, "layer_order": 0.6}
-    return flow(15, scalars, riding(options["depth"], knee, rest), **options)
+    profiles = riding(options["depth"], knee, rest, options.get("replicates", 5))
+    return flow(15, scalars, profiles, **options)
 
 
 def riding(depth, knee=2, rest=0.0, replicates=5):
@@ -45,14 +57,15 @@ def riding(depth, knee=2, rest=0.0, replicates=5):
     }
 
 
-def crystals(share=0.8, spread=0.3, bumps=0.1, wide=0.6, rest=0.0, scatter=0.01):
-    """Return flows with crystalline plugs, and their three controls with weaker order."""
+def crystals(share=0.8, usual=0.8, spread=0.3, bumps=0.1, wide=0.6, rest=0.0, scatter=0.01):
+    """Return stiff flows with crystalline plugs; a soft one, and its controls with weaker order."""
     options = {"scatter": scatter}
+    narrow = {"depth": 10, "cell": 5} | options
     return [
-        *(ordered_flow(share, depth=n, **options) for n in (10, 20, 40)),
-        ordered_flow(share, depth=10, cell=5, **options),
-        ordered_flow(spread, depth=10, cell=5, diameter_spread=0.1, rest=rest, **options),
-        ordered_flow(bumps, depth=10, cell=5, bumps=1, **options),
+        *(ordered_flow(share, depth=n, cell=5, stiffness=1000, **options) for n in (10, 20, 40)),
+        ordered_flow(usual, **narrow),
+        ordered_flow(spread, diameter_spread=0.1, rest=rest, **narrow),
+        ordered_flow(bumps, bumps=1, **narrow),
         ordered_flow(wide, depth=10, cell=20, **options),
     ]
 
@@ -61,7 +74,7 @@ def crystals(share=0.8, spread=0.3, bumps=0.1, wide=0.6, rest=0.0, scatter=0.01)
     ("changes", "wrong"),
     [
         ({}, ""),
-        ({"share": 0.4, "wide": 0.35}, "a"),
+        ({"share": 0.4}, "a"),
         ({"spread": 0.85}, "b"),
         ({"bumps": 0.85}, "c"),
         ({"wide": 0.85}, "d"),
@@ -73,12 +86,48 @@ def test_crystals_and_what_weakens_them(changes, wrong):
 
 
 def test_crystals_of_uncertain_extent_decide_nothing():
-    assert set(parts(w15, crystals(scatter=0.9, share=0.5)).values()) >= {INCONCLUSIVE}
+    assert set(parts(w15, crystals(scatter=0.9, share=0.5, usual=0.5)).values()) >= {INCONCLUSIVE}
 
 
-def test_a_plug_is_not_compared_with_a_flow_that_shears():
-    verdicts = parts(w15, crystals(rest=0.5))
-    assert verdicts == {"a": REPRODUCED, "b": INCONCLUSIVE, "c": REPRODUCED, "d": REPRODUCED}
+def test_flows_are_compared_whatever_their_state():
+    """A control that shears throughout is one result of the change, and so is its order."""
+    states = {"a": REPRODUCED, "b": REPRODUCED, "c": REPRODUCED, "d": REPRODUCED}
+    assert parts(w15, crystals(rest=0.5)) == states
+    assert parts(w15, crystals(rest=0.5, spread=0.85)) == states | {"b": NOT_REPRODUCED}
+    checks = checks_on(w15, crystals(rest=0.5))
+    (compared,) = (check for check in checks if check.part == "b" and check.has_vote)
+    assert compared.tested[0] == pytest.approx(1 / 252)
+
+
+def test_factors_are_compared_at_one_age():
+    """The usual flow is less ordered when old, and only its control was watched that long."""
+    usual = {"depth": 10, "cell": 5, "transient": 2000}
+    old = ordered_flow(0.2, **usual, replicates=9)
+    narrow = [point for point in crystals() if point.parameters.depth == 10]
+    assert parts(w15, [*narrow, old])["b"] == REPRODUCED
+    oldest = ordered_flow(0.3, **usual, diameter_spread=0.1, replicates=7)
+    late = [*narrow[:2], old, oldest]
+    (check,) = (check for check in checks_on(w15, late) if check.part == "b" and check.has_vote)
+    assert check.points == (old.id, oldest.id) and check.verdict == NOT_REPRODUCED
+
+
+def test_crystals_are_those_of_stiff_spheres_in_the_narrow_cell():
+    checks = [check for check in checks_on(w15, crystals()) if check.part == "a" and check.has_vote]
+    assert [check.what.partition(", ")[2] for check in checks] == [
+        f"n = {n}, K1 = 1000 N/m" for n in (10, 20, 40)
+    ]
+    soft = [ordered_flow(0.3, depth=n, cell=5) for n in (20, 40)]
+    wide = [ordered_flow(0.3, depth=n, cell=10, stiffness=1000) for n in (10, 20, 40)]
+    assert parts(w15, [*crystals(), *soft, *wide])["a"] == REPRODUCED
+    assert "a" not in parts(w15, [*crystals()[3:], *soft, *wide])
+
+
+def test_crystals_of_unlike_ages_are_not_compared():
+    young = [ordered_flow(0.8, depth=40, cell=5, stiffness=1000, transient=100)]
+    unlike = [*crystals()[:2], *young, *crystals()[3:]]
+    assert parts(w15, unlike)["a"] == INCONCLUSIVE
+    (reason,) = {c.withheld for c in checks_on(w15, unlike) if c.part == "a" and c.has_vote}
+    assert reason == "flows of ages 100 and 300 √(σ/g) are compared"
 
 
 @pytest.mark.parametrize(("control", "part"), [(4, "b"), (5, "c"), (6, "d")])
@@ -107,6 +156,24 @@ def resilient(speeds=(13, 9, 7), depths=(1.4, 2, 2.9), n=5, **options):
 def test_more_elastic_is_slower_and_deeper(changes, wrong):
     assert len(failed_quantities(checks_on(w16, resilient(**changes)))) == wrong
     assert verdict_on(w16, resilient(**changes)) == (NOT_REPRODUCED if wrong else REPRODUCED)
+
+
+def test_each_of_three_depths_is_clear_by_itself():
+    """Two of three restitutions are in order: with p = 0.03 at one depth, and one of three."""
+    points = resilient(speeds=(13, 9, 9), depths=(2, 2, 2), replicates=3)
+    velocity, _ = checks_on(w16, points)
+    alone = trend("V", [[point.scalars["velocity"] for point in points]], rising=False)
+    assert alone.verdict == REPRODUCED and velocity.verdict == INCONCLUSIVE
+    assert velocity.tested == pytest.approx((3 * alone.p_holds, 1.0))
+
+
+def test_restitutions_are_compared_at_one_age():
+    """More replicates of another age at one restitution do not count."""
+    young = flow(20, {"shear_depth": SIZE}, depth=5, restitution=0.95, transient=40, replicates=9)
+    checks = checks_on(w16, [*resilient(), young])
+    assert checks == checks_on(w16, resilient())
+    (reason,) = {check.withheld for check in checks_on(w16, [*resilient()[:2], young])}
+    assert reason == "flows of ages 40 and 300 √(σ/g) are compared"
 
 
 def test_velocities_too_close_or_few_decide_nothing():
@@ -185,7 +252,9 @@ def mixed(point, riders, **scalars):
 @pytest.mark.parametrize(("riders", "verdict"), [(9, REPRODUCED), (6, INCONCLUSIVE)])
 def test_of_flows_in_two_states_most_must_hold(riders, verdict):
     states = {"crystalline_share": (0.8, 0.1), "layer_order": (0.6, 0.1)}
-    flows = [mixed({"depth": n}, riders, **states) for n in (10, 20, 40)]
+    flows = [
+        mixed({"depth": n, "cell": 5, "stiffness": 1000}, riders, **states) for n in (10, 20, 40)
+    ]
     assert parts(w15, flows)["a"] == verdict
     overlaps = {"overlap_999": (0.05, 0.01), "median_overlap": (1e-3, 1e-3)}
     deep = mixed({"depth": 40}, riders, **overlaps)
@@ -246,6 +315,52 @@ def test_stiffer_spheres_hop():
     assert verdict_on(w22, stiff(hotter=0.8)) == NOT_REPRODUCED
 
 
+def layer(heat, shear, knee=1.75):
+    """Return a flow with a temperature and a shear rate (√(g/σ)) up to a height, in the layer."""
+    profiles = {
+        "velocity_profile": np.tile(shear * kinked_profile(knee, 20, replicates=1), (5, 1)),
+        "packing_profile": lambda z: PACKING * (z < 20 * SIZE),
+        "vertical_temperature_profile": lambda z: np.where(
+            (z > SIZE) & (z < 2 * SIZE), heat * UNIT**2, 1.0
+        ),
+    }
+    return Evidence(made_results(flow(25, profiles=profiles, depth=20, scatter=0)), "published")
+
+
+@pytest.mark.parametrize(
+    ("heat", "shear", "knee", "agitation"),
+    [
+        (0.1, 1.0, 9, 0.1),
+        # Twice the shear agitates four times as much by itself.
+        (0.4, 2.0, 9, 0.1),
+        # Over three quarters of the layer: the mean shear rate is 0.75 √(g/σ).
+        (0.09, 1.0, 1.75, 0.16),
+    ],
+)
+def test_agitation_is_that_of_the_shear_rate(heat, shear, knee, agitation):
+    """T_z/(γ̇σ)² is heat/shear², as σ²γ̇² is shear² gσ."""
+    place = layer(heat, shear, knee).at("chute", depth=20)
+    assert _agitation(place, (1, 2)) == pytest.approx(np.full(5, agitation), rel=1e-6)
+
+
+def test_faster_shear_alone_is_no_hopping():
+    """Stiff spheres shear twice as fast and are three times as hot: less than four times."""
+    points = stiff(hotter=3.0)
+    fast = {"velocity_profile": 2 * points[5].profiles["velocity_profile"]}
+    points[5] = replace(points[5], profiles=points[5].profiles | fast)
+    assert verdict_on(w22, points) == NOT_REPRODUCED
+
+
+def test_flows_with_and_without_a_plug_are_ranked_together():
+    """The state is an outcome of the stiffness: half of the stiff runs shear throughout."""
+    points = stiff()
+    rows = points[5].profiles["velocity_profile"].copy()
+    rows[:2] = kinked_profile(20, 20, replicates=2)
+    points[5] = replace(points[5], profiles=points[5].profiles | {"velocity_profile": rows})
+    (check,) = (check for check in checks_on(w22, points) if check.has_vote)
+    assert check.verdict == REPRODUCED and check.tested[0] == pytest.approx(1 / 252)
+
+
 def test_stiffer_spheres_with_scattered_flows_decide_nothing():
     assert parts(w21, stiff(slower=1, shallow=1.03, scatter=0.5)) == dict.fromkeys(
         "ab", INCONCLUSIVE
@@ -253,18 +368,33 @@ def test_stiffer_spheres_with_scattered_flows_decide_nothing():
     assert verdict_on(w22, stiff(hotter=1.0)) == INCONCLUSIVE
 
 
+def aged(transient, *kept):
+    """Return flows at two stiffnesses; the stiff one at depth 20 has another age, or both."""
+    hard = stiff(transient=transient)[5]
+    return [*stiff()[:5], *kept, hard, *stiff()[6:]]
+
+
+def of_deep_flows(points) -> list:
+    """Return the checks with a vote on W21's deep flows and on W22."""
+    deep = [check for check in checks_on(w21, points) if check.part == "b" and check.has_vote]
+    return [*deep, *(check for check in checks_on(w22, points) if check.has_vote)]
+
+
 def test_flows_of_other_ages_are_not_compared():
-    aged = [*stiff()[:-1], *stiff(transient=900)[-1:]]
-    checks = [check for check in checks_on(w21, aged) if check.part == "b" and check.has_vote]
-    assert [bool(check.withheld) for check in checks] == [False, False, True, True]
-    assert "flows of ages 300 and 900" in checks[-1].withheld
+    reasons = {check.withheld for check in of_deep_flows(aged(900))}
+    assert reasons == {"flows of ages 300 and 900 √(σ/g) are compared"}
+    # Windows of one age are compared, whatever others there are.
+    checks = of_deep_flows(aged(900, stiff()[5]))
+    assert len(checks) == 3 and {check.verdict for check in checks} == {REPRODUCED}
+    assert {check.points for check in checks} == {
+        (stiff()[4].id, stiff()[5].id),
+        (stiff()[5].id, stiff()[4].id),
+    }
 
 
-@pytest.mark.parametrize(("transient", "comparable"), [(600.02, True), (607, False)])
+@pytest.mark.parametrize(("transient", "comparable"), [(300.02, True), (306, False)])
 def test_ages_are_equal_within_a_sample(transient, comparable):
-    aged = [*stiff()[:-1], *stiff(transient=transient)[-1:]]
-    checks = [check for check in checks_on(w21, aged) if check.part == "b" and check.has_vote]
-    assert (not checks[-1].withheld) == comparable
+    assert [not check.withheld for check in of_deep_flows(aged(transient))] == [comparable] * 3
 
 
 def test_stiffer_spheres_are_shown_beside():
@@ -292,7 +422,6 @@ def runaway(points, number: int):
         (w15, crystals(), 4, "b"),
         (w16, resilient(), 0, "a"),
         (w20, soft(), 0, "a"),
-        (w20, soft(), 2, "b"),
         (w21, stiff(), 1, "a"),
         (w21, stiff(), 4, "b"),
         (w22, stiff(), 4, ""),
@@ -303,19 +432,15 @@ def test_flows_that_have_not_settled_decide_nothing(judge, points, number, part)
     assert parts(judge, runaway(points, number))[part] == INCONCLUSIVE
 
 
+def test_overlaps_of_a_flow_that_runs_away_count():
+    """The sentence is on a layer that shears fast, in whatever flow."""
+    assert parts(w20, runaway(soft(), 2))["b"] == REPRODUCED
+    assert parts(w20, runaway(soft(dynamic=0.02), 2))["b"] == NOT_REPRODUCED
+
+
 @pytest.mark.parametrize(("judge", "part"), [(w21, "b"), (w22, "")])
-def test_where_no_soft_flow_lasts_at_the_deepest_the_next_depth_decides(judge, part):
-    assert parts(judge, runaway(stiff(), 6))[part] == REPRODUCED
-    gone = [*stiff()[:6], *stiff()[7:]]
-    assert parts(judge, gone)[part] == REPRODUCED
-    contrary = [*stiff(slower=1.5, hotter=0.5)[:6], *stiff()[7:]]
-    assert parts(judge, contrary)[part] == NOT_REPRODUCED
-
-
-def test_crystals_of_stiffer_spheres_count_where_no_soft_flow_lasts():
-    hard = [ordered_flow(0.3, depth=n, cell=5, stiffness=1000) for n in (10, 20, 40)]
-    assert parts(w15, [*crystals(), *hard])["a"] == REPRODUCED
-    checks = checks_on(w15, [*runaway(crystals(), 2), *hard])
-    labels = [check.what for check in checks if check.part == "a" and check.has_vote]
-    assert labels[-1] == "crystalline share of the plug, n = 40, K1 = 1000 N/m"
-    assert by_part(checks)["a"] == NOT_REPRODUCED
+def test_depth_20_decides_whatever_flows_do_at_depth_40(judge, part):
+    contrary = stiff(slower=1.5, deeper=0.5, hotter=0.5)
+    for deepest in (runaway(stiff(), 6)[6:], contrary[6:], []):
+        assert parts(judge, [*stiff()[:6], *deepest])[part] == REPRODUCED
+        assert parts(judge, [*contrary[:6], *deepest])[part] == NOT_REPRODUCED

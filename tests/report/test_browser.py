@@ -186,7 +186,7 @@ def test_each_filter_leaves_its_claims(page):
 
 def test_a_number_of_the_summary_lists_its_claims(page):
     press(page, page.locator("#summary td a").first)
-    assert shown(page, "claims-table") == ["W1", "W9"]
+    assert shown(page, "claims-table") == ["W1"]
     expect(page.locator("#claims select[name=paper]")).to_have_value("walton")
 
 
@@ -196,10 +196,10 @@ def test_claims_are_sorted_by_keyboard(page):
     header = page.locator("#claims-table th[aria-sort]", has_text="Verdict")
     press(page, header.locator("button"))
     expect(header).to_have_attribute("aria-sort", "ascending")
-    assert shown(page, "claims-table") == ["W1", "W9", "W21", "G13", "G4", "G6", "G3", "G31"]
+    assert shown(page, "claims-table") == ["W1", "W21", "G13", "G4", "W9", "G6", "G3", "G31"]
     press(page, header.locator("button"))
     expect(header).to_have_attribute("aria-sort", "descending")
-    assert shown(page, "claims-table") == ["G31", "G3", "G6", "G4", "G13", "W21", "W1", "W9"]
+    assert shown(page, "claims-table") == ["G31", "G3", "G6", "W9", "G4", "G13", "W21", "W1"]
     assert page.locator("#claims-table [aria-sort=descending]").count() == 1
 
 

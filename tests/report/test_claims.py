@@ -26,9 +26,9 @@ def test_every_verdict_has_a_sign():
 def test_they_are_counted_by_paper(rows):
     found = count_verdicts(list(rows.values()))
     assert list(found) == ["walton", "gallas"]
-    assert found["walton"]["reproduced"] == 2
+    assert found["walton"]["reproduced"] == found["walton"]["depends on the protocol"] == 1
     assert found["walton"]["reproduced in part"] == 1
-    assert list(found["gallas"].values()) == [0, 0, 1, 1, 1, 1, 1]
+    assert list(found["gallas"].values()) == [0, 0, 1, 1, 0, 1, 1, 1]
 
 
 def test_figures_that_are_not_drawn_are_told(rows):

@@ -12,8 +12,17 @@ def flow(missing: float, **parameters):
 
 def claim(name: str, default: str, reduced: str) -> dict:
     by_reading = {"default": default, "damping_mass reduced": reduced}
-    shared = {"title": "A claim", "paper": "gallas", "kind": "flow"}
-    return shared | {"id": name, "by_reading": by_reading}
+    shared = {"title": "A claim", "paper": "gallas", "kind": "flow", "verdict": default}
+    return shared | {"id": name} | judged(by_reading)
+
+
+def judged(by_reading: dict) -> dict:
+    """Return verdicts by reading, and the variants that give them from published runs."""
+    variants = [
+        {"protocol": "published", "reading": reading, "verdict": verdict}
+        for reading, verdict in by_reading.items()
+    ]
+    return {"by_reading": by_reading, "variants": variants}
 
 
 CLAIMS = [
@@ -37,7 +46,15 @@ def table():
 def test_claims_that_hold_are_counted_under_each_reading(table):
     counts = {one["words"]: (one["hold"], one["tested"]) for one in table["readings"]}
     assert counts == {"default": (1, 2), "damping_mass reduced": (1, 1)}
-    assert [row["id"] for row in table["rows"]] == ["G1"]
+
+
+def test_a_table_has_the_verdicts_by_protocol_and_reading(table):
+    assert [claim["id"] for claim in table["claims"]] == ["G1"]
+    rows = [(row["words"], row["protocol"], row["verdicts"]) for row in table["rows"]]
+    assert rows == [
+        ("default", "published", ["not reproduced"]),
+        ("damping_mass reduced", "published", ["reproduced"]),
+    ]
 
 
 def test_a_reading_is_compared_with_the_headline_over_the_claims_that_both_test(table):
@@ -52,7 +69,7 @@ def test_no_step_is_called_stable_where_no_bound_of_it_is_known():
     results = made_results(
         made_point("chute", quantities), made_point("chute", quantities, friction_cap="after")
     )
-    (found,) = reading_tables([shared | {"by_reading": by_reading}], results)
+    (found,) = reading_tables([shared | judged(by_reading)], results)
     assert [(one["points"], one["stable"]) for one in found["readings"]] == [(1, None), (1, None)]
 
 

@@ -11,6 +11,11 @@ rule claims:
             caption="../report/claims.rst",
             category="Claims",
         ),
+        verdicts=report(
+            f"{RESULTS}/verdicts.csv",
+            caption="../report/verdicts.rst",
+            category="Claims",
+        ),
     log:
         f"{RESULTS}/logs/claims.log",
     benchmark:

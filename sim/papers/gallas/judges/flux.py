@@ -34,13 +34,16 @@ def g1(
     *,
     step: float,
     lowest: float,
+    fine_step: float,
+    fine_end: float,
     straight: tuple[float, float],
     min_r2: float,
 ) -> list[Check]:
     """V rises over frequencies ``step`` (Hz) apart and over all of them from ``lowest`` on.
 
-    V(f) is a line, by its R², between the frequencies ``straight``.
-    V at 10 and 14 Hz over V(20 Hz), the creep, is reported.
+    All of them decide nothing unless they are at most ``fine_step`` (Hz) apart up to ``fine_end``
+    (Hz), where V may fall. V(f) is a line, by its R², between the frequencies ``straight``. The
+    creep, that is V at 10 and 14 Hz over V(20 Hz), is reported.
     """
     line = select_replicated(evidence.line("belt", "frequency"))
     if not set(line) >= {*COARSE, *FINE}:
@@ -49,6 +52,8 @@ def g1(
     fine = {f: place for f, place in flowing.items() if f >= lowest}
     coarse = {f: place for f, place in fine.items() if f % step == 0}
     fast = {f: place for f, place in coarse.items() if straight[0] <= f <= straight[1]}
+    widest = np.diff([f for f in fine if f <= fine_end]).max()
+    too_coarse = f"frequencies up to {fine_step:g} Hz apart" if widest > fine_step else ""
     fit = determination(np.array([*fast]), [place.velocity for place in fast.values()])
     quantity = "R² of a line through V(f), {} to {} Hz".format(*straight)
     creep = [
@@ -62,7 +67,7 @@ def g1(
     ]
     return [
         velocity_trend(coarse, "f (Hz)", monotone=True),
-        velocity_trend(fine, "f (Hz)", monotone=True),
+        *withhold([velocity_trend(fine, "f (Hz)", monotone=True)], too_coarse),
         above(quantity, fit, min_r2, fast.values()),
         *creep,
     ]

@@ -1,6 +1,7 @@
 """Judges of Gallas' claims about snapshots: a block, a loose bed, a void at the belt, packing."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from functools import partial
 from math import nan, pi, radians, sin, sqrt
 
 import numpy as np
@@ -13,6 +14,10 @@ from sim.claims.verdict import Check, Untestable
 from sim.measures.layers import level
 from sim.papers.gallas.judges.bed import mean_between
 from sim.papers.gallas.judges.lines import complete_line
+
+#: Occupancy of the belt's reach: in the mean over the cycle, and at its beginning as in Fig. 5.
+TIME_MEAN, PHASE_0 = "base_occupancy", "base_occupancy_at_phase_0"
+_OCCUPANCIES = {TIME_MEAN: "time mean", PHASE_0: "phase 0"}
 
 #: Cumulative shares of the beads between which a bed is packed, where a claim gives none.
 PACKED = (0.05, 0.95)
@@ -37,7 +42,7 @@ def g26(
     return judge_parts(
         a=lambda: _block(evidence, block, max_agitation, max_lift),
         b=lambda: _loose(evidence, block, loose, max_agitation),
-        c=lambda: check_void(evidence.at("belt", frequency=void), max_occupancy),
+        c=lambda: check_void(evidence.at("belt", frequency=void), PHASE_0, max_occupancy),
     )
 
 
@@ -67,22 +72,13 @@ def _loose(
     ]
 
 
-def check_void(place: Place, max_occupancy: float) -> list[Check]:
-    """Return the checks that few beads are within the reach of the belt: a void.
-
-    It is tested at the beginning of the cycle, as in the paper's pictures, and in the time mean.
-    """
-    checks = []
-    for name, phase_label in (
-        ("base_occupancy_at_phase_0", "phase 0"),
-        ("base_occupancy", "time mean"),
-    ):
-        quantity = f"occupancy at {place['frequency']:g} Hz, {phase_label}"
-        try:
-            checks.append(below(quantity, place.value(name), max_occupancy, (place,)))
-        except Untestable as error:
-            checks += withhold([below(quantity, nan, max_occupancy, (place,))], str(error))
-    return checks
+def check_void(place: Place, name: str, max_occupancy: float) -> list[Check]:
+    """Return the check that few beads are within the reach of the belt, at a phase of the cycle."""
+    quantity = f"occupancy at {place['frequency']:g} Hz, {_OCCUPANCIES[name]}"
+    try:
+        return [below(quantity, place.value(name), max_occupancy, (place,))]
+    except Untestable as error:
+        return withhold([below(quantity, nan, max_occupancy, (place,))], str(error))
 
 
 def belt_speed(place: Place) -> float:
@@ -117,12 +113,21 @@ def packing(place: Place, levels: tuple[float, float] = PACKED) -> UFloat:
 def g27(evidence: Evidence, *, max_occupancy: float, frequencies: Sequence[float]) -> list[Check]:
     """Hardly a bead is within A_z of the mean belt position at high frequencies (Hz).
 
-    The share at 20 Hz is reported.
+    Parts are the time mean (a) and the beginning of the cycle (b). The share at 20 Hz is reported.
     """
     usual, *fast = complete_line(evidence, "frequency", (20, *frequencies)).values()
-    checks = [check for place in fast for check in check_void(place, max_occupancy)]
-    share = usual.value("base_occupancy")
+    checks = judge_parts(
+        **{
+            part: partial(_voids, fast, name, max_occupancy)
+            for part, name in (("a", TIME_MEAN), ("b", PHASE_0))
+        }
+    )
+    share = usual.value(TIME_MEAN)
     return [*checks, reported("occupancy at 20 Hz, time mean", share, (usual,))]
+
+
+def _voids(places: Iterable[Place], name: str, max_occupancy: float) -> list[Check]:
+    return [check for place in places for check in check_void(place, name, max_occupancy)]
 
 
 def g28(

@@ -57,7 +57,8 @@ def g21(
     """A plateau (a), slower beads at the belt (b), and at the top in runs not yet relaxed (c).
 
     The plateau is that of the share ``middle`` of the beads, and ``end`` is the share at either
-    end. Those at the top are looked at with one damping (g) in runs of the published length.
+    end. Those at the top are looked at in runs of the published length: at all frequencies, and
+    at ``frequency`` with another damping (g).
     """
     line = complete_line(evidence, "frequency", frequencies)
 
@@ -78,17 +79,28 @@ def g21(
         ]
 
     def lags_at_top() -> list[Check]:
-        where = {"frequency": frequency, "damping": damping, "shear_damping": damping}
-        place = evidence.at("belt", **where, protocol="published", initial_velocity=0)
-        label = _end_label("highest", end, frequency)
-        quantity = f"{label}, γ = γ_s = {damping}g, published lengths"
-        return [below(quantity, relative_velocity(place, (1 - end, 1), middle), 1, [place])]
+        published = {"protocol": "published", "initial_velocity": 0}
+        loose = {"damping": damping, "shear_damping": damping}
+        places = [
+            *(evidence.at("belt", frequency=f, **published) for f in frequencies),
+            evidence.at("belt", frequency=frequency, **loose, **published),
+        ]
+        return [
+            below(
+                f"{_end_label('highest', end, place['frequency'])}, γ = γ_s = "
+                f"{place['damping']:g}g, published lengths",
+                relative_velocity(place, (1 - end, 1), middle),
+                1,
+                [place],
+            )
+            for place in places
+        ]
 
     return judge_parts(a=has_plateau, b=dips_at_belt, c=lags_at_top)
 
 
 def _end_label(name: str, share: float, frequency: float) -> str:
-    return f"v_x of the {name} {100 * share:g} % of the beads over the middle, {frequency} Hz"
+    return f"v_x of the {name} {100 * share:g} % of the beads over the middle, {frequency:g} Hz"
 
 
 def plateau(place: Place, share: float) -> UFloat:

@@ -16,9 +16,9 @@ DRIFT = 0.1
 #: Widths of the cell in diameters. The paper has 5 or 10; the widest is a control.
 WIDTHS = (5, 10, 20)
 
-#: Ages of compared flows count as equal up to this ratio of largest to smallest. Averaging begins
-#: with a sample, so ages of 1,000 and 2,000 √(σ/g) differ by a factor of two but for one sample.
-EQUAL_AGE, ONE_SAMPLE = 2.0, 0.01
+#: Ages of compared flows count as equal up to this relative difference: averaging begins with a
+#: sample.
+ONE_SAMPLE = 0.01
 
 #: Cell by depth, for flows that differ in another parameter.
 CELLS = {1.24: 10, 2.5: 10, 5: 10, 10: 5, 20: 5, 40: 5}
@@ -48,21 +48,20 @@ def base_flows(evidence: Evidence, min_depth: float = 0.0) -> dict[float, Place]
     return {depth: place for depth, place in line.items() if depth >= min_depth}
 
 
-def longest_lasting_row(evidence: Evidence, depth: float, stiffness: float) -> Evidence:
-    """Return the base row whose flow of a depth has the oldest window without change.
+def flows_of_one_age(evidence: Evidence, wheres: Sequence[Mapping[str, float]]) -> list[Place]:
+    """Return flows whose averages begin at one age, in the order of their parameters.
 
-    At a tie it is the row of the softest spheres. Fast deep flows of the softest spheres overlap
-    beyond the range of the contact law, so none of them may last. Then the flows of a larger
-    ``stiffness`` (N/m) are judged, where they were run.
+    Deep flows order and change with time, so that flows of different ages differ by that alone. Of
+    the ages that all have with replicates, that with the most of them is chosen, then the oldest.
+    Without a common age, each flow is the one that has most replicates. Raises `Untestable` where
+    there is none.
     """
-
-    def latest_age(row: Evidence) -> float:
-        flows = select_replicated(row.line("chute", "transient", depth=depth, cell=CELLS[depth]))
-        return max(
-            (age(flow) for flow in flows.values() if not reason_unrankable(flow)), default=0.0
-        )
-
-    return max(evidence, evidence.with_reading(stiffness=stiffness), key=latest_age)
+    lines = [select_replicated(evidence.line("chute", "transient", **where)) for where in wheres]
+    common = set.intersection(*map(set, lines))
+    if not common:
+        return [evidence.at("chute", **where) for where in wheres]
+    start = max(common, key=lambda start: (min(line[start].completed for line in lines), start))
+    return [line[start] for line in lines]
 
 
 def stiffness_suffix(place: Place) -> str:
@@ -143,7 +142,7 @@ def reason_incomparable(places: Sequence[Place], compare_cells: bool = True) -> 
     if len(widths) > 1:
         return f"cells of {' and '.join(f'{cell:g}' for cell in widths)} σ are compared"
     ages = sorted(age(place) for place in places)
-    if ages[-1] > (1 + ONE_SAMPLE) * EQUAL_AGE * ages[0]:
+    if ages[-1] > (1 + ONE_SAMPLE) * ages[0]:
         return f"flows of ages {ages[0]:.0f} and {ages[-1]:.0f} √(σ/g) are compared"
     return ""
 

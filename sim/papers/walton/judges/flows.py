@@ -60,7 +60,8 @@ def w5(evidence: Evidence, *, max_missing: float) -> list[Check]:
 def w9(evidence: Evidence, *, depths: tuple[float, float], deepest: float) -> list[Check]:
     """Trend of V from one depth to another, within each width of the cell.
 
-    The deepest flow drifts, so it enters with a bound: the lowest velocity of any of its windows.
+    A depth counts once, by the mean of its replicates: the sentence is about depths. The deepest
+    flow drifts, so it enters with a bound: the lowest velocity of any of its windows.
     """
     strata: list[list[np.ndarray]] = []
     places: list[Place] = []
@@ -70,7 +71,7 @@ def w9(evidence: Evidence, *, depths: tuple[float, float], deepest: float) -> li
         line = select_replicated(evidence.line("chute", "depth", cell=cell))
         flows = {n: place for n, place in line.items() if low <= n <= high}
         flows = {n: place for n, place in flows.items() if not reason_unrankable(place)}
-        groups = [place.values("velocity") for place in flows.values()]
+        groups = [np.array([place.values("velocity").mean()]) for place in flows.values()]
         windows = evidence.line("chute", "transient", depth=deepest, cell=cell)
         if windows:
             groups.append(

@@ -1,11 +1,12 @@
 """Judges of Walton's claims about profiles: shear, density and plugs over height."""
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from math import inf
 
 import numpy as np
 
-from sim.claims.checks import above, below, reported, withhold
+from sim.claims.checks import above, below, remove_votes, reported, withhold
 from sim.claims.criterion import fill
 from sim.claims.evidence import Evidence
 from sim.claims.inference import share_above, trend
@@ -14,11 +15,11 @@ from sim.claims.trends import mean_of_others, smallest_mean
 from sim.claims.verdict import Check, Untestable
 from sim.measures import layers
 from sim.papers.walton.judges.chute import (
-    WIDTHS,
+    CELLS,
     age,
     base_flows,
     depth_label,
-    longest_lasting_row,
+    flows_of_one_age,
     reason_incomparable,
     reason_unrankable,
     select_replicated,
@@ -35,6 +36,9 @@ MIN_REPLICATES = 6
 
 #: Depths below which flows are shallow, and those of the shallowest.
 SHALLOW, SHALLOWEST = 5, 2.5
+
+#: Grid of the readings on which packings of slices are compared instead of those of layers.
+SLICES = "slices"
 
 #: Factor on an age that allows for rounding to whole samples.
 AGE_ROUNDING = 0.99
@@ -61,35 +65,31 @@ def w11(
     *,
     min_share: float,
     depths: Sequence[float],
-    cells: Sequence[float],
+    cell: float,
     majority: float,
 ) -> list[Check]:
-    """Share of all runs of deep flows, whatever their start and cell, that ride as a plug.
+    """Share of the runs of deep flows in cells of one width that ride as a plug.
 
-    It must exceed ``majority``. A plug takes more than ``min_share`` of the depth. Runs that
-    accelerate do not count.
+    It must exceed ``majority``. A plug takes more than ``min_share`` of the depth. Runs count
+    whatever their start, but for those that accelerate. The cells are ``cell`` (σ) wide unless the
+    reading has another width: a share over several widths would depend on how many runs each has.
     """
-    plugs_by_cell, places = {}, []
-    for cell in cells:
-        lines = (evidence.line("chute", "initial_velocity", depth=n, cell=cell) for n in depths)
-        flows = [place for line in lines for place in line.values()]
-        plug_shares_of_runs = [_steady_plugs(place) for place in flows]
-        if plug_shares_of_runs:
-            plugs_by_cell[cell] = np.concatenate(plug_shares_of_runs) > min_share
-            places += flows
-    where = fill("n = {depths:and}", {"depths": depths})
-    if len(plugs_by_cell) < 2:
-        raise Untestable(f"no flows at {where} in cells of two widths")
-    plugs = np.concatenate(list(plugs_by_cell.values()))
-    if not plugs.size:
-        raise Untestable(f"all flows at {where} accelerate")
-    checks = [
-        share_above("share of runs with a plug", int(plugs.sum()), plugs.size, majority, places)
-    ]
-    for cell, cell_plugs in plugs_by_cell.items():
-        if cell_plugs.size:
-            quantity = f"share of runs with a plug in cells of {cell} σ, {cell_plugs.size} runs"
-            checks.append(reported(quantity, plug_share(cell_plugs)))
+    where = {"cell": evidence.reading.get("cell", cell)}
+    lines = [evidence.line("chute", "initial_velocity", depth=n, **where) for n in depths]
+    places = [place for line in lines for place in line.values()]
+    shares = [_steady_plugs(place) for place in places]
+    if not any(map(len, shares)):
+        label = fill("n = {depths:and} in cells of {cell:g} σ", {"depths": depths, **where})
+        raise Untestable(f"no flows at {label} that do not accelerate")
+    depths_run = ", ".join(dict.fromkeys(f"{place['depth']:g}" for place in places))
+    label = f"n = {depths_run} in cells of {where['cell']:g} σ"
+    plugs = np.concatenate(shares) > min_share
+    quantity = "share of runs with a plug"
+    checks = [share_above(f"{quantity}, {label}", int(plugs.sum()), plugs.size, majority, places)]
+    for place, share in zip(places, shares, strict=True):
+        if share.size:
+            flow = f"n = {place['depth']:g}, V0 = {place['initial_velocity']:g}"
+            checks.append(reported(f"{quantity}, {flow}", plug_share(share > min_share)))
     return checks
 
 
@@ -101,8 +101,8 @@ def _steady_plugs(place: Place) -> np.ndarray:
 def w12(evidence: Evidence) -> list[Check]:
     """Steps of the packing from each layer of a diameter to the next, all tested at once.
 
-    Slices thinner than a sphere also show the gap between layers. Their largest steps are reported,
-    from the plane upwards and from the first centres upwards.
+    On the grid of slices, which are thinner than a sphere, steps from the first centres upwards are
+    tested instead. Steps on the other grid, and by slices from the plane upwards, are reported.
     """
     flows = _shallow_flows(evidence, SHALLOWEST)
     checks = []
@@ -111,13 +111,22 @@ def w12(evidence: Evidence) -> list[Check]:
         if not layered.size:
             raise Untestable(f"fewer than two layers at n = {n:g}")
         quantity = "largest rise of the packing with height"
-        checks.append(
-            below(f"{quantity}, by layers, n = {n:g}", -smallest_mean(-layered), 0, [place])
+        centres, plane = (
+            _steps(place, "packing_profile", lowest, 1.0)
+            for lowest in (0.5 * place["diameter"], 0.0)
         )
-        for start, lowest in (("the plane", 0.0), ("the first centres", 0.5 * place["diameter"])):
-            sliced = _steps(place, "packing_profile", lowest, 1.0)
-            label = f"{quantity}, by slices from {start} on, n = {n:g}"
-            checks.append(reported(label, -smallest_mean(-sliced), [place]))
+        by_grid = [
+            below(f"{quantity}, by {name}, n = {n:g}", -smallest_mean(-steps), 0, [place])
+            for name, steps in (("layers", layered), ("slices from the first centres on", centres))
+        ]
+        if evidence.grid == SLICES:
+            by_grid.reverse()
+        label = f"{quantity}, by slices from the plane on, n = {n:g}"
+        checks += [
+            by_grid[0],
+            *remove_votes(by_grid[1:]),
+            reported(label, -smallest_mean(-plane), [place]),
+        ]
     return withhold_unsettled(checks, flows.values())
 
 
@@ -163,10 +172,9 @@ def w14(
 ) -> list[Check]:
     """The deepest flow above and below its shear depth: packing, its spread, the difference.
 
-    It counts from ``min_age`` (√(σ/g)) on. It is of a larger ``stiffness`` (N/m) where no flow of
-    the softest spheres lasts.
+    It counts from ``min_age`` (√(σ/g)) on, with spheres of one ``stiffness`` (N/m).
     """
-    place = _oldest(longest_lasting_row(evidence, depth, stiffness), depth)
+    place = _oldest(evidence.with_reading(stiffness=stiffness), depth)
 
     def variation(plug: np.ndarray, _: float) -> float:
         return plug.std(ddof=1) / plug.mean() if plug.size > 1 else np.nan
@@ -206,17 +214,13 @@ def _oldest(evidence: Evidence, depth: float) -> Place:
 
 
 def w17(evidence: Evidence, *, depths: Sequence[float], stiffness: float) -> list[Check]:
-    """Trend of the shear depth over the depths, and of its share of the depth.
+    """Trend of the shear depth over the depths (a), and of its share of the depth (b).
 
-    The flows are those of one cell and one age. They are of a larger ``stiffness`` (N/m) where no
-    flow of the softest spheres lasts at the last depth.
+    The flows are those of one cell, one age and one ``stiffness`` (N/m).
     """
-    line = _thinning_flows(longest_lasting_row(evidence, depths[-1], stiffness), depths)
-    if len(line) < 3:
-        cell = fill("no cell with three depths of {depths:and}", {"depths": depths})
-        raise Untestable(f"{cell} that have replicates")
-    places = list(line.values())
-    depths_text = ", ".join(f"{n:g}" for n in line) + stiffness_suffix(places[-1])
+    wheres = [{"depth": n, "cell": CELLS[n]} for n in depths]
+    places = flows_of_one_age(evidence.with_reading(stiffness=stiffness), wheres)
+    depths_text = f"{', '.join(f'{n:g}' for n in depths)}{stiffness_suffix(places[-1])}"
     thickness = [place.values("shear_depth") for place in places]
     tops = [
         place.measure_replicates(lambda z, packing: layers.surface(z, packing), PROFILES[1])
@@ -224,30 +228,16 @@ def w17(evidence: Evidence, *, depths: Sequence[float], stiffness: float) -> lis
     ]
     fractions = [layer / top for layer, top in zip(thickness, tops, strict=True)]
     checks = [
-        trend(f"shear depth over n = {depths_text}", [thickness], places, rising=False),
-        trend(f"its share of the depth over n = {depths_text}", [fractions], places, rising=False),
+        replace(
+            trend(f"{quantity} over n = {depths_text}", [groups], places, rising=False), part=part
+        )
+        for part, quantity, groups in (
+            ("a", "shear depth", thickness),
+            ("b", "its share of the depth", fractions),
+        )
     ]
     reasons = [reason_incomparable(places), *map(reason_unrankable, places)]
-    missing = "" if set(line) == set(depths) else f"n = {depths_text} alone in one cell"
-    return withhold(checks, "; ".join(filter(None, [missing, *reasons])))
-
-
-def _thinning_flows(evidence: Evidence, depths: Sequence[float]) -> dict[float, Place]:
-    """Return the flows over which the shear layer may thin: the most depths of one cell and age.
-
-    At a tie the narrowest cell is chosen, then the oldest flows.
-    """
-    lines: list[dict[float, Place]] = [{}]
-    for cell in WIDTHS:
-        starts = {
-            start
-            for n in depths
-            for start in evidence.line("chute", "transient", depth=n, cell=cell)
-        }
-        for start in sorted(starts, reverse=True):
-            line = select_replicated(evidence.line("chute", "depth", cell=cell, transient=start))
-            lines.append({n: place for n, place in line.items() if n in depths})
-    return max(lines, key=len)
+    return withhold(checks, "; ".join(filter(None, reasons)))
 
 
 def w18(evidence: Evidence, *, min_depth: float) -> list[Check]:

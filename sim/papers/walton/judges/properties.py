@@ -10,7 +10,7 @@ import numpy as np
 
 from sim.claims.checks import above, judge_parts, remove_votes, reported, withhold, within
 from sim.claims.evidence import Evidence
-from sim.claims.inference import outranks, trend
+from sim.claims.inference import correct_for, outranks, trend
 from sim.claims.place import Place, quotient
 from sim.claims.verdict import Check, Untestable
 from sim.measures import layers
@@ -18,13 +18,13 @@ from sim.papers.walton.judges.chute import (
     CELLS,
     SOFT,
     depth_label,
-    longest_lasting_row,
+    flows_of_one_age,
     reason_incomparable,
     reason_unrankable,
     select_replicated,
     withhold_unsettled,
 )
-from sim.papers.walton.judges.states import has_plug, majority_if_mixed, report_states
+from sim.papers.walton.judges.states import PROFILES, majority_if_mixed, report_states
 
 #: Depth and cell of the controls.
 CONTROL_SETTINGS = {"depth": 10, "cell": 5}
@@ -36,27 +36,25 @@ RESILIENT, STIFFER, LOWEST = {"a": 5, "b": 10, "c": 20}, 1000, 0.6
 #: Shallow depths at which overlaps are judged.
 SHALLOW = (1.24, 2.5)
 
-#: Least number of replicates in one state for a comparison.
-MIN_STATE_REPLICATES = 2
-
 
 def w15(
     evidence: Evidence,
     *,
     majority: float,
     depths: Sequence[float],
+    cell: float,
     stiffness: float,
     spread: float,
     width: float,
 ) -> list[Check]:
     """Crystals at several depths of one age (a), and three factors that favour them (b, c, d).
 
-    ``majority`` is the least share of crystalline spheres. The last depth is of a larger
-    ``stiffness`` (N/m) where no flow of the softest spheres lasts. The factors are a spread of the
-    diameters, bumps, and the width (σ) of the cell.
+    ``majority`` is the least share of crystalline spheres, in cells of one width ``cell`` (σ) and
+    with one ``stiffness`` (N/m). The factors are a spread of the diameters, bumps, and the
+    ``width`` (σ) of the cell, in flows of the softest spheres.
     """
     return judge_parts(
-        a=lambda: _crystals(evidence, majority, depths, stiffness),
+        a=lambda: _crystals(evidence, majority, depths, cell, stiffness),
         b=lambda: _compare_order(
             evidence, f"diameters ±{100 * spread:g} %", diameter_spread=spread
         ),
@@ -66,10 +64,10 @@ def w15(
 
 
 def _crystals(
-    evidence: Evidence, majority: float, depths: Sequence[float], stiffness: float
+    evidence: Evidence, majority: float, depths: Sequence[float], cell: float, stiffness: float
 ) -> list[Check]:
-    row = longest_lasting_row(evidence, depths[-1], stiffness)
-    deep = [(row if n == depths[-1] else evidence).at("chute", depth=n) for n in depths]
+    wheres = [{"depth": n, "cell": cell, "stiffness": stiffness} for n in depths]
+    deep = flows_of_one_age(evidence, wheres)
     checks = []
     for place in deep:
         share, label = place.value("crystalline_share"), depth_label(place)
@@ -93,19 +91,15 @@ def _compare_bumps(evidence: Evidence) -> list[Check]:
 def _compare_order(evidence: Evidence, name: str, **change: float) -> list[Check]:
     """Return the checks that a change of the base case lowers the crystalline share.
 
-    The flows are compared by rank, within the state that they share. Their states are reported.
+    All runs of one age are compared by rank, whatever their state: the state is an outcome of the
+    change. The states are reported.
     """
-    usual = evidence.at("chute", **CONTROL_SETTINGS)
-    control = evidence.at("chute", **CONTROL_SETTINGS | change)
+    usual, control = flows_of_one_age(evidence, [CONTROL_SETTINGS, CONTROL_SETTINGS | change])
     quantity = (
         f"share of pairs more crystalline than with {name}, n = {CONTROL_SETTINGS['depth']:g}"
     )
     first, second = (place.values("crystalline_share") for place in (usual, control))
-    try:
-        first, second, state = pick_common_state(usual, control, first, second)
-        check, reason = outranks(f"{quantity}, {state}", first, second, [usual, control]), ""
-    except Untestable as error:
-        check, reason = outranks(quantity, first, second, [usual, control]), str(error)
+    check = outranks(quantity, first, second, [usual, control])
     cells_differ = usual["cell"] != control["cell"]
     moving = (
         reason_unrankable(usual)
@@ -113,32 +107,13 @@ def _compare_order(evidence: Evidence, name: str, **change: float) -> list[Check
         or reason_incomparable([usual, control], compare_cells=not cells_differ)
     )
     state_reports = report_states("usual", [usual]) + report_states(f"with {name}", [control])
-    return [*withhold([check], moving or reason), *state_reports]
-
-
-def pick_common_state(
-    first_place: Place, second_place: Place, first: np.ndarray, second: np.ndarray
-) -> tuple[np.ndarray, np.ndarray, str]:
-    """Return quantities (R,) of two points in the state most frequent in both, and its name.
-
-    Raises `Untestable` where they share no state.
-    """
-    plugs = has_plug(first_place), has_plug(second_place)
-    by_state = {
-        name: (first[plugs[0] == state], second[plugs[1] == state])
-        for name, state in (("with a plug", True), ("without a plug", False))
-    }
-    name, (first_values, second_values) = max(
-        by_state.items(), key=lambda item: min(map(len, item[1]))
-    )
-    if min(len(first_values), len(second_values)) < MIN_STATE_REPLICATES:
-        raise Untestable("the two are in different states: more replicates of both")
-    return first_values, second_values, name
+    return [*withhold([check], moving), *state_reports]
 
 
 def w16(evidence: Evidence, *, restitutions: tuple[float, float]) -> list[Check]:
     """Trends of V and of the shear depth from one restitution to another, at three depths.
 
+    The sentence names no depth, so each of the three must be clear with Bonferroni's correction.
     Flows of 1,000 N/m are used where they were run: with 100 N/m some flows run away, outside the
     range of the law.
     """
@@ -158,19 +133,20 @@ def _over_restitution(
         line = select_replicated(
             evidence.line("chute", "restitution", **where, stiffness=stiffness)
         )
-        flows = {e: p for e, p in line.items() if restitutions[0] <= e <= restitutions[1]}
-        if len(flows) > 2:
+        compared = [e for e in line if restitutions[0] <= e <= restitutions[1]]
+        if len(compared) > 2:
             break
     else:
         raise Untestable(f"no three coefficients of restitution with replicates at n = {depth:g}")
-    places, label = list(flows.values()), f"n = {depth:g}, K1 = {stiffness:g} N/m"
+    wheres = [where | {"stiffness": stiffness, "restitution": e} for e in compared]
+    places = flows_of_one_age(evidence, wheres)
+    label = f"n = {depth:g}, K1 = {stiffness:g} N/m"
     checks = []
     for quantity, name, rising in (("V", "velocity", False), ("shear depth", "shear_depth", True)):
         groups = [place.values(name) for place in places]
-        values = ", ".join(f"{e:g}" for e in flows)
-        checks.append(
-            trend(f"{quantity} over e = {values}, {label}", [groups], places, rising=rising)
-        )
+        values = ", ".join(f"{e:g}" for e in compared)
+        check = trend(f"{quantity} over e = {values}, {label}", [groups], places, rising=rising)
+        checks.append(correct_for(len(RESILIENT), check))
     reasons = dict.fromkeys(
         filter(None, [*map(reason_unrankable, places), reason_incomparable(places)])
     )
@@ -216,8 +192,8 @@ def _deep_overlap(evidence: Evidence, depth: float, bounds: tuple[float, float])
     check = _overlap("99.9th percentile of the overlaps", place, "overlap_999", bounds)
     check = majority_if_mixed(check, place, 100 * place.values("overlap_999"))
     median = 100 * place.value("median_overlap")
-    typical = reported(f"median overlap, n = {depth}", median, [place])
-    return withhold_unsettled([check, typical], [place])
+    # The sentence is about overlaps in a layer that shears fast, in whatever flow.
+    return [check, reported(f"median overlap, n = {depth}", median, [place], "% of σ")]
 
 
 def _static_overlap(evidence: Evidence, depth: float, bounds: tuple[float, float]) -> list[Check]:
@@ -251,20 +227,8 @@ def w21(
         a=lambda: chain.from_iterable(
             _insensitive(evidence, n, stiffnesses, margin) for n in shallow
         ),
-        b=lambda: chain.from_iterable(
-            _sensitive(evidence, n, stiffnesses) for n in _comparable_depths(evidence, deep)
-        ),
+        b=lambda: chain.from_iterable(_sensitive(evidence, n, stiffnesses) for n in deep),
     )
-
-
-def _comparable_depths(evidence: Evidence, depths: Sequence[float]) -> list[float]:
-    """Return the depths; the last one only where a flow of the softest spheres lasts.
-
-    Otherwise there is nothing to compare at that depth, whatever is run.
-    """
-    softest = evidence.line("chute", "stiffness", depth=depths[-1]).get(SOFT)
-    lasts = softest is not None and softest.regime != "accelerating"
-    return [n for n in depths if n != depths[-1] or lasts]
 
 
 def _insensitive(
@@ -310,9 +274,12 @@ def w22(
     softest: float,
     depths: Sequence[float],
 ) -> list[Check]:
-    """Vertical granular temperature of a layer (σ) above the bottom, stiffer against softest."""
+    """Agitation of a layer (σ) above the bottom at its shear rate, stiffer against softest.
+
+    The agitation is T_z/(γ̇σ)², since faster shear alone agitates more.
+    """
     checks = []
-    for n in _comparable_depths(evidence, depths):
+    for n in depths:
         for value, soft, stiff in _stiffer(evidence, n, (stiffness, inf), softest):
             quantity = (
                 f"share of pairs more agitated with {value:g} N/m than {softest} N/m, n = {n:g}"
@@ -323,11 +290,6 @@ def w22(
                 or reason_unrankable(stiff)
                 or reason_incomparable([soft, stiff])
             )
-            try:
-                first, second, state = pick_common_state(stiff, soft, first, second)
-                quantity += f", {state}"
-            except Untestable as error:
-                reason = reason or str(error)
             withheld_checks = withhold([outranks(quantity, first, second, [stiff, soft])], reason)
             checks += _limit_votes(withheld_checks, value == stiffness)
     return checks
@@ -344,7 +306,19 @@ def _stiffer(
     line = select_replicated(evidence.line("chute", "stiffness", depth=depth))
     if softest not in line or low not in line:
         raise Untestable(f"no flows with K1 = {softest} and {low} N/m at n = {depth:g}")
-    return [(value, line[softest], place) for value, place in line.items() if low <= value <= high]
+    return [
+        (value, *_pair_of_one_age(evidence, depth, softest, value))
+        for value in line
+        if low <= value <= high
+    ]
+
+
+def _pair_of_one_age(
+    evidence: Evidence, depth: float, softest: float, stiffness: float
+) -> tuple[Place, Place]:
+    wheres = [{"depth": depth, "stiffness": value} for value in (softest, stiffness)]
+    soft, stiff = flows_of_one_age(evidence, wheres)
+    return soft, stiff
 
 
 def _limit_votes(checks: list[Check], has_vote: bool) -> list[Check]:
@@ -353,10 +327,14 @@ def _limit_votes(checks: list[Check], has_vote: bool) -> list[Check]:
 
 
 def _agitation(place: Place, layer: tuple[float, float]) -> np.ndarray:
-    """Return the vertical granular temperature (R,) in m²/s² of a layer (σ)."""
+    """Return T_z/(γ̇σ)² (R,) of a layer (σ): its vertical temperature at its shear rate."""
     low, high = (bound * place["diameter"] for bound in layer)
 
-    def mean(height: np.ndarray, temperature: np.ndarray, packing: np.ndarray) -> float:
-        return layers.mean_between(height, temperature, packing, low, high)
+    def agitation(
+        height: np.ndarray, temperature: np.ndarray, velocity: np.ndarray, packing: np.ndarray
+    ) -> float:
+        bottom, top = np.interp((low, high), height, velocity)
+        shear = (top - bottom) / (high - low) * place["diameter"]
+        return layers.mean_between(height, temperature, packing, low, high) / shear**2
 
-    return place.measure_replicates(mean, "vertical_temperature_profile", "packing_profile")
+    return place.measure_replicates(agitation, "vertical_temperature_profile", *PROFILES)

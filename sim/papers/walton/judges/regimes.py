@@ -1,8 +1,10 @@
 """Judges of Walton's claims about regimes: flows that accelerate, are steady, come to rest."""
 
 from collections.abc import Mapping, Sequence
+from functools import partial
 from itertools import chain
 from math import inf, nan, radians, tan
+from string import ascii_lowercase
 
 from uncertainties import UFloat
 
@@ -10,6 +12,7 @@ from sim.base.statistics import MANY, student
 from sim.claims.checks import above, below, judge_parts, remove_votes, reported, withhold, within
 from sim.claims.criterion import fill
 from sim.claims.evidence import Evidence
+from sim.claims.inference import at_least
 from sim.claims.place import Place, quotient, replicate_mean, with_interval
 from sim.claims.verdict import LONGER_RUNS, NOT_REPRODUCED, REPRODUCED, Check, Unbounded, Untestable
 from sim.papers.walton.judges.chute import (
@@ -17,8 +20,10 @@ from sim.papers.walton.judges.chute import (
     acceleration,
     base_flows,
     driving_acceleration,
+    flows_of_one_age,
     is_flowing,
     natural_speed,
+    reason_incomparable,
     reason_unsettled,
     select_replicated,
     waive_samples,
@@ -154,21 +159,28 @@ def w19(
     greatly: float,
     starts: Sequence[float],
     min_rest: float,
+    variety: int,
 ) -> list[Check]:
     """Flows over a sweep of friction: steady a little above tan θ (a), at rest beyond twice (b).
 
     Frictions are ``somewhat`` and ``greatly`` above tan θ by its multiples. The velocity of a
-    steady flow changes by less than ``max_slope`` times g sin θ. Whether flows come to rest, for
-    ``min_rest`` (√(σ/g)), is judged after slow ``starts`` (√(gσ)); fast starts are reported.
+    steady flow changes by less than ``max_slope`` times g sin θ; ``variety`` depths need it.
+    Whether flows come to rest, for ``min_rest`` (√(σ/g)), is judged after slow ``starts`` (√(gσ));
+    fast starts are reported.
     """
     return judge_parts(
-        a=lambda: _check_steady_above(evidence, somewhat, max_slope),
+        a=lambda: _check_steady_above(evidence, somewhat, max_slope, variety),
         b=lambda: _check_arrested_beyond(evidence, greatly, starts, min_rest),
     )
 
 
-def _check_steady_above(evidence: Evidence, somewhat: float, max_slope: float) -> list[Check]:
-    """Check the mean slope of all replicates per depth, pooled over frictions just above tan θ."""
+def _check_steady_above(
+    evidence: Evidence, somewhat: float, max_slope: float, variety: int
+) -> list[Check]:
+    """Check at how many depths flows are steady, all frictions just above tan θ of one together.
+
+    The mean slope of their replicates tells it per depth, without a vote.
+    """
     checks, has_sweep = [], False
     for n in SWEEP_DEPTHS:
         flows = [
@@ -186,7 +198,7 @@ def _check_steady_above(evidence: Evidence, somewhat: float, max_slope: float) -
         checks += withhold([check], f"{len(stopped)} of them do not move" if stopped else "")
     if not has_sweep:
         raise Untestable(f"no depth with replicates at two frictions from 1 to {somewhat} tan θ")
-    return checks
+    return [at_least("depths of steady flows", variety, checks), *remove_votes(checks)]
 
 
 def _check_arrested_beyond(
@@ -256,36 +268,52 @@ def w23(
 ) -> list[Check]:
     """Velocities after slower and faster starts equal that after the nearest one within ``margin``.
 
-    The nearest start is the one closest to the velocity it led to. ``slow`` and ``fast`` are
-    fractions of that velocity, each as numerator and denominator. The states of deep flows are
-    reported by their start.
+    Each of the ``depths`` is a part. The nearest start is the one closest to the velocity it led
+    to. ``slow`` and ``fast`` are fractions of that velocity, each as numerator and denominator. The
+    states of deep flows are reported by their start.
     """
-    checks, missing = [], []
-    max_slow, min_fast = slow[0] / slow[1], fast[0] / fast[1]
-    for n in depths:
-        line = evidence.line("chute", "initial_velocity", depth=n, cell=CELLS[n])
-        near = _nearest_start(line)
-        if near is None:
-            missing.append(f"{n:g}")
-            continue
-        steady = line.pop(near)
-        reached = steady.velocity.nominal_value / natural_speed(steady)
-        relative = {start: start / reached for start in line}
-        ends = min(relative.values(), default=inf), max(relative.values(), default=0)
-        if abs(near / reached - 1) > NEAR_TOLERANCE or ends[0] > max_slow or ends[1] < min_fast:
-            missing.append(f"{n:g}")
-            continue
-        for start, place in line.items():
-            ratio = quotient(place.velocity, steady.velocity)
-            quantity = f"V after a start at {relative[start]:.2g} V, n = {n:g}, over the usual V"
-            bounds = 1 - margin, 1 + margin
-            pair = [place, steady]
-            # A flow that has come to rest has not forgotten its start.
-            moving = [flow for flow in pair if is_flowing(flow)]
-            checks += withhold_unsettled([within(quantity, ratio, *bounds, pair)], moving)
-    if missing:
-        raise Untestable(f"no starts at V, half and twice of it at n = {', '.join(missing)}")
+    checks = judge_parts(
+        **{
+            part: partial(_check_starts, evidence, n, margin, slow, fast)
+            for part, n in zip(ascii_lowercase, depths, strict=False)
+        }
+    )
     return [*checks, *chain.from_iterable(_report_start_states(evidence, n) for n in STATE_DEPTHS)]
+
+
+def _check_starts(
+    evidence: Evidence,
+    depth: float,
+    margin: float,
+    slow: tuple[float, float],
+    fast: tuple[float, float],
+) -> list[Check]:
+    where = {"depth": depth, "cell": CELLS[depth]}
+    starts = [*evidence.line("chute", "initial_velocity", **where)]
+    wheres = [where | {"initial_velocity": start} for start in starts]
+    line = dict(zip(starts, flows_of_one_age(evidence, wheres), strict=True)) if starts else {}
+    near = _nearest_start(line)
+    missing = Untestable(f"no starts at V, half and twice of it at n = {depth:g}")
+    if near is None:
+        raise missing
+    steady = line.pop(near)
+    reached = steady.velocity.nominal_value / natural_speed(steady)
+    relative = {start: start / reached for start in line}
+    slowest, fastest = min(relative.values(), default=inf), max(relative.values(), default=0)
+    is_spread = slowest <= slow[0] / slow[1] and fastest >= fast[0] / fast[1]
+    if abs(near / reached - 1) > NEAR_TOLERANCE or not is_spread:
+        raise missing
+    checks = []
+    for start, place in line.items():
+        ratio = quotient(place.velocity, steady.velocity)
+        quantity = f"V after a start at {relative[start]:.2g} V, n = {depth:g}, over the usual V"
+        bounds = 1 - margin, 1 + margin
+        pair = [place, steady]
+        # A flow that has come to rest has not forgotten its start.
+        moving = [flow for flow in pair if is_flowing(flow)]
+        check = withhold([within(quantity, ratio, *bounds, pair)], reason_incomparable(pair))
+        checks += withhold_unsettled(check, moving)
+    return checks
 
 
 def _report_start_states(evidence: Evidence, depth: float) -> list[Check]:
