@@ -41,7 +41,10 @@ COMMANDS = {
     "study": ("sim.study.command:study", "check a study and run it with Snakemake"),
     "points": ("sim.report.points:show", "list the points of a study and what they cost"),
     "status": ("sim.report.status_table:show", "show how far a study is"),
-    "refine": ("sim.dataset.rounds:write_round", "work out the points of a round of refinement"),
+    "refine": (
+        "sim.dataset.boundaries:write_round",
+        "work out the points of a round of refinement",
+    ),
     "schema": ("sim.study.reference:show", "print the JSON schema of studies and points"),
     "run": ("sim.engine.command:run", "run one point"),
     "batch": ("sim.engine.command:batch", "run several points in one process"),
@@ -51,7 +54,7 @@ COMMANDS = {
     "warm": (f"{__name__}:warm", "compile the engine, so that runs start at once"),
     "bench": ("sim.engine.bench:main", "measure speed, start-up and memory"),
     "adopt": (
-        "sim.dataset.adopt:adopt",
+        "sim.dataset.adopted:adopt",
         "take what a dataset has of a study instead of running it",
     ),
     "dataset": ("sim.dataset.build:build", "combine the runs of a study in one dataset"),

@@ -15,23 +15,17 @@ from sim.base.additions import plugin_options
 from sim.base.errors import InputError
 from sim.base.seals import checked_read
 from sim.dataset.grids import GRIDS, number_density_name, regrid
-from sim.dataset.rows import CENTRES
+from sim.dataset.rounds import RESULT_COLUMNS
+from sim.dataset.rows import CENTRES, PARTICLES, RUNS
 from sim.parameters import SYSTEMS, defaults_of_added
 
 #: Parameters of all systems, including `system` itself.
 _PARAMETERS = tuple(dict.fromkeys(chain(*(model.model_fields for model in SYSTEMS.values()))))
 
-#: Group of the dataset with one subgroup per point whose particles are stored.
-PARTICLES = "states"
-
-#: Group of the dataset with the origin of each row: its run file, and the variables of that file.
-RUNS = "runs"
-
 #: Group of the dataset with the table, one row per boundary.
 GROUP = "boundaries"
 
-#: Columns with the results of a boundary, and all columns of a table without rows.
-RESULT_COLUMNS = ("low", "high", "below", "above", "verdict", "points")
+#: All columns of a table without rows.
 _COLUMNS = ("name", "system", "of", "along", "unit", "figures", *RESULT_COLUMNS)
 
 

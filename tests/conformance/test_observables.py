@@ -5,7 +5,7 @@ import re
 import numpy as np
 import pytest
 
-from sim.dataset.measures import measure
+from sim.dataset.gather import measure
 from sim.figures.units import unit_of
 from sim.parameters import SYSTEMS, complete_values, parse_point
 from sim.parameters.variables import observables, variables_of
@@ -44,7 +44,7 @@ def test_an_observable_has_a_unit_a_meaning_and_a_place_in_plots_and_reference(s
 @pytest.mark.parametrize("system", SYSTEMS)
 def test_a_replicate_without_arrays_has_no_value_and_no_error(system, monkeypatch):
     kept = {name: one for name, one in observables(system).items() if name not in LACKING}
-    monkeypatch.setattr("sim.dataset.measures.observables", lambda _: kept)
+    monkeypatch.setattr("sim.dataset.gather.observables", lambda _: kept)
     point = point_of(system)
     known = dict.fromkeys(variables_of("scalar", system=system), np.nan) | complete_values(point)
     known |= {name: value for name, (value, _) in point.limits.items()}

@@ -11,11 +11,10 @@ import xarray as xr
 
 from sim.__main__ import main
 from sim.base.errors import InputError
-from sim.dataset import side_by_side
-from sim.dataset.boundaries import build
+from sim.dataset import sources
+from sim.dataset.boundaries import add_rounds, added_points, build, find_sides, write_round
 from sim.dataset.build import build as build_dataset
 from sim.dataset.results import read_table
-from sim.dataset.rounds import add_rounds, added_points, find_sides, side_reader, write_round
 from sim.parameters import parse_point, point_id
 from sim.study.load import load_study
 from tests.made.runs import make_regimes, make_study, write_run
@@ -73,15 +72,13 @@ def test_the_dataset_has_the_points_of_all_rounds(study_results, dataset):
     assert points == {path.stem for path in runs.glob("*.nc")}
     assert len(read_table(dataset)) == len(load_study(study_path, results).boundaries)
     study = load_study(study_path, results)
-    study = add_rounds(
-        study, find_sides(study.boundaries, side_reader(study, runs), lambda _: None)
-    )
+    study = add_rounds(study, find_sides(study, runs))
     assert set(study.series["onset"]) <= set(study.figures["belt_onset"]) <= points
 
 
 def test_no_round_is_read_again_for_the_next_dataset(study_results, dataset, monkeypatch):
     whole = dataset.read_bytes()
-    monkeypatch.setattr(side_by_side, "read_run", None)
+    monkeypatch.setattr(sources, "read_run", None)
     assert build_dataset(*study_results).read_bytes() == whole
 
 
@@ -112,9 +109,11 @@ def test_a_round_follows_from_the_runs_before_it(study_results, tmp_path):
     key, parameters = next((key, one) for key, one in first.items() if one.system == "belt")
     write_run(runs, parameters, 0.0 if parameters.frequency > 24 else 0.05)
     assert set(added_points(study, 2, runs)) != set(second)
-    (runs / f"{key}.nc").unlink()
-    with pytest.raises(InputError, match="no such run file"):
+    for key in first:
+        (runs / f"{key}.nc").write_bytes(b"")
+    with pytest.raises(InputError, match=r"rerun the study, .* \(and \d more\)$"):
         added_points(study, 2, runs)
+    assert sum((runs / f"{key}.nc.damaged").exists() for key in first) > 1
 
 
 def test_both_commands_say_what_they_wrote(study_results, dataset, capsys):

@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 
 from sim.base.errors import InputError
-from sim.dataset.boundary_side import side_of_run
+from sim.dataset.rounds import side_of_run
 from sim.parameters import BeltParameters, ChuteParameters
 from tests.made.netcdf import store
 from tests.made.runs import write_run

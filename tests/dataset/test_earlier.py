@@ -8,7 +8,7 @@ import pytest
 import xarray as xr
 
 from sim.base.seals import seal
-from sim.dataset import earlier, gather, side_by_side
+from sim.dataset import earlier, gather, sources
 from tests.made.mixed import PATHS, POINTS, SHOWN, STATES, Mixed, ids
 from tests.made.netcdf import store
 
@@ -42,7 +42,7 @@ def points_read(monkeypatch) -> list[str]:
         ids_read.append(path.stem)
         return gather.read_run(path, amounts, has_state)
 
-    monkeypatch.setattr(side_by_side, "read_run", read_run)
+    monkeypatch.setattr(sources, "read_run", read_run)
     return ids_read
 
 

@@ -4,10 +4,9 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from sim.dataset.belt import column_means
 from sim.dataset.combine import profiles
-from sim.dataset.gather import STATE_VARIABLES
-from sim.dataset.rows import Rows
+from sim.dataset.gather import column_means
+from sim.dataset.rows import OF_PROFILES, STATE_VARIABLES, Rows, align_rows
 from sim.parameters.variables import variables_of
 
 
@@ -33,7 +32,8 @@ def run_row(name, width, slices, replicates):
 
 
 def test_belts_of_different_lengths_are_filled_up():
-    dataset = profiles([run_row("long", 6, 4, 3), run_row("short", 3, 5, 2)], ["long", "short"], 3)
+    blocks = [run_row("short", 3, 5, 2), run_row("long", 6, 4, 3)]
+    dataset = profiles(align_rows(blocks, ["long", "short"], OF_PROFILES, 3))
     assert dataset.sizes == {"run": 2, "replicate": 3, "slice": 5, "square": 6}
     short = dataset.sel(run="short")
     assert short["column"].values[:3] == pytest.approx([0.5e-3, 1.5e-3, 2.5e-3])

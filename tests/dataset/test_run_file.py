@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from sim.__main__ import main
-from sim.dataset.boundary_side import side_of_run
 from sim.dataset.build import build
+from sim.dataset.rounds import side_of_run
 from sim.dataset.run_file import summary_of
 from sim.engine.run import run_point
 from sim.parameters.variables import SCALARS

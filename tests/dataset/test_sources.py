@@ -10,9 +10,9 @@ import psutil
 import pytest
 
 from sim.base.errors import InputError
-from sim.dataset import side_by_side
+from sim.dataset import sources
 from sim.dataset.rows import Rows, merge_rows
-from sim.dataset.side_by_side import File, read_files
+from sim.dataset.sources import File, read_files
 from sim.parameters import amounts, parse_point
 from tests.made.processes import ROOT, wait_until
 from tests.made.runs import write_run
@@ -34,8 +34,8 @@ def files(tmp_path_factory) -> list[File]:
 @pytest.fixture
 def small_batches(monkeypatch) -> None:
     """Let processes start for two files, each of them a batch."""
-    monkeypatch.setattr(side_by_side, "MIN_FILES", 2)
-    monkeypatch.setattr(side_by_side, "BATCH", 1)
+    monkeypatch.setattr(sources, "MIN_FILES", 2)
+    monkeypatch.setattr(sources, "BATCH", 1)
 
 
 def assert_equal(rows: list[Rows], expected: list[Rows]) -> None:
@@ -66,8 +66,8 @@ def test_processes_end_with_their_parent(files, small_batches):
     """A killed parent cannot tell them to end."""
     lines = (
         "import os, signal\n"
-        "from sim.dataset import side_by_side\n"
-        "with side_by_side._process_pool(2) as how:\n"
+        "from sim.dataset import sources\n"
+        "with sources._process_pool(2) as how:\n"
         "    children = {how['pool'].submit(os.getpid).result() for _ in range(9)}\n"
         "    children = [process.pid for process in how['pool']._processes.values()]\n"
         "    print(*children, flush=True)\n"
@@ -103,7 +103,7 @@ def test_a_cluster_reads_what_one_process_reads(files, small_batches, cluster, m
 
 
 def test_workers_with_other_code_are_refused(files, cluster, monkeypatch):
-    monkeypatch.setattr(side_by_side, "reader_hash", lambda: threading.current_thread().name)
+    monkeypatch.setattr(sources, "reader_hash", lambda: threading.current_thread().name)
     with pytest.raises(InputError, match="--dask-scheduler: its workers have not this program"):
         read_files(files, scheduler=cluster.scheduler_address)
 
