@@ -139,8 +139,8 @@ def _state(run: RunFile) -> xr.Dataset | None:
                 values = values[-1]
             dims = tuple(name for name in dims if name not in ("replicate", "frame"))
             variables[name] = xr.Variable(dims, values.astype(np.float32), run.variable(name).attrs)
-    dimensions = {dimension for variable in variables.values() for dimension in variable.dims}
-    coords = {str(name): run.variable(str(name)) for name in dimensions if name in run}
+    names = dict.fromkeys(str(name) for variable in variables.values() for name in variable.dims)
+    coords = {name: run.variable(name) for name in names if name in run}
     return xr.Dataset(variables, coords, run.attrs)
 
 
