@@ -21,10 +21,10 @@ from sim.report.claims import (
     engine_checks,
     has_tested_claims,
     read_claims,
+    reading_tables,
 )
 from sim.report.gallery import Address, data_uri, figure_entries, headline_figures
 from sim.report.numbers import template
-from sim.report.readings import reading_tables
 from sim.report.runs import (
     adopted_datasets,
     boundary_rows,

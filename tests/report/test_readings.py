@@ -2,7 +2,7 @@
 
 import pytest
 
-from sim.report.readings import reading_tables
+from sim.report.claims import reading_tables
 from tests.made.results import made_point, made_results
 
 
