@@ -41,17 +41,20 @@ COMMANDS = {
     "study": ("sim.study.command:study", "check a study and run it with Snakemake"),
     "points": ("sim.report.points:show", "list the points of a study and what they cost"),
     "status": ("sim.report.status_table:show", "show how far a study is"),
-    "refine": ("sim.dataset.rounds:write_round", "work out the points of a round of refinement"),
+    "refine": (
+        "sim.dataset.boundaries:write_round",
+        "work out the points of a round of refinement",
+    ),
     "schema": ("sim.study.reference:show", "print the JSON schema of studies and points"),
     "run": ("sim.engine.command:run", "run one point"),
     "batch": ("sim.engine.command:batch", "run several points in one process"),
     "info": ("sim.report.info:describe", "describe a run file"),
     "page": ("sim.report.run_page:write_pages", "write a page on each of some runs"),
-    "export": ("sim.report.export.command:export", "write the particles of a run in other formats"),
+    "export": ("sim.report.export:export", "write the particles of a run in other formats"),
     "warm": (f"{__name__}:warm", "compile the engine, so that runs start at once"),
     "bench": ("sim.engine.bench:main", "measure speed, start-up and memory"),
     "adopt": (
-        "sim.dataset.adopt:adopt",
+        "sim.dataset.adopted:adopt",
         "take what a dataset has of a study instead of running it",
     ),
     "dataset": ("sim.dataset.build:build", "combine the runs of a study in one dataset"),
@@ -61,7 +64,10 @@ COMMANDS = {
     "figure": ("sim.figures.several:draw_figures", "draw figures from a dataset"),
     "report": ("sim.report.page:build", "write the report of a study"),
     "compare": ("sim.report.compare:show", "compare two runs or two studies point by point"),
-    "orphans": ("sim.report.orphans:show", "list or remove runs of points no longer in a study"),
+    "orphans": (
+        "sim.report.status_table:list_orphans",
+        "list or remove runs of points no longer in a study",
+    ),
     "publish": ("sim.report.publish:publish", "copy what readers need of a study"),
 }
 

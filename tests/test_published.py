@@ -15,11 +15,10 @@ from sim.dataset.results import load_results
 from sim.dataset.rows import Rows
 from sim.engine.run import run_point
 from sim.parameters import SYSTEMS, parse_point, point_id
-from sim.report.abstract import main as abstract
-from sim.report.abstract import page as abstract_page
 from sim.report.claims import VERDICTS, count_verdicts, read_claims
+from sim.report.paper_pages import main as paper_page
+from sim.report.paper_pages import results_page
 from sim.report.publish import MOST_BYTES, PUBLISHED, folder_size
-from sim.report.verdict_table import main as verdict_table
 from sim.study.cost import estimate
 from tests.made.processes import ROOT
 
@@ -74,15 +73,15 @@ def test_claims_that_do_not_simply_hold_are_explained(study):
 
 
 def test_the_page_of_verdicts_is_that_of_what_is_published():
-    """`python -m sim.report.verdict_table > docs/verdicts.md` makes it anew."""
+    """`python -m sim.report.paper_pages verdicts > docs/verdicts.md` makes it anew."""
     text = (ROOT / "docs" / "verdicts.md").read_text(encoding="utf-8")
-    assert text == verdict_table(ROOT / PUBLISHED)
+    assert text == paper_page("verdicts", ROOT / PUBLISHED)
 
 
 def test_every_number_of_the_abstract_is_published():
-    """`python -m sim.report.abstract > docs/paper.md` makes it anew."""
+    """`python -m sim.report.paper_pages results > docs/paper.md` makes it anew."""
     text = (ROOT / "docs" / "paper.md").read_text(encoding="utf-8")
-    assert text == abstract(ROOT / PUBLISHED)
+    assert text == paper_page("results", ROOT / PUBLISHED)
 
 
 def test_the_abstract_refuses_verdicts_and_numbers_that_it_does_not_know():
@@ -92,11 +91,11 @@ def test_the_abstract_refuses_verdicts_and_numbers_that_it_does_not_know():
         for claim in read_claims(study / "claims.json", replaceable=False)
     }
     runs = {paper: {"points": 1, "runs": 1, "core hours": 1.0} for paper in ("walton", "gallas")}
-    assert "W9: τ = " in abstract_page(claims, runs)
+    assert "W9: τ = " in results_page(claims, runs)
     with pytest.raises(ValueError, match="W9 is 'inconclusive' and no more 'reproduced'"):
-        abstract_page(claims | {"W9": claims["W9"] | {"verdict": "inconclusive"}}, runs)
+        results_page(claims | {"W9": claims["W9"] | {"verdict": "inconclusive"}}, runs)
     with pytest.raises(ValueError, match=r"W26 has 0 checks 'shear/normal over tan θ"):
-        abstract_page(claims | {"W26": claims["W26"] | {"variants": []}}, runs)
+        results_page(claims | {"W26": claims["W26"] | {"variants": []}}, runs)
 
 
 @pytest.mark.parametrize("study", STUDIES, ids=name)

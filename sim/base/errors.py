@@ -1,7 +1,7 @@
 """The one exception that users of Talus see, and the short form of values in its message."""
 
 import reprlib
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any, Self
 
@@ -33,6 +33,12 @@ class InputError(Exception):
         """
         where = f"{source}: {key}" if key else f"{source}"
         return cls(f"{where}: got {in_short(value)}; allowed: {allowed}")
+
+    @classmethod
+    def of_several(cls, messages: Sequence[str]) -> Self:
+        """Build the first of several messages, with the number of the others."""
+        others = f" (and {len(messages) - 1} more)" if len(messages) > 1 else ""
+        return cls(f"{messages[0]}{others}")
 
 
 class _Short(reprlib.Repr):

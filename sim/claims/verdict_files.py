@@ -15,8 +15,7 @@ from sim.claims.claim import OWN
 from sim.claims.judge import judge
 from sim.claims.judgement import Judgement, Variant
 from sim.claims.verdict import UNTESTABLE, Check, plan
-from sim.dataset.agreement import require_agreement
-from sim.dataset.results import load_results
+from sim.dataset.results import load_current
 from sim.study.load import load_study
 
 #: Fields of a check that judges and `decide` use and the files do not hold.
@@ -41,9 +40,7 @@ def build(study_path: str | Path, results: str | Path = "results") -> Path:
     """
     study = load_study(study_path, results)
     folder = Path(results) / study.name
-    dataset = load_results(folder / "dataset.nc")
-    require_agreement(study, dataset, folder / "dataset.nc")
-    return write(judge(dataset), study.name, folder)
+    return write(judge(load_current(study, folder)), study.name, folder)
 
 
 def write(judgements: list[Judgement], study: str, folder: Path) -> Path:

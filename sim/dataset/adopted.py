@@ -1,31 +1,41 @@
-"""Points whose rows come from datasets that were made elsewhere; they are not run here."""
+"""Datasets that were made elsewhere: the points that they cover are not run again."""
 
+import hashlib
 from collections import defaultdict
 from collections.abc import Mapping
 from functools import cache
 from json import loads
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import netCDF4
 import numpy as np
 
+from sim.base.errors import InputError
+from sim.base.files import atomic_write, read_regular
 from sim.base.seals import checked_read, is_damaged
-from sim.dataset.boundary_side import SCALARS
+from sim.base.words import count_text
+from sim.dataset.rounds import SCALARS, known_points
+from sim.dataset.rows import PARTICLES, RUNS, Rows, reader_hash, stored_names, stored_particles
 from sim.engine.identity import NUMERICS
 from sim.engine.stored_run import has_enough
 from sim.parameters import Parameters, amounts, covers
+from sim.parameters.variables import ALL
 from sim.study.figure_spec import Shown
-from sim.study.load import Study
-
-if TYPE_CHECKING:
-    from sim.dataset.rows import Rows
+from sim.study.load import load_study
+from sim.study.model import Study
 
 #: Folder of the adopted datasets of a study, beside its runs.
 FOLDER = "adopted"
 
 #: What messages call such a dataset.
 _KIND = "dataset that was adopted"
+
+#: Digits of the SHA-256 of an adopted dataset that are its file name.
+DIGITS = 16
+
+#: Most variables that a message names.
+MOST_NAMED = 3
 
 
 class AdoptedPoint(NamedTuple):
@@ -112,7 +122,7 @@ class AdoptedPoints:
                 runs.append(start)
         return rows
 
-    def rows(self, points: Mapping[str, Parameters]) -> "list[Rows]":
+    def rows(self, points: Mapping[str, Parameters]) -> list[Rows]:
         """Return the rows of those points that are adopted, see `source`."""
         # Imported here, because plans of studies do not need the table libraries.
         from sim.dataset.earlier import adopted_rows
@@ -135,18 +145,12 @@ def read_points(path: Path) -> dict[str, AdoptedPoint]:
     that is stored now. Raises ``ValueError`` when the file is damaged, and errors of the library
     when it is no dataset.
     """
-    # Imported here, because studies without adopted datasets do not need the table libraries.
-    from sim.dataset.earlier import reader_hash
-
     return _read_points(path, path.stat().st_mtime_ns, reader_hash())
 
 
 @cache
 def _read_points(path: Path, changed: int, code: str) -> dict[str, AdoptedPoint]:
     """Read the rows once; ``changed`` (ns) tells successive files of the same name apart."""
-    from sim.dataset.earlier import missing_variables, stored_particles
-    from sim.dataset.results import PARTICLES, RUNS
-
     if is_damaged(path):
         raise ValueError("its checksum is wrong or missing")
     with netCDF4.Dataset(path) as file:
@@ -168,3 +172,101 @@ def _read_points(path: Path, changed: int, code: str) -> dict[str, AdoptedPoint]
             for row, (point, system, point_amounts, numerics, caveat) in enumerate(table)
             if numerics == str(NUMERICS) and system in complete
         }
+
+
+def missing_variables(group: Any, system: str) -> list[str]:
+    """Return the variables that this version stores and the writer of a dataset did not know.
+
+    Parameters
+    ----------
+    group : netCDF4.Dataset
+        Group `RUNS` of the dataset.
+    system : str
+        The system whose variables are meant.
+    """
+    reads = group.getncattr("reads") if "reads" in group.ncattrs() else ""
+    if system not in ALL:
+        # A system of a later version.
+        return [system]
+    return sorted(stored_names(system) - set(reads.split()))
+
+
+def adopt(study_path: Path, dataset_path: Path, results: Path) -> str:
+    """Copy a dataset into ``results/<study>/adopted``, from where the study takes its rows.
+
+    Parameters
+    ----------
+    study_path : Path
+        The study file.
+    dataset_path : Path
+        The dataset, of this study or of another one that has some of its points.
+    results : Path
+        Folder of all results.
+
+    Returns
+    -------
+    str
+        A message: how many points of the study it covers, and where it is now.
+
+    Raises
+    ------
+    InputError
+        When the dataset is missing or damaged, has other numerics, or covers no point. Nothing is
+        written then.
+    """
+    # Imported here, because plans of studies do not need the table libraries.
+    from sim.dataset.earlier import adopted_rows
+
+    study = load_study(study_path, results)
+    folder = results / study.name
+    points = known_points(study, folder)
+    is_run_file_needed, particle_need = study.needs_run_file, study.particles_needed
+    with checked_read(dataset_path, "dataset", replaceable=False, sealed=True):
+        content = read_regular(dataset_path)
+        _require_origin(dataset_path)
+        rows = read_points(dataset_path)
+        covered = {
+            key: point
+            for key, point in points.items()
+            if key in rows
+            and rows[key].is_enough_for(point, particle_need(key))
+            and not is_run_file_needed(key)
+        }
+        adopted_rows(dataset_path, covered, particle_need)
+    if not covered:
+        common = len(points.keys() & rows.keys())
+        raise InputError(
+            f"{dataset_path}: covers no point of {study.path}: "
+            f"of {count_text(len(points), 'point')} it has {common:,}, "
+            "none with all that is wanted of it"
+        )
+    output = folder / FOLDER / f"{hashlib.sha256(content).hexdigest()[:DIGITS]}.nc"
+    if not output.is_file() or read_regular(output) != content:
+        output.parent.mkdir(parents=True, exist_ok=True)
+        with atomic_write(output) as temporary:
+            temporary.write_bytes(content)
+    number = f"{len(covered):,} of {count_text(len(points), 'point')}"
+    return f"{study.name}: {dataset_path} covers {number}; adopted as {output}"
+
+
+def _require_origin(path: Path) -> None:
+    """Refuse a file that is no dataset, has other numerics, or lacks variables that are stored now.
+
+    A dataset of several systems is refused for lacking variables only if all of them lack some.
+    """
+    with netCDF4.Dataset(path) as file:
+        if "study" not in file.ncattrs():
+            raise ValueError("no study in it")
+        if RUNS not in file.groups or "wanted" not in file.groups[RUNS].variables:
+            raise InputError(
+                f"{path}: does not say how much of each point it holds; make it again from its runs"
+            )
+        numerics = str(file.getncattr("numerics"))
+        systems = sorted(set(file["system"][:].tolist()))
+        lacking = [missing_variables(file.groups[RUNS], system) for system in systems]
+    if str(NUMERICS) not in numerics.split(", "):
+        raise InputError.of_value(path, "numerics", numerics, str(NUMERICS))
+    if lacking and all(lacking):
+        names = ", ".join(lacking[0][:MOST_NAMED])
+        allowed = "one whose program knew them; make it again from its runs"
+        raise InputError.of_value(path, "", f"a dataset that cannot have {names}", allowed)

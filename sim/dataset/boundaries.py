@@ -1,20 +1,151 @@
-"""Boundaries between regimes: their locations as a table and as CSV."""
+"""Boundaries between regimes: their rounds of refinement, and their locations as a table."""
 
-from collections.abc import Sequence
-from dataclasses import asdict
+import json
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, replace
 from pathlib import Path
-
-import pandas as pd
+from typing import TYPE_CHECKING
 
 from sim.base.errors import InputError
 from sim.base.files import atomic_write
-from sim.dataset.results import RESULT_COLUMNS, read_table
-from sim.parameters import complete_values, field_info
-from sim.study.load import Study, load_study
-from sim.study.refine import Sides, locate_boundary
+from sim.dataset.adopted import AdoptedPoints
+from sim.dataset.rounds import RESULT_COLUMNS, side, side_of_run
+from sim.parameters import Parameters, canonical_values, complete_values, field_info, point_id
+from sim.study.expand import point_with_membership
+from sim.study.load import Boundary, Study, load_study
+from sim.study.refine import Sides, divide_range, locate_boundary, next_values
+
+if TYPE_CHECKING:
+    # Imported in functions otherwise: rounds of refinement need no table library.
+    import pandas as pd
+
+#: Returns the side of a boundary that the run of a point is on, ``None`` where it is not known.
+SideFinder = Callable[[Boundary, Parameters], str | None]
 
 
-def tabulate(study: Study, sides_of_boundaries: Sequence[Sides]) -> pd.DataFrame:
+def write_round(study_path: str | Path, number: int, results: str | Path = "results") -> Path:
+    """Write the points that a round of refinement adds to ``results/<study>/rounds/<number>.json``.
+
+    Parameters
+    ----------
+    study_path : str or Path
+        The study file.
+    number : int
+        Number of the round, from 1; the runs of all rounds before it must be there.
+    results : str or Path
+        Folder of all results.
+
+    Returns
+    -------
+    Path
+        The file written: parameters by id of the point. It appears complete or not at all.
+
+    Raises
+    ------
+    InputError
+        When the study has no such round, or a run file is missing or is not one.
+    """
+    study = load_study(study_path, results)
+    if not 1 <= number <= study.rounds:
+        allowed = f"a round of the study, 1 to {study.rounds}" if study.rounds else "none"
+        raise InputError.of_value("ROUND", "", number, allowed)
+    folder = Path(results) / study.name
+    points = added_points(study, number, folder / "runs")
+    text = json.dumps({key: canonical_values(point) for key, point in points.items()}, indent=1)
+    output = folder / "rounds" / f"{number}.json"
+    output.parent.mkdir(parents=True, exist_ok=True)
+    with atomic_write(output) as temporary:
+        temporary.write_text(text + "\n", encoding="utf-8")
+    return output
+
+
+def added_points(study: Study, number: int, runs: Path) -> dict[str, Parameters]:
+    """Return the points by id that round ``number`` adds to all before it.
+
+    They depend only on the run files in ``runs`` and on the adopted datasets in the folder next to
+    it, so every call gives the same points.
+    """
+    earlier = set(study.points)
+    added: dict[str, Parameters] = {}
+    side_of = side_reader(study, runs)
+    rounds = [_walk(boundary, number, side_of)[1] for boundary in study.boundaries]
+    for step in range(1, number + 1):
+        points = (
+            boundary.parameters_at(value)
+            for boundary, values in zip(study.boundaries, rounds, strict=True)
+            for value in values[step]
+        )
+        by_id = {point_id(point): point for point in points}
+        added = {key: point for key, point in by_id.items() if key not in earlier}
+        earlier |= set(added)
+    return added
+
+
+def find_sides(study: Study, runs: Path) -> list[Sides]:
+    """Return the sides of the values of all rounds, for each boundary; the runs must be there.
+
+    They are read as those of `added_points` are.
+    """
+    side_of = side_reader(study, runs)
+    return [_walk(boundary, boundary.rounds + 1, side_of)[0] for boundary in study.boundaries]
+
+
+def _walk(boundary: Boundary, count: int, side_of: SideFinder) -> tuple[Sides, list[list[float]]]:
+    """Return the sides known after ``count`` rounds, and the values that each of them adds.
+
+    The first round is that of the study file. One more round of values follows from the sides.
+    """
+    sides: dict[float, str | None] = {}
+    rounds = [divide_range(boundary.low, boundary.high)]
+    for _ in range(count):
+        problems = []
+        for value in rounds[-1]:
+            try:
+                sides[value] = side_of(boundary, boundary.parameters_at(value))
+            except InputError as error:
+                problems.append(str(error))
+        if problems:
+            raise InputError.of_several(problems)
+        rounds.append(next_values(sides, boundary.tolerance))
+    return sides, rounds
+
+
+def side_reader(study: Study, runs: Path) -> SideFinder:
+    """Return a function that reads the side of a point from its run file in the folder ``runs``.
+
+    For an adopted point it reads the side from the adopted dataset.
+    """
+    adopted = AdoptedPoints(study, runs.parent)
+
+    def side_of(boundary: Boundary, point: Parameters) -> str | None:
+        key, full_point = point_id(point), with_study_amounts(study, point)
+        if row := adopted.source(key, full_point):
+            return side(row.wanted_scalars(full_point), boundary.of, full_point)
+        return side_of_run(runs / f"{key}.nc", boundary.of, full_point)
+
+    return side_of
+
+
+def with_study_amounts(study: Study, point: Parameters) -> Parameters:
+    """Return a point of a boundary with the amounts of the study, whose series may ask for more."""
+    member = study.points.get(point_id(point))
+    return member.parameters if member else point
+
+
+def add_rounds(study: Study, sides_of_boundaries: Sequence[Sides]) -> Study:
+    """Return the study with the points of all rounds, given the known sides of each boundary."""
+    points, series = dict(study.points), dict(study.series)
+    for boundary, sides in zip(study.boundaries, sides_of_boundaries, strict=True):
+        for value in sides:
+            point = point_with_membership(
+                points, boundary.parameters_at(value), boundary.name, boundary.figures
+            )
+            points[point.id] = point
+            series[boundary.name] = tuple(dict.fromkeys((*series[boundary.name], point.id)))
+    return replace(study, points=points, series=series)
+
+
+def tabulate(study: Study, sides_of_boundaries: Sequence[Sides]) -> "pd.DataFrame":
     """Return a table with one row per boundary: its definition, its location, its parameters.
 
     Parameters
@@ -33,6 +164,8 @@ def tabulate(study: Study, sides_of_boundaries: Sequence[Sides]) -> pd.DataFrame
         parameters of the point at the low end of the range; NaN or ``""`` for parameters that only
         other systems have.
     """
+    import pandas as pd
+
     rows = []
     for boundary, sides in zip(study.boundaries, sides_of_boundaries, strict=True):
         start = boundary.parameters_at(boundary.low)
@@ -69,6 +202,8 @@ def build(study_path: str | Path, results: str | Path = "results") -> Path:
     InputError
         When the study has no boundaries, or the dataset is missing.
     """
+    from sim.dataset.results import read_table
+
     study = load_study(study_path, results)
     if not study.boundaries:
         allowed = "a study with boundaries"
@@ -81,12 +216,12 @@ def build(study_path: str | Path, results: str | Path = "results") -> Path:
     return output
 
 
-def format_csv(study: Study, rows: pd.DataFrame) -> str:
+def format_csv(study: Study, rows: "pd.DataFrame") -> str:
     """Return the text of ``boundaries.csv``."""
     return csv_columns(study, rows).to_csv(index=False, float_format="%.10g")
 
 
-def csv_columns(study: Study, rows: pd.DataFrame) -> pd.DataFrame:
+def csv_columns(study: Study, rows: "pd.DataFrame") -> "pd.DataFrame":
     """Return the columns of ``boundaries.csv``, among them the parameters that grids vary.
 
     A parameter is blank in the rows of boundaries along it.

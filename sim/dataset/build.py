@@ -6,9 +6,10 @@ holds the particles of points whose particles a figure draws. The group ``runs``
 of each row, so that the file need not be read again.
 """
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any, Literal
 
@@ -18,17 +19,21 @@ import xarray as xr
 from sim.base.errors import InputError
 from sim.base.files import atomic_write, require_writable
 from sim.base.seals import seal
-from sim.dataset.adopted import AdoptedPoints
-from sim.dataset.boundaries import tabulate
-from sim.dataset.boundary_side import side
+from sim.dataset.boundaries import add_rounds, find_sides, tabulate
 from sim.dataset.combine import natural_velocities, profiles, root, runs, si_parameters
-from sim.dataset.earlier import EarlierDataset, keep_dataset
-from sim.dataset.gather import PATH_VARIABLES
-from sim.dataset.results import GROUP, PARTICLES, RUNS
-from sim.dataset.rounds import add_rounds, find_sides, known_points, with_study_amounts
-from sim.dataset.rows import Rows, select_rows
-from sim.dataset.runs import Runs
-from sim.dataset.side_by_side import RunFiles
+from sim.dataset.earlier import keep_dataset
+from sim.dataset.results import GROUP
+from sim.dataset.rounds import known_points
+from sim.dataset.rows import (
+    OF_PROFILES,
+    PARTICLES,
+    PATH_VARIABLES,
+    RUNS,
+    Rows,
+    align_rows,
+    row_scalars,
+)
+from sim.dataset.sources import gather_rows
 from sim.engine.stored_run import current_status
 from sim.parameters import SYSTEMS, Parameters, point_id
 from sim.study.expand import point_with_membership
@@ -88,16 +93,14 @@ def build(
     folder = Path(results) / study.name
     if finished is not None:
         study = _select_finished(study, folder, finished)
-    particle_need = study.particles_needed
-    run_files = RunFiles(folder / "runs", particle_need, processes, scheduler)
-    earlier, adopted = EarlierDataset(folder, particle_need), AdoptedPoints(study, folder)
-    runs_of_study = Runs([earlier, adopted, run_files])
-    runs_of_study.read({key: point.parameters for key, point in study.points.items()})
-    sides = _find_sides(study, runs_of_study)
-    study = add_rounds(study, sides)
     output = finished or folder / "dataset.nc"
+    gather = partial(gather_rows, study, folder, processes=processes, scheduler=scheduler)
+    blocks = gather(study.points)
+    sides = find_sides(study, folder / "runs")
+    known, study = study.points, add_rounds(study, sides)
+    blocks += gather({key: point for key, point in study.points.items() if key not in known})
     with atomic_write(output) as temporary:
-        for group, dataset in _groups(runs_of_study.rows(study.points), study, sides):
+        for group, dataset in _groups(blocks, study, sides):
             _write(temporary, group, dataset, output)
         seal(temporary)
         if not finished:
@@ -140,38 +143,24 @@ def _is_along(boundary: Boundary, parameters: Parameters) -> bool:
     return False
 
 
-def _find_sides(study: Study, runs_of_study: Runs) -> Sequence[Sides]:
-    """Return the known sides of each boundary; read the runs of its rounds, one after another."""
-
-    def side_of(boundary: Boundary, parameters: Parameters) -> str | None:
-        return side(runs_of_study.scalars(point_id(parameters)), boundary.of, parameters)
-
-    def read_round(points: Iterable[Parameters]) -> None:
-        runs_of_study.read({point_id(point): with_study_amounts(study, point) for point in points})
-
-    return find_sides(study.boundaries, side_of, read_round)
-
-
 def _groups(
     blocks: Sequence[Rows], study: Study, sides_of_boundaries: Sequence[Sides]
 ) -> Iterator[tuple[str | None, xr.Dataset]]:
     """Yield the groups of the dataset by name, the root first."""
-    scalars = root(blocks, study)
+    rows = align_rows(blocks, list(study.points), row_scalars())
+    scalars = root(rows, study)
     yield None, scalars
     yield "natural", natural_velocities(scalars)
     yield "si", si_parameters(list(study.points.values()))
-    yield RUNS, runs(blocks, study.points)
+    yield RUNS, runs(rows)
     for system in SYSTEMS:
         members = [key for key, point in study.points.items() if point.parameters.system == system]
         if members:
-            yield (
-                system,
-                profiles(select_rows(blocks, set(members)), members, scalars.sizes["replicate"]),
-            )
-    states = {key: state for block in blocks for key, state in block.states.items()}
+            replicates = scalars.sizes["replicate"]
+            yield system, profiles(align_rows(blocks, members, OF_PROFILES, replicates))
     for key, point in study.points.items():
-        if key in states and (need := study.particles_shown(point.figures)):
-            state = states[key].drop_encoding()
+        if key in rows.states and (need := study.particles_shown(point.figures)):
+            state = rows.states[key].drop_encoding()
             if need < Shown.PATH:
                 state = state.drop_vars(PATH_VARIABLES, errors="ignore")
             # Sorted, because the library returns attributes in an order of its own.

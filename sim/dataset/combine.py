@@ -1,25 +1,15 @@
-"""Combine rows of runs into the groups of a dataset, in the order of the study's points."""
+"""The groups of a dataset, from the aligned rows of its runs."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
-import pandas as pd
 import xarray as xr
 
 from sim.dataset.caveats import caveat
 from sim.dataset.earlier import reader_hash, stored_names
 from sim.dataset.replicates import outcomes
-from sim.dataset.rows import (
-    ARRAYS,
-    OF_PROFILES,
-    Rows,
-    align_rows,
-    largest_sizes,
-    origin_table,
-    row_points,
-    row_scalars,
-)
+from sim.dataset.rows import ARRAYS, OF_PROFILES, Rows, row_scalars
 from sim.parameters import SYSTEMS, complete_values, field_info, in_si
 from sim.parameters.variables import variables_of
 from sim.study.load import Point, Study
@@ -29,15 +19,15 @@ _REPLICATE = {"units": "1", "long_name": "number of the replicate"}
 _VELOCITIES = ("velocity", "velocity_half_width", "point_velocity", "point_half_width")
 
 
-def root(blocks: Sequence[Rows], study: Study) -> xr.Dataset:
+def root(rows: Rows, study: Study) -> xr.Dataset:
     """Return the root group: the scalars of runs over ``point`` and ``replicate``.
 
     Parameters
     ----------
-    blocks : sequence of Rows
-        The runs of the study.
+    rows : Rows
+        The runs of the study, in the order of its points.
     study : Study
-        Gives the order of the points, and the series and figures of each.
+        Gives the series and figures of each point.
 
     Returns
     -------
@@ -46,37 +36,31 @@ def root(blocks: Sequence[Rows], study: Study) -> xr.Dataset:
         replicates than another. Every parameter of the systems of the study is a coordinate over
         ``point``, NaN or ``""`` where the point's system does not have it.
     """
-    order, sizes = _row_order(blocks, study.points), largest_sizes(blocks)
-    origin = origin_table(blocks).iloc[order]
     scalars = xr.Dataset(
         {
-            name: (
-                ("point", "replicate"),
-                align_rows(blocks, name, sizes)[order],
-                _attributes_of(name),
-            )
-            for name in row_scalars()
-            if any(name in block.values for block in blocks)
+            name: (("point", "replicate"), values, _attributes_of(name))
+            for name, values in rows.values.items()
         }
     )
     caveats = map(
         caveat,
-        origin["caveat"],
+        rows.origin["caveat"],
         scalars["missing_energy"].values,
         [point.parameters for point in study.points.values()],
         scalars["max_overlap"].where(scalars["status"] == "completed").values,
         (scalars["steps"] * scalars["time_step_used"]).values,
     )
+    numbers = np.arange(scalars.sizes["replicate"])
     dataset = scalars.assign_coords(
-        _labels(study, caveats, origin["source_hash"])
+        _labels(study, caveats, rows.origin["source_hash"])
         | _parameters(list(study.points.values()))
-        | {"replicate": ("replicate", np.arange(sizes["replicate"]), _REPLICATE)}
+        | {"replicate": ("replicate", numbers, _REPLICATE)}
     )
-    dataset.attrs = _attributes(origin, study)
+    dataset.attrs = _attributes(rows.origin, study)
     return dataset.assign(_pooled_variables(dataset))
 
 
-def profiles(blocks: Sequence[Rows], points: Sequence[str], replicates: int) -> xr.Dataset:
+def profiles(rows: Rows) -> xr.Dataset:
     """Return the profiles of the runs of one system over (run, replicate, slice).
 
     Coordinate ``run`` is the id of the point. A run with fewer slices or replicates than another is
@@ -85,34 +69,21 @@ def profiles(blocks: Sequence[Rows], points: Sequence[str], replicates: int) -> 
     squares. Profiles over the cycle of the belt are over (run, replicate, moment), and
     ``cycle_phase`` (run, moment) holds the phases.
     """
-    order, sizes = _row_order(blocks, points), largest_sizes(blocks) | {"replicate": replicates}
     variables = {
-        name: (
-            ("run", *dimensions),
-            align_rows(blocks, name, sizes)[order],
-            ARRAYS[name].attributes,
-        )
-        for name, dimensions in OF_PROFILES.items()
-        if any(name in block.values for block in blocks)
+        name: (("run", *OF_PROFILES[name]), values, ARRAYS[name].attributes)
+        for name, values in rows.values.items()
     }
-    return xr.Dataset(variables, {"run": ("run", list(points), {"long_name": "point id"})})
+    return xr.Dataset(variables, {"run": ("run", rows.points, {"long_name": "point id"})})
 
 
-def runs(blocks: Sequence[Rows], points: Iterable[str]) -> xr.Dataset:
+def runs(rows: Rows) -> xr.Dataset:
     """Return the group `RUNS`: seal, amounts and versions of the run file behind each row.
 
     Attribute ``reads`` has the names of all variables that a row has if its run file has them.
     """
-    origin = origin_table(blocks).iloc[_row_order(blocks, points)]
-    columns = {name: ("point", origin[name].to_numpy(object)) for name in origin}
+    columns = {name: ("point", np.array(texts, object)) for name, texts in rows.origin.items()}
     reads = " ".join(sorted(stored_names()))
     return xr.Dataset(columns, attrs={"code": reader_hash(), "reads": reads})
-
-
-def _row_order(blocks: Iterable[Rows], points: Iterable[str]) -> np.ndarray:
-    """Return the row numbers of points, in the order of the points."""
-    rows = {point: row for row, point in enumerate(row_points(blocks))}
-    return np.array([rows[point] for point in points])
 
 
 def point_coordinate(points: Sequence[Point]) -> Any:
@@ -141,14 +112,15 @@ def _with_attrs(variables: Mapping[str, Any]) -> dict[str, Any]:
     return {name: (*values[:2], _attributes_of(name)) for name, values in variables.items()}
 
 
-def _attributes(origin: pd.DataFrame, study: Study) -> dict[str, str]:
+def _attributes(origin: Mapping[str, Sequence[str]], study: Study) -> dict[str, str]:
     """Return the global attributes: title and study, and the versions that made the runs."""
     attrs = {"Conventions": "CF-1.11", "title": study.title or study.name, "study": study.name}
     distinct = ("engine_version", "numerics", "source_hash", "versions")
-    attrs |= {name: ", ".join(origin[name].unique()) for name in distinct}
-    first, last = origin["created"].min(), origin["created"].max()
+    attrs |= {name: ", ".join(dict.fromkeys(origin[name])) for name in distinct}
+    dates = origin["created"]
+    first, last = min(dates), max(dates)
     # Without the present date, so that the same runs give the same file.
-    history = f"{last}: the last of {len(origin)} runs, here combined; the first: {first}"
+    history = f"{last}: the last of {len(dates)} runs, here combined; the first: {first}"
     source = f"Talus {attrs['engine_version']}, numerics {attrs['numerics']}"
     return attrs | {
         "source": source,

@@ -1,7 +1,7 @@
 """Read from a run file what a dataset stores: scalars, measures, profiles, particles."""
 
-import json
 from collections.abc import Mapping
+from math import nan, pi
 from pathlib import Path
 from typing import Any
 
@@ -9,30 +9,32 @@ import netCDF4
 import numpy as np
 import xarray as xr
 
+from sim.base.additions import attribute_errors_to
 from sim.base.errors import InputError
 from sim.base.seals import checked_read, read_seal, read_summary
-from sim.dataset.belt import column_means, cycle_means
-from sim.dataset.measures import measures
-from sim.dataset.rows import SINGLE, WORDS, Rows, row_arrays, row_scalars
+from sim.dataset.rows import (
+    SINGLE,
+    STATE_VARIABLES,
+    WORDS,
+    Rows,
+    amounts_text,
+    row_arrays,
+    row_scalars,
+)
 from sim.dataset.run_file import Replicate, RunFile
 from sim.engine.identity import numerics_of
 from sim.engine.stored_run import stage_amounts
-from sim.parameters.variables import SCALARS, variables_of
+from sim.parameters.variables import OBSERVABLE, SCALARS, Observable, observables
 
 #: Without these attributes a file is no run file.
 ATTRIBUTES = {"point_id", "system", "engine_version", "source_hash", "versions", "created"}
 
-#: Variables of the last state that no figure draws.
-_UNDRAWN = ("particle_spin", "orientation")
-
-#: Path of the particles after the last sample, which animations need.
-PATH_VARIABLES = ("path", "path_time")
-
-#: Variables that figures of particles need: last state and path.
-STATE_VARIABLES = (
-    *(name for name in variables_of("particle") if name not in _UNDRAWN),
-    *PATH_VARIABLES,
-)
+#: Profiles over the cycle of the vibration, each with the time series that it averages.
+OVER_CYCLE = {
+    "cycle_normal_force": "belt_normal_force",
+    "cycle_shear_force": "belt_shear_force",
+    "cycle_contact_time": "belt_contact_time",
+}
 
 
 def read_run(
@@ -103,11 +105,6 @@ def _provenance(attributes: Mapping[str, Any]) -> dict[str, Any]:
     }
 
 
-def amounts_text(amounts: Mapping[str, float] | None) -> str:
-    """Return the amounts of a point as JSON; equal amounts give equal texts."""
-    return json.dumps(dict(amounts or {}), sort_keys=True)
-
-
 def _list_amounts(amounts: Mapping[str, float]) -> str:
     return ", ".join(f"{name} {value:g}" for name, value in amounts.items())
 
@@ -142,6 +139,91 @@ def _state(run: RunFile) -> xr.Dataset | None:
                 values = values[-1]
             dims = tuple(name for name in dims if name not in ("replicate", "frame"))
             variables[name] = xr.Variable(dims, values.astype(np.float32), run.variable(name).attrs)
-    dimensions = {dimension for variable in variables.values() for dimension in variable.dims}
-    coords = {str(name): run.variable(str(name)) for name in dimensions if name in run}
+    names = dict.fromkeys(str(name) for variable in variables.values() for name in variable.dims)
+    coords = {name: run.variable(name) for name in names if name in run}
     return xr.Dataset(variables, coords, run.attrs)
+
+
+def measures(run: RunFile) -> dict[str, np.ndarray]:
+    """Return the observables of a run, each an array over its replicates, NaN for failed ones."""
+    declared, status = observables(run.attrs["system"]), run["status"]
+    table = {name: np.full(len(status), nan) for name in declared}
+    for index in np.flatnonzero(status == "completed"):
+        replicate = Replicate(run, int(index))
+        for name, value in measure(replicate, declared, run.attrs["point_id"]).items():
+            table[name][index] = value
+    return table
+
+
+def measure(
+    replicate: Mapping[str, Any], declared: Mapping[str, Observable], point: str
+) -> dict[str, float]:
+    """Return observables of a replicate; NaN where its file lacks the arrays for one.
+
+    Each function is called once, however many observables it measures. ``point`` is the id of the
+    point, for errors, which name the observable and its plug-in.
+    """
+    results: dict[int, Any] = {}
+    values = {}
+    for name, one in declared.items():
+        with attribute_errors_to(OBSERVABLE, name, f" of {point}"):
+            key = id(one.measure)
+            if key not in results:
+                results[key] = one.measure(replicate)
+            result = results[key]
+            values[name] = float(result.get(name, nan) if isinstance(result, Mapping) else result)
+    return values
+
+
+def column_means(run: Mapping[str, Any]) -> dict[str, np.ndarray]:
+    """Return velocity and density along the belt, averaged over all levels of the field.
+
+    Returns
+    -------
+    dict
+        ``column_velocity`` (m/s) and ``column_density`` (beads per length, m⁻¹), each over
+        (replicate, square), and ``column`` (square,), the centres of the squares along the belt
+        (m). Empty for a run without a field.
+    """
+    if "field_velocity" not in run:
+        return {}
+    density, level = np.asarray(run["field_density"]), np.asarray(run["level"])
+    moved = np.nansum(np.asarray(run["field_velocity"]) * density, axis=-1)
+    beads = np.nansum(density, axis=-1)
+    return {
+        "column_velocity": np.divide(moved, beads, out=np.full_like(beads, nan), where=beads > 0),
+        "column_density": beads * float(level[1] - level[0]),
+        "column": np.asarray(run["column"]),
+    }
+
+
+def cycle_means(run: Mapping[str, Any]) -> dict[str, np.ndarray]:
+    """Return forces on the belt and contact time against its phase, averaged over the window.
+
+    Returns
+    -------
+    dict
+        ``cycle_normal_force`` and ``cycle_shear_force`` (N), and ``cycle_contact_time``, each over
+        (replicate, moment). ``cycle_phase`` (moment,) is the phase of the belt (rad) in the middle
+        of each averaging interval. Empty for a run that has not recorded these series.
+    """
+    if "belt_normal_force" not in run:
+        return {}
+    number = int(run["samples_per_cycle"])
+    moment = np.round(np.asarray(run["belt_phase"]) / (2 * pi) * number) % number
+    start = np.asarray(run["average_start"])[:, None]
+    profiles = {}
+    for name, series in OVER_CYCLE.items():
+        values = np.asarray(run[series])
+        is_counted = (np.asarray(run["time"]) > start) & np.isfinite(values)
+        profiles[name] = np.full((len(values), number), nan)
+        for k in range(number):
+            is_at_moment = is_counted & (moment == k)
+            np.divide(
+                np.where(is_at_moment, values, 0.0).sum(axis=1),
+                is_at_moment.sum(axis=1),
+                out=profiles[name][:, k],
+                where=is_at_moment.any(axis=1),
+            )
+    # A sample is the mean over the interval that ends with it; the middle is half a sample earlier.
+    return profiles | {"cycle_phase": (np.arange(number) - 0.5) * 2 * pi / number}

@@ -5,6 +5,7 @@ from contextlib import AbstractContextManager
 from dataclasses import dataclass, field
 from itertools import chain
 from pathlib import Path
+from typing import Any
 
 import netCDF4
 import numpy as np
@@ -15,24 +16,23 @@ from sim.base.additions import plugin_options
 from sim.base.errors import InputError
 from sim.base.seals import checked_read
 from sim.dataset.grids import GRIDS, number_density_name, regrid
-from sim.dataset.rows import CENTRES
-from sim.parameters import SYSTEMS, defaults_of_added
+from sim.dataset.rounds import RESULT_COLUMNS
+from sim.dataset.rows import CENTRES, PARTICLES, RUNS
+from sim.parameters import SYSTEMS, amounts, defaults_of_added
+from sim.study.model import Study
 
 #: Parameters of all systems, including `system` itself.
 _PARAMETERS = tuple(dict.fromkeys(chain(*(model.model_fields for model in SYSTEMS.values()))))
 
-#: Group of the dataset with one subgroup per point whose particles are stored.
-PARTICLES = "states"
-
-#: Group of the dataset with the origin of each row: its run file, and the variables of that file.
-RUNS = "runs"
-
 #: Group of the dataset with the table, one row per boundary.
 GROUP = "boundaries"
 
-#: Columns with the results of a boundary, and all columns of a table without rows.
-RESULT_COLUMNS = ("low", "high", "below", "above", "verdict", "points")
+#: All columns of a table without rows.
 _COLUMNS = ("name", "system", "of", "along", "unit", "figures", *RESULT_COLUMNS)
+
+
+#: Fields that identify a boundary in a study and in its dataset.
+_BOUNDARY_KEYS = ("name", "of", "along")
 
 
 @dataclass(frozen=True)
@@ -286,3 +286,46 @@ def require_known_options(dataset: xr.Dataset, path: Path) -> None:
             if "." in name and name not in loaded:
                 allowed = "one of Talus, or of a plug-in that TALUS_PLUGINS names"
                 raise InputError.of_value(str(path), choice, name, allowed)
+
+
+def load_current(study: Study, folder: Path) -> Results:
+    """Load the dataset of a study from its folder of results; it must be of the present study file.
+
+    Raises
+    ------
+    InputError
+        When there is no dataset, or it is damaged, or it was made from another study file or from
+        this one before an edit; the message names the study file and the difference.
+    """
+    path = folder / "dataset.nc"
+    results = load_results(path)
+    for label, ours, theirs in _comparisons(study, results):
+        if ours != theirs:
+            raise InputError(f"{study.path}: {label}: not as in {path}; run the study again")
+    return results
+
+
+def _comparisons(study: Study, results: Results) -> Iterator[tuple[str, Any, Any]]:
+    """Yield the label of each compared value, the value in the study, and that in the dataset."""
+    dataset = results.dataset
+    yield "study", study.name, dataset.attrs.get("study")
+    yield "title", study.title or study.name, dataset.attrs.get("title")
+    ids = dataset["point"].values.tolist() if "point" in dataset.coords else []
+    # The points that rounds of refinement have added come last.
+    ids = ids[: len(study.points)] if study.rounds else ids
+    for point in sorted(study.points.keys() ^ set(ids)):
+        yield f"point {point}", point in study.points, point in ids
+    yield "order of points", list(study.points), ids
+    for kind in ("series", "figures"):
+        for point, text in zip(study.points.values(), dataset[kind].values, strict=False):
+            ours, theirs = set(getattr(point, kind)), set(str(text).split())
+            # A round may have added a point of another series to a boundary.
+            yield f"{kind} of {point.id}", ours, theirs & ours if study.rounds else theirs
+    for index, point in enumerate(study.points.values()):
+        for name, value in amounts(point.parameters).items():
+            yield f"{name} of {point.id}", value, float(dataset[name].values[index])
+    keys = [
+        tuple(getattr(boundary, name) for name in _BOUNDARY_KEYS) for boundary in study.boundaries
+    ]
+    table = results.boundaries
+    yield "boundaries", keys, list(zip(*(table[name] for name in _BOUNDARY_KEYS), strict=True))

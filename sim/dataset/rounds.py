@@ -1,23 +1,51 @@
-"""Rounds of refinement: the points that each adds to a study, and the files that list them."""
+"""Rounds of refinement that have finished, and the sides of a boundary that runs are on."""
 
 import json
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import replace
-from itertools import zip_longest
+from collections.abc import Mapping
 from pathlib import Path
+from typing import cast
+
+import numpy as np
 
 from sim.base.errors import InputError
-from sim.base.files import atomic_write
 from sim.base.seals import checked_read
-from sim.dataset.adopted import AdoptedPoints
-from sim.dataset.boundary_side import side, side_of_run
-from sim.parameters import Parameters, canonical_values, parse_point, point_id
-from sim.study.expand import point_with_membership
-from sim.study.load import Boundary, Study, load_study
-from sim.study.refine import Sides, divide_range, next_values
+from sim.dataset.run_file import NamedValues, summary_of
+from sim.parameters import (
+    BeltParameters,
+    ConveyorParameters,
+    Parameters,
+    amounts,
+    parse_point,
+    point_id,
+)
+from sim.parameters.belt import ONSET_TRANSPORT
+from sim.study.model import Study
 
-#: Returns the side of a boundary that the run of a point is on, ``None`` where it is not known.
-SideFinder = Callable[[Boundary, Parameters], str | None]
+#: Columns of the table of boundaries that hold results.
+RESULT_COLUMNS = ("low", "high", "below", "above", "verdict", "points")
+
+#: Systems that can have a boundary of ``transport``.
+VibratedParameters = BeltParameters | ConveyorParameters
+
+#: Side of a boundary by regime, for each kind of boundary that regimes decide.
+REGIME_SIDES = {
+    "flow": {"arrested": "arrested", "steady": "flowing", "accelerating": "flowing"},
+    "acceleration": {
+        "arrested": "not accelerating",
+        "steady": "not accelerating",
+        "accelerating": "accelerating",
+    },
+}
+
+#: The scalars of a run that decide its side.
+SCALARS = (
+    "status",
+    "regime",
+    "velocity",
+    "velocity_half_width",
+    "acceleration",
+    "acceleration_half_width",
+)
 
 
 def read_round(path: Path) -> dict[str, Parameters]:
@@ -54,139 +82,67 @@ def known_points(study: Study, folder: Path) -> dict[str, Parameters]:
     return points
 
 
-def write_round(study_path: str | Path, number: int, results: str | Path = "results") -> Path:
-    """Write the points that a round of refinement adds to ``results/<study>/rounds/<number>.json``.
-
-    Parameters
-    ----------
-    study_path : str or Path
-        The study file.
-    number : int
-        Number of the round, from 1; the runs of all rounds before it must be there.
-    results : str or Path
-        Folder of all results.
-
-    Returns
-    -------
-    Path
-        The file written: parameters by id of the point. It appears complete or not at all.
+def side_of_run(path: Path, of: str, parameters: Parameters) -> str | None:
+    """Return the side that the run in a file is on, see `side`.
 
     Raises
     ------
     InputError
-        When the study has no such round, or a run file is missing or is not one.
+        When there is no such file, or it is not a run file of this point.
     """
-    study = load_study(study_path, results)
-    if not 1 <= number <= study.rounds:
-        allowed = f"a round of the study, 1 to {study.rounds}" if study.rounds else "none"
-        raise InputError.of_value("ROUND", "", number, allowed)
-    folder = Path(results) / study.name
-    points = added_points(study, number, folder / "runs")
-    text = json.dumps({key: canonical_values(point) for key, point in points.items()}, indent=1)
-    output = folder / "rounds" / f"{number}.json"
-    output.parent.mkdir(parents=True, exist_ok=True)
-    with atomic_write(output) as temporary:
-        temporary.write_text(text + "\n", encoding="utf-8")
-    return output
+    with checked_read(path, "run file", replaceable=True, sealed=True):
+        run = summary_of(path, amounts(parameters))
+        if run.attrs["point_id"] != point_id(parameters):
+            raise ValueError(f"holds point {run.attrs['point_id']}")
+        return side(run.scalars, of, parameters)
 
 
-def added_points(study: Study, number: int, runs: Path) -> dict[str, Parameters]:
-    """Return the points by id that round ``number`` adds to all before it.
+def side(scalars: NamedValues, of: str, parameters: Parameters) -> str | None:
+    """Return the side that a run is on, ``None`` where it is undecided.
 
-    They depend only on the run files in ``runs`` and on the adopted datasets in the folder next to
-    it, so every call gives the same points.
+    Failed replicates are left out; the others must agree. A flow of undetermined regime counts as
+    flowing if the whole 95 % interval of its velocity is above zero and that of its acceleration
+    is not wholly below zero.
+
+    Parameters
+    ----------
+    scalars : mapping
+        `SCALARS` of the run, each over its replicates.
+    of : str
+        What changes at the boundary: ``flow``, ``acceleration`` or ``transport``.
+    parameters : Parameters
+        The point.
     """
-    earlier = set(study.points)
-    added: dict[str, Parameters] = {}
-    side_of = side_reader(study, runs)
-    rounds = [list(_walk_rounds(boundary, number, side_of)) for boundary in study.boundaries]
-    for step in range(1, number + 1):
-        points = (
-            boundary.parameters_at(value)
-            for boundary, steps in zip(study.boundaries, rounds, strict=True)
-            for value in steps[step][1]
-        )
-        by_id = {point_id(point): point for point in points}
-        added = {key: point for key, point in by_id.items() if key not in earlier}
-        earlier |= set(added)
-    return added
+    values = {name: np.asarray(scalars[name]) for name in SCALARS}
+    slowest, fastest = _interval_ends(values, "velocity")
+    _, gain = _interval_ends(values, "acceleration")
+    completed = np.flatnonzero(values["status"] == "completed")
+    if of == "transport":
+        # Only vibrated systems can have this boundary in a study.
+        vibrated = cast(VibratedParameters, parameters)
+        sides = {_transport_side(vibrated, slowest[index], fastest[index]) for index in completed}
+    else:
+        moving = (slowest > 0) & (gain >= 0)
+        sides = {_regime_side(of, values["regime"][index], moving[index]) for index in completed}
+    return sides.pop() if len(sides) == 1 else None
 
 
-def side_reader(study: Study, runs: Path) -> SideFinder:
-    """Return a function that reads the side of a point from its run file in the folder ``runs``.
-
-    For an adopted point it reads the side from the adopted dataset.
-    """
-    adopted = AdoptedPoints(study, runs.parent)
-
-    def side_of(boundary: Boundary, point: Parameters) -> str | None:
-        key, full_point = point_id(point), with_study_amounts(study, point)
-        if row := adopted.source(key, full_point):
-            return side(row.wanted_scalars(full_point), boundary.of, full_point)
-        return side_of_run(runs / f"{key}.nc", boundary.of, full_point)
-
-    return side_of
+def _interval_ends(scalars: Mapping[str, np.ndarray], name: str) -> tuple[np.ndarray, np.ndarray]:
+    """Return the lower and upper ends of the 95 % intervals of a quantity, per replicate."""
+    middle, half_width = scalars[name], scalars[f"{name}_half_width"]
+    return middle - half_width, middle + half_width
 
 
-def with_study_amounts(study: Study, point: Parameters) -> Parameters:
-    """Return a point of a boundary with the amounts of the study, whose series may ask for more."""
-    member = study.points.get(point_id(point))
-    return member.parameters if member else point
+def _regime_side(of: str, regime: str, moving: bool) -> str | None:
+    """Return the side that a regime is on; an undetermined flow that moves is flowing."""
+    if of == "flow" and regime == "undetermined" and moving:
+        return "flowing"
+    return REGIME_SIDES[of].get(regime)
 
 
-def add_rounds(study: Study, sides_of_boundaries: Sequence[Sides]) -> Study:
-    """Return the study with the points of all rounds, given the known sides of each boundary."""
-    points, series = dict(study.points), dict(study.series)
-    for boundary, sides in zip(study.boundaries, sides_of_boundaries, strict=True):
-        for value in sides:
-            point = point_with_membership(
-                points, boundary.parameters_at(value), boundary.name, boundary.figures
-            )
-            points[point.id] = point
-            series[boundary.name] = tuple(dict.fromkeys((*series[boundary.name], point.id)))
-    return replace(study, points=points, series=series)
-
-
-def _walk_rounds(
-    boundary: Boundary, count: int, side_of: SideFinder
-) -> Iterator[tuple[dict[float, str | None], list[float]]]:
-    """Yield the sides known before each round, and the values that the round adds.
-
-    The first round is that of the study file; ``count`` more follow. The runs of the last round are
-    not read.
-    """
-    sides: dict[float, str | None] = {}
-    values = divide_range(boundary.low, boundary.high)
-    yield sides, values
-    for _ in range(count):
-        sides = sides | {
-            value: side_of(boundary, boundary.parameters_at(value)) for value in values
-        }
-        values = next_values(sides, boundary.tolerance)
-        yield sides, values
-
-
-def find_sides(
-    boundaries: Sequence[Boundary],
-    side_of: SideFinder,
-    read_runs: Callable[[list[Parameters]], object],
-) -> list[Sides]:
-    """Return the sides of the values of all rounds, for each boundary; the runs must be there.
-
-    ``read_runs`` is called with the points of each round before ``side_of`` is called for any of
-    them.
-    """
-    last_steps: dict[int, tuple[Sides, list[float]]] = {}
-    for steps in zip_longest(
-        *(_walk_rounds(boundary, boundary.rounds, side_of) for boundary in boundaries)
-    ):
-        last_steps |= {number: step for number, step in enumerate(steps) if step}
-        pairs = zip(boundaries, steps, strict=True)
-        new_values = ((boundary, step[1]) for boundary, step in pairs if step)
-        read_runs([boundary.parameters_at(value) for boundary, new in new_values for value in new])
-    sides_of_boundaries: list[Sides] = []
-    for number, boundary in enumerate(boundaries):
-        sides, values = last_steps[number]
-        last_sides = {value: side_of(boundary, boundary.parameters_at(value)) for value in values}
-        sides_of_boundaries.append({**sides, **last_sides})
-    return sides_of_boundaries
+def _transport_side(parameters: VibratedParameters, slowest: float, fastest: float) -> str | None:
+    """Return the side that the whole 95 % interval of a mean velocity (m/s) is on."""
+    least = ONSET_TRANSPORT * parameters.velocity_amplitude
+    if fastest <= least:
+        return "no transport"
+    return "transport" if slowest > least else None

@@ -1,14 +1,29 @@
 """Runs as rows of arrays: the variables of each row, and how rows are aligned."""
 
-from collections.abc import Collection, Iterable, Sequence
+import json
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from functools import cache
 from itertools import chain
-from typing import NamedTuple
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-import pandas as pd
-import xarray as xr
 
-from sim.parameters.variables import SCALARS, Variable, observable_variables, variables_of
+from sim.base.additions import codes
+from sim.base.rooms import files_hash, room_hash
+from sim.engine import identity
+from sim.parameters.variables import (
+    OBSERVABLE,
+    SCALARS,
+    Variable,
+    observable_variables,
+    variables_of,
+)
+from sim.study.figure_spec import Shown
+
+if TYPE_CHECKING:
+    # Not imported otherwise: plans of studies use these names, and need no table library.
+    import xarray as xr
 
 #: Scalars per replicate that are words.
 WORDS = tuple(name for name, row in SCALARS.items() if not row.unit)
@@ -21,6 +36,21 @@ OF_PROFILES = {
     name: tuple("slice" if dimension == "height" else dimension for dimension in row.dims)
     for name, row in ARRAYS.items()
 }
+
+#: Path of the particles after the last sample, which animations need.
+PATH_VARIABLES = ("path", "path_time")
+
+#: Variables that figures of particles need: last state and path. No figure draws the others.
+STATE_VARIABLES = (
+    *(name for name in variables_of("particle") if name not in ("particle_spin", "orientation")),
+    *PATH_VARIABLES,
+)
+
+#: Group of a dataset with one subgroup per point whose particles are stored.
+PARTICLES = "states"
+
+#: Group of a dataset with the origin of each row: its run file, and the variables of that file.
+RUNS = "runs"
 
 #: What is held in single precision: seven digits, of which statistics know three.
 SINGLE = OF_PROFILES.keys() - {"height"}
@@ -51,6 +81,43 @@ def dimensions(name: str) -> tuple[str, ...]:
     return OF_PROFILES.get(name, ("replicate",))
 
 
+def reader_hash() -> str:
+    """Return a hash of the code that reads run files; rows that other code has read are read again.
+
+    The names and hashes of observables of plug-ins, if there are any, follow it.
+    """
+    return f"{_package_hash()} {codes(OBSERVABLE)}".rstrip()
+
+
+@cache
+def _package_hash() -> str:
+    package = Path(__file__).parents[1]
+    names = [Path(identity.__file__)]
+    return f"{room_hash(package, 'dataset')} {files_hash(names)}"
+
+
+def stored_names(system: str | None = None) -> set[str]:
+    """Return the names of all variables that this code stores of a system, or of all systems.
+
+    Observables of plug-ins come with their names and hashes too.
+    """
+    scalars = row_scalars(system)
+    own_codes = (code for code in codes(OBSERVABLE).split() if code.rpartition(".")[0] in scalars)
+    return {*scalars, *row_arrays(system), *STATE_VARIABLES, *own_codes}
+
+
+def stored_particles(states: Mapping[str, Any], point: str) -> Shown:
+    """Return how much of the particles of a point a dataset stores in its groups of states."""
+    if point not in states:
+        return Shown.NOTHING
+    return Shown.PATH if "path" in states[point].variables else Shown.STATE
+
+
+def amounts_text(amounts: Mapping[str, float] | None) -> str:
+    """Return the amounts of a point as JSON; equal amounts give equal texts."""
+    return json.dumps(dict(amounts or {}), sort_keys=True)
+
+
 class Rows(NamedTuple):
     """Runs that hold the same variables, a row each.
 
@@ -72,7 +139,7 @@ class Rows(NamedTuple):
     points: list[str]
     origin: dict[str, list[str]]
     values: dict[str, np.ndarray]
-    states: dict[str, xr.Dataset]
+    states: dict[str, "xr.Dataset"]
 
 
 def merge_rows(blocks: Iterable[Rows]) -> list[Rows]:
@@ -80,19 +147,65 @@ def merge_rows(blocks: Iterable[Rows]) -> list[Rows]:
     groups: dict[tuple[str, ...], list[Rows]] = {}
     for block in blocks:
         groups.setdefault(tuple(block.values), []).append(block)
-    merged = []
-    for names, group in groups.items():
-        sizes = largest_sizes(group)
-        texts = {name: [block.origin[name] for block in group] for name in group[0].origin}
-        merged.append(
-            Rows(
-                points=row_points(group),
-                origin={name: list(chain.from_iterable(parts)) for name, parts in texts.items()},
-                values={name: align_rows(group, name, sizes) for name in names},
-                states={point: state for block in group for point, state in block.states.items()},
-            )
+    return [_merge(group, names) for names, group in groups.items()]
+
+
+def align_rows(
+    blocks: Iterable[Rows], points: Sequence[str], names: Iterable[str], replicates: int = 0
+) -> Rows:
+    """Return the rows of points in one block, in the order of the points.
+
+    Parameters
+    ----------
+    blocks : iterable of Rows
+        Rows, among them one of each point.
+    points : sequence of str
+        Ids of the points.
+    names : iterable of str
+        Variables to return, where any row has them. The block is no longer than the longest run;
+        NaN or ``""`` is where a run is shorter or lacks a variable.
+    replicates : int
+        Smallest number of replicates of the block.
+
+    Returns
+    -------
+    Rows
+        Its origin also has the names of all ``variables`` of each row.
+    """
+    blocks = [
+        block._replace(
+            origin=block.origin | {"variables": [" ".join(block.values)] * len(block.points)}
         )
-    return merged
+        for block in select_rows(blocks, set(points))
+    ]
+    present = [name for name in names if any(name in block.values for block in blocks)]
+    merged = _merge(blocks, present, replicates)
+    rows = {point: row for row, point in enumerate(merged.points)}
+    order = [rows[point] for point in points]
+    return Rows(
+        points=list(points),
+        origin={name: [texts[row] for row in order] for name, texts in merged.origin.items()},
+        values={name: array[order] for name, array in merged.values.items()},
+        states=merged.states,
+    )
+
+
+def _merge(blocks: Sequence[Rows], names: Iterable[str], replicates: int = 0) -> Rows:
+    """Return the rows of all blocks as one, with some of their variables."""
+    sizes = {"replicate": replicates}
+    for block in blocks:
+        for name, values in block.values.items():
+            for dimension, size in zip(dimensions(name), values.shape[1:], strict=True):
+                sizes[dimension] = max(size, sizes.get(dimension, 0))
+    return Rows(
+        points=row_points(blocks),
+        origin={
+            name: list(chain.from_iterable(block.origin[name] for block in blocks))
+            for name in blocks[0].origin
+        },
+        values={name: _stack(blocks, name, sizes) for name in names},
+        states={point: state for block in blocks for point, state in block.states.items()},
+    )
 
 
 def select_rows(blocks: Iterable[Rows], points: Collection[str]) -> list[Rows]:
@@ -127,26 +240,7 @@ def row_points(blocks: Iterable[Rows]) -> list[str]:
     return list(chain.from_iterable(block.points for block in blocks))
 
 
-def origin_table(blocks: Iterable[Rows]) -> pd.DataFrame:
-    """Return the origin of all rows, and the names of their ``variables``."""
-    frames = (
-        pd.DataFrame(block.origin, dtype=object).assign(variables=" ".join(block.values))
-        for block in blocks
-    )
-    return pd.concat(frames, ignore_index=True)
-
-
-def largest_sizes(blocks: Iterable[Rows]) -> dict[str, int]:
-    """Return the largest size of each dimension."""
-    sizes: dict[str, int] = {}
-    for block in blocks:
-        for name, values in block.values.items():
-            for dimension, size in zip(dimensions(name), values.shape[1:], strict=True):
-                sizes[dimension] = max(size, sizes.get(dimension, 0))
-    return sizes
-
-
-def align_rows(blocks: Sequence[Rows], name: str, sizes: dict[str, int]) -> np.ndarray:
+def _stack(blocks: Sequence[Rows], name: str, sizes: dict[str, int]) -> np.ndarray:
     """Return a variable of all rows, with NaN or ``""`` where a run is shorter or lacks it."""
     shape = (len(row_points(blocks)), *(sizes[dimension] for dimension in dimensions(name)))
     if name in WORDS:

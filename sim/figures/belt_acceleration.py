@@ -9,13 +9,13 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from sim.dataset.belt import speed_along_x
 from sim.figures.curves import draw_family
 from sim.figures.data import FigureData
 from sim.figures.kind import Kind
 from sim.figures.looks import look_of
 from sim.figures.quantity import Quantity, quantity_table
 from sim.figures.style import LEVEL, canvas, place_legend
+from sim.measures.belt import speed_along_x
 from sim.parameters import BeltParameters
 
 #: Largest acceleration drawn (g): well within the flow.

@@ -168,3 +168,9 @@ def backflow(run: Mapping[Any, Any]) -> float:
         return nan
     velocity, density = np.asarray(run["field_velocity"]), np.asarray(run["field_density"])
     return float(density[velocity < 0].sum() / density.sum())
+
+
+def speed_along_x(belt: Any) -> Any:
+    """Return the amplitude of the belt's velocity along x, A_x 2πf (m/s), for one point or many."""
+    amplitude = belt["amplitude"] * belt["diameter"] / np.tan(np.radians(belt["vibration_angle"]))
+    return amplitude * 2 * pi * belt["frequency"]

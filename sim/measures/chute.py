@@ -1,13 +1,21 @@
-"""Measures of flows of spheres, from one replicate of a run file."""
+"""Measures of flows of spheres on chute and conveyor, from one replicate of a run file."""
 
 from collections.abc import Mapping
-from math import nan
+from math import nan, pi
 from typing import Any
 
 import numpy as np
 
-from sim.measures import layers, order
+from sim.measures import layers
 from sim.parameters.observables import observable
+
+#: A sphere is crystalline if it has at least 8 coherent bonds: neighbors within 1.4 diameters whose
+#: normalised q6 vector has a product with its own above 0.7 (similar surroundings, similarly
+#: oriented; ten Wolde, Ruiz-Montero and Frenkel, J. Chem. Phys. 104 (1996) 9932).
+DEGREE, COHERENCE, MIN_BONDS, BOND_LENGTH = 6, 0.7, 8, 1.4
+
+#: Trial distances between layers, in diameters: those of crystals under their own weight.
+SPACINGS = np.linspace(0.7, 1.05, 71)
 
 
 @observable(
@@ -45,8 +53,8 @@ def plug_order(run: Mapping[Any, Any]) -> dict[str, float]:
     is_above = position[:, 2] > shear_depth(run)
     side = float(run["cell"]) * diameter
     return {
-        "crystalline_share": order.crystalline_share(position, is_above, side, diameter),
-        "layer_order": order.layer_order(position[is_above, 2], diameter),
+        "crystalline_share": crystalline_share(position, is_above, side, diameter),
+        "layer_order": layer_order(position[is_above, 2], diameter),
     }
 
 
@@ -138,3 +146,77 @@ def base_stress_ratio(run: Mapping[Any, Any]) -> float:
     """Return the ratio of the forces on the plane, NaN where nothing presses on it."""
     normal = float(run["base_normal"]) if "base_normal" in run else 0.0
     return float(run["base_shear"]) / normal if normal > 0 else nan
+
+
+@observable(
+    "shaking_strength",
+    system="conveyor",
+    unit="1",
+    meaning="peak acceleration of the plane along z over gravity, A_z ω²/g",
+)
+def shaking_strength(run: Mapping[Any, Any]) -> float:
+    """Return the peak acceleration of the plane along z over gravity."""
+    return float(run["plane_acceleration"] / run["gravity"])
+
+
+@observable(
+    "transport_efficiency",
+    system="conveyor",
+    unit="1",
+    meaning="mean velocity over that of the plane along x, V/(A_x ω)",
+)
+def transport_efficiency(run: Mapping[Any, Any]) -> float:
+    """Return the mean velocity over the plane's amplitude of velocity, NaN if it moves up alone."""
+    amplitude = float(run["amplitude_along"]) * float(run["diameter"]) * 2 * pi * run["frequency"]
+    return float(run["velocity"]) / amplitude if amplitude else nan
+
+
+def coherent_bonds(position: np.ndarray, side: float, diameter: float) -> np.ndarray:
+    """Return the number of coherent q6 bonds of each sphere, (N,).
+
+    Parameters
+    ----------
+    position : (N, 3) array
+        Centres, m; the cell of length ``side`` (m) is periodic along x and y only.
+    diameter : float
+        Mean diameter, m.
+    """
+    import freud
+
+    height = position[:, 2] - 0.5 * (position[:, 2].min() + position[:, 2].max())
+    box = freud.box.Box(side, side, np.ptp(height) + 4 * BOND_LENGTH * diameter)
+    box.periodic = (True, True, False)
+    # Positions are wrapped into the cell first, because the library takes single precision.
+    centred = box.wrap(np.column_stack([position[:, :2] - 0.5 * side, height]))
+    order = freud.order.SolidLiquid(l=DEGREE, q_threshold=COHERENCE, solid_threshold=MIN_BONDS)
+    # One thread: processes that read run files in parallel share the cores.
+    with freud.parallel.NumThreads(1):
+        order.compute(
+            (box, centred.astype(np.float32)), neighbors={"r_max": BOND_LENGTH * diameter}
+        )
+    return order.num_connections
+
+
+def crystalline_share(
+    position: np.ndarray, is_selected: np.ndarray, side: float, diameter: float
+) -> float:
+    """Return the share of selected spheres with at least 8 coherent bonds, NaN without any.
+
+    The other spheres count as neighbors.
+    """
+    if not is_selected.any():
+        return np.nan
+    return float((coherent_bonds(position, side, diameter)[is_selected] >= MIN_BONDS).mean())
+
+
+def layer_order(height: np.ndarray, diameter: float) -> float:
+    """Return how strongly centres at heights (N,), m, gather in equidistant layers, 0 to 1.
+
+    It is the amplitude A of the wave exp(2πi z/d) in their density, at the distance d with the
+    largest amplitude. The density peaks at 1 + 2A times its mean. Perfect layers give 1, and no
+    order gives about 1/√N.
+    """
+    if not height.size:
+        return np.nan
+    waves = np.exp(2j * np.pi * height[:, None] / (SPACINGS * diameter))
+    return float(np.abs(waves.mean(axis=0)).max())

@@ -13,8 +13,7 @@ from sim.base.errors import InputError
 from sim.claims.judge import judge
 from sim.claims.judgement import Judgement
 from sim.claims.readings import reading_label, readings_of
-from sim.dataset.agreement import require_agreement
-from sim.dataset.results import Results, load_results
+from sim.dataset.results import Results, load_current
 from sim.study.command import snakemake_command
 from sim.study.extra_amounts import ExtraAmounts, read_extra_amounts, write_extra_amounts
 from sim.study.load import Point, Study, load_study
@@ -83,8 +82,7 @@ def _round(study_path: Path, results: Path) -> tuple[list[str], bool]:
     if study.decide is None:
         raise InputError.of_value(study_path, "decide", None, "what is to be decided")
     folder = results / study.name
-    dataset_results = load_results(folder / "dataset.nc")
-    require_agreement(study, dataset_results, folder / "dataset.nc")
+    dataset_results = load_current(study, folder)
     extra, spent_hours = read_extra_amounts(folder), _core_hours(dataset_results.dataset)
     hours_before = extra.before if extra.amounts else spent_hours
     remaining = study.decide.budget - (spent_hours - hours_before)

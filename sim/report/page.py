@@ -9,9 +9,8 @@ import xarray as xr
 from sim.base.files import atomic_write
 from sim.base.program import __version__
 from sim.base.words import count_text
-from sim.dataset.agreement import require_agreement
 from sim.dataset.caveats import CLOSED_SHARE
-from sim.dataset.results import Results, load_results
+from sim.dataset.results import Results, load_current
 from sim.figures.figure_records import require_unchanged
 from sim.report.claims import (
     REPORTED,
@@ -21,10 +20,10 @@ from sim.report.claims import (
     engine_checks,
     has_tested_claims,
     read_claims,
+    reading_tables,
 )
 from sim.report.gallery import Address, data_uri, figure_entries, headline_figures
 from sim.report.numbers import template
-from sim.report.readings import reading_tables
 from sim.report.runs import (
     adopted_datasets,
     boundary_rows,
@@ -61,8 +60,7 @@ def build(study_path: str | Path, results: str | Path = "results") -> Path:
     """
     study = load_study(study_path, results)
     folder = Path(results) / study.name
-    results_of_study = load_results(folder / "dataset.nc")
-    require_agreement(study, results_of_study, folder / "dataset.nc")
+    results_of_study = load_current(study, folder)
     require_unchanged(study.entries.values(), folder / "figures")
     output = folder / "report.html"
     with atomic_write(output) as temporary:

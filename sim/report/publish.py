@@ -9,9 +9,8 @@ from pathlib import Path
 from sim.base.errors import InputError
 from sim.base.files import require_writable
 from sim.base.seals import checked_read
-from sim.dataset.agreement import require_agreement
 from sim.dataset.boundaries import format_csv
-from sim.dataset.results import Results, load_results
+from sim.dataset.results import Results, load_current
 from sim.figures.figure_records import require_unchanged
 from sim.figures.render import derive_texts
 from sim.report.claims import read_claims, require_table
@@ -65,8 +64,7 @@ def publish(
     output, temporary = target / study.name, target / f".{study.name}.part"
     require_writable(target, "--to")
     _require_replaceable(output, folder, target)
-    dataset_results = load_results(folder / "dataset.nc")
-    require_agreement(study, dataset_results, folder / "dataset.nc")
+    dataset_results = load_current(study, folder)
     require_intact(study, dataset_results, folder)
     claims = read_claims(folder / "claims.json")
     page = render(study, dataset_results, folder / "figures", claims, relative_link)

@@ -1,14 +1,24 @@
-"""Files appear complete or not at all."""
+"""Files appear complete or not at all, and have times by which Snakemake decides what is old."""
 
 import errno
 import fcntl
 import os
 import subprocess
 import sys
+import time
 
 import pytest
 
-from sim.base.files import atomic_write, file_lock, open_regular, read_regular
+from sim.base.files import (
+    YEAR_2000,
+    age,
+    atomic_write,
+    correct_future_times,
+    file_lock,
+    open_regular,
+    read_regular,
+    write_start,
+)
 
 
 def test_a_finished_file_takes_its_name(tmp_path):
@@ -114,3 +124,66 @@ def test_a_link_to_a_file_is_read(tmp_path):
     (tmp_path / "file").write_bytes(b"some")
     (tmp_path / "link").symlink_to("file")
     assert read_regular(tmp_path / "link") == b"some"
+
+
+def test_the_start_file_is_old_and_never_the_same(tmp_path):
+    path = tmp_path / "new" / "start"
+    write_start(path)
+    first = path.read_text()
+    write_start(path)
+    assert path.read_text() != first
+    assert path.stat().st_mtime == YEAR_2000
+
+
+def test_a_file_is_dated_before_the_start_file_and_back(tmp_path):
+    path = tmp_path / "run.nc"
+    age(path, True)
+    assert not path.exists()
+    path.touch()
+    changed = path.stat().st_mtime
+    for is_old in (True, True, False, False):
+        age(path, is_old)
+        assert (path.stat().st_mtime < YEAR_2000) == is_old
+    assert abs(path.stat().st_mtime - changed) < 1e-3
+
+
+@pytest.fixture
+def future_files(tmp_path):
+    """A run file, a dataset and somebody's notes that are dated in the future."""
+    files = [tmp_path / "runs" / "a.nc", tmp_path / "dataset.nc", tmp_path / "notes.txt"]
+    for path in files:
+        path.parent.mkdir(exist_ok=True)
+        path.touch()
+        os.utime(path, (time.time() + 1e6,) * 2)
+    return files
+
+
+def test_times_in_the_future_are_corrected_by_kind_of_file(future_files, tmp_path, capsys):
+    now, (run, dataset, notes) = time.time(), future_files
+    table = tmp_path / "claims.csv"
+    table.touch()
+    correct_future_times(tmp_path)
+    assert abs(run.stat().st_mtime - now) < 60
+    assert dataset.stat().st_mtime < YEAR_2000
+    assert abs(table.stat().st_mtime - now) < 60
+    # Files that are no outputs may belong to somebody else.
+    assert notes.stat().st_mtime > now + 1e5
+    assert not capsys.readouterr().err
+
+
+@pytest.mark.parametrize(("code", "count"), [(errno.EPERM, 1), (errno.EROFS, 1), (errno.ENOENT, 0)])
+def test_a_time_that_cannot_be_corrected_is_told_in_one_line(
+    code, count, future_files, tmp_path, monkeypatch, capsys
+):
+    utime, (run, dataset, _) = os.utime, future_files
+
+    def refuse(path, times):
+        if path == run:
+            raise OSError(code, os.strerror(code), str(path))
+        utime(path, times)
+
+    monkeypatch.setattr(os, "utime", refuse)
+    correct_future_times(tmp_path)
+    assert dataset.stat().st_mtime < YEAR_2000
+    lines = capsys.readouterr().err.splitlines()
+    assert len(lines) == count and all(str(run) in line for line in lines)

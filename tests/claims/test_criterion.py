@@ -12,7 +12,7 @@ from sim.claims.claim import Claim, claims
 from sim.claims.criterion import fill
 from sim.measures import layers
 from sim.measures.belt import EARLY_CYCLES, FAR_DISTANCE
-from sim.measures.order import MIN_BONDS
+from sim.measures.chute import MIN_BONDS
 
 #: What has digits and is no bound: symbols, claims, zero, and what variables are defined by.
 NAMES = (

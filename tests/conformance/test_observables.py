@@ -5,7 +5,7 @@ import re
 import numpy as np
 import pytest
 
-from sim.dataset.measures import measure
+from sim.dataset.gather import measure
 from sim.figures.units import unit_of
 from sim.parameters import SYSTEMS, complete_values, parse_point
 from sim.parameters.variables import observables, variables_of

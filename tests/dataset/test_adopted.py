@@ -13,13 +13,11 @@ import xarray as xr
 from sim.__main__ import main
 from sim.base.errors import InputError
 from sim.base.seals import DamagedError
-from sim.dataset import adopt as adopt_module
-from sim.dataset import earlier
-from sim.dataset.adopt import adopt
-from sim.dataset.adopted import AdoptedPoints
+from sim.dataset import adopted, rows
+from sim.dataset.adopted import AdoptedPoints, adopt
+from sim.dataset.boundaries import write_round
 from sim.dataset.build import build
 from sim.dataset.results import load_results
-from sim.dataset.rounds import write_round
 from sim.engine.identity import NUMERICS
 from sim.report.points import as_table, show
 from sim.report.publish import provenance
@@ -210,23 +208,23 @@ def test_what_is_drawn_from_run_files_needs_them(more, study, complete_study):
 
 def test_what_other_code_has_read_is_taken_if_it_knew_all_names(study, complete_study, monkeypatch):
     adopt(study.path, complete_study.output, study.results)
-    monkeypatch.setattr(earlier, "_package_hash", lambda: "other")
+    monkeypatch.setattr(rows, "_package_hash", lambda: "other")
     assert len(adopted_ids(study)) == 6
     build(study.path, study.results)
     xr.testing.assert_identical(
         xr.load_dataset(study.output), xr.load_dataset(complete_study.output)
     )
-    names = earlier.stored_names
-    monkeypatch.setattr(earlier, "stored_names", lambda *system: names(*system) | {"new_measure"})
-    monkeypatch.setattr(earlier, "_package_hash", lambda: "another")
+    names = adopted.stored_names
+    monkeypatch.setattr(adopted, "stored_names", lambda *system: names(*system) | {"new_measure"})
+    monkeypatch.setattr(rows, "_package_hash", lambda: "another")
     assert adopted_ids(study) == set()
     new_names = {"chute": {"new_measure"}}
     monkeypatch.setattr(
-        earlier, "stored_names", lambda *system: names(*system) | new_names.get(*system, set())
+        adopted, "stored_names", lambda *system: names(*system) | new_names.get(*system, set())
     )
-    monkeypatch.setattr(earlier, "_package_hash", lambda: "a third")
+    monkeypatch.setattr(rows, "_package_hash", lambda: "a third")
     assert adopted_ids(study) == set(ids(study, 3, 4, 5))
-    monkeypatch.setattr(adopt_module, "missing_variables", lambda made, system: ["new_measure"])
+    monkeypatch.setattr(adopted, "missing_variables", lambda made, system: ["new_measure"])
     with pytest.raises(InputError, match="got 'a dataset that cannot have new_measure'; allowed"):
         adopt(study.path, complete_study.output, study.results)
 
@@ -361,7 +359,7 @@ import os, signal
 from pathlib import Path
 import sim.base.files
 sim.base.files._flush = lambda path: os.kill(os.getpid(), signal.SIGKILL)
-from sim.dataset.adopt import adopt
+from sim.dataset.adopted import adopt
 adopt(*map(Path, {paths}))
 """
 

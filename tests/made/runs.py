@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 from sim.base.seals import append_summary, seal
-from sim.dataset.rounds import added_points
+from sim.dataset.boundaries import added_points
 from sim.engine.identity import NUMERICS
 from sim.engine.observe.force_balance import base_forces
 from sim.parameters import Parameters, amounts, canonical_values, field_info, point_id

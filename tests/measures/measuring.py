@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from sim.dataset.measures import measure
+from sim.dataset.gather import measure
 from sim.parameters.variables import observables
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from sim.dataset.belt import column_means, cycle_means
+from sim.dataset.gather import column_means, cycle_means
 from sim.measures.belt import backflow, is_at_phase_0, path_measures, series_measures
 from tests.measures.measuring import measured
 

@@ -1,10 +1,18 @@
-"""Measures of a chute's replicate from the arrays of its run file."""
+"""Measures of chute and conveyor from the arrays of a replicate, and the order of spheres."""
 
 import numpy as np
 import pytest
 import xarray as xr
 
-from sim.measures.chute import quantile
+from sim.engine.boundary.drive import plane_position, plane_velocity, vibration
+from sim.measures.chute import (
+    MIN_BONDS,
+    coherent_bonds,
+    crystalline_share,
+    layer_order,
+    quantile,
+)
+from sim.parameters import ConveyorParameters
 from tests.measures.measuring import measured
 
 SIZE = 1e-3
@@ -72,3 +80,87 @@ def test_rolling_of_the_lowest_spheres_is_told_where_spins_were_kept():
 def test_forces_on_the_plane_have_a_ratio():
     assert measured(make_run(base_normal=2.0, base_shear=0.5), "chute")["base_stress_ratio"] == 0.25
     assert "base_stress_ratio" not in measured(make_run(base_normal=0.0, base_shear=0.0), "chute")
+
+
+def crystal(cells: int, high: int) -> tuple[np.ndarray, float]:
+    """Face-centred cubic positions (N, 3) at contact, and the side of the cell they fill."""
+    edge = np.sqrt(2) * SIZE
+    basis = np.array([[0, 0, 0], [0.5, 0.5, 0], [0.5, 0, 0.5], [0, 0.5, 0.5]])
+    corner = np.stack(np.meshgrid(*map(np.arange, (cells, cells, high)), indexing="ij"), -1)
+    return edge * (corner.reshape(-1, 1, 3) + basis).reshape(-1, 3), cells * edge
+
+
+def scattered_positions(number: int, side: float, height: float) -> np.ndarray:
+    return np.random.default_rng(1).uniform(0, 1, (number, 3)) * [side, side, height]
+
+
+def test_spheres_of_a_crystal_are_crystalline_across_the_edges_of_the_cell_but_not_of_its_top():
+    position, side = crystal(4, 4)
+    bonds = coherent_bonds(position, side, SIZE)
+    inside = (position[:, 2] > 0.1 * SIZE) & (position[:, 2] < position[:, 2].max() - 0.1 * SIZE)
+    assert (bonds[inside] == 12).all()
+    assert (bonds[~inside] == MIN_BONDS).all()
+    shifted = position + np.array([3.7 * side, -0.4 * side, 0.02])
+    assert (coherent_bonds(shifted, side, SIZE) == bonds).all()
+
+
+def test_scattered_spheres_are_not_crystalline():
+    position = scattered_positions(256, 5 * SIZE, 10 * SIZE)
+    assert crystalline_share(position, np.full(256, True), 5 * SIZE, SIZE) < 0.05
+
+
+def test_share_is_of_the_chosen_spheres():
+    position, side = crystal(4, 4)
+    above = scattered_positions(256, side, 6 * SIZE) + np.array([0, 0, 8 * SIZE])
+    mixed = np.vstack([position, above])
+    lower = np.arange(len(mixed)) < len(position)
+    assert crystalline_share(mixed, lower, side, SIZE) == 1.0
+    assert crystalline_share(mixed, ~lower, side, SIZE) < 0.1
+    assert np.isnan(crystalline_share(mixed, lower & ~lower, side, SIZE))
+
+
+@pytest.mark.parametrize("spacing", [0.72, 0.82, 1.0])
+def test_layers_of_any_spacing_are_found(spacing):
+    heights = SIZE * spacing * np.repeat(np.arange(10), 30)
+    assert layer_order(heights, SIZE) == pytest.approx(1.0, abs=1e-6)
+    rng = np.random.default_rng(2)
+    blurred = layer_order(heights + 0.1 * SIZE * rng.normal(size=300), SIZE)
+    assert 0.6 < blurred < 1.0
+    assert layer_order(rng.uniform(0, 10 * SIZE, 300), SIZE) < 0.2
+
+
+def shaken_run(point: ConveyorParameters, velocity: float) -> dict:
+    """Return the arrays of a replicate with a velocity (m/s) that the measures need."""
+    limits = {name: value for name, (value, _) in point.limits.items()}
+    return point.model_dump() | limits | {"velocity": velocity}
+
+
+def cycle_and_drive(point: ConveyorParameters):
+    """Return the times (s) of a cycle and the drive of the plane."""
+    return np.linspace(0, 1 / point.frequency, 20_001), vibration(point, (0, 0, -point.gravity))
+
+
+def test_the_shaking_strength_is_the_largest_acceleration_along_z_over_gravity():
+    point = ConveyorParameters(frequency=23, amplitude=0.7, amplitude_along=0.2, phase_along=50)
+    time, drive = cycle_and_drive(point)
+    velocity = np.gradient(plane_position(drive, 1, time), time)
+    largest = np.abs(np.gradient(velocity, time)[5:-5]).max()
+    found = measured(shaken_run(point, 0.1), "conveyor")["shaking_strength"]
+    assert found == pytest.approx(largest / point.gravity, rel=1e-3)
+
+
+def test_what_goes_as_fast_as_the_plane_at_its_fastest_is_transported_wholly():
+    point = ConveyorParameters(frequency=23, amplitude=0.7, amplitude_along=0.2, phase_along=50)
+    time, drive = cycle_and_drive(point)
+    fastest = plane_velocity(drive, 0, time).max()
+    assert measured(shaken_run(point, fastest), "conveyor")[
+        "transport_efficiency"
+    ] == pytest.approx(1, rel=1e-6)
+    assert measured(shaken_run(point, -fastest), "conveyor")[
+        "transport_efficiency"
+    ] == pytest.approx(-1, rel=1e-6)
+
+
+def test_a_plane_that_moves_up_and_down_alone_has_no_efficiency():
+    point = ConveyorParameters(amplitude_along=0)
+    assert set(measured(shaken_run(point, 0.0), "conveyor")) == {"shaking_strength"}

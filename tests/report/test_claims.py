@@ -1,12 +1,20 @@
-"""Claims and their evidence as rows of the report."""
+"""Claims, their evidence and the readings of papers as rows of the report."""
 
 import pytest
 
 from sim.claims.verdict import VERDICTS as JUDGED
 from sim.claims.verdict_files import as_mapping
-from sim.report.claims import VERDICTS, claim_rows, count_verdicts, has_tested_claims, read_claims
+from sim.report.claims import (
+    VERDICTS,
+    claim_rows,
+    count_verdicts,
+    has_tested_claims,
+    read_claims,
+    reading_tables,
+)
 from sim.report.numbers import strip
 from tests.made.report import DEPTH, FREQUENCY, made_claims
+from tests.made.results import made_point, made_results
 
 POINTS = [f"chute-{DEPTH}-1", f"belt-{FREQUENCY}-2"]
 
@@ -108,3 +116,82 @@ def test_claims_on_the_model_are_not_judged_by_runs(rows):
     assert has_tested_claims([rows["G3"]])
     assert not has_tested_claims([rows["W1"], rows["G31"]])
     assert not has_tested_claims([])
+
+
+def flow(missing: float, **parameters):
+    return made_point("belt", {"velocity": 0.05, "missing_energy": missing}, **parameters)
+
+
+def claim(name: str, default: str, reduced: str) -> dict:
+    by_reading = {"default": default, "damping_mass reduced": reduced}
+    shared = {"title": "A claim", "paper": "gallas", "kind": "flow", "verdict": default}
+    return shared | {"id": name} | judged(by_reading)
+
+
+def judged(by_reading: dict) -> dict:
+    """Return verdicts by reading, and the variants that give them from published runs."""
+    variants = [
+        {"protocol": "published", "reading": reading, "verdict": verdict}
+        for reading, verdict in by_reading.items()
+    ]
+    return {"by_reading": by_reading, "variants": variants}
+
+
+CLAIMS = [
+    claim("G1", "not reproduced", "reproduced"),
+    claim("G2", "reproduced in part", "untestable"),
+]
+
+
+@pytest.fixture
+def table():
+    results = made_results(
+        flow(2e3, frequency=10),
+        flow(1e-5, frequency=80),
+        flow(0.5, frequency=10, protocol="converged"),
+        flow(5e-5, frequency=10, damping_mass="reduced"),
+    )
+    (found,) = reading_tables(CLAIMS, results)
+    return found
+
+
+def test_claims_that_hold_are_counted_under_each_reading(table):
+    counts = {one["words"]: (one["hold"], one["tested"]) for one in table["readings"]}
+    assert counts == {"default": (1, 2), "damping_mass reduced": (1, 1)}
+
+
+def test_a_table_has_the_verdicts_by_protocol_and_reading(table):
+    assert [claim["id"] for claim in table["claims"]] == ["G1"]
+    rows = [(row["words"], row["protocol"], row["verdicts"]) for row in table["rows"]]
+    assert rows == [
+        ("default", "published", ["not reproduced"]),
+        ("damping_mass reduced", "published", ["reproduced"]),
+    ]
+
+
+def test_a_reading_is_compared_with_the_headline_over_the_claims_that_both_test(table):
+    _, reduced = table["readings"]
+    assert (reduced["common"], reduced["common_hold"], reduced["headline_hold"]) == (1, 1, 0)
+
+
+def test_no_step_is_called_stable_where_no_bound_of_it_is_known():
+    by_reading = {"default": "reproduced", "friction_cap after": "reproduced"}
+    shared = {"id": "W1", "title": "A claim", "paper": "walton", "kind": "flow"}
+    quantities = {"velocity": 0.1, "missing_energy": 1e-5}
+    results = made_results(
+        made_point("chute", quantities), made_point("chute", quantities, friction_cap="after")
+    )
+    (found,) = reading_tables([shared | judged(by_reading)], results)
+    assert [(one["points"], one["stable"]) for one in found["readings"]] == [(1, None), (1, None)]
+
+
+def test_the_published_step_is_looked_at_by_theory_and_by_energy(table):
+    default, reduced = table["readings"]
+    assert (default["points"], default["stable"], default["sound"]) == (2, 1, 1)
+    assert default["missing"] == pytest.approx(2e3, rel=0.01)
+    assert (reduced["points"], reduced["stable"], reduced["sound"]) == (1, 1, 1)
+
+
+def test_a_reading_says_which_words_leave_it_open(table):
+    assert [bool(one["sentences"]) for one in table["readings"]] == [False, True]
+    assert [one["is_headline"] for one in table["readings"]] == [True, False]

@@ -5,6 +5,7 @@ import re
 from html.parser import HTMLParser
 from pathlib import Path
 
+import pandas as pd
 import pytest
 import xarray as xr
 
@@ -14,15 +15,22 @@ from sim.dataset.build import build as build_dataset
 from sim.dataset.results import load_results
 from sim.figures.several import draw_figures
 from sim.report.claims import read_claims
-from sim.report.gallery import data_uri
+from sim.report.gallery import (
+    data_uri,
+    describe_ranges,
+    figure_entry,
+    headline_figures,
+    relative_link,
+)
 from sim.report.page import build, render
+from sim.study.catalogue import FIGURES
 from sim.study.load import load_study
 from tests.made.figures import make_built_regimes, make_figures
 from tests.made.netcdf import store
-from tests.made.report import write_claims
+from tests.made.report import register_animation, write_claims
 from tests.made.runs import FAILURE, make_study
 
-FIGURES = ("walton_2", "gallas_1a", "gallas_1b", "gallas_1c")
+DRAWN = ("walton_2", "gallas_1a", "gallas_1b", "gallas_1c")
 
 
 class Page(HTMLParser):
@@ -81,18 +89,18 @@ def test_nothing_is_loaded_from_elsewhere(page):
     targets = [a.get("href") or a.get("src") for tag in ("a", "img", "link") for a in page.all(tag)]
     # What has none shows by script what is embedded elsewhere.
     targets = [target for target in targets if target is not None]
-    assert len(targets) > 2 * len(FIGURES)
+    assert len(targets) > 2 * len(DRAWN)
     assert all(target.startswith(("data:", "#")) for target in targets)
 
 
 def test_every_figure_is_inside_once_with_alternative_text_and_data(page, made):
     images = {image["id"]: image for image in page.all("img") if "src" in image}
-    assert set(images) == {f"picture-{name}" for name in FIGURES}
+    assert set(images) == {f"picture-{name}" for name in DRAWN}
     assert all(len(image["alt"]) > 30 for image in images.values())
     data = {a["download"]: a["href"] for a in page.all("a") if "download" in a and "href" in a}
-    assert set(data) == {f"{name}.csv" for name in FIGURES}
+    assert set(data) == {f"{name}.csv" for name in DRAWN}
     folder = made[1] / "made" / "figures"
-    for name in FIGURES:
+    for name in DRAWN:
         assert content(images[f"picture-{name}"]["src"]) == (folder / f"{name}.svg").read_bytes()
         assert content(data[f"{name}.csv"]) == (folder / f"{name}.csv").read_bytes()
         assert (folder / f"{name}.caption.txt").read_text().strip() in page.text
@@ -275,3 +283,45 @@ def test_a_missing_figure_is_named_and_the_old_report_stays(made, tmp_path):
     with pytest.raises(InputError, match=r"walton_2\.png"):
         build(study_path, results)
     assert (results / "made" / "report.html").read_text() == "old"
+
+
+def test_an_animation_has_its_first_picture_and_no_figure(tmp_path):
+    with register_animation(tmp_path) as name:
+        entry = figure_entry(FIGURES[name], tmp_path, data_uri)
+        assert entry["group"] == "Animations"
+        assert entry["picture"].startswith("data:image/png;base64,")
+        assert entry["animation"].startswith("data:image/gif;base64,")
+        (tmp_path / f"{name}.gif").unlink()
+        with pytest.raises(InputError, match=rf"{name}\.gif: no such animation"):
+            figure_entry(FIGURES[name], tmp_path, data_uri)
+
+
+@pytest.mark.parametrize(("box", "broad"), [("0 0 460 320", False), ("0 0 900 320", True)])
+def test_broad_pictures_are_told_from_others(tmp_path, box, broad):
+    for suffix, text in ((".csv", "a\n1\n"), (".caption.txt", "Words."), (".svg", svg(box))):
+        (tmp_path / f"walton_2{suffix}").write_text(text)
+    assert figure_entry(FIGURES["walton_2"], tmp_path, relative_link)["broad"] is broad
+
+
+def svg(box: str) -> str:
+    return f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="{box}"/>'
+
+
+def test_words_for_a_table_tell_what_was_measured():
+    table = pd.DataFrame({name: [1.0, 2.5] for name in ("a [σ]", "b", "c", "d")})
+    table["constant"] = 3.0
+    table["mean velocity [m s-1]"] = [0.1, float("nan")]
+    assert (
+        describe_ranges(table)
+        == "2 rows of data, a [σ] from 1 to 2.5, b from 1 to 2.5, c from 1 to 2.5"
+    )
+    table["mean velocity [m s-1]"] = [0.1, 0.4]
+    assert describe_ranges(table).endswith("mean velocity [m s-1] from 0.1 to 0.4")
+    assert describe_ranges(table.head(0)) == "0 rows of data"
+
+
+def test_the_first_screen_has_the_main_figures_or_the_first():
+    entries = [{"name": name} for name in ("belt_onset", "gallas_1a", "walton_2")]
+    assert [entry["name"] for entry in headline_figures(entries)] == ["gallas_1a", "walton_2"]
+    assert headline_figures(entries[:1]) == entries[:1]
+    assert headline_figures([]) == []

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from sim.base.errors import InputError
-from sim.base.file_times import YEAR_2000
+from sim.base.files import YEAR_2000
 from sim.parameters import BeltParameters, amounts, canonical_values, covers, parse_point, point_id
 from sim.study.cost import estimate
 from sim.study.load import load_study

@@ -5,9 +5,10 @@ from pathlib import Path
 import pytest
 import xarray as xr
 
-from sim.dataset.adopt import adopt
+from sim.dataset.adopted import adopt
+from sim.dataset.boundaries import write_round
 from sim.dataset.build import build
-from sim.dataset.rounds import read_round, write_round
+from sim.dataset.rounds import read_round
 from sim.study.load import load_study
 from tests.golden import CLOCK
 from tests.made.project import bare_folder, jobs, plan, planned_jobs, points, snakemake

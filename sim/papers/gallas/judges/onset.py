@@ -20,7 +20,7 @@ from sim.claims.checks import below, judge_parts, within
 from sim.claims.evidence import Evidence
 from sim.claims.place import Place, quotient, with_interval
 from sim.claims.verdict import Check, Untestable
-from sim.dataset.belt import speed_along_x
+from sim.measures.belt import speed_along_x
 from sim.papers.gallas.judges.lines import (
     HALF_SYSTEM,
     MIN_FLOW_FREQUENCY,

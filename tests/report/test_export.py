@@ -15,7 +15,7 @@ from sim.engine.observe import run_file
 from sim.engine.observe.recorder import Record
 from sim.parameters import Parameters, point_id
 from sim.parameters.variables import variables_of
-from sim.report.export.command import FORMATS
+from sim.report.export import FORMATS
 from tests.engine_motion.points import belt_point, chute_point
 
 CHUTE = chute_point(depth=1, cell=3, bumps=1, replicates=2)

@@ -1,11 +1,12 @@
-"""Read run files in parallel, by processes of this machine or by the workers of a cluster."""
+"""Gather the rows of a study from datasets and run files, which several processes may read."""
 
 import os
 import signal
 import threading
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
+from functools import partial
 from multiprocessing import get_context, parent_process
 from multiprocessing.connection import wait
 from pathlib import Path
@@ -13,11 +14,12 @@ from typing import Any, NamedTuple
 
 from sim.base.errors import InputError
 from sim.base.plugins import load, places
-from sim.dataset.earlier import reader_hash
+from sim.dataset.adopted import AdoptedPoints
+from sim.dataset.earlier import earlier_rows
 from sim.dataset.gather import read_run
-from sim.dataset.rows import Rows, merge_rows
-from sim.parameters import Parameters, amounts
-from sim.study.figure_spec import Shown
+from sim.dataset.rows import Rows, merge_rows, reader_hash, row_points
+from sim.parameters import amounts
+from sim.study.model import Point, Study
 
 #: Most run files that are read before their rows are handed over.
 BATCH = 40
@@ -42,25 +44,44 @@ class Batch(NamedTuple):
     problems: list[str]
 
 
-class RunFiles(NamedTuple):
-    """The rows of the run files in ``folder``; the last source, which has all points.
+def gather_rows(
+    study: Study,
+    folder: Path,
+    points: Mapping[str, Point],
+    processes: int = 1,
+    scheduler: str | None = None,
+) -> list[Rows]:
+    """Return the rows of points of a study, each from the first source that has it.
 
-    ``particle_need`` returns how much figures need of the particles of a point, by its id.
-    ``processes`` and ``scheduler`` are those of `read_files`.
+    These are the earlier dataset, adopted datasets, and run files.
+
+    Parameters
+    ----------
+    study : Study
+        The study, which says how much its figures need of particles.
+    folder : Path
+        Its results.
+    points : mapping
+        The points by id, with the amounts to read.
+    processes, scheduler
+        See `read_files`.
+
+    Raises
+    ------
+    InputError
+        When an adopted dataset is damaged, or run files are missing or damaged, see `read_files`.
     """
-
-    folder: Path
-    particle_need: Callable[[str], Shown]
-    processes: int = 1
-    scheduler: str | None = None
-
-    def rows(self, points: Mapping[str, Parameters]) -> list[Rows]:
-        """Return the rows of points; raise `InputError` where files are missing or damaged."""
-        files = [
-            (self.folder / f"{key}.nc", amounts(point), bool(self.particle_need(key)))
-            for key, point in points.items()
-        ]
-        return read_files(files, self.processes, self.scheduler)
+    need, blocks = study.particles_needed, []
+    missing = {key: point.parameters for key, point in points.items()}
+    for source in (partial(earlier_rows, folder, need), AdoptedPoints(study, folder).rows):
+        blocks += source(missing)
+        stored = set(row_points(blocks))
+        missing = {key: point for key, point in missing.items() if key not in stored}
+    files = [
+        (folder / "runs" / f"{key}.nc", amounts(point), bool(need(key)))
+        for key, point in missing.items()
+    ]
+    return blocks + read_files(files, processes, scheduler)
 
 
 def read_files(
@@ -85,8 +106,7 @@ def read_files(
     """
     batches = list(_batches(files, processes, scheduler))
     if problems := [problem for batch in batches for problem in batch.problems]:
-        others = f" (and {len(problems) - 1} more)" if len(problems) > 1 else ""
-        raise InputError(f"{problems[0]}{others}")
+        raise InputError.of_several(problems)
     return [block for batch in batches for block in batch.blocks]
 
 

@@ -1,5 +1,7 @@
-"""Several processes, or the workers of a cluster, read the same rows as one process."""
+"""An earlier dataset, run files, processes and clusters all give the same rows."""
 
+import random
+import shutil
 import subprocess
 import sys
 import threading
@@ -8,14 +10,119 @@ from pathlib import Path
 import numpy as np
 import psutil
 import pytest
+import xarray as xr
 
 from sim.base.errors import InputError
-from sim.dataset import side_by_side
+from sim.base.seals import seal
+from sim.dataset import earlier, gather, sources
 from sim.dataset.rows import Rows, merge_rows
-from sim.dataset.side_by_side import File, read_files
+from sim.dataset.sources import File, read_files
 from sim.parameters import amounts, parse_point
+from tests.made.mixed import PATHS, POINTS, SHOWN, STATES, Mixed, ids
+from tests.made.netcdf import store
 from tests.made.processes import ROOT, wait_until
 from tests.made.runs import write_run
+
+#: Numbers of the points in the dataset.
+STORED = (0, 3)
+
+
+@pytest.fixture(scope="module")
+def original(tmp_path_factory) -> Path:
+    """Return a folder with run files of all points and a dataset of some."""
+    folder = tmp_path_factory.mktemp("made")
+    study = Mixed(folder)
+    for number in range(len(POINTS)):
+        study.write(number)
+    study.build(*STORED)
+    return folder
+
+
+@pytest.fixture
+def study(original, tmp_path) -> Mixed:
+    shutil.copytree(original, tmp_path, dirs_exist_ok=True)
+    return Mixed(tmp_path)
+
+
+@pytest.fixture
+def points_read(monkeypatch) -> list[str]:
+    """Return a list of the ids of points whose run files are read."""
+    ids_read: list[str] = []
+
+    def read_run(path: Path, amounts=None, has_state: bool = False):
+        ids_read.append(path.stem)
+        return gather.read_run(path, amounts, has_state)
+
+    monkeypatch.setattr(sources, "read_run", read_run)
+    return ids_read
+
+
+def test_nothing_is_read_again(study, points_read):
+    assert study.build(*STORED) == study.output.read_bytes()
+    assert points_read == []
+
+
+def test_nothing_is_read_again_once_the_dataset_is_removed(study, points_read):
+    whole = study.output.read_bytes()
+    study.output.unlink()
+    assert study.build(*STORED) == whole
+    assert points_read == []
+
+
+def test_points_that_come_are_read_and_those_that_go_leave_no_trace(study, points_read):
+    steps = random.Random(1)
+    held = set(STORED)
+    for _ in range(4):
+        numbers = steps.sample(range(6), steps.randrange(1, 7))
+        points_read.clear()
+        found = study.build(*numbers)
+        assert set(points_read) == set(ids(study, *set(numbers) - held))
+        assert found == study.build_afresh(*numbers)
+        held = set(numbers)
+
+
+def test_a_run_file_that_was_made_anew_is_read(study, points_read):
+    before = study.output.read_bytes()
+    study.write(3, velocity=0.7)
+    found = study.build(*STORED)
+    assert points_read == ids(study, 3)
+    assert found != before and found == study.build_afresh(*STORED)
+
+
+def test_particles_are_kept_for_as_long_as_a_figure_shows_them(study, points_read):
+    paths, states = (study.build_afresh(3, SHOWN, shown=figure) for figure in (PATHS, STATES))
+    hidden = study.build_afresh(3, SHOWN)
+    assert len({paths, states, hidden}) == 3
+    for figure, content, is_read in (
+        (STATES, states, True),
+        (PATHS, paths, True),
+        (PATHS, paths, False),
+        (STATES, states, False),
+        ("", hidden, False),
+    ):
+        points_read.clear()
+        assert study.build(3, SHOWN, shown=figure) == content
+        assert points_read == ids(study, SHOWN) * is_read
+
+
+def test_what_other_code_has_read_is_read_again(study, points_read, monkeypatch):
+    monkeypatch.setattr(earlier, "reader_hash", lambda: "other")
+    study.build(*STORED)
+    assert points_read == ids(study, *STORED)
+
+
+def test_a_dataset_that_is_damaged_or_none_is_not_used(study, points_read):
+    whole = study.output.read_bytes()
+    store(xr.Dataset({"depth": 1.0}), study.path.with_name("other.nc"))
+    other = study.path.with_name("other.nc")
+    seal(other)
+    half = len(whole) // 2
+    flipped = whole[:half] + bytes([whole[half] ^ 1]) + whole[half + 1 :]
+    for content in (b"", whole[:half], flipped, other.read_bytes()):
+        (study.output.parent / earlier.EARLIER_FILE).write_bytes(content)
+        points_read.clear()
+        assert study.build(*STORED) == whole
+        assert points_read == ids(study, *STORED)
 
 
 @pytest.fixture(scope="module")
@@ -34,8 +141,8 @@ def files(tmp_path_factory) -> list[File]:
 @pytest.fixture
 def small_batches(monkeypatch) -> None:
     """Let processes start for two files, each of them a batch."""
-    monkeypatch.setattr(side_by_side, "MIN_FILES", 2)
-    monkeypatch.setattr(side_by_side, "BATCH", 1)
+    monkeypatch.setattr(sources, "MIN_FILES", 2)
+    monkeypatch.setattr(sources, "BATCH", 1)
 
 
 def assert_equal(rows: list[Rows], expected: list[Rows]) -> None:
@@ -66,8 +173,8 @@ def test_processes_end_with_their_parent(files, small_batches):
     """A killed parent cannot tell them to end."""
     lines = (
         "import os, signal\n"
-        "from sim.dataset import side_by_side\n"
-        "with side_by_side._process_pool(2) as how:\n"
+        "from sim.dataset import sources\n"
+        "with sources._process_pool(2) as how:\n"
         "    children = {how['pool'].submit(os.getpid).result() for _ in range(9)}\n"
         "    children = [process.pid for process in how['pool']._processes.values()]\n"
         "    print(*children, flush=True)\n"
@@ -103,7 +210,7 @@ def test_a_cluster_reads_what_one_process_reads(files, small_batches, cluster, m
 
 
 def test_workers_with_other_code_are_refused(files, cluster, monkeypatch):
-    monkeypatch.setattr(side_by_side, "reader_hash", lambda: threading.current_thread().name)
+    monkeypatch.setattr(sources, "reader_hash", lambda: threading.current_thread().name)
     with pytest.raises(InputError, match="--dask-scheduler: its workers have not this program"):
         read_files(files, scheduler=cluster.scheduler_address)
 
