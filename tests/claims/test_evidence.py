@@ -1,4 +1,4 @@
-"""Evidence: the point selected for given parameters, and its intervals."""
+"""Evidence: the point selected for given parameters, its intervals, ratios of measured numbers."""
 
 import numpy as np
 import pytest
@@ -6,7 +6,7 @@ import pytest
 from sim.base.plugins import load_plugins
 from sim.claims.checks import above
 from sim.claims.evidence import Evidence
-from sim.claims.place import replicate_mean
+from sim.claims.place import quotient, replicate_mean, with_interval
 from sim.claims.verdict import SIGMAS, Unbounded, Untestable
 from tests.made.plugins import restore_plugins
 from tests.made.processes import ROOT
@@ -191,3 +191,33 @@ def test_a_boundary_may_be_required_to_know_how_much_seeds_differ():
 
     assert half_width((5, 1), (10, 1), (10, 2)) == np.inf
     assert half_width((5, 1), (5, 2)) == pytest.approx(0.125 * 1.96 / 1.645, rel=1e-3)
+
+
+def ratio_half_width(numerator, denominator) -> float:
+    return SIGMAS * quotient(numerator, denominator).std_dev
+
+
+def test_a_well_known_divisor_gives_the_propagated_error():
+    ratio = quotient(with_interval(3.0, 0.3), with_interval(2.0, 0.02))
+    assert ratio.nominal_value == 1.5
+    assert SIGMAS * ratio.std_dev == pytest.approx(1.5 * np.hypot(0.1, 0.01), rel=5e-3)
+
+
+def test_the_interval_holds_a_threshold_where_the_difference_is_not_sure():
+    """At its farther end ``over - t · under`` is just as far from zero as its own interval."""
+    numerator, denominator = with_interval(1.0, 0.2), with_interval(2.0, 1.0)
+    end = 0.5 + ratio_half_width(numerator, denominator)
+    assert abs(1.0 - end * 2.0) == pytest.approx(np.hypot(0.2, end * 1.0))
+
+
+def test_a_divisor_that_may_be_zero_leaves_the_ratio_open():
+    assert ratio_half_width(with_interval(1.16, 0.1), with_interval(3.98, 4.5)) == np.inf
+    assert ratio_half_width(with_interval(1.16, 0.1), with_interval(3.98, np.inf)) == np.inf
+
+
+def test_signs_are_kept():
+    ratio = quotient(with_interval(-3.0, 0.3), with_interval(2.0, 0.2))
+    assert ratio.nominal_value == -1.5
+    assert ratio.std_dev == pytest.approx(
+        quotient(with_interval(3.0, 0.3), with_interval(2.0, 0.2)).std_dev
+    )

@@ -1,4 +1,4 @@
-"""Judges of claims about the mean velocity, on belts that follow the paper and on others."""
+"""Judges of claims about the mean velocity and about the shear friction coefficient."""
 
 from functools import partial
 
@@ -7,9 +7,11 @@ import pytest
 from sim.claims.evidence import Evidence
 from sim.claims.verdict import INCONCLUSIVE, NOT_REPRODUCED, REPORTED, REPRODUCED, Untestable
 from sim.papers.gallas.judges.flux import g1, g2, g8, g13
+from sim.papers.gallas.judges.friction import g9, g10, g11, g12, g36
 from sim.papers.gallas.judges.onset import g14 as judge_g14
-from tests.made.paper_belt import checks_of, paper_point, verdict_of
-from tests.made.results import headline_bounds, made_results
+from tests.made.judging import checks_of, headline_bounds, verdict_of
+from tests.made.paper_belt import paper_point
+from tests.made.results import made_results
 
 #: A judge at another threshold.
 g14 = partial(judge_g14, threshold=0.02)
@@ -188,3 +190,136 @@ def test_half_the_system_is_enough():
     assert verdict_of(g14, early) == NOT_REPRODUCED
     with pytest.raises(Untestable, match="100 beads"):
         checks_of(g14, base())
+
+
+SHEAR = (0, 10, 20, 50, 100)
+
+
+def line(velocities=None, values=SHEAR, frequencies=(20, 50), **rest):
+    """Return points along the shear friction coefficient, with velocities (m/s) if given."""
+    scalars_by_value = (
+        [None] * len(values) if velocities is None else [{"velocity": v} for v in velocities]
+    )
+    return [
+        paper_point(scalars, frequency=frequency, shear_damping=shear, **rest)
+        for frequency in frequencies
+        for shear, scalars in zip(values, scalars_by_value, strict=True)
+    ]
+
+
+def test_fast_rise_then_gentle():
+    assert verdict_of(g9, line()) == REPRODUCED
+    slow = [0, 0.05, 0.06, 0.08, 0.1]
+    assert verdict_of(g9, line(slow)) == NOT_REPRODUCED
+    falling = [0, 0.1, 0.1, 0.095, 0.09]
+    assert verdict_of(g9, line(falling)) == NOT_REPRODUCED
+    assert verdict_of(g9, line(scatter=0.4)) == INCONCLUSIVE
+    with pytest.raises(Untestable, match="shear_damping 20"):
+        checks_of(g9, line(values=(0, 10, 50, 100)))
+
+
+@pytest.mark.parametrize("judge", [g9, g36])
+def test_velocities_that_drift_decide_nothing(judge):
+    """By 12 % in 100 cycles at 20 Hz, by 5 % at 50 Hz."""
+    values = (0, 10, 20, 50, 100)
+    drift = {"acceleration": 0.0025, "acceleration_half_width": 1e-5}
+    points = [
+        paper_point({"velocity": 0.1 + shear / 1e4} | drift, frequency=f, shear_damping=shear)
+        for f in (20, 50, 80)
+        for shear in values
+    ]
+    assert verdict_of(judge, points) == INCONCLUSIVE
+    assert all("longer runs" in check.withheld for check in checks_of(judge, points))
+
+
+@pytest.mark.parametrize(("half_width", "verdict"), [(1e-6, REPRODUCED), (2e-3, INCONCLUSIVE)])
+def test_velocities_must_be_known_not_to_drift(half_width, verdict):
+    steady = {"acceleration": 0.0, "acceleration_half_width": half_width}
+    points = [
+        paper_point({"velocity": velocity} | steady, frequency=f, shear_damping=shear)
+        for f in (20, 50)
+        for shear, velocity in ((0, 0.0), (10, 0.1), (20, 0.102), (50, 0.105), (100, 0.108))
+    ]
+    assert verdict_of(g9, points) == verdict
+
+
+def test_beads_that_do_not_move_have_no_slope():
+    assert verdict_of(g9, line([0, 0.1, -0.1, 0.1, 0.1])) == INCONCLUSIVE
+
+
+def still(velocities, frequencies=(20, 50)):
+    """Return points without shear friction, velocities (m/s) per bed, and the usual points."""
+    free = [
+        paper_point({"velocity": velocities}, frequency=frequency, shear_damping=0)
+        for frequency in frequencies
+    ]
+    return [*free, *(paper_point(frequency=frequency) for frequency in (20, 50))]
+
+
+@pytest.mark.parametrize(
+    ("velocities", "verdict"),
+    [
+        ([0.001, -0.001, 0.002, -0.002, 0.0005], REPRODUCED),
+        # More beds make a small velocity no larger.
+        ([0.001, 0.0011, 0.0009, 0.001, 0.001], REPRODUCED),
+        ([0.05, 0.051, 0.049, 0.05, 0.05], NOT_REPRODUCED),
+        ([0.05, -0.05, 0.04, -0.06, 0.02], INCONCLUSIVE),
+    ],
+)
+def test_no_shear_friction_no_transport(velocities, verdict):
+    assert verdict_of(g10, still(velocities)) == verdict
+
+
+def test_no_transport_needs_runs_without_shear_friction():
+    with pytest.raises(Untestable, match="frequency 50, shear_damping 0"):
+        checks_of(g10, still([0.0, 0.001], frequencies=(20,)))
+
+
+def scattered(ratio, **rest):
+    """Return points whose relative scatter below g is ``ratio`` times that at 50g."""
+    usual = line(values=(50,), scatter=0.01, **rest)
+    return usual + line(values=(0.2, 0.5), scatter=0.01 * ratio, **rest)
+
+
+@pytest.mark.parametrize(
+    ("ratio", "verdict"), [(20, REPRODUCED), (0.8, NOT_REPRODUCED), (2, INCONCLUSIVE)]
+)
+def test_poor_statistics_at_small_shear_friction(ratio, verdict):
+    assert verdict_of(g11, scattered(ratio)) == verdict
+
+
+def test_scatter_needs_several_beds():
+    with pytest.raises(Untestable, match="scatter over several beds"):
+        checks_of(g11, scattered(5, replicates=1))
+    with pytest.raises(Untestable, match="γ_s < g"):
+        checks_of(g11, line())
+
+
+@pytest.mark.parametrize(
+    ("velocity", "scatter", "verdict"),
+    [
+        (0.25, 0.001, REPRODUCED),
+        (0.4, 0.001, NOT_REPRODUCED),
+        (0.25, 0.2, INCONCLUSIVE),
+    ],
+)
+def test_strong_shear_friction_hardly_matters(velocity, scatter, verdict):
+    usual = paper_point({"velocity": 0.25}, frequency=80, scatter=scatter)
+    strong = paper_point({"velocity": velocity}, frequency=80, shear_damping=100, scatter=scatter)
+    assert verdict_of(g12, [usual, strong]) == verdict
+    with pytest.raises(Untestable, match="shear_damping 100"):
+        checks_of(g12, [usual])
+
+
+def test_shear_friction_matters_at_small_velocities():
+    values = (20, 50, 100)
+    assert verdict_of(g36, line(values=values, frequencies=(20, 80))) == REPRODUCED
+    slow = line([0.1, 0.1, 0.1], values, frequencies=(20,))
+    fast = line([0.2, 0.25, 0.3], values, frequencies=(80,))
+    assert verdict_of(g36, slow + fast) == NOT_REPRODUCED
+    # A fast flow that γ_s slows is changed as well.
+    falling = line([0.3, 0.25, 0.2], values, frequencies=(80,))
+    assert verdict_of(g36, slow + falling) == NOT_REPRODUCED
+    assert verdict_of(g36, line(values=values, frequencies=(20, 80), scatter=0.1)) == INCONCLUSIVE
+    with pytest.raises(Untestable, match="frequency 80"):
+        checks_of(g36, line(values=values, frequencies=(20,)))

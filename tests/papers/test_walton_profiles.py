@@ -6,7 +6,6 @@ import pytest
 from sim.claims.place import replicate_mean
 from sim.claims.verdict import INCONCLUSIVE, NOT_REPRODUCED, REPORTED, REPRODUCED, Untestable
 from sim.papers.walton.judges.profiles import _densest_inner, w10, w11, w12, w13, w14, w17, w18
-from tests.claims.judging import checks_on, failed_quantities, verdict_on
 from tests.made.chute_flows import (
     PACKING,
     PAPER,
@@ -18,6 +17,7 @@ from tests.made.chute_flows import (
     flow,
     kinked_profile,
 )
+from tests.made.judging import checks_of, failed_quantities, verdict_of
 from tests.made.results import SCATTER
 
 
@@ -55,13 +55,13 @@ def test_monotone_shear(dip, scatter, verdict):
     flows = [shaped(n, lambda z: wavy(z, dip), replicates=8, scatter=scatter) for n in (1.24, 2.5)]
     # Deeper flows may do as they like.
     flows.append(shaped(10, lambda z: -UNIT * z, replicates=8))
-    assert verdict_on(w10, flows) == verdict
+    assert verdict_of(w10, flows) == verdict
 
 
 @pytest.mark.parametrize("judge", [w10, w12])
 def test_statements_on_all_bins_need_many_replicates(judge):
     with pytest.raises(Untestable, match="6 replicates"):
-        checks_on(judge, [shaped(1.24, replicates=5)])
+        checks_of(judge, [shaped(1.24, replicates=5)])
 
 
 @pytest.mark.parametrize(
@@ -70,7 +70,7 @@ def test_statements_on_all_bins_need_many_replicates(judge):
 )
 def test_plug_over_a_shear_layer(knee, rest, verdict):
     flows = [shaped(n, kinked_profile(n / 10 * knee, n, rest)) for n in (10, 20, 40)]
-    assert verdict_on(w11, flows) == verdict
+    assert verdict_of(w11, flows) == verdict
 
 
 def test_plugs_are_counted_over_all_starts_and_cells():
@@ -79,7 +79,7 @@ def test_plugs_are_counted_over_all_starts_and_cells():
         *(shaped(10, plug, cell=5, initial_velocity=v) for v in (8, 16, 30)),
         shaped(10, sheared),
     ]
-    checks = checks_on(w11, points)
+    checks = checks_of(w11, points)
     assert checks[0].value == 0.75 and checks[0].verdict == REPRODUCED
     # Shares of 15 and of 5 runs, with Wilson's intervals.
     assert [check.value for check in checks[1:]] == pytest.approx([0.898, 0.217], abs=1e-3)
@@ -89,26 +89,26 @@ def test_plugs_are_counted_over_all_starts_and_cells():
     ]
     assert ends == pytest.approx([1, 0], abs=1e-9)
     # Half of few runs is not often, and not seldom.
-    assert verdict_on(w11, points[-2:]) == INCONCLUSIVE
+    assert verdict_of(w11, points[-2:]) == INCONCLUSIVE
 
 
 def test_runs_that_accelerate_are_no_plugs():
     runs = {"regime": ["accelerating", "steady", "steady", "steady", "steady"]}
     points = [shaped(10, kinked_profile(2, 10), scalars=runs), shaped(20, kinked_profile(2, 20))]
-    assert "10 runs" not in checks_on(w11, points)[0].what
-    assert checks_on(w11, points)[1].what.endswith("cells of 5 σ, 5 runs")
-    assert checks_on(w11, points)[2].what.endswith("cells of 10 σ, 4 runs")
+    assert "10 runs" not in checks_of(w11, points)[0].what
+    assert checks_of(w11, points)[1].what.endswith("cells of 5 σ, 5 runs")
+    assert checks_of(w11, points)[2].what.endswith("cells of 10 σ, 4 runs")
 
 
 def test_plugs_need_cells_of_two_widths():
     with pytest.raises(Untestable, match="two widths"):
-        checks_on(w11, [shaped(20, kinked_profile(2, 20))])
+        checks_of(w11, [shaped(20, kinked_profile(2, 20))])
 
 
 @pytest.mark.parametrize("judge", [w14, w17])
 def test_deep_flows_must_be_there(judge):
     with pytest.raises(Untestable, match=r"depth|three depths"):
-        checks_on(judge, base_flows({1.24: 4, 5: 8}))
+        checks_of(judge, base_flows({1.24: 4, 5: 8}))
 
 
 def thinning(z, bump: float):
@@ -132,13 +132,13 @@ def test_packing_that_falls_from_layer_to_layer(bump, scatter, verdict):
         shaped(1.24, packing=lambda z: thinning(z, bump), **options),
         shaped(2.5, packing=lambda z: thinning(z, 0.5), **options),
     ]
-    assert verdict_on(w12, flows) == verdict
+    assert verdict_of(w12, flows) == verdict
 
 
 def test_rises_of_the_packing_between_slices_are_reported():
     _, sliced = (
         check
-        for check in checks_on(
+        for check in checks_of(
             w12, [shaped(1.24, packing=lambda z: thinning(z, 0.2), replicates=8)]
         )
         if check.verdict == REPORTED
@@ -148,7 +148,7 @@ def test_rises_of_the_packing_between_slices_are_reported():
 
 def test_a_single_layer_cannot_thin_out():
     with pytest.raises(Untestable, match="two layers"):
-        checks_on(w12, [shaped(1.24, packing=filled_to(1.5), replicates=8)])
+        checks_of(w12, [shaped(1.24, packing=filled_to(1.5), replicates=8)])
 
 
 def domed(z, peak: float, depth: float):
@@ -171,7 +171,7 @@ def test_maximum_of_the_packing_inside(peak, scatter, verdict):
         shaped(n, packing=lambda z, n=n: domed(z, peak, 1.8 * n), scatter=scatter)
         for n in (3.5, 5, 10)
     ]
-    assert verdict_on(w13, flows) == verdict
+    assert verdict_of(w13, flows) == verdict
 
 
 def test_the_densest_of_even_layers_is_not_clear_of_them():
@@ -190,14 +190,14 @@ def test_a_maximum_inside_needs_three_layers():
     flat = np.where(np.arange(200) < 6, 0.5, 0.0)
     flows = [shaped(n, packing=lambda z: flat) for n in (3.5, 5, 10)]
     with pytest.raises(Untestable, match="three layers"):
-        checks_on(w13, flows)
+        checks_of(w13, flows)
 
 
 @pytest.mark.parametrize("missing", [3.5, 5, 10])
 def test_maximum_inside_needs_all_intermediate_flows_with_replicates(missing):
     flows = [shaped(n, replicates=1 if n == missing else 5) for n in (3.5, 5, 10)]
     with pytest.raises(Untestable, match="replicates"):
-        checks_on(w13, flows)
+        checks_of(w13, flows)
 
 
 def block(plug: float = 0.62, sheared: float = 0.5, ripple: float = 0.0, gap: float = 1, **options):
@@ -228,37 +228,37 @@ def block(plug: float = 0.62, sheared: float = 0.5, ripple: float = 0.0, gap: fl
     ],
 )
 def test_block_over_a_looser_layer(options, wrong):
-    checks = checks_on(w14, block(**options))
+    checks = checks_of(w14, block(**options))
     assert [quantity.removesuffix(", n = 40") for quantity in failed_quantities(checks)] == wrong
-    assert verdict_on(w14, block(**options)) == (NOT_REPRODUCED if wrong else REPRODUCED)
+    assert verdict_of(w14, block(**options)) == (NOT_REPRODUCED if wrong else REPRODUCED)
 
 
 def test_block_of_uncertain_packing_decides_nothing():
-    assert verdict_on(w14, block(scatter=0.2)) == INCONCLUSIVE
+    assert verdict_of(w14, block(scatter=0.2)) == INCONCLUSIVE
 
 
 def test_a_young_block_and_one_that_still_changes_decide_nothing():
-    (check, *_) = checks_on(w14, block(transient=300))
+    (check, *_) = checks_of(w14, block(transient=300))
     assert check.verdict == INCONCLUSIVE
     assert check.withheld == "averaged from 300 √(σ/g) on: runs of 2,000 and more"
-    assert verdict_on(w14, block(scalars={"acceleration": -0.1 * SLOPE})) == INCONCLUSIVE
+    assert verdict_of(w14, block(scalars={"acceleration": -0.1 * SLOPE})) == INCONCLUSIVE
 
 
 def test_an_age_may_be_rounded_to_whole_samples_and_the_oldest_flow_counts():
     # As a run with transient: 2000 has it, which ends with a whole sample.
     rounded = {"average_start": np.full(5, 1999.947 * PAPER.time_unit)}
     old = block(scalars=rounded, transient=2000)
-    assert verdict_on(w14, old) == REPRODUCED
-    assert verdict_on(w14, [*block(transient=300, replicates=9), *old]) == REPRODUCED
+    assert verdict_of(w14, old) == REPRODUCED
+    assert verdict_of(w14, [*block(transient=300, replicates=9), *old]) == REPRODUCED
 
 
 def test_a_block_of_stiffer_spheres_counts_where_the_softest_does_not_last():
     loose = block(plug=0.58, stiffness=1000)
-    assert verdict_on(w14, [*block(), *loose]) == REPRODUCED
+    assert verdict_of(w14, [*block(), *loose]) == REPRODUCED
     running = block(scalars={"acceleration": np.full(5, 0.1 * SLOPE)})
-    assert next(check.what for check in checks_on(w14, [*running, *loose])).endswith("1000 N/m")
-    assert verdict_on(w14, [*running, *loose]) == NOT_REPRODUCED
-    assert verdict_on(w14, loose) == NOT_REPRODUCED
+    assert next(check.what for check in checks_of(w14, [*running, *loose])).endswith("1000 N/m")
+    assert verdict_of(w14, [*running, *loose]) == NOT_REPRODUCED
+    assert verdict_of(w14, loose) == NOT_REPRODUCED
 
 
 def with_depths(*depths, scatter=SCATTER, **options):
@@ -270,24 +270,24 @@ def with_depths(*depths, scatter=SCATTER, **options):
 
 
 def test_shear_depth_falls_with_the_depth():
-    assert verdict_on(w17, with_depths(3.2, 3, 2, 1.5)) == REPRODUCED
-    assert verdict_on(w17, with_depths(3, 4, 9, 30)) == NOT_REPRODUCED
+    assert verdict_of(w17, with_depths(3.2, 3, 2, 1.5)) == REPRODUCED
+    assert verdict_of(w17, with_depths(3, 4, 9, 30)) == NOT_REPRODUCED
     # A thicker layer may be a smaller fraction.
-    thickness, fraction = checks_on(w17, with_depths(2, 2.2, 2.4, 2.6))
+    thickness, fraction = checks_of(w17, with_depths(2, 2.2, 2.4, 2.6))
     assert (thickness.verdict, fraction.verdict) == (NOT_REPRODUCED, REPRODUCED)
-    assert verdict_on(w17, with_depths(3, 2.9, 3.1, 2.8, scatter=0.5)) == INCONCLUSIVE
+    assert verdict_of(w17, with_depths(3, 2.9, 3.1, 2.8, scatter=0.5)) == INCONCLUSIVE
 
 
 def test_shear_depths_of_stiffer_spheres_count_where_the_softest_do_not_last():
     hard = with_depths(3, 4, 9, 30, stiffness=1000)
-    assert verdict_on(w17, [*with_depths(3.2, 3, 2, 1.5), *hard]) == REPRODUCED
-    assert verdict_on(w17, [*with_depths(3.2, 3, 2, 1.5)[:3], *hard]) == NOT_REPRODUCED
+    assert verdict_of(w17, [*with_depths(3.2, 3, 2, 1.5), *hard]) == REPRODUCED
+    assert verdict_of(w17, [*with_depths(3.2, 3, 2, 1.5)[:3], *hard]) == NOT_REPRODUCED
 
 
 def test_flows_of_unlike_cells_ages_or_too_few_depths_are_not_compared():
     points = with_depths(3.2, 3, 2, 1.5)
     young = shaped(40, scalars={"shear_depth": SIZE}, cell=5, transient=40)
-    reasons = [checks_on(w17, flows)[0].withheld for flows in (points[1:], [*points[:3], young])]
+    reasons = [checks_of(w17, flows)[0].withheld for flows in (points[1:], [*points[:3], young])]
     assert reasons[0] == "n = 10, 20, 40 alone in one cell"
     # A young flow is left out, not compared.
     assert reasons[1] == "n = 5, 10, 20 alone in one cell"
@@ -299,16 +299,16 @@ def test_flows_of_unlike_cells_ages_or_too_few_depths_are_not_compared():
 )
 def test_slowest_flow_shears_throughout(rest, scatter, verdict):
     slowest = shaped(1, kinked_profile(1.5, 10, rest, scatter=scatter), filled_to(4))
-    assert verdict_on(w18, [slowest, shaped(1.24), shaped(2.5)]) == verdict
+    assert verdict_of(w18, [slowest, shaped(1.24), shaped(2.5)]) == verdict
 
 
 def test_slowest_flow_of_uncertain_shape_decides_nothing():
     rests = np.array([0.0, 0.01, 0.05, 0.2, 0.6])
     rows = np.vstack([kinked_profile(1.5, 10, rest, replicates=1) for rest in rests])
     slowest = shaped(1, rows, filled_to(4))
-    assert verdict_on(w18, [slowest, shaped(1.24), shaped(2.5)]) == INCONCLUSIVE
+    assert verdict_of(w18, [slowest, shaped(1.24), shaped(2.5)]) == INCONCLUSIVE
     with pytest.raises(Untestable, match="three flows"):
-        checks_on(w18, [slowest, shaped(1.24)])
+        checks_of(w18, [slowest, shaped(1.24)])
 
 
 @pytest.mark.parametrize("judge", [w10, w12, w13, w18])
@@ -318,15 +318,15 @@ def test_a_flow_that_drifts_decides_nothing_on_profiles(judge):
         shaped(n, packing=filled_to(n + 3), replicates=8, scalars=drift)
         for n in (1, 1.24, 2, 3.5, 5, 10)
     ]
-    verdicts = {check.verdict for check in checks_on(judge, flows)}
+    verdicts = {check.verdict for check in checks_of(judge, flows)}
     assert verdicts - {REPORTED} == {INCONCLUSIVE}
 
 
 def test_a_flow_slower_with_height_everywhere_does_not_shear_evenly():
     falling = shaped(1, lambda z: UNIT * (30 - z), filled_to(4))
-    assert verdict_on(w18, [falling, shaped(1.24), shaped(2.5)]) == INCONCLUSIVE
+    assert verdict_of(w18, [falling, shaped(1.24), shaped(2.5)]) == INCONCLUSIVE
 
 
 def test_flows_without_profiles_are_untestable():
     with pytest.raises(Untestable, match="no packing_profile"):
-        checks_on(w13, base_flows())
+        checks_of(w13, base_flows())

@@ -15,20 +15,20 @@ from sim.claims.verdict import (
     combined_verdict,
 )
 from sim.papers.walton.judges.properties import w15, w16, w20, w21, w22
-from tests.claims.judging import by_part, checks_on, failed_quantities, verdict_on
 from tests.made.chute_flows import PACKING, SIZE, SLOPE, SPEEDS, base_flows, flow, kinked_profile
+from tests.made.judging import by_part, checks_of, failed_quantities, verdict_of
 from tests.made.results import SCATTER
 
 
 def parts(judge, points) -> dict[str, str]:
     """Return the verdict on each part of a claim."""
-    return by_part(checks_on(judge, points))
+    return by_part(checks_of(judge, points))
 
 
 @pytest.mark.parametrize("judge", [w15, w16, w21, w22])
 def test_the_base_case_alone_tests_nothing(judge):
     with pytest.raises(Untestable, match="no "):
-        checks_on(judge, base_flows({1.24: 4.4, 5: 8.2}))
+        checks_of(judge, base_flows({1.24: 4.4, 5: 8.2}))
 
 
 def ordered_flow(share, knee=2, rest=0.0, **options):
@@ -105,39 +105,39 @@ def resilient(speeds=(13, 9, 7), depths=(1.4, 2, 2.9), n=5, **options):
     ],
 )
 def test_more_elastic_is_slower_and_deeper(changes, wrong):
-    assert len(failed_quantities(checks_on(w16, resilient(**changes)))) == wrong
-    assert verdict_on(w16, resilient(**changes)) == (NOT_REPRODUCED if wrong else REPRODUCED)
+    assert len(failed_quantities(checks_of(w16, resilient(**changes)))) == wrong
+    assert verdict_of(w16, resilient(**changes)) == (NOT_REPRODUCED if wrong else REPRODUCED)
 
 
 def test_velocities_too_close_or_few_decide_nothing():
-    assert verdict_on(w16, resilient(speeds=(9, 9, 9))) == INCONCLUSIVE
-    assert verdict_on(w16, resilient(speeds=(9, 13, 7), replicates=2)) == INCONCLUSIVE
+    assert verdict_of(w16, resilient(speeds=(9, 9, 9))) == INCONCLUSIVE
+    assert verdict_of(w16, resilient(speeds=(9, 13, 7), replicates=2)) == INCONCLUSIVE
 
 
 def test_several_states_of_a_depth_are_ranked():
     """At one restitution half the runs are in another state: there is no mean, but a trend."""
     points = resilient()
     states = flow([9, 9, 9, 20, 20], {"shear_depth": 2 * SIZE}, depth=5)
-    assert verdict_on(w16, [points[0], states, points[2]]) == REPRODUCED
+    assert verdict_of(w16, [points[0], states, points[2]]) == REPRODUCED
 
 
 def test_stiffer_spheres_decide_where_they_were_run():
     soft, hard = resilient(speeds=(7, 9, 13)), resilient(stiffness=1000)
-    checks = checks_on(w16, [*soft, *hard])
+    checks = checks_of(w16, [*soft, *hard])
     assert {check.verdict for check in checks} == {REPRODUCED}
     assert all("K1 = 1000 N/m" in check.what for check in checks)
 
 
 def test_flows_without_replicates_are_left_out():
     with pytest.raises(Untestable, match="three coefficients"):
-        checks_on(w16, resilient(replicates=1))
+        checks_of(w16, resilient(replicates=1))
     single = flow(4, depth=5, restitution=0.6, replicates=1)
-    assert verdict_on(w16, [*resilient(), single]) == REPRODUCED
+    assert verdict_of(w16, [*resilient(), single]) == REPRODUCED
 
 
 def test_the_lowest_restitution_is_reported():
     slow = flow(4, depth=5, restitution=0.6)
-    checks = checks_on(w16, [*resilient(), slow])
+    checks = checks_of(w16, [*resilient(), slow])
     assert combined_verdict(checks) == REPRODUCED and checks[-1].verdict == REPORTED
 
 
@@ -242,20 +242,20 @@ def test_stiffer_spheres(changes, wrong):
 
 
 def test_stiffer_spheres_hop():
-    assert verdict_on(w22, stiff()) == REPRODUCED
-    assert verdict_on(w22, stiff(hotter=0.8)) == NOT_REPRODUCED
+    assert verdict_of(w22, stiff()) == REPRODUCED
+    assert verdict_of(w22, stiff(hotter=0.8)) == NOT_REPRODUCED
 
 
 def test_stiffer_spheres_with_scattered_flows_decide_nothing():
     assert parts(w21, stiff(slower=1, shallow=1.03, scatter=0.5)) == dict.fromkeys(
         "ab", INCONCLUSIVE
     )
-    assert verdict_on(w22, stiff(hotter=1.0)) == INCONCLUSIVE
+    assert verdict_of(w22, stiff(hotter=1.0)) == INCONCLUSIVE
 
 
 def test_flows_of_other_ages_are_not_compared():
     aged = [*stiff()[:-1], *stiff(transient=900)[-1:]]
-    checks = [check for check in checks_on(w21, aged) if check.part == "b" and check.has_vote]
+    checks = [check for check in checks_of(w21, aged) if check.part == "b" and check.has_vote]
     assert [bool(check.withheld) for check in checks] == [False, False, True, True]
     assert "flows of ages 300 and 900" in checks[-1].withheld
 
@@ -263,14 +263,14 @@ def test_flows_of_other_ages_are_not_compared():
 @pytest.mark.parametrize(("transient", "comparable"), [(600.02, True), (607, False)])
 def test_ages_are_equal_within_a_sample(transient, comparable):
     aged = [*stiff()[:-1], *stiff(transient=transient)[-1:]]
-    checks = [check for check in checks_on(w21, aged) if check.part == "b" and check.has_vote]
+    checks = [check for check in checks_of(w21, aged) if check.part == "b" and check.has_vote]
     assert (not checks[-1].withheld) == comparable
 
 
 def test_stiffer_spheres_are_shown_beside():
     plug = stiff()[4].profiles
     fast = flow(26, {"shear_depth": 3 * SIZE}, plug, depth=20, stiffness=10_000)
-    checks = checks_on(w21, [*stiff(), fast])
+    checks = checks_of(w21, [*stiff(), fast])
     assert failed_quantities(checks) == []
     (slower,) = (
         check for check in checks if check.what.startswith("share of pairs slower with 10000")
@@ -315,7 +315,7 @@ def test_where_no_soft_flow_lasts_at_the_deepest_the_next_depth_decides(judge, p
 def test_crystals_of_stiffer_spheres_count_where_no_soft_flow_lasts():
     hard = [ordered_flow(0.3, depth=n, cell=5, stiffness=1000) for n in (10, 20, 40)]
     assert parts(w15, [*crystals(), *hard])["a"] == REPRODUCED
-    checks = checks_on(w15, [*runaway(crystals(), 2), *hard])
+    checks = checks_of(w15, [*runaway(crystals(), 2), *hard])
     labels = [check.what for check in checks if check.part == "a" and check.has_vote]
     assert labels[-1] == "crystalline share of the plug, n = 40, K1 = 1000 N/m"
     assert by_part(checks)["a"] == NOT_REPRODUCED
