@@ -1,13 +1,16 @@
 """Folders in which workflows run, with or without a copy of the project, and their output."""
 
+import multiprocessing
+import os
 import re
 import shutil
-import subprocess
 import sys
+import tempfile
 from collections import Counter
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from subprocess import CompletedProcess
 
-from tests.made.forked import snakemake_in
 from tests.made.processes import ROOT
 
 PARTS = ("sim", "workflow", "config", "Snakefile", "profiles", "pyproject.toml")
@@ -46,10 +49,38 @@ def command(folder: Path, *arguments: str, study: str = STUDY) -> list[str]:
     return [sys.executable, "-m", "snakemake", *options]
 
 
-def snakemake(tree: Path, *arguments: str, study: str = STUDY) -> subprocess.CompletedProcess:
-    """Run a workflow to its end; return the finished process with its output."""
+def snakemake(tree: Path, *arguments: str, study: str = STUDY) -> CompletedProcess:
+    """Run a workflow to its end in the present environment; return the process with its output.
+
+    It runs in a fork of a server that has imported Snakemake.
+    """
     _, _, _, *words = command(tree, *arguments, study=study)
-    return snakemake_in(tree, words)
+    forks = multiprocessing.get_context("forkserver")
+    forks.set_forkserver_preload(["tests.made.forked", __name__])
+    with tempfile.TemporaryDirectory() as folder_of_output:
+        outputs = [Path(folder_of_output) / name for name in ("stdout", "stderr")]
+        process = forks.Process(target=_run, args=(tree, words, dict(os.environ), outputs))
+        process.start()
+        process.join()
+        return CompletedProcess(words, process.exitcode, *(path.read_text() for path in outputs))
+
+
+def _run(
+    tree: Path, words: Sequence[str], environment: Mapping[str, str], outputs: Sequence[Path]
+) -> None:
+    """Become Snakemake in a folder; a copy of the project there imports its own package."""
+    for number, path in enumerate(outputs, 1):
+        os.dup2(os.open(path, os.O_WRONLY | os.O_CREAT), number)
+    os.chdir(tree)
+    os.environ.clear()
+    os.environ.update(environment)
+    if (tree / "sim").exists():
+        for name in [name for name in sys.modules if name.partition(".")[0] == "sim"]:
+            del sys.modules[name]
+    sys.argv[:] = ["snakemake", *words]
+    import snakemake.cli
+
+    snakemake.cli.main(words)
 
 
 def jobs(output: str) -> dict[str, int]:
