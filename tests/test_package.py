@@ -53,15 +53,18 @@ def test_the_version_is_the_same_wherever_it_is_said():
     assert project["version"] == __version__
 
 
-@pytest.mark.parametrize("figures", ["[gallas_1a]", "[]"])
-def test_the_workflow_makes_the_same_alone_and_from_the_root(figures, tmp_path):
-    """The package has it without the Snakefile of the root."""
-    (tmp_path / "study.yaml").write_text(STUDY.replace("[gallas_1a]", figures))
+def test_the_workflow_makes_the_same_alone_and_from_the_root(tmp_path):
+    """The package has it without the Snakefile of the root, and a command that runs it."""
+    alone = ("--snakefile", str(ROOT / "workflow" / "Snakefile"))
+    for figures in ("[]", "[gallas_1a]"):
+        (tmp_path / "study.yaml").write_text(STUDY.replace("[gallas_1a]", figures))
+        planned = planned_jobs(tmp_path, study="study.yaml")
+        assert planned["report"] == planned["warm"] == 1
+        assert planned_jobs(tmp_path, *alone, study="study.yaml") == planned
     words = ["-m", "sim", "study", "study.yaml", "--cores", "2", "--", "-n", "--quiet", "host"]
     settings = os.environ | {"PYTHONPATH": str(ROOT)}
-    alone = subprocess.check_output([sys.executable, *words], cwd=tmp_path, env=settings, text=True)
-    assert jobs(alone) == planned_jobs(tmp_path, study="study.yaml")
-    assert jobs(alone)["report"] == jobs(alone)["warm"] == 1
+    said = subprocess.check_output([sys.executable, *words], cwd=tmp_path, env=settings, text=True)
+    assert jobs(said) == planned
 
 
 @pytest.fixture(scope="module")

@@ -162,7 +162,7 @@ def test_studies_and_points_are_valid(page, tmp_path):
     for text in of_kind(page, "yaml"):
         given = yaml.safe_load(text)
         if "plugins" in given or given.keys() & {"author", "figures", "claims"}:
-            # tests/test_extending.py runs those, tests/workflow/test_own_paper.py files of a paper.
+            # tests/test_extending.py runs those, tests/workflow/test_plugins.py files of a paper.
             continue
         if "system" in given:
             assert parse_point(given, page).system == given["system"]

@@ -1,8 +1,9 @@
-"""What the server has imported of whose forks workflows run: `tests.made.project` starts it.
+"""What the server has imported of whose forks `tests.made.processes.fork` makes processes.
 
-The imports take most of the time of a dry run. Nothing else imports this module.
+The imports take most of the time of a dry run, for one. Nothing else imports this module.
 """
 
+import numba  # noqa: F401
 import smart_open  # noqa: F401
 import snakemake.cli
 

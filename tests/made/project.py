@@ -1,17 +1,14 @@
 """Folders in which workflows run, with or without a copy of the project, and their output."""
 
-import multiprocessing
-import os
 import re
 import shutil
 import sys
-import tempfile
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from subprocess import CompletedProcess
 
-from tests.made.processes import ROOT
+from tests.made.processes import ROOT, fork
 
 PARTS = ("sim", "workflow", "config", "Snakefile", "profiles", "pyproject.toml")
 STUDY = "tiny.yaml"
@@ -40,41 +37,27 @@ def bare_folder(folder: Path, study: str = STUDY) -> Path:
 
 
 def command(folder: Path, *arguments: str, study: str = STUDY) -> list[str]:
-    """Return the command of a workflow: of the copy in a folder, or of the project."""
+    """Return the command of a workflow: of the copy in a folder, or of the project.
+
+    Without a study it is that of the default one.
+    """
     copy = folder / "Snakefile"
     snakefile = copy if copy.exists() else ROOT / "Snakefile"
     # Tests read output that the profile suppresses.
     output = ["--quiet", "host", "--cores", "2", "--snakefile", str(snakefile)]
-    options = [*output, *arguments, "--configfile", study]
+    options = [*output, *arguments, *(["--configfile", study] if study else [])]
     return [sys.executable, "-m", "snakemake", *options]
 
 
 def snakemake(tree: Path, *arguments: str, study: str = STUDY) -> CompletedProcess:
-    """Run a workflow to its end in the present environment; return the process with its output.
-
-    It runs in a fork of a server that has imported Snakemake.
-    """
+    """Run a workflow to its end in a fork; return the finished process with its output."""
     _, _, _, *words = command(tree, *arguments, study=study)
-    forks = multiprocessing.get_context("forkserver")
-    forks.set_forkserver_preload(["tests.made.forked", __name__])
-    with tempfile.TemporaryDirectory() as folder_of_output:
-        outputs = [Path(folder_of_output) / name for name in ("stdout", "stderr")]
-        process = forks.Process(target=_run, args=(tree, words, dict(os.environ), outputs))
-        process.start()
-        process.join()
-        return CompletedProcess(words, process.exitcode, *(path.read_text() for path in outputs))
+    return fork(tree, _become_snakemake, words)
 
 
-def _run(
-    tree: Path, words: Sequence[str], environment: Mapping[str, str], outputs: Sequence[Path]
-) -> None:
-    """Become Snakemake in a folder; a copy of the project there imports its own package."""
-    for number, path in enumerate(outputs, 1):
-        os.dup2(os.open(path, os.O_WRONLY | os.O_CREAT), number)
-    os.chdir(tree)
-    os.environ.clear()
-    os.environ.update(environment)
-    if (tree / "sim").exists():
+def _become_snakemake(words: Sequence[str]) -> None:
+    """Run Snakemake; in a copy of the project it imports the package there."""
+    if Path("sim").exists():
         for name in [name for name in sys.modules if name.partition(".")[0] == "sim"]:
             del sys.modules[name]
     sys.argv[:] = ["snakemake", *words]
