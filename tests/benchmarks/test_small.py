@@ -11,7 +11,8 @@ import yaml
 from benchmarks.column import GRAVITY, Column, transport
 from benchmarks.scale import copies, grid, real
 from benchmarks.scale.cost import cost
-from benchmarks.share import SWEEPS, share_study
+from benchmarks.share import SWEEPS
+from benchmarks.share import study as share_study
 from sim.dataset.build import build
 from sim.parameters import parse_point
 from sim.report.status import survey

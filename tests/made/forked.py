@@ -7,6 +7,7 @@ import numba  # noqa: F401
 import smart_open  # noqa: F401
 import snakemake.cli
 
+import sim.claims.claim
 import sim.dataset.adopted
 import sim.dataset.rounds
 import sim.dataset.run_file
