@@ -1,6 +1,7 @@
 """The study files in config/, studies made of parts, and beyond.yaml run tiny."""
 
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -74,7 +75,11 @@ def test_a_study_has_the_points_of_its_parts(tmp_path):
     halves = [
         load_study(CONFIG / f"paper_{paper}.yaml", tmp_path) for paper in ("walton", "gallas")
     ]
-    assert study.points == halves[0].points | halves[1].points
+    # The halves decide claims, so that their points count looks.
+    points = {
+        name: replace(point, looks=0) for half in halves for name, point in half.points.items()
+    }
+    assert study.points == points
     assert study.series == halves[0].series | halves[1].series
     assert study.figures == halves[0].figures | halves[1].figures
     assert len(study.boundaries) == sum(len(half.boundaries) for half in halves)
