@@ -38,7 +38,7 @@ if os.environ.pop("PYTHONDONTWRITEBYTECODE", None):
 gc.set_threshold(100_000, 50, 100)
 
 #: Files and folders that run first, in this order. Two compile the loops of all others, one for
-#: each worker; figures need no loops. Slow files come early: at the end a worker would wait for them.
+#: each worker; figures need no loops. Slow files come early: at the end a worker would wait.
 ORDER = (
     "engine/dynamics/test_chute_reference.py",
     "engine/dynamics/test_belt_reference.py",
