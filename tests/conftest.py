@@ -37,21 +37,22 @@ if os.environ.pop("PYTHONDONTWRITEBYTECODE", None):
 # fifth of the time.
 gc.set_threshold(100_000, 50, 100)
 
-#: Files that run first: two that compile the loops of all others, one for each worker.
-FIRST = (
+#: Files and folders that run first, in this order. Two compile the loops of all others, one for
+#: each worker; figures need no loops. Slow files come early: at the end a worker would wait.
+ORDER = (
     "engine/dynamics/test_chute_reference.py",
     "engine/dynamics/test_belt_reference.py",
+    "figures/",
+    "workflow/",
+    "golden/",
+    "conformance/",
+    "engine/systems/",
+    "engine/contact/",
+    "test_extending.py",
+    "test_snippets.py",
+    "test_published.py",
+    "report/test_browser.py",
 )
-
-#: Slow files that need those loops. At once they would compile them too; at the end the other
-#: worker would wait for the last one.
-SECOND = (
-    "workflow/test_workflow.py",
-    "workflow/test_refinement.py",
-    "workflow/test_drill.py",
-    "workflow/test_repairs.py",
-)
-FIGURES = "figures"
 
 
 @pytest.fixture(scope="session", autouse=True)
@@ -63,17 +64,11 @@ def _shared_folder(tmp_path_factory) -> None:
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Put the files of FIRST before the others, and those of SECOND behind the figures."""
+    """Put what `ORDER` names before the others."""
     tests = Path(__file__).parent
 
     def place(item: pytest.Item) -> int:
         name = item.path.relative_to(tests).as_posix() if item.path.is_relative_to(tests) else ""
-        if name in FIRST:
-            return FIRST.index(name)
-        if name.startswith(FIGURES):
-            return len(FIRST)
-        if name in SECOND:
-            return len(FIRST) + 1 + SECOND.index(name)
-        return len(FIRST) + 1 + len(SECOND)
+        return next((n for n, start in enumerate(ORDER) if name.startswith(start)), len(ORDER))
 
     items.sort(key=place)

@@ -2,11 +2,8 @@
 
 import importlib
 import json
-import os
 import re
 import shutil
-import subprocess
-import sys
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -32,7 +29,7 @@ from sim.report.page import build as build_report
 from sim.report.publish import publish
 from sim.study.load import Study, load_study, parse_study
 from tests.made.plugins import plugin_claims, restore_plugins, without_plugins
-from tests.made.processes import ROOT, in_process
+from tests.made.processes import ROOT, in_process, run_lines
 from tests.made.runs import write_run
 
 EXAMPLES = ROOT / "docs" / "examples"
@@ -182,10 +179,7 @@ def test_what_cannot_be_compiled_is_told_with_its_line(folder, right, wrong, why
         "command.run = one_contact\n"
         "sys.exit(main(['run', 'p.yaml', '-o', 'r.nc']))\n"
     )
-    environment = os.environ | {"PYTHONPATH": str(ROOT), "TALUS_PLUGINS": "hertz_mindlin.py"}
-    environment |= {"TALUS_CACHE_DIR": str(folder / "cache")}
-    command = [sys.executable, "-c", lines]
-    done = subprocess.run(command, env=environment, capture_output=True, text=True)
+    done = run_lines(folder, lines, TALUS_PLUGINS="hertz_mindlin.py")
     said = rf"^error: plug-in hertz_mindlin.py .*: line \d+: .*{why}"
     assert done.returncode == 2 and re.search(said, done.stderr, re.MULTILINE), done.stderr
     assert "Traceback" not in done.stderr

@@ -1,4 +1,4 @@
-"""What is installed: the package with its workflow, its studies and all files that it reads."""
+"""What is installed: the package with all files that it reads, and what `make setup` says."""
 
 import json
 import os
@@ -53,15 +53,18 @@ def test_the_version_is_the_same_wherever_it_is_said():
     assert project["version"] == __version__
 
 
-@pytest.mark.parametrize("figures", ["[gallas_1a]", "[]"])
-def test_the_workflow_makes_the_same_alone_and_from_the_root(figures, tmp_path):
-    """The package has it without the Snakefile of the root."""
-    (tmp_path / "study.yaml").write_text(STUDY.replace("[gallas_1a]", figures))
+def test_the_workflow_makes_the_same_alone_and_from_the_root(tmp_path):
+    """The package has it without the Snakefile of the root, and a command that runs it."""
+    alone = ("--snakefile", str(ROOT / "workflow" / "Snakefile"))
+    for figures in ("[]", "[gallas_1a]"):
+        (tmp_path / "study.yaml").write_text(STUDY.replace("[gallas_1a]", figures))
+        planned = planned_jobs(tmp_path, study="study.yaml")
+        assert planned["report"] == planned["warm"] == 1
+        assert planned_jobs(tmp_path, *alone, study="study.yaml") == planned
     words = ["-m", "sim", "study", "study.yaml", "--cores", "2", "--", "-n", "--quiet", "host"]
     settings = os.environ | {"PYTHONPATH": str(ROOT)}
-    alone = subprocess.check_output([sys.executable, *words], cwd=tmp_path, env=settings, text=True)
-    assert jobs(alone) == planned_jobs(tmp_path, study="study.yaml")
-    assert jobs(alone)["report"] == jobs(alone)["warm"] == 1
+    said = subprocess.check_output([sys.executable, *words], cwd=tmp_path, env=settings, text=True)
+    assert jobs(said) == planned
 
 
 @pytest.fixture(scope="module")
@@ -142,3 +145,22 @@ def test_the_shell_completes_commands_and_files(shell, capsys):
         asked = "COMP_WORDS=(talus st); COMP_CWORD=1; _shtab_talus; echo ${COMPREPLY[@]}"
         said = subprocess.check_output(["bash", "-c", f"{script}\n{asked}"], text=True)
         assert set(said.split()) == {"status", "study"}
+
+
+PYTHON = """\
+#!/bin/sh
+if [ "$1 $2" = "-m venv" ]; then mkdir -p "$3/bin" && cp "$0" "$3/bin/python"; fi
+"""
+
+
+@pytest.mark.skipif(shutil.which("make") is None, reason="no make installed")
+def test_setup_says_how_to_enter_the_environment_once_it_is_made(tmp_path):
+    python = tmp_path / "python"
+    python.write_text(PYTHON)
+    python.chmod(0o755)
+    command = ["make", "-C", ROOT, "setup", f"PYTHON={python}", f"VENV={tmp_path / 'venv'}"]
+    first, again = (
+        subprocess.run(command, capture_output=True, text=True, check=True) for _ in range(2)
+    )
+    assert f"ready: . {tmp_path / 'venv'}/bin/activate\n" in first.stdout
+    assert "ready" not in again.stdout

@@ -1,6 +1,8 @@
-"""Rooms import only what the table says, in no circle; papers are the rest of the package."""
+"""Rooms import only what the table says, in no circle; what starts fast imports nothing heavy."""
 
 import ast
+import subprocess
+import sys
 from graphlib import TopologicalSorter
 from pathlib import Path
 
@@ -82,3 +84,23 @@ def test_a_room_imports_only_what_it_may(room):
 def test_no_module_imports_itself_by_way_of_others():
     graph = {dotted(path): imported(path) & KNOWN - {dotted(path)} for path in MODULES}
     assert list(TopologicalSorter(graph).static_order())
+
+
+HEAVY = {"numba", "xarray", "pandas", "matplotlib", "scipy", "dask", "snakemake"}
+
+
+def loaded(code: str) -> set[str]:
+    """Return the modules that a few lines of Python import."""
+    lines = f"import sys\n{code}\nprint(*sys.modules)"
+    command = [sys.executable, "-c", lines]
+    return set(subprocess.check_output(command, cwd=PACKAGE.parent, text=True).split())
+
+
+def test_help_imports_no_library_at_all():
+    code = "from sim.__main__ import parser; parser('talus').format_help()"
+    assert not loaded(code) & (HEAVY | {"pydantic", "yaml", "numpy"})
+
+
+def test_parameters_and_tables_of_points_import_nothing_heavy():
+    code = "import sim.__main__, sim.parameters, sim.study.load, sim.report.points"
+    assert not loaded(code) & HEAVY

@@ -1,4 +1,4 @@
-"""What the pages show in fences works: commands are understood, studies valid, Python runs."""
+"""What pages name is there, and what they show in fences works."""
 
 import re
 import shlex
@@ -16,8 +16,10 @@ import yaml
 
 from sim.__main__ import parse
 from sim.base.statistics import student_half_width
+from sim.claims.readings import readings_of
 from sim.parameters import parse_point
 from sim.study.load import load_study, parse_study
+from sim.study.papers import papers
 from tests.made.figures import make_built_study
 from tests.made.processes import ROOT
 
@@ -28,6 +30,37 @@ PAGES = sorted(
         *(ROOT / name for name in ("README.md", "CONTRIBUTING.md", "config/README.md")),
     )
 )
+
+#: A path below sim/ or tests/, or a test file named alone, after another of its folder.
+NAMED = re.compile(r"(?<![\w/.-])(?:\.\./)?((?:sim|tests)/[\w./*-]*|test_\w+\.py)")
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_files_that_a_page_names_are_there(page):
+    missing = []
+    for line in (ROOT / page).read_text(encoding="utf-8").splitlines():
+        folder = ROOT / "tests"
+        for path in NAMED.findall(line):
+            base = ROOT if "/" in path else folder
+            found = list(base.glob(path.rstrip("./")))
+            if not found:
+                missing.append(path)
+            elif path.endswith(".py"):
+                folder = found[0].parent
+    assert missing == []
+
+
+@pytest.mark.parametrize("system", [paper.system for paper in papers().values()])
+def test_each_open_place_of_a_paper_has_a_row_among_the_readings(system):
+    """Its first cell names the parameter, the second has words of the paper."""
+    text = (ROOT / "docs" / "physics.md").read_text(encoding="utf-8")
+    section = text.split(f"### Readings of the {system}\n")[1].split("\n###")[0]
+    rows = [line.split(" | ") for line in section.splitlines() if line.startswith("| `")]
+    named = {name for row in rows for name in re.findall(r"`(\w+)`", row[0])}
+    assert set(readings_of(system).open) <= named
+    assert all('"' in row[1] or "Eq" in row[1] for row in rows)
+
+
 FENCE = re.compile(r"^```(\w*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 
 #: Programs that are not ours; what they are told is not looked at.
@@ -129,7 +162,7 @@ def test_studies_and_points_are_valid(page, tmp_path):
     for text in of_kind(page, "yaml"):
         given = yaml.safe_load(text)
         if "plugins" in given or given.keys() & {"author", "figures", "claims"}:
-            # tests/test_extending.py runs those, tests/workflow/test_own_paper.py files of a paper.
+            # tests/test_extending.py runs those, tests/workflow/test_plugins.py files of a paper.
             continue
         if "system" in given:
             assert parse_point(given, page).system == given["system"]

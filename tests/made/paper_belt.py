@@ -1,13 +1,11 @@
 """Made-up points of a belt with all results of Gallas, Herrmann and Sokołowski."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 
 import numpy as np
 
-from sim.claims.evidence import Evidence
-from sim.claims.verdict import Check, combined_verdict
 from sim.parameters import BeltParameters, parse_point
-from tests.made.results import MadePoint, headline_bounds, made_point, made_results
+from tests.made.results import MadePoint, made_point
 
 #: Mean diameter, m.
 BEAD = 1e-3
@@ -99,7 +97,7 @@ def paper_point(
     **parameters: object,
 ) -> MadePoint:
     """Return a point of the belt as in the paper, with some values replaced."""
-    belt = parse_point({"system": "belt"} | parameters, "tests/claims/paper_belt.py")
+    belt = parse_point({"system": "belt"} | parameters, "tests.made.paper_belt")
     usual = {
         "velocity": velocity(belt),
         "base_occupancy": 0.2 if belt.frequency < 50 else 1e-3,
@@ -127,19 +125,3 @@ def paper_point(
         height=height,
         **parameters,
     )
-
-
-def checks_of(
-    judge: Callable[[Evidence], list[Check]],
-    points: Sequence[MadePoint],
-    boundaries: Sequence[Mapping[str, object]] = (),
-    protocol: str = "published",
-) -> list[Check]:
-    """Return the checks of a judge on made-up points."""
-    results = made_results(*points, boundaries=boundaries)
-    return judge(Evidence(results, protocol), **headline_bounds(judge))
-
-
-def verdict_of(judge: Callable, points: Sequence[MadePoint], **rest: object) -> str:
-    """Return the verdict of a judge on made-up points."""
-    return combined_verdict(checks_of(judge, points, **rest))

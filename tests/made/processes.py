@@ -4,12 +4,15 @@ A busy machine may take any time, so tests wait for an effect or for the end of 
 """
 
 import json
+import multiprocessing
 import os
 import subprocess
 import sys
+import tempfile
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
+from subprocess import CompletedProcess
 
 from sim.parameters import Parameters, canonical_values
 
@@ -54,9 +57,45 @@ def start_run(parameters: Parameters, output: Path, **options) -> subprocess.Pop
     return process
 
 
-def in_process(folder: Path, lines: str) -> None:
+def fork(folder: Path, work: Callable, *arguments: object, **settings: str) -> CompletedProcess:
+    """Call a function in a folder, in a new process; return that with its output.
+
+    The process is a fork of a server that has imported `tests.made.forked`. It has the present
+    environment and ``settings``.
+    """
+    forks = multiprocessing.get_context("forkserver")
+    forks.set_forkserver_preload(["tests.made.forked", "tests.made.project"])
+    with tempfile.TemporaryDirectory() as folder_of_output:
+        outputs = [Path(folder_of_output) / name for name in ("stdout", "stderr")]
+        how = (folder, dict(os.environ) | settings, outputs, work, arguments)
+        process = forks.Process(target=_call, args=how)
+        process.start()
+        process.join()
+        said = (path.read_text() for path in outputs)
+        return CompletedProcess(arguments, process.exitcode, *said)
+
+
+def _call(
+    folder: Path,
+    environment: Mapping[str, str],
+    outputs: Sequence[Path],
+    work: Callable,
+    arguments: Sequence[object],
+) -> None:
+    for number, path in enumerate(outputs, 1):
+        os.dup2(os.open(path, os.O_WRONLY | os.O_CREAT), number)
+    os.chdir(folder)
+    os.environ.clear()
+    os.environ.update(environment)
+    work(*arguments)
+
+
+def run_lines(folder: Path, lines: str, **settings: str) -> CompletedProcess:
     """Run lines of Python in a folder, in a new process, whose engine has no earlier additions."""
-    environment = os.environ | {"PYTHONPATH": str(ROOT), "TALUS_CACHE_DIR": str(folder / "cache")}
-    command = [sys.executable, "-c", lines]
-    done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True)
+    return fork(folder, exec, lines, {}, TALUS_CACHE_DIR=str(folder / "cache"), **settings)
+
+
+def in_process(folder: Path, lines: str) -> None:
+    """Run lines of Python as `run_lines` does; fail where they do."""
+    done = run_lines(folder, lines)
     assert done.returncode == 0, done.stderr

@@ -2,13 +2,13 @@
 
 import re
 import shutil
-import subprocess
 import sys
 from collections import Counter
+from collections.abc import Sequence
 from pathlib import Path
+from subprocess import CompletedProcess
 
-from tests.made.forked import snakemake_in
-from tests.made.processes import ROOT
+from tests.made.processes import ROOT, fork
 
 PARTS = ("sim", "workflow", "config", "Snakefile", "profiles", "pyproject.toml")
 STUDY = "tiny.yaml"
@@ -37,19 +37,33 @@ def bare_folder(folder: Path, study: str = STUDY) -> Path:
 
 
 def command(folder: Path, *arguments: str, study: str = STUDY) -> list[str]:
-    """Return the command of a workflow: of the copy in a folder, or of the project."""
+    """Return the command of a workflow: of the copy in a folder, or of the project.
+
+    Without a study it is that of the default one.
+    """
     copy = folder / "Snakefile"
     snakefile = copy if copy.exists() else ROOT / "Snakefile"
     # Tests read output that the profile suppresses.
     output = ["--quiet", "host", "--cores", "2", "--snakefile", str(snakefile)]
-    options = [*output, *arguments, "--configfile", study]
+    options = [*output, *arguments, *(["--configfile", study] if study else [])]
     return [sys.executable, "-m", "snakemake", *options]
 
 
-def snakemake(tree: Path, *arguments: str, study: str = STUDY) -> subprocess.CompletedProcess:
-    """Run a workflow to its end; return the finished process with its output."""
+def snakemake(tree: Path, *arguments: str, study: str = STUDY) -> CompletedProcess:
+    """Run a workflow to its end in a fork; return the finished process with its output."""
     _, _, _, *words = command(tree, *arguments, study=study)
-    return snakemake_in(tree, words)
+    return fork(tree, _become_snakemake, words)
+
+
+def _become_snakemake(words: Sequence[str]) -> None:
+    """Run Snakemake; in a copy of the project it imports the package there."""
+    if Path("sim").exists():
+        for name in [name for name in sys.modules if name.partition(".")[0] == "sim"]:
+            del sys.modules[name]
+    sys.argv[:] = ["snakemake", *words]
+    import snakemake.cli
+
+    snakemake.cli.main(words)
 
 
 def jobs(output: str) -> dict[str, int]:

@@ -8,7 +8,6 @@ import pandas as pd
 import xarray as xr
 from scipy.special import ndtri
 
-from sim.claims.claim import claims
 from sim.dataset.replicates import outcomes
 from sim.dataset.results import Results
 from sim.parameters import SYSTEMS, Parameters, complete_values, field_info, parse_point, point_id
@@ -266,10 +265,3 @@ def _padded(rows: Sequence[np.ndarray], shape: tuple[int, ...]) -> np.ndarray:
     for filled, row in zip(table, rows, strict=True):
         filled[tuple(slice(size) for size in row.shape)] = row
     return table
-
-
-def headline_bounds(judge: Callable) -> dict[str, object]:
-    """Return the bounds of a judge's claim, those of a partial function replaced."""
-    function, others = getattr(judge, "func", judge), getattr(judge, "keywords", {})
-    (bounds,) = (claim.bounds_at() for claim in claims() if claim.judge is function)
-    return bounds | others

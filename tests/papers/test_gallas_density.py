@@ -25,9 +25,9 @@ from sim.papers.gallas.judges.density import (
     largest_difference,
     plateau_end,
 )
-from tests.claims.judging import by_part
-from tests.made.paper_belt import BEAD, checks_of, density, paper_point, verdict_of
-from tests.made.results import headline_bounds, made_results
+from tests.made.judging import by_part, checks_of, headline_bounds, verdict_of
+from tests.made.paper_belt import BEAD, density, paper_point
+from tests.made.results import made_results
 
 FREQUENCIES = (10, 20, 60, 80)
 PAIRS = ((10, 10), (0, 50), (50, 50), (50, 100))

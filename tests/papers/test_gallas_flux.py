@@ -8,8 +8,9 @@ from sim.claims.evidence import Evidence
 from sim.claims.verdict import INCONCLUSIVE, NOT_REPRODUCED, REPORTED, REPRODUCED, Untestable
 from sim.papers.gallas.judges.flux import g1, g2, g8, g13
 from sim.papers.gallas.judges.onset import g14 as judge_g14
-from tests.made.paper_belt import checks_of, paper_point, verdict_of
-from tests.made.results import headline_bounds, made_results
+from tests.made.judging import checks_of, headline_bounds, verdict_of
+from tests.made.paper_belt import paper_point
+from tests.made.results import made_results
 
 #: A judge at another threshold.
 g14 = partial(judge_g14, threshold=0.02)

@@ -10,8 +10,8 @@ from sim.claims.verdict import (
     Untestable,
 )
 from sim.papers.gallas.judges.friction import g9, g10, g11, g12, g36
-from tests.claims.judging import judgement_of
-from tests.made.paper_belt import checks_of, paper_point, verdict_of
+from tests.made.judging import checks_of, judgement_of, verdict_of
+from tests.made.paper_belt import paper_point
 
 SHEAR = (0, 10, 20, 50, 100)
 

@@ -11,7 +11,8 @@ from sim.claims.verdict import (
     Untestable,
 )
 from sim.papers.gallas.judges.obstacle import g31, g33, g34
-from tests.made.paper_belt import BEAD, checks_of, paper_point, velocity, verdict_of
+from tests.made.judging import checks_of, verdict_of
+from tests.made.paper_belt import BEAD, paper_point, velocity
 
 SIZES = (0, 0.5, 1.5, 2.5)
 

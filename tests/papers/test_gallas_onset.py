@@ -8,8 +8,8 @@ from sim.claims.evidence import Evidence
 from sim.claims.verdict import INCONCLUSIVE, NOT_REPRODUCED, REPRODUCED, Untestable, plan
 from sim.papers.gallas.judges.onset import find_onset, g3, g4, g5, g6, g7, g35
 from sim.parameters.belt import ONSET_TRANSPORT
-from tests.claims.judging import by_part
-from tests.made.paper_belt import checks_of, paper_point, velocity, verdict_of
+from tests.made.judging import by_part, checks_of, verdict_of
+from tests.made.paper_belt import paper_point, velocity
 from tests.made.results import made_boundary, made_results
 
 #: The share of A_x ω that counts as transport, that of boundaries.

@@ -12,8 +12,8 @@ from sim.claims.verdict import (
     combined_verdict,
 )
 from sim.papers.gallas.judges.paths import g24, g25, g32
-from tests.claims.judging import by_part
-from tests.made.paper_belt import checks_of, paper_point, verdict_of
+from tests.made.judging import by_part, checks_of, verdict_of
+from tests.made.paper_belt import paper_point
 
 PANELS = {
     "a": {"frequency": 10},

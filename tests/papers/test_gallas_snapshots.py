@@ -7,8 +7,8 @@ import pytest
 
 from sim.claims.verdict import INCONCLUSIVE, NOT_REPRODUCED, REPRODUCED, Untestable
 from sim.papers.gallas.judges.snapshots import g26, g27, g28
-from tests.claims.judging import by_part
-from tests.made.paper_belt import BEAD, checks_of, paper_point, verdict_of
+from tests.made.judging import by_part, checks_of, verdict_of
+from tests.made.paper_belt import BEAD, paper_point
 
 LOOSE = {"frequency": 40, "vibration_angle": 30, "damping": 10, "shear_damping": 10}
 PANELS = {"a": {"frequency": 10, "vibration_angle": 60}, "b": LOOSE, "c": {"frequency": 100}}

@@ -11,14 +11,8 @@ from sim.claims.verdict import (
     combined_verdict,
 )
 from sim.papers.gallas.judges.velocity import g21, g22, g23, g29, g30
-from tests.made.paper_belt import (
-    BEAD,
-    checks_of,
-    paper_point,
-    temperature_profile,
-    velocity_profile,
-    verdict_of,
-)
+from tests.made.judging import checks_of, verdict_of
+from tests.made.paper_belt import BEAD, paper_point, temperature_profile, velocity_profile
 
 FREQUENCIES = (10, 20, 60, 80)
 

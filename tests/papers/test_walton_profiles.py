@@ -13,7 +13,6 @@ from sim.claims.verdict import (
     Untestable,
 )
 from sim.papers.walton.judges.profiles import _densest_inner, w10, w11, w12, w13, w14, w17, w18
-from tests.claims.judging import by_part, checks_on, failed_quantities, judgement_of, verdict_on
 from tests.made.chute_flows import (
     PACKING,
     PAPER,
@@ -26,6 +25,7 @@ from tests.made.chute_flows import (
     flow,
     kinked_profile,
 )
+from tests.made.judging import by_part, checks_of, failed_quantities, judgement_of, verdict_of
 from tests.made.results import SCATTER
 
 
@@ -63,13 +63,13 @@ def test_monotone_shear(dip, scatter, verdict):
     flows = [shaped(n, lambda z: wavy(z, dip), replicates=8, scatter=scatter) for n in (1.24, 2.5)]
     # Deeper flows may do as they like.
     flows.append(shaped(10, lambda z: -UNIT * z, replicates=8))
-    assert verdict_on(w10, flows) == verdict
+    assert verdict_of(w10, flows) == verdict
 
 
 @pytest.mark.parametrize("judge", [w10, w12])
 def test_statements_on_all_bins_need_many_replicates(judge):
     with pytest.raises(Untestable, match="6 replicates"):
-        checks_on(judge, [shaped(1.24, replicates=5)])
+        checks_of(judge, [shaped(1.24, replicates=5)])
 
 
 @pytest.mark.parametrize(
@@ -78,7 +78,7 @@ def test_statements_on_all_bins_need_many_replicates(judge):
 )
 def test_plug_over_a_shear_layer(knee, rest, verdict):
     flows = [shaped(n, kinked_profile(n / 10 * knee, n, rest), cell=10) for n in (10, 20, 40)]
-    assert verdict_on(w11, flows) == verdict
+    assert verdict_of(w11, flows) == verdict
 
 
 def test_plugs_are_counted_over_all_starts():
@@ -87,7 +87,7 @@ def test_plugs_are_counted_over_all_starts():
         *(shaped(10, plug, initial_velocity=v) for v in (8, 16, 30)),
         shaped(10, sheared, initial_velocity=60),
     ]
-    checks = checks_on(w11, points)
+    checks = checks_of(w11, points)
     assert checks[0].value == 0.75 and checks[0].verdict == REPRODUCED
     # Shares of 5 runs, with Wilson's intervals.
     shares = {check.what.rpartition(", ")[2]: check for check in checks[1:]}
@@ -101,7 +101,7 @@ def test_plugs_are_counted_over_all_starts():
     ]
     assert ends == pytest.approx([1, 0], abs=1e-9)
     # Half of few runs is not often, and not seldom.
-    assert verdict_on(w11, points[-2:]) == INCONCLUSIVE
+    assert verdict_of(w11, points[-2:]) == INCONCLUSIVE
 
 
 def in_cells(*widths):
@@ -114,11 +114,11 @@ def in_cells(*widths):
 
 
 def test_plugs_in_cells_of_other_widths_are_not_counted():
-    alone, (share, *_) = checks_on(w11, in_cells(10)), checks_on(w11, in_cells(5, 10, 20))
+    alone, (share, *_) = checks_of(w11, in_cells(10)), checks_of(w11, in_cells(5, 10, 20))
     assert share == alone[0] and share.verdict == NOT_REPRODUCED
     assert share.what == "share of runs with a plug, n = 10, 20 in cells of 10 σ"
     with pytest.raises(Untestable, match="in cells of 10 σ"):
-        checks_on(w11, in_cells(5, 20))
+        checks_of(w11, in_cells(5, 20))
 
 
 def test_the_width_of_the_cell_is_a_reading_of_plugs():
@@ -135,19 +135,19 @@ def test_runs_that_accelerate_are_no_plugs():
         shaped(10, kinked_profile(2, 10), scalars=runs),
         shaped(20, kinked_profile(4, 20), cell=10),
     ]
-    share, *by_depth = checks_on(w11, points)
+    share, *by_depth = checks_of(w11, points)
     # Of nine runs, all have a plug.
     assert (share.value, share.p_holds) == (1, pytest.approx(0.5**9))
     assert [check.value for check in by_depth] == pytest.approx([0.755, 0.783], abs=1e-3)
     with pytest.raises(Untestable, match="do not accelerate"):
         gone = {"regime": "accelerating"}
-        checks_on(w11, [shaped(10, kinked_profile(2, 10), scalars=gone)])
+        checks_of(w11, [shaped(10, kinked_profile(2, 10), scalars=gone)])
 
 
 @pytest.mark.parametrize("judge", [w14, w17])
 def test_deep_flows_of_stiff_spheres_must_be_there(judge):
     with pytest.raises(Untestable, match="at depth"):
-        checks_on(judge, base_flows({1.24: 4, 5: 8, 10: 15, 20: 25, 40: 30}))
+        checks_of(judge, base_flows({1.24: 4, 5: 8, 10: 15, 20: 25, 40: 30}))
 
 
 def thinning(z, bump: float):
@@ -171,12 +171,12 @@ def test_packing_that_falls_from_layer_to_layer(bump, scatter, verdict):
         shaped(1.24, packing=lambda z: thinning(z, bump), **options),
         shaped(2.5, packing=lambda z: thinning(z, 0.5), **options),
     ]
-    assert verdict_on(w12, flows) == verdict
+    assert verdict_of(w12, flows) == verdict
 
 
 def test_rises_of_the_packing_between_slices_are_shown():
     flow_of_one = [shaped(1.24, packing=lambda z: thinning(z, 0.2), replicates=8)]
-    layers, centres, plane = checks_on(w12, flow_of_one)
+    layers, centres, plane = checks_of(w12, flow_of_one)
     assert layers.has_vote and not centres.votes and plane.verdict == REPORTED
     for sliced in (centres, plane):
         assert sliced.value == pytest.approx(0.2 - 0.15 / 4, abs=0.01)
@@ -209,7 +209,7 @@ def test_the_thickness_of_the_slices_is_a_reading_of_the_packing(packing, by_sli
 
 def test_a_single_layer_cannot_thin_out():
     with pytest.raises(Untestable, match="two layers"):
-        checks_on(w12, [shaped(1.24, packing=filled_to(1.5), replicates=8)])
+        checks_of(w12, [shaped(1.24, packing=filled_to(1.5), replicates=8)])
 
 
 def domed(z, peak: float, depth: float):
@@ -232,7 +232,7 @@ def test_maximum_of_the_packing_inside(peak, scatter, verdict):
         shaped(n, packing=lambda z, n=n: domed(z, peak, 1.8 * n), scatter=scatter)
         for n in (3.5, 5, 10)
     ]
-    assert verdict_on(w13, flows) == verdict
+    assert verdict_of(w13, flows) == verdict
 
 
 def test_the_densest_of_even_layers_is_not_clear_of_them():
@@ -251,14 +251,14 @@ def test_a_maximum_inside_needs_three_layers():
     flat = np.where(np.arange(200) < 6, 0.5, 0.0)
     flows = [shaped(n, packing=lambda z: flat) for n in (3.5, 5, 10)]
     with pytest.raises(Untestable, match="three layers"):
-        checks_on(w13, flows)
+        checks_of(w13, flows)
 
 
 @pytest.mark.parametrize("missing", [3.5, 5, 10])
 def test_maximum_inside_needs_all_intermediate_flows_with_replicates(missing):
     flows = [shaped(n, replicates=1 if n == missing else 5) for n in (3.5, 5, 10)]
     with pytest.raises(Untestable, match="replicates"):
-        checks_on(w13, flows)
+        checks_of(w13, flows)
 
 
 def block(plug: float = 0.62, sheared: float = 0.5, ripple: float = 0.0, gap: float = 1, **options):
@@ -289,38 +289,38 @@ def block(plug: float = 0.62, sheared: float = 0.5, ripple: float = 0.0, gap: fl
     ],
 )
 def test_block_over_a_looser_layer(options, wrong):
-    checks = checks_on(w14, block(**options))
+    checks = checks_of(w14, block(**options))
     label = ", n = 40, K1 = 1000 N/m"
     assert [quantity.removesuffix(label) for quantity in failed_quantities(checks)] == wrong
-    assert verdict_on(w14, block(**options)) == (NOT_REPRODUCED if wrong else REPRODUCED)
+    assert verdict_of(w14, block(**options)) == (NOT_REPRODUCED if wrong else REPRODUCED)
 
 
 def test_block_of_uncertain_packing_decides_nothing():
-    assert verdict_on(w14, block(scatter=0.2)) == INCONCLUSIVE
+    assert verdict_of(w14, block(scatter=0.2)) == INCONCLUSIVE
 
 
 def test_a_young_block_and_one_that_still_changes_decide_nothing():
-    (check, *_) = checks_on(w14, block(transient=300))
+    (check, *_) = checks_of(w14, block(transient=300))
     assert check.verdict == INCONCLUSIVE
     assert check.withheld == "averaged from 300 √(σ/g) on: runs of 2,000 and more"
-    assert verdict_on(w14, block(scalars={"acceleration": -0.1 * SLOPE})) == INCONCLUSIVE
+    assert verdict_of(w14, block(scalars={"acceleration": -0.1 * SLOPE})) == INCONCLUSIVE
 
 
 def test_an_age_may_be_rounded_to_whole_samples_and_the_oldest_flow_counts():
     # As a run with transient: 2000 has it, which ends with a whole sample.
     rounded = {"average_start": np.full(5, 1999.947 * PAPER.time_unit)}
     old = block(scalars=rounded, transient=2000)
-    assert verdict_on(w14, old) == REPRODUCED
-    assert verdict_on(w14, [*block(transient=300, replicates=9), *old]) == REPRODUCED
+    assert verdict_of(w14, old) == REPRODUCED
+    assert verdict_of(w14, [*block(transient=300, replicates=9), *old]) == REPRODUCED
 
 
 @pytest.mark.parametrize("options", [{}, {"scalars": RUNAWAY}])
 def test_a_block_is_one_of_stiff_spheres_whatever_the_softest_do(options):
     soft = block(stiffness=100, **options)
-    assert verdict_on(w14, [*soft, *block(plug=0.58)]) == NOT_REPRODUCED
-    assert verdict_on(w14, [*block(plug=0.58, stiffness=100), *block()]) == REPRODUCED
+    assert verdict_of(w14, [*soft, *block(plug=0.58)]) == NOT_REPRODUCED
+    assert verdict_of(w14, [*block(plug=0.58, stiffness=100), *block()]) == REPRODUCED
     with pytest.raises(Untestable, match="at depth 40"):
-        checks_on(w14, soft)
+        checks_of(w14, soft)
 
 
 def with_depths(*depths, scatter=SCATTER, **options):
@@ -342,37 +342,37 @@ def with_depths(*depths, scatter=SCATTER, **options):
     ],
 )
 def test_shear_depth_and_its_share_fall_with_the_depth(depths, verdicts):
-    assert by_part(checks_on(w17, with_depths(*depths))) == verdicts
+    assert by_part(checks_of(w17, with_depths(*depths))) == verdicts
 
 
 def test_shear_depths_that_scatter_decide_nothing():
-    checks = checks_on(w17, with_depths(3, 2.9, 3.1, scatter=0.5))
+    checks = checks_of(w17, with_depths(3, 2.9, 3.1, scatter=0.5))
     assert by_part(checks)["a"] == INCONCLUSIVE
 
 
 def test_shear_depths_are_those_of_stiff_spheres_and_of_deep_flows():
-    usual = checks_on(w17, with_depths(3, 2, 1.5))
+    usual = checks_of(w17, with_depths(3, 2, 1.5))
     assert usual[0].what.endswith("shear depth over n = 10, 20, 40, K1 = 1000 N/m")
     # Neither the softest spheres nor a flow that shears throughout change anything.
     others = [
         *with_depths(1, 4, 30, stiffness=100),
         shaped(5, scalars={"shear_depth": SIZE}, cell=5, stiffness=1000),
     ]
-    assert checks_on(w17, [*others, *with_depths(3, 2, 1.5)]) == usual
+    assert checks_of(w17, [*others, *with_depths(3, 2, 1.5)]) == usual
 
 
 def test_shear_depths_of_unlike_cells_or_ages_are_not_compared():
     points = with_depths(3, 2, 1.5)
     young = {"scalars": {"shear_depth": SIZE}, "cell": 5, "stiffness": 1000, "transient": 40}
     unlike = [*points[:2], shaped(40, **young)]
-    assert {check.withheld for check in checks_on(w17, unlike)} == {
+    assert {check.withheld for check in checks_of(w17, unlike)} == {
         "flows of ages 40 and 300 √(σ/g) are compared"
     }
     # Younger windows of the others make it comparable.
     alike = [*unlike, *(shaped(n, **young) for n in (10, 20))]
-    assert not any(check.withheld for check in checks_on(w17, alike))
+    assert not any(check.withheld for check in checks_of(w17, alike))
     with pytest.raises(Untestable, match="depth 40, cell 5"):
-        checks_on(w17, [*points[:2], *with_depths(3, 2, 1.5, cell=10)])
+        checks_of(w17, [*points[:2], *with_depths(3, 2, 1.5, cell=10)])
 
 
 @pytest.mark.parametrize(
@@ -381,16 +381,16 @@ def test_shear_depths_of_unlike_cells_or_ages_are_not_compared():
 )
 def test_slowest_flow_shears_throughout(rest, scatter, verdict):
     slowest = shaped(1, kinked_profile(1.5, 10, rest, scatter=scatter), filled_to(4))
-    assert verdict_on(w18, [slowest, shaped(1.24), shaped(2.5)]) == verdict
+    assert verdict_of(w18, [slowest, shaped(1.24), shaped(2.5)]) == verdict
 
 
 def test_slowest_flow_of_uncertain_shape_decides_nothing():
     rests = np.array([0.0, 0.01, 0.05, 0.2, 0.6])
     rows = np.vstack([kinked_profile(1.5, 10, rest, replicates=1) for rest in rests])
     slowest = shaped(1, rows, filled_to(4))
-    assert verdict_on(w18, [slowest, shaped(1.24), shaped(2.5)]) == INCONCLUSIVE
+    assert verdict_of(w18, [slowest, shaped(1.24), shaped(2.5)]) == INCONCLUSIVE
     with pytest.raises(Untestable, match="three flows"):
-        checks_on(w18, [slowest, shaped(1.24)])
+        checks_of(w18, [slowest, shaped(1.24)])
 
 
 @pytest.mark.parametrize("judge", [w10, w12, w13, w18])
@@ -400,15 +400,15 @@ def test_a_flow_that_drifts_decides_nothing_on_profiles(judge):
         shaped(n, packing=filled_to(n + 3), replicates=8, scalars=drift)
         for n in (1, 1.24, 2, 3.5, 5, 10)
     ]
-    verdicts = {check.verdict for check in checks_on(judge, flows)}
+    verdicts = {check.verdict for check in checks_of(judge, flows)}
     assert verdicts - {REPORTED} == {INCONCLUSIVE}
 
 
 def test_a_flow_slower_with_height_everywhere_does_not_shear_evenly():
     falling = shaped(1, lambda z: UNIT * (30 - z), filled_to(4))
-    assert verdict_on(w18, [falling, shaped(1.24), shaped(2.5)]) == INCONCLUSIVE
+    assert verdict_of(w18, [falling, shaped(1.24), shaped(2.5)]) == INCONCLUSIVE
 
 
 def test_flows_without_profiles_are_untestable():
     with pytest.raises(Untestable, match="no packing_profile"):
-        checks_on(w13, base_flows())
+        checks_of(w13, base_flows())

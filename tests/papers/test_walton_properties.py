@@ -17,7 +17,6 @@ from sim.claims.verdict import (
     combined_verdict,
 )
 from sim.papers.walton.judges.properties import _agitation, w15, w16, w20, w21, w22
-from tests.claims.judging import by_part, checks_on, failed_quantities, verdict_on
 from tests.made.chute_flows import (
     PACKING,
     SIZE,
@@ -28,18 +27,19 @@ from tests.made.chute_flows import (
     flow,
     kinked_profile,
 )
+from tests.made.judging import by_part, checks_of, failed_quantities, verdict_of
 from tests.made.results import SCATTER, made_results
 
 
 def parts(judge, points) -> dict[str, str]:
     """Return the verdict on each part of a claim."""
-    return by_part(checks_on(judge, points))
+    return by_part(checks_of(judge, points))
 
 
 @pytest.mark.parametrize("judge", [w15, w16, w21, w22])
 def test_the_base_case_alone_tests_nothing(judge):
     with pytest.raises(Untestable, match="no "):
-        checks_on(judge, base_flows({1.24: 4.4, 5: 8.2}))
+        checks_of(judge, base_flows({1.24: 4.4, 5: 8.2}))
 
 
 def ordered_flow(share, knee=2, rest=0.0, **options):
@@ -94,7 +94,7 @@ def test_flows_are_compared_whatever_their_state():
     states = {"a": REPRODUCED, "b": REPRODUCED, "c": REPRODUCED, "d": REPRODUCED}
     assert parts(w15, crystals(rest=0.5)) == states
     assert parts(w15, crystals(rest=0.5, spread=0.85)) == states | {"b": NOT_REPRODUCED}
-    checks = checks_on(w15, crystals(rest=0.5))
+    checks = checks_of(w15, crystals(rest=0.5))
     (compared,) = (check for check in checks if check.part == "b" and check.has_vote)
     assert compared.tested[0] == pytest.approx(1 / 252)
 
@@ -107,12 +107,12 @@ def test_factors_are_compared_at_one_age():
     assert parts(w15, [*narrow, old])["b"] == REPRODUCED
     oldest = ordered_flow(0.3, **usual, diameter_spread=0.1, replicates=7)
     late = [*narrow[:2], old, oldest]
-    (check,) = (check for check in checks_on(w15, late) if check.part == "b" and check.has_vote)
+    (check,) = (check for check in checks_of(w15, late) if check.part == "b" and check.has_vote)
     assert check.points == (old.id, oldest.id) and check.verdict == NOT_REPRODUCED
 
 
 def test_crystals_are_those_of_stiff_spheres_in_the_narrow_cell():
-    checks = [check for check in checks_on(w15, crystals()) if check.part == "a" and check.has_vote]
+    checks = [check for check in checks_of(w15, crystals()) if check.part == "a" and check.has_vote]
     assert [check.what.partition(", ")[2] for check in checks] == [
         f"n = {n}, K1 = 1000 N/m" for n in (10, 20, 40)
     ]
@@ -126,7 +126,7 @@ def test_crystals_of_unlike_ages_are_not_compared():
     young = [ordered_flow(0.8, depth=40, cell=5, stiffness=1000, transient=100)]
     unlike = [*crystals()[:2], *young, *crystals()[3:]]
     assert parts(w15, unlike)["a"] == INCONCLUSIVE
-    (reason,) = {c.withheld for c in checks_on(w15, unlike) if c.part == "a" and c.has_vote}
+    (reason,) = {c.withheld for c in checks_of(w15, unlike) if c.part == "a" and c.has_vote}
     assert reason == "flows of ages 100 and 300 √(σ/g) are compared"
 
 
@@ -154,14 +154,14 @@ def resilient(speeds=(13, 9, 7), depths=(1.4, 2, 2.9), n=5, **options):
     ],
 )
 def test_more_elastic_is_slower_and_deeper(changes, wrong):
-    assert len(failed_quantities(checks_on(w16, resilient(**changes)))) == wrong
-    assert verdict_on(w16, resilient(**changes)) == (NOT_REPRODUCED if wrong else REPRODUCED)
+    assert len(failed_quantities(checks_of(w16, resilient(**changes)))) == wrong
+    assert verdict_of(w16, resilient(**changes)) == (NOT_REPRODUCED if wrong else REPRODUCED)
 
 
 def test_each_of_three_depths_is_clear_by_itself():
     """Two of three restitutions are in order: with p = 0.03 at one depth, and one of three."""
     points = resilient(speeds=(13, 9, 9), depths=(2, 2, 2), replicates=3)
-    velocity, _ = checks_on(w16, points)
+    velocity, _ = checks_of(w16, points)
     alone = trend("V", [[point.scalars["velocity"] for point in points]], rising=False)
     assert alone.verdict == REPRODUCED and velocity.verdict == INCONCLUSIVE
     assert velocity.tested == pytest.approx((3 * alone.p_holds, 1.0))
@@ -170,41 +170,41 @@ def test_each_of_three_depths_is_clear_by_itself():
 def test_restitutions_are_compared_at_one_age():
     """More replicates of another age at one restitution do not count."""
     young = flow(20, {"shear_depth": SIZE}, depth=5, restitution=0.95, transient=40, replicates=9)
-    checks = checks_on(w16, [*resilient(), young])
-    assert checks == checks_on(w16, resilient())
-    (reason,) = {check.withheld for check in checks_on(w16, [*resilient()[:2], young])}
+    checks = checks_of(w16, [*resilient(), young])
+    assert checks == checks_of(w16, resilient())
+    (reason,) = {check.withheld for check in checks_of(w16, [*resilient()[:2], young])}
     assert reason == "flows of ages 40 and 300 √(σ/g) are compared"
 
 
 def test_velocities_too_close_or_few_decide_nothing():
-    assert verdict_on(w16, resilient(speeds=(9, 9, 9))) == INCONCLUSIVE
-    assert verdict_on(w16, resilient(speeds=(9, 13, 7), replicates=2)) == INCONCLUSIVE
+    assert verdict_of(w16, resilient(speeds=(9, 9, 9))) == INCONCLUSIVE
+    assert verdict_of(w16, resilient(speeds=(9, 13, 7), replicates=2)) == INCONCLUSIVE
 
 
 def test_several_states_of_a_depth_are_ranked():
     """At one restitution half the runs are in another state: there is no mean, but a trend."""
     points = resilient()
     states = flow([9, 9, 9, 20, 20], {"shear_depth": 2 * SIZE}, depth=5)
-    assert verdict_on(w16, [points[0], states, points[2]]) == REPRODUCED
+    assert verdict_of(w16, [points[0], states, points[2]]) == REPRODUCED
 
 
 def test_stiffer_spheres_decide_where_they_were_run():
     soft, hard = resilient(speeds=(7, 9, 13)), resilient(stiffness=1000)
-    checks = checks_on(w16, [*soft, *hard])
+    checks = checks_of(w16, [*soft, *hard])
     assert {check.verdict for check in checks} == {REPRODUCED}
     assert all("K1 = 1000 N/m" in check.what for check in checks)
 
 
 def test_flows_without_replicates_are_left_out():
     with pytest.raises(Untestable, match="three coefficients"):
-        checks_on(w16, resilient(replicates=1))
+        checks_of(w16, resilient(replicates=1))
     single = flow(4, depth=5, restitution=0.6, replicates=1)
-    assert verdict_on(w16, [*resilient(), single]) == REPRODUCED
+    assert verdict_of(w16, [*resilient(), single]) == REPRODUCED
 
 
 def test_the_lowest_restitution_is_reported():
     slow = flow(4, depth=5, restitution=0.6)
-    checks = checks_on(w16, [*resilient(), slow])
+    checks = checks_of(w16, [*resilient(), slow])
     assert combined_verdict(checks) == REPRODUCED and checks[-1].verdict == REPORTED
 
 
@@ -311,8 +311,8 @@ def test_stiffer_spheres(changes, wrong):
 
 
 def test_stiffer_spheres_hop():
-    assert verdict_on(w22, stiff()) == REPRODUCED
-    assert verdict_on(w22, stiff(hotter=0.8)) == NOT_REPRODUCED
+    assert verdict_of(w22, stiff()) == REPRODUCED
+    assert verdict_of(w22, stiff(hotter=0.8)) == NOT_REPRODUCED
 
 
 def layer(heat, shear, knee=1.75):
@@ -348,7 +348,7 @@ def test_faster_shear_alone_is_no_hopping():
     points = stiff(hotter=3.0)
     fast = {"velocity_profile": 2 * points[5].profiles["velocity_profile"]}
     points[5] = replace(points[5], profiles=points[5].profiles | fast)
-    assert verdict_on(w22, points) == NOT_REPRODUCED
+    assert verdict_of(w22, points) == NOT_REPRODUCED
 
 
 def test_flows_with_and_without_a_plug_are_ranked_together():
@@ -357,7 +357,7 @@ def test_flows_with_and_without_a_plug_are_ranked_together():
     rows = points[5].profiles["velocity_profile"].copy()
     rows[:2] = kinked_profile(20, 20, replicates=2)
     points[5] = replace(points[5], profiles=points[5].profiles | {"velocity_profile": rows})
-    (check,) = (check for check in checks_on(w22, points) if check.has_vote)
+    (check,) = (check for check in checks_of(w22, points) if check.has_vote)
     assert check.verdict == REPRODUCED and check.tested[0] == pytest.approx(1 / 252)
 
 
@@ -365,7 +365,7 @@ def test_stiffer_spheres_with_scattered_flows_decide_nothing():
     assert parts(w21, stiff(slower=1, shallow=1.03, scatter=0.5)) == dict.fromkeys(
         "ab", INCONCLUSIVE
     )
-    assert verdict_on(w22, stiff(hotter=1.0)) == INCONCLUSIVE
+    assert verdict_of(w22, stiff(hotter=1.0)) == INCONCLUSIVE
 
 
 def aged(transient, *kept):
@@ -376,8 +376,8 @@ def aged(transient, *kept):
 
 def of_deep_flows(points) -> list:
     """Return the checks with a vote on W21's deep flows and on W22."""
-    deep = [check for check in checks_on(w21, points) if check.part == "b" and check.has_vote]
-    return [*deep, *(check for check in checks_on(w22, points) if check.has_vote)]
+    deep = [check for check in checks_of(w21, points) if check.part == "b" and check.has_vote]
+    return [*deep, *(check for check in checks_of(w22, points) if check.has_vote)]
 
 
 def test_flows_of_other_ages_are_not_compared():
@@ -400,7 +400,7 @@ def test_ages_are_equal_within_a_sample(transient, comparable):
 def test_stiffer_spheres_are_shown_beside():
     plug = stiff()[4].profiles
     fast = flow(26, {"shear_depth": 3 * SIZE}, plug, depth=20, stiffness=10_000)
-    checks = checks_on(w21, [*stiff(), fast])
+    checks = checks_of(w21, [*stiff(), fast])
     assert failed_quantities(checks) == []
     (slower,) = (
         check for check in checks if check.what.startswith("share of pairs slower with 10000")

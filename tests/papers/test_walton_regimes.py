@@ -7,9 +7,9 @@ import pytest
 from sim.claims.verdict import INCONCLUSIVE, NOT_REPRODUCED, REPRODUCED, Untestable
 from sim.papers.walton.judges.chute import CELLS
 from sim.papers.walton.judges.regimes import w6, w7, w8, w19, w23, w25
-from tests.claims.judging import by_part, checks_on, failed_quantities, verdict_on
 from tests.made.chute_flows import PAPER, SLOPE, SPEEDS, WIDE, base_flows, flow
-from tests.made.results import headline_bounds, made_boundary
+from tests.made.judging import by_part, checks_of, failed_quantities, headline_bounds, verdict_of
+from tests.made.results import made_boundary
 
 TANGENT = tan(radians(PAPER.angle))
 
@@ -35,46 +35,46 @@ def slippery(change: float = 1.0, error: float = 1e-3, depths=(0.5, 10, 40)):
 
 
 def test_flows_that_slide_as_a_block_are_reproduced():
-    assert verdict_on(w6, slippery()) == REPRODUCED
+    assert verdict_of(w6, slippery()) == REPRODUCED
 
 
 def test_flows_that_gain_less_than_a_block_fail():
-    assert verdict_on(w6, slippery(0.8)) == NOT_REPRODUCED
+    assert verdict_of(w6, slippery(0.8)) == NOT_REPRODUCED
     plateau = [flow(20, friction=0.3, depth=n) for n in (0.5, 40)]
     wrong = [point for point in slippery() if point.parameters.friction < 0.3]
-    assert verdict_on(w6, [*wrong, *plateau]) == NOT_REPRODUCED
+    assert verdict_of(w6, [*wrong, *plateau]) == NOT_REPRODUCED
 
 
 def test_a_gain_within_five_errors_of_none_decides_nothing():
-    assert verdict_on(w6, slippery(error=0.005)) == INCONCLUSIVE
+    assert verdict_of(w6, slippery(error=0.005)) == INCONCLUSIVE
 
 
 def test_sweeps_of_low_friction_must_be_complete():
     with pytest.raises(Untestable, match="friction 0"):
-        checks_on(w6, [point for point in slippery() if point.parameters.friction != 0.3])
+        checks_of(w6, [point for point in slippery() if point.parameters.friction != 0.3])
     with pytest.raises(Untestable, match="40"):
-        checks_on(w6, slippery(depths=(0.5, 10)))
+        checks_of(w6, slippery(depths=(0.5, 10)))
     # Another friction at that depth does not stand in for it.
     lacking = [point for point in slippery() if point.id != slippery()[2].id]
     with pytest.raises(Untestable, match=r"friction 0$"):
-        checks_on(w6, lacking)
+        checks_of(w6, lacking)
 
 
 @pytest.mark.parametrize(("half_width", "verdict"), [(0.1, REPRODUCED), (0.15, INCONCLUSIVE)])
 def test_what_single_runs_know_of_their_slope_averages_out(half_width, verdict):
     trend = {"acceleration_half_width": half_width * SLOPE}
     rolling = {"acceleration": 5 / 7 * SLOPE} | trend
-    assert verdict_on(w7, [flow(60, rolling, depth=0.5, replicates=2)]) == verdict
+    assert verdict_of(w7, [flow(60, rolling, depth=0.5, replicates=2)]) == verdict
     with pytest.raises(Untestable, match="replicates"):
-        checks_on(w7, [flow(60, rolling, depth=0.5, replicates=1)])
+        checks_of(w7, [flow(60, rolling, depth=0.5, replicates=1)])
 
 
 def test_an_evident_acceleration_needs_few_samples_and_a_drift_many():
     few = {"independent_samples": 1.0}
     rolling = {"regime": "accelerating", "acceleration": 5 / 7 * SLOPE} | few
-    assert verdict_on(w7, [flow(60, rolling, depth=0.5)]) == REPRODUCED
+    assert verdict_of(w7, [flow(60, rolling, depth=0.5)]) == REPRODUCED
     others = [point for point in base_flows() if point.parameters.depth != 1.5]
-    assert verdict_on(w8, [*others, flow(4.5, few, depth=1.5)]) == INCONCLUSIVE
+    assert verdict_of(w8, [*others, flow(4.5, few, depth=1.5)]) == INCONCLUSIVE
 
 
 @pytest.mark.parametrize(
@@ -90,26 +90,26 @@ def test_an_evident_acceleration_needs_few_samples_and_a_drift_many():
     ],
 )
 def test_half_a_layer_rolls(gain, speed, options, verdict):
-    assert verdict_on(w7, [accelerating(gain, speed=speed, depth=0.5, **options)]) == verdict
+    assert verdict_of(w7, [accelerating(gain, speed=speed, depth=0.5, **options)]) == verdict
 
 
 def test_a_plateau_of_half_a_layer_fails_and_a_flow_without_a_trend_decides_nothing():
-    assert verdict_on(w7, [flow(40, depth=0.5)]) == NOT_REPRODUCED
+    assert verdict_of(w7, [flow(40, depth=0.5)]) == NOT_REPRODUCED
     unclear = {"acceleration_half_width": SLOPE}
-    assert verdict_on(w7, [flow(2, unclear, depth=0.5)]) == INCONCLUSIVE
+    assert verdict_of(w7, [flow(2, unclear, depth=0.5)]) == INCONCLUSIVE
 
 
 def test_half_a_layer_must_be_there():
     with pytest.raises(Untestable, match=r"depth 0\.5"):
-        checks_on(w7, base_flows())
+        checks_of(w7, base_flows())
 
 
 def test_thin_flows_that_are_steady_and_slowest_are_reproduced():
-    assert verdict_on(w8, base_flows(), from_two_seeds(0.7)) == REPRODUCED
+    assert verdict_of(w8, base_flows(), from_two_seeds(0.7)) == REPRODUCED
     # The least depth is reported, as are the ends of the range.
-    assert verdict_on(w8, base_flows(), from_two_seeds(1.1)) == REPRODUCED
+    assert verdict_of(w8, base_flows(), from_two_seeds(1.1)) == REPRODUCED
     fast = [*base_flows({n: v for n, v in SPEEDS.items() if n != 1}), flow(6, depth=1)]
-    assert verdict_on(w8, fast) == REPRODUCED
+    assert verdict_of(w8, fast) == REPRODUCED
 
 
 def from_two_seeds(low: float) -> list[dict[str, object]]:
@@ -122,30 +122,30 @@ def from_two_seeds(low: float) -> list[dict[str, object]]:
 def test_thin_flows_that_drift_or_are_fast_fail():
     others = base_flows({n: speed for n, speed in SPEEDS.items() if n != 1.5})
     drifting = accelerating(0.02, 1e-3, 4.5, depth=1.5)
-    assert failed_quantities(checks_on(w8, [*others, drifting])) == ["dV/dt over g sin θ, n = 1.5"]
-    assert failed_quantities(checks_on(w8, [*others, flow(5.2, depth=1.5)])) == [
+    assert failed_quantities(checks_of(w8, [*others, drifting])) == ["dV/dt over g sin θ, n = 1.5"]
+    assert failed_quantities(checks_of(w8, [*others, flow(5.2, depth=1.5)])) == [
         "V at n = 1.5 over that at n = 2.5"
     ]
     unsure = flow(4.5, {"acceleration_half_width": 0.05 * SLOPE}, depth=1.5)
-    assert verdict_on(w8, [*others, unsure]) == INCONCLUSIVE
-    assert verdict_on(w8, base_flows(scatter=0.2)) == INCONCLUSIVE
+    assert verdict_of(w8, [*others, unsure]) == INCONCLUSIVE
+    assert verdict_of(w8, base_flows(scatter=0.2)) == INCONCLUSIVE
 
 
 def test_the_least_depth_may_be_of_the_other_protocol():
     outside = [boundary | {"protocol": "converged"} for boundary in from_two_seeds(0.7)]
-    assert checks_on(w8, base_flows(), outside)[-1].value == pytest.approx(0.75)
+    assert checks_of(w8, base_flows(), outside)[-1].value == pytest.approx(0.75)
 
 
 def test_thin_flows_are_compared_with_the_next_deeper_one_alone():
     slow = flow(3, depth=7)
-    assert verdict_on(w8, [*base_flows(), slow]) == REPRODUCED
+    assert verdict_of(w8, [*base_flows(), slow]) == REPRODUCED
 
 
 def test_thin_flows_must_be_two_and_long():
     with pytest.raises(Untestable, match="1 < n < 2"):
-        checks_on(w8, base_flows({1: 4.2, 1.24: 4.4, 2: 4.5, 2.5: 5, 5: 8, 10: 15}))
+        checks_of(w8, base_flows({1: 4.2, 1.24: 4.4, 2: 4.5, 2.5: 5, 5: 8, 10: 15}))
     with pytest.raises(Untestable, match="1 < n < 2"):
-        checks_on(w8, base_flows(average=50))
+        checks_of(w8, base_flows(average=50))
 
 
 def test_points_that_a_bisection_leaves_do_not_count():
@@ -153,11 +153,11 @@ def test_points_that_a_bisection_leaves_do_not_count():
         accelerating(0.5, speed=40, depth=1.1, replicates=1),
         flow(3, depth=3, replicates=1),
     ]
-    assert verdict_on(w8, [*base_flows(), *leftovers]) == REPRODUCED
+    assert verdict_of(w8, [*base_flows(), *leftovers]) == REPRODUCED
     left = flow(3, depth=5, friction=0.35, replicates=1)
     assert parts(w19, [*sweeps(), left]) == {"a": REPRODUCED, "b": REPRODUCED}
     with pytest.raises(Untestable, match="replicates"):
-        checks_on(w8, base_flows(replicates=1))
+        checks_of(w8, base_flows(replicates=1))
 
 
 RESTING = {
@@ -191,7 +191,7 @@ def sweeps(running=(), depths=(1.24, 5, 10)):
 
 def parts(judge, points) -> dict[str, str]:
     """Return the verdict on each part of a claim."""
-    return by_part(checks_on(judge, points))
+    return by_part(checks_of(judge, points))
 
 
 def test_flows_that_rest_beyond_twice_the_tangent_are_reproduced():
@@ -219,7 +219,7 @@ def test_flows_that_move_beyond_twice_the_tangent_fail():
 )
 def test_a_variety_of_depths_is_steady(running, depths, steady, verdict):
     vote, *by_depth = (
-        check for check in checks_on(w19, sweeps(running, depths)) if check.part == "a"
+        check for check in checks_of(w19, sweeps(running, depths)) if check.part == "a"
     )
     assert (vote.verdict, vote.value, vote.low) == (verdict, steady, 2.5)
     assert len(by_depth) == len(depths) and not any(check.has_vote for check in by_depth)
@@ -227,7 +227,7 @@ def test_a_variety_of_depths_is_steady(running, depths, steady, verdict):
 
 def test_a_depth_at_which_a_flow_rests_is_open():
     rest = flow(1e-5, RESTING, friction=0.35, depth=5)
-    checks = [check for check in checks_on(w19, [*sweeps(), rest]) if check.part == "a"]
+    checks = [check for check in checks_of(w19, [*sweeps(), rest]) if check.part == "a"]
     assert (checks[0].verdict, checks[0].value) == (INCONCLUSIVE, 2)
     assert "1 of them do not move" in {check.withheld for check in checks}
 
@@ -241,12 +241,12 @@ def test_slopes_of_a_depth_count_together():
     assert parts(w19, points)["a"] == REPRODUCED
     assert parts(w19, points[:-2])["a"] == INCONCLUSIVE
     with pytest.raises(Untestable, match="two frictions"):
-        checks_on(w19, points[::3])
+        checks_of(w19, points[::3])
 
 
 def test_the_time_until_a_flow_rests_is_reported():
     reports = [
-        check for check in checks_on(w19, swept()) if check.what.startswith("time until at rest")
+        check for check in checks_of(w19, swept()) if check.what.startswith("time until at rest")
     ]
     assert len(reports) == 4 and not any(check.has_vote for check in reports)
     assert reports[0].value == pytest.approx(0.5 / PAPER.time_unit)
@@ -255,7 +255,7 @@ def test_the_time_until_a_flow_rests_is_reported():
 def test_fast_starts_beyond_twice_the_tangent_are_reported():
     fast = flow(3, friction=0.8, depth=5)
     assert parts(w19, [*swept(), fast])["b"] == REPRODUCED
-    checks = checks_on(w19, [*swept(starts=()), fast])
+    checks = checks_of(w19, [*swept(starts=()), fast])
     assert [check.has_vote for check in checks if check.part == "b"] == [False]
 
 
@@ -318,7 +318,7 @@ def test_starts_are_compared_at_one_age():
     old = [late(1.2, start, 2000, 9) for start in (0.6, 1.2, 2.4)]
     assert parts(w23, [*started(depths=(2.5,)), *old])["b"] == REPRODUCED
     unlike = [*started(depths=(2.5,)), *old[:2], late(1.2, 2.4, 300, 9)]
-    (reason, same) = (check.withheld for check in checks_on(w23, unlike) if check.part == "b")
+    (reason, same) = (check.withheld for check in checks_of(w23, unlike) if check.part == "b")
     assert {reason, same} == {"", "flows of ages 300 and 2000 √(σ/g) are compared"}
 
 
@@ -341,7 +341,7 @@ def test_a_start_that_comes_to_rest_is_not_forgotten():
 
 def test_starts_must_be_far_from_the_steady_velocity():
     with pytest.raises(Untestable, match=r"n = 2.5.*n = 5.*n = 10"):
-        checks_on(w23, base_flows())
+        checks_of(w23, base_flows())
     assert parts(w23, started(depths=(2.5,))) == {"a": REPRODUCED}
 
 
@@ -349,7 +349,7 @@ def test_a_start_must_be_near_the_steady_velocity():
     far = [point for point in started() if point.parameters.initial_velocity != SPEEDS[5]]
     assert parts(w23, far) == {"a": REPRODUCED}
     with pytest.raises(Untestable, match="n = 5"):
-        checks_on(w23, far[3:])
+        checks_of(w23, far[3:])
 
 
 def windows(rest: float, runaway: float, width: float = 0.25, depths=(5, 10), seeds=(1, 2)):
@@ -384,9 +384,9 @@ def windows(rest: float, runaway: float, width: float = 0.25, depths=(5, 10), se
 )
 def test_window_of_angles(bounds, verdict):
     # A boundary is sharp or not, whatever the samples of single runs.
-    assert verdict_on(w25, base_flows({5: 8}), bounds) == verdict
+    assert verdict_of(w25, base_flows({5: 8}), bounds) == verdict
 
 
 def test_windows_need_both_bounds_at_two_depths():
     with pytest.raises(Untestable, match="bounds"):
-        checks_on(w25, base_flows({5: 8}), windows(13, 20, depths=(5, 20)))
+        checks_of(w25, base_flows({5: 8}), windows(13, 20, depths=(5, 20)))

@@ -59,10 +59,6 @@ def edit(tree) -> Iterator:
         path.write_text(text)
 
 
-def test_nothing_is_old_before_an_edit(tree):
-    assert planned_jobs(tree, study="rooms.yaml") == {}
-
-
 @pytest.mark.parametrize(
     ("name", "old"),
     [

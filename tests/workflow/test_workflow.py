@@ -7,12 +7,22 @@ import time
 import zipfile
 from pathlib import Path
 
+import netCDF4
 import pytest
 import xarray as xr
 
 from sim.study.load import load_study
 from tests.made.processes import ROOT
-from tests.made.project import STUDY, bare_folder, jobs, plan, planned_jobs, points, snakemake
+from tests.made.project import (
+    STUDY,
+    bare_folder,
+    jobs,
+    plan,
+    planned_jobs,
+    planned_points,
+    points,
+    snakemake,
+)
 
 TINY = load_study(ROOT / "tests" / "data" / STUDY)
 POINTS = len(TINY.points)
@@ -93,34 +103,21 @@ def test_a_study_without_boundaries_knows_no_rounds(tree):
     assert "checkpoint" not in dry_run
 
 
-def test_an_added_grid_value_runs_the_new_points_alone(tree):
-    text = (tree / STUDY).read_text().replace("frequency: [20, 60]", "frequency: [20, 40, 60]")
-    (tree / "wider.yaml").write_text(text)
-    dry_run = plan(tree, study="wider.yaml")
-    assert jobs(dry_run) == {"batch": 1, "dataset": 1, **JOBS_AFTER_DATASET}
-    assert {point.split("-")[1] for point in points(dry_run)} == {"frequency40"}
-
-
-def test_a_changed_parameter_runs_the_points_it_touches(tree):
-    text = (tree / STUDY).read_text().replace("shear_damping: 1}", "shear_damping: 2}")
-    (tree / "changed.yaml").write_text(text)
-    (point,) = points(plan(tree, study="changed.yaml"))
-    assert point.startswith("belt-frequency10-") and "-shear2-" in point
-
-
-def test_points_of_which_more_is_wanted_are_run_on_and_no_others(tree):
-    text = (tree / STUDY).read_text().replace("{frequency: 20}", "{frequency: 20, replicates: 2}")
+def test_new_points_share_a_batch_and_those_of_which_more_is_wanted_are_run_on_alone(tree):
+    """Of a study with an added value of a grid, a changed parameter and a point that grows."""
+    text = (tree / STUDY).read_text()
+    for old, new in (
+        ("frequency: [20, 60]", "frequency: [20, 40, 60]"),
+        ("shear_damping: 1}", "shear_damping: 2}"),
+        ("{frequency: 20}", "{frequency: 20, replicates: 2}"),
+    ):
+        assert old in text
+        text = text.replace(old, new)
     (tree / "more.yaml").write_text(text)
-    (point,) = points(plan(tree, study="more.yaml"))
-    assert point.startswith("belt-frequency20-") and point in TINY.points
-
-
-def test_points_that_are_run_on_share_no_batch_with_new_ones(tree):
-    text = (tree / STUDY).read_text().replace("{frequency: 20}", "{frequency: 20, replicates: 2}")
-    text = text.replace("frequency: [20, 60]", "frequency: [20, 40, 60]")
-    (tree / "both.yaml").write_text(text)
-    dry_run = plan(tree, study="both.yaml")
-    assert len(points(dry_run)) == 3
+    dry_run = plan(tree, study="more.yaml")
+    names = {"-".join(point.split("-")[1:2] + point.split("-")[5:6]) for point in points(dry_run)}
+    assert names == {"frequency40-shear50", "frequency10-shear2", "frequency20-shear50"}
+    assert len(set(points(dry_run)) & set(TINY.points)) == 1
     assert jobs(dry_run) == {"batch": 1, "run": 1, "dataset": 1, **JOBS_AFTER_DATASET}
 
 
@@ -151,20 +148,6 @@ def test_pages_are_made_where_they_are_asked_for(tree):
 def test_targets_are_asked_for_by_name(tree, target, expected):
     rule = next(iter(expected))
     assert planned_jobs(tree, target, "--forcerun", rule) == expected
-
-
-def test_both_entry_points_know_the_same_work(tree):
-    entry = str(ROOT / "workflow" / "Snakefile")
-    assert planned_jobs(tree, "--snakefile", entry, "--forcerun", "report") == {"report": 1}
-
-
-def test_a_study_may_lie_anywhere(tree):
-    place = tree / "{point}" / "{x} y"
-    place.mkdir(parents=True)
-    shutil.copy(tree / STUDY, place / STUDY)
-    made = snakemake(tree, "--forcerun", "report", study=str(place / STUDY))
-    assert made.returncode == 0, made.stderr
-    assert jobs(made.stderr) == {"report": 1}
 
 
 def test_snakemake_writes_its_own_report(tree):
@@ -216,14 +199,68 @@ def test_a_job_on_a_cluster_knows_the_batches_of_the_workflow_that_planned(tmp_p
     assert f"{POINTS} points: " not in process.stderr
 
 
-@pytest.mark.parametrize(
-    ("asked", "limited"), [((), False), (("--max-jobs-per-timespan", "5/1s"), True)]
-)
-def test_the_scheduler_is_woken_by_jobs_that_end_alone(tree, asked, limited):
-    """Its usual limit of starts per second would wake it once a second for each job that ended."""
+@pytest.mark.parametrize("asked", [(), ("--max-jobs-per-timespan", "5/1s")])
+def test_the_scheduler_is_woken_by_jobs_that_end_alone(tree, asked):
+    """Its usual limit of starts per second would wake it once a second for each job that ended.
+
+    The study may lie anywhere.
+    """
     print_limit = 'print("limit", workflow.scheduler.job_rate_limiter, file=sys.stderr)'
     text = f'include: "{ROOT}/workflow/Snakefile"\n\nonsuccess:\n    {print_limit}\n'
     (tree / "told.smk").write_text(text)
-    process = snakemake(tree, "--snakefile", "told.smk", "--forcerun", "report", *asked)
+    place = tree / "{point}" / "{x} y"
+    place.mkdir(parents=True, exist_ok=True)
+    shutil.copy(tree / STUDY, place / STUDY)
+    options = ("--snakefile", "told.smk", "--forcerun", "report", *asked)
+    process = snakemake(tree, *options, study=str(place / STUDY))
     assert process.returncode == 0, process.stderr
-    assert ("limit None" not in process.stderr) == limited, process.stderr
+    assert jobs(process.stderr) == {"report": 1}
+    assert ("limit None" not in process.stderr) == bool(asked), process.stderr
+
+
+#: A point that starts from another.
+ORIGIN = """\
+study: origin
+series:
+  - name: beds
+    system: belt
+    base: {{beads: 5, width: 5, transient: 1, average: 1}}
+    cases: [{{frequency: 20}}{case}]
+"""
+
+
+def test_what_a_point_starts_from_runs_first(tmp_path):
+    file = tmp_path / "origin.yaml"
+    file.write_text(ORIGIN.format(case=""))
+    (first,) = load_study(file, tmp_path).points
+    file.write_text(ORIGIN.format(case=f", {{frequency: 40, start_from: {first}}}"))
+    _, then = load_study(file, tmp_path).points
+    assert planned_points(tmp_path, "runs", study="origin.yaml") == {first, then}
+    process = snakemake(tmp_path, "runs", study="origin.yaml")
+    assert process.returncode == 0, process.stderr
+    assert points(process.stdout + process.stderr) == [first, then]
+    runs = tmp_path / "results" / "origin" / "runs"
+    assert all((runs / f"{point}.nc").exists() for point in (first, then))
+    # Longer, the first one ends elsewhere, and so does what starts from it.
+    text = file.read_text()
+    file.write_text(text.replace("{frequency: 20}", "{frequency: 20, average: 3}"))
+    process = snakemake(tmp_path, "runs", study="origin.yaml")
+    assert process.returncode == 0, process.stderr
+    with (
+        netCDF4.Dataset(runs / f"{first}.nc") as source,
+        netCDF4.Dataset(runs / f"{then}.nc") as run,
+    ):
+        assert run.origin == str(source.dimensions["time"].size)
+    assert planned_points(tmp_path, "runs", study="origin.yaml") == set()
+
+
+BRACES = """\
+study: braces
+readings: {belt: {damping_mass: [own, reduced]}}
+series: [{name: a, system: belt, grid: {frequency: [20, 50]}, figures: [readings_1a]}]
+"""
+
+
+def test_braces_in_an_entry_of_the_catalogue_are_no_wildcards(tmp_path):
+    (tmp_path / "braces.yaml").write_text(BRACES)
+    assert planned_jobs(tmp_path, study="braces.yaml")["figures"] == 1

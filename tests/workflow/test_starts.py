@@ -1,7 +1,8 @@
-"""Support for clusters: resources of every job, one line for each failed job, a container."""
+"""Before a workflow starts and where its jobs run: mistakes in one line, clusters, a container."""
 
 import json
 import re
+import subprocess
 import sys
 import tomllib
 
@@ -10,6 +11,53 @@ import yaml
 
 from tests.made.processes import ROOT
 from tests.made.project import bare_folder, plan, snakemake
+
+
+def refusal_line(process: subprocess.CompletedProcess) -> str:
+    """Return the one line with which a workflow refuses to start."""
+    assert process.returncode == 2
+    (line,) = (line for line in process.stderr.splitlines() if "profile" not in line)
+    return line
+
+
+@pytest.mark.parametrize(
+    ("content", "words"),
+    [
+        ("study: bad\nseries: [{name: a, system: chute, base: {restitution: 0}}]\n", "restitution"),
+        ("study: bad\nsurprise: 1\n", "surprise"),
+    ],
+)
+def test_a_bad_study_gives_one_line_and_no_work(tmp_path, content, words):
+    (tmp_path / "bad.yaml").write_text(content)
+    line = refusal_line(snakemake(tmp_path, study="bad.yaml"))
+    assert line.startswith("error: bad.yaml: ")
+    assert words in line
+    assert not (tmp_path / "results").exists()
+
+
+def test_single_values_cannot_be_overridden_behind_the_study(tmp_path):
+    process = snakemake(bare_folder(tmp_path), "-n", "--config", "title=other")
+    assert refusal_line(process).startswith("error: --config")
+
+
+def test_a_bad_environment_gives_one_line_and_no_work(tmp_path, monkeypatch):
+    monkeypatch.setenv("TALUS_CHECKPOINT_SECONDS", "abc")
+    line = refusal_line(snakemake(bare_folder(tmp_path)))
+    assert line.startswith("error: environment: TALUS_CHECKPOINT_SECONDS: got 'abc'")
+
+
+def test_the_default_study_is_the_quick_one(tmp_path):
+    (tmp_path / "config").symlink_to(ROOT / "config")
+    dry_run = snakemake(tmp_path, "-n", study="")
+    assert dry_run.returncode == 0, dry_run.stderr
+    assert "results/quick/report.html" in dry_run.stdout + dry_run.stderr
+    assert "results/tiny" not in dry_run.stdout + dry_run.stderr
+
+
+def test_lint_finds_nothing():
+    lint = snakemake(ROOT, "--lint", study="")
+    assert lint.returncode == 0, lint.stderr
+
 
 #: Replaces the program of that name: it logs its arguments, and runs the command with a `python`
 #: that only the container has.

@@ -1,9 +1,7 @@
-"""As containers run it: a user without a name or a home, who may write one folder and nothing else.
-
-`setpriv` of Linux gives such a user from root, with the right to read everything.
-"""
+"""Elsewhere and for long: a user without a home, other Pythons, ten thousand made-up inputs."""
 
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -13,6 +11,7 @@ import pytest
 
 from tests.made.processes import ROOT
 
+#: A user without a name, made from root by `setpriv` of Linux, with the right to read everything.
 USER = 61234
 READS = "+dac_read_search"
 STUDY = """\
@@ -24,7 +23,7 @@ series: [{name: one, system: belt, grid: {frequency: [20, 30]}}]
 
 @pytest.fixture
 def nobody(tmp_path):
-    """Run a command as such a user in a folder; return what became of it."""
+    """Run a command as one who may write a folder and nothing else; return what became of it."""
     if os.geteuid() or not shutil.which("setpriv"):
         pytest.skip("only root can be another user")
     folder = tmp_path / "own"
@@ -78,3 +77,50 @@ def _assert_done(done: subprocess.CompletedProcess, tmp_path: Path) -> None:
     assert done.returncode == 0, said
     assert "2 points: 2 done" in said and "Traceback" not in said
     assert (tmp_path / "own" / "results" / "contained" / "report.html").exists()
+
+
+#: Pythons under which the suite runs where found; `TALUS_PYTHONS` may name programs between colons.
+SUPPORTED = ("3.11", "3.12", "3.13")
+HERE = f"{sys.version_info.major}.{sys.version_info.minor}"
+
+
+def other_pythons() -> list[str]:
+    """Programs of other Pythons, the path of each."""
+    named = os.environ.get("TALUS_PYTHONS", "")
+    if named:
+        return named.split(os.pathsep)
+    programs = [shutil.which(f"python{one}") for one in SUPPORTED if one != HERE]
+    return [path for path in programs if path and not subprocess.run([path, "-V"]).returncode]
+
+
+@pytest.mark.long
+def test_the_suite_passes_under_other_pythons(tmp_path, capsys):
+    if not other_pythons():
+        pytest.skip("no other supported Python here")
+    for python in other_pythons():
+        tree = tmp_path / "tree"
+        subprocess.run(["git", "clone", "--quiet", str(ROOT), str(tree)], check=True)
+        done = subprocess.run(
+            ["make", "test", f"PYTHON={python}"], cwd=tree, capture_output=True, text=True
+        )
+        told = f"{python}: {done.stdout.strip().splitlines()[-1:]}"
+        assert done.returncode == 0, told + done.stdout[-5000:]
+        with capsys.disabled():
+            print(f"\n{told}")
+        shutil.rmtree(tree)
+
+
+FILES = ("tests/properties/test_parameters.py", "tests/properties/test_study_files.py")
+PASSED = re.compile(r"(\d+) passing")
+
+
+@pytest.mark.long
+def test_points_and_studies_of_all_kinds(capsys):
+    command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", *FILES]
+    command += ["--hypothesis-profile=long", "--hypothesis-show-statistics"]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout[-5000:]
+    number = sum(map(int, PASSED.findall(done.stdout)))
+    assert number >= 10_000
+    with capsys.disabled():
+        print(f"\n{number} points and studies made up: each read, or refused in one line")

@@ -1,13 +1,18 @@
-"""The benchmark of large studies measures what it says it does."""
+"""Benchmarks of large studies, of processor time and of the column measure what they say."""
 
 import subprocess
+from math import pi, sqrt
 
 import psutil
 import pytest
 import xarray as xr
+import yaml
 
+from benchmarks.column import GRAVITY, Column, transport
 from benchmarks.scale import copies, grid, real
 from benchmarks.scale.cost import cost
+from benchmarks.share import SWEEPS
+from benchmarks.share import study as share_study
 from sim.dataset.build import build
 from sim.parameters import parse_point
 from sim.report.status import survey
@@ -69,3 +74,32 @@ def test_a_command_can_be_killed_with_all_that_it_has_started(tmp_path):
 def test_a_command_that_ends_before_it_is_to_be_killed_has_failed(tmp_path):
     with pytest.raises(subprocess.CalledProcessError):
         cost(tmp_path, "sim", "--version", until=lambda: False)
+
+
+@pytest.mark.parametrize("system", SWEEPS)
+def test_the_studies_can_be_run(system, tmp_path):
+    path = tmp_path / "share.yaml"
+    path.write_text(yaml.safe_dump(share_study(system, 4)))
+    found = load_study(path, tmp_path)
+    assert len(found.points) == 4
+    assert {point.parameters.system for point in found.points.values()} == {system}
+
+
+@pytest.mark.parametrize("amplitude", [0.5, 1.0, 1.5])
+def test_transport_begins_where_the_belt_reaches_the_acceleration_of_gravity(amplitude):
+    onset = sqrt(GRAVITY / amplitude) / (2 * pi)
+    assert abs(transport(0.93 * onset, amplitude)) < 1e-3
+    assert 0.1 < transport(1.12 * onset, amplitude) < 1
+
+
+def test_a_single_bead_at_rest_on_the_belt_is_not_transported():
+    assert abs(transport(12, column=Column(beads=1))) < 1e-6
+
+
+def test_without_shear_friction_nothing_is_transported():
+    assert transport(40, column=Column(shear_damping=0.0)) == 0
+
+
+def test_flat_vibrations_carry_the_same_share_of_the_belts_velocity():
+    """The vertical motion does not know of the horizontal one, which is linear in it."""
+    assert transport(20, angle=30) == pytest.approx(transport(20, angle=60))

@@ -1,10 +1,14 @@
-"""A stranger's paper, as docs/extending.md tells, gets figure, verdict, table and report."""
+"""Plug-ins in a workflow, among them a stranger's paper, as docs/extending.md tells.
+
+They are loaded in every job; an edit reruns what depends on them.
+"""
 
 import json
 import shutil
 from pathlib import Path
 
 import pytest
+import xarray as xr
 
 from sim.base.errors import InputError
 from sim.claims.claim import claims
@@ -17,24 +21,64 @@ from tests.made.project import planned_jobs, snakemake
 
 EXAMPLES, STUDY, CLAIM = ROOT / "docs" / "examples", "silbert.yaml", "silbert_steeper"
 
+#: What other plug-ins add to the study of the paper.
+PLOTS = """\
+pages: true
+plots:
+  - {name: slip, x: angle, y: base_slip}
+  - {name: spread, kind: boxes, x: angle, y: velocity}
+"""
 
-def bring_paper(folder: Path) -> Path:
-    """Copy the paper and its study, with short runs, into a folder; return the study."""
+#: A study with a contact law, which takes minutes to compile.
+LAW_STUDY = """\
+study: silbert
+plugins: [hertz_mindlin.py, base_slip.py, boxes.py, steeper.py]
+defaults:
+  chute: {law: hertz_mindlin, diameter_spread: 0.3, depth: 1.5, cell: 4, transient: 10, average: 20}
+series:
+  - {name: moduli, system: chute, grid: {youngs_modulus: [1.0e+6, 2.0e+6]}}
+""" + PLOTS.replace("angle", "youngs_modulus")
+
+#: Jobs that an edit of a file entails.
+JUDGED = {"claims": 1, "report": 1}
+GATHERED = {"dataset": 1, "figures": 1, **JUDGED}
+EDITS = {
+    STUDY: {"report": 1},
+    "steeper.py": JUDGED,
+    "boxes.py": {"figures": 1, "report": 1},
+    "base_slip.py": GATHERED,
+}
+EDITS_OF_PAPER = {"silbert/judges.py": JUDGED, "silbert/claims.yaml": JUDGED}
+EDITS_OF_LAW = {"hertz_mindlin.py": {"batch": 1, "pages": 1} | GATHERED}
+
+
+def bring_paper(folder: Path) -> str:
+    """Copy the paper and its study, with short runs, into a folder; return its text."""
     shutil.copytree(EXAMPLES / "silbert", folder / "silbert")
     text = (EXAMPLES / STUDY).read_text(encoding="utf-8")
     short = text.replace("transient: 300, average: 100", "transient: 10, average: 10")
     assert short != text
     (folder / STUDY).write_text(short, encoding="utf-8")
-    return folder / STUDY
+    return short
+
+
+def run(text: str, tree: Path) -> Path:
+    """Run a study with the plug-ins of the examples in a folder; return its results."""
+    for path in EXAMPLES.glob("*.py"):
+        shutil.copy(path, tree)
+    (tree / STUDY).write_text(text)
+    process = snakemake(tree, study=STUDY)
+    assert process.returncode == 0, process.stderr
+    assert "base_slip.py" in process.stderr and "observable base_slip" in process.stderr
+    return tree / "results" / "silbert"
 
 
 @pytest.fixture(scope="module")
 def tree(tmp_path_factory) -> Path:
-    """Return a folder in which the study of the paper has run to its end."""
+    """Return a folder in which the study of the paper, with more plug-ins, has run to its end."""
     tree = tmp_path_factory.mktemp("paper")
-    bring_paper(tree)
-    process = snakemake(tree, study=STUDY)
-    assert process.returncode == 0, process.stderr
+    plugins = "plugins: [silbert, base_slip.py, boxes.py, steeper.py]"
+    run(bring_paper(tree).replace("plugins: [silbert]", plugins) + PLOTS, tree)
     return tree
 
 
@@ -56,20 +100,48 @@ def test_the_paper_gets_figure_verdict_table_and_report(tree):
     assert f'id="claim-{CLAIM}" data-paper="silbert"' in report
 
 
-@pytest.mark.parametrize(
-    ("name", "expected"),
-    [
-        ("silbert/judges.py", {"claims": 1, "report": 1}),
-        ("silbert/claims.yaml", {"claims": 1, "report": 1}),
-    ],
-)
-def test_an_edit_of_the_paper_judges_anew_and_runs_nothing(tree, name, expected):
-    path, before = tree / name, (tree / name).read_text()
+def test_every_job_has_the_plugins_that_it_needs(tree):
+    results = tree / "results" / "silbert"
+    with xr.open_dataset(results / "dataset.nc") as dataset:
+        assert (dataset["status"] == "completed").all()
+        assert (dataset["base_slip"] > 0).all()
+    judged = json.loads((results / "claims.json").read_text())["claims"]
+    assert "steeper_is_faster" in {claim["id"] for claim in judged}
+    assert (results / "figures" / "spread.svg").is_file()
+    assert "base_slip.py" in (results / "report.html").read_text()
+
+
+def jobs_after_edit(tree: Path, name: str) -> dict[str, int]:
+    """Return the jobs that an edit entails; the edit is undone."""
+    path = tree / name
+    before = path.read_text()
     try:
         path.write_text(before + "# edited\n")
-        assert planned_jobs(tree, study=STUDY) == expected
+        return planned_jobs(tree, study=STUDY)
     finally:
         path.write_text(before)
+
+
+@pytest.mark.parametrize(("name", "jobs"), (EDITS | EDITS_OF_PAPER).items())
+def test_an_edit_makes_old_what_depends_on_it_and_no_run(tree, name, jobs):
+    assert jobs_after_edit(tree, name) == jobs
+
+
+@pytest.mark.long
+def test_a_law_goes_the_whole_way(tmp_path):
+    results = run(LAW_STUDY, tmp_path)
+    with xr.open_dataset(results / "dataset.nc") as dataset:
+        assert (dataset["status"] == "completed").all()
+        assert all(name.startswith("hertz_mindlin.") for name in dataset["law"].values)
+        assert dataset["youngs_modulus"].values.tolist() == [1e6, 2e6]
+        assert dataset["youngs_modulus"].attrs["units"] == "Pa"
+        assert (dataset["missing_energy"] < 0.02).all()
+        assert (abs(dataset["normal_balance"] - 1) < 0.1).all()
+    assert "hertz_mindlin.py" in (results / "report.html").read_text()
+    for page in (results / "pages").iterdir():
+        assert "hertz_mindlin" in page.read_text()
+    for name, jobs in (EDITS | EDITS_OF_LAW).items():
+        assert jobs_after_edit(tmp_path, name) == jobs
 
 
 def load(folder: Path) -> None:

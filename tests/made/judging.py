@@ -1,0 +1,56 @@
+"""Judges on made-up points: their checks and verdicts."""
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from unittest import mock
+
+from sim.claims.claim import claims
+from sim.claims.evidence import Evidence
+from sim.claims.judge import judge as judge_claims
+from sim.claims.judgement import Judgement
+from sim.claims.verdict import NOT_REPRODUCED, Check, combined_verdict
+from tests.made.results import MadePoint, made_results
+
+
+def headline_bounds(judge: Callable) -> dict[str, object]:
+    """Return the bounds of a judge's claim, those of a partial function replaced."""
+    function, others = getattr(judge, "func", judge), getattr(judge, "keywords", {})
+    (bounds,) = (claim.bounds_at() for claim in claims() if claim.judge is function)
+    return bounds | others
+
+
+def checks_of(
+    judge: Callable[..., list[Check]],
+    points: Sequence[MadePoint],
+    boundaries: Sequence[Mapping[str, object]] = (),
+    protocol: str = "published",
+) -> list[Check]:
+    """Return the checks of a judge on made-up points."""
+    results = made_results(*points, boundaries=boundaries)
+    return judge(Evidence(results, protocol), **headline_bounds(judge))
+
+
+def verdict_of(judge: Callable, points: Sequence[MadePoint], *args: object, **rest: object) -> str:
+    """Return the verdict of a judge on made-up points; arguments are those of `checks_of`."""
+    return combined_verdict(checks_of(judge, points, *args, **rest))
+
+
+def judgement_of(name: str, points: Sequence[MadePoint]) -> Judgement:
+    """Return the judgement on a claim under all protocols and readings of points."""
+    (claim,) = (claim for claim in claims() if claim.id == name)
+    with mock.patch("sim.claims.judge.claims", return_value=[claim]):
+        (judgement,) = judge_claims(made_results(*points))
+    return judgement
+
+
+def by_part(checks: Sequence[Check]) -> dict[str, str]:
+    """Return the verdict on each part of a claim that any check votes on."""
+    votes = [check for check in checks if check.has_vote]
+    names = dict.fromkeys(check.part for check in votes)
+    return {
+        name: combined_verdict(check for check in votes if check.part == name) for name in names
+    }
+
+
+def failed_quantities(checks: Iterable[Check]) -> list[str]:
+    """Return the quantities that were not reproduced."""
+    return [check.what for check in checks if check.verdict == NOT_REPRODUCED]
