@@ -5,9 +5,8 @@ import signal
 
 import pytest
 
-from sim.engine.command import save_and_end
+from sim.engine.command import save_and_end, warm
 from sim.engine.progress import progress_file
-from sim.engine.warm import warm
 from tests.engine_motion.points import belt_point
 from tests.made.processes import start_run, wait_until
 

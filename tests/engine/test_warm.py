@@ -5,8 +5,7 @@ import sys
 
 import pytest
 
-from sim.engine import warm as warming
-from sim.engine.warm import variants, warm
+from sim.engine.command import variants, warm
 from sim.parameters import parse_point
 from tests.made.processes import ROOT
 
@@ -44,10 +43,10 @@ def test_warming_runs_every_kernel_of_a_run():
 
 def test_the_command_says_what_it_compiles():
     lines = (
-        "import logging, sys, sim.engine.warm\n"
+        "import logging, sys, sim.engine.command\n"
         "def log_compiling(*_):\n"
         "    logging.getLogger('talus').info('compiling')\n"
-        "sim.engine.warm.warm = log_compiling\n"
+        "sim.engine.command.warm = log_compiling\n"
         "from sim.__main__ import main\n"
         "sys.exit(main(['warm']))\n"
     )
@@ -64,6 +63,6 @@ def test_systems_may_be_warmed_side_by_side(monkeypatch):
     def broken(*_):
         raise RuntimeError("broken")
 
-    monkeypatch.setattr(warming, "build", broken)
+    monkeypatch.setattr("sim.engine.systems.build", broken)
     with pytest.raises(RuntimeError, match="broken"):
         warm(points, processes=2)

@@ -6,15 +6,10 @@ import numpy as np
 
 from sim.engine.boundary.drive import Gravity
 from sim.engine.boundary.plane import make_plane
+from sim.engine.contact.friction import enlarge_memory, make_memory
 from sim.engine.dynamics.cells import make_box
 from sim.engine.dynamics.neighbors import double_room, empty_pair_list
-from sim.engine.dynamics.spheres import (
-    SOLID,
-    enlarge_memory,
-    make_memory,
-    make_scratch,
-    make_spheres,
-)
+from sim.engine.dynamics.spheres import SOLID, make_scratch, make_spheres
 from sim.engine.dynamics.team import Team
 from sim.engine.systems import leap_frog
 from sim.engine.systems.sharing import Thread

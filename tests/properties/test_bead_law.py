@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sim.engine.contact.spring_damping import spring_damping
+from sim.engine.contact.damping import spring_damping
 from tests.engine_motion.helpers import disk_forces
 from tests.properties.values import SEEDS, magnitudes, norms
 

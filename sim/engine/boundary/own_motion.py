@@ -6,8 +6,14 @@ from typing import NamedTuple
 import numpy as np
 
 from sim.base.additions import plain_name, plugin_error
-from sim.engine.compile import implements, inlined, kernel
-from sim.engine.plugin_types import adopt_type, make_numbers, require_numbers
+from sim.engine.compile import (
+    adopt_type,
+    implements,
+    inlined,
+    kernel,
+    make_numbers,
+    require_numbers,
+)
 from sim.parameters import Parameters
 from sim.parameters.motions import MOTION
 

@@ -32,7 +32,7 @@ def law_of(parameters: SphereParameters, partners: Partners) -> NamedTuple:
     from sim.engine.contact.functions import add_law
 
     if LAW.is_own(parameters.law):
-        from sim.engine.plugin_types import make_numbers
+        from sim.engine.compile import make_numbers
 
         return make_numbers(LAW, parameters.law, add_law, parameters, partners)
     numbers = law.make(parameters, partners)

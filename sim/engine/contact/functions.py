@@ -8,11 +8,16 @@ from typing import NamedTuple
 
 from numba.core.types import BaseTuple, Float
 
-from sim.engine.compile import implements, inlined
-from sim.engine.contact.friction import blank_memory, contact_force, declare_memory, stored_energy
+from sim.engine.compile import adopt_type, implements, inlined, require_numbers, typing_error
+from sim.engine.contact.friction import (
+    blank_memory,
+    contact_force,
+    declare_memory,
+    friction_direction,
+    stored_energy,
+    work_against,
+)
 from sim.engine.contact.roots import SMALLEST, inverse_square_root
-from sim.engine.contact.tangential import friction_direction, work_against
-from sim.engine.plugin_types import adopt_type, require_numbers, typing_error
 
 #: Types of the laws that are plain functions.
 _functional: set[type] = set()

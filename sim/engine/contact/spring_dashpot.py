@@ -10,9 +10,14 @@ from typing import NamedTuple
 
 from sim.engine.compile import implements
 from sim.engine.contact import Partners
-from sim.engine.contact.friction import contact_force, declare_memory, stored_energy
+from sim.engine.contact.friction import (
+    contact_force,
+    declare_memory,
+    friction_direction,
+    stored_energy,
+    work_against,
+)
 from sim.engine.contact.roots import SMALLEST, inverse_square_root
-from sim.engine.contact.tangential import friction_direction, work_against
 from sim.parameters.spheres import SphereParameters
 
 

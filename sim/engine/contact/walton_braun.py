@@ -8,9 +8,14 @@ from typing import NamedTuple
 
 from sim.engine.compile import implements, inlined
 from sim.engine.contact import Partners
-from sim.engine.contact.friction import contact_force, declare_memory, stored_energy
+from sim.engine.contact.friction import (
+    contact_force,
+    declare_memory,
+    friction_direction,
+    stored_energy,
+    work_against,
+)
 from sim.engine.contact.roots import SMALLEST, cube_root, inverse_square_root
-from sim.engine.contact.tangential import friction_direction, work_against
 from sim.parameters.spheres import SphereParameters
 
 #: A friction this close to its limit, relative, is at it. Without the margin a friction just cut to

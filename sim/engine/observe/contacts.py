@@ -35,7 +35,7 @@ from sim.engine.dynamics.spheres import (
     nearest_separation,
     write_approach,
 )
-from sim.engine.observe.system import ContactList
+from sim.engine.observe.samples import ContactList
 
 #: Components of the stress that are not zero by symmetry, and their number; the last is the force
 #: along x through planes of constant z.

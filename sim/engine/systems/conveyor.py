@@ -12,11 +12,11 @@ from sim.engine.boundary.drive import (
     plane_velocity,
     vibration,
 )
-from sim.engine.dynamics.spheres import restart_memory
+from sim.engine.contact.friction import restart_memory
 from sim.engine.observe.regime import Scales
-from sim.engine.observe.system import make_ledger
+from sim.engine.observe.samples import make_ledger
 from sim.engine.systems import leap_frog
-from sim.engine.systems.plane_flow import LOSSES, TERMS, PlaneFlow, State
+from sim.engine.systems.chute import LOSSES, TERMS, PlaneFlow, State
 from sim.parameters import ConveyorParameters
 from sim.parameters.belt import LEAST_TRANSPORT
 from sim.parameters.chute import negligible_acceleration

@@ -12,8 +12,7 @@ from sim.engine.dynamics.cells import Box
 from sim.engine.dynamics.neighbors import PairList, double_room
 from sim.engine.dynamics.status import LIST_FULL, BlowUp, failure_reason
 from sim.engine.observe.regime import Scales
-from sim.engine.observe.sums import Sums
-from sim.engine.observe.system import ContactList, Ledger, Samples, no_contacts
+from sim.engine.observe.samples import ContactList, Ledger, Samples, Sums, no_contacts
 from sim.parameters import Parameters
 from sim.parameters.variables import recorded_by
 

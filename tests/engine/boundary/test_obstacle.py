@@ -3,9 +3,8 @@
 import numpy as np
 import pytest
 
-from sim.engine.boundary.belt import Belt
-from sim.engine.boundary.obstacle import Obstacle
-from sim.engine.dynamics.gear import Gear, Verlet
+from sim.engine.boundary.belt import Belt, Obstacle
+from sim.engine.dynamics.disks import Gear, Verlet
 from sim.engine.systems import shaking
 from tests.engine_motion.disks import DiskMotion
 from tests.engine_motion.helpers import BEAD, BEAD_LAWS, BEAD_MASS, DAMPING, YOUNG, bead_law

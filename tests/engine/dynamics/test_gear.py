@@ -5,8 +5,7 @@ from math import factorial
 import numpy as np
 import pytest
 
-from sim.engine.dynamics.disks import TERMS, make_disks
-from sim.engine.dynamics.gear import CORRECTORS, Gear, Verlet, rescale_terms
+from sim.engine.dynamics.disks import CORRECTORS, TERMS, Gear, Verlet, make_disks, rescale_terms
 from tests.engine.reference.integrators import GEAR_COEFFICIENTS
 from tests.engine_motion.helpers import Oscillator, damped_oscillation, flushed, gear
 

@@ -15,7 +15,7 @@ from sim.engine.observe.contacts import (
     no_stress,
 )
 from sim.engine.observe.force_balance import inertial_number, shear_rate, stress_ratio
-from sim.engine.observe.sums import add_sums
+from sim.engine.observe.samples import add_sums
 from sim.engine.systems import build, leap_frog
 from sim.engine.systems.leap_frog import FlowContacts
 from sim.parameters.variables import variables_of

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from sim.engine.observe.profiles import AREA, CENTRE, VOLUME, add_sample, empty_profile
-from sim.engine.observe.sums import add_sums
+from sim.engine.observe.samples import add_sums
 
 SLICE = 0.25e-3
 TOTAL = {

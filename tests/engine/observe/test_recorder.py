@@ -7,10 +7,9 @@ import pytest
 
 import sim
 from sim.engine.observe.profiles import empty_profile
-from sim.engine.observe.recorder import Recorder, Trajectory
 from sim.engine.observe.regime import Scales
-from sim.engine.observe.sums import MAX_BLOCKS, zero_samples
-from sim.engine.observe.system import Ledger, Samples
+from sim.engine.observe.samples import MAX_BLOCKS, Ledger, Samples, zero_samples
+from sim.engine.systems.recorder import Recorder, Trajectory
 
 #: Samples of 0.1 s: 4 of transient and 12 to average, or up to 64 of the converged protocol.
 LENGTHS = {

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from sim.engine.observe.rounding import COMPLEX, REAL, product, square, total
+from sim.engine.observe.totals import COMPLEX, REAL, product, square, total
 
 SIZES = [1, 2, 3, 4, 5, 7, 8, 9, 15, 16, 63, 64, 65, 127, 128, 129, 136, 200, 255, 256, 257, 1000]
 

@@ -10,8 +10,8 @@ import netCDF4
 import numpy as np
 import pytest
 
-from sim.engine.observe import run_file
-from sim.engine.observe.recorder import Record
+from sim.engine import run_file
+from sim.engine.systems.recorder import Record
 from sim.parameters.variables import variables_of
 from tests.engine_motion.points import chute_point
 from tests.made.processes import ROOT
@@ -130,7 +130,7 @@ def test_a_file_that_exists_is_replaced(tmp_path):
 KILLED = """
 import signal, sys
 from pathlib import Path
-from sim.engine.observe import run_file
+from sim.engine import run_file
 from tests.engine.observe.test_run_file import write
 
 def stuck(*arguments):

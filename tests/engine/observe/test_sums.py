@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from sim.engine.observe.profiles import empty_profile
-from sim.engine.observe.sums import MAX_BLOCKS, ProfileBlocks, zero_samples
+from sim.engine.observe.samples import MAX_BLOCKS, ProfileBlocks, zero_samples
 
 
 def make_blocks(samples: int, at_once: int = 7) -> ProfileBlocks:

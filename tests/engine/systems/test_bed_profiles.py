@@ -5,8 +5,8 @@ import pytest
 
 from sim.engine.observe.field import squares
 from sim.engine.observe.profiles import CENTRE, Profile, add_sample, empty_profile
-from sim.engine.observe.sums import add_samples, zero_samples
-from sim.engine.systems.bed_profiles import BedProfiles, bed_profiles
+from sim.engine.observe.samples import add_samples, zero_samples
+from sim.engine.systems.slices import BedProfiles, bed_profiles
 from tests.engine_motion.points import belt_point
 
 PHASES, SLICES, BEADS = 8, 10, 40

@@ -5,9 +5,9 @@ import pandas as pd
 import pytest
 
 from sim.engine.dynamics.status import BlowUp
-from sim.engine.observe.sums import add_sums
+from sim.engine.observe.samples import add_sums
 from sim.engine.systems import build
-from sim.engine.systems.belt_start import vibration
+from sim.engine.systems.start import vibration
 from sim.parameters import parse_point
 from sim.parameters.variables import AT_PHASE_0, parts
 from tests.engine_motion.points import belt_point, series_of, sums_of

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from sim.engine.dynamics.cells import make_box
-from sim.engine.systems.packing import random_packing
+from sim.engine.systems.start import random_packing
 from tests.engine_motion.helpers import wrapped
 
 UNIT = 1e-3

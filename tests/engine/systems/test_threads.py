@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from sim.engine.contact.friction import make_memory
 from sim.engine.dynamics.neighbors import empty_pair_list
-from sim.engine.dynamics.spheres import make_memory
 from sim.engine.systems import build
 from tests.engine_motion.points import chute_point
 

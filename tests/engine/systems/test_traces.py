@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from sim.engine.observe.energies import bed_energies
 from sim.engine.observe.field import wave_power, waves
-from sim.engine.observe.overlaps import EDGES
+from sim.engine.observe.profiles import EDGES
+from sim.engine.observe.totals import bed_energies
 from sim.engine.systems import build
 from tests.engine_motion.points import belt_point, chute_point, sums_of
 

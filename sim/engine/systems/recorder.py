@@ -20,8 +20,7 @@ from sim.engine.observe.regime import (
     verdict,
     window_start,
 )
-from sim.engine.observe.sums import MAX_BLOCKS, ProfileBlocks
-from sim.engine.observe.system import Samples
+from sim.engine.observe.samples import MAX_BLOCKS, ProfileBlocks, Samples
 from sim.engine.systems.replica import Replica
 from sim.parameters.variables import HISTORY, INSTANTANEOUS, variables_of
 
