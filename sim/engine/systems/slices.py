@@ -8,9 +8,8 @@ import numpy as np
 from sim.engine.observe.contacts import XX, XZ, YY, ZZ, Slip, Stress, no_slip, no_stress
 from sim.engine.observe.field import Squares, squares
 from sim.engine.observe.force_balance import inertial_number, shear_rate, stress_ratio
-from sim.engine.observe.overlaps import no_overlaps
-from sim.engine.observe.profiles import Profile, empty_profile
-from sim.engine.observe.sums import Sums, mask_samples
+from sim.engine.observe.profiles import Profile, empty_profile, no_overlaps
+from sim.engine.observe.samples import Sums, mask_samples
 from sim.parameters import BeltParameters
 from sim.parameters.spheres import SphereParameters
 from sim.parameters.variables import AT_PHASE_0, parts

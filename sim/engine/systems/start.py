@@ -10,7 +10,7 @@ from sim.engine.boundary.belt import Belt, OwnBelt, belt_height
 from sim.engine.boundary.own_motion import own_motion
 from sim.engine.compile import inlined, kernel
 from sim.engine.dynamics.cells import Box, make_box, nearest_image
-from sim.engine.dynamics.gear import CORRECTORS, Gear, Verlet
+from sim.engine.dynamics.disks import CORRECTORS, Gear, Verlet
 from sim.parameters import BeltParameters
 from sim.parameters.spheres import SphereParameters
 
