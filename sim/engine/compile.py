@@ -15,9 +15,10 @@ from numbers import Real
 from time import process_time
 from typing import Any, NamedTuple
 
-from sim.base.additions import attribute_errors_to, codes, plain_name, plugin_options
+from sim.base.additions import attribute_errors_to, codes, plain_name
 from sim.base.errors import InputError, in_short
 from sim.engine.identity import COMPILED_KINDS, cache_directory
+from sim.parameters import Parameters
 from sim.parameters.choices import Choice
 
 log = logging.getLogger("talus")
@@ -242,19 +243,21 @@ def adopt_type(kind: type, has_plugin: bool = True) -> bool:
 
 
 def make_numbers(
-    choice: Choice, option: str, register: Callable[[type, Any], None], *arguments: Any
+    choice: Choice, p: Parameters, register: Callable[[type, Any, bool], None], *arguments: Any
 ) -> NamedTuple:
-    """Return the numbers of a plug-in's option and register its functions for their type.
+    """Return the numbers of the option that a point has; register functions for their type.
 
     The option's ``make`` computes the numbers from the ``arguments``.
     """
-    addition = plugin_options(choice.name)[option]
-    with attribute_errors_to(choice.name, plain_name(option)):
-        numbers = addition.make(*arguments)
+    name, option = getattr(p, choice.name, choice.usual[0]), p.option(choice.name)
+    has_plugin = choice.is_own(name)
+    with attribute_errors_to(choice.name, plain_name(name)):
+        numbers = option.make(*arguments)
         is_named = isinstance(numbers, tuple) and hasattr(numbers, "_fields")
-        if not is_named or not all(isinstance(number, Real) for number in numbers):
+        if has_plugin and not (is_named and all(isinstance(one, Real) for one in numbers)):
             raise TypeError(f"make returns a NamedTuple of numbers: got {in_short(numbers)}")
-        register(type(numbers), addition)
+        if not option.compiled_by_hand:
+            register(type(numbers), option, has_plugin)
     return numbers
 
 

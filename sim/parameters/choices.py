@@ -17,7 +17,7 @@ from pydantic import BeforeValidator, Field, create_model
 from sim.base.additions import NAME, AdditionError, add, plain_name, plugin_options
 from sim.base.errors import in_short
 from sim.base.require import require_function, require_line, require_number
-from sim.parameters.common import Parameters, Real
+from sim.parameters.common import CHOICES, Parameters, Real
 from sim.parameters.roles import Declaration, Role, declare
 from sim.parameters.variables import reserved_names
 
@@ -59,10 +59,15 @@ def parameter(
 
 @dataclass(frozen=True)
 class Option:
-    """An option of a choice: ``make`` gives the engine its numbers, ``parameters`` are its own."""
+    """An option of a choice.
+
+    ``make`` gives the engine its numbers; ``parameters`` are its own, and ``owns`` names those of
+    Talus that have an effect with it alone.
+    """
 
     make: Callable[..., Any]
     parameters: Mapping[str, Any]
+    owns: tuple[str, ...]
 
     #: Number of arguments of each of its functions.
     argument_counts: ClassVar[Mapping[str, int]] = {"make": 1}
@@ -126,7 +131,7 @@ class Choice:
         taken = {*dir(Parameters), *Parameters.__class_vars__, *_ELSEWHERE} | reserved_names()
         if name in taken.union(*((*dir(one), *one.model_fields) for one in self.models)):
             raise AdditionError(f"{what}: parameter {name}: Talus has one of this name")
-        for kind in ("law", "motion"):
+        for kind in CHOICES:
             for other, one in plugin_options(kind).items():
                 if name in one.parameters:
                     raise AdditionError(

@@ -20,6 +20,9 @@ MAX_SAMPLES = 10**7
 MAX_TRAJECTORY = 2 * 10**9
 SINGLE = 4
 
+#: Parameters to which plug-ins add options.
+CHOICES = ("law", "motion")
+
 #: Magnitudes that double precision carries through every formula without overflow.
 SMALLEST = 1e-15
 LARGEST = 1e15
@@ -195,16 +198,22 @@ class Parameters(BaseModel):
         le=0.5,
     )
 
+    def options(self, choice: str) -> dict[str, Any]:
+        """Return the laws or the motions, of Talus and of plug-ins, by their names in points."""
+        return {**shipped(choice), **self.offered.get(choice, {})}
+
     def option(self, choice: str) -> Any:
-        """Return the law or the motion that the point has, of Talus or of a plug-in."""
-        name = getattr(self, choice)
-        return self.offered.get(choice, {}).get(name) or shipped(choice)[name]
+        """Return the law or the motion that the point has; the first of Talus where it has none."""
+        options = self.options(choice)
+        return options[getattr(self, choice, next(iter(options)))]
 
     @model_validator(mode="after")
     def _require_option_of_parameters(self) -> Self:
-        for choice, options in self.offered.items():
-            for name, option in options.items():
-                for key in option.parameters if name != getattr(self, choice) else ():
+        fields = type(self).model_fields
+        for choice in CHOICES:
+            for name, option in self.options(choice).items() if choice in fields else ():
+                others = (*option.owns, *option.parameters) if name != getattr(self, choice) else ()
+                for key in fields.keys() & set(others):
                     require_default(self, key, f"{choice} is {plain_name(name)}, whose it is")
         return self
 

@@ -8,20 +8,10 @@ from pydantic import model_validator
 from sim.parameters.common import (
     Real,
     broken_rule,
-    require_default,
     require_feasible_trajectory,
 )
 from sim.parameters.roles import declare
 from sim.parameters.spheres import SLIDING, SlidingDirection, SphereParameters
-
-#: Parameters of the harmonic motion, which motions of plug-ins replace.
-_HARMONIC = (
-    "phase_along",
-    "overtone",
-    "overtone_amplitude",
-    "overtone_along",
-    "overtone_phase",
-)
 
 
 class ConveyorParameters(SphereParameters):
@@ -252,12 +242,6 @@ class ConveyorParameters(SphereParameters):
     def _bump_area(self) -> float:
         """Area under a glued particle in squared diameters; for discs its diameter."""
         return self.bumps if self.is_flat else super()._bump_area
-
-    @model_validator(mode="after")
-    def _require_harmonic_motion(self) -> Self:
-        for name in _HARMONIC if getattr(self, "motion", "harmonic") != "harmonic" else ():
-            require_default(self, name, "motion is harmonic, whose it is")
-        return self
 
     @model_validator(mode="after")
     def _require_spheres_for_stresses(self) -> Self:

@@ -40,8 +40,9 @@ SKIN, USUAL_NEIGHBORS = 0.2, 8
 if TYPE_CHECKING:
     LawName = str
 else:
-    #: Names of the laws that ship, those of their files, the default first.
-    LawName = Literal[tuple(dict.fromkeys(("walton_braun", *module_names("sim.laws"))))]
+    #: Names of the laws that ship, those of their files, the default first. Motions have a folder.
+    _NAMES = dict.fromkeys(("walton_braun", *module_names("sim.laws")))
+    LawName = Literal[tuple(name for name in _NAMES if name != "motions")]
 
 SlidingDirection = Literal["printed", "slip"]
 
@@ -453,14 +454,6 @@ class SphereParameters(Parameters):
             for name in ("diameter_spread", "bumps"):
                 if getattr(self, name):
                     raise broken_rule(name, getattr(self, name), f"0 with law: {self.law}")
-        return self
-
-    @model_validator(mode="after")
-    def _require_drag_for_shear_damping(self) -> Self:
-        usual = type(self).model_fields["shear_damping"].default
-        if self.law != "drag" and self.shear_damping != usual:
-            allowed = f"{usual:g} unless law is drag, whose it is"
-            raise broken_rule("shear_damping", self.shear_damping, allowed)
         return self
 
     @model_validator(mode="after")

@@ -1,22 +1,22 @@
 """The vibrating belt, a rigid line that carries a ghost disk per contact, and the obstacle.
 
-The belt moves harmonically, or by the motion of a plug-in. The obstacle is a disk of infinite mass,
+The obstacle is a disk of infinite mass,
 fixed in the laboratory, that the belt does not move.
 """
 
-from math import cos, sin, sqrt
+from math import sqrt
 from typing import NamedTuple
 
 import numpy as np
 
-from sim.engine.boundary.own_motion import shape_of
-from sim.engine.compile import append_negative, assume_no_alias, implements, inlined, kernel
+from sim.engine.boundary.motion import Harmonic, shape_of
+from sim.engine.compile import append_negative, assume_no_alias, inlined, kernel
 from sim.engine.contact.damping import disk_force, dissipated_powers, elastic_energy
 from sim.engine.dynamics.cells import nearest_image
 
 
 class Belt(NamedTuple):
-    """x = A_x sin(ωt + φ), z = A_z sin(ωt + φ) (Gallas et al., Eq. 1).
+    """x = A_x s_x(ωt + φ), z = A_z s_z(ωt + φ), both s the sine for a harmonic ``motion``.
 
     ``amplitude_x``, ``amplitude_z`` (m); ``angular_frequency`` ω (1/s), 0 for a belt at rest;
     ``phase`` φ (rad); ``surface`` (m), height of the ghost's surface above the line: 0 for a ghost
@@ -30,50 +30,15 @@ class Belt(NamedTuple):
     phase: float
     surface: float
     inverse_mass: float = 0.0
-
-
-class OwnBelt(NamedTuple):
-    """A belt with the motion of a plug-in: x = A_x s_x(ωt + φ), z = A_z s_z(ωt + φ).
-
-    The type of ``motion``, the plug-in's parameters, selects s_x and s_z; all else as in `Belt`.
-    """
-
-    amplitude_x: float
-    amplitude_z: float
-    angular_frequency: float
-    phase: float
-    surface: float
-    inverse_mass: float
-    motion: NamedTuple
-
-
-def belt_state(belt, time):
-    """Return height (m) and velocity (x, z) (m/s) of the belt."""
-    raise NotImplementedError
-
-
-@implements(belt_state)
-def _belt_state(belt, time):
-    if belt.instance_class is Belt:
-        return lambda belt, time: _harmonic_state(belt, time)
-    return lambda belt, time: _own_state(belt, time)
+    motion: NamedTuple = Harmonic()
 
 
 @inlined
-def _own_state(belt, time):
+def belt_state(belt, time):
+    """Return height (m) and velocity (x, z) (m/s) of the belt (Gallas et al., Eq. 1)."""
     z, along, up = shape_of(belt.motion, belt.angular_frequency * time + belt.phase)
     speed_x = belt.amplitude_x * belt.angular_frequency * along
     return belt.amplitude_z * z, (speed_x, belt.amplitude_z * belt.angular_frequency * up)
-
-
-@inlined
-def _harmonic_state(belt, time):
-    angle = belt.angular_frequency * time + belt.phase
-    speed = belt.angular_frequency * cos(angle)
-    return (
-        belt.amplitude_z * sin(angle),
-        (belt.amplitude_x * speed, belt.amplitude_z * speed),
-    )
 
 
 @kernel

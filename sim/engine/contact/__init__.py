@@ -11,6 +11,8 @@ hold bodies that are compiled by hand.
 
 from typing import NamedTuple
 
+from sim.engine.compile import make_numbers
+from sim.engine.contact.functions import add_law
 from sim.parameters.laws import LAW
 from sim.parameters.spheres import SphereParameters
 
@@ -26,15 +28,4 @@ class Partners(NamedTuple):
 
 def law_of(parameters: SphereParameters, partners: Partners) -> NamedTuple:
     """Return the law that a point names, for one kind of partners."""
-    law = parameters.option("law")
-    if law.compiled_by_hand:
-        return law.make(parameters, partners)
-    from sim.engine.contact.functions import add_law
-
-    if LAW.is_own(parameters.law):
-        from sim.engine.compile import make_numbers
-
-        return make_numbers(LAW, parameters.law, add_law, parameters, partners)
-    numbers = law.make(parameters, partners)
-    add_law(type(numbers), law, has_plugin=False)
-    return numbers
+    return make_numbers(LAW, parameters, add_law, parameters, partners)

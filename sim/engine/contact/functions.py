@@ -131,7 +131,7 @@ def _stored_energy(law, overlap, memory):
     )
 
 
-def add_law(kind, law, has_plugin=True):
+def add_law(kind, law, has_plugin):
     """Register a type of parameters as a law, with its functions, of a plug-in or of Talus."""
     if adopt_type(kind, has_plugin):
         _add_functions(kind, law.force, law.energy, law.remembers)

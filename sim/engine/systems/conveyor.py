@@ -6,7 +6,6 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from sim.engine.boundary.drive import (
-    OwnVibration,
     Vibration,
     plane_position,
     plane_velocity,
@@ -47,7 +46,7 @@ class Conveyor(PlaneFlow):
     state_names = (*PlaneFlow.state_names, "drive", "plane_work")
 
     parameters: ConveyorParameters
-    drive: Vibration | OwnVibration
+    drive: Vibration
 
     def __init__(self, parameters: ConveyorParameters, replicate: int, substeps: int = 1):
         super().__init__(parameters, replicate, substeps, path_interval=1 / 40)
@@ -64,7 +63,7 @@ class Conveyor(PlaneFlow):
         self.scales = Scales(still, negligible, p.drift, p.target)
         self._add_velocity(-self._starting_velocity())
 
-    def _drive(self) -> Vibration | OwnVibration:
+    def _drive(self) -> Vibration:
         return vibration(self.parameters, self.gravity)
 
     def take_over(self, other: "Conveyor") -> None:

@@ -6,8 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sim.engine.boundary.belt import Belt, OwnBelt, belt_height
-from sim.engine.boundary.own_motion import own_motion
+from sim.engine.boundary.belt import Belt, belt_height
+from sim.engine.boundary.motion import motion_of
 from sim.engine.compile import inlined, kernel
 from sim.engine.dynamics.cells import Box, make_box, nearest_image
 from sim.engine.dynamics.disks import CORRECTORS, Gear, Verlet
@@ -244,28 +244,27 @@ def _lift(p: BeltParameters) -> float:
     return lift
 
 
-def vibration(p: BeltParameters, frequency: float) -> Belt | OwnBelt:
+def vibration(p: BeltParameters, frequency: float) -> Belt:
     """Return the belt vibrating at a frequency (Hz), or at rest in its initial phase."""
     amplitude = p.amplitude * p.diameter
     # Not tan(90°), which rounds to a finite number: a vertical vibration has A_x = 0.
     slope = tan(radians(p.vibration_angle)) if p.vibration_angle < 90.0 else np.inf
     surface = 0.5 * p.diameter if p.belt_ghost == "centred" else 0.0
-    belt = Belt(
+    return Belt(
         amplitude / slope,
         amplitude,
         2.0 * pi * frequency,
         radians(p.phase),
         surface,
         inverse_mass=1.0 / p.mass if p.ghost_mass == "mean" else 0.0,
+        motion=motion_of(p),
     )
-    motion = own_motion(p)
-    return belt if motion is None else OwnBelt(*belt, motion)
 
 
 class Stage(NamedTuple):
     """How the bed moves in a stage: the ``belt``, the ``integrator``, the words for messages."""
 
-    belt: Belt | OwnBelt
+    belt: Belt
     integrator: Gear | Verlet
     words: str
 

@@ -1,6 +1,6 @@
-"""Motions of plug-ins for belt and plane; the type of a motion's numbers selects its function."""
+"""Motions of belt and plane; the type of a motion's numbers selects its compiled function."""
 
-from math import pi
+from math import cos, pi, sin
 from typing import NamedTuple
 
 import numpy as np
@@ -27,16 +27,28 @@ NODES, WEIGHTS = np.polynomial.legendre.leggauss(4)
 PERIOD_TOLERANCE, HEIGHT_TOLERANCE = 1e-3, 0.02
 
 
-def own_motion(p: Parameters) -> "NamedTuple | None":
-    """Return the motion of a point, None where it is not that of a plug-in."""
+class Harmonic(NamedTuple):
+    """The harmonic motion, a sin(ωt + φ); that of a plane may have a second frequency.
+
+    A plane adds b sin(kωt + ψ), with ``overtone`` k and for x and z ``phase`` φ (rad) and
+    ``second`` b (m); ``second_phase`` ψ (rad) is that of both.
+    """
+
+    overtone: float = 1.0
+    phase: tuple[float, float] = (0.0, 0.0)
+    second: tuple[float, float] = (0.0, 0.0)
+    second_phase: float = 0.0
+
+
+def motion_of(p: Parameters) -> NamedTuple:
+    """Return the motion of a point."""
+    motion = make_numbers(MOTION, p, add_motion, p)
     option = getattr(p, MOTION.name, "")
-    if not MOTION.is_own(option):
-        return None
-    motion = make_numbers(MOTION, option, add_motion, p)
-    try:
-        _require_sound(motion)
-    except ValueError as error:
-        raise plugin_error(MOTION.name, plain_name(option), error) from None
+    if MOTION.is_own(option):
+        try:
+            _require_sound(motion)
+        except ValueError as error:
+            raise plugin_error(MOTION.name, plain_name(option), error) from None
     return motion
 
 
@@ -77,8 +89,15 @@ def _require_sound(motion: NamedTuple) -> None:
 
 
 def shape_of(motion, angle):
-    """Return the result of a plug-in's function ``state``, see `sim.parameters.motions.motion`."""
+    """Return the result of a motion's function ``state``, see `sim.parameters.motions.motion`."""
     raise NotImplementedError
+
+
+@implements(shape_of)
+def _harmonic_shape(motion, angle):
+    if motion.instance_class is not Harmonic:
+        return None
+    return lambda motion, angle: (sin(angle), cos(angle), cos(angle))
 
 
 def checked_state(motion, returned):
@@ -86,9 +105,9 @@ def checked_state(motion, returned):
     raise NotImplementedError
 
 
-def add_motion(kind, motion):
-    """Register a type of parameters as a motion, with the function of a plug-in."""
-    if not adopt_type(kind):
+def add_motion(kind, motion, has_plugin):
+    """Register a type of numbers as a motion, with its function."""
+    if not adopt_type(kind, has_plugin):
         return
     own_state = inlined(motion.state)
 
@@ -114,15 +133,6 @@ def states(motion, angles):
         height, along, upward = shape_of(motion, angles[k])
         results[0, k], results[1, k], results[2, k] = height, along, upward
     return results
-
-
-@kernel
-def heights(motion, angles):
-    """Return the heights of a base at angles (K,), in amplitudes."""
-    height = np.empty(angles.size)
-    for k in range(angles.size):
-        height[k] = shape_of(motion, angles[k])[0]
-    return height
 
 
 @kernel
