@@ -9,6 +9,7 @@ from pydantic.fields import FieldInfo
 from pydantic_core import PydanticCustomError
 
 from sim.base.additions import plain_name, shipped
+from sim.parameters import fields
 from sim.parameters.roles import declare
 
 SIGNIFICANT_DIGITS = 12
@@ -114,24 +115,16 @@ class Parameters(BaseModel):
 
     if TYPE_CHECKING:
         # Every concrete system adds these, with its own ranges, defaults and meanings.
-        @property
-        def system(self) -> str: ...
-        @property
-        def diameter(self) -> float: ...
-        @property
-        def mass(self) -> float: ...
-        @property
-        def gravity(self) -> float: ...
-        @property
-        def stiffness(self) -> float: ...
-        @property
-        def transient(self) -> float: ...
-        @property
-        def average(self) -> float: ...
-        @property
-        def limit(self) -> float: ...
-        @property
-        def trajectory(self) -> float: ...
+        system: str = ""
+        diameter: float = 0.0
+        mass: float = 0.0
+        gravity: float = 0.0
+        stiffness: float = 0.0
+        transient: float = 0.0
+        average: float = 0.0
+        limit: float = 0.0
+        trajectory: float = 0.0
+
         @property
         def time_unit(self) -> float: ...
         @property
@@ -147,7 +140,6 @@ class Parameters(BaseModel):
 
     seed: int = declare(
         1,
-        unit="1",
         description="seed of the first replicate's initial state",
         role="numerics",
         ge=0,
@@ -155,7 +147,6 @@ class Parameters(BaseModel):
     )
     replicates: int = declare(
         1,
-        unit="1",
         description="independent runs from different initial states",
         role="amount",
         ge=1,
@@ -174,11 +165,8 @@ class Parameters(BaseModel):
         max_length=1000,
     )
 
-    trajectory_contacts: bool = declare(
-        False,
-        description="also keep the contacts in each frame of the trajectory: partners and forces",
-        role="numerics",
-        added=True,
+    trajectory_contacts: bool = fields.extra(
+        "also keep the contacts in each frame of the trajectory: partners and forces",
     )
 
     # Not an amount: ids of points and names of curves distinguish the protocols.
@@ -189,7 +177,6 @@ class Parameters(BaseModel):
     )
     target: Real = declare(
         0.02,
-        unit="1",
         description="half width of the 95 % interval of the mean velocity, relative to the mean, "
         "at which a run of the converged protocol ends; under both protocols a change of the "
         "velocity over the window by five times as much (at least 0.1, at most 0.25) is a drift",
@@ -206,16 +193,6 @@ class Parameters(BaseModel):
         """Return the law or the motion that the point has; the first of Talus where it has none."""
         options = self.options(choice)
         return options[getattr(self, choice, next(iter(options)))]
-
-    @model_validator(mode="after")
-    def _require_option_of_parameters(self) -> Self:
-        fields = type(self).model_fields
-        for choice in CHOICES:
-            for name, option in self.options(choice).items() if choice in fields else ():
-                others = (*option.owns, *option.parameters) if name != getattr(self, choice) else ()
-                for key in fields.keys() & set(others):
-                    require_default(self, key, f"{choice} is {plain_name(name)}, whose it is")
-        return self
 
     @property
     def glued_particles(self) -> int:
@@ -321,16 +298,35 @@ class Parameters(BaseModel):
         return frames * SINGLE * (numbers + self.trajectory_room * (2 + self.axes))
 
     @model_validator(mode="after")
-    def _require_feasible_magnitude(self) -> Self:
+    def _require_rules(self) -> Self:
+        self.require_rules()
+        # The last rule, as the rules before it bound the numbers of particles.
+        self._require_feasible_trajectory()
+        return self
+
+    def require_rules(self) -> None:
+        """Raise for values that do not go together; a system adds its own rules."""
+        self._require_option_of_parameters()
+        self._require_feasible_magnitude()
+        self._require_feasible_size()
+
+    def _require_option_of_parameters(self) -> None:
+        for choice in CHOICES:
+            chosen = getattr(self, choice, "")
+            others = {name: one for name, one in self.options(choice).items() if name != chosen}
+            for name, option in others.items() if chosen else ():
+                for key in (*option.owns, *option.parameters):
+                    if key in type(self).model_fields:
+                        require_default(self, key, f"{choice} is {plain_name(name)}, whose it is")
+
+    def _require_feasible_magnitude(self) -> None:
         for name, field in type(self).model_fields.items():
             value = getattr(self, name)
             least = _least_feasible(field)
             if isinstance(value, float) and not least <= value <= LARGEST:
                 raise broken_rule(name, value, f"a number in [{least:g}, {LARGEST:g}]")
-        return self
 
-    @model_validator(mode="after")
-    def _require_feasible_size(self) -> Self:
+    def _require_feasible_size(self) -> None:
         # Comparisons are written so that inf and nan, from extreme inputs, fail them too.
         if not 0 < self.time_step < float("inf"):
             raise broken_rule("stiffness", self.stiffness, "a value that gives a finite time step")
@@ -349,7 +345,21 @@ class Parameters(BaseModel):
         if self.protocol == "converged" and self.limit < shortest:
             allowed = f"at least transient + average = {shortest:g}"
             raise broken_rule("limit", self.limit, allowed)
-        return self
+
+    def _require_feasible_trajectory(self) -> None:
+        """Raise for a trajectory without any frame, too large, or with contacts but no frames."""
+        if self.trajectory_contacts and not self.trajectory:
+            allowed = "false without a trajectory, whose frames have them"
+            raise broken_rule("trajectory_contacts", self.trajectory_contacts, allowed)
+        if self.trajectory_samples > self.shortest_samples:
+            allowed = f"0 or at most transient + average = {self.transient + self.average:g}"
+            raise broken_rule("trajectory", self.trajectory, allowed)
+        if self.trajectory_bytes > MAX_TRAJECTORY:
+            interval = self.trajectory_samples * self.sample_steps * self.time_step / self.time_unit
+            # 1 % more, as the message shows three digits.
+            least = 1.01 * interval * self.trajectory_bytes / MAX_TRAJECTORY
+            limit = f"the frames of a run take at most {MAX_TRAJECTORY / 1e9:g} GB"
+            raise broken_rule("trajectory", self.trajectory, f"0 or at least {least:.3g}: {limit}")
 
 
 def _least_feasible(field: FieldInfo) -> float:
@@ -359,20 +369,3 @@ def _least_feasible(field: FieldInfo) -> float:
             least = float(bound.ge if isinstance(bound, Ge) else bound.gt)  # type: ignore[arg-type]
             return SMALLEST if isinstance(bound, Gt) and least == 0 else least
     return -LARGEST
-
-
-def require_feasible_trajectory(parameters: Parameters) -> None:
-    """Raise for a trajectory without any frame, too large, or with contacts but no frames."""
-    p = parameters
-    if p.trajectory_contacts and not p.trajectory:
-        allowed = "false without a trajectory, whose frames have them"
-        raise broken_rule("trajectory_contacts", p.trajectory_contacts, allowed)
-    if p.trajectory_samples > p.shortest_samples:
-        allowed = f"0 or at most transient + average = {p.transient + p.average:g}"
-        raise broken_rule("trajectory", p.trajectory, allowed)
-    if p.trajectory_bytes > MAX_TRAJECTORY:
-        interval = p.trajectory_samples * p.sample_steps * p.time_step / p.time_unit
-        # 1 % more, as the message shows three digits.
-        least = 1.01 * interval * p.trajectory_bytes / MAX_TRAJECTORY
-        limit = f"the frames of a run take at most {MAX_TRAJECTORY / 1e9:g} GB"
-        raise broken_rule("trajectory", p.trajectory, f"0 or at least {least:.3g}: {limit}")
