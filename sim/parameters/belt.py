@@ -11,7 +11,7 @@ from sim.parameters.common import (
     Real,
     broken_rule,
 )
-from sim.parameters.roles import declare
+from sim.parameters.roles import declare, numerics, reading
 
 #: Stiffness (g⟨m⟩/⟨d⟩) of the paper.
 STIFFNESS = 1000.0
@@ -146,12 +146,11 @@ class BeltParameters(Parameters):
         description="frequency at which the bed has been shaken before, for sweeps (0: at rest)",
         ge=0,
     )
-    prior_cycles: int = declare(
+    prior_cycles: int = numerics(
         60,
         symbol="t_0",
         scale="cycles",
         description="how many cycles of prior_frequency went before",
-        role="numerics",
         ge=1,
         le=100_000,
     )
@@ -189,25 +188,23 @@ class BeltParameters(Parameters):
         ge=0,
         lt=360,
     )
-    steps_per_cycle: int = declare(
+    steps_per_cycle: int = numerics(
         2000,
         symbol="1/(fΔt)",
         description="time steps in one cycle of the vibration",
         equation="Gallas, Sec. 2: Δt = 1/(2000 f)",
-        role="numerics",
         ge=100,
         le=1_000_000,
     )
     samples_per_cycle: int = fields.samples_per_cycle(
         "samples of the observables in one cycle (divides steps_per_cycle)"
     )
-    slice_height: Real = declare(
+    slice_height: Real = numerics(
         1,
         symbol="Δz",
         scale="⟨d⟩",
         description="height of the slices of the profiles (0.5 gives every grid of ⟨d⟩)",
         equation="Gallas, Sec. 3",
-        role="numerics",
         added=True,
         ge=0.1,
         le=10,
@@ -238,86 +235,76 @@ class BeltParameters(Parameters):
         equation="Gallas, Sec. 2: 9·10⁴ steps",
     )
     limit: Real = fields.limit(1500, fields.CYCLES)
-    settle_velocity_squared: Real = declare(
+    settle_velocity_squared: Real = numerics(
         1e-8,
         symbol="⟨v²⟩",
         unit="m2 s-2",
         description="mean squared velocity below which the bed is at rest and the shaking starts",
         equation="Gallas, Sec. 2",
-        role="numerics",
         gt=0,
     )
-    overlap_limit: Real = declare(
+    overlap_limit: Real = numerics(
         0.95,
         symbol="δ_lim",
         scale="r_i + r_j",
         description="overlap at which the run stops as unphysical (the published stiffness lets "
         "beads overlap by more than half a radius from 20 Hz on)",
-        role="numerics",
         gt=0,
         le=0.95,
     )
-    damping_mass: Literal["own", "reduced"] = declare(
+    damping_mass: Literal["own", "reduced"] = reading(
         "own",
         description="mass in the damping terms: the bead's own, or the reduced mass of the pair",
         equation="Gallas, Eqs. 3, 4",
-        role="reading",
         compiled=True,
     )
-    belt_ghost: Literal["below", "centred"] = declare(
+    belt_ghost: Literal["below", "centred"] = reading(
         "below",
         description="the belt acts as a bead that is tangent to its line from below, or centred "
         "on it",
         equation="Gallas, Sec. 2",
-        role="reading",
     )
-    ghost_mass: Literal["infinite", "mean"] = declare(
+    ghost_mass: Literal["infinite", "mean"] = reading(
         "infinite",
         description="mass of the bead as which the belt acts: infinite, or that of a bead of mean "
         "diameter (with damping_mass: reduced)",
         equation="Gallas, Sec. 2",
-        role="reading",
         added=True,
     )
-    attraction: Literal["kept", "clipped"] = declare(
+    attraction: Literal["kept", "clipped"] = reading(
         "kept",
         description="an attractive total normal force at the end of a contact is kept or set to 0",
         equation="Gallas, Eqs. 2, 3",
-        role="reading",
         compiled=True,
     )
-    integrator: Literal["gear", "verlet"] = declare(
+    integrator: Literal["gear", "verlet"] = reading(
         "gear",
         description="Gear predictor-corrector, or velocity Verlet",
         equation="Gallas, Sec. 2",
-        role="reading",
         compiled=True,
     )
-    corrector_order: int = declare(
+    corrector_order: int = reading(
         5,
         description="order of Gear's predictor-corrector: 3, 4 or 5, which keep as many "
         "derivatives of the position",
         equation="Gallas, Sec. 2",
-        role="reading",
         added=True,
         ge=3,
         le=5,
     )
-    corrections: int = declare(
+    corrections: int = reading(
         1,
         description="how often Gear's corrector acts in a step, with forces evaluated anew",
         equation="Gallas, Sec. 2",
-        role="reading",
         added=True,
         ge=1,
         le=2,
     )
-    stiffness_keeps: Literal["damping", "restitution"] = declare(
+    stiffness_keeps: Literal["damping", "restitution"] = reading(
         "damping",
         description="another stiffness than the paper's leaves γ as it is, or multiplies it by "
         "√(Y/1000), which leaves the restitution",
         equation="Gallas, Sec. 3",
-        role="reading",
         added=True,
     )
 

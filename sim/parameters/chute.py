@@ -5,7 +5,7 @@ from typing import ClassVar, Literal
 
 from sim.parameters import fields
 from sim.parameters.common import Real, broken_rule
-from sim.parameters.roles import declare
+from sim.parameters.roles import declare, numerics
 from sim.parameters.spheres import SphereParameters
 
 #: Scale of times.
@@ -45,12 +45,11 @@ class ChuteParameters(SphereParameters):
         200, TIME, description="time averaged over", equation="Walton, Sec. 1"
     )
     limit: Real = fields.limit(3000, TIME)
-    sample_interval: Real = declare(
+    sample_interval: Real = numerics(
         0.25,
         symbol="Δt_s",
         scale=TIME,
         description="time between two samples of the observables",
-        role="numerics",
         gt=0,
         le=100,
     )

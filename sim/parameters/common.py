@@ -10,7 +10,7 @@ from pydantic_core import PydanticCustomError
 
 from sim.base.additions import plain_name, shipped
 from sim.parameters import fields
-from sim.parameters.roles import declare
+from sim.parameters.roles import amount, declare, numerics
 
 SIGNIFICANT_DIGITS = 12
 MAX_PARTICLES = 10_000_000
@@ -138,26 +138,23 @@ class Parameters(BaseModel):
         @property
         def rate(self) -> float: ...
 
-    seed: int = declare(
+    seed: int = numerics(
         1,
         description="seed of the first replicate's initial state",
-        role="numerics",
         ge=0,
         le=2**32 - 1,
     )
-    replicates: int = declare(
+    replicates: int = amount(
         1,
         description="independent runs from different initial states",
-        role="amount",
         ge=1,
         le=1000,
     )
 
-    start_from: str = declare(
+    start_from: str = numerics(
         "",
         description="run from whose final states the replicates start: the id of a point of the "
         "same study, or a run file (*.nc); omitted, they start as in the paper",
-        role="numerics",
         changes_start=True,
         added=True,
         allowed="the id of a point of the study, or a run file (*.nc)",
@@ -175,12 +172,11 @@ class Parameters(BaseModel):
         description="lengths exactly as given, or from there on until the mean velocity is known "
         "to within target and no drift is left",
     )
-    target: Real = declare(
+    target: Real = amount(
         0.02,
         description="half width of the 95 % interval of the mean velocity, relative to the mean, "
         "at which a run of the converged protocol ends; under both protocols a change of the "
         "velocity over the window by five times as much (at least 0.1, at most 0.25) is a drift",
-        role="amount",
         ge=0.001,
         le=0.5,
     )

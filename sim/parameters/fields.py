@@ -5,7 +5,7 @@
 
 from typing import Any
 
-from sim.parameters.roles import declare
+from sim.parameters.roles import amount, declare, numerics
 
 #: Scale of times of shaken systems.
 CYCLES = "cycles"
@@ -48,46 +48,43 @@ def shear_damping(description: str, **own: Any) -> Any:
 
 def initial_velocity(default: Any = ..., *, scale: str, **own: Any) -> Any:
     """Declare the velocity of all particles at the start."""
-    start = {"role": "numerics", "changes_start": True, "ge": 0}
-    return declare(default, symbol="V0", unit="1", scale=scale, **start | own)
+    return numerics(default, symbol="V0", scale=scale, changes_start=True, ge=0, **own)
 
 
 def samples_per_cycle(description: str, **own: Any) -> Any:
     """Declare how often a shaken system is sampled."""
-    return declare(20, description=description, role="numerics", ge=1, **own)
+    return numerics(20, description=description, ge=1, **own)
 
 
 def transient(default: float, scale: str, **own: Any) -> Any:
     """Declare the length of a run before averaging."""
-    return declare(default, symbol="t_tr", scale=scale, role="numerics", ge=0, **own)
+    return numerics(default, symbol="t_tr", scale=scale, ge=0, **own)
 
 
 def average(default: float, scale: str, **own: Any) -> Any:
     """Declare the length of the window of averages."""
-    return declare(default, symbol="t_av", scale=scale, role="amount", gt=0, **own)
+    return amount(default, symbol="t_av", scale=scale, gt=0, **own)
 
 
 def limit(default: float, scale: str) -> Any:
     """Declare the length at which the converged protocol ends."""
-    return declare(
+    return amount(
         default,
         symbol="t_max",
         scale=scale,
         description="longest run of the converged protocol, whose cost `points` tells",
-        role="amount",
         gt=0,
     )
 
 
 def trajectory(scale: str) -> Any:
     """Declare the interval of the frames of a trajectory."""
-    return declare(
+    return numerics(
         0,
         symbol="Δt_f",
         scale=scale,
         description="time from one frame of the trajectory, which has the state of every particle, "
         "to the next (0: none); in whole samples",
-        role="numerics",
         added=True,
         ge=0,
     )
@@ -95,4 +92,4 @@ def trajectory(scale: str) -> Any:
 
 def extra(description: str, **own: Any) -> Any:
     """Declare a switch by which a run records more; it changes no flow."""
-    return declare(False, description=description, role="numerics", added=True, **own)
+    return numerics(False, description=description, added=True, **own)

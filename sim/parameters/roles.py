@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, Literal, cast
 
 from pydantic import BaseModel, Field
@@ -105,6 +106,12 @@ def declare(
     if "default_factory" not in options:
         options["default"] = default
     return Field(description=description, json_schema_extra=declaration, **options)
+
+
+#: `declare` for the other roles than physics.
+reading, numerics, amount = (
+    partial(declare, role=role) for role in ("reading", "numerics", "amount")
+)
 
 
 def declarations(model: type[BaseModel]) -> dict[str, Declaration]:

@@ -7,7 +7,7 @@ from sim.base.additions import attribute_errors_to, plain_name
 from sim.base.plugins import module_names
 from sim.parameters import fields
 from sim.parameters.common import MAX_PARTICLES, Parameters, Real, broken_rule
-from sim.parameters.roles import declare
+from sim.parameters.roles import declare, numerics, reading
 
 #: Particle-steps per second on one core of a present-day server up to a depth, that depth, and the
 #: exponent with which the rate falls above it, as there are more contacts per particle.
@@ -121,41 +121,37 @@ class SphereParameters(Parameters):
         id_part="stiffness",
         gt=0,
     )
-    law: LawName = declare(
+    law: LawName = reading(
         "walton_braun",
         description="contact law: Walton and Braun's; the linear spring and dashpot with a linear "
         "tangential spring that most DEM codes use; Hertz's and Mindlin's, at an overlap of σ/100 "
         "as stiff as the spring K1; or the spring of the belt with its drags, without friction",
         equation="Walton, Sec. 2; Cundall and Strack (1979); Gallas, Eqs. 2-4",
-        role="reading",
         compiled=True,
     )
-    tangential_ratio: Real = declare(
+    tangential_ratio: Real = reading(
         0.8,
         symbol="K0/K1",
         description="initial tangential stiffness relative to the normal stiffness",
         equation="Walton, Eq. 1",
-        role="reading",
         gt=0,
     )
     shear_damping: Real = fields.shear_damping(
         "shear friction coefficient of law: drag", added=True
     )
-    tangential_exponent: Real = declare(
+    tangential_exponent: Real = reading(
         1 / 3,
         symbol="γ",
         description="exponent of the tangential stiffness (0: linear spring)",
         equation="Walton, Eq. 1",
-        role="reading",
         compiled=True,
         ge=0,
     )
-    cell: Real = declare(
+    cell: Real = numerics(
         symbol="L",
         scale="σ",
         description="side of the periodic cell (omitted: 10 up to depth 10, 5 above)",
         equation="Walton, Sec. 3, Figs. 1.1-1.6",
-        role="numerics",
         changes_start=True,
         ge=3,
         default_factory=lambda values: 10 if values["depth"] <= 10 else 5,
@@ -210,84 +206,75 @@ class SphereParameters(Parameters):
         added=True,
     )
     gravity: Real = fields.gravity(9.8, "Walton, Sec. 3")
-    initial_packing: Real = declare(
+    initial_packing: Real = numerics(
         0.32,
         symbol="φ0",
         description="packing fraction of the random initial state",
         equation="Walton, Sec. 1: 0.4 or less",
-        role="numerics",
         ge=0.001,
         le=0.35,
     )
-    initial_agitation: Real = declare(
+    initial_agitation: Real = numerics(
         0.1,
         symbol="u0",
         scale="√(gσ)",
         description="root mean square of the random initial velocities",
         equation="Walton, Sec. 1",
-        role="numerics",
         ge=0,
     )
-    steps_per_collision: int = declare(
+    steps_per_collision: int = numerics(
         40,
         symbol="t_c/Δt",
         description="time steps in one binary collision",
         equation="t_c = (π/2) √(m/2K1) (1 + e)",
-        role="numerics",
         ge=10,
         le=1000,
     )
-    slice_height: Real = declare(
+    slice_height: Real = numerics(
         0.25,
         symbol="Δz",
         scale="σ",
         description="height of the slices of the profiles",
         equation="Walton, Figs. 1.1-1.6",
-        role="numerics",
         ge=0.01,
     )
     stress_profiles: bool = fields.extra(
         "also keep profiles of stress, spin and slip, and how the profiles change with time",
         compiled=True,
     )
-    overlap_limit: Real = declare(
+    overlap_limit: Real = numerics(
         0.25,
         symbol="α_lim",
         scale="σ",
         description="overlap at which the run stops as unphysical (0.25: half a radius)",
-        role="numerics",
         gt=0,
         le=0.95,
     )
-    orientations: bool = declare(
+    orientations: bool = numerics(
         True,
         description="follow the orientations of the particles (changes no trajectory)",
         equation="Walton, Sec. 2",
-        role="numerics",
         compiled=True,
     )
-    threads: int = declare(
+    threads: int = numerics(
         1,
         description="threads of one run (pays from some thousand particles on); the bits of the "
         "result depend on their number",
-        role="numerics",
         ge=1,
         le=256,
     )
-    overlap_memory: Literal["separation", "shrink", "reset"] = declare(
+    overlap_memory: Literal["separation", "shrink", "reset"] = reading(
         "separation",
         description="the largest overlap of a contact is remembered until the particles separate, "
         "shrinks with the overlap once the force is zero, or is reset when the force is zero",
         equation="Walton, Sec. 2.1: α0",
-        role="reading",
         compiled=True,
     )
-    friction_cap: Literal["before", "after"] = declare(
+    friction_cap: Literal["before", "after"] = reading(
         "before",
         description="a tangential force above the friction limit is cut before or after the "
         "tangential stiffness is evaluated",
         equation="Walton, Sec. 2.2",
-        role="reading",
         compiled=True,
     )
 
