@@ -18,7 +18,6 @@ from sim.engine.observe.force_balance import inertial_number, shear_rate, stress
 from sim.engine.observe.samples import add_sums
 from sim.engine.systems import build, leap_frog
 from sim.engine.systems.leap_frog import FlowContacts
-from sim.parameters.variables import variables_of
 from tests.engine.dynamics.test_chute_reference import SPEED, dense_state, laws
 from tests.engine.reference import chute as slow
 from tests.engine_motion.helpers import MASS, RADIUS
@@ -124,24 +123,6 @@ def test_mean_stress_of_successive_steps_is_the_weight_above_but_for_what_moment
     assert tangent * weight - shear == pytest.approx(gained[:, 0], abs=1e-9 * weight[0])
     full = system.mass * -system.gravity[2] / system.slices.area
     assert weight[0] == pytest.approx(full, rel=1e-12)
-
-
-def test_steady_flow_is_in_balance_with_the_weight_above():
-    """Within what a flow of 62 spheres still gains in 100 √(σ/g), in all slices."""
-    often = {"depth": 2.5, "sample_interval": 0.02}
-    system = moving(samples=5000, **often)
-    total = system.no_profiles()
-    for _ in range(5000):
-        total = tuple(add_sums(*pair) for pair in zip(total, sums_of(system), strict=True))
-    found = system.tables(total)
-    weight = found["overburden_profile"]
-    for name, factor in (("normal", 1.0), ("shear", np.tan(np.radians(17)))):
-        stress = found[f"contact_{name}_stress_profile"] + found[f"kinetic_{name}_stress_profile"]
-        assert stress == pytest.approx(factor * weight, abs=0.04 * factor * weight[0])
-    # At the plane spheres touch and hardly move; far above they fly.
-    heavy = weight > 0.1 * weight[0]
-    kinetic = found["kinetic_normal_stress_profile"]
-    assert kinetic[0] == 0.0 and kinetic[heavy][-1] > 0.2 * weight[heavy][-1]
 
 
 def test_contact_stress_is_that_of_the_reference():
@@ -283,16 +264,3 @@ def steady():
     for _ in range(point.average_samples):
         sums = tuple(add_sums(*pair) for pair in zip(sums, sums_of(system), strict=True))
     return system, system.profiles(sums) | system.tables(sums)
-
-
-def test_profiles_that_are_asked_for_change_no_motion():
-    asked, usual = (moving(samples=0, stress_profiles=value) for value in (True, False))
-    for _ in range(10):
-        with_them, without = asked.sample(3, profiles=True), usual.sample(3, profiles=True)
-        assert with_them.first() == without.first()
-    assert np.array_equal(asked.spheres.position, usual.spheres.position)
-    rows = variables_of("profile", system="chute").values()
-    stresses = {row.name for row in rows if row.asked_by == "stress_profiles" and not row.of}
-    assert len(stresses) == 16
-    assert stresses < set(asked.tables(sums_of(asked)))
-    assert not stresses & set(usual.tables(sums_of(usual)))

@@ -1,14 +1,11 @@
 """The belt: its settled bed, its samples, tiny systems, transport above take-off and none below."""
 
 import numpy as np
-import pandas as pd
 import pytest
 
 from sim.engine.dynamics.status import BlowUp
 from sim.engine.observe.samples import add_sums
 from sim.engine.systems import build
-from sim.engine.systems.start import vibration
-from sim.parameters import parse_point
 from sim.parameters.variables import AT_PHASE_0, parts
 from tests.engine_motion.points import belt_point, series_of, sums_of
 
@@ -74,21 +71,6 @@ def test_obstacle_stands_at_half_the_width_and_one_amplitude():
     assert (system.obstacle.x, system.obstacle.z) == pytest.approx((10e-3, 0.7e-3))
     assert system.obstacle.radius == pytest.approx(0.75e-3)
     assert build(belt_point(), 0).obstacle.radius == 0.0
-
-
-@pytest.mark.parametrize(
-    ("angle", "ratio"), [(90, 0.0), (60, 1 / np.sqrt(3)), (45, 1.0), (30, 3**0.5)]
-)
-def test_horizontal_amplitude_follows_from_the_angle(angle, ratio):
-    motion = vibration(belt_point(vibration_angle=angle, amplitude=0.5), 20)
-    assert motion.amplitude_z == pytest.approx(0.5e-3)
-    assert motion.amplitude_x == pytest.approx(0.5e-3 * ratio, abs=1e-18)
-
-
-def test_belt_starts_at_its_phase_and_turns_with_its_frequency():
-    motion = vibration(belt_point(phase=90), 30)
-    assert motion.phase == pytest.approx(np.pi / 2)
-    assert motion.angular_frequency == pytest.approx(60 * np.pi)
 
 
 def test_same_seed_gives_the_same_bits_and_replicates_differ():
@@ -199,33 +181,6 @@ def test_the_force_on_the_belt_is_what_changes_the_momentum_of_the_bed():
     assert min(times) == 0.0 and max(times) == 1.0
 
 
-def test_forces_on_the_belt_are_kept_where_they_are_asked_for():
-    assert "belt_normal_force" in settled_belt(belt_forces=True).series
-    assert "belt_normal_force" not in settled_belt().series
-
-
-def test_the_temperature_about_the_mean_motion_of_each_phase_is_that_of_all_beads():
-    """Every bead of 100 samples against the mean of those in its slice at its phase."""
-    system = settled_belt(phase=90.0, fluctuation_profiles=True, phase_0_profiles=True)
-    total, beads = list(system.no_profiles()), []
-    for number in range(100):
-        sums = sums_of(system)
-        total = [add_sums(*pair) for pair in zip(total, sums, strict=True)]
-        belt = 1e-3 * np.sin(2 * np.pi * (number + 1) / 20 + np.pi / 2)
-        velocity = system._velocity() - system._velocity().mean(axis=1, keepdims=True)
-        level = np.floor((system.disks.taylor[0, 1] - belt) / 1e-3).astype(int)
-        beads += [(z, number % 20, *v) for z, v in zip(level, velocity.T, strict=True)]
-    table = pd.DataFrame(beads, columns=["slice", "phase", "x", "z"])
-    groups = table.groupby(["slice", "phase"])[["x", "z"]]
-    squares = ((table[["x", "z"]] - groups.transform("mean")) ** 2).mean(axis=1)
-    squares = squares.groupby(table["slice"]).sum()
-    freedom = table.groupby("slice").size() - table.groupby("slice")["phase"].nunique()
-    found = system.tables(total)["fluctuation_temperature_profile"]
-    for level in freedom.index[(freedom.index >= 0) & (freedom > 0)]:
-        assert found[level] == pytest.approx(squares[level] / freedom[level], rel=1e-6)
-    assert np.isfinite(found).sum() > 5
-
-
 def test_profiles_of_the_start_of_the_cycle_are_kept_where_they_are_asked_for():
     system = settled_belt()
     assert not set(parts(AT_PHASE_0, "belt")) & set(system.tables(sums_of(system)))
@@ -256,35 +211,12 @@ def test_a_belt_without_shear_damping_moves_nothing_along():
         assert abs(gained) < 1e-12 * system.disks.mass.sum() * speed
 
 
-@pytest.mark.parametrize("frequency", [20, 80])
-def test_beads_are_never_faster_on_average_than_the_belt(frequency):
-    p = belt_point(frequency=frequency, transient=8, average=12)
-    velocity = series_of(p)["mean_velocity"][p.transient_samples :]
-    speed = p.amplitude * p.diameter * 2 * np.pi * frequency
-    assert 0.2 * speed < velocity.mean() <= speed
-    assert velocity.max() <= speed
-
-
 def mean_transport(frequency, beds, **values) -> np.ndarray:
     """Mean velocities of some beds half as long as usual, in the belt's largest A_x 2 pi f."""
     p = belt_point(frequency=frequency, beads=50, width=10, **values)
     speed = p.amplitude * p.diameter * 2 * np.pi * frequency
     runs = (series_of(p, bed)["mean_velocity"] for bed in range(beds))
     return np.array([run[p.transient_samples :].mean() for run in runs]) / speed
-
-
-def test_mass_flux_is_the_momentum_per_length():
-    """With a sample per step the mean over the interval is the state itself."""
-    point = {"system": "belt", "beads": 20, "width": 8, "frequency": 500}
-    p = parse_point({**point, "steps_per_cycle": 100, "samples_per_cycle": 100}, "test")
-    belt = build(p, 0)
-    belt.settle()
-    sample = belt.advance()
-    momentum = (belt.disks.mass * belt.disks.taylor[1, 0]).sum() / p.time_step
-    assert sample["mass_flux"] == pytest.approx(momentum / (8 * p.diameter), rel=1e-12)
-    assert sample["mass_flux"] != pytest.approx(
-        sample["mean_velocity"] * belt.disks.mass.sum() / (8 * p.diameter), rel=1e-3
-    )
 
 
 def test_no_transport_below_take_off():
@@ -308,16 +240,3 @@ def test_transport_sets_in_between_15_and_17_hz():
     assert above.mean() > 0.2
     assert above.mean() > 5 * above.std(ddof=1) / np.sqrt(3)
     assert above.mean() > 4 * below.mean()
-
-
-def test_transport_depends_neither_on_integrator_nor_ghost_nor_time_step():
-    """At 40 Hz, within four standard errors of the difference of two means over three beds."""
-    published = mean_transport(40, beds=3, transient=6, average=8).mean()
-    for change in (
-        {"integrator": "verlet"},
-        {"corrector_order": 3, "corrections": 2},
-        {"belt_ghost": "centred"},
-        {"steps_per_cycle": 4000},
-    ):
-        found = mean_transport(40, beds=3, transient=6, average=8, **change).mean()
-        assert found == pytest.approx(published, abs=0.1)

@@ -1,4 +1,4 @@
-"""Oblique impacts with the law `hertz`: exact results, its differential equations, full Mindlin."""
+"""Hertz's law: exact results, its differential equations, full Mindlin; the belt's drags."""
 
 from math import sqrt
 
@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from sim.engine.contact import Partners, law_of
-from sim.laws.hertz import effective_modulus
+from sim.laws.hertz import effective_modulus, force
 from sim.parameters import ChuteParameters
 from tests.engine.reference.hertz_impact import RIM, Friction, mindlin_rebound, rebound
-from tests.engine_motion.impacts import Impacts
+from tests.engine_motion.spheres import Impacts
 
 #: Of spheres with Poisson's ratio 0.3.
 SHARE = 2 * (1 - 0.3) / (2 - 0.3)
@@ -78,13 +78,6 @@ def test_rebounds_approach_those_of_the_differential_equations(partners, restitu
     assert np.abs(2 * fine.velocities() - coarse.velocities() - expected).max() < 3e-4
 
 
-def test_without_friction_nothing_changes_across_the_normal():
-    slips_of_law = impacts(Friction(SHARE, 0.0)).velocities()
-    np.testing.assert_allclose(slips_of_law[:, 0], 1.0, rtol=1e-5)
-    np.testing.assert_allclose(slips_of_law[:, 1], SLOPES, rtol=1e-12)
-    np.testing.assert_array_equal(slips_of_law[:, 2], 0.0)
-
-
 #: The second: alumina on glass, as Kharaz, Gorham and Salman (Powder Technol. 120 (2001) 281) have
 #: measured; its damping rubs on while it pulls at the end.
 @pytest.mark.parametrize(
@@ -121,16 +114,6 @@ def test_with_two_sevenths_of_the_stiffness_a_sticking_impact_turns_the_slip_rou
     np.testing.assert_allclose(impact.slips(), -STICKING, atol=1e-3)
 
 
-def test_an_impact_without_loss_goes_backwards_as_it_came():
-    impact = impacts(Friction(2 / 7, 0.3), "unlike", STICKING, 800, unit=1e-7)
-    before, spheres = impact.start / impact.speed, impact.motion.spheres
-    spheres.velocity[:] *= -1
-    spheres.rim[:] *= -1
-    back = impact.run(1.75).velocities()
-    np.testing.assert_allclose(back[:, :2] @ impact.frame, -before, atol=1e-3)
-    np.testing.assert_allclose(back[:, 2:], 0.0, atol=1e-3)
-
-
 def test_full_mindlin_slides_and_rebounds_alike_where_impacts_slide_most_of_the_time():
     """Micro-slip gives up tangential energy of sticking impacts, which the law does not."""
     law, critical = Friction(SHARE, 0.3), 7 * SHARE - 1
@@ -142,3 +125,26 @@ def test_full_mindlin_slides_and_rebounds_alike_where_impacts_slide_most_of_the_
     assert (np.abs(difference[angles >= 3.0]) < 0.22).all()
     assert (np.abs(difference[angles >= critical]) < 3e-3).all()
     assert (full[(angles > 0.7) & (angles < critical)] < 0).all()
+
+
+def test_hertz_at_a_hundredth_of_a_diameter_is_the_spring():
+    point = ChuteParameters(law="hertz")
+    law = law_of(point, Partners(0.4, 0.5 * point.mass, point.time_step))
+    overlap, radius, zero = point.diameter / 100, point.diameter / 4, (0.0, 0.0, 0.0)
+    normal = force(law, overlap, 0.0, zero, zero, (0.0,) * 4, radius, point.mass)[0]
+    assert normal == pytest.approx(point.stiffness * overlap)
+    assert law.modulus == effective_modulus(point)
+
+
+def test_the_shear_drag_stops_a_slip_exponentially():
+    """Two equal solid spheres lose their slip at the rate (7/2) γ_s while they touch."""
+    point = ChuteParameters(law="drag", restitution=0.9, steps_per_collision=400, shear_damping=20)
+    law = law_of(point, Partners(0.4, 0.5 * point.mass, point.time_step))
+    radii, mass = [0.5 * point.diameter] * 2, [point.mass] * 2
+    made, steps = Impacts(law, radii, mass, point.time_step, 0.002, 0.001), 0
+    made.motion.run(1)
+    while not steps or made.touching:
+        made.motion.run(1)
+        steps += 1
+    slowing = np.exp(-3.5 * 20 * point.gravity * (steps - 1) * point.time_step)
+    assert made.slips() == pytest.approx(0.001 * slowing, rel=0.01)

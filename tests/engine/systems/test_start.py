@@ -1,12 +1,70 @@
-"""Controls that claims need: unequal spheres, a bumpy plane, beds shaken or pushed before."""
+"""Random initial positions, and controls that claims need: unequal spheres, a bumpy plane, beds
+shaken or pushed before.
+"""
 
 import numpy as np
 import pytest
 
-from sim.base.errors import InputError
+from sim.engine.dynamics.cells import make_box
 from sim.engine.systems import build
+from sim.engine.systems.start import random_packing
 from tests.engine_motion.helpers import wrapped
 from tests.engine_motion.points import belt_point, chute_point, sums_of
+
+UNIT = 1e-3
+
+
+def least_gap(position, radius, length) -> float:
+    """Smallest distance between surfaces, over all pairs and periodic images (m)."""
+    least = np.inf
+    for i in range(len(position) - 1):
+        apart = wrapped(position[i + 1 :] - position[i], *length)
+        least = min(least, (np.linalg.norm(apart, axis=1) - radius[i] - radius[i + 1 :]).min())
+    return least
+
+
+@pytest.mark.parametrize(
+    ("length", "packing", "spread"),
+    [
+        ((3e-3, 3e-3, 0.0), 0.35, 0.0),
+        ((6e-3, 5e-3, 0.0), 0.32, 0.2),
+        ((12e-3, 0.0), 0.4, 0.0),
+        ((12e-3, 0.0), 0.3, 0.5),
+    ],
+)
+def test_particles_are_inside_without_overlap_at_the_packing_asked_for(length, packing, spread):
+    rng = np.random.default_rng(3)
+    radius = 0.5 * UNIT * rng.uniform(1 - spread, 1 + spread, 150)
+    volume = np.pi * radius**2 if len(length) == 2 else 4 / 3 * np.pi * radius**3
+    height = volume.sum() / (packing * np.prod(length[:-1]))
+    position = random_packing(make_box(*length[:-1]), height, radius, rng)
+    assert least_gap(position, radius, length) >= 0.0
+    assert (position[:, :-1] >= 0).all() and (position[:, :-1] < length[:-1]).all()
+    assert (position[:, -1] >= radius).all() and (position[:, -1] <= radius + height).all()
+    assert position[:, -1].max() > 0.8 * height
+
+
+def test_positions_are_uniform_where_there_is_room():
+    """A dilute layer: each eighth of it holds its share within five standard deviations."""
+    radius = np.full(4000, 0.05 * UNIT)
+    box, rng = make_box(20e-3, 20e-3), np.random.default_rng(5)
+    position = random_packing(box, 20e-3, radius, rng)
+    share, _ = np.histogramdd(position, bins=2, range=[(0, 20e-3)] * 3)
+    assert np.abs(share / 4000 - 1 / 8).max() < 5 * np.sqrt(7 / 64 / 4000)
+
+
+def test_one_particle_fits_into_a_layer_without_height():
+    box, rng = make_box(3e-3, 3e-3), np.random.default_rng(0)
+    position = random_packing(box, 0.0, np.array([0.5 * UNIT]), rng)
+    assert position[0, 2] == 0.5 * UNIT
+
+
+@pytest.mark.parametrize("length", [(5e-3, 0.0), (4e-3, 4e-3, 0.0)])
+def test_what_cannot_fit_is_an_error_that_says_so(length):
+    radius, rng = np.full(60, 0.5 * UNIT), np.random.default_rng(0)
+    with pytest.raises(ValueError, match=r"only \d+ of 60 particles fit"):
+        random_packing(make_box(*length[:-1]), 1.0 * UNIT, radius, rng)
+
 
 BUMPY = {"cell": 5, "depth": 2, "bumps": 0.8}
 UNEQUAL = {"cell": 5, "depth": 2, "diameter_spread": 0.2}
@@ -88,11 +146,6 @@ def test_ordered_bumps_lie_on_a_lattice():
         lattice = [(x, y) for x in steps for y in steps]
         assert np.allclose(sorted(map(tuple, places[:, :2].round(9))), lattice)
         assert cell / rows >= bumps
-
-
-def test_an_arrangement_needs_bumps():
-    with pytest.raises(InputError, match=r"bump_arrangement: got 'ordered'; allowed: random unl"):
-        chute_point(bump_arrangement="ordered")
 
 
 def test_averages_leave_out_what_is_glued():
