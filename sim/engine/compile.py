@@ -125,6 +125,20 @@ implements = partial(
 )
 
 
+def by_type(choose):
+    """Turn a function of types, which returns a body, into a function that kernels call.
+
+    It is inlined, as all pieces are; Python cannot call it.
+    """
+
+    @wraps(choose)
+    def generic(*arguments):
+        raise NotImplementedError
+
+    implements(generic)(choose)
+    return generic
+
+
 @intrinsic
 def assume_no_alias(typingctx):
     """Promise, in the first line of a piece, that no two of its arrays of numbers overlap.

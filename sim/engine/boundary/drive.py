@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from sim.engine.boundary.motion import Harmonic, displacements, motion_of, shape_of, states
-from sim.engine.compile import implements, inlined
+from sim.engine.compile import by_type, inlined
 from sim.parameters.conveyor import ConveyorParameters
 
 
@@ -60,13 +60,9 @@ def plane_position(drive: Vibration, axis: int, time: np.ndarray) -> np.ndarray:
     return drive.amplitude[axis] * shape
 
 
+@by_type
 def velocity_by(motion, drive, axis, time):
     """Return the velocity (m/s) of a plane by the type of its motion."""
-    raise NotImplementedError
-
-
-@implements(velocity_by)
-def _velocity_by(motion, drive, axis, time):
     # Two frequencies are a sum that no function of one angle and one amplitude gives.
     return _harmonic_velocity if motion.instance_class is Harmonic else _velocity_by_shape
 
@@ -83,16 +79,12 @@ def _velocity_by_shape(motion, drive, axis, time):
     return drive.amplitude[axis] * drive.rate * (upward if axis == 1 else along)
 
 
+@by_type
 def acceleration(drive, step, time_step):
     """Return the acceleration (m/s²) along x, y, z of a particle without contacts, in a step.
 
     It takes velocities from half a step before the time of the last step to half a step after it.
     """
-    raise NotImplementedError
-
-
-@implements(acceleration)
-def _acceleration(drive, step, time_step):
     if drive.instance_class is Gravity:
         return lambda drive, step, time_step: drive.gravity
     return lambda drive, step, time_step: _frame_acceleration(drive, step, time_step)
@@ -114,13 +106,9 @@ def _frame_acceleration(drive, step, time_step):
     return gx - (x_after - x_before) / time_step, gy, gz - (z_after - z_before) / time_step
 
 
+@by_type
 def note_work(drive, step, time_step, along, upward):
     """Add the work of a moving plane that pushes with a force along x and z (N) in a step."""
-    raise NotImplementedError
-
-
-@implements(note_work)
-def _note_work(drive, step, time_step, along, upward):
     if drive.instance_class is Gravity:
         return lambda drive, step, time_step, along, upward: None
     return lambda drive, step, time_step, along, upward: _add_work(

@@ -6,38 +6,7 @@ Sokolowski, J. Phys. II France 2 (1992) 1389, Eqs. 2-4.
 
 from typing import NamedTuple
 
-from sim.engine.compile import implements, inlined
-
-
-def disk_force(law, overlap, normal, velocity, mass, inverse_partner_mass):
-    """Return the force (N) on a disk from one partner, as the disk itself sees the contact.
-
-    Each partner asks for its own force, so a law need not obey Newton's third law.
-
-    Parameters
-    ----------
-    law : NamedTuple
-        The parameters of the law; its type selects the body.
-    overlap : float
-        Overlap of the two disks (m), positive in contact.
-    normal : tuple of 2 floats
-        Unit vector (x, z) from the disk to its partner.
-    velocity : tuple of 2 floats
-        Velocity of the disk relative to its partner (m/s).
-    mass, inverse_partner_mass : float
-        Mass of the disk (kg); one over the partner's mass (1/kg), 0 for belt and obstacle.
-    """
-    raise NotImplementedError(type(law).__name__)
-
-
-def elastic_force(law, overlap):
-    """Return the conservative part of the repulsion (N): that of the spring alone."""
-    raise NotImplementedError(type(law).__name__)
-
-
-def elastic_energy(law, overlap):
-    """Return the energy (J) stored in the spring at an overlap (m)."""
-    raise NotImplementedError(type(law).__name__)
+from sim.engine.compile import by_type, inlined
 
 
 @inlined
@@ -54,7 +23,7 @@ def dissipated_powers(law, overlap, normal, velocity, force):
     return -(pull + elastic_force(law, overlap)) * speed, pull * speed - power
 
 
-__all__ = ["disk_force", "dissipated_powers", "elastic_energy", "elastic_force", "implements"]
+__all__ = ["by_type", "disk_force", "dissipated_powers", "elastic_energy", "elastic_force"]
 
 
 class OwnMass(NamedTuple):
@@ -109,25 +78,17 @@ def spring_damping(
     )
 
 
+@by_type
 def damped_mass(kind, mass, inverse_partner_mass):
     """Return the mass that multiplies the damping coefficients."""
-    raise NotImplementedError
-
-
-@implements(damped_mass)
-def _damped_mass(kind, mass, inverse_partner_mass):
     if kind.instance_class is OwnMass:
         return lambda kind, mass, inverse_partner_mass: mass
     return lambda kind, mass, inverse_partner_mass: mass / (1.0 + mass * inverse_partner_mass)
 
 
+@by_type
 def admissible_force(kind, repulsion):
     """Return the normal force that the reading admits; positive is repulsive."""
-    raise NotImplementedError
-
-
-@implements(admissible_force)
-def _admissible_force(kind, repulsion):
     if kind.instance_class is AttractionKept:
         return lambda kind, repulsion: repulsion
     return lambda kind, repulsion: max(0.0, repulsion)
@@ -147,8 +108,25 @@ def _damped_spring(law, overlap, normal, velocity, mass, inverse_partner_mass):
     return -repulsion * nx + drag * nz, -repulsion * nz - drag * nx
 
 
-@implements(disk_force)
-def _spring_damping(law, overlap, normal, velocity, mass, inverse_partner_mass):
+@by_type
+def disk_force(law, overlap, normal, velocity, mass, inverse_partner_mass):
+    """Return the force (N) on a disk from one partner, as the disk itself sees the contact.
+
+    Each partner asks for its own force, so a law need not obey Newton's third law.
+
+    Parameters
+    ----------
+    law : NamedTuple
+        The parameters of the law; its type selects the body.
+    overlap : float
+        Overlap of the two disks (m), positive in contact.
+    normal : tuple of 2 floats
+        Unit vector (x, z) from the disk to its partner.
+    velocity : tuple of 2 floats
+        Velocity of the disk relative to its partner (m/s).
+    mass, inverse_partner_mass : float
+        Mass of the disk (kg); one over the partner's mass (1/kg), 0 for belt and obstacle.
+    """
     if law.instance_class is SpringDamping:
         return lambda law, overlap, normal, velocity, mass, inverse_partner_mass: _damped_spring(
             law, overlap, normal, velocity, mass, inverse_partner_mass
@@ -156,15 +134,17 @@ def _spring_damping(law, overlap, normal, velocity, mass, inverse_partner_mass):
     return None
 
 
-@implements(elastic_force)
-def _elastic_force(law, overlap):
+@by_type
+def elastic_force(law, overlap):
+    """Return the conservative part of the repulsion (N): that of the spring alone."""
     if law.instance_class is SpringDamping:
         return lambda law, overlap: law.spring.stiffness * overlap
     return None
 
 
-@implements(elastic_energy)
-def _elastic_energy(law, overlap):
+@by_type
+def elastic_energy(law, overlap):
+    """Return the energy (J) stored in the spring at an overlap (m)."""
     if law.instance_class is SpringDamping:
         return lambda law, overlap: 0.5 * law.spring.stiffness * overlap * overlap
     return None

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sim.engine.compile import implements, inlined
+from sim.engine.compile import by_type, implements, inlined
 from sim.engine.contact.roots import SMALLEST, inverse_square_root
 
 #: Numbers of the tangential force.
@@ -75,16 +75,12 @@ def recall_numbers(new, memory, slot):
 """
 
 
+@by_type
 def recall(new, memory, slot):
     """Return the memory of a contact; a negative slot means that it did not touch.
 
     ``new`` is the memory of a new contact, ``memory`` (M, C) that of all contacts.
     """
-    raise NotImplementedError
-
-
-@implements(recall)
-def _recall(new, memory, slot):
     numbers = ", ".join(f"memory[{m}, s] if touched else 0.0" for m in range(len(new)))
     namespace = {"np": np}
     exec(_RECALL_SOURCE.format(numbers=numbers), namespace)

@@ -8,7 +8,14 @@ from typing import NamedTuple
 
 from numba.core.types import BaseTuple, Float
 
-from sim.engine.compile import adopt_type, implements, inlined, require_numbers, typing_error
+from sim.engine.compile import (
+    adopt_type,
+    by_type,
+    implements,
+    inlined,
+    require_numbers,
+    typing_error,
+)
 from sim.engine.contact.friction import (
     blank_memory,
     contact_force,
@@ -31,18 +38,9 @@ class PartnerLaw(NamedTuple):
     mass: float
 
 
+@by_type
 def law_between(law, spheres, pairs, p):
     """Return a law for the two spheres of pair p of a list."""
-    raise NotImplementedError
-
-
-def law_on_plane(law, spheres, i):
-    """Return a law for sphere i and the plane."""
-    raise NotImplementedError
-
-
-@implements(law_between)
-def _law_between(law, spheres, pairs, p):
     if law.instance_class not in _functional:
         return lambda law, spheres, pairs, p: law
 
@@ -58,8 +56,9 @@ def _law_between(law, spheres, pairs, p):
     return body
 
 
-@implements(law_on_plane)
-def _law_on_plane(law, spheres, i):
+@by_type
+def law_on_plane(law, spheres, i):
+    """Return a law for sphere i and the plane."""
     if law.instance_class not in _functional:
         return lambda law, spheres, i: law
     return lambda law, spheres, i: PartnerLaw(law, spheres.radius[i], spheres.mass[i])

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sim.engine.compile import assume_no_alias, implements, inlined, kernel
+from sim.engine.compile import assume_no_alias, by_type, inlined, kernel
 from sim.engine.contact.damping import disk_force, dissipated_powers, elastic_energy
 from sim.engine.dynamics.cells import nearest_image
 from sim.engine.dynamics.neighbors import find_touching
@@ -129,16 +129,6 @@ class Verlet(NamedTuple):
     time_step: float
 
 
-def predict(integrator, taylor):
-    """Advance the Taylor terms by one step without knowing the new forces."""
-    raise NotImplementedError
-
-
-def correct(integrator, taylor, d, i, acceleration):
-    """Correct coordinate d of disk i for its new acceleration (m/s²)."""
-    raise NotImplementedError
-
-
 @inlined
 def _predict_gear(taylor):
     terms = taylor.reshape(TERMS, taylor[0].size)
@@ -161,8 +151,9 @@ def _predict_verlet(taylor):
         q1[i] += 2.0 * q2[i]
 
 
-@implements(predict)
-def _predict(integrator, taylor):
+@by_type
+def predict(integrator, taylor):
+    """Advance the Taylor terms by one step without knowing the new forces."""
     if integrator.instance_class is Gear:
         return lambda integrator, taylor: _predict_gear(taylor)
     return lambda integrator, taylor: _predict_verlet(taylor)
@@ -187,8 +178,9 @@ def _correct_verlet(integrator, taylor, d, i, acceleration):
     taylor[2, d, i] = half
 
 
-@implements(correct)
-def _correct(integrator, taylor, d, i, acceleration):
+@by_type
+def correct(integrator, taylor, d, i, acceleration):
+    """Correct coordinate d of disk i for its new acceleration (m/s²)."""
     if integrator.instance_class is Gear:
         return lambda integrator, taylor, d, i, acceleration: _correct_gear(
             integrator, taylor, d, i, acceleration

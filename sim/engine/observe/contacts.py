@@ -18,7 +18,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sim.engine.compile import implements, inlined, kernel
+from sim.engine.compile import by_type, inlined, kernel
 from sim.engine.contact.friction import blank_memory, recall
 from sim.engine.contact.functions import law_between, law_on_plane
 from sim.engine.dynamics.spheres import (
@@ -159,17 +159,13 @@ def _normal_and_slip(rows, time_step):
     return normal, (sx * sx + sy * sy + sz * sz) ** 0.5 / time_step
 
 
+@by_type
 def record_contact(collector, sampling, rows, contact):
     """Add a contact with the force in column 0 to a ``ContactList`` or to ``ContactSums``.
 
     ``contact``: numbers of the partners; branch (x, y, z) (m) from j to i, height of i and height
     of the contact (m); normal; slip velocity (m/s) and coefficient of friction.
     """
-    raise NotImplementedError
-
-
-@implements(record_contact)
-def _record_contact(collector, sampling, rows, contact):
     if collector.instance_class is ContactList:
         return lambda collector, sampling, rows, contact: _list_contact(collector, rows, contact)
     return lambda collector, sampling, rows, contact: _add_contact(

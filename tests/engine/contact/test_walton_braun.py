@@ -258,43 +258,6 @@ def test_friction_turned_at_full_sliding_keeps_its_stiffness_when_the_limit_rise
         assert gain == pytest.approx(law.tangential * 1e-12, rel=1e-3)
 
 
-def impulse(law, steps: int) -> float:
-    """Mean of T over the friction limit, over a collision whose slip turns round as it opens.
-
-    There T, at its limit, falls with the normal force and by the slip, so it matters when it is
-    cut. The slip is of the size of the overlap.
-    """
-    time = np.arange(1, steps) / steps
-    slip = np.zeros((steps - 1, 3))
-    slip[:, 0] = np.diff(OVERLAP * np.sin(0.7 * np.pi * time), prepend=0.0)
-    overlap = OVERLAP * np.sin(np.pi * time)
-    force = contact_path(law, overlap, np.tile(Z, (steps - 1, 1)), slip)[1][:, 0]
-    return float(force.sum() / steps / limit_of(law))
-
-
-@pytest.mark.parametrize(
-    ("exponent", "orders"), [(0.0, {"before": 1, "after": 2}), (1 / 3, {"before": 1, "after": 1})]
-)
-def test_cutting_before_or_after_the_slip_is_a_matter_of_the_step_alone(exponent, orders):
-    """One limit. Cutting before is of first order; after, the linear spring is of second.
-
-    With an exponent the stiffness at the beginning of the step costs first order in both.
-    """
-    limits = []
-    for cap, order in orders.items():
-        law = sphere_law(tangential_exponent=exponent, friction_cap=cap)
-        fine, finer = (impulse(law, steps) for steps in (30_000, 60_000))
-        limits.append(2 * finer - fine)
-        errors = [abs(impulse(law, steps) - limits[-1]) for steps in (50, 200, 800)]
-        observed_order = np.log2(errors[0] / errors[2]) / 4
-        assert (
-            observed_order == pytest.approx(order, abs=0.25)
-            if order == 1
-            else observed_order > 1.75
-        )
-    assert limits[0] == pytest.approx(limits[1], rel=1e-5)
-
-
 FORCE = 1e-3
 PATHS = range(100)
 
