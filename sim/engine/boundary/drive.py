@@ -87,7 +87,7 @@ def acceleration(drive, step, time_step):
     """
     if drive.instance_class is Gravity:
         return lambda drive, step, time_step: drive.gravity
-    return lambda drive, step, time_step: _frame_acceleration(drive, step, time_step)
+    return _frame_acceleration
 
 
 @inlined
@@ -98,7 +98,6 @@ def _velocities_around(drive, axis, step, time_step):
     return velocity_by(motion, drive, axis, before), velocity_by(motion, drive, axis, after)
 
 
-@inlined
 def _frame_acceleration(drive, step, time_step):
     gx, gy, gz = drive.gravity
     x_before, x_after = _velocities_around(drive, 0, step, time_step)
@@ -111,12 +110,9 @@ def note_work(drive, step, time_step, along, upward):
     """Add the work of a moving plane that pushes with a force along x and z (N) in a step."""
     if drive.instance_class is Gravity:
         return lambda drive, step, time_step, along, upward: None
-    return lambda drive, step, time_step, along, upward: _add_work(
-        drive, step, time_step, along, upward
-    )
+    return _add_work
 
 
-@inlined
 def _add_work(drive, step, time_step, along, upward):
     x_before, x_after = _velocities_around(drive, 0, step, time_step)
     z_before, z_after = _velocities_around(drive, 1, step, time_step)

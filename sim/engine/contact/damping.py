@@ -1,29 +1,11 @@
-"""Laws without memory or rotation: disks in two dimensions, such as the beads of the belt.
+"""The law of the belt's beads, disks without memory or rotation: a linear spring with damping.
 
-The one of the belt is a linear spring with normal and shear damping: Gallas, Herrmann and
-Sokolowski, J. Phys. II France 2 (1992) 1389, Eqs. 2-4.
+Equations: Gallas, Herrmann and Sokolowski, J. Phys. II France 2 (1992) 1389, Eqs. 2-4.
 """
 
 from typing import NamedTuple
 
 from sim.engine.compile import by_type, inlined
-
-
-@inlined
-def dissipated_powers(law, overlap, normal, velocity, force):
-    """Return the powers (W) that normal and shear damping take from a disk.
-
-    Arguments as for ``disk_force``, whose result is ``force``. ``velocity`` is the disk's own, or
-    relative to a driven partner, whose work is then counted separately.
-    """
-    nx, nz = normal
-    speed = velocity[0] * nx + velocity[1] * nz
-    pull = force[0] * nx + force[1] * nz
-    power = force[0] * velocity[0] + force[1] * velocity[1]
-    return -(pull + elastic_force(law, overlap)) * speed, pull * speed - power
-
-
-__all__ = ["by_type", "disk_force", "dissipated_powers", "elastic_energy", "elastic_force"]
 
 
 class OwnMass(NamedTuple):
@@ -95,7 +77,24 @@ def admissible_force(kind, repulsion):
 
 
 @inlined
-def _damped_spring(law, overlap, normal, velocity, mass, inverse_partner_mass):
+def disk_force(law, overlap, normal, velocity, mass, inverse_partner_mass):
+    """Return the force (N) on a disk from one partner, as the disk itself sees the contact.
+
+    Each partner asks for its own force, so the law need not obey Newton's third law.
+
+    Parameters
+    ----------
+    law : NamedTuple
+        The parameters of the law; the types of its parts select its readings.
+    overlap : float
+        Overlap of the two disks (m), positive in contact.
+    normal : tuple of 2 floats
+        Unit vector (x, z) from the disk to its partner.
+    velocity : tuple of 2 floats
+        Velocity of the disk relative to its partner (m/s).
+    mass, inverse_partner_mass : float
+        Mass of the disk (kg); one over the partner's mass (1/kg), 0 for belt and obstacle.
+    """
     nx, nz = normal
     vx, vz = velocity
     inertia = damped_mass(law.dissipation, mass, inverse_partner_mass)
@@ -108,43 +107,27 @@ def _damped_spring(law, overlap, normal, velocity, mass, inverse_partner_mass):
     return -repulsion * nx + drag * nz, -repulsion * nz - drag * nx
 
 
-@by_type
-def disk_force(law, overlap, normal, velocity, mass, inverse_partner_mass):
-    """Return the force (N) on a disk from one partner, as the disk itself sees the contact.
-
-    Each partner asks for its own force, so a law need not obey Newton's third law.
-
-    Parameters
-    ----------
-    law : NamedTuple
-        The parameters of the law; its type selects the body.
-    overlap : float
-        Overlap of the two disks (m), positive in contact.
-    normal : tuple of 2 floats
-        Unit vector (x, z) from the disk to its partner.
-    velocity : tuple of 2 floats
-        Velocity of the disk relative to its partner (m/s).
-    mass, inverse_partner_mass : float
-        Mass of the disk (kg); one over the partner's mass (1/kg), 0 for belt and obstacle.
-    """
-    if law.instance_class is SpringDamping:
-        return lambda law, overlap, normal, velocity, mass, inverse_partner_mass: _damped_spring(
-            law, overlap, normal, velocity, mass, inverse_partner_mass
-        )
-    return None
-
-
-@by_type
+@inlined
 def elastic_force(law, overlap):
     """Return the conservative part of the repulsion (N): that of the spring alone."""
-    if law.instance_class is SpringDamping:
-        return lambda law, overlap: law.spring.stiffness * overlap
-    return None
+    return law.spring.stiffness * overlap
 
 
-@by_type
+@inlined
 def elastic_energy(law, overlap):
     """Return the energy (J) stored in the spring at an overlap (m)."""
-    if law.instance_class is SpringDamping:
-        return lambda law, overlap: 0.5 * law.spring.stiffness * overlap * overlap
-    return None
+    return 0.5 * law.spring.stiffness * overlap * overlap
+
+
+@inlined
+def dissipated_powers(law, overlap, normal, velocity, force):
+    """Return the powers (W) that normal and shear damping take from a disk.
+
+    Arguments as for ``disk_force``, whose result is ``force``. ``velocity`` is the disk's own, or
+    relative to a driven partner, whose work is then counted separately.
+    """
+    nx, nz = normal
+    speed = velocity[0] * nx + velocity[1] * nz
+    pull = force[0] * nx + force[1] * nz
+    power = force[0] * velocity[0] + force[1] * velocity[1]
+    return -(pull + elastic_force(law, overlap)) * speed, pull * speed - power

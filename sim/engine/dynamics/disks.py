@@ -129,8 +129,7 @@ class Verlet(NamedTuple):
     time_step: float
 
 
-@inlined
-def _predict_gear(taylor):
+def _predict_gear(integrator, taylor):
     terms = taylor.reshape(TERMS, taylor[0].size)
     q0, q1, q2, q3, q4, q5 = terms[0], terms[1], terms[2], terms[3], terms[4], terms[5]
     for i in range(q0.size):
@@ -142,8 +141,7 @@ def _predict_gear(taylor):
         q4[i] = f + 5.0 * g
 
 
-@inlined
-def _predict_verlet(taylor):
+def _predict_verlet(integrator, taylor):
     terms = taylor.reshape(TERMS, taylor[0].size)
     q0, q1, q2 = terms[0], terms[1], terms[2]
     for i in range(q0.size):
@@ -154,12 +152,9 @@ def _predict_verlet(taylor):
 @by_type
 def predict(integrator, taylor):
     """Advance the Taylor terms by one step without knowing the new forces."""
-    if integrator.instance_class is Gear:
-        return lambda integrator, taylor: _predict_gear(taylor)
-    return lambda integrator, taylor: _predict_verlet(taylor)
+    return _predict_gear if integrator.instance_class is Gear else _predict_verlet
 
 
-@inlined
 def _correct_gear(integrator, taylor, d, i, acceleration):
     error = 0.5 * acceleration * integrator.time_step**2 - taylor[2, d, i]
     c = integrator.coefficients
@@ -171,7 +166,6 @@ def _correct_gear(integrator, taylor, d, i, acceleration):
     taylor[5, d, i] += c[5] * error
 
 
-@inlined
 def _correct_verlet(integrator, taylor, d, i, acceleration):
     half = 0.5 * acceleration * integrator.time_step**2
     taylor[1, d, i] += half - taylor[2, d, i]
@@ -181,13 +175,7 @@ def _correct_verlet(integrator, taylor, d, i, acceleration):
 @by_type
 def correct(integrator, taylor, d, i, acceleration):
     """Correct coordinate d of disk i for its new acceleration (m/s²)."""
-    if integrator.instance_class is Gear:
-        return lambda integrator, taylor, d, i, acceleration: _correct_gear(
-            integrator, taylor, d, i, acceleration
-        )
-    return lambda integrator, taylor, d, i, acceleration: _correct_verlet(
-        integrator, taylor, d, i, acceleration
-    )
+    return _correct_gear if integrator.instance_class is Gear else _correct_verlet
 
 
 @inlined

@@ -4,12 +4,12 @@ A sum is a named tuple of arrays, of any type, that can be added. Blocks of them
 window be chosen later.
 """
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
-from sim.engine.compile import exact
+from sim.engine.compile import exact, inlined
 from sim.engine.flatten import refill
 
 #: Several sums of different types, over one sample or more.
@@ -21,33 +21,36 @@ _Kind = TypeVar("_Kind", bound=NamedTuple)
 MAX_BLOCKS = 64
 
 
+def map_arrays(function: Callable[..., np.ndarray], *sums: _Kind) -> _Kind:
+    """Return sums of the same type with a function of their arrays, or of those of several."""
+    kind: Any = type(sums[0])
+    arrays: Iterable[Any] = sums
+    return kind(*map(function, *arrays))
+
+
 def add_sums(first: _Kind, second: _Kind) -> _Kind:
     """Return the sum of two sums, array by array."""
-    return type(first)(*(a + b for a, b in zip(first, second, strict=True)))
+    return map_arrays(np.add, first, second)
 
 
 def zero_samples(samples: int, template: _Kind) -> _Kind:
     """Return sums of zero like ``template``, with a first axis over the samples."""
-    parts: Iterable[Any] = template
-    kind: Any = type(template)
-    return kind(*(np.zeros((samples, *part.shape)) for part in parts))
+    return map_arrays(lambda part: np.zeros((samples, *part.shape)), template)
 
 
 def first_samples(sums: _Kind, samples: int) -> _Kind:
     """Return the sums of the first ``samples`` samples."""
-    return type(sums)(*(part[:samples] for part in sums))
+    return map_arrays(lambda part: part[:samples], sums)
 
 
 def copy_sample(sums: _Kind, number: int) -> _Kind:
     """Return a copy of the sums of sample ``number``."""
-    return type(sums)(*(part[number].copy() for part in sums))
+    return map_arrays(lambda part: part[number].copy(), sums)
 
 
 def mask_samples(sums: _Kind, mask: np.ndarray) -> _Kind:
     """Return the sums by sample, set to zero where ``mask`` (K,) is false."""
-    parts: Iterable[Any] = sums
-    kind: Any = type(sums)
-    return kind(*(part * mask.reshape(-1, *[1] * (part.ndim - 1)) for part in parts))
+    return map_arrays(lambda part: part * mask.reshape(-1, *[1] * (part.ndim - 1)), sums)
 
 
 def add_samples(total: NamedTuple, sums: NamedTuple, first: int, last: int) -> None:
@@ -144,15 +147,14 @@ def _add(first: Sums, second: Sums) -> Sums:
 def _stack(blocks: list[Sums]) -> Sums:
     """Return sums whose arrays have an additional first axis over the blocks."""
     return tuple(
-        type(group[0])(*map(np.stack, zip(*group, strict=True)))
-        for group in zip(*blocks, strict=True)
+        map_arrays(lambda *parts: np.stack(parts), *group) for group in zip(*blocks, strict=True)
     )
 
 
 def _unstack(stack: Sums) -> list[Sums]:
     count = len(stack[0][0]) if stack else 0
     return [
-        tuple(type(sums)(*(array[index] for array in sums)) for sums in stack)
+        tuple(map_arrays(lambda array, k=index: array[k], sums) for sums in stack)
         for index in range(count)
     ]
 
@@ -174,6 +176,17 @@ def no_contacts(most: int, axes: int) -> ContactList:
     """Return an empty list with space for ``most`` contacts in ``axes`` directions."""
     arrays = (np.full((most, width), np.nan) for width in (2, axes))
     return ContactList(np.zeros(1, np.int64), *arrays)
+
+
+@inlined
+def append_contact(contact_list, pair, force):
+    """Append a contact to a list that has room for it; count it in any case."""
+    row = contact_list.number[0]
+    contact_list.number[0] += 1
+    if row < contact_list.pair.shape[0]:
+        contact_list.pair[row, 0], contact_list.pair[row, 1] = pair
+        for d in range(len(force)):
+            contact_list.force[row, d] = force[d]
 
 
 class Ledger(NamedTuple):

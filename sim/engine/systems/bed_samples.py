@@ -15,7 +15,7 @@ from sim.engine.dynamics.disks import stored_in_disks
 from sim.engine.dynamics.status import NOT_FINITE, OK, is_finite
 from sim.engine.observe.field import LEVELS, WAVES, Field, Squares, count_beads, waves
 from sim.engine.observe.profiles import AREA, CENTRE, Profile, add_sample, empty_profile
-from sim.engine.observe.samples import first_samples, zero_samples
+from sim.engine.observe.samples import append_contact, first_samples, zero_samples
 from sim.engine.observe.totals import bed_energies
 from sim.engine.systems import shaking
 
@@ -214,9 +214,9 @@ def list_bed_contacts(contact_list, disks, contacts, time, time_step):
             vx, vz = (x[1, 0, i] - x[1, 0, j]) / time_step, (x[1, 1, i] - x[1, 1, j]) / time_step
             inverse = 1.0 / disks.mass[i], 1.0 / disks.mass[j]
             force = disk_force(law, overlap, (nx, nz), (vx, vz), disks.mass[i], inverse[1])
-            _append(contact_list, disks.label[0, i], disks.label[0, j], force)
+            append_contact(contact_list, (disks.label[0, i], disks.label[0, j]), force)
             force = disk_force(law, overlap, (-nx, -nz), (-vx, -vz), disks.mass[j], inverse[0])
-            _append(contact_list, disks.label[0, j], disks.label[0, i], force)
+            append_contact(contact_list, (disks.label[0, j], disks.label[0, i]), force)
     _list_boundaries(contact_list, disks, contacts, time, time_step)
 
 
@@ -231,7 +231,7 @@ def _list_boundaries(contact_list, disks, contacts, time, time_step):
         if overlap > 0.0:
             relative = (vx - belt_x, vz - belt_z)
             force = disk_force(law, overlap, (0.0, -1.0), relative, mass, belt.inverse_mass)
-            _append(contact_list, disks.label[0, i], BELT, force)
+            append_contact(contact_list, (disks.label[0, i], BELT), force)
         if obstacle.radius > 0.0:
             dx = nearest_image(obstacle.x - x[0, 0, i], contacts.pairs.box, 0)
             dz = obstacle.z - x[0, 1, i]
@@ -240,13 +240,4 @@ def _list_boundaries(contact_list, disks, contacts, time, time_step):
             if overlap > 0.0:
                 normal = (dx / distance, dz / distance)
                 force = disk_force(law, overlap, normal, (vx, vz), mass, 0.0)
-                _append(contact_list, disks.label[0, i], OBSTACLE, force)
-
-
-@inlined
-def _append(contact_list, first, second, force):
-    row = contact_list.number[0]
-    contact_list.number[0] += 1
-    if row < contact_list.pair.shape[0]:
-        contact_list.pair[row, 0], contact_list.pair[row, 1] = first, second
-        contact_list.force[row, 0], contact_list.force[row, 1] = force
+                append_contact(contact_list, (disks.label[0, i], OBSTACLE), force)
