@@ -237,15 +237,19 @@ class Parameters(BaseModel):
         """Velocity √(g·diameter), m s⁻¹."""
         return (self.gravity * self.diameter) ** 0.5
 
+    def _samples_in(self, length: float) -> int:
+        """Return the samples in a length of a run, a multiple of ``time_unit``, rounded."""
+        return round(length * self.time_unit / (self.sample_steps * self.time_step))
+
     @property
     def transient_samples(self) -> int:
         """Samples before averaging starts (the transient rounded to whole samples)."""
-        return round(self.transient * self.time_unit / (self.sample_steps * self.time_step))
+        return self._samples_in(self.transient)
 
     @property
     def average_samples(self) -> int:
         """Samples averaged over (the average rounded to whole samples, at least one)."""
-        return max(1, round(self.average * self.time_unit / (self.sample_steps * self.time_step)))
+        return max(1, self._samples_in(self.average))
 
     @property
     def drift(self) -> float:
@@ -262,8 +266,7 @@ class Parameters(BaseModel):
         """Samples of the longest run: the limit of the converged protocol, else the shortest."""
         if self.protocol == "published":
             return self.shortest_samples
-        limit = round(self.limit * self.time_unit / (self.sample_steps * self.time_step))
-        return max(self.shortest_samples, limit)
+        return max(self.shortest_samples, self._samples_in(self.limit))
 
     @property
     def steps(self) -> int:
@@ -273,10 +276,7 @@ class Parameters(BaseModel):
     @property
     def trajectory_samples(self) -> int:
         """Samples from one frame of the trajectory to the next, at least one; 0 without frames."""
-        if not self.trajectory:
-            return 0
-        interval = self.sample_steps * self.time_step
-        return max(1, round(self.trajectory * self.time_unit / interval))
+        return max(1, self._samples_in(self.trajectory)) if self.trajectory else 0
 
     @property
     def trajectory_room(self) -> int:

@@ -93,10 +93,7 @@ def oblique(law, steps: int) -> np.ndarray:
 
 
 def test_oblique_impacts_converge_with_the_time_step():
-    """Cutting T before the slip costs an error of first order, 2 % at t_c/40; after it 0.3 %.
-
-    That both come to one result is tested with the reference.
-    """
+    """Cutting T before the slip costs an error of first order, 2 % at t_c/40; after it 0.3 %."""
     before, after = (sphere_law(**readings) for readings in LAWS[:2])
     exact = oblique(before, 5120).mean(axis=0)
     errors = [np.abs(oblique(before, steps) - exact).max() for steps in (20, 40, 80)]
