@@ -9,7 +9,7 @@ the tuple. Its functions become bodies in `sim.engine.contact.functions`; the fi
 hold bodies that are compiled by hand.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from sim.engine.compile import make_numbers
 from sim.engine.contact.functions import add_law
@@ -26,6 +26,6 @@ class Partners(NamedTuple):
     time_step: float
 
 
-def law_of(parameters: SphereParameters, partners: Partners) -> NamedTuple:
+def law_of(parameters: SphereParameters, partners: Partners) -> Any:
     """Return the law that a point names, for one kind of partners."""
     return make_numbers(LAW, parameters, add_law, parameters, partners)

@@ -9,7 +9,6 @@ from math import log, pi, sqrt
 from typing import NamedTuple
 
 from sim.engine.compile import implements
-from sim.engine.contact import Partners
 from sim.engine.contact.friction import (
     contact_force,
     declare_memory,
@@ -18,7 +17,6 @@ from sim.engine.contact.friction import (
     work_against,
 )
 from sim.engine.contact.roots import SMALLEST, inverse_square_root
-from sim.parameters.spheres import SphereParameters
 
 
 class SpringDashpot(NamedTuple):
@@ -59,18 +57,6 @@ def spring_dashpot(
         damping / time_step,
         float(tangential_ratio * stiffness),
         float(friction),
-    )
-
-
-def from_parameters(p: SphereParameters, partners: Partners) -> SpringDashpot:
-    """Return the law of a point for one kind of partners."""
-    return spring_dashpot(
-        p.stiffness,
-        p.restitution,
-        partners.friction,
-        partners.reduced_mass,
-        partners.time_step,
-        p.tangential_ratio,
     )
 
 

@@ -7,7 +7,6 @@ surface displacement and the points that the paper leaves open.
 from typing import NamedTuple
 
 from sim.engine.compile import by_type, implements, inlined
-from sim.engine.contact import Partners
 from sim.engine.contact.friction import (
     contact_force,
     declare_memory,
@@ -16,7 +15,6 @@ from sim.engine.contact.friction import (
     work_against,
 )
 from sim.engine.contact.roots import SMALLEST, cube_root, inverse_square_root
-from sim.parameters.spheres import SphereParameters
 
 #: A friction this close to its limit, relative, is at it. Without the margin a friction just cut to
 #: the limit would keep a stiffness made of its rounding error, which the cube root turns into 5e-6.
@@ -133,20 +131,6 @@ def walton_braun(
         dent={"separation": Separation, "shrink": Shrink, "reset": Reset}[overlap_memory](slope),
         limit={"before": CapBefore, "after": CapAfter}[friction_cap](float(friction)),
         sliding={"printed": AsPrinted, "slip": AlongSlip}[sliding_direction](),
-    )
-
-
-def from_parameters(p: SphereParameters, partners: Partners) -> WaltonBraun:
-    """Return the law of a point for one kind of partners."""
-    return walton_braun(
-        p.stiffness,
-        p.restitution,
-        partners.friction,
-        p.tangential_ratio,
-        p.tangential_exponent,
-        overlap_memory=p.overlap_memory,
-        friction_cap=p.friction_cap,
-        sliding_direction=p.sliding_direction,
     )
 
 
