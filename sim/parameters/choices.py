@@ -14,7 +14,7 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import BeforeValidator, Field, create_model
 
-from sim.base.additions import NAME, AdditionError, add, plain_name, plugin_options
+from sim.base.additions import NAME, AdditionError, add, plain_name, plugin_options, shipped
 from sim.base.errors import in_short
 from sim.base.require import require_function, require_line, require_number
 from sim.parameters.common import CHOICES, Parameters, Real
@@ -144,10 +144,18 @@ class Choice:
 
 
 def extended(base: type[Parameters], *choices: Choice) -> type[Parameters]:
-    """Return the parameters of a system with the options that plug-ins add to its choices."""
-    options = {choice: tuple(plugin_options(choice.name)) for choice in choices}
+    """Return the parameters of a system with the options that its declaration does not have.
+
+    These are those of plug-ins; and where it has no such parameter, those of Talus but the default.
+    """
+    options = {choice: tuple(_undeclared(base, choice)) for choice in choices}
     offers = tuple((choice, names) for choice, names in options.items() if names)
     return _extended(base, offers) if offers else base
+
+
+def _undeclared(base: type[Parameters], choice: Choice) -> dict[str, Any]:
+    names = () if choice.name in base.model_fields else choice.usual[1:]
+    return {name: shipped(choice.name)[name] for name in names} | plugin_options(choice.name)
 
 
 @cache
@@ -159,7 +167,7 @@ def _extended(
     for choice, names in offers:
         fields[choice.name] = _field(base, choice, names)
         offered[choice.name] = plugin_options(choice.name)
-        for option in offered[choice.name].values():
+        for option in _undeclared(base, choice).values():
             fields |= {name: (Real, field) for name, field in option.parameters.items()}
             fixed += option.parameters if choice.kept else ()
     model: Any = create_model(base.__name__, __base__=base, **fields)
@@ -181,5 +189,5 @@ def _field(base: type[Parameters], choice: Choice, options: tuple[str, ...]) -> 
         usual = choice.usual[0]
         text = f"{choice.name}: {usual}, or one of a plug-in"
         said = declare(usual, description=text, role=choice.role, compiled=True, added=True)
-    allowed: Any = Literal[(*choice.usual, *options)]
+    allowed: Any = Literal[tuple(dict.fromkeys((*choice.usual, *options)))]
     return Annotated[allowed, BeforeValidator(coded)], said

@@ -21,8 +21,8 @@ MAX_SAMPLES = 10**7
 MAX_TRAJECTORY = 2 * 10**9
 SINGLE = 4
 
-#: Parameters to which plug-ins add options.
-CHOICES = ("law", "motion")
+#: Parameters to which plug-ins add options, with the default of each.
+CHOICES = {"law": "walton_braun", "motion": "harmonic"}
 
 #: Magnitudes that double precision carries through every formula without overflow.
 SMALLEST = 1e-15
@@ -186,9 +186,8 @@ class Parameters(BaseModel):
         return {**shipped(choice), **self.offered.get(choice, {})}
 
     def option(self, choice: str) -> Any:
-        """Return the law or the motion that the point has; the first of Talus where it has none."""
-        options = self.options(choice)
-        return options[getattr(self, choice, next(iter(options)))]
+        """Return the law or the motion that the point has."""
+        return self.options(choice)[getattr(self, choice, CHOICES[choice])]
 
     @property
     def glued_particles(self) -> int:

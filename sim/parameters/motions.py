@@ -7,13 +7,14 @@ from typing import Any, ClassVar
 from sim.base.plugins import module_names
 from sim.parameters.belt import BeltParameters
 from sim.parameters.choices import Choice, Option
+from sim.parameters.common import CHOICES
 from sim.parameters.conveyor import ConveyorParameters
 
 #: The choice of a motion.
 MOTION = Choice(
     "motion",
     (BeltParameters, ConveyorParameters),
-    module_names("sim.laws.motions"),
+    tuple(dict.fromkeys((CHOICES["motion"], *module_names("sim.laws.motions")))),
     "physics",
     kept=False,
 )

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal
 from sim.base.additions import attribute_errors_to, plain_name
 from sim.base.plugins import module_names
 from sim.parameters import fields
-from sim.parameters.common import MAX_PARTICLES, Parameters, Real, broken_rule
+from sim.parameters.common import CHOICES, MAX_PARTICLES, Parameters, Real, broken_rule
 from sim.parameters.roles import declare, numerics, reading
 
 #: Particle-steps per second on one core of a present-day server up to a depth, that depth, and the
@@ -40,7 +40,7 @@ if TYPE_CHECKING:
     LawName = str
 else:
     #: Names of the laws that ship, those of their files, the default first. Motions have a folder.
-    _NAMES = dict.fromkeys(("walton_braun", *module_names("sim.laws")))
+    _NAMES = dict.fromkeys((CHOICES["law"], *module_names("sim.laws")))
     LawName = Literal[tuple(name for name in _NAMES if name != "motions")]
 
 SlidingDirection = Literal["printed", "slip"]
