@@ -151,7 +151,7 @@ def warm(study_path: Path | None, processes: int) -> None:
 
         points = [point.parameters for point in load_study(study_path, None).points.values()]
 
-    from sim.engine.warm import warm
+    from sim.engine.command import warm
 
     logging.basicConfig(format="%(message)s", level=logging.INFO, stream=sys.stderr)
     warm(points, processes)

@@ -19,9 +19,9 @@ from sim.claims.readings import readings_of
 from sim.claims.verdict_files import build as build_claims
 from sim.dataset.build import build
 from sim.dataset.earlier import reader_hash
-from sim.engine.cache import cache_directory
 from sim.engine.contact import Partners, law_of
-from sim.engine.systems.belt_start import vibration
+from sim.engine.identity import cache_directory
+from sim.engine.systems.start import vibration
 from sim.figures.several import draw_figures
 from sim.parameters import ChuteParameters, Parameters, parse_point, point_id
 from sim.report.compare import show

@@ -114,9 +114,9 @@ def test_a_motion_that_is_none_is_refused_before_it_moves_anything(folder, given
     lines = f"""
 import re, pytest
 from sim.base.errors import InputError
-from sim.engine.boundary.own_motion import own_motion
+from sim.engine.boundary.motion import motion_of
 with pytest.raises(InputError, match="plug-in wrong.py .*motion wrong: .*") as caught:
-    own_motion(point)
+    motion_of(point)
 assert re.search({said.replace("[nan", "[[]nan")!r}, str(caught.value)), caught.value
 assert "\\n" not in str(caught.value)
 """

@@ -11,7 +11,7 @@ from benchmarks.peers.chute_input import chute_request, chute_state, frame_veloc
 from benchmarks.peers.client import Client
 from benchmarks.peers.settings import Settings
 from sim.engine.observe.profiles import VOLUME, Profile, add_sample, empty_profile
-from sim.engine.observe.sums import add_samples
+from sim.engine.observe.samples import add_samples
 from sim.engine.systems import build
 from sim.parameters import ChuteParameters
 

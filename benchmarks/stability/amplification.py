@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sim.engine.dynamics.gear import CORRECTORS
+from sim.engine.dynamics.disks import CORRECTORS
 
 #: Second derivative (..., columns) of positions and velocities, scaled by the squared time step.
 Acceleration = Callable[[np.ndarray, np.ndarray], np.ndarray]

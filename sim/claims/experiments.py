@@ -17,8 +17,7 @@ from sim.base.files import atomic_write
 from sim.base.seals import is_damaged, seal
 from sim.claims.claim import Claim
 from sim.claims.verdict import Check
-from sim.engine.cache import cache_directory
-from sim.engine.identity import library_versions, source_hash
+from sim.engine.identity import cache_directory, library_versions, source_hash
 from sim.study.entries import JUDGE
 
 log = logging.getLogger("talus")

@@ -47,7 +47,7 @@ def read_run(
     path : Path
         The file; its name is the id of its point.
     amounts : mapping, optional
-        Amounts to read, see `sim.parameters.amounts`; all that the file holds if omitted.
+        Amounts to read, see `sim.parameters.points`; all that the file holds if omitted.
     has_state : bool
         Read the state of the particles of the first completed replicate too.
 

@@ -39,7 +39,7 @@ class RunFile(Mapping[str, np.ndarray]):
     file : netCDF4.Dataset
         The run file.
     amounts : mapping, optional
-        The amounts to read, see `sim.parameters.amounts`; everything if omitted.
+        The amounts to read, see `sim.parameters.points`; everything if omitted.
     summary_scalars : mapping, optional
         Scalars of the longest run, from the summary at the end of the file. They spare reading a
         third of what a dataset stores.

@@ -20,42 +20,32 @@ _functions: dict[tuple, Callable] = {}
 _addresses: dict[tuple, int] = {}
 
 
-class DirectCall:
-    """A kernel that Python calls many times with arguments of the same types.
+def kind_of(*arguments: Any) -> tuple:
+    """Return the types of arguments, for `call_directly` and `address_of`."""
+    return tuple(map(numba.typeof, arguments))
+
+
+def call_directly(kernel: Any, kind: Hashable, *arguments: Any) -> Any:
+    """Call a kernel that Python calls many times with arguments of the same types.
 
     The types of the first call are assumed for every later call of the same ``kind``, so the kind
     must determine the types.
     """
-
-    def __init__(self, kernel: Any, kind: Hashable):
-        self._kernel = kernel
-        self._key = (kernel, kind)
-
-    def __call__(self, *arguments: Any) -> Any:
-        function = _functions.get(self._key)
-        if function is None:
-            function = _functions[self._key] = self._kernel.compile(_types(arguments))
-        return function(*arguments)
-
-
-def kind_of(*arguments: Any) -> Hashable:
-    """Return the types of arguments, for `DirectCall` and `address_of`."""
-    return _types(arguments)
-
-
-def _types(arguments: tuple) -> tuple:
-    return tuple(map(numba.typeof, arguments))
+    function = _functions.get((kernel, kind))
+    if function is None:
+        function = _functions[kernel, kind] = kernel.compile(kind_of(*arguments))
+    return function(*arguments)
 
 
 def address_of(kernel: Any, kind: Hashable, *arguments: Any) -> int:
     """Return the address of the machine code of a kernel for arguments of these types.
 
-    The address is valid as long as this process lives. As for `DirectCall`, the types of the first
-    call are assumed for all of the same ``kind``.
+    The address is valid as long as this process lives. As for `call_directly`, the types of the
+    first call are assumed for all of the same ``kind``.
     """
     key = (kernel, kind)
     if key not in _addresses:
-        signature = _types(arguments)
+        signature = kind_of(*arguments)
         kernel.compile(signature)
         compiled = kernel.overloads[signature]
         name = compiled.fndesc.llvm_func_name

@@ -1,9 +1,15 @@
-"""The commands ``run`` and ``batch``: they turn points into run files, or report an error line."""
+"""The commands ``run``, ``batch`` and ``warm``: points become run files, or an error line.
+
+``warm`` compiles the engine before many runs start, so that no two compile the same code.
+"""
 
 import json
 import logging
 import signal
 import sys
+from collections.abc import Iterable
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
 from pathlib import Path
 
 from sim.base.errors import InputError
@@ -11,6 +17,7 @@ from sim.base.files import require_writable
 from sim.base.program import program
 from sim.base.yaml import read_yaml
 from sim.parameters import Parameters, parse_point, point_id
+from sim.parameters.roles import compiled_parameters
 
 log = logging.getLogger("talus")
 
@@ -166,3 +173,38 @@ def _require_usable(output: Path, point: str) -> None:
         raise InputError.of_value("--output", "", str(output), "the name of a plain file")
     if point != "-" and output.resolve() == Path(point).resolve():
         raise InputError.of_value("--output", "", str(output), "not the point file itself")
+
+
+def variants(points: Iterable[Parameters]) -> list[Parameters]:
+    """Return one small, short point per set of compiled kernels that the points need."""
+    small: dict[tuple, Parameters] = {}
+    for point in points:
+        model = type(point)
+        choices = {name: getattr(point, name) for name in compiled_parameters(model)}
+        small[(model, *choices.values())] = model(**model.smallest_values, **choices)
+    return list(small.values())
+
+
+def warm(points: Iterable[Parameters], processes: int = 1) -> None:
+    """Compile everything that runs of these points will call, and store it in the cache folder.
+
+    Systems share little code: with several ``processes`` they are compiled in parallel.
+    """
+    systems: dict[type, list[Parameters]] = {}
+    for point in variants(points):
+        systems.setdefault(type(point), []).append(point)
+    if processes == 1 or len(systems) == 1:
+        for group in systems.values():
+            _compile(group)
+        return
+    with ProcessPoolExecutor(processes, get_context("fork")) as pool:
+        list(pool.map(_compile, systems.values()))
+
+
+def _compile(points: Iterable[Parameters]) -> None:
+    from sim.engine.systems import build
+
+    for point in points:
+        system = build(point, 0)
+        system.settle()
+        system.sample(1, profiles=True)

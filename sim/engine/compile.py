@@ -1,18 +1,25 @@
-"""The options of numba and its cache folder, in one place.
+"""The options of numba, its cache folder, and the types of laws and motions, in one place.
 
 numba checks only a function's own file to decide whether its cached machine code is valid, so an
 edit of an imported contact law would run old code. Here the name of the cache folder contains the
-hash of all kernels' sources: any edit starts a new folder.
+hash of all kernels' sources: any edit starts a new folder. Laws and motions are named tuples of
+numbers, whose type selects compiled functions.
 """
 
 import logging
 import os
 import sys
+from collections.abc import Callable
 from functools import partial, wraps
+from numbers import Real
 from time import process_time
+from typing import Any, NamedTuple
 
-from sim.base.additions import codes
-from sim.engine.cache import COMPILED_KINDS, cache_directory
+from sim.base.additions import attribute_errors_to, codes, plain_name
+from sim.base.errors import InputError, in_short
+from sim.engine.identity import COMPILED_KINDS, cache_directory
+from sim.parameters import Parameters
+from sim.parameters.choices import Choice
 
 log = logging.getLogger("talus")
 
@@ -28,6 +35,8 @@ from llvmlite import ir  # noqa: E402
 from numba import types  # noqa: E402
 from numba.core import event  # noqa: E402
 from numba.core.caching import IndexDataCacheFile  # noqa: E402
+from numba.core.errors import TypingError  # noqa: E402
+from numba.core.ir import Loc  # noqa: E402
 from numba.extending import intrinsic, overload, register_jitable  # noqa: E402
 
 # If numba was imported earlier, it has read its settings already.
@@ -114,6 +123,20 @@ exact = numba.njit(cache=True, error_model="numpy", nogil=True)
 implements = partial(
     overload, jit_options={"fastmath": FASTMATH, "error_model": "numpy", "forceinline": True}
 )
+
+
+def by_type(choose):
+    """Turn a function of types, which returns a body, into a function that kernels call.
+
+    It is inlined, as all pieces are; Python cannot call it.
+    """
+
+    @wraps(choose)
+    def generic(*arguments):
+        raise NotImplementedError
+
+    implements(generic)(choose)
+    return generic
 
 
 @intrinsic
@@ -207,3 +230,65 @@ def append_negative(gap, size, first, out, free):
         out[free + count] = first + k
         count += np.uint64(1 if gap[k] < 0.0 else 0)
     return count
+
+
+#: The types registered so far.
+adopted_types: set[type] = set()
+
+
+def adopt_type(kind: type, has_plugin: bool = True) -> bool:
+    """Register a type, of a plug-in or of Talus; return True where it is new.
+
+    Raises
+    ------
+    InputError
+        When the engine was loaded before the plug-in: code compiled with the plug-in would be
+        stored in the cache folder of processes without it.
+    """
+    if kind in adopted_types:
+        return False
+    if has_plugin and codes(*COMPILED_KINDS) != PLUGIN_CODES:
+        raise InputError(
+            "a plug-in with a law or a motion is loaded before the first flow of a process, and "
+            "imports nothing of sim.engine; start another process"
+        )
+    adopted_types.add(kind)
+    return True
+
+
+def make_numbers(
+    choice: Choice, p: Parameters, register: Callable[[type, Any, bool], None], *arguments: Any
+) -> NamedTuple:
+    """Return the numbers of the option that a point has; register functions for their type.
+
+    The option's ``make`` computes the numbers from the ``arguments``.
+    """
+    name, option = getattr(p, choice.name, choice.usual[0]), p.option(choice.name)
+    has_plugin = choice.is_own(name)
+    with attribute_errors_to(choice.name, plain_name(name)):
+        numbers = option.make(*arguments)
+        is_named = isinstance(numbers, tuple) and hasattr(numbers, "_fields")
+        if has_plugin and not (is_named and all(isinstance(one, Real) for one in numbers)):
+            raise TypeError(f"make returns a NamedTuple of numbers: got {in_short(numbers)}")
+        if not option.compiled_by_hand:
+            register(type(numbers), option, has_plugin)
+    return numbers
+
+
+def typing_error(function: Callable[..., Any], message: str) -> TypingError:
+    """Return the error of a compiled function of a plug-in, with its file and line."""
+    code = function.__code__
+    return TypingError(message, Loc(code.co_filename, code.co_firstlineno))
+
+
+def require_numbers(
+    function: Callable[..., Any], label: str, returned: Any, count: int, kind: type = types.Number
+) -> None:
+    """Raise a typing error unless a compiled function returns a tuple of ``count`` numbers.
+
+    ``label`` names the value in the message; ``returned`` holds its types.
+    """
+    is_tuple = isinstance(returned, tuple | types.BaseTuple) and len(returned) == count
+    if not is_tuple or not all(isinstance(types.unliteral(part), kind) for part in returned):
+        noun = "floats" if kind is types.Float else "numbers"
+        raise typing_error(function, f"{label} is no tuple of {count} {noun}: got {returned}")

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any, Self
 import numpy as np
 
 from sim.base.errors import InputError
-from sim.engine.origin import origin_of
 from sim.engine.progress import bar
+from sim.engine.replicate import origin_of
 from sim.engine.run import run_point
 from sim.engine.systems import build
 from sim.parameters import parse_python_point, point_id

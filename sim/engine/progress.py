@@ -144,7 +144,7 @@ def progress(
     name = f"{meter.point} (at most)" if meter.at_most else meter.point
     display = bar(meter.total, name, "step", quiet, meter.done)
     file = progress_file(output)
-    last_write, lines = meter.start, _LogLines(meter.start)
+    last_write = meter.start
     _write(file, meter.read())
 
     def advance(steps: int) -> None:
@@ -154,7 +154,7 @@ def progress(
         if now - last_write >= WRITE_INTERVAL:
             last_write = now
             _write(file, meter.read())
-        if display.disable and not quiet and lines.is_due(now):
+        if display.disable and not quiet and meter.is_line_due(now):
             log.info(meter.line())
 
     try:
@@ -170,7 +170,7 @@ def progress(
 
 
 class _Meter:
-    """Counts the steps of a run and measures their time with a monotonic clock."""
+    """Counts the steps of a run, measures their time by a monotonic clock, and words log lines."""
 
     def __init__(self, parameters: Parameters, done: int):
         self.point = point_id(parameters)
@@ -184,6 +184,7 @@ class _Meter:
         self.longest = 0.0
         self.samples = 0
         self.reference = (done, self.start)
+        self.pause, self.next_line = FIRST_PAUSE, self.start + FIRST_PAUSE
 
     def advance(self, steps: int) -> float:
         """Count steps; return the present time (s)."""
@@ -217,6 +218,14 @@ class _Meter:
             host=socket.gethostname(),
         )
 
+    def is_line_due(self, now: float) -> bool:
+        """True where a log line is due at a time (s); pauses grow, see `FIRST_PAUSE`."""
+        if now < self.next_line:
+            return False
+        self.pause = min(2 * self.pause, LONGEST_PAUSE)
+        self.next_line = now + self.pause
+        return True
+
     def line(self) -> str:
         """Return the text of a log line."""
         now = self.read()
@@ -239,22 +248,6 @@ def bar(total: int, name: str, unit: str, quiet: bool = False, done: int = 0) ->
         unit_scale=True,
         disable=quiet or not (in_notebook or sys.stderr.isatty()),
     )
-
-
-class _LogLines:
-    """Schedule of the log lines about progress, at growing intervals, see `FIRST_PAUSE`."""
-
-    def __init__(self, start: float):
-        self.pause = FIRST_PAUSE
-        self.next_time = start + self.pause
-
-    def is_due(self, now: float) -> bool:
-        """True where a line is due at a time (s); the next one is then due after a pause."""
-        if now < self.next_time:
-            return False
-        self.pause = min(2 * self.pause, LONGEST_PAUSE)
-        self.next_time = now + self.pause
-        return True
 
 
 def _remove(file: Path) -> None:

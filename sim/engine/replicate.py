@@ -1,17 +1,24 @@
-"""One replicate of a point, from its initial state to its record; a blow-up is retried once."""
+"""One replicate of a point, from its start to its record; a blow-up is retried once.
+
+It starts as in the paper, or from the final state of another run.
+"""
 
 import logging
 import time
-from collections.abc import Callable, Mapping
-from typing import Any, Protocol, Self
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple, Self
 
+from sim.base.errors import InputError
 from sim.engine.dynamics.status import BlowUp
 from sim.engine.flatten import FlatState, flatten, refill, subtree
-from sim.engine.observe.recorder import Record, Recorder
-from sim.engine.observe.system import Samples
+from sim.engine.observe.samples import Samples
+from sim.engine.states import States, unpack
+from sim.engine.stored_run import read_parameters
 from sim.engine.systems import build
+from sim.engine.systems.recorder import Record, Recorder
 from sim.engine.systems.replica import Replica
-from sim.parameters import Parameters, point_id
+from sim.parameters import RUN_FILE, Parameters, point_id, require_compatible_source
 
 log = logging.getLogger("talus")
 
@@ -21,22 +28,6 @@ SUBSTEPS = 2
 
 #: A function that puts the system of a replicate, given by its number, into its initial state.
 Start = Callable[[Replica, int], None]
-
-
-class Keeper(Protocol):
-    """Stores the state of a running replicate."""
-
-    def offer(self, replicate: "Replicate") -> None:
-        """Store the state of a replicate if it is time.
-
-        Called at least every few tenths of a second of the replicate's running time.
-        """
-
-    def check_signals(self) -> None:
-        """End the process if a signal has requested it; the replicate is not stored again."""
-
-    def keep(self, replicate: "Replicate") -> None:
-        """Store a replicate that has reached its full length, or failed for good."""
 
 
 class Replicate:
@@ -107,7 +98,7 @@ class Replicate:
         return replicate
 
     def run(
-        self, report_steps: Callable[[int], None], keeper: Keeper, start: Start | None = None
+        self, report_steps: Callable[[int], None], states: States, start: Start | None = None
     ) -> Record:
         """Run to the end, or to the second blow-up.
 
@@ -115,21 +106,21 @@ class Replicate:
         ----------
         report_steps : callable
             Called with each number of steps done, counted in time steps of the point.
-        keeper : Keeper
+        states : States
             Receives this replicate whenever its state may be stored.
         start : callable, optional
             Puts the system into its initial state; without it the system starts as in the paper.
         """
         if not self.has_failed:
-            failure = self._attempt(report_steps, keeper, start)
+            failure = self._attempt(report_steps, states, start)
             if failure and self.substeps == 1:
                 name = point_id(self.parameters)
                 log.warning("%s: %s; again with half the time step", name, failure)
                 self._earlier_loop_time = self.loop_time
                 self._start(SUBSTEPS)
-                failure = self._attempt(report_steps, keeper, start)
+                failure = self._attempt(report_steps, states, start)
             if failure:
-                keeper.keep(self)
+                states.keep(self)
         return self._finish_record()
 
     @property
@@ -138,11 +129,11 @@ class Replicate:
         return len(self.failures) > 1
 
     def _attempt(
-        self, report_steps: Callable[[int], None], keeper: Keeper, start: Start | None
+        self, report_steps: Callable[[int], None], states: States, start: Start | None
     ) -> str:
         """Run to the end or to a blow-up; return the reason of the blow-up, else an empty text."""
         recorder, system = self.recorder, self.system
-        system.pause = lambda: keeper.offer(self)
+        system.pause = lambda: states.offer(self)
         try:
             if not recorder.snapshots:
                 if start:
@@ -150,13 +141,13 @@ class Replicate:
                 else:
                     system.settle()
                 recorder.take_snapshot()
-                keeper.offer(self)
+                states.offer(self)
             while not recorder.stop_reason:
                 self._take(system.sample(*recorder.next_samples()), report_steps)
-                keeper.offer(self)
+                states.offer(self)
             # A longer run continues from this state; the path that follows is not part of the run.
-            keeper.keep(self)
-            system.pause = keeper.check_signals
+            states.keep(self)
+            system.pause = states.check_signals
             recorder.path = system.trace()
         except BlowUp as error:
             if error.samples:
@@ -186,3 +177,82 @@ class Replicate:
             "replicate_seed": self.number,
         }
         return record
+
+
+def stored_replicate(states: States, parameters: Parameters, number: int) -> Replicate | None:
+    """Return a stored replicate, to be run to the lengths of ``parameters``.
+
+    None where no state of it is stored, or where this program cannot use the state.
+    """
+    archive = states.archive(number)
+    if archive is None:
+        return None
+    try:
+        return Replicate.from_state(parameters, number, unpack(archive))
+    except (ValueError, TypeError, LookupError) as error:
+        log.warning("%s: replicate %d starts anew: %s", states.path, number, error)
+        return None
+
+
+class Origin(NamedTuple):
+    """The start of replicates: ``start`` puts the system of a replicate into its initial state.
+
+    ``samples`` counts the samples of each replicate of the other run at that moment. A run that
+    grows has another end; a run that started from the earlier end is not a continuation of it.
+    """
+
+    start: Start
+    samples: tuple[int, ...]
+
+
+def is_alike(first: Sequence[int], second: Sequence[int]) -> bool:
+    """True where the replicates that two sequences have in common started at the same sample."""
+    return all(a == b for a, b in zip(first, second, strict=False))
+
+
+def origin_of(parameters: Parameters, output: Path) -> Origin | None:
+    """Return the origin of the replicates of a point, None where they start as in the paper.
+
+    Parameters
+    ----------
+    parameters : Parameters
+        The point.
+    output : Path
+        Its run file; the run file of an origin named by its id is in the same folder.
+
+    Raises
+    ------
+    InputError
+        When there is no such run file, or its particles are not those of the point. The function
+        ``start`` raises it when the final state of a replicate is missing, and ``BlowUp`` when that
+        replicate has failed, so that the new one fails, too.
+    """
+    source_name, name = parameters.start_from, point_id(parameters)
+    if not source_name:
+        return None
+    is_file = source_name.endswith(RUN_FILE)
+    path = Path(source_name) if is_file else output.with_name(f"{source_name}.nc")
+    path = path.resolve()
+    if path == output.resolve():
+        allowed = "another run than that to be made"
+        raise InputError.of_value(name, "start_from", source_name, allowed)
+    source = read_parameters(path)
+    require_compatible_source(parameters, source, name)
+    states = States(path, source, is_own=False)
+
+    def start(system: Replica, number: int) -> None:
+        replicate = stored_replicate(states, source, number)
+        if replicate is None:
+            allowed = (
+                f"a run with the state of its replicate {number} in {states.path.name} beside it; "
+                f"remove {path.name} to have it run again"
+            )
+            raise InputError.of_value(name, "start_from", source_name, allowed)
+        if replicate.has_failed:
+            raise BlowUp(f"replicate {number} of {source_name}, from which it starts, has failed")
+        try:
+            system.take_over(replicate.system)
+        except ValueError as error:
+            raise InputError(f"{name}: start_from: {source_name}: {error}") from None
+
+    return Origin(start, tuple(states.samples(n) for n in range(source.replicates) if n in states))

@@ -8,37 +8,27 @@ import platform
 import shlex
 import sys
 from collections import Counter
-from collections.abc import Mapping
-from contextlib import suppress
 from datetime import UTC, datetime
 from functools import cache
 from pathlib import Path
 
-import netCDF4
 import numpy as np
 
 from sim.base.files import file_lock
 from sim.base.program import __version__
-from sim.base.seals import is_damaged
 from sim.base.statistics import mean_interval
 from sim.engine.identity import NUMERICS, library_versions, source_hash
-from sim.engine.observe.recorder import Record
-from sim.engine.observe.run_file import Layout, Stage, write
-from sim.engine.origin import Origin, is_alike, origin_of
 from sim.engine.progress import length, progress
-from sim.engine.replicate import Replicate
+from sim.engine.replicate import Origin, Replicate, is_alike, origin_of, stored_replicate
+from sim.engine.run_file import Layout, Stage, read_stages, write
 from sim.engine.states import States, checkpoint_interval
 from sim.engine.stored_run import (
     current_status,
-    is_run_of,
-    read_attributes,
     read_origin_samples,
-    stage_amounts,
-    stage_groups,
 )
+from sim.engine.systems.recorder import Record
 from sim.engine.systems.replica import Replica
 from sim.parameters import Parameters, amounts, point_id, with_larger_amounts
-from sim.parameters.variables import SCALARS, variables_of
 
 log = logging.getLogger("talus")
 
@@ -114,7 +104,8 @@ def _compute(
     done = len(records) * parameters.steps + sum(stored_samples) * parameters.sample_steps
     with states, progress(parameters, output, quiet, done) as report_steps:
         for number in numbers:
-            replicate = states.replicate(parameters, number) or Replicate(parameters, number)
+            stored_one = stored_replicate(states, parameters, number)
+            replicate = stored_one or Replicate(parameters, number)
             records.append(replicate.run(report_steps, states, origin and origin.start))
     # Before the run file: the states must be at least as far as its records.
     states.save()
@@ -221,52 +212,3 @@ def _attributes(parameters: Parameters, records: list[Record]) -> dict:
         "steps": sum(record.scalars["steps"] for record in records),
         "wall_time": sum(record.scalars["wall_time"] for record in records),
     }
-
-
-def read_stages(path: Path, parameters: Parameters) -> list[Stage]:
-    """Return the runs in a run file of the same point and numerics, the longest first.
-
-    The list is empty where there is no such file, or where it is damaged.
-    """
-    with suppress(OSError, LookupError, ValueError):
-        if not is_damaged(path):
-            with netCDF4.Dataset(path) as file:
-                file.set_auto_mask(False)
-                if is_run_of(read_attributes(file), parameters):
-                    lengths = stage_amounts(file, amounts(parameters))
-                    stages = zip(stage_groups(file), lengths, strict=True)
-                    return [_read_stage(group, parameters, length) for group, length in stages]
-    return []
-
-
-def _read_stage(
-    group: netCDF4.Dataset, parameters: Parameters, lengths: Mapping[str, float]
-) -> Stage:
-    values = {name: type(getattr(parameters, name))(value) for name, value in lengths.items()}
-    records = [_read_record(group, index) for index in range(group.dimensions["replicate"].size)]
-    return Stage(parameters.model_copy(update=values), records)
-
-
-def _read_record(group: netCDF4.Dataset, index: int) -> Record:
-    """Return the record of one replicate from a group of a run file."""
-    record = Record({})
-    for name, variable in group.variables.items():
-        dimensions = variable.dimensions
-        if dimensions[:1] != ("replicate",) or name == "replicate":
-            continue
-        values = variable[index]
-        if name in SCALARS:
-            record.scalars[name] = str(values) if variable.dtype is str else values.item()
-        elif name in variables_of("particle"):
-            record.snapshots[name] = list(values) if "frame" in dimensions else [values]
-        elif dimensions[1:2] == ("trajectory_time",):
-            record.frames[name] = values
-        elif name == "path":
-            record.path = None if np.isnan(values).all() else values
-        elif dimensions == ("replicate", "time"):
-            record.series[name] = values
-        elif dimensions == ("replicate", "height") and not variables_of("profile")[name].asked_by:
-            record.profiles[name] = values
-        else:
-            record.tables[name] = values
-    return record

@@ -12,7 +12,7 @@ from collections.abc import Callable, Sequence
 from contextlib import suppress
 from pathlib import Path
 from types import FrameType
-from typing import TYPE_CHECKING, Any, BinaryIO, Self
+from typing import Any, BinaryIO, Protocol, Self
 
 import numpy as np
 
@@ -22,9 +22,6 @@ from sim.base.seals import is_damaged, seal, set_aside
 from sim.engine.flatten import FlatState
 from sim.engine.identity import NUMERICS
 from sim.parameters import Parameters, point_id
-
-if TYPE_CHECKING:
-    from sim.engine.replicate import Replicate
 
 log = logging.getLogger("talus")
 
@@ -93,6 +90,14 @@ def unpack(archive: bytes) -> FlatState:
     return state
 
 
+class Resumable(Protocol):
+    """A replicate of a number, with all that is needed to continue it."""
+
+    number: int
+
+    def state(self) -> FlatState: ...
+
+
 class States:
     """The file ``.<output>.state`` beside the output of a run.
 
@@ -112,7 +117,7 @@ class States:
         Seconds of wall time between two writes.
     origin : sequence of int
         For runs that start from the end of another run: the number of samples of each replicate of
-        that run (`sim.engine.origin`).
+        that run (`sim.engine.replicate`).
     is_own : bool
         True where this process runs the point. Damaged states are then set aside; for another run
         they are an error.
@@ -153,22 +158,9 @@ class States:
         if not self._has_started:
             raise SystemExit(TERMINATION_CODE)
 
-    def replicate(self, parameters: Parameters, number: int) -> "Replicate | None":
-        """Return a stored replicate, to be run to the lengths of ``parameters``.
-
-        None where no state of it is stored, or where this program cannot use the state.
-        """
-        # Imported late: the workflow needs only the checkpoint interval, without loading numba.
-        from sim.engine.replicate import Replicate
-
-        archive = self._archives.get(number)
-        if archive is None:
-            return None
-        try:
-            return Replicate.from_state(parameters, number, unpack(archive))
-        except (ValueError, TypeError, LookupError) as error:
-            log.warning("%s: replicate %d starts anew: %s", self.path, number, error)
-            return None
+    def archive(self, number: int) -> bytes | None:
+        """Return the packed state of a replicate, None where none is stored."""
+        return self._archives.get(number)
 
     def __contains__(self, number: int) -> bool:
         """True where a state of a replicate is stored."""
@@ -178,10 +170,11 @@ class States:
         """Return the number of samples in the stored state of a replicate."""
         return read_numbers(self._archives[number]).get("told.shown", 0)
 
-    def offer(self, replicate: "Replicate") -> None:
+    def offer(self, replicate: Resumable) -> None:
         """Write the states if it is time; an error of the file system is only a warning.
 
-        Raises ``SystemExit`` after SIGTERM.
+        Called at least every few tenths of a second of a replicate's running time. Raises
+        ``SystemExit`` after SIGTERM.
         """
         self._has_started = True
         start = time.monotonic()
@@ -201,7 +194,7 @@ class States:
             log.warning("%s: terminated; the next start continues from here", self.path)
             raise SystemExit(TERMINATION_CODE)
 
-    def keep(self, replicate: "Replicate") -> None:
+    def keep(self, replicate: Resumable) -> None:
         """Add the present state of a replicate to the states that will be written."""
         self._archives[replicate.number] = pack(replicate.state())
 

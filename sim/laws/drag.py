@@ -65,4 +65,5 @@ law(
     collision_time=collision_time,
     remembers=2,
     max_overlap=SMALL_OVERLAP,
+    owns=("shear_damping",),
 )

@@ -9,9 +9,16 @@ from sim.parameters.spheres import SphereParameters
 
 def make(p: SphereParameters, partners: Any) -> NamedTuple:
     """Return the law of a point for one kind of partners."""
-    from sim.engine.contact.spring_dashpot import from_parameters
+    from sim.engine.contact.spring_dashpot import spring_dashpot
 
-    return from_parameters(p, partners)
+    return spring_dashpot(
+        p.stiffness,
+        p.restitution,
+        partners.friction,
+        partners.reduced_mass,
+        partners.time_step,
+        p.tangential_ratio,
+    )
 
 
 def collision_time(p: SphereParameters) -> float:

@@ -8,9 +8,18 @@ from sim.parameters.spheres import SphereParameters
 
 def make(p: SphereParameters, partners: Any) -> NamedTuple:
     """Return the law of a point for one kind of partners."""
-    from sim.engine.contact.walton_braun import from_parameters
+    from sim.engine.contact.walton_braun import walton_braun
 
-    return from_parameters(p, partners)
+    return walton_braun(
+        p.stiffness,
+        p.restitution,
+        partners.friction,
+        p.tangential_ratio,
+        p.tangential_exponent,
+        overlap_memory=p.overlap_memory,
+        friction_cap=p.friction_cap,
+        sliding_direction=p.sliding_direction,
+    )
 
 
 def collision_time(p: SphereParameters) -> float:

@@ -1,6 +1,5 @@
 """The parameters of all systems: symbol, unit, range, equation and default in one place."""
 
-from sim.parameters.amounts import amounts, covers, with_larger_amounts
 from sim.parameters.belt import BeltParameters
 from sim.parameters.chute import ChuteParameters
 from sim.parameters.common import Parameters, canonical_number
@@ -11,10 +10,12 @@ from sim.parameters.points import (
     RUN_FILE,
     SYSTEMS,
     FieldRow,
+    amounts,
     as_yaml,
     canonical_json,
     canonical_values,
     complete_values,
+    covers,
     default_of,
     defaults_of_added,
     field_info,
@@ -23,8 +24,9 @@ from sim.parameters.points import (
     parse_python_point,
     point_id,
     require_compatible_source,
+    with_larger_amounts,
 )
-from sim.parameters.si import in_si
+from sim.parameters.words import in_si
 
 __all__ = [
     "AMOUNTS",

@@ -1,19 +1,17 @@
 """Parameters of the vibrating belt; defaults are those of Gallas, Herrmann, Sokołowski (1992)."""
 
 import math
-from typing import Any, ClassVar, Literal, Self
+from typing import Any, ClassVar, Literal
 
-from pydantic import model_validator
-
+from sim.parameters import fields
 from sim.parameters.common import (
     MAX_PARTICLES,
     MAX_STEPS,
     Parameters,
     Real,
     broken_rule,
-    require_feasible_trajectory,
 )
-from sim.parameters.roles import declare
+from sim.parameters.roles import declare, numerics, reading
 
 #: Stiffness (g⟨m⟩/⟨d⟩) of the paper.
 STIFFNESS = 1000.0
@@ -73,19 +71,10 @@ class BeltParameters(Parameters):
     )
 
     system: Literal["belt"] = declare("belt", description="which of the systems")
-    frequency: Real = declare(
-        20,
-        symbol="f",
-        unit="Hz",
-        description="frequency of the vibration",
-        equation="Gallas, Eqs. 1a, 1b",
-        id_part="frequency",
-        gt=0,
-    )
+    frequency: Real = fields.frequency("Gallas, Eqs. 1a, 1b")
     amplitude: Real = declare(
         1,
         symbol="A_z",
-        unit="1",
         scale="⟨d⟩",
         description="vertical amplitude of the vibration",
         equation="Gallas, Eq. 1b",
@@ -105,27 +94,16 @@ class BeltParameters(Parameters):
     damping: Real = declare(
         50,
         symbol="γ",
-        unit="1",
         scale="g",
         description="normal damping coefficient",
         equation="Gallas, Eq. 3",
         id_part="damping",
         ge=0,
     )
-    shear_damping: Real = declare(
-        50,
-        symbol="γ_s",
-        unit="1",
-        scale="g",
-        description="shear friction coefficient",
-        equation="Gallas, Eq. 4",
-        id_part="shear",
-        ge=0,
-    )
+    shear_damping: Real = fields.shear_damping("shear friction coefficient", id_part="shear")
     stiffness: Real = declare(
         STIFFNESS,
         symbol="Y",
-        unit="1",
         scale="g⟨m⟩/⟨d⟩",
         description="stiffness of the elastic restoration force",
         equation="Gallas, Eq. 2",
@@ -134,7 +112,6 @@ class BeltParameters(Parameters):
     beads: int = declare(
         200,
         symbol="N",
-        unit="1",
         description="number of beads",
         equation="Gallas, Sec. 2",
         ge=1,
@@ -143,7 +120,6 @@ class BeltParameters(Parameters):
     width: Real = declare(
         20,
         symbol="L",
-        unit="1",
         scale="⟨d⟩",
         description="length of the periodic segment of the belt",
         equation="Gallas, Sec. 2",
@@ -152,22 +128,16 @@ class BeltParameters(Parameters):
     obstacle: Real = declare(
         0,
         symbol="d_o",
-        unit="1",
         scale="⟨d⟩",
         description="diameter of the fixed obstacle, below width - 3 (0: none)",
         equation="Gallas, Sec. 3, Fig. 6",
         ge=0,
     )
-    initial_velocity: Real = declare(
+    initial_velocity: Real = fields.initial_velocity(
         0,
-        symbol="V0",
-        unit="1",
         scale="√(g⟨d⟩)",
         description="velocity along the belt of all beads when the shaking starts",
         equation="Gallas, Sec. 3, Fig. 3c: dashed line",
-        role="numerics",
-        changes_start=True,
-        ge=0,
     )
     prior_frequency: Real = declare(
         0,
@@ -176,13 +146,11 @@ class BeltParameters(Parameters):
         description="frequency at which the bed has been shaken before, for sweeps (0: at rest)",
         ge=0,
     )
-    prior_cycles: int = declare(
+    prior_cycles: int = numerics(
         60,
         symbol="t_0",
-        unit="1",
         scale="cycles",
         description="how many cycles of prior_frequency went before",
-        role="numerics",
         ge=1,
         le=100_000,
     )
@@ -197,7 +165,6 @@ class BeltParameters(Parameters):
     diameter_spread: Real = declare(
         0.5,
         symbol="Δd/⟨d⟩",
-        unit="1",
         scale="⟨d⟩",
         description="half width of the uniform distribution of diameters",
         equation="Gallas, Sec. 2",
@@ -212,14 +179,7 @@ class BeltParameters(Parameters):
         equation="Gallas, Sec. 3",
         gt=0,
     )
-    gravity: Real = declare(
-        10,
-        symbol="g",
-        unit="m s-2",
-        description="gravitational acceleration",
-        equation="Gallas, Sec. 2",
-        gt=0,
-    )
+    gravity: Real = fields.gravity(10, "Gallas, Sec. 2")
     phase: Real = declare(
         0,
         symbol="φ0",
@@ -228,179 +188,123 @@ class BeltParameters(Parameters):
         ge=0,
         lt=360,
     )
-    steps_per_cycle: int = declare(
+    steps_per_cycle: int = numerics(
         2000,
         symbol="1/(fΔt)",
-        unit="1",
         description="time steps in one cycle of the vibration",
         equation="Gallas, Sec. 2: Δt = 1/(2000 f)",
-        role="numerics",
         ge=100,
         le=1_000_000,
     )
-    samples_per_cycle: int = declare(
-        20,
-        unit="1",
-        description="samples of the observables in one cycle (divides steps_per_cycle)",
-        role="numerics",
-        ge=1,
+    samples_per_cycle: int = fields.samples_per_cycle(
+        "samples of the observables in one cycle (divides steps_per_cycle)"
     )
-    slice_height: Real = declare(
+    slice_height: Real = numerics(
         1,
         symbol="Δz",
-        unit="1",
         scale="⟨d⟩",
         description="height of the slices of the profiles (0.5 gives every grid of ⟨d⟩)",
         equation="Gallas, Sec. 3",
-        role="numerics",
         added=True,
         ge=0.1,
         le=10,
     )
-    phase_0_profiles: bool = declare(
-        False,
-        description="also average the profiles at the beginning of the cycle alone, when the "
+    phase_0_profiles: bool = fields.extra(
+        "also average the profiles at the beginning of the cycle alone, when the "
         "belt is at its mean height and rises",
         equation="Gallas, Sec. 3, Fig. 5",
-        role="numerics",
-        added=True,
     )
-    fluctuation_profiles: bool = declare(
-        False,
-        description="also keep the granular temperature about the mean velocity at each phase of "
+    fluctuation_profiles: bool = fields.extra(
+        "also keep the granular temperature about the mean velocity at each phase of "
         "the cycle, of which there are samples_per_cycle",
-        role="numerics",
-        added=True,
     )
-    belt_forces: bool = declare(
-        False,
-        description="also keep the forces on the belt and when it is touched, as time series",
-        role="numerics",
-        added=True,
+    belt_forces: bool = fields.extra(
+        "also keep the forces on the belt and when it is touched, as time series",
     )
-    trajectory: Real = declare(
-        0,
-        symbol="Δt_f",
-        unit="1",
-        scale="cycles",
-        description="time from one frame of the trajectory, which has the state of every particle, "
-        "to the next (0: none); in whole samples",
-        role="numerics",
-        added=True,
-        ge=0,
-    )
-    transient: Real = declare(
+    trajectory: Real = fields.trajectory(fields.CYCLES)
+    transient: Real = fields.transient(
         45,
-        symbol="t_tr",
-        unit="1",
-        scale="cycles",
+        fields.CYCLES,
         description="length discarded before averaging",
         equation="Gallas, Sec. 2: 9·10⁴ steps",
-        role="numerics",
-        ge=0,
     )
-    average: Real = declare(
+    average: Real = fields.average(
         45,
-        symbol="t_av",
-        unit="1",
-        scale="cycles",
+        fields.CYCLES,
         description="length averaged over",
         equation="Gallas, Sec. 2: 9·10⁴ steps",
-        role="amount",
-        gt=0,
     )
-    limit: Real = declare(
-        1500,
-        symbol="t_max",
-        unit="1",
-        scale="cycles",
-        description="longest run of the converged protocol, whose cost `points` tells",
-        role="amount",
-        gt=0,
-    )
-    settle_velocity_squared: Real = declare(
+    limit: Real = fields.limit(1500, fields.CYCLES)
+    settle_velocity_squared: Real = numerics(
         1e-8,
         symbol="⟨v²⟩",
         unit="m2 s-2",
         description="mean squared velocity below which the bed is at rest and the shaking starts",
         equation="Gallas, Sec. 2",
-        role="numerics",
         gt=0,
     )
-    overlap_limit: Real = declare(
+    overlap_limit: Real = numerics(
         0.95,
         symbol="δ_lim",
-        unit="1",
         scale="r_i + r_j",
         description="overlap at which the run stops as unphysical (the published stiffness lets "
         "beads overlap by more than half a radius from 20 Hz on)",
-        role="numerics",
         gt=0,
         le=0.95,
     )
-    damping_mass: Literal["own", "reduced"] = declare(
+    damping_mass: Literal["own", "reduced"] = reading(
         "own",
         description="mass in the damping terms: the bead's own, or the reduced mass of the pair",
         equation="Gallas, Eqs. 3, 4",
-        role="reading",
         compiled=True,
     )
-    belt_ghost: Literal["below", "centred"] = declare(
+    belt_ghost: Literal["below", "centred"] = reading(
         "below",
         description="the belt acts as a bead that is tangent to its line from below, or centred "
         "on it",
         equation="Gallas, Sec. 2",
-        role="reading",
     )
-    ghost_mass: Literal["infinite", "mean"] = declare(
+    ghost_mass: Literal["infinite", "mean"] = reading(
         "infinite",
         description="mass of the bead as which the belt acts: infinite, or that of a bead of mean "
         "diameter (with damping_mass: reduced)",
         equation="Gallas, Sec. 2",
-        role="reading",
         added=True,
     )
-    attraction: Literal["kept", "clipped"] = declare(
+    attraction: Literal["kept", "clipped"] = reading(
         "kept",
         description="an attractive total normal force at the end of a contact is kept or set to 0",
         equation="Gallas, Eqs. 2, 3",
-        role="reading",
         compiled=True,
     )
-    integrator: Literal["gear", "verlet"] = declare(
+    integrator: Literal["gear", "verlet"] = reading(
         "gear",
         description="Gear predictor-corrector, or velocity Verlet",
         equation="Gallas, Sec. 2",
-        role="reading",
         compiled=True,
     )
-    corrector_order: int = declare(
+    corrector_order: int = reading(
         5,
-        unit="1",
         description="order of Gear's predictor-corrector: 3, 4 or 5, which keep as many "
         "derivatives of the position",
         equation="Gallas, Sec. 2",
-        role="reading",
         added=True,
         ge=3,
         le=5,
     )
-    corrections: int = declare(
+    corrections: int = reading(
         1,
-        unit="1",
         description="how often Gear's corrector acts in a step, with forces evaluated anew",
         equation="Gallas, Sec. 2",
-        role="reading",
         added=True,
         ge=1,
         le=2,
     )
-    stiffness_keeps: Literal["damping", "restitution"] = declare(
+    stiffness_keeps: Literal["damping", "restitution"] = reading(
         "damping",
         description="another stiffness than the paper's leaves γ as it is, or multiplies it by "
         "√(Y/1000), which leaves the restitution",
         equation="Gallas, Sec. 3",
-        role="reading",
         added=True,
     )
 
@@ -508,18 +412,15 @@ class BeltParameters(Parameters):
         prior = self.prior_cycles * self.steps_per_cycle if self.prior_frequency > 0.0 else 0
         return round(SETTLING_TIME / self.settling_step) + prior
 
-    @model_validator(mode="after")
-    def _require_consistency(self) -> Self:
+    def require_rules(self) -> None:
+        """Raise for values that do not go together."""
+        super().require_rules()
         if self.obstacle > 0 and not self.obstacle < self.width - 3:
             allowed = f"a number in [0, width - 3) = [0, {self.width - 3:g})"
             raise broken_rule("obstacle", self.obstacle, allowed)
         if self.steps_per_cycle % self.samples_per_cycle:
             allowed = f"a divisor of steps_per_cycle = {self.steps_per_cycle}"
             raise broken_rule("samples_per_cycle", self.samples_per_cycle, allowed)
-        return self
-
-    @model_validator(mode="after")
-    def _require_feasible_settling(self) -> Self:
         if SETTLING_TIME / self.settling_step > MAX_STEPS:
             if self.settling_step == self._collision / 20:
                 key = "stiffness"
@@ -528,10 +429,6 @@ class BeltParameters(Parameters):
                 key = "damping" if strong else "shear_damping"
             allowed = f"a value that lets the run begin after at most {MAX_STEPS:.0e} time steps"
             raise broken_rule(key, getattr(self, key), allowed)
-        return self
-
-    @model_validator(mode="after")
-    def _require_readings_with_effect(self) -> Self:
         if self.ghost_mass == "mean" and self.damping_mass == "own":
             allowed = "'infinite' with damping_mass: own, where no partner's mass counts"
             raise broken_rule("ghost_mass", self.ghost_mass, allowed)
@@ -539,10 +436,3 @@ class BeltParameters(Parameters):
             if self.integrator == "verlet" and getattr(self, name) != only:
                 allowed = f"{only} with integrator: verlet, which has no corrector"
                 raise broken_rule(name, getattr(self, name), allowed)
-        return self
-
-    @model_validator(mode="after")
-    def _require_feasible_trajectory(self) -> Self:
-        # The last rule, as the rules before it bound the numbers of particles.
-        require_feasible_trajectory(self)
-        return self

@@ -14,10 +14,10 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import BeforeValidator, Field, create_model
 
-from sim.base.additions import NAME, AdditionError, add, plain_name, plugin_options
+from sim.base.additions import NAME, AdditionError, add, plain_name, plugin_options, shipped
 from sim.base.errors import in_short
 from sim.base.require import require_function, require_line, require_number
-from sim.parameters.common import Parameters, Real
+from sim.parameters.common import CHOICES, Parameters, Real
 from sim.parameters.roles import Declaration, Role, declare
 from sim.parameters.variables import reserved_names
 
@@ -59,10 +59,15 @@ def parameter(
 
 @dataclass(frozen=True)
 class Option:
-    """An option of a choice: ``make`` gives the engine its numbers, ``parameters`` are its own."""
+    """An option of a choice.
+
+    ``make`` gives the engine its numbers; ``parameters`` are its own, and ``owns`` names those of
+    Talus that have an effect with it alone.
+    """
 
     make: Callable[..., Any]
     parameters: Mapping[str, Any]
+    owns: tuple[str, ...]
 
     #: Number of arguments of each of its functions.
     argument_counts: ClassVar[Mapping[str, int]] = {"make": 1}
@@ -126,7 +131,7 @@ class Choice:
         taken = {*dir(Parameters), *Parameters.__class_vars__, *_ELSEWHERE} | reserved_names()
         if name in taken.union(*((*dir(one), *one.model_fields) for one in self.models)):
             raise AdditionError(f"{what}: parameter {name}: Talus has one of this name")
-        for kind in ("law", "motion"):
+        for kind in CHOICES:
             for other, one in plugin_options(kind).items():
                 if name in one.parameters:
                     raise AdditionError(
@@ -139,10 +144,18 @@ class Choice:
 
 
 def extended(base: type[Parameters], *choices: Choice) -> type[Parameters]:
-    """Return the parameters of a system with the options that plug-ins add to its choices."""
-    options = {choice: tuple(plugin_options(choice.name)) for choice in choices}
+    """Return the parameters of a system with the options that its declaration does not have.
+
+    These are those of plug-ins; and where it has no such parameter, those of Talus but the default.
+    """
+    options = {choice: tuple(_undeclared(base, choice)) for choice in choices}
     offers = tuple((choice, names) for choice, names in options.items() if names)
     return _extended(base, offers) if offers else base
+
+
+def _undeclared(base: type[Parameters], choice: Choice) -> dict[str, Any]:
+    names = () if choice.name in base.model_fields else choice.usual[1:]
+    return {name: shipped(choice.name)[name] for name in names} | plugin_options(choice.name)
 
 
 @cache
@@ -154,7 +167,7 @@ def _extended(
     for choice, names in offers:
         fields[choice.name] = _field(base, choice, names)
         offered[choice.name] = plugin_options(choice.name)
-        for option in offered[choice.name].values():
+        for option in _undeclared(base, choice).values():
             fields |= {name: (Real, field) for name, field in option.parameters.items()}
             fixed += option.parameters if choice.kept else ()
     model: Any = create_model(base.__name__, __base__=base, **fields)
@@ -176,5 +189,5 @@ def _field(base: type[Parameters], choice: Choice, options: tuple[str, ...]) -> 
         usual = choice.usual[0]
         text = f"{choice.name}: {usual}, or one of a plug-in"
         said = declare(usual, description=text, role=choice.role, compiled=True, added=True)
-    allowed: Any = Literal[(*choice.usual, *options)]
+    allowed: Any = Literal[tuple(dict.fromkeys((*choice.usual, *options)))]
     return Annotated[allowed, BeforeValidator(coded)], said

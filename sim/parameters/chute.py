@@ -1,13 +1,15 @@
 """Parameters of the inclined chute; defaults are those of Walton (1993)."""
 
 import math
-from typing import ClassVar, Literal, Self
+from typing import ClassVar, Literal
 
-from pydantic import model_validator
-
-from sim.parameters.common import Real, broken_rule, require_feasible_trajectory
-from sim.parameters.roles import declare
+from sim.parameters import fields
+from sim.parameters.common import Real, broken_rule
+from sim.parameters.roles import declare, numerics
 from sim.parameters.spheres import SphereParameters
+
+#: Scale of times.
+TIME = "√(σ/g)"
 
 
 def negligible_acceleration(gravity: float, angle: float) -> float:
@@ -29,76 +31,29 @@ class ChuteParameters(SphereParameters):
     boundaries: ClassVar[tuple[str, ...]] = ("flow", "acceleration")
 
     system: Literal["chute"] = declare("chute", description="which of the systems")
-    angle: Real = declare(
-        17,
-        symbol="θ",
-        unit="degree",
-        description="inclination of the plane",
-        equation="Walton, Sec. 3",
-        ge=0,
-        lt=90,
-    )
-    initial_velocity: Real = declare(
-        symbol="V0",
-        unit="1",
+    angle: Real = fields.angle(17, equation="Walton, Sec. 3")
+    initial_velocity: Real = fields.initial_velocity(
         scale="√(gσ)",
         description="uniform initial velocity down the slope (omitted: 4 + 1.2 depth, at most 30)",
         equation="Walton, Sec. 1: slightly above the expected steady velocity",
-        role="numerics",
-        changes_start=True,
-        ge=0,
         default_factory=lambda values: min(4 + 1.2 * values["depth"], 30),
     )
-    transient: Real = declare(
-        300,
-        symbol="t_tr",
-        unit="1",
-        scale="√(σ/g)",
-        description="time discarded before averaging",
-        equation="Walton, Sec. 1",
-        role="numerics",
-        ge=0,
+    transient: Real = fields.transient(
+        300, TIME, description="time discarded before averaging", equation="Walton, Sec. 1"
     )
-    average: Real = declare(
-        200,
-        symbol="t_av",
-        unit="1",
-        scale="√(σ/g)",
-        description="time averaged over",
-        equation="Walton, Sec. 1",
-        role="amount",
-        gt=0,
+    average: Real = fields.average(
+        200, TIME, description="time averaged over", equation="Walton, Sec. 1"
     )
-    limit: Real = declare(
-        3000,
-        symbol="t_max",
-        unit="1",
-        scale="√(σ/g)",
-        description="longest run of the converged protocol, whose cost `points` tells",
-        role="amount",
-        gt=0,
-    )
-    sample_interval: Real = declare(
+    limit: Real = fields.limit(3000, TIME)
+    sample_interval: Real = numerics(
         0.25,
         symbol="Δt_s",
-        unit="1",
-        scale="√(σ/g)",
+        scale=TIME,
         description="time between two samples of the observables",
-        role="numerics",
         gt=0,
         le=100,
     )
-    trajectory: Real = declare(
-        0,
-        symbol="Δt_f",
-        unit="1",
-        scale="√(σ/g)",
-        description="time from one frame of the trajectory, which has the state of every particle, "
-        "to the next (0: none); in whole samples",
-        role="numerics",
-        added=True,
-        ge=0,
-    )
+    trajectory: Real = fields.trajectory(TIME)
 
     @property
     def time_unit(self) -> float:
@@ -140,18 +95,12 @@ class ChuteParameters(SphereParameters):
         speed = 0.5 * abs(self.initial_velocity) * self.velocity_unit
         return self._caveat_at(speed, "half its start velocity")
 
-    @model_validator(mode="after")
-    def _require_resolved_motion(self) -> Self:
+    def require_rules(self) -> None:
+        """Raise for values that do not go together."""
+        super().require_rules()
         if not self.average >= self.sample_interval:
             allowed = f"at least sample_interval = {self.sample_interval:g}"
             raise broken_rule("average", self.average, allowed)
         if not self.time_step <= (self.transient + self.average) * self.time_unit:
             allowed = "a value that gives a time step shorter than the run"
             raise broken_rule("stiffness", self.stiffness, allowed)
-        return self
-
-    @model_validator(mode="after")
-    def _require_feasible_trajectory(self) -> Self:
-        # The last rule, as the rules before it bound the numbers of particles.
-        require_feasible_trajectory(self)
-        return self

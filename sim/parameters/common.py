@@ -9,7 +9,8 @@ from pydantic.fields import FieldInfo
 from pydantic_core import PydanticCustomError
 
 from sim.base.additions import plain_name, shipped
-from sim.parameters.roles import declare
+from sim.parameters import fields
+from sim.parameters.roles import amount, declare, numerics
 
 SIGNIFICANT_DIGITS = 12
 MAX_PARTICLES = 10_000_000
@@ -19,6 +20,9 @@ MAX_SAMPLES = 10**7
 #: Largest size of the trajectories of a run in bytes, and bytes of a number in them.
 MAX_TRAJECTORY = 2 * 10**9
 SINGLE = 4
+
+#: Parameters to which plug-ins add options, with the default of each.
+CHOICES = {"law": "walton_braun", "motion": "harmonic"}
 
 #: Magnitudes that double precision carries through every formula without overflow.
 SMALLEST = 1e-15
@@ -111,24 +115,16 @@ class Parameters(BaseModel):
 
     if TYPE_CHECKING:
         # Every concrete system adds these, with its own ranges, defaults and meanings.
-        @property
-        def system(self) -> str: ...
-        @property
-        def diameter(self) -> float: ...
-        @property
-        def mass(self) -> float: ...
-        @property
-        def gravity(self) -> float: ...
-        @property
-        def stiffness(self) -> float: ...
-        @property
-        def transient(self) -> float: ...
-        @property
-        def average(self) -> float: ...
-        @property
-        def limit(self) -> float: ...
-        @property
-        def trajectory(self) -> float: ...
+        system: str = ""
+        diameter: float = 0.0
+        mass: float = 0.0
+        gravity: float = 0.0
+        stiffness: float = 0.0
+        transient: float = 0.0
+        average: float = 0.0
+        limit: float = 0.0
+        trajectory: float = 0.0
+
         @property
         def time_unit(self) -> float: ...
         @property
@@ -142,28 +138,23 @@ class Parameters(BaseModel):
         @property
         def rate(self) -> float: ...
 
-    seed: int = declare(
+    seed: int = numerics(
         1,
-        unit="1",
         description="seed of the first replicate's initial state",
-        role="numerics",
         ge=0,
         le=2**32 - 1,
     )
-    replicates: int = declare(
+    replicates: int = amount(
         1,
-        unit="1",
         description="independent runs from different initial states",
-        role="amount",
         ge=1,
         le=1000,
     )
 
-    start_from: str = declare(
+    start_from: str = numerics(
         "",
         description="run from whose final states the replicates start: the id of a point of the "
         "same study, or a run file (*.nc); omitted, they start as in the paper",
-        role="numerics",
         changes_start=True,
         added=True,
         allowed="the id of a point of the study, or a run file (*.nc)",
@@ -171,11 +162,8 @@ class Parameters(BaseModel):
         max_length=1000,
     )
 
-    trajectory_contacts: bool = declare(
-        False,
-        description="also keep the contacts in each frame of the trajectory: partners and forces",
-        role="numerics",
-        added=True,
+    trajectory_contacts: bool = fields.extra(
+        "also keep the contacts in each frame of the trajectory: partners and forces",
     )
 
     # Not an amount: ids of points and names of curves distinguish the protocols.
@@ -184,29 +172,22 @@ class Parameters(BaseModel):
         description="lengths exactly as given, or from there on until the mean velocity is known "
         "to within target and no drift is left",
     )
-    target: Real = declare(
+    target: Real = amount(
         0.02,
-        unit="1",
         description="half width of the 95 % interval of the mean velocity, relative to the mean, "
         "at which a run of the converged protocol ends; under both protocols a change of the "
         "velocity over the window by five times as much (at least 0.1, at most 0.25) is a drift",
-        role="amount",
         ge=0.001,
         le=0.5,
     )
 
-    def option(self, choice: str) -> Any:
-        """Return the law or the motion that the point has, of Talus or of a plug-in."""
-        name = getattr(self, choice)
-        return self.offered.get(choice, {}).get(name) or shipped(choice)[name]
+    def options(self, choice: str) -> dict[str, Any]:
+        """Return the laws or the motions, of Talus and of plug-ins, by their names in points."""
+        return {**shipped(choice), **self.offered.get(choice, {})}
 
-    @model_validator(mode="after")
-    def _require_option_of_parameters(self) -> Self:
-        for choice, options in self.offered.items():
-            for name, option in options.items():
-                for key in option.parameters if name != getattr(self, choice) else ():
-                    require_default(self, key, f"{choice} is {plain_name(name)}, whose it is")
-        return self
+    def option(self, choice: str) -> Any:
+        """Return the law or the motion that the point has."""
+        return self.options(choice)[getattr(self, choice, CHOICES[choice])]
 
     @property
     def glued_particles(self) -> int:
@@ -255,15 +236,19 @@ class Parameters(BaseModel):
         """Velocity √(g·diameter), m s⁻¹."""
         return (self.gravity * self.diameter) ** 0.5
 
+    def _samples_in(self, length: float) -> int:
+        """Return the samples in a length of a run, a multiple of ``time_unit``, rounded."""
+        return round(length * self.time_unit / (self.sample_steps * self.time_step))
+
     @property
     def transient_samples(self) -> int:
         """Samples before averaging starts (the transient rounded to whole samples)."""
-        return round(self.transient * self.time_unit / (self.sample_steps * self.time_step))
+        return self._samples_in(self.transient)
 
     @property
     def average_samples(self) -> int:
         """Samples averaged over (the average rounded to whole samples, at least one)."""
-        return max(1, round(self.average * self.time_unit / (self.sample_steps * self.time_step)))
+        return max(1, self._samples_in(self.average))
 
     @property
     def drift(self) -> float:
@@ -280,8 +265,7 @@ class Parameters(BaseModel):
         """Samples of the longest run: the limit of the converged protocol, else the shortest."""
         if self.protocol == "published":
             return self.shortest_samples
-        limit = round(self.limit * self.time_unit / (self.sample_steps * self.time_step))
-        return max(self.shortest_samples, limit)
+        return max(self.shortest_samples, self._samples_in(self.limit))
 
     @property
     def steps(self) -> int:
@@ -291,10 +275,7 @@ class Parameters(BaseModel):
     @property
     def trajectory_samples(self) -> int:
         """Samples from one frame of the trajectory to the next, at least one; 0 without frames."""
-        if not self.trajectory:
-            return 0
-        interval = self.sample_steps * self.time_step
-        return max(1, round(self.trajectory * self.time_unit / interval))
+        return max(1, self._samples_in(self.trajectory)) if self.trajectory else 0
 
     @property
     def trajectory_room(self) -> int:
@@ -312,16 +293,35 @@ class Parameters(BaseModel):
         return frames * SINGLE * (numbers + self.trajectory_room * (2 + self.axes))
 
     @model_validator(mode="after")
-    def _require_feasible_magnitude(self) -> Self:
+    def _require_rules(self) -> Self:
+        self.require_rules()
+        # The last rule, as the rules before it bound the numbers of particles.
+        self._require_feasible_trajectory()
+        return self
+
+    def require_rules(self) -> None:
+        """Raise for values that do not go together; a system adds its own rules."""
+        self._require_option_of_parameters()
+        self._require_feasible_magnitude()
+        self._require_feasible_size()
+
+    def _require_option_of_parameters(self) -> None:
+        for choice in CHOICES:
+            chosen = getattr(self, choice, "")
+            others = {name: one for name, one in self.options(choice).items() if name != chosen}
+            for name, option in others.items() if chosen else ():
+                for key in (*option.owns, *option.parameters):
+                    if key in type(self).model_fields:
+                        require_default(self, key, f"{choice} is {plain_name(name)}, whose it is")
+
+    def _require_feasible_magnitude(self) -> None:
         for name, field in type(self).model_fields.items():
             value = getattr(self, name)
             least = _least_feasible(field)
             if isinstance(value, float) and not least <= value <= LARGEST:
                 raise broken_rule(name, value, f"a number in [{least:g}, {LARGEST:g}]")
-        return self
 
-    @model_validator(mode="after")
-    def _require_feasible_size(self) -> Self:
+    def _require_feasible_size(self) -> None:
         # Comparisons are written so that inf and nan, from extreme inputs, fail them too.
         if not 0 < self.time_step < float("inf"):
             raise broken_rule("stiffness", self.stiffness, "a value that gives a finite time step")
@@ -340,7 +340,21 @@ class Parameters(BaseModel):
         if self.protocol == "converged" and self.limit < shortest:
             allowed = f"at least transient + average = {shortest:g}"
             raise broken_rule("limit", self.limit, allowed)
-        return self
+
+    def _require_feasible_trajectory(self) -> None:
+        """Raise for a trajectory without any frame, too large, or with contacts but no frames."""
+        if self.trajectory_contacts and not self.trajectory:
+            allowed = "false without a trajectory, whose frames have them"
+            raise broken_rule("trajectory_contacts", self.trajectory_contacts, allowed)
+        if self.trajectory_samples > self.shortest_samples:
+            allowed = f"0 or at most transient + average = {self.transient + self.average:g}"
+            raise broken_rule("trajectory", self.trajectory, allowed)
+        if self.trajectory_bytes > MAX_TRAJECTORY:
+            interval = self.trajectory_samples * self.sample_steps * self.time_step / self.time_unit
+            # 1 % more, as the message shows three digits.
+            least = 1.01 * interval * self.trajectory_bytes / MAX_TRAJECTORY
+            limit = f"the frames of a run take at most {MAX_TRAJECTORY / 1e9:g} GB"
+            raise broken_rule("trajectory", self.trajectory, f"0 or at least {least:.3g}: {limit}")
 
 
 def _least_feasible(field: FieldInfo) -> float:
@@ -350,20 +364,3 @@ def _least_feasible(field: FieldInfo) -> float:
             least = float(bound.ge if isinstance(bound, Ge) else bound.gt)  # type: ignore[arg-type]
             return SMALLEST if isinstance(bound, Gt) and least == 0 else least
     return -LARGEST
-
-
-def require_feasible_trajectory(parameters: Parameters) -> None:
-    """Raise for a trajectory without any frame, too large, or with contacts but no frames."""
-    p = parameters
-    if p.trajectory_contacts and not p.trajectory:
-        allowed = "false without a trajectory, whose frames have them"
-        raise broken_rule("trajectory_contacts", p.trajectory_contacts, allowed)
-    if p.trajectory_samples > p.shortest_samples:
-        allowed = f"0 or at most transient + average = {p.transient + p.average:g}"
-        raise broken_rule("trajectory", p.trajectory, allowed)
-    if p.trajectory_bytes > MAX_TRAJECTORY:
-        interval = p.trajectory_samples * p.sample_steps * p.time_step / p.time_unit
-        # 1 % more, as the message shows three digits.
-        least = 1.01 * interval * p.trajectory_bytes / MAX_TRAJECTORY
-        limit = f"the frames of a run take at most {MAX_TRAJECTORY / 1e9:g} GB"
-        raise broken_rule("trajectory", p.trajectory, f"0 or at least {least:.3g}: {limit}")

@@ -1,27 +1,12 @@
 """Parameters of particles on a vibrating plane, level or inclined."""
 
 import math
-from typing import Any, ClassVar, Literal, Self
+from typing import Any, ClassVar, Literal
 
-from pydantic import model_validator
-
-from sim.parameters.common import (
-    Real,
-    broken_rule,
-    require_default,
-    require_feasible_trajectory,
-)
+from sim.parameters import fields
+from sim.parameters.common import Real, broken_rule
 from sim.parameters.roles import declare
 from sim.parameters.spheres import SLIDING, SlidingDirection, SphereParameters
-
-#: Parameters of the harmonic motion, which motions of plug-ins replace.
-_HARMONIC = (
-    "phase_along",
-    "overtone",
-    "overtone_amplitude",
-    "overtone_along",
-    "overtone_phase",
-)
 
 
 class ConveyorParameters(SphereParameters):
@@ -44,19 +29,10 @@ class ConveyorParameters(SphereParameters):
     # No paper prescribes it.
     sliding_direction: SlidingDirection = declare("slip", **SLIDING)
     system: Literal["conveyor"] = declare("conveyor", description="which of the systems")
-    frequency: Real = declare(
-        20,
-        symbol="f",
-        unit="Hz",
-        description="frequency of the vibration",
-        equation="ω = 2πf",
-        id_part="frequency",
-        gt=0,
-    )
+    frequency: Real = fields.frequency("ω = 2πf")
     amplitude: Real = declare(
         1,
         symbol="A_z",
-        unit="1",
         scale="σ",
         description="amplitude of the vibration normal to the plane",
         equation="z = A_z sin ωt",
@@ -66,7 +42,6 @@ class ConveyorParameters(SphereParameters):
     amplitude_along: Real = declare(
         1,
         symbol="A_x",
-        unit="1",
         scale="σ",
         description="amplitude of the vibration along the plane",
         equation="x = A_x sin(ωt + φ_x)",
@@ -86,7 +61,6 @@ class ConveyorParameters(SphereParameters):
     overtone: int = declare(
         2,
         symbol="k",
-        unit="1",
         description="second frequency of the vibration, in multiples of the first",
         ge=2,
         le=20,
@@ -94,7 +68,6 @@ class ConveyorParameters(SphereParameters):
     overtone_amplitude: Real = declare(
         0,
         symbol="B_z",
-        unit="1",
         scale="σ",
         description="amplitude normal to the plane at the second frequency",
         ge=0,
@@ -102,7 +75,6 @@ class ConveyorParameters(SphereParameters):
     overtone_along: Real = declare(
         0,
         symbol="B_x",
-        unit="1",
         scale="σ",
         description="amplitude along the plane at the second frequency",
         ge=0,
@@ -115,14 +87,7 @@ class ConveyorParameters(SphereParameters):
         ge=0,
         lt=360,
     )
-    angle: Real = declare(
-        0,
-        symbol="θ",
-        unit="degree",
-        description="inclination of the plane",
-        ge=0,
-        lt=90,
-    )
+    angle: Real = fields.angle(0)
     shape: Literal["sphere", "disc"] = declare(
         "sphere",
         description="solid spheres, or discs that move in the plane of x and z alone",
@@ -132,62 +97,22 @@ class ConveyorParameters(SphereParameters):
         True,
         description="whether the particles rotate",
     )
-    initial_velocity: Real = declare(
+    initial_velocity: Real = fields.initial_velocity(
         0,
-        symbol="V0",
-        unit="1",
         scale="√(gσ)",
         description="velocity along the plane of all particles when the vibration starts",
-        role="numerics",
-        changes_start=True,
-        ge=0,
     )
-    samples_per_cycle: int = declare(
-        20,
-        unit="1",
-        description="samples of the observables in one cycle",
-        role="numerics",
-        ge=1,
-        le=1000,
+    samples_per_cycle: int = fields.samples_per_cycle(
+        "samples of the observables in one cycle", le=1000
     )
-    transient: Real = declare(
+    transient: Real = fields.transient(
         60,
-        symbol="t_tr",
-        unit="1",
-        scale="cycles",
+        fields.CYCLES,
         description="length discarded before averaging, the fall onto the plane included",
-        role="numerics",
-        ge=0,
     )
-    average: Real = declare(
-        60,
-        symbol="t_av",
-        unit="1",
-        scale="cycles",
-        description="length averaged over",
-        role="amount",
-        gt=0,
-    )
-    limit: Real = declare(
-        1500,
-        symbol="t_max",
-        unit="1",
-        scale="cycles",
-        description="longest run of the converged protocol, whose cost `points` tells",
-        role="amount",
-        gt=0,
-    )
-    trajectory: Real = declare(
-        0,
-        symbol="Δt_f",
-        unit="1",
-        scale="cycles",
-        description="time from one frame of the trajectory, which has the state of every particle, "
-        "to the next (0: none); in whole samples",
-        role="numerics",
-        added=True,
-        ge=0,
-    )
+    average: Real = fields.average(60, fields.CYCLES, description="length averaged over")
+    limit: Real = fields.limit(1500, fields.CYCLES)
+    trajectory: Real = fields.trajectory(fields.CYCLES)
 
     @property
     def time_unit(self) -> float:
@@ -253,21 +178,9 @@ class ConveyorParameters(SphereParameters):
         """Area under a glued particle in squared diameters; for discs its diameter."""
         return self.bumps if self.is_flat else super()._bump_area
 
-    @model_validator(mode="after")
-    def _require_harmonic_motion(self) -> Self:
-        for name in _HARMONIC if getattr(self, "motion", "harmonic") != "harmonic" else ():
-            require_default(self, name, "motion is harmonic, whose it is")
-        return self
-
-    @model_validator(mode="after")
-    def _require_spheres_for_stresses(self) -> Self:
+    def require_rules(self) -> None:
+        """Raise for values that do not go together."""
+        super().require_rules()
         if self.is_flat and self.stress_profiles:
             allowed = "false with shape: disc: none of its stresses is per area"
             raise broken_rule("stress_profiles", self.stress_profiles, allowed)
-        return self
-
-    @model_validator(mode="after")
-    def _require_feasible_trajectory(self) -> Self:
-        # The last rule, as the rules before it bound the numbers of particles.
-        require_feasible_trajectory(self)
-        return self

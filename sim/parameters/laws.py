@@ -62,6 +62,7 @@ def law(
     remembers: int = USUALLY_REMEMBERED,
     one_mass: bool = False,
     max_overlap: float = math.inf,
+    owns: tuple[str, ...] = (),
 ) -> None:
     """Declare a contact law of the spheres, an option of the parameter ``law``.
 
@@ -96,8 +97,10 @@ def law(
     max_overlap : float
         Largest overlap of an impact, in diameters, for which the law stands. Faster starts get a
         caveat; the overlap is that of a spring of the stiffness K1.
+    owns : tuple of str
+        Parameters of Talus that have an effect with this law alone: under others they are refused.
     """
     require_count(f"law {name}: remembers", remembers, MOST_REMEMBERED)
     functions = force, energy, collision_time
-    added = Law(make, parameters or {}, *functions, int(remembers), one_mass, max_overlap)
+    added = Law(make, parameters or {}, owns, *functions, int(remembers), one_mass, max_overlap)
     LAW.add(name, added)

@@ -1,34 +1,46 @@
-"""Motions of plug-ins: what one is, and the call that adds one."""
+"""Motions of belt and plane: what a motion is, and the call that adds one."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+from sim.base.plugins import module_names
 from sim.parameters.belt import BeltParameters
 from sim.parameters.choices import Choice, Option
+from sim.parameters.common import CHOICES
 from sim.parameters.conveyor import ConveyorParameters
 
-#: The choice of a motion; that of Talus is harmonic.
+#: The choice of a motion.
 MOTION = Choice(
-    "motion", (BeltParameters, ConveyorParameters), ("harmonic",), "physics", kept=False
+    "motion",
+    (BeltParameters, ConveyorParameters),
+    tuple(dict.fromkeys((CHOICES["motion"], *module_names("sim.laws.motions")))),
+    "physics",
+    kept=False,
 )
 
 
 @dataclass(frozen=True)
 class Motion(Option):
-    """A motion of a plug-in: see `motion`."""
+    """A motion: see `motion`."""
 
-    state: Callable[..., Any]
+    state: Callable[..., Any] | None
 
     argument_counts: ClassVar[Mapping[str, int]] = {"make": 1, "state": 2}
+
+    @property
+    def compiled_by_hand(self) -> tuple[str, ...]:
+        """The function ``state``, where it is missing."""
+        return () if self.state else ("state",)
 
 
 def motion(
     name: str,
     *,
     make: Callable[[Any], Any],
-    state: Callable[..., Any],
+    state: Callable[..., Any] | None,
     parameters: Mapping[str, Any] | None = None,
+    owns: tuple[str, ...] = (),
 ) -> None:
     """Declare a motion of the belt and of the plane of the conveyor.
 
@@ -47,5 +59,7 @@ def motion(
         conveyor. Where the base is along x makes no difference.
     parameters : mapping, optional
         Parameters that it adds to those of belt and conveyor, made by `parameter`.
+    owns : tuple of str
+        Parameters of Talus that have an effect with it alone: under other motions they are refused.
     """
-    MOTION.add(name, Motion(make, parameters or {}, state))
+    MOTION.add(name, Motion(make, parameters or {}, owns, state))

@@ -1,4 +1,7 @@
-"""A point, one complete set of parameters: reading, validation, canonical form and id."""
+"""A point, one complete set of parameters: reading, validation, canonical form, id and amounts.
+
+Amounts are how much of a point is run. They are no part of its id, so runs can grow.
+"""
 
 import hashlib
 import json
@@ -49,6 +52,7 @@ def _update_systems() -> None:
 
 
 load_shipped("sim.laws")
+load_shipped("sim.laws.motions")
 on_change(_update_systems)
 
 #: Suffix of run files.
@@ -62,6 +66,12 @@ NUMERICAL = frozenset().union(*map(numerical_parameters, SYSTEMS.values()))
 
 #: Parameters of all systems that set how much of a point is run.
 AMOUNTS = frozenset().union(*map(amount_parameters, SYSTEMS.values()))
+
+#: Amounts whose smaller value asks for more.
+_FINER = ("target",)
+
+#: Amounts without effect under the published protocol, whose runs end after transient and average.
+_CONVERGED_ONLY = ("limit",)
 
 
 def parse_point(
@@ -168,6 +178,35 @@ def point_id(parameters: Parameters) -> str:
     }
     same = canonical_json(parameters.model_copy(update=usual))
     return f"{name}-{hashlib.sha256(same.encode()).hexdigest()[:8]}"
+
+
+def amounts(parameters: Parameters) -> dict[str, float]:
+    """Return the amounts of a point that have an effect, by parameter."""
+    excluded = _CONVERGED_ONLY if parameters.protocol == "published" else ()
+    names = amount_parameters(type(parameters))
+    return {name: getattr(parameters, name) for name in names if name not in excluded}
+
+
+def covers(available: Mapping[str, float], needed: Mapping[str, float]) -> bool:
+    """True where the available amounts of a point are at least the needed ones."""
+    return all(
+        _larger(name, available[name], value) == available[name] for name, value in needed.items()
+    )
+
+
+def with_larger_amounts(parameters: Parameters, available: Mapping[str, float]) -> Parameters:
+    """Return a point with the larger of its own and the available value of each amount."""
+    return parameters.model_copy(
+        update={
+            name: type(value)(_larger(name, available.get(name, value), value))
+            for name, value in amounts(parameters).items()
+        }
+    )
+
+
+def _larger(name: str, first: float, second: float) -> float:
+    """Return the value of an amount that asks for more."""
+    return min(first, second) if name in _FINER else max(first, second)
 
 
 def default_of(model: type[Parameters], name: str, values: Mapping[str, Any]) -> Any:

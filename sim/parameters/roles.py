@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, Literal, cast
 
 from pydantic import BaseModel, Field
@@ -72,8 +73,8 @@ def declare(
     symbol : str
         Symbol of the parameter in the paper.
     unit : str
-        Unit of the stored number as UDUNITS (CF) reads it; ``"1"`` for pure numbers and ``""``
-        for choices and switches.
+        Unit of the stored number as UDUNITS (CF) reads it. Omitted, it is ``"1"``, that of pure
+        numbers, and ``""`` for choices and switches.
     scale : str
         For pure numbers, the quantity of which they are multiples (``"⟨d⟩"``, ``"g"``).
     equation : str
@@ -97,12 +98,20 @@ def declare(
     **options
         Ranges and defaults for pydantic's ``Field``.
     """
+    is_pure = bool(scale) or type(default) in (int, float)
+    unit = unit or ("1" if is_pure else "")
     declaration = Declaration(
         symbol, unit, scale, equation, role, id_part, compiled, changes_start, added, allowed
     )
     if "default_factory" not in options:
         options["default"] = default
     return Field(description=description, json_schema_extra=declaration, **options)
+
+
+#: `declare` for the other roles than physics.
+reading, numerics, amount = (
+    partial(declare, role=role) for role in ("reading", "numerics", "amount")
+)
 
 
 def declarations(model: type[BaseModel]) -> dict[str, Declaration]:

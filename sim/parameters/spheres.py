@@ -1,14 +1,13 @@
 """Parameters of spheres on a plane, common to chute and conveyor."""
 
 import math
-from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self
-
-from pydantic import model_validator
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 from sim.base.additions import attribute_errors_to, plain_name
 from sim.base.plugins import module_names
-from sim.parameters.common import MAX_PARTICLES, Parameters, Real, broken_rule
-from sim.parameters.roles import declare
+from sim.parameters import fields
+from sim.parameters.common import CHOICES, MAX_PARTICLES, Parameters, Real, broken_rule
+from sim.parameters.roles import declare, numerics, reading
 
 #: Particle-steps per second on one core of a present-day server up to a depth, that depth, and the
 #: exponent with which the rate falls above it, as there are more contacts per particle.
@@ -40,8 +39,9 @@ SKIN, USUAL_NEIGHBORS = 0.2, 8
 if TYPE_CHECKING:
     LawName = str
 else:
-    #: Names of the laws that ship, those of their files, the default first.
-    LawName = Literal[tuple(dict.fromkeys(("walton_braun", *module_names("sim.laws"))))]
+    #: Names of the laws that ship, those of their files, the default first. Motions have a folder.
+    _NAMES = dict.fromkeys((CHOICES["law"], *module_names("sim.laws")))
+    LawName = Literal[tuple(name for name in _NAMES if name != "motions")]
 
 SlidingDirection = Literal["printed", "slip"]
 
@@ -76,16 +76,12 @@ class SphereParameters(Parameters):
     )
 
     if TYPE_CHECKING:
-
-        @property
-        def angle(self) -> float: ...
-        @property
-        def initial_velocity(self) -> float: ...
+        angle: float = 0.0
+        initial_velocity: float = 0.0
 
     depth: Real = declare(
         5,
         symbol="n",
-        unit="1",
         description="depth of the flow: particles per squared diameter of plane",
         equation="Walton, Sec. 3: n = N/σ²",
         id_part="depth",
@@ -94,7 +90,6 @@ class SphereParameters(Parameters):
     friction: Real = declare(
         0.4,
         symbol="μ",
-        unit="1",
         description="friction coefficient between particles",
         equation="Walton, Sec. 2.2: |T| ≤ μ F_N",
         id_part="friction",
@@ -111,7 +106,6 @@ class SphereParameters(Parameters):
     restitution: Real = declare(
         0.85,
         symbol="e",
-        unit="1",
         description="normal coefficient of restitution, the same at every impact velocity",
         equation="Walton, Sec. 2.1: e = √(K1/K2)",
         id_part="restitution",
@@ -127,51 +121,37 @@ class SphereParameters(Parameters):
         id_part="stiffness",
         gt=0,
     )
-    law: LawName = declare(
+    law: LawName = reading(
         "walton_braun",
         description="contact law: Walton and Braun's; the linear spring and dashpot with a linear "
         "tangential spring that most DEM codes use; Hertz's and Mindlin's, at an overlap of σ/100 "
         "as stiff as the spring K1; or the spring of the belt with its drags, without friction",
         equation="Walton, Sec. 2; Cundall and Strack (1979); Gallas, Eqs. 2-4",
-        role="reading",
         compiled=True,
     )
-    tangential_ratio: Real = declare(
+    tangential_ratio: Real = reading(
         0.8,
         symbol="K0/K1",
-        unit="1",
         description="initial tangential stiffness relative to the normal stiffness",
         equation="Walton, Eq. 1",
-        role="reading",
         gt=0,
     )
-    shear_damping: Real = declare(
-        50,
-        symbol="γ_s",
-        unit="1",
-        scale="g",
-        description="shear friction coefficient of law: drag",
-        equation="Gallas, Eq. 4",
-        added=True,
-        ge=0,
+    shear_damping: Real = fields.shear_damping(
+        "shear friction coefficient of law: drag", added=True
     )
-    tangential_exponent: Real = declare(
+    tangential_exponent: Real = reading(
         1 / 3,
         symbol="γ",
-        unit="1",
         description="exponent of the tangential stiffness (0: linear spring)",
         equation="Walton, Eq. 1",
-        role="reading",
         compiled=True,
         ge=0,
     )
-    cell: Real = declare(
+    cell: Real = numerics(
         symbol="L",
-        unit="1",
         scale="σ",
         description="side of the periodic cell (omitted: 10 up to depth 10, 5 above)",
         equation="Walton, Sec. 3, Figs. 1.1-1.6",
-        role="numerics",
         changes_start=True,
         ge=3,
         default_factory=lambda values: 10 if values["depth"] <= 10 else 5,
@@ -195,7 +175,6 @@ class SphereParameters(Parameters):
     diameter_spread: Real = declare(
         0,
         symbol="Δσ/σ",
-        unit="1",
         scale="σ",
         description="half width of the uniform distribution of diameters, which are scaled so that "
         "the mean mass is mass (the paper: 0)",
@@ -206,7 +185,6 @@ class SphereParameters(Parameters):
     bumps: Real = declare(
         0,
         symbol="d_b",
-        unit="1",
         scale="σ",
         description="diameter of the spheres glued to the plane (0: none)",
         equation="Walton, Sec. 3: various degrees of roughness",
@@ -216,7 +194,6 @@ class SphereParameters(Parameters):
     bump_coverage: Real = declare(
         0.4,
         symbol="c_b",
-        unit="1",
         description="share of the plane that the glued spheres cover, seen from above",
         ge=0.01,
         le=0.45,
@@ -228,102 +205,76 @@ class SphereParameters(Parameters):
         equation="Walton, Sec. 3: various degrees of roughness",
         added=True,
     )
-    gravity: Real = declare(
-        9.8,
-        symbol="g",
-        unit="m s-2",
-        description="gravitational acceleration",
-        equation="Walton, Sec. 3",
-        gt=0,
-    )
-    initial_packing: Real = declare(
+    gravity: Real = fields.gravity(9.8, "Walton, Sec. 3")
+    initial_packing: Real = numerics(
         0.32,
         symbol="φ0",
-        unit="1",
         description="packing fraction of the random initial state",
         equation="Walton, Sec. 1: 0.4 or less",
-        role="numerics",
         ge=0.001,
         le=0.35,
     )
-    initial_agitation: Real = declare(
+    initial_agitation: Real = numerics(
         0.1,
         symbol="u0",
-        unit="1",
         scale="√(gσ)",
         description="root mean square of the random initial velocities",
         equation="Walton, Sec. 1",
-        role="numerics",
         ge=0,
     )
-    steps_per_collision: int = declare(
+    steps_per_collision: int = numerics(
         40,
         symbol="t_c/Δt",
-        unit="1",
         description="time steps in one binary collision",
         equation="t_c = (π/2) √(m/2K1) (1 + e)",
-        role="numerics",
         ge=10,
         le=1000,
     )
-    slice_height: Real = declare(
+    slice_height: Real = numerics(
         0.25,
         symbol="Δz",
-        unit="1",
         scale="σ",
         description="height of the slices of the profiles",
         equation="Walton, Figs. 1.1-1.6",
-        role="numerics",
         ge=0.01,
     )
-    stress_profiles: bool = declare(
-        False,
-        description="also keep profiles of stress, spin and slip, and how the profiles change "
-        "with time",
-        role="numerics",
+    stress_profiles: bool = fields.extra(
+        "also keep profiles of stress, spin and slip, and how the profiles change with time",
         compiled=True,
-        added=True,
     )
-    overlap_limit: Real = declare(
+    overlap_limit: Real = numerics(
         0.25,
         symbol="α_lim",
-        unit="1",
         scale="σ",
         description="overlap at which the run stops as unphysical (0.25: half a radius)",
-        role="numerics",
         gt=0,
         le=0.95,
     )
-    orientations: bool = declare(
+    orientations: bool = numerics(
         True,
         description="follow the orientations of the particles (changes no trajectory)",
         equation="Walton, Sec. 2",
-        role="numerics",
         compiled=True,
     )
-    threads: int = declare(
+    threads: int = numerics(
         1,
-        unit="1",
         description="threads of one run (pays from some thousand particles on); the bits of the "
         "result depend on their number",
-        role="numerics",
         ge=1,
         le=256,
     )
-    overlap_memory: Literal["separation", "shrink", "reset"] = declare(
+    overlap_memory: Literal["separation", "shrink", "reset"] = reading(
         "separation",
         description="the largest overlap of a contact is remembered until the particles separate, "
         "shrinks with the overlap once the force is zero, or is reset when the force is zero",
         equation="Walton, Sec. 2.1: α0",
-        role="reading",
         compiled=True,
     )
-    friction_cap: Literal["before", "after"] = declare(
+    friction_cap: Literal["before", "after"] = reading(
         "before",
         description="a tangential force above the friction limit is cut before or after the "
         "tangential stiffness is evaluated",
         equation="Walton, Sec. 2.2",
-        role="reading",
         compiled=True,
     )
 
@@ -447,31 +398,16 @@ class SphereParameters(Parameters):
         """Particle-steps per second, about."""
         return RATE * (max(RATE_DEPTH, self.depth) / RATE_DEPTH) ** RATE_EXPONENT
 
-    @model_validator(mode="after")
-    def _require_masses_of_the_law(self) -> Self:
+    def require_rules(self) -> None:
+        """Raise for values that do not go together."""
+        super().require_rules()
         if self.option("law").one_mass:
             for name in ("diameter_spread", "bumps"):
                 if getattr(self, name):
                     raise broken_rule(name, getattr(self, name), f"0 with law: {self.law}")
-        return self
-
-    @model_validator(mode="after")
-    def _require_drag_for_shear_damping(self) -> Self:
-        usual = type(self).model_fields["shear_damping"].default
-        if self.law != "drag" and self.shear_damping != usual:
-            allowed = f"{usual:g} unless law is drag, whose it is"
-            raise broken_rule("shear_damping", self.shear_damping, allowed)
-        return self
-
-    @model_validator(mode="after")
-    def _require_bumps_to_arrange(self) -> Self:
         if self.bump_arrangement != "random" and not self.bumps:
             allowed = "random unless there are bumps, whose arrangement it is"
             raise broken_rule("bump_arrangement", self.bump_arrangement, allowed)
-        return self
-
-    @model_validator(mode="after")
-    def _require_feasible_count(self) -> Self:
         if not self.depth * self._area <= MAX_PARTICLES:
             allowed = f"a value that gives at most {MAX_PARTICLES:.0e} particles in the cell"
             raise broken_rule("depth", self.depth, allowed)
@@ -483,4 +419,3 @@ class SphereParameters(Parameters):
                 "which count more the denser they are"
             )
             raise broken_rule("bumps", self.bumps, allowed)
-        return self

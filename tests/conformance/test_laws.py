@@ -21,8 +21,8 @@ from sim.parameters import Parameters, parse_point
 from sim.parameters.laws import LAW
 from tests.conformance import names_of
 from tests.engine_motion.helpers import LAWS, rotation
-from tests.engine_motion.impacts import NORMAL, TANGENT, Impacts
 from tests.engine_motion.points import energy_residual, series_of
+from tests.engine_motion.spheres import NORMAL, TANGENT, Impacts
 
 #: Laws with what else their points say: of Walton and Braun's, readings that change the law.
 CASES = {name: {} for name in names_of(LAW)}

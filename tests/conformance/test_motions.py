@@ -9,7 +9,7 @@ from sim.engine.boundary.drive import plane_position, plane_velocity, vibration
 from sim.engine.replicate import Replicate
 from sim.engine.states import pack, unpack
 from sim.engine.systems import build
-from sim.engine.systems.belt_start import vibration as belt_vibration
+from sim.engine.systems.start import vibration as belt_vibration
 from sim.parameters import Parameters, parse_point, require_compatible_source
 from sim.parameters.motions import MOTION
 from tests.conformance import names_of

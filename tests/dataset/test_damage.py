@@ -19,8 +19,8 @@ from sim.base.errors import InputError
 from sim.base.files import file_lock
 from sim.base.seals import DamagedError, is_damaged, seal
 from sim.dataset.gather import read_run
+from sim.engine.command import warm
 from sim.engine.run import run_point
-from sim.engine.warm import warm
 from sim.parameters import canonical_values, point_id
 from sim.report import page
 from tests.engine.test_states import assert_same

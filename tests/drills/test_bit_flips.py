@@ -11,6 +11,7 @@ import pytest
 from sim.base.errors import InputError
 from sim.dataset.gather import read_run
 from sim.dataset.results import load_results
+from sim.engine.replicate import stored_replicate
 from sim.engine.run import run_point
 from sim.engine.states import States
 from sim.figures.figure_records import RECORD_FILE, require_unchanged
@@ -44,7 +45,7 @@ def run_values(path: Path) -> Any:
 
 
 def state_values(run: Path) -> Any:
-    found = States(run, POINT).replicate(POINT, 0)
+    found = stored_replicate(States(run, POINT), POINT, 0)
     if found is None:
         raise InputError("no states")
     kept = found.state()

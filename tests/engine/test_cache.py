@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 from sim.base.errors import InputError
-from sim.engine import cache
 from sim.engine import compile as engine
+from sim.engine import identity
 from sim.engine.identity import COMPILED_PARTS, source_hash
 
 NAME = source_hash(COMPILED_PARTS)
@@ -27,22 +27,22 @@ def temporary(tmp_path, monkeypatch) -> Path:
         raise RuntimeError("Could not determine home directory.")
 
     monkeypatch.setattr(Path, "home", unknown)
-    cache._temporary_folder.cache_clear()
+    identity._temporary_folder.cache_clear()
     yield folder
-    cache._temporary_folder.cache_clear()
+    identity._temporary_folder.cache_clear()
 
 
 def test_it_follows_the_environment(tmp_path, monkeypatch):
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "shared"))
-    assert cache.cache_directory() == tmp_path / "shared" / "talus" / NAME
+    assert identity.cache_directory() == tmp_path / "shared" / "talus" / NAME
     monkeypatch.setenv("TALUS_CACHE_DIR", str(tmp_path / "mine"))
-    folder = cache.cache_directory()
+    folder = identity.cache_directory()
     assert folder == tmp_path / "mine" / NAME
     assert stat.S_IMODE(folder.stat().st_mode) == 0o700
 
 
 def test_without_a_home_it_is_a_temporary_one_of_the_user_and_said_once(temporary, caplog):
-    folders = {cache.cache_directory() for _ in range(3)}
+    folders = {identity.cache_directory() for _ in range(3)}
     assert folders == {temporary / f"talus-{os.geteuid()}" / NAME}
     assert len(caplog.messages) == 1 and str(*folders) in caplog.text
 
@@ -67,7 +67,7 @@ def test_a_folder_that_others_have_planted_is_not_used(how, temporary, monkeypat
     owner = os.geteuid() + (how == "other")
     predictable = temporary / f"talus-{owner}"
     plant(predictable, how, monkeypatch)
-    folder = cache.cache_directory()
+    folder = identity.cache_directory()
     assert folder.parent == temporary and folder != predictable
     assert stat.S_IMODE(folder.stat().st_mode) == 0o700
 
@@ -80,7 +80,7 @@ def test_a_folder_that_is_named_and_not_ones_own_is_refused(how, message, tmp_pa
     plant(tmp_path / NAME, how, monkeypatch)
     monkeypatch.setenv("TALUS_CACHE_DIR", str(tmp_path))
     with pytest.raises(InputError, match=rf"environment: TALUS_CACHE_DIR: .*{message}.*allowed: "):
-        cache.cache_directory()
+        identity.cache_directory()
 
 
 def test_a_folder_that_others_could_replace_is_refused(tmp_path, monkeypatch):
@@ -89,22 +89,22 @@ def test_a_folder_that_others_could_replace_is_refused(tmp_path, monkeypatch):
     shared.chmod(0o777)
     monkeypatch.setenv("TALUS_CACHE_DIR", str(shared))
     with pytest.raises(InputError, match=f"others can write {shared}; allowed: "):
-        cache.cache_directory()
+        identity.cache_directory()
     # Where only the owner may rename, as in the system's temporary folder, nobody can.
     shared.chmod(0o1777)
-    assert cache.cache_directory() == shared / NAME
+    assert identity.cache_directory() == shared / NAME
 
 
 def test_an_empty_home_is_none(temporary, monkeypatch):
     monkeypatch.setattr(Path, "home", lambda: Path("/"))
     monkeypatch.setenv("HOME", "")
-    assert cache.cache_directory().is_relative_to(temporary)
+    assert identity.cache_directory().is_relative_to(temporary)
 
 
 def test_one_that_cannot_be_written_is_replaced(tmp_path, temporary, monkeypatch):
     (tmp_path / "file").write_text("in the way")
     monkeypatch.setenv("TALUS_CACHE_DIR", str(tmp_path / "file"))
-    assert cache.cache_directory().is_relative_to(temporary)
+    assert identity.cache_directory().is_relative_to(temporary)
 
 
 def test_a_full_disk_keeps_no_code_and_stops_no_run(caplog):

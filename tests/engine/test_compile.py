@@ -1,16 +1,19 @@
-"""Compiled code is found again by a later process, and by no other version of the sources."""
+"""Compiled code: what it is compiled with, cheap calls, vector instructions."""
 
 import shutil
 import subprocess
 import sys
 from time import process_time
+from typing import NamedTuple
 
 import numpy as np
 import pytest
 
-from sim.engine.compile import numba
+from sim.engine.calls import address_of, call, call_directly, kind_of
+from sim.engine.compile import exact, kernel, numba
 from sim.engine.identity import COMPILED_PARTS, ENGINE_PARTS, PACKAGE, source_files, source_hash
 from sim.engine.systems import build
+from tests.engine_motion.helpers import appended, gathered_sums
 from tests.engine_motion.points import belt_point, chute_point
 from tests.made.processes import ROOT
 
@@ -122,3 +125,97 @@ def test_the_time_of_the_loop_is_without_what_is_compiled_in_it(given, monkeypat
     # For a belt, the path after the run; its samples are timed by the loop itself.
     system.trace()
     assert spent and system.loop_time - before < sum(spent)
+
+
+class Pair(NamedTuple):
+    """Numbers and what they are multiplied with."""
+
+    values: np.ndarray
+    factor: float
+
+
+@kernel
+def _sum_of(pair, first):
+    total = 0.0
+    for k in range(first, pair.values.size):
+        total += pair.factor * pair.values[k]
+    return total
+
+
+@kernel
+def _scale(pair):
+    for k in range(pair.values.size):
+        pair.values[k] *= pair.factor
+
+
+@exact
+def _scaled_sum(sum_of, scale, pair, first):
+    call(scale, None, pair)
+    return call(sum_of, 0.0, pair, first)
+
+
+def test_a_direct_call_does_what_the_kernel_does():
+    pair = Pair(np.random.default_rng(1).random(1000), 0.3)
+    kind = kind_of(pair)
+    for _ in range(2):
+        assert call_directly(_sum_of, kind, pair, 3) == _sum_of(pair, 3)
+    other = Pair(np.ones(5), 2.0)
+    assert call_directly(_sum_of, kind_of(other), other, 1) == 8.0
+
+
+def test_a_call_at_an_address_is_the_same_machine_code():
+    """To the bit, though the sum may be taken in any order where it is compiled once more."""
+    for size in range(1, 200, 7):
+        pair = Pair(np.random.default_rng(size).random(size), 0.3)
+        sum_of = address_of(_sum_of, "test", pair, 0)
+        scale = address_of(_scale, "test", pair)
+        again = Pair(pair.values.copy(), 0.3)
+        _scale(again)
+        assert _scaled_sum(sum_of, scale, pair, 0) == _sum_of(again, 0)
+        assert np.array_equal(pair.values, again.values)
+
+
+SPECIAL = np.array([np.nan, -np.nan, 0.0, -0.0, np.inf, -np.inf, 5e-324, -5e-324, 1.0, -1.0])
+
+
+def appended_numbers(gap, size: int, first: int, free: int) -> np.ndarray:
+    """What is appended to a list of which ``free`` entries are taken, which must stay."""
+    out = np.arange(900, 900 + free + size + 8).astype(np.uint32)
+    count = appended(gap, size, first, out, free)
+    assert np.array_equal(out[:free], np.arange(900, 900 + free))
+    return out[free : free + count]
+
+
+@pytest.mark.parametrize("size", range(41))
+def test_numbers_of_negative_gaps_are_appended_in_their_order(size):
+    rng = np.random.default_rng(size)
+    for share in (0.0, 0.1, 0.5, 0.9, 1.0):
+        gap = rng.exponential(size=size + 3) * np.where(rng.random(size + 3) < share, -1.0, 1.0)
+        for first, free in ((0, 0), (1000, 3), (2**32 - 64, 17)):
+            expected = first + np.flatnonzero(gap[:size] < 0.0)
+            assert np.array_equal(appended_numbers(gap, size, first, free), expected)
+
+
+@pytest.mark.parametrize("size", range(1, 41))
+def test_neither_zeros_nor_what_is_not_a_number_is_negative(size):
+    rng = np.random.default_rng(size)
+    for _ in range(20):
+        gap = rng.choice(SPECIAL, size)
+        assert np.array_equal(appended_numbers(gap, size, 5, 2), 5 + np.flatnonzero(gap < 0.0))
+
+
+def test_no_more_than_eight_entries_behind_the_last_are_overwritten():
+    rng = np.random.default_rng(1)
+    for size in range(41):
+        gap = rng.normal(size=size)
+        out = np.full(64, 7, np.uint32)
+        count = appended(gap, size, 100, out, 0)
+        assert (out[count + 8 :] == 7).all()
+
+
+def test_a_kernel_that_promises_arrays_apart_computes_the_same():
+    rng = np.random.default_rng(2)
+    source, index, out = rng.random(100), rng.integers(0, 100, 37), rng.random(37)
+    expected = out + source[index]
+    gathered_sums(source, index, out)
+    assert np.array_equal(out, expected)

@@ -122,16 +122,6 @@ def test_a_file_that_grows_keeps_the_frames_of_the_longest_run_alone(tmp_path):
         assert not [name for name in file["shorter_1"].variables if "trajectory" in name]
 
 
-def test_what_is_asked_next_adds_to_what_is_held(tmp_path):
-    """Longer runs first, then more replicates of the short ones: both are wanted now."""
-    path = run_points(
-        tmp_path / "run.nc", with_amounts(BELT, average=5.0), with_amounts(BELT, replicates=3)
-    )
-    assert digest(path) == digest(
-        run_points(tmp_path / "w.nc", with_amounts(BELT, average=5.0, replicates=3))
-    )
-
-
 @pytest.mark.parametrize("changes", [{"replicates": 3}, {"average": 5.0}])
 def test_without_its_states_a_run_grows_all_the_same(changes, tmp_path, monkeypatch):
     path = run_points(tmp_path / "run.nc", BELT)

@@ -1,6 +1,5 @@
 """One point -> one run file: contract, averages, replicates, failures, bits, exit codes."""
 
-import json
 import logging
 import subprocess
 import sys
@@ -192,29 +191,6 @@ def test_replicates_are_independent_runs(ran):
         assert not np.allclose(file[name][0], file[name][1], rtol=1e-3)
 
 
-@pytest.mark.parametrize("point", [chute_point(**CHUTE), belt_point(**BELT)])
-def test_same_seed_gives_the_same_bits_in_another_process(point, tmp_path):
-    assert run_point(point, tmp_path / "here.nc", quiet=True) == 0
-    command = [sys.executable, "-m", "sim", "run", "-", "-o", str(tmp_path / "there.nc"), "--quiet"]
-    text = json.dumps(canonical_values(point))
-    done = subprocess.run(command, cwd=ROOT, input=text, capture_output=True, text=True, check=True)
-    assert (done.stdout, done.stderr) == ("", "")
-    here, there = read(tmp_path / "here.nc"), read(tmp_path / "there.nc")
-    assert here.keys() == there.keys()
-    for name, values in here.items():
-        equal = np.array_equal(values, there[name], equal_nan=values.dtype.kind == "f")
-        assert equal, name
-
-
-def test_first_replicate_is_the_same_with_and_without_others(tmp_path):
-    for count in (1, 2):
-        run_point(
-            chute_point(**CHUTE | {"replicates": count}), tmp_path / f"{count}.nc", quiet=True
-        )
-    one, two = read(tmp_path / "1.nc"), read(tmp_path / "2.nc")
-    assert np.array_equal(one["mean_velocity"][0], two["mean_velocity"][0])
-
-
 def test_a_blow_up_is_recorded_with_its_reason_and_what_came_before(tmp_path):
     point = chute_point(**SOFT | {"replicates": 2})
     assert run_point(point, tmp_path / "run.nc", quiet=True) == BLOW_UP_CODE == 3
@@ -232,12 +208,6 @@ def test_a_blow_up_is_recorded_with_its_reason_and_what_came_before(tmp_path):
         steps = file["steps"][0] // (2 * point.sample_steps)
         assert taken.sum() == steps and taken[:steps].all()
         assert np.isfinite(file["position"][:]).all()
-
-
-def test_a_tiny_overlap_limit_stops_the_first_contact(tmp_path):
-    point = chute_point(**CHUTE | {"overlap_limit": 1e-9})
-    assert run_point(point, tmp_path / "run.nc", quiet=True) == BLOW_UP_CODE
-    assert set(read(tmp_path / "run.nc")["status"]) == {"failed"}
 
 
 def test_a_bed_that_fails_to_settle_is_recorded_too(tmp_path):

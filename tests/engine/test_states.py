@@ -17,10 +17,10 @@ import pytest
 
 from sim.base.errors import InputError
 from sim.engine import states
-from sim.engine.replicate import Replicate
+from sim.engine.command import warm
+from sim.engine.replicate import Replicate, stored_replicate
 from sim.engine.run import run_point
 from sim.engine.states import SHARE, States, checkpoint_interval, pack, unpack
-from sim.engine.warm import warm
 from sim.parameters import Parameters, canonical_values
 from tests.engine_motion.points import belt_point, chute_point, pause_within_samples
 from tests.golden import contents, digest
@@ -206,7 +206,7 @@ def saved(tmp_path) -> States:
 
 def read(tmp_path: Path, point: Parameters = POINTS["belt"]) -> Replicate | None:
     """Return the first replicate of a run as its file of states has it."""
-    return States(tmp_path / "run.nc", point).replicate(point, 0)
+    return stored_replicate(States(tmp_path / "run.nc", point), point, 0)
 
 
 def assert_set_aside(

@@ -2,12 +2,10 @@
 
 import numpy as np
 
-from sim.engine.boundary.belt import Belt
-from sim.engine.boundary.obstacle import Obstacle
-from sim.engine.contact.spring_damping import SpringDamping
+from sim.engine.boundary.belt import Belt, Obstacle
+from sim.engine.contact.damping import SpringDamping
 from sim.engine.dynamics.cells import make_box
-from sim.engine.dynamics.disks import make_disks
-from sim.engine.dynamics.gear import Gear
+from sim.engine.dynamics.disks import Gear, make_disks
 from sim.engine.dynamics.neighbors import double_room, empty_pair_list, make_search
 from sim.engine.systems import shaking
 from tests.engine_motion.helpers import BEAD, BEAD_MASS, bead_law, initial_order, run_on

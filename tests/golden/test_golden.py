@@ -84,7 +84,7 @@ def test_a_blow_up_is_retried_in_one_point_of_each_system_and_final_in_another(t
         assert (list(held["status"]) == ["failed"]) == (name in FAILING)
 
 
-#: What takes a second run; tests/engine/test_origin.py compares bits.
+#: What takes a second run; tests/engine/test_replicate.py compares bits.
 OF_TWO_RUNS = {"start_from"}
 
 

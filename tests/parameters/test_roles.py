@@ -46,7 +46,7 @@ NEW_PARAMETERS = """
 
 PARAMETER_PROGRAM = """
 import json
-from sim.engine.warm import variants
+from sim.engine.command import variants
 from sim.parameters import NUMERICAL, SYSTEMS, BeltParameters, field_info, parse_point, point_id
 from sim.parameters import roles
 from sim.parameters.words import setting

@@ -1,4 +1,4 @@
-"""Values derived from parameters: dependent defaults, SI units, lengths of runs."""
+"""Values derived from parameters: defaults, lengths of runs, values in SI and in words."""
 
 import math
 
@@ -6,7 +6,8 @@ import pytest
 from pydantic import ValidationError
 
 from sim.base.errors import InputError
-from sim.parameters import BeltParameters, ChuteParameters, parse_point
+from sim.parameters import SYSTEMS, BeltParameters, ChuteParameters, in_si, parse_point
+from sim.parameters.words import setting
 
 
 def test_defaults_that_follow_other_parameters():
@@ -113,3 +114,36 @@ def test_a_time_step_beyond_the_corrector_has_a_caveat(readings, lowest):
 def test_a_bed_that_would_settle_for_ages_is_refused(values, key):
     with pytest.raises(InputError, match=f"point: {key}: .* begin after at most 1e\\+12 time"):
         parse_point({"system": "belt"} | values, "point")
+
+
+def test_values_in_si_are_multiples_of_what_the_parameter_says():
+    point = parse_point({"system": "belt", "damping": 50, "frequency": 20}, "point")
+    quantities = in_si(point)
+    assert quantities["damping"] == (500, "s-1") and quantities["stiffness"] == (
+        pytest.approx(10),
+        "N m-1",
+    )
+    assert quantities["average"] == (45 / 20, "s") and quantities["frequency"] == (20, "Hz")
+    assert not {"prior_cycles", "overlap_limit", "beads", "seed"} & set(quantities)
+    chute = in_si(parse_point({"system": "chute", "cell": 5}, "point"))
+    assert chute["cell"] == (pytest.approx(5e-3), "m") and chute["angle"].unit == "degree"
+    assert chute["stiffness"] == (100, "N m-1")
+
+
+@pytest.mark.parametrize(
+    ("system", "name", "words"),
+    [
+        ("belt", "corrections", "corrections = 2"),
+        ("belt", "corrector_order", "corrector_order = 2"),
+        ("belt", "prior_cycles", "t_0 = 2 cycles"),
+        ("chute", "restitution", "e = 2"),
+    ],
+)
+def test_a_parameter_without_a_symbol_goes_by_its_name(system, name, words):
+    assert setting(system, name, 2) == words
+
+
+def test_no_two_parameters_of_a_system_are_written_alike():
+    for system, model in SYSTEMS.items():
+        texts = {setting(system, name, 2) for name in model.model_fields}
+        assert len(texts) == len(model.model_fields)

@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from sim.__main__ import main, parse
-from sim.engine.observe import run_file
-from sim.engine.observe.recorder import Record
+from sim.engine import run_file
+from sim.engine.systems.recorder import Record
 from sim.parameters import Parameters, point_id
 from sim.parameters.variables import variables_of
 from sim.report.export import FORMATS

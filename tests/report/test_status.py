@@ -8,9 +8,9 @@ import sys
 
 import pytest
 
+from sim.engine.command import warm
 from sim.engine.identity import NUMERICS
 from sim.engine.progress import read_progress
-from sim.engine.warm import warm
 from sim.parameters import canonical_values, parse_point, point_id
 from sim.report.status import STATES
 from sim.report.status_table import as_text

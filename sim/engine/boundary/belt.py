@@ -1,20 +1,22 @@
-"""The vibrating belt: a rigid line that carries a ghost disk per contact.
+"""The vibrating belt, a rigid line that carries a ghost disk per contact, and the obstacle.
 
-It moves harmonically, or by the motion of a plug-in.
+The obstacle is a disk of infinite mass,
+fixed in the laboratory, that the belt does not move.
 """
 
-from math import cos, sin
+from math import sqrt
 from typing import NamedTuple
 
 import numpy as np
 
-from sim.engine.boundary.own_motion import shape_of
-from sim.engine.compile import append_negative, assume_no_alias, implements, inlined, kernel
+from sim.engine.boundary.motion import Harmonic, shape_of
+from sim.engine.compile import append_negative, assume_no_alias, inlined, kernel
 from sim.engine.contact.damping import disk_force, dissipated_powers, elastic_energy
+from sim.engine.dynamics.cells import nearest_image
 
 
 class Belt(NamedTuple):
-    """x = A_x sin(ωt + φ), z = A_z sin(ωt + φ) (Gallas et al., Eq. 1).
+    """x = A_x s_x(ωt + φ), z = A_z s_z(ωt + φ), both s the sine for a harmonic ``motion``.
 
     ``amplitude_x``, ``amplitude_z`` (m); ``angular_frequency`` ω (1/s), 0 for a belt at rest;
     ``phase`` φ (rad); ``surface`` (m), height of the ghost's surface above the line: 0 for a ghost
@@ -28,50 +30,15 @@ class Belt(NamedTuple):
     phase: float
     surface: float
     inverse_mass: float = 0.0
-
-
-class OwnBelt(NamedTuple):
-    """A belt with the motion of a plug-in: x = A_x s_x(ωt + φ), z = A_z s_z(ωt + φ).
-
-    The type of ``motion``, the plug-in's parameters, selects s_x and s_z; all else as in `Belt`.
-    """
-
-    amplitude_x: float
-    amplitude_z: float
-    angular_frequency: float
-    phase: float
-    surface: float
-    inverse_mass: float
-    motion: NamedTuple
-
-
-def belt_state(belt, time):
-    """Return height (m) and velocity (x, z) (m/s) of the belt."""
-    raise NotImplementedError
-
-
-@implements(belt_state)
-def _belt_state(belt, time):
-    if belt.instance_class is Belt:
-        return lambda belt, time: _harmonic_state(belt, time)
-    return lambda belt, time: _own_state(belt, time)
+    motion: NamedTuple = Harmonic()
 
 
 @inlined
-def _own_state(belt, time):
+def belt_state(belt, time):
+    """Return height (m) and velocity (x, z) (m/s) of the belt (Gallas et al., Eq. 1)."""
     z, along, up = shape_of(belt.motion, belt.angular_frequency * time + belt.phase)
     speed_x = belt.amplitude_x * belt.angular_frequency * along
     return belt.amplitude_z * z, (speed_x, belt.amplitude_z * belt.angular_frequency * up)
-
-
-@inlined
-def _harmonic_state(belt, time):
-    angle = belt.angular_frequency * time + belt.phase
-    speed = belt.angular_frequency * cos(angle)
-    return (
-        belt.amplitude_z * sin(angle),
-        (belt.amplitude_x * speed, belt.amplitude_z * speed),
-    )
 
 
 @kernel
@@ -119,5 +86,64 @@ def stored_in_belt(law, disks, belt, time):
     height, energy = belt_state(belt, time)[0] + belt.surface, 0.0
     for i in range(disks.radius.size):
         overlap = disks.radius[i] + height - disks.taylor[0, 1, i]
+        energy += elastic_energy(law, overlap) if overlap > 0.0 else 0.0
+    return energy
+
+
+class Obstacle(NamedTuple):
+    """Centre ``x``, ``z`` (m) and ``radius`` (m); a radius of 0 means that there is none."""
+
+    x: float
+    z: float
+    radius: float
+
+
+@inlined
+def obstacle_forces(law, disks, obstacle, box, search, time_step):
+    """Add the forces of the obstacle.
+
+    Returns the number of contacts, the largest overlap relative to the sum of the radii, and the
+    powers (W) that normal and shear damping take.
+    """
+    assume_no_alias()
+    largest, per_step, beads = 0.0, 1.0 / time_step, disks.radius.size
+    normal_loss, shear_loss = 0.0, 0.0
+    if obstacle.radius <= 0.0:
+        return 0, largest, normal_loss, shear_loss
+    for i in range(beads):
+        dx = nearest_image(obstacle.x - disks.taylor[0, 0, i], box, 0)
+        dz = obstacle.z - disks.taylor[0, 1, i]
+        search.gap[i] = dx * dx + dz * dz - (disks.radius[i] + obstacle.radius) ** 2
+    contacts = np.int64(append_negative(search.gap, beads, 0, search.touching, np.uint64(0)))
+    for k in range(contacts):
+        i = np.uint64(search.touching[k])
+        dx = nearest_image(obstacle.x - disks.taylor[0, 0, i], box, 0)
+        dz = obstacle.z - disks.taylor[0, 1, i]
+        distance = sqrt(dx * dx + dz * dz)
+        reach = disks.radius[i] + obstacle.radius
+        velocity = (disks.taylor[1, 0, i] * per_step, disks.taylor[1, 1, i] * per_step)
+        normal = (dx / distance, dz / distance)
+        fx, fz = disk_force(law, reach - distance, normal, velocity, disks.mass[i], 0.0)
+        disks.force[0, i] += fx
+        disks.force[1, i] += fz
+        normal_power, shear_power = dissipated_powers(
+            law, reach - distance, normal, velocity, (fx, fz)
+        )
+        normal_loss += normal_power
+        shear_loss += shear_power
+        largest = max(largest, (reach - distance) / reach)
+    return contacts, largest, normal_loss, shear_loss
+
+
+@kernel
+def stored_in_obstacle(law, disks, obstacle, box):
+    """Return the energy (J) in the springs of all beads at the obstacle."""
+    energy = 0.0
+    if obstacle.radius <= 0.0:
+        return energy
+    for i in range(disks.radius.size):
+        dx = nearest_image(obstacle.x - disks.taylor[0, 0, i], box, 0)
+        dz = obstacle.z - disks.taylor[0, 1, i]
+        overlap = disks.radius[i] + obstacle.radius - sqrt(dx * dx + dz * dz)
         energy += elastic_energy(law, overlap) if overlap > 0.0 else 0.0
     return energy

@@ -9,8 +9,10 @@ the tuple. Its functions become bodies in `sim.engine.contact.functions`; the fi
 hold bodies that are compiled by hand.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
+from sim.engine.compile import make_numbers
+from sim.engine.contact.functions import add_law
 from sim.parameters.laws import LAW
 from sim.parameters.spheres import SphereParameters
 
@@ -24,17 +26,6 @@ class Partners(NamedTuple):
     time_step: float
 
 
-def law_of(parameters: SphereParameters, partners: Partners) -> NamedTuple:
+def law_of(parameters: SphereParameters, partners: Partners) -> Any:
     """Return the law that a point names, for one kind of partners."""
-    law = parameters.option("law")
-    if law.compiled_by_hand:
-        return law.make(parameters, partners)
-    from sim.engine.contact.functions import add_law
-
-    if LAW.is_own(parameters.law):
-        from sim.engine.plugin_types import make_numbers
-
-        return make_numbers(LAW, parameters.law, add_law, parameters, partners)
-    numbers = law.make(parameters, partners)
-    add_law(type(numbers), law, has_plugin=False)
-    return numbers
+    return make_numbers(LAW, parameters, add_law, parameters, partners)

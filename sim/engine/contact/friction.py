@@ -5,9 +5,12 @@ force changes sign when the partners change places; the numbers do not. Each law
 type how many numbers it has, so a loop is compiled for exactly that many.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 
-from sim.engine.compile import implements
+from sim.engine.compile import by_type, implements, inlined
+from sim.engine.contact.roots import SMALLEST, inverse_square_root
 
 #: Numbers of the tangential force.
 VECTOR = 3
@@ -24,6 +27,29 @@ def declare_memory(kind: type, numbers: int) -> None:
 def memory_size(kind: type) -> int:
     """Return how many numbers a contact remembers under a law of this type."""
     return VECTOR + _own_numbers[kind]
+
+
+def make_memory(law: NamedTuple, contacts: int) -> np.ndarray:
+    """Return empty memory (2, M, C) of contacts, written in even and odd steps in turn.
+
+    M is the count of numbers that a contact remembers under the law.
+    """
+    return np.zeros((2, memory_size(type(law)), contacts))
+
+
+def memory_after(memory: np.ndarray, step: int) -> np.ndarray:
+    """Return the memory (M, C) that a step has written; the next step reads it."""
+    return memory[step % 2]
+
+
+def restart_memory(memory: np.ndarray, step: int) -> np.ndarray:
+    """Return the memory after a step, for a flow that counts that step as number 0."""
+    return memory[::-1].copy() if step % 2 else memory
+
+
+def enlarge_memory(memory: np.ndarray, contacts: int) -> np.ndarray:
+    """Return a copy of the memory with room for more contacts."""
+    return np.pad(memory, ((0, 0), (0, 0), (0, contacts - memory.shape[2])))
 
 
 def blank_memory(law):
@@ -49,16 +75,12 @@ def recall_numbers(new, memory, slot):
 """
 
 
+@by_type
 def recall(new, memory, slot):
     """Return the memory of a contact; a negative slot means that it did not touch.
 
     ``new`` is the memory of a new contact, ``memory`` (M, C) that of all contacts.
     """
-    raise NotImplementedError
-
-
-@implements(recall)
-def _recall(new, memory, slot):
     numbers = ", ".join(f"memory[{m}, s] if touched else 0.0" for m in range(len(new)))
     namespace = {"np": np}
     exec(_RECALL_SOURCE.format(numbers=numbers), namespace)
@@ -104,3 +126,32 @@ def stored_energy(law, overlap, memory):
     Arguments as for ``contact_force``; ``memory`` is that after the last step.
     """
     raise NotImplementedError(type(law).__name__)
+
+
+@inlined
+def friction_direction(normal, tangential):
+    """Return the direction of the old friction within the present tangent plane.
+
+    A friction of zero has the zero vector: all displacement then counts as new.
+    """
+    nx, ny, nz = normal
+    tx, ty, tz = tangential
+    along = nx * tx + ny * ty + nz * tz
+    px, py, pz = tx - along * nx, ty - along * ny, tz - along * nz
+    projected = px * px + py * py + pz * pz
+    scale = inverse_square_root(projected) if projected > SMALLEST else 0.0
+    return px * scale, py * scale, pz * scale
+
+
+@inlined
+def work_against(before, after, slip):
+    """Return the work (J) done against a friction (N) that changes during a slip (m).
+
+    With the mean of both forces it is exactly the change of the particles' kinetic energy: in
+    leap-frog the force of a step acts over half of the displacement before it and half of the next.
+    """
+    return 0.5 * (
+        (before[0] + after[0]) * slip[0]
+        + (before[1] + after[1]) * slip[1]
+        + (before[2] + after[2]) * slip[2]
+    )

@@ -8,11 +8,23 @@ from typing import NamedTuple
 
 from numba.core.types import BaseTuple, Float
 
-from sim.engine.compile import implements, inlined
-from sim.engine.contact.friction import blank_memory, contact_force, declare_memory, stored_energy
+from sim.engine.compile import (
+    adopt_type,
+    by_type,
+    implements,
+    inlined,
+    require_numbers,
+    typing_error,
+)
+from sim.engine.contact.friction import (
+    blank_memory,
+    contact_force,
+    declare_memory,
+    friction_direction,
+    stored_energy,
+    work_against,
+)
 from sim.engine.contact.roots import SMALLEST, inverse_square_root
-from sim.engine.contact.tangential import friction_direction, work_against
-from sim.engine.plugin_types import adopt_type, require_numbers, typing_error
 
 #: Types of the laws that are plain functions.
 _functional: set[type] = set()
@@ -26,18 +38,9 @@ class PartnerLaw(NamedTuple):
     mass: float
 
 
+@by_type
 def law_between(law, spheres, pairs, p):
     """Return a law for the two spheres of pair p of a list."""
-    raise NotImplementedError
-
-
-def law_on_plane(law, spheres, i):
-    """Return a law for sphere i and the plane."""
-    raise NotImplementedError
-
-
-@implements(law_between)
-def _law_between(law, spheres, pairs, p):
     if law.instance_class not in _functional:
         return lambda law, spheres, pairs, p: law
 
@@ -53,8 +56,9 @@ def _law_between(law, spheres, pairs, p):
     return body
 
 
-@implements(law_on_plane)
-def _law_on_plane(law, spheres, i):
+@by_type
+def law_on_plane(law, spheres, i):
+    """Return a law for sphere i and the plane."""
     if law.instance_class not in _functional:
         return lambda law, spheres, i: law
     return lambda law, spheres, i: PartnerLaw(law, spheres.radius[i], spheres.mass[i])
@@ -126,7 +130,7 @@ def _stored_energy(law, overlap, memory):
     )
 
 
-def add_law(kind, law, has_plugin=True):
+def add_law(kind, law, has_plugin):
     """Register a type of parameters as a law, with its functions, of a plug-in or of Talus."""
     if adopt_type(kind, has_plugin):
         _add_functions(kind, law.force, law.energy, law.remembers)

@@ -9,11 +9,14 @@ from math import log, pi, sqrt
 from typing import NamedTuple
 
 from sim.engine.compile import implements
-from sim.engine.contact import Partners
-from sim.engine.contact.friction import contact_force, declare_memory, stored_energy
+from sim.engine.contact.friction import (
+    contact_force,
+    declare_memory,
+    friction_direction,
+    stored_energy,
+    work_against,
+)
 from sim.engine.contact.roots import SMALLEST, inverse_square_root
-from sim.engine.contact.tangential import friction_direction, work_against
-from sim.parameters.spheres import SphereParameters
 
 
 class SpringDashpot(NamedTuple):
@@ -54,18 +57,6 @@ def spring_dashpot(
         damping / time_step,
         float(tangential_ratio * stiffness),
         float(friction),
-    )
-
-
-def from_parameters(p: SphereParameters, partners: Partners) -> SpringDashpot:
-    """Return the law of a point for one kind of partners."""
-    return spring_dashpot(
-        p.stiffness,
-        p.restitution,
-        partners.friction,
-        partners.reduced_mass,
-        partners.time_step,
-        p.tangential_ratio,
     )
 
 

@@ -6,12 +6,15 @@ surface displacement and the points that the paper leaves open.
 
 from typing import NamedTuple
 
-from sim.engine.compile import implements, inlined
-from sim.engine.contact import Partners
-from sim.engine.contact.friction import contact_force, declare_memory, stored_energy
+from sim.engine.compile import by_type, implements, inlined
+from sim.engine.contact.friction import (
+    contact_force,
+    declare_memory,
+    friction_direction,
+    stored_energy,
+    work_against,
+)
 from sim.engine.contact.roots import SMALLEST, cube_root, inverse_square_root
-from sim.engine.contact.tangential import friction_direction, work_against
-from sim.parameters.spheres import SphereParameters
 
 #: A friction this close to its limit, relative, is at it. Without the margin a friction just cut to
 #: the limit would keep a stiffness made of its rounding error, which the cube root turns into 5e-6.
@@ -131,27 +134,9 @@ def walton_braun(
     )
 
 
-def from_parameters(p: SphereParameters, partners: Partners) -> WaltonBraun:
-    """Return the law of a point for one kind of partners."""
-    return walton_braun(
-        p.stiffness,
-        p.restitution,
-        partners.friction,
-        p.tangential_ratio,
-        p.tangential_exponent,
-        overlap_memory=p.overlap_memory,
-        friction_cap=p.friction_cap,
-        sliding_direction=p.sliding_direction,
-    )
-
-
+@by_type
 def softening(kind, base):
     """Return base**γ for base in [0, 1], with 0**0 = 1 (the bracket of Eq. 1)."""
-    raise NotImplementedError
-
-
-@implements(softening)
-def _softening(kind, base):
     if kind.instance_class is Linear:
         return lambda kind, base: 1.0
     if kind.instance_class is CubeRoot:
@@ -159,13 +144,9 @@ def _softening(kind, base):
     return lambda kind, base: base**kind.exponent
 
 
+@by_type
 def dent_overlap(kind, overlap, overlap_max, normal_force):
     """Return the largest overlap to remember after a step."""
-    raise NotImplementedError
-
-
-@implements(dent_overlap)
-def _dent_overlap(kind, overlap, overlap_max, normal_force):
     if kind.instance_class is Separation:
         return lambda kind, overlap, overlap_max, normal_force: overlap_max
     if kind.instance_class is Shrink:
@@ -177,18 +158,15 @@ def _dent_overlap(kind, overlap, overlap_max, normal_force):
     )
 
 
+@by_type
 def cap(kind, magnitude, limit):
     """Return the friction that enters the stiffness, cut to the limit or not."""
-    raise NotImplementedError
-
-
-@implements(cap)
-def _cap(kind, magnitude, limit):
     if kind.instance_class is CapBefore:
         return lambda kind, magnitude, limit: min(magnitude, limit)
     return lambda kind, magnitude, limit: magnitude
 
 
+@by_type
 def direction_term(kind, change, before, direction, slip_force, limit):
     """Return the part (N) of the new friction along the old ``direction``, before it is cut.
 
@@ -196,11 +174,6 @@ def direction_term(kind, change, before, direction, slip_force, limit):
     printed one. `AlongSlip` takes the magnitude ``before`` of the old friction instead where the
     printed sum is beyond the limit.
     """
-    raise NotImplementedError
-
-
-@implements(direction_term)
-def _direction_term(kind, change, before, direction, slip_force, limit):
     if kind.instance_class is AsPrinted:
         return lambda kind, change, before, direction, slip_force, limit: change
 

@@ -15,7 +15,6 @@ from sim.engine.compile import assume_no_alias, inlined, kernel
 from sim.engine.contact.friction import (
     blank_memory,
     contact_force,
-    memory_size,
     recall,
     stored_energy,
 )
@@ -23,7 +22,6 @@ from sim.engine.contact.functions import law_between
 from sim.engine.contact.roots import inverse_square_root
 from sim.engine.dynamics.cells import LANES, nearest_image, round_up
 from sim.engine.dynamics.neighbors import BLOCK, Search, find_touching, make_search
-from sim.engine.dynamics.orientation import unrotated_orientations
 
 #: Distance between rows of a block. It is no power of two, or all rows would compete for the same
 #: few lines of the cache.
@@ -124,6 +122,13 @@ def make_spheres(
         unrotated_orientations(number if oriented else 0),
         np.arange(number).reshape(1, number),
     )
+
+
+def unrotated_orientations(particles: int) -> np.ndarray:
+    """Return the orientations (4, N) of spheres that have not turned yet."""
+    orientation = np.zeros((4, particles))
+    orientation[0] = 1.0
+    return orientation
 
 
 def make_scratch() -> Scratch:
@@ -301,24 +306,25 @@ def stored_in_spheres(law, spheres, pairs, memory, time_step):
     return normal, tangential
 
 
-def make_memory(law: NamedTuple, contacts: int) -> np.ndarray:
-    """Return empty memory (2, M, C) of contacts, written in even and odd steps in turn.
+@inlined
+def rotate(orientation, rim, radius, time_step, begin, end):
+    """Turn the spheres ``begin``..``end`` by their spin ``rim / radius`` during one step.
 
-    M is the count of numbers that a contact remembers under the law.
+    dq/dt = ω q / 2 (Evans 1977 in laboratory axes), then scaled back to unit length, which makes
+    the angle exact to third order in the step. Orientations may be empty.
     """
-    return np.zeros((2, memory_size(type(law)), contacts))
-
-
-def memory_after(memory: np.ndarray, step: int) -> np.ndarray:
-    """Return the memory (M, C) that a step has written; the next step reads it."""
-    return memory[step % 2]
-
-
-def restart_memory(memory: np.ndarray, step: int) -> np.ndarray:
-    """Return the memory after a step, for a flow that counts that step as number 0."""
-    return memory[::-1].copy() if step % 2 else memory
-
-
-def enlarge_memory(memory: np.ndarray, contacts: int) -> np.ndarray:
-    """Return a copy of the memory with room for more contacts."""
-    return np.pad(memory, ((0, 0), (0, 0), (0, contacts - memory.shape[2])))
+    assume_no_alias()
+    for k in range(begin, min(end, orientation.shape[1])):
+        i = np.uint64(k)
+        half = 0.5 * time_step / radius[i]
+        w, x, y, z = orientation[0, i], orientation[1, i], orientation[2, i], orientation[3, i]
+        a, b, c = half * rim[0, i], half * rim[1, i], half * rim[2, i]
+        nw = w - a * x - b * y - c * z
+        nx = x + a * w + b * z - c * y
+        ny = y - a * z + b * w + c * x
+        nz = z + a * y - b * x + c * w
+        scale = inverse_square_root(nw * nw + nx * nx + ny * ny + nz * nz)
+        orientation[0, i] = nw * scale
+        orientation[1, i] = nx * scale
+        orientation[2, i] = ny * scale
+        orientation[3, i] = nz * scale

@@ -18,7 +18,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sim.engine.compile import implements, inlined, kernel
+from sim.engine.compile import by_type, inlined, kernel
 from sim.engine.contact.friction import blank_memory, recall
 from sim.engine.contact.functions import law_between, law_on_plane
 from sim.engine.dynamics.spheres import (
@@ -35,7 +35,7 @@ from sim.engine.dynamics.spheres import (
     nearest_separation,
     write_approach,
 )
-from sim.engine.observe.system import ContactList
+from sim.engine.observe.samples import ContactList, append_contact
 
 #: Components of the stress that are not zero by symmetry, and their number; the last is the force
 #: along x through planes of constant z.
@@ -159,37 +159,23 @@ def _normal_and_slip(rows, time_step):
     return normal, (sx * sx + sy * sy + sz * sz) ** 0.5 / time_step
 
 
+@by_type
 def record_contact(collector, sampling, rows, contact):
     """Add a contact with the force in column 0 to a ``ContactList`` or to ``ContactSums``.
 
     ``contact``: numbers of the partners; branch (x, y, z) (m) from j to i, height of i and height
     of the contact (m); normal; slip velocity (m/s) and coefficient of friction.
     """
-    raise NotImplementedError
+    return _list_contact if collector.instance_class is ContactList else _add_contact
 
 
-@implements(record_contact)
-def _record_contact(collector, sampling, rows, contact):
-    if collector.instance_class is ContactList:
-        return lambda collector, sampling, rows, contact: _list_contact(collector, rows, contact)
-    return lambda collector, sampling, rows, contact: _add_contact(
-        collector, sampling, rows, contact
-    )
+def _list_contact(collector, sampling, rows, contact):
+    fx, fy, fz = rows[FX * STRIDE], rows[(FX + 1) * STRIDE], rows[(FX + 2) * STRIDE]
+    append_contact(collector, contact[0], (fx, fy, fz))
 
 
-@inlined
-def _list_contact(contact_list, rows, contact):
-    row = contact_list.number[0]
-    contact_list.number[0] += 1
-    if row < contact_list.pair.shape[0]:
-        contact_list.pair[row, 0], contact_list.pair[row, 1] = contact[0]
-        for d in range(3):
-            contact_list.force[row, d] = rows[(FX + d) * STRIDE]
-
-
-@inlined
-def _add_contact(sums, sampling, rows, contact):
-    stress, slip = sums.stress, sums.slip
+def _add_contact(collector, sampling, rows, contact):
+    stress, slip = collector.stress, collector.slip
     _, ((bx, by, bz), top, at), normal, (speed, friction) = contact
     fx, fy, fz = rows[FX * STRIDE], rows[(FX + 1) * STRIDE], rows[(FX + 2) * STRIDE]
     low, high = min(top, top - bz), max(top, top - bz)

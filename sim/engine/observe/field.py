@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from sim.engine.compile import exact
-from sim.engine.observe.rounding import COMPLEX, product, square, total
+from sim.engine.observe.totals import COMPLEX, product, square, total
 
 #: Number of levels of squares, one mean diameter each, from below the belt's lowest position.
 LEVELS = 60

@@ -4,29 +4,27 @@ from math import pi, radians, sqrt
 
 import numpy as np
 
-from sim.engine.boundary.obstacle import Obstacle
+from sim.engine.boundary.belt import Obstacle
 from sim.engine.calls import kind_of
-from sim.engine.contact.spring_damping import spring_damping
+from sim.engine.contact.damping import spring_damping
 from sim.engine.dynamics.cells import make_box
-from sim.engine.dynamics.disks import make_disks
-from sim.engine.dynamics.gear import rescale_terms
+from sim.engine.dynamics.disks import make_disks, rescale_terms
 from sim.engine.dynamics.neighbors import empty_pair_list, make_search
 from sim.engine.dynamics.status import BlowUp
-from sim.engine.observe.bed_contacts import list_bed_contacts
 from sim.engine.observe.field import wave_power
 from sim.engine.observe.regime import Scales
-from sim.engine.observe.sums import Sums
-from sim.engine.observe.system import ContactList, make_ledger
+from sim.engine.observe.samples import ContactList, Sums, make_ledger
 from sim.engine.systems import bed_samples, shaking
-from sim.engine.systems.bed_profiles import bed_profiles
-from sim.engine.systems.belt_start import (
+from sim.engine.systems.bed_samples import list_bed_contacts
+from sim.engine.systems.replica import PATH_INTERVALS, Outcome, Replica
+from sim.engine.systems.slices import bed_profiles
+from sim.engine.systems.start import (
     FALLING,
     PRIOR_SHAKING,
     SHAKING,
     initial_bed,
     make_stages,
 )
-from sim.engine.systems.replica import PATH_INTERVALS, Outcome, Replica
 from sim.parameters import BeltParameters
 from sim.parameters.belt import LEAST_TRANSPORT
 

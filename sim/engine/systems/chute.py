@@ -1,10 +1,283 @@
-"""Walton's inclined chute: particles that gravity drives down a resting plane."""
+"""Spheres or discs on a frictional plane, by leap-frog, and Walton's chute among them.
+
+`PlaneFlow` has all that chute and conveyor share. On the chute, gravity drives the particles down
+a resting plane.
+"""
+
+from abc import abstractmethod
+from collections.abc import Sequence
+from functools import partial
+from math import cos, isfinite, radians, sin
+from typing import Any, ClassVar, NamedTuple
+
+import numpy as np
 
 from sim.engine.boundary.drive import Gravity
+from sim.engine.boundary.plane import make_plane, stored_in_plane
+from sim.engine.calls import kind_of
+from sim.engine.contact import Partners, law_of
+from sim.engine.contact.friction import enlarge_memory, make_memory, memory_after
+from sim.engine.dynamics.cells import make_box
+from sim.engine.dynamics.neighbors import empty_pair_list
+from sim.engine.dynamics.spheres import (
+    SOLID,
+    make_scratch,
+    make_spheres,
+    stored_in_spheres,
+)
+from sim.engine.dynamics.status import BlowUp
+from sim.engine.dynamics.team import Team
+from sim.engine.observe.contacts import ContactSums, Sampling, add_contacts, list_contacts
+from sim.engine.observe.profiles import AREA, EDGES, VOLUME, add_sample, count_overlaps
 from sim.engine.observe.regime import Scales
-from sim.engine.systems.plane_flow import PlaneFlow
+from sim.engine.observe.samples import ContactList, first_samples, make_ledger, zero_samples
+from sim.engine.observe.totals import flow_energies
+from sim.engine.systems import leap_frog
+from sim.engine.systems.replica import PATH_INTERVALS, Outcome, Replica
+from sim.engine.systems.sharing import Thread
+from sim.engine.systems.slices import flow_profiles
+from sim.engine.systems.start import initial_layer
 from sim.parameters import ChuteParameters
 from sim.parameters.chute import negligible_acceleration
+from sim.parameters.spheres import SKIN, SphereParameters
+from sim.parameters.variables import HISTORY, parts
+
+#: Moment of inertia of a disc over m r².
+DISC = 0.5
+
+#: Breadth of the cell of discs in their largest diameters: no disc meets its own image.
+BREADTH = 3.0
+
+#: Terms of the energy ledger.
+LOSSES = ("normal_loss", "frictional_loss")
+TERMS = ("kinetic_energy", "rotational_energy", "potential_energy", "stored_energy", *LOSSES)
+
+
+class State(NamedTuple):
+    """The numbers of a sample in the frame of the plane, SI.
+
+    ``sums`` (8,) over its steps, see `leap_frog`; the sums ``translation`` of m v² and ``rotation``
+    of m times the squared velocity of the rim; mean ``height``; energies in springs between
+    particles (``pair``) and to the plane.
+    """
+
+    sums: np.ndarray
+    translation: float
+    rotation: float
+    height: float
+    pair_normal: float
+    pair_tangential: float
+    plane_normal: float
+    plane_tangential: float
+
+
+def stack(states: Sequence[Any]) -> Any:
+    """Return the states of K samples as one, with a first axis over the samples."""
+    fields = zip(*states, strict=True)
+    return type(states[0])(
+        *(stack(field) if hasattr(field[0], "_fields") else np.array(field) for field in fields)
+    )
+
+
+class PlaneFlow(Replica):
+    """One replicate of particles on a plane; positions and velocities are relative to the plane.
+
+    A concrete flow adds its drive, its scales and the length of its path.
+    """
+
+    parameters: SphereParameters
+    ledger = make_ledger(*TERMS, turnover=LOSSES)
+    axes = ("x", "y", "z")
+    particle_names = ("spheres", "pairs", "plane", "memory", "scratch", "flow")
+    state_names: ClassVar[tuple[str, ...]] = (*particle_names, "travelled", "lost", "work_done")
+
+    def __init__(
+        self, parameters: SphereParameters, replicate: int, substeps: int, path_interval: float
+    ):
+        super().__init__(parameters, substeps)
+        p, length = parameters, parameters.cell * parameters.diameter
+        if p.is_flat:
+            breadth = BREADTH * max(p.diameter * (1 + p.diameter_spread), p.bumps * p.diameter)
+            self.inertia, self._profile_weight, area = DISC, AREA, length
+        else:
+            breadth = length
+            self.inertia, self._profile_weight, area = SOLID, VOLUME, length * length
+        self.box = make_box(length, breadth)
+        layer = initial_layer(p, self.box, replicate)
+        number = len(layer.radius)
+        self.spheres = make_spheres(*layer[:4], p.threads, p.orientations)
+        self.pairs = empty_pair_list(layer.radius, self.box, SKIN * p.diameter)
+        self.laws = (self._law(p.friction, 0.5 * p.mass), self._law(p.friction_plane, p.mass))
+        self.plane = make_plane(self.laws[1], number, p.threads)
+        self.memory = make_memory(self.laws[0], len(self.pairs.touching))
+        self.team = Team(p.threads)
+        self.scratch = [make_scratch() for _ in range(p.threads)]
+        self.flow = leap_frog.make_flow(number, p.threads, fixed=p.glued_particles > 0)
+        angle = radians(p.angle)
+        self.gravity = (p.gravity * sin(angle), 0.0, -p.gravity * cos(angle))
+        self.drive = self._drive()
+        self.kind = kind_of(self.laws, self.drive)
+        self.slices = flow_profiles(p, layer.height, area, -self.gravity[2])
+        if p.stress_profiles:
+            self.history_profiles = tuple(parts(HISTORY, p.system).values())
+        self.mass = float(self.spheres.mass.sum())
+        self.weight = (self.mass * self.gravity[0], -self.mass * self.gravity[2])
+        self.flux_area = length**2
+        self.travelled, self.lost, self.work_done = 0.0, 0.0, 0.0
+        interval = max(1, round(path_interval * p.time_unit / p.time_step)) * substeps
+        self.path_steps = PATH_INTERVALS * interval
+        times = np.arange(PATH_INTERVALS + 1) * interval * self.time_step
+        self.coordinates = {
+            "overlap_edges": ("1", "edges of the intervals of overlap, in diameters", EDGES),
+            "path_time": ("s", "time since the path began", times),
+        }
+
+    @abstractmethod
+    def _drive(self) -> NamedTuple:
+        """Return what sets the flow in motion; its type selects compiled code."""
+
+    def _law(self, friction: float, reduced_mass: float) -> NamedTuple:
+        return law_of(self.parameters, Partners(friction, reduced_mass, self.time_step))
+
+    @property
+    def loop(self) -> leap_frog.Flow:
+        """State of the loop over steps."""
+        return self.flow
+
+    def take_over(self, other: Any) -> None:
+        """Continue with the particles of another flow and the memory of their contacts."""
+        super().take_over(other)
+        self.flow.sums[:] = 0.0
+
+    def _advance(self, steps: int) -> int:
+        return self.team.run(partial(self._advance_thread, steps))
+
+    def _advance_thread(self, steps: int, rank: int) -> int:
+        limit = self.parameters.overlap_limit
+        motion = leap_frog.Motion(self.drive, self.time_step, limit, self.inertia)
+        thread = Thread(rank, self.team.gate, self.scratch[rank])
+        flow, contacts = self.flow, self._contacts()
+        return self._call(
+            leap_frog.advance_spheres, self.spheres, contacts, flow, motion, thread, steps
+        )
+
+    def _contacts(self) -> leap_frog.FlowContacts:
+        return leap_frog.FlowContacts(self.laws, self.pairs, self.plane, self.memory)
+
+    def _enlarge_list(self) -> None:
+        super()._enlarge_list()
+        self.memory = enlarge_memory(self.memory, len(self.pairs.touching))
+
+    def _take(self, most: int, profiles: bool) -> Outcome:
+        count, states, failure = min(most, max(1, self._stretch // self.sample_steps)), [], ""
+        sums = tuple(zero_samples(count, part) for part in self.no_profiles()) if profiles else None
+        try:
+            for k in range(count):
+                self._approach(0)
+                states.append(self._state())
+                if sums:
+                    self._add_profiles(sums, k)
+        except BlowUp as error:
+            failure = str(error)
+        state = stack(states) if states else None
+        sums = sums and tuple(first_samples(part, len(states)) for part in sums)
+        return Outcome(state, sums, failure)
+
+    def _state(self) -> Any:
+        """Return the state at the end of a sample."""
+        spheres, plane, step = self.spheres, self.plane, self.flow.step[0]
+        (pair_law, plane_law), time_step = self.laws, self.time_step
+        memory, plane_memory = memory_after(self.memory, step), memory_after(plane.memory, step)
+        return State(
+            self.flow.sums.copy(),
+            *flow_energies(spheres.position, spheres.velocity, spheres.rim, spheres.mass),
+            *self._call(stored_in_spheres, pair_law, spheres, self.pairs, memory, time_step),
+            *self._call(stored_in_plane, plane_law, spheres, plane, plane_memory, time_step),
+        )
+
+    def _values(self, state: Any) -> dict[str, np.ndarray]:
+        """Return the values (K,) of each time series in the frame of the plane.
+
+        The work done against friction is stored or lost.
+        """
+        sums, tangential = state.sums.T, state.pair_tangential + state.plane_tangential
+        mean = sums / sums[leap_frog.STEPS]
+        velocity = mean[leap_frog.MOMENTUM] / self.mass
+        displacement = sums[leap_frog.MOMENTUM] / self.mass * self.time_step
+        along = self.gravity[0] * self._total("travelled", displacement)
+        across = -self.gravity[2] * state.height
+        work = self._total("work_done", sums[leap_frog.FRICTION_WORK])
+        inertia = self.inertia if isfinite(self.inertia) else 0.0
+        return {
+            "mean_velocity": velocity,
+            "mass_flux": velocity * self.mass / self.flux_area,
+            "kinetic_energy": 0.5 * state.translation,
+            "rotational_energy": 0.5 * inertia * state.rotation,
+            "potential_energy": self.mass * (across - along),
+            "stored_energy": state.pair_normal + state.plane_normal + tangential,
+            "normal_loss": self._total("lost", sums[leap_frog.NORMAL_LOSS]),
+            "frictional_loss": work - tangential,
+            "height_of_mass": state.height,
+            "contact_number": mean[leap_frog.CONTACTS] / self.parameters.particles,
+            "largest_overlap": sums[leap_frog.LARGEST],
+            "base_normal_force": mean[leap_frog.PLANE_Z],
+            "base_shear_force": -mean[leap_frog.PLANE_X],
+        }
+
+    def _add_profiles(self, sums: Any, k: int) -> None:
+        """Add the present state to the sums of sample k."""
+        spheres, slice_height = self.spheres, self.slices.slice_height
+        height, radius, velocity = spheres.position[2], spheres.radius, spheres.velocity
+        rim = spheres.rim[1:2]
+        if self.parameters.glued_particles:
+            mobile = spheres.mass > 0.0
+            height, radius, velocity = height[mobile], radius[mobile], velocity[:, mobile].copy()
+            rim = rim[:, mobile]
+        profile, overlaps, *contact_sums = (
+            type(part)(*(array[k] for array in part)) for part in sums
+        )
+        weight = self._profile_weight
+        self._call(add_sample, profile, weight, slice_height, height, radius, velocity)
+        self._call(count_overlaps, overlaps.counts, spheres, self.pairs)
+        if contact_sums:
+            spin, *stress_and_slip = contact_sums
+            self._call(add_sample, spin, VOLUME, slice_height, height, radius, rim / radius)
+            target = ContactSums(*stress_and_slip)
+            self._call(add_contacts, target, spheres, self._contacts(), self._sampling())
+
+    def _sampling(self) -> Sampling:
+        """Return the settings for forces of contacts: step, slice height, time step, frictions."""
+        p = self.parameters
+        friction = p.friction, p.friction_plane
+        return Sampling(int(self.flow.step[0]), self.slices.slice_height, self.time_step, friction)
+
+    def _list_contacts(self, contacts: ContactList) -> None:
+        self._call(list_contacts, contacts, self.spheres, self._contacts(), self._sampling())
+
+    def _mean_displacement(self) -> np.ndarray:
+        # Between two states a sphere may pass through half a cell with the flow, but not against
+        # it.
+        along = self.flow.sums[leap_frog.MOMENTUM] / self.mass * self.time_step
+        return np.array([along, 0.0, 0.0])
+
+    def _arrays(self) -> dict[str, np.ndarray]:
+        spheres = self.spheres
+        fixed = (spheres.mass == 0.0).astype(int)
+        return ({"fixed": fixed} if self.parameters.glued_particles else {}) | {
+            "label": spheres.label[0],
+            "position": spheres.position,
+            "particle_velocity": spheres.velocity,
+            "particle_spin": spheres.rim / spheres.radius,
+            "radius": spheres.radius,
+            "orientation": spheres.orientation,
+        }
+
+    def _coordinates(self) -> np.ndarray:
+        return self.spheres.position
+
+    def _moment(self) -> str:
+        time = self.flow.step[0] * self.time_step / self.parameters.time_unit
+        return f"(t* = {time:.4g})"
 
 
 class Chute(PlaneFlow):

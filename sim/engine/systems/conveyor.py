@@ -6,17 +6,16 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from sim.engine.boundary.drive import (
-    OwnVibration,
     Vibration,
     plane_position,
     plane_velocity,
     vibration,
 )
-from sim.engine.dynamics.spheres import restart_memory
+from sim.engine.contact.friction import restart_memory
 from sim.engine.observe.regime import Scales
-from sim.engine.observe.system import make_ledger
+from sim.engine.observe.samples import make_ledger
 from sim.engine.systems import leap_frog
-from sim.engine.systems.plane_flow import LOSSES, TERMS, PlaneFlow, State
+from sim.engine.systems.chute import LOSSES, TERMS, PlaneFlow, State
 from sim.parameters import ConveyorParameters
 from sim.parameters.belt import LEAST_TRANSPORT
 from sim.parameters.chute import negligible_acceleration
@@ -47,7 +46,7 @@ class Conveyor(PlaneFlow):
     state_names = (*PlaneFlow.state_names, "drive", "plane_work")
 
     parameters: ConveyorParameters
-    drive: Vibration | OwnVibration
+    drive: Vibration
 
     def __init__(self, parameters: ConveyorParameters, replicate: int, substeps: int = 1):
         super().__init__(parameters, replicate, substeps, path_interval=1 / 40)
@@ -64,7 +63,7 @@ class Conveyor(PlaneFlow):
         self.scales = Scales(still, negligible, p.drift, p.target)
         self._add_velocity(-self._starting_velocity())
 
-    def _drive(self) -> Vibration | OwnVibration:
+    def _drive(self) -> Vibration:
         return vibration(self.parameters, self.gravity)
 
     def take_over(self, other: "Conveyor") -> None:

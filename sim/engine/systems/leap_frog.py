@@ -17,8 +17,7 @@ from sim.engine.boundary.plane import Plane, plane_forces
 from sim.engine.compile import assume_no_alias, inlined, kernel, prefer_wide_vectors
 from sim.engine.dynamics.mean_flow import AGE, allowed_stray
 from sim.engine.dynamics.neighbors import PairList
-from sim.engine.dynamics.orientation import rotate
-from sim.engine.dynamics.spheres import Contacts, sphere_forces
+from sim.engine.dynamics.spheres import Contacts, rotate, sphere_forces
 from sim.engine.dynamics.status import OK, OVERLAP
 from sim.engine.dynamics.team import Share, barrier
 from sim.engine.systems.sharing import (

@@ -6,14 +6,13 @@ from typing import Any, ClassVar, NamedTuple, Self
 
 import numpy as np
 
-from sim.engine.calls import DirectCall
+from sim.engine.calls import call_directly
 from sim.engine.compile import working_time
 from sim.engine.dynamics.cells import Box
 from sim.engine.dynamics.neighbors import PairList, double_room
 from sim.engine.dynamics.status import LIST_FULL, BlowUp, failure_reason
 from sim.engine.observe.regime import Scales
-from sim.engine.observe.sums import Sums
-from sim.engine.observe.system import ContactList, Ledger, Samples, no_contacts
+from sim.engine.observe.samples import ContactList, Ledger, Samples, Sums, no_contacts
 from sim.parameters import Parameters
 from sim.parameters.variables import recorded_by
 
@@ -163,7 +162,7 @@ class Replica(ABC):
         return np.array(states)
 
     def _call(self, kernel: Any, *arguments: Any) -> Any:
-        return DirectCall(kernel, self.kind)(*arguments)
+        return call_directly(kernel, self.kind, *arguments)
 
     def _approach(self, distance: int) -> None:
         """Advance the sample under way, or else the next, to some steps before its end."""

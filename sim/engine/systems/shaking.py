@@ -4,12 +4,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sim.engine.boundary.belt import Belt, belt_forces
-from sim.engine.boundary.obstacle import Obstacle, obstacle_forces
+from sim.engine.boundary.belt import Belt, Obstacle, belt_forces, obstacle_forces
 from sim.engine.compile import assume_no_alias, inlined, kernel, prefer_wide_vectors
 from sim.engine.dynamics.cells import reorder
-from sim.engine.dynamics.disks import TERMS, disk_forces
-from sim.engine.dynamics.gear import correct, flush, predict
+from sim.engine.dynamics.disks import TERMS, correct, disk_forces, flush, predict
 from sim.engine.dynamics.mean_flow import allowed_stray
 from sim.engine.dynamics.neighbors import PairList, Search, refresh
 from sim.engine.dynamics.status import OK, OVERLAP

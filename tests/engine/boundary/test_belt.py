@@ -1,21 +1,20 @@
-"""The vibrating belt: its motion, its ghost, and single beads on it."""
+"""The belt, its ghost, and single beads on it; the obstacle, blind to the belt."""
 
 import numpy as np
 import pytest
 
-from sim.engine.boundary.belt import Belt
-from sim.engine.dynamics.gear import Gear, Verlet
+from sim.engine.boundary.belt import Belt, Obstacle
+from sim.engine.dynamics.disks import Gear, Verlet
 from sim.engine.systems import shaking
 from tests.engine_motion.disks import AT_REST, DiskMotion
 from tests.engine_motion.helpers import (
     BEAD,
     BEAD_GRAVITY,
+    BEAD_LAWS,
     BEAD_MASS,
     DAMPING,
     YOUNG,
     bead_law,
-    belt_states,
-    lattice,
 )
 
 INTEGRATORS = [Gear, Verlet]
@@ -34,17 +33,6 @@ def bead_on_belt(velocity=(0.0, 0.0), **options) -> DiskMotion:
     options = {"gravity": BEAD_GRAVITY} | options
     surface = options.get("belt", AT_REST).surface
     return DiskMotion([[5 * BEAD, surface + 0.5 * BEAD - INDENTATION]], [velocity], **options)
-
-
-def test_belt_moves_along_its_angle_with_the_derivative_of_its_position():
-    belt = vibrating_belt(20.0, along=0.5 * BEAD, phase=0.7)
-    time, delta = np.linspace(0, 0.1, 50), 1e-7
-    height, velocity = belt_states(belt, time)
-    rate = (belt_states(belt, time + delta)[0] - belt_states(belt, time - delta)[0]) / (2 * delta)
-    assert velocity[:, 1] == pytest.approx(rate, rel=1e-6, abs=1e-7)
-    assert velocity[:, 0] == pytest.approx(0.5 * velocity[:, 1], rel=1e-12)
-    assert height[0] == pytest.approx(BEAD * np.sin(0.7), rel=1e-14)
-    assert height == pytest.approx(BEAD * np.sin(2 * np.pi * 20 * time + 0.7), abs=1e-12 * BEAD)
 
 
 @pytest.mark.parametrize("integrator", INTEGRATORS)
@@ -107,14 +95,6 @@ def test_a_ghost_of_finite_mass_damps_with_the_reduced_mass(size, share):
     )
 
 
-def test_a_bead_on_a_ghost_of_its_own_mass_relaxes_to_the_belt_half_as_fast():
-    options = {"law": REDUCED, "belt": AT_REST._replace(inverse_mass=1 / BEAD_MASS)}
-    options |= {"integrator": Verlet, "acceleration": [[-0.15 * DAMPING, 0.0]]}
-    motion = bead_on_belt((0.3, 0.0), **options).run(200)
-    expected = 0.3 * np.exp(-0.5 * DAMPING * 200 * 2.5e-5)
-    assert motion.velocity[0, 0] == pytest.approx(expected, abs=1e-3 * 0.3)
-
-
 @pytest.mark.parametrize("radius", [0.25 * BEAD, 0.75 * BEAD])
 def test_ghosts_touch_a_bead_one_radius_above_their_surface(radius):
     for surface in (0.0, 0.5 * BEAD):
@@ -126,45 +106,81 @@ def test_ghosts_touch_a_bead_one_radius_above_their_surface(radius):
             assert motion.run(1).loop.sums[shaking.CONTACTS] == touching
 
 
-def test_both_ghosts_give_the_same_motion_half_a_diameter_apart():
-    rng = np.random.default_rng(8)
-    position, velocity = lattice((4, 3), BEAD, 0.1, rng), rng.normal(0, 0.05, (12, 2))
-    position[:, 1] -= 0.5 * BEAD
-    options = {"gravity": BEAD_GRAVITY, "width": 5 * BEAD}
-    below = DiskMotion(position, velocity, belt=vibrating_belt(20.0), **options)
-    raised = position + np.array([0.0, 0.5 * BEAD])
-    centred = DiskMotion(raised, velocity, belt=vibrating_belt(20.0, surface=0.5 * BEAD), **options)
-    below.run(200)
-    centred.run(200)
-    assert centred.velocity == pytest.approx(below.velocity, abs=1e-9)
-    assert np.abs(below.velocity - velocity).max() > 0.05
+WIDTH = 10 * BEAD
+OBSTACLE = Obstacle(x=0.5 * WIDTH, z=4 * BEAD, radius=0.75 * BEAD)
+REACH = OBSTACLE.radius + 0.6 * BEAD
 
 
-def test_a_phase_is_a_later_start():
-    """Launched at rest in phase with the belt, a run begun at phi equals one begun phi/w later."""
-    late = vibrating_belt(20.0, phase=0.3 * np.pi)
-    early = vibrating_belt(20.0)
-    steps = 300
-    lead = 0.3 * np.pi / (2 * np.pi * 20)
-    time_step = lead / steps
-    height = 0.5 * BEAD + BEAD * np.sin(0.3 * np.pi)
-    options = {"gravity": BEAD_GRAVITY, "time_step": time_step}
-    late_motion = DiskMotion([[0.0, height]], [[0.0, 0.0]], belt=late, **options).run(500)
-    early_motion = DiskMotion([[0.0, height]], [[0.0, 0.0]], belt=early, **options)
-    early_motion.loop.step[0] = steps
-    early_motion.run(500)
-    assert early_motion.velocity == pytest.approx(late_motion.velocity, abs=1e-10)
-    assert np.abs(late_motion.velocity).max() > 0.01
+def bead(direction, overlap: float, velocity=(0.0, 0.0), **options) -> DiskMotion:
+    """A bead of diameter 1.2 mm that overlaps the obstacle, on its side along ``direction``."""
+    start = np.array([OBSTACLE.x, OBSTACLE.z]) + (REACH - overlap) * np.array(direction)
+    options = {"obstacle": OBSTACLE, "time_step": 1e-9} | options
+    return DiskMotion(
+        [start], [velocity], radius=0.6 * BEAD, mass=BEAD_MASS, width=WIDTH, **options
+    )
 
 
-def test_held_bead_follows_a_slow_belt_up_and_down():
-    """At Gamma = 0.16 the bead stays on the belt; it lags by the spring's give only."""
-    belt = vibrating_belt(6.4, along=0.0)
-    motion = bead_on_belt(belt=belt, time_step=1 / (2000 * 6.4))
-    motion.disks.taylor[1, 1, 0] = BEAD * belt.angular_frequency * motion.integrator.time_step
-    for _ in range(20):
-        motion.run(100)
-        height = BEAD * np.sin(belt.angular_frequency * motion.loop.step[0] / (2000 * 6.4))
-        assert motion.position[0, 1] - height == pytest.approx(
-            0.5 * BEAD - INDENTATION, abs=0.3 * INDENTATION
-        )
+@pytest.mark.parametrize("angle", np.radians([0.0, 37.0, 90.0, 180.0, 250.0]))
+def test_force_is_that_of_a_heavy_disk(angle):
+    outward, across = (
+        np.array([np.cos(angle), np.sin(angle)]),
+        np.array([-np.sin(angle), np.cos(angle)]),
+    )
+    velocity = -0.03 * outward + 0.02 * across
+    motion = bead(outward, 5e-5, velocity).run(1)
+    push = YOUNG * 5e-5 + DAMPING * BEAD_MASS * 0.03
+    expected = push * outward - DAMPING * BEAD_MASS * 0.02 * across
+    assert motion.force[0] == pytest.approx(expected, abs=1e-5 * push)
+    assert motion.loop.sums[shaking.CONTACTS] == 1
+    assert motion.loop.sums[shaking.LARGEST] == pytest.approx(5e-5 / REACH, rel=1e-5)
+
+
+@pytest.mark.parametrize("laps", [-3, 1, 2])
+def test_obstacle_repeats_with_the_cell(laps):
+    here, there = bead((0.6, 0.8), 5e-5), bead((0.6, 0.8), 5e-5)
+    there.disks.taylor[0, 0, 0] += laps * WIDTH
+    expected = here.run(1).force
+    assert there.run(1).force == pytest.approx(expected, rel=1e-9)
+
+
+@pytest.mark.parametrize("side", [-1, 1])
+def test_obstacle_at_the_edge_of_the_cell_is_felt_across_it(side):
+    """As by a bead that has left the cell since the list of neighbors was built."""
+    edge = Obstacle(x=side * 0.1 * BEAD, z=OBSTACLE.z, radius=OBSTACLE.radius)
+    outward = np.array([-side * 0.6, 0.8])
+    inside = bead(outward, 5e-5, obstacle=OBSTACLE).run(1).force
+    across = bead(outward, 5e-5, obstacle=edge)
+    across.disks.taylor[0, 0, 0] += edge.x - OBSTACLE.x
+    assert across.run(1).force == pytest.approx(inside, rel=1e-9)
+
+
+def test_no_contact_beyond_the_reach_and_no_obstacle_without_a_radius():
+    assert not bead((1.0, 0.0), -1e-8).run(1).force.any()
+    no_obstacle = Obstacle(OBSTACLE.x, OBSTACLE.z, 0.0)
+    assert not bead((1.0, 0.0), 5e-5, obstacle=no_obstacle).run(1).force.any()
+
+
+def test_obstacle_neither_moves_with_the_belt_nor_with_the_beads():
+    """A far belt that shakes changes nothing; the bead returns as from a wall at rest."""
+    shaking_belt = Belt(BEAD, BEAD, 2 * np.pi * 50, 0.0, -20 * BEAD)
+    options = {"time_step": 1e-6, "law": bead_law(damping=0.0, shear_damping=0.0)}
+    still_motion = bead((0.0, 1.0), -1e-8, (0.0, -0.1), **options).run(3000)
+    shaken_motion = bead((0.0, 1.0), -1e-8, (0.0, -0.1), belt=shaking_belt, **options).run(3000)
+    assert np.array_equal(still_motion.velocity, shaken_motion.velocity)
+    assert still_motion.velocity[0, 1] == pytest.approx(0.1, rel=1e-3)
+
+
+@pytest.mark.parametrize(("readings", "integrator"), BEAD_LAWS[::2])
+def test_restitution_off_the_obstacle_is_that_of_an_infinite_mass(readings, integrator):
+    """Of a contact that ends with the overlap, or where spring and damping cancel if clipped."""
+    law_and_integrator = {
+        "law": bead_law(**readings),
+        "integrator": Gear if integrator == "gear" else Verlet,
+    }
+    motion = bead((0.0, 1.0), -1e-8, (0.0, -0.1), time_step=1e-6, **law_and_integrator).run(1500)
+    rate = 0.5 * DAMPING
+    frequency = np.sqrt(YOUNG / BEAD_MASS - rate**2)
+    early = np.arctan2(2 * rate * frequency, frequency**2 - rate**2)
+    end = np.pi - early * (readings["attraction"] == "clipped")
+    expected = np.exp(-rate / frequency * end)
+    assert motion.velocity[0, 1] / 0.1 == pytest.approx(expected, abs=1e-3)

@@ -79,15 +79,6 @@ def test_gross_slip_impact_changes_the_surface_velocity_by_the_friction_impulse(
     assert restitution == pytest.approx(0.85, abs=1e-3)
 
 
-def test_impact_turns_with_its_direction_in_the_plane():
-    law, speed = sphere_law(), 0.05
-    start = [[0, 0, RADIUS + 1e-8]]
-    along = SphereMotion(start, [[0.1, 0, -speed]], [[3, 20, 5]], law=law).run(120)
-    across = SphereMotion(start, [[0, 0.1, -speed]], [[-20, 3, 5]], law=law).run(120)
-    assert across.velocity[0] == pytest.approx(along.velocity[0, [1, 0, 2]] * [-1, 1, 1], rel=1e-12)
-    assert across.spin[0] == pytest.approx(along.spin[0, [1, 0, 2]] * [-1, 1, 1], rel=1e-12)
-
-
 def test_more_spheres_than_a_block_each_move_as_if_alone():
     """Sums over the plane are those of the single spheres, whatever the block they fall into."""
     rng = np.random.default_rng(4)

@@ -3,9 +3,8 @@
 import numpy as np
 import pytest
 
-from sim.engine.boundary.belt import Belt
-from sim.engine.boundary.obstacle import Obstacle
-from sim.engine.dynamics.gear import Verlet
+from sim.engine.boundary.belt import Belt, Obstacle
+from sim.engine.dynamics.disks import Verlet
 from sim.engine.systems import shaking
 from tests.engine.reference import belt as slow
 from tests.engine_motion.disks import DiskMotion

@@ -5,8 +5,7 @@ from math import factorial
 import numpy as np
 import pytest
 
-from sim.engine.dynamics.disks import TERMS, make_disks
-from sim.engine.dynamics.gear import CORRECTORS, Gear, Verlet, rescale_terms
+from sim.engine.dynamics.disks import CORRECTORS, TERMS, Gear, Verlet, rescale_terms
 from tests.engine.reference.integrators import GEAR_COEFFICIENTS
 from tests.engine_motion.helpers import Oscillator, damped_oscillation, flushed, gear
 
@@ -72,23 +71,6 @@ def test_verlet_is_of_second_order_without_damping_and_stays_so_with_it():
     assert abs(oscillate(Verlet, 800)[0] - derivatives(END)[0]) < 1e-4
 
 
-def test_gear_and_verlet_agree_as_the_step_falls():
-    differences = [abs(oscillate(Gear, n)[0] - oscillate(Verlet, n)[0]) for n in (200, 800)]
-    assert differences[0] < 2e-3
-    assert differences[0] / differences[1] == pytest.approx(16.0, rel=0.2)
-
-
-@pytest.mark.parametrize("integrator", [Gear, Verlet])
-def test_free_fall_is_exact(integrator):
-    step, taylor = 0.01, np.zeros((TERMS, 2, 1))
-    taylor[0], taylor[1], taylor[2] = 2.0, 3.0 * step, -0.5 * step**2
-    damped_oscillation(integrator(step), taylor, Oscillator(0.0, 0.0), 0)
-    for _ in range(100):
-        damped_oscillation(integrator(step), taylor, Oscillator(0.0, 0.0, -1.0), 1)
-    assert taylor[0, 0] == pytest.approx(2.0 + 3.0 - 0.5, rel=1e-12)
-    assert taylor[1, 0] / step == pytest.approx(3.0 - 1.0, rel=1e-12)
-
-
 @pytest.mark.parametrize("order", GEAR_COEFFICIENTS)
 def test_corrector_coefficients_are_those_for_forces_that_depend_on_the_velocity(order):
     padded_coefficients = (*GEAR_COEFFICIENTS[order], *[0.0] * (TERMS - order - 1))
@@ -108,15 +90,6 @@ def test_a_new_time_step_goes_on_along_the_same_motion(integrator):
     assert taylor[:3, 0, 0] / [1.0, long, long**2] == pytest.approx(before, rel=1e-12)
     damped_oscillation(integrator(long), taylor, OSCILLATOR, 1000)
     assert taylor[0, 0, 0] == pytest.approx(derivatives(END)[0], abs=2e-5)
-
-
-def test_disks_start_with_position_and_velocity_and_nothing_else():
-    disks = make_disks([[1.0, 2.0], [3.0, 4.0]], [[0.5, 0.0], [0.0, -0.5]], 0.1, [1.0, 2.0], 0.01)
-    assert np.array_equal(disks.taylor[0], [[1.0, 3.0], [2.0, 4.0]])
-    assert disks.taylor[1] == pytest.approx(np.array([[0.005, 0.0], [0.0, -0.005]]))
-    assert not disks.taylor[2:].any()
-    assert np.array_equal(disks.label, [[0, 1]])
-    assert np.array_equal(disks.radius, [0.1, 0.1]) and np.array_equal(disks.mass, [1.0, 2.0])
 
 
 def test_flush_takes_subnormal_terms_only():

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from sim.engine.dynamics.gear import Gear, Verlet
+from sim.engine.dynamics.disks import Gear, Verlet
 from sim.engine.systems import shaking
 from tests.engine_motion.disks import DiskMotion
 from tests.engine_motion.helpers import (

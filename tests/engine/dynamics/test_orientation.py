@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from sim.engine.dynamics import orientation as engine
-from sim.engine.dynamics.orientation import unrotated_orientations
+from sim.engine.dynamics import spheres as engine
+from sim.engine.dynamics.spheres import unrotated_orientations
 from tests.engine_motion.helpers import RADIUS, compiled, lattice, weight_components
 from tests.engine_motion.spheres import SphereMotion
 

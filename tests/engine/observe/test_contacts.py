@@ -1,7 +1,5 @@
 """Stress, spin and slip of chute flows: against the momentum that flows gain, and the reference."""
 
-from functools import cache
-
 import numpy as np
 import pytest
 
@@ -15,10 +13,9 @@ from sim.engine.observe.contacts import (
     no_stress,
 )
 from sim.engine.observe.force_balance import inertial_number, shear_rate, stress_ratio
-from sim.engine.observe.sums import add_sums
+from sim.engine.observe.samples import add_sums
 from sim.engine.systems import build, leap_frog
 from sim.engine.systems.leap_frog import FlowContacts
-from sim.parameters.variables import variables_of
 from tests.engine.dynamics.test_chute_reference import SPEED, dense_state, laws
 from tests.engine.reference import chute as slow
 from tests.engine_motion.helpers import MASS, RADIUS
@@ -26,7 +23,6 @@ from tests.engine_motion.points import chute_point, sums_of
 from tests.engine_motion.spheres import SphereMotion
 
 SMALL = {"depth": 2, "cell": 5, "stress_profiles": True}
-STEADY = SMALL | {"depth": 4, "angle": 17, "transient": 100, "average": 100}
 READINGS = [
     {},
     {"tangential_exponent": 1, "overlap_memory": "reset"},
@@ -88,60 +84,6 @@ def test_above_bumps_stress_and_weight_are_what_the_momentum_above_gains():
         free = system.profile_height > 0.8 * system.parameters.diameter
         scale = (system.spheres.mass * np.abs(system.spheres.velocity)).sum()
         assert found[free] == pytest.approx(expected[free], abs=1e-12 * scale)
-
-
-def test_mean_stress_of_successive_steps_is_the_weight_above_but_for_what_momentum_gains():
-    """To rounding; the momentum that counts is that about the mean profile of the window."""
-    system = moving(samples=20)
-    system.sample_steps, steps = 1, 300
-    edges = np.arange(system.slices.slices) * system.slices.slice_height
-
-    def above(mean):
-        spheres, dz = system.spheres, system.slices.slice_height
-        before = spheres.position[2] - spheres.velocity[2] * system.time_step
-        share = np.clip((before - edges[:, None]) / dz, 0.0, 1.0)
-        about = spheres.velocity[[0, 2], None] - mean.T[..., None]
-        return np.einsum("hi,i,dhi->hd", share, spheres.mass, about)
-
-    total = list(sums_of(system))
-    spheres = system.spheres
-    begins = spheres._replace(position=spheres.position.copy(), velocity=spheres.velocity.copy())
-    for _ in range(steps - 1):
-        total = [add_sums(*pair) for pair in zip(total, sums_of(system), strict=True)]
-    system._run(1)
-    mass = total[3].mass[:, None]
-    mean = total[3].momentum[:, [0, 2]] / np.where(mass > 0, mass, 1.0)
-    ends = above(mean)
-    system.spheres = begins
-    gained = (ends - above(mean)) / (steps * system.time_step * system.slices.area)
-    found = system.tables(total)
-    normal, shear = (
-        found[f"contact_{name}_stress_profile"] + found[f"kinetic_{name}_stress_profile"]
-        for name in ("normal", "shear")
-    )
-    weight, tangent = found["overburden_profile"], np.tan(np.radians(17))
-    assert normal - weight == pytest.approx(gained[:, 1], abs=1e-9 * weight[0])
-    assert tangent * weight - shear == pytest.approx(gained[:, 0], abs=1e-9 * weight[0])
-    full = system.mass * -system.gravity[2] / system.slices.area
-    assert weight[0] == pytest.approx(full, rel=1e-12)
-
-
-def test_steady_flow_is_in_balance_with_the_weight_above():
-    """Within what a flow of 62 spheres still gains in 100 √(σ/g), in all slices."""
-    often = {"depth": 2.5, "sample_interval": 0.02}
-    system = moving(samples=5000, **often)
-    total = system.no_profiles()
-    for _ in range(5000):
-        total = tuple(add_sums(*pair) for pair in zip(total, sums_of(system), strict=True))
-    found = system.tables(total)
-    weight = found["overburden_profile"]
-    for name, factor in (("normal", 1.0), ("shear", np.tan(np.radians(17)))):
-        stress = found[f"contact_{name}_stress_profile"] + found[f"kinetic_{name}_stress_profile"]
-        assert stress == pytest.approx(factor * weight, abs=0.04 * factor * weight[0])
-    # At the plane spheres touch and hardly move; far above they fly.
-    heavy = weight > 0.1 * weight[0]
-    kinetic = found["kinetic_normal_stress_profile"]
-    assert kinetic[0] == 0.0 and kinetic[heavy][-1] > 0.2 * weight[heavy][-1]
 
 
 def test_contact_stress_is_that_of_the_reference():
@@ -240,17 +182,6 @@ def test_what_is_dissipated_over_the_height_is_the_loss_of_the_next_step(reading
     assert total > 1e-12
 
 
-def test_the_power_of_gravity_is_dissipated_where_the_flow_shears():
-    """In a steady flow what is dissipated is the work of the shear stress, all heights together."""
-    system, found = steady()
-    thickness = system.slices.slice_height
-    lost = found["normal_dissipation_profile"] + found["frictional_dissipation_profile"]
-    velocity, packing = found["velocity_profile"], found["packing_profile"]
-    moving = np.isfinite(velocity)
-    weight = (velocity * packing)[moving].sum() * thickness * system.slices.density
-    assert lost.sum() * thickness == pytest.approx(weight * system.gravity[0], rel=0.1)
-
-
 def test_a_flow_that_shears_evenly_has_the_inertial_number_of_its_definition():
     height, rate, sigma = np.arange(40) * 1e-4 + 5e-5, 30.0, 1e-3
     velocity, normal = 0.02 + rate * height, np.full(40, 50.0)
@@ -261,38 +192,3 @@ def test_a_flow_that_shears_evenly_has_the_inertial_number_of_its_definition():
     assert np.isnan(shear_rate(velocity[:8], 1e-4, sigma)).all()
     ratio = stress_ratio(np.full(40, 20.0), normal)
     assert ratio[0] == pytest.approx(0.4) and np.isnan(ratio[-1])
-
-
-def test_the_stress_ratio_of_a_steady_flow_is_the_slope():
-    _, found = steady()
-    inside = slice(6, 14)
-    assert found["stress_ratio_profile"][inside].mean() == pytest.approx(
-        np.tan(np.radians(17)), rel=0.1
-    )
-    assert 0.01 < np.nanmean(found["inertial_number_profile"][inside]) < 1.0
-
-
-@cache
-def steady():
-    """A steady flow, and profiles and tables of its window."""
-    point = chute_point(**STEADY)
-    system = build(point, 0)
-    for _ in range(point.transient_samples):
-        system.advance()
-    sums = system.no_profiles()
-    for _ in range(point.average_samples):
-        sums = tuple(add_sums(*pair) for pair in zip(sums, sums_of(system), strict=True))
-    return system, system.profiles(sums) | system.tables(sums)
-
-
-def test_profiles_that_are_asked_for_change_no_motion():
-    asked, usual = (moving(samples=0, stress_profiles=value) for value in (True, False))
-    for _ in range(10):
-        with_them, without = asked.sample(3, profiles=True), usual.sample(3, profiles=True)
-        assert with_them.first() == without.first()
-    assert np.array_equal(asked.spheres.position, usual.spheres.position)
-    rows = variables_of("profile", system="chute").values()
-    stresses = {row.name for row in rows if row.asked_by == "stress_profiles" and not row.of}
-    assert len(stresses) == 16
-    assert stresses < set(asked.tables(sums_of(asked)))
-    assert not stresses & set(usual.tables(sums_of(usual)))

@@ -14,7 +14,7 @@ from sim.engine.observe.estimate import (
     slope,
     transient_end,
 )
-from tests.engine_motion.series import correlated, with_drift, with_transient
+from tests.engine_motion.points import correlated, with_drift, with_transient
 
 #: Samples, statistical inefficiency, size of the transient (in standard deviations), its share.
 KINDS = [

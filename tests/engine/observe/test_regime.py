@@ -5,7 +5,7 @@ import pytest
 
 from sim.engine.observe import regime
 from sim.engine.observe.regime import RELIABLE_SAMPLES, Scales, analyse
-from tests.engine_motion.series import correlated, with_drift, with_transient
+from tests.engine_motion.points import correlated, with_drift, with_transient
 
 INTERVAL, DRIFT = 0.01, 0.1
 CHUTE = Scales(arrested=1e-4, acceleration=0.03, drift=1.0, target=0.02)

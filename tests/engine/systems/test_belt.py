@@ -1,14 +1,11 @@
 """The belt: its settled bed, its samples, tiny systems, transport above take-off and none below."""
 
 import numpy as np
-import pandas as pd
 import pytest
 
 from sim.engine.dynamics.status import BlowUp
-from sim.engine.observe.sums import add_sums
+from sim.engine.observe.samples import add_sums
 from sim.engine.systems import build
-from sim.engine.systems.belt_start import vibration
-from sim.parameters import parse_point
 from sim.parameters.variables import AT_PHASE_0, parts
 from tests.engine_motion.points import belt_point, series_of, sums_of
 
@@ -76,34 +73,6 @@ def test_obstacle_stands_at_half_the_width_and_one_amplitude():
     assert build(belt_point(), 0).obstacle.radius == 0.0
 
 
-@pytest.mark.parametrize(
-    ("angle", "ratio"), [(90, 0.0), (60, 1 / np.sqrt(3)), (45, 1.0), (30, 3**0.5)]
-)
-def test_horizontal_amplitude_follows_from_the_angle(angle, ratio):
-    motion = vibration(belt_point(vibration_angle=angle, amplitude=0.5), 20)
-    assert motion.amplitude_z == pytest.approx(0.5e-3)
-    assert motion.amplitude_x == pytest.approx(0.5e-3 * ratio, abs=1e-18)
-
-
-def test_belt_starts_at_its_phase_and_turns_with_its_frequency():
-    motion = vibration(belt_point(phase=90), 30)
-    assert motion.phase == pytest.approx(np.pi / 2)
-    assert motion.angular_frequency == pytest.approx(60 * np.pi)
-
-
-def test_same_seed_gives_the_same_bits_and_replicates_differ():
-    def end(seed, replicate):
-        system = settled_belt(replicate, seed=seed)
-        samples = [system.advance() for _ in range(20)]
-        return system.disks.taylor, samples
-
-    terms, samples = end(1, 0)
-    again, repeated = end(1, 0)
-    assert np.array_equal(terms, again) and samples == repeated
-    for other in (end(1, 1), end(2, 0)):
-        assert not np.array_equal(terms, other[0])
-
-
 def test_mass_drops_out_of_the_motion():
     light, heavy = (settled_belt(mass=mass) for mass in (1e-6, 1e-3))
     for _ in range(10):
@@ -139,19 +108,6 @@ def test_profiles_count_every_bead_from_the_belt_up():
     above = system.disks.taylor[0, 1] - 1e-3 * np.sin(2 * np.pi * 7 / 20)
     densities = np.histogram(above, bins=80, range=(0, 80e-3))[0] / (8 * p.diameter**2)
     assert profiles["number_density"] == pytest.approx(densities, rel=1e-12)
-
-
-def test_thin_slices_count_what_thick_ones_do():
-    thick, thin = (settled_belt(slice_height=height) for height in (1.0, 0.5))
-    found = []
-    for system in (thick, thin):
-        for _ in range(6):
-            system.advance()
-        found.append(system.profiles(sums_of(system)))
-    assert thin.profile_height == pytest.approx((np.arange(160) + 0.5) * 0.5e-3)
-    for name in ("number_density", "packing_profile"):
-        assert found[1][name].reshape(80, 2).mean(axis=1) == pytest.approx(found[0][name])
-        assert np.abs(found[1][name][::2] - found[0][name]).max() > 0.1 * found[0][name].max()
 
 
 @pytest.mark.parametrize(("phase", "begins"), [(0.0, 0), (90.0, 15), (80.0, 16)])
@@ -199,33 +155,6 @@ def test_the_force_on_the_belt_is_what_changes_the_momentum_of_the_bed():
     assert min(times) == 0.0 and max(times) == 1.0
 
 
-def test_forces_on_the_belt_are_kept_where_they_are_asked_for():
-    assert "belt_normal_force" in settled_belt(belt_forces=True).series
-    assert "belt_normal_force" not in settled_belt().series
-
-
-def test_the_temperature_about_the_mean_motion_of_each_phase_is_that_of_all_beads():
-    """Every bead of 100 samples against the mean of those in its slice at its phase."""
-    system = settled_belt(phase=90.0, fluctuation_profiles=True, phase_0_profiles=True)
-    total, beads = list(system.no_profiles()), []
-    for number in range(100):
-        sums = sums_of(system)
-        total = [add_sums(*pair) for pair in zip(total, sums, strict=True)]
-        belt = 1e-3 * np.sin(2 * np.pi * (number + 1) / 20 + np.pi / 2)
-        velocity = system._velocity() - system._velocity().mean(axis=1, keepdims=True)
-        level = np.floor((system.disks.taylor[0, 1] - belt) / 1e-3).astype(int)
-        beads += [(z, number % 20, *v) for z, v in zip(level, velocity.T, strict=True)]
-    table = pd.DataFrame(beads, columns=["slice", "phase", "x", "z"])
-    groups = table.groupby(["slice", "phase"])[["x", "z"]]
-    squares = ((table[["x", "z"]] - groups.transform("mean")) ** 2).mean(axis=1)
-    squares = squares.groupby(table["slice"]).sum()
-    freedom = table.groupby("slice").size() - table.groupby("slice")["phase"].nunique()
-    found = system.tables(total)["fluctuation_temperature_profile"]
-    for level in freedom.index[(freedom.index >= 0) & (freedom > 0)]:
-        assert found[level] == pytest.approx(squares[level] / freedom[level], rel=1e-6)
-    assert np.isfinite(found).sum() > 5
-
-
 def test_profiles_of_the_start_of_the_cycle_are_kept_where_they_are_asked_for():
     system = settled_belt()
     assert not set(parts(AT_PHASE_0, "belt")) & set(system.tables(sums_of(system)))
@@ -256,35 +185,12 @@ def test_a_belt_without_shear_damping_moves_nothing_along():
         assert abs(gained) < 1e-12 * system.disks.mass.sum() * speed
 
 
-@pytest.mark.parametrize("frequency", [20, 80])
-def test_beads_are_never_faster_on_average_than_the_belt(frequency):
-    p = belt_point(frequency=frequency, transient=8, average=12)
-    velocity = series_of(p)["mean_velocity"][p.transient_samples :]
-    speed = p.amplitude * p.diameter * 2 * np.pi * frequency
-    assert 0.2 * speed < velocity.mean() <= speed
-    assert velocity.max() <= speed
-
-
 def mean_transport(frequency, beds, **values) -> np.ndarray:
     """Mean velocities of some beds half as long as usual, in the belt's largest A_x 2 pi f."""
     p = belt_point(frequency=frequency, beads=50, width=10, **values)
     speed = p.amplitude * p.diameter * 2 * np.pi * frequency
     runs = (series_of(p, bed)["mean_velocity"] for bed in range(beds))
     return np.array([run[p.transient_samples :].mean() for run in runs]) / speed
-
-
-def test_mass_flux_is_the_momentum_per_length():
-    """With a sample per step the mean over the interval is the state itself."""
-    point = {"system": "belt", "beads": 20, "width": 8, "frequency": 500}
-    p = parse_point({**point, "steps_per_cycle": 100, "samples_per_cycle": 100}, "test")
-    belt = build(p, 0)
-    belt.settle()
-    sample = belt.advance()
-    momentum = (belt.disks.mass * belt.disks.taylor[1, 0]).sum() / p.time_step
-    assert sample["mass_flux"] == pytest.approx(momentum / (8 * p.diameter), rel=1e-12)
-    assert sample["mass_flux"] != pytest.approx(
-        sample["mean_velocity"] * belt.disks.mass.sum() / (8 * p.diameter), rel=1e-3
-    )
 
 
 def test_no_transport_below_take_off():
@@ -308,16 +214,3 @@ def test_transport_sets_in_between_15_and_17_hz():
     assert above.mean() > 0.2
     assert above.mean() > 5 * above.std(ddof=1) / np.sqrt(3)
     assert above.mean() > 4 * below.mean()
-
-
-def test_transport_depends_neither_on_integrator_nor_ghost_nor_time_step():
-    """At 40 Hz, within four standard errors of the difference of two means over three beds."""
-    published = mean_transport(40, beds=3, transient=6, average=8).mean()
-    for change in (
-        {"integrator": "verlet"},
-        {"corrector_order": 3, "corrections": 2},
-        {"belt_ghost": "centred"},
-        {"steps_per_cycle": 4000},
-    ):
-        found = mean_transport(40, beds=3, transient=6, average=8, **change).mean()
-        assert found == pytest.approx(published, abs=0.1)

@@ -36,20 +36,6 @@ def test_initial_state_is_random_without_overlaps_gradients_or_spin():
     assert state["radius"] == pytest.approx(0.5 * p.diameter, rel=1e-14)
 
 
-def test_default_start_is_a_little_above_the_steady_velocity():
-    spheres = build(chute_point(depth=5), 0).spheres
-    assert spheres.velocity[0].mean() == pytest.approx(10 * 0.09899, rel=1e-3)
-
-
-def test_laws_and_gravity_are_those_of_the_parameters():
-    system = build(chute_point(friction=0.5, friction_plane=0.1, restitution=0.7, angle=30), 0)
-    pair, plane = system.laws
-    assert (pair.limit.friction, plane.limit.friction) == (0.5, 0.1)
-    assert pair.loading == plane.loading == 100.0
-    assert pair.unloading == pytest.approx(100 / 0.49) and pair.tangential == pytest.approx(80.0)
-    assert system.gravity == pytest.approx((4.9, 0.0, -9.8 * np.sqrt(0.75)))
-
-
 def test_same_seed_gives_the_same_bits_and_replicates_differ():
     def end(seed, replicate):
         system = build(chute_point(**SMALL, seed=seed), replicate)
@@ -62,13 +48,6 @@ def test_same_seed_gives_the_same_bits_and_replicates_differ():
     assert samples == repeated
     for other in (end(1, 1), end(2, 0)):
         assert not np.array_equal(state["position"], other[0]["position"])
-
-
-def test_orientations_change_no_sample():
-    on, off = (build(chute_point(**SMALL, orientations=flag), 0) for flag in (True, False))
-    assert [on.advance() for _ in range(10)] == [off.advance() for _ in range(10)]
-    assert off.snapshot()["orientation"].size == 0
-    assert np.abs(on.snapshot()["orientation"][:, 1:]).max() > 0.01
 
 
 def test_sample_is_what_the_state_and_the_impulses_say():

@@ -1,4 +1,4 @@
-"""Short flows down the chute: force balance, regimes by depth, time step, friction below tan."""
+"""Short flows: force balance, regimes by depth, time step, friction below tan, energy ledger."""
 
 import numpy as np
 import pytest
@@ -6,7 +6,9 @@ import pytest
 from sim.engine.observe.estimate import batch_means
 from sim.engine.observe.regime import analyse
 from sim.engine.systems import build
-from tests.engine_motion.points import chute_point, series_of
+from sim.engine.systems.belt import Belt
+from sim.engine.systems.chute import Chute
+from tests.engine_motion.points import belt_point, chute_point, energy_residual, series_of
 
 SIN, TAN = np.sin(np.radians(17)), np.tan(np.radians(17))
 
@@ -72,3 +74,56 @@ def test_friction_below_the_tangent_lets_every_depth_accelerate(depth):
     bound = p.gravity * (SIN - friction * np.cos(np.radians(17)))
     assert trend.acceleration.value > 0.95 * bound
     assert trend.regime == "accelerating"
+
+
+CHUTE = {"depth": 4, "cell": 4, "transient": 5, "average": 25}
+BELT = {"beads": 60, "width": 8, "transient": 2, "average": 8}
+
+
+def residual(point, system) -> float:
+    """What the ledger lacks after the first sample, relative to the energy turned over."""
+    return energy_residual(series_of(point), system.ledger)
+
+
+def test_the_ledger_converges_with_the_time_step():
+    coarse, fine = (
+        abs(residual(chute_point(**CHUTE, steps_per_collision=steps), Chute)) for steps in (12, 80)
+    )
+    assert fine < 0.3 * coarse
+
+
+@pytest.mark.parametrize(
+    "values",
+    [
+        {},
+        {"frequency": 60},
+        {"damping_mass": "reduced", "attraction": "clipped", "integrator": "verlet"},
+        {"belt_ghost": "centred"},
+        {"obstacle": 1.5},
+        {"shear_damping": 0},
+        {"integrator": "verlet"},
+    ],
+)
+def test_the_belt_does_the_work_that_damping_takes(values):
+    assert abs(residual(belt_point(**BELT | values), Belt)) < 5e-3
+
+
+def test_elastic_spheres_without_friction_lose_nothing():
+    point = chute_point(**CHUTE, restitution=1.0, friction=0.0)
+    series = series_of(point)
+    assert series["normal_loss"][-1] == 0.0
+    assert np.abs(series["frictional_loss"]).max() == 0.0
+
+
+def test_powers_add_up_to_what_gravity_gives():
+    """N m g V sin θ in a flow that has forgotten its start, within what it still stores."""
+    point = chute_point(depth=1.24, cell=5, transient=100, average=150)
+    series = series_of(point)
+    start = point.transient_samples
+    interval = point.sample_steps * point.time_step
+    time = interval * (len(series["normal_loss"]) - 1 - start)
+    lost = sum(
+        series[name][-1] - series[name][start] for name in ("normal_loss", "frictional_loss")
+    )
+    weight = point.particles * point.mass * point.gravity * np.sin(np.radians(point.angle))
+    assert lost / time == pytest.approx(weight * series["mean_velocity"][start:].mean(), rel=0.02)

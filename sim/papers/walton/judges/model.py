@@ -11,8 +11,8 @@ from sim.claims.checks import above, below, within
 from sim.claims.contacts import contact_path, random_curve, vector_spring
 from sim.claims.verdict import Check
 from sim.engine.boundary.drive import Gravity
-from sim.engine.contact import Partners
-from sim.engine.contact.walton_braun import WaltonBraun, from_parameters
+from sim.engine.contact import Partners, law_of
+from sim.engine.contact.walton_braun import WaltonBraun
 from sim.engine.systems.chute import Chute
 from sim.parameters import ChuteParameters
 
@@ -186,7 +186,7 @@ def _law(reading: Reading, **changes: float) -> WaltonBraun:
     """Return the law between the chute's spheres, with changed parameters."""
     values: dict[str, Any] = {**changes, **reading}
     p = ChuteParameters(**values)
-    return from_parameters(p, Partners(p.friction, 0.5 * p.mass, p.time_step))
+    return law_of(p, Partners(p.friction, 0.5 * p.mass, p.time_step))
 
 
 def _straight_path(law: WaltonBraun, position: np.ndarray, path: Path) -> np.ndarray:

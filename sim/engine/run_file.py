@@ -1,0 +1,333 @@
+"""The netCDF file of a run, written and read: all replicates of a point, SI, CF attributes."""
+
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import netCDF4
+import numpy as np
+
+from sim.base.files import atomic_write
+from sim.base.seals import append_summary, is_damaged, seal
+from sim.engine.stored_run import is_run_of, read_attributes, stage_amounts, stage_groups
+from sim.engine.systems.recorder import Record
+from sim.parameters import Parameters, amounts, canonical_values, field_info, in_si
+from sim.parameters.variables import SCALARS, Variable, variables_of
+
+#: How numbers are stored: compressed, and with a checksum of every chunk.
+FILTERS = {"zlib": True, "complevel": 1, "shuffle": True, "fletcher32": True}
+
+#: Size of a chunk of a trajectory in bytes; a chunk has at least one frame.
+CHUNK = 2**20
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Data that the replicates of a run have in common.
+
+    ``interval`` (s) between samples, ``height`` (H,) centres of the slices (m),
+    ``series`` by name, ``axes`` names of the directions, ``coordinates`` of
+    tables and path name -> (unit, long name, values).
+    """
+
+    interval: float
+    height: np.ndarray
+    series: dict[str, Variable]
+    axes: tuple[str, ...]
+    coordinates: dict[str, tuple[str, str, np.ndarray]]
+
+
+class Stage(NamedTuple):
+    """One run length of a point: the records of its replicates.
+
+    ``parameters`` are those of the point, with the amounts of this stage.
+    """
+
+    parameters: Parameters
+    records: list[Record]
+
+
+def write(
+    path: Path, stages: Sequence[Stage], layout: Layout, attributes: Mapping[str, Any]
+) -> None:
+    """Write a run file under a temporary name, seal it, and rename it once it is complete.
+
+    Parameters
+    ----------
+    path : Path
+        The file; an existing one is replaced.
+    stages : sequence of Stage
+        The run and the shorter ones from which it has grown, the longest first. The shorter ones go
+        into groups. Frames of a trajectory are written only for the longest.
+    layout : Layout
+        Times, heights and the names and units of the series.
+    attributes : mapping
+        Global attributes.
+    """
+    with atomic_write(path) as temporary:
+        try:
+            with netCDF4.Dataset(temporary, "w") as file:
+                file.setncatts(attributes)
+                groups = [_GroupWriter(file)]
+                _write_parameters(groups[0], stages[0].parameters)
+                _write_stage(groups[0], stages[0], layout)
+                _write_trajectory(groups[0], stages[0], layout)
+                for number, stage in enumerate(stages[1:], start=1):
+                    groups.append(_GroupWriter(file.createGroup(f"shorter_{number}")))
+                    _write_amounts(groups[-1], stage.parameters)
+                    _write_stage(groups[-1], stage, layout)
+                for group in groups:
+                    group.fill()
+        except RuntimeError as error:
+            # The library raises this error for a full disk.
+            raise OSError(f"{path}: cannot be written: {error}") from None
+        append_summary(temporary, _summary(attributes, stages))
+        seal(temporary)
+
+
+class _GroupWriter:
+    """A group of a file whose variables are defined first and filled later.
+
+    For the library, a definition after data costs as much as all earlier definitions together.
+    """
+
+    def __init__(self, group: netCDF4.Dataset):
+        self.group = group
+        self.queue: list[tuple[netCDF4.Variable, Any, Any]] = []
+
+    def fill(self) -> None:
+        """Write the values in the queue."""
+        for variable, index, values in self.queue:
+            variable[index] = values
+
+
+def _write_stage(file: _GroupWriter, stage: Stage, layout: Layout) -> None:
+    _write_axes(file, stage.records, layout)
+    _write_coordinates(file, layout)
+    _write_records(file, stage.records, layout)
+
+
+def _summary(attributes: Mapping[str, Any], stages: Sequence[Stage]) -> dict[str, Any]:
+    """Return the summary that is appended to the file.
+
+    It has the attributes, the amounts of each stage, and the scalars of the longest stage by
+    replicate.
+    """
+    records = stages[0].records
+    return {
+        "attributes": attributes,
+        "held": [amounts(stage.parameters) for stage in stages],
+        "scalars": {
+            name: [record.scalars[name] for record in records] for name in records[0].scalars
+        },
+    }
+
+
+def _put(
+    file: _GroupWriter,
+    name: str,
+    dimensions: tuple[str, ...],
+    values: Any,
+    units: str = "",
+    long_name: str = "",
+) -> Any:
+    """Define a variable of texts or numbers and queue its values."""
+    values = np.asarray(values)
+    is_text = values.dtype.kind in "UO"
+    is_integer, is_single = values.dtype.kind in "ib", values.dtype == np.float32
+    kind: Any = str if is_text else "i8" if is_integer else "f4" if is_single else "f8"
+    options: dict[str, Any] = {} if is_text or not dimensions else FILTERS
+    variable = file.group.createVariable(name, kind, dimensions, **options)
+    if units:
+        variable.units = units
+    if long_name:
+        variable.long_name = long_name
+    file.queue.append((variable, ..., values.astype(object) if is_text else values))
+    return variable
+
+
+def _put_variable(file: _GroupWriter, row: Variable, values: Any) -> Any:
+    """Define a variable of the table."""
+    return _put(file, row.name, row.dims, values, **row.attributes)
+
+
+def _add_dimensions(file: _GroupWriter, names: Sequence[str], sizes: Sequence[int]) -> None:
+    """Define those of some dimensions that the group has not yet."""
+    for name, size in zip(names, sizes, strict=True):
+        if name not in file.group.dimensions:
+            file.group.createDimension(name, size)
+
+
+def _put_labels(file: _GroupWriter, name: str, labels: Sequence[str], long_name: str) -> None:
+    """Define the labels of a dimension as characters, because CF coordinates must be numbers."""
+    width = max(map(len, labels))
+    if (letters := f"letters_{width}") not in file.group.dimensions:
+        file.group.createDimension(letters, width)
+    variable = file.group.createVariable(name, "S1", (name, letters))
+    variable.long_name, variable._Encoding = long_name, "utf-8"
+    file.queue.append((variable, ..., np.array(labels, f"U{width}")))
+
+
+def _write_parameters(file: _GroupWriter, parameters: Parameters) -> None:
+    rows, si = field_info(parameters), in_si(parameters)
+    for name, value in canonical_values(parameters).items():
+        row = rows[name]
+        variable = _put(file, name, (), value, row.unit, row.description)
+        if row.scale:
+            variable.comment = f"multiple of {row.scale}"
+            if name in si:
+                variable.si_value, variable.si_units = si[name]
+    _put(file, "particles", (), parameters.particles, "1", "number of particles")
+    _put(file, "time_step", (), parameters.time_step, "s", "time step")
+    for name, (value, meaning) in parameters.limits.items():
+        _put(file, name, (), value, "m s-2", meaning)
+
+
+def _write_amounts(file: _GroupWriter, parameters: Parameters) -> None:
+    rows = field_info(parameters)
+    for name, value in amounts(parameters).items():
+        _put(file, name, (), value, rows[name].unit, rows[name].description)
+
+
+def _write_axes(file: _GroupWriter, records: list[Record], layout: Layout) -> None:
+    first = records[0].snapshots
+    samples = _samples(records)
+    file.group.createDimension("replicate", len(records))
+    file.group.createDimension("time", samples)
+    file.group.createDimension("height", len(layout.height))
+    file.group.createDimension("frame", 2)
+    file.group.createDimension("particle", first["position"][0].shape[0])
+    file.group.createDimension("axis", first["position"][0].shape[1])
+    file.group.createDimension("quaternion", 4)
+    _put(file, "replicate", ("replicate",), np.arange(len(records)), "1", "number of the replicate")
+    time = np.arange(1, samples + 1) * layout.interval
+    # An elapsed time without a date: in CF this is neither an axis T nor a time coordinate.
+    _put(file, "time", ("time",), time, "s", "end of the sample interval, since the start")
+    height = _put(
+        file, "height", ("height",), layout.height, "m", "height of the slice above the base"
+    )
+    height.axis, height.positive, height.standard_name = "Z", "up", "height"
+    _put_labels(file, "frame", ("first", "last"), "first or last state")
+    _put_labels(file, "axis", layout.axes, "direction")
+
+
+def _write_coordinates(file: _GroupWriter, layout: Layout) -> None:
+    for name, (unit, long_name, values) in layout.coordinates.items():
+        file.group.createDimension(name, len(values))
+        _put(file, name, (name,), values, unit, long_name)
+
+
+def _samples(records: list[Record]) -> int:
+    """Return the number of samples of the longest replicate."""
+    return max(len(record.series["mean_velocity"]) for record in records)
+
+
+def _write_tables(file: _GroupWriter, records: list[Record]) -> None:
+    """Write tables, and the paths in single precision, which suffices for their use in figures."""
+    arrays = variables_of("profile", "table")
+    for name, values in records[0].tables.items():
+        _add_dimensions(file, arrays[name].dims[1:], values.shape)
+        tables = np.stack([record.tables[name] for record in records])
+        _put_variable(file, arrays[name], tables)
+    known_paths = [record.path for record in records if record.path is not None]
+    if known_paths:
+        blank = np.full_like(known_paths[0], np.nan)
+        paths = [blank if record.path is None else record.path for record in records]
+        _put_variable(file, arrays["path"], np.array(paths, np.float32))
+
+
+def _write_trajectory(file: _GroupWriter, stage: Stage, layout: Layout) -> None:
+    """Write the frames of a trajectory; missing frames of a replicate are not-a-number."""
+    spacing, records = stage.parameters.trajectory_samples, stage.records
+    if not spacing:
+        return
+    count = _samples(records) // spacing
+    file.group.createDimension("trajectory_time", count)
+    time = spacing * layout.interval * np.arange(1, count + 1)
+    time_name = "time of the frame of the trajectory, since the start"
+    _put(file, "trajectory_time", ("trajectory_time",), time, "s", time_name)
+    for name, row in variables_of("trajectory").items():
+        frames_of = {k: run.frames[name] for k, run in enumerate(records) if name in run.frames}
+        if not frames_of:
+            continue
+        frame = next(iter(frames_of.values()))[0]
+        _add_dimensions(file, row.dims[2:], frame.shape)
+        chunk = (1, max(1, min(count, CHUNK // frame.nbytes)), *frame.shape)
+        options: dict[str, Any] = FILTERS | {"chunksizes": chunk, "fill_value": np.nan}
+        variable: Any = file.group.createVariable(name, "f4", row.dims, **options)
+        variable.setncatts(row.attributes)
+        for k, frames in frames_of.items():
+            file.queue.append((variable, np.s_[k, : len(frames)], frames))
+
+
+def _write_records(file: _GroupWriter, records: list[Record], layout: Layout) -> None:
+    for name, series in layout.series.items():
+        values = np.full((len(records), _samples(records)), np.nan)
+        for row, record in zip(values, records, strict=True):
+            row[: len(record.series[name])] = record.series[name]
+        _put_variable(file, series, values).cell_methods = series.cell_method
+    profiles = variables_of("profile")
+    for name in records[0].profiles:
+        values = np.stack([record.profiles[name] for record in records])
+        _put_variable(file, profiles[name], values)
+    _write_tables(file, records)
+    particles = variables_of("particle")
+    for name, frames in records[0].snapshots.items():
+        states = slice(None) if "frame" in particles[name].dims else 0
+        if frames[0].size:
+            values = np.array([record.snapshots[name][states] for record in records])
+            _put_variable(file, particles[name], values)
+    for name in records[0].scalars:
+        values = np.array([record.scalars[name] for record in records])
+        _put_variable(file, SCALARS[name], values)
+
+
+def read_stages(path: Path, parameters: Parameters) -> list[Stage]:
+    """Return the runs in a run file of the same point and numerics, the longest first.
+
+    The list is empty where there is no such file, or where it is damaged.
+    """
+    with suppress(OSError, LookupError, ValueError):
+        if not is_damaged(path):
+            with netCDF4.Dataset(path) as file:
+                file.set_auto_mask(False)
+                if is_run_of(read_attributes(file), parameters):
+                    lengths = stage_amounts(file, amounts(parameters))
+                    stages = zip(stage_groups(file), lengths, strict=True)
+                    return [_read_stage(group, parameters, length) for group, length in stages]
+    return []
+
+
+def _read_stage(
+    group: netCDF4.Dataset, parameters: Parameters, lengths: Mapping[str, float]
+) -> Stage:
+    values = {name: type(getattr(parameters, name))(value) for name, value in lengths.items()}
+    records = [_read_record(group, index) for index in range(group.dimensions["replicate"].size)]
+    return Stage(parameters.model_copy(update=values), records)
+
+
+def _read_record(group: netCDF4.Dataset, index: int) -> Record:
+    """Return the record of one replicate from a group of a run file."""
+    record = Record({})
+    for name, variable in group.variables.items():
+        dimensions = variable.dimensions
+        if dimensions[:1] != ("replicate",) or name == "replicate":
+            continue
+        values = variable[index]
+        if name in SCALARS:
+            record.scalars[name] = str(values) if variable.dtype is str else values.item()
+        elif name in variables_of("particle"):
+            record.snapshots[name] = list(values) if "frame" in dimensions else [values]
+        elif dimensions[1:2] == ("trajectory_time",):
+            record.frames[name] = values
+        elif name == "path":
+            record.path = None if np.isnan(values).all() else values
+        elif dimensions == ("replicate", "time"):
+            record.series[name] = values
+        elif dimensions == ("replicate", "height") and not variables_of("profile")[name].asked_by:
+            record.profiles[name] = values
+        else:
+            record.tables[name] = values
+    return record

@@ -1,0 +1,235 @@
+"""Free spheres: impacts of two (claim W1), and many: conservation, energy, lists in motion."""
+
+import numpy as np
+import pytest
+
+from sim.engine.systems import leap_frog
+from tests.engine_motion.helpers import (
+    LAWS,
+    MASS,
+    RADIUS,
+    collision_time,
+    lattice,
+    sphere_law,
+    wrapped,
+)
+from tests.engine_motion.spheres import Impacts, SphereMotion
+
+SPEEDS = np.geomspace(1e-3, 1.0, 7)
+PLACE = np.array([0.0, 0.0, 20 * RADIUS])
+
+
+def colliding_pair(
+    law, speed, gap=0.3, slide=0.0, size=(1.0, 1.0), spin=((0, 0, 0),) * 2, frame=None, **options
+):
+    """Two spheres ``gap`` steps before they touch, approaching along x and sliding along y."""
+    frame = np.eye(3) if frame is None else frame
+    radius = RADIUS * np.array(size)
+    distance = radius.sum() + gap * speed * collision_time(law) / 40
+    apart = np.array([[-0.5, 0, 0], [0.5, 0, 0]]) * distance
+    velocity = np.array([[speed, -slide, 0], [-speed, slide, 0]]) / 2
+    start = apart @ frame.T + PLACE, velocity @ frame.T, np.array(spin, float) @ frame.T
+    mass = MASS * np.array(size) ** 3
+    return SphereMotion(*start, law=law, radius=radius, mass=mass, **options)
+
+
+def separation_speed(motion, frame=None) -> float:
+    """Speed at which the two spheres part along the line of the impact."""
+    relative = motion.velocity[1] - motion.velocity[0]
+    return float(relative @ (np.eye(3) if frame is None else frame)[:, 0])
+
+
+@pytest.mark.parametrize("radii", [(RADIUS,), (RADIUS, RADIUS)], ids=["plane", "pair"])
+@pytest.mark.parametrize("restitution", [0.3, 0.5, 0.7, 0.85, 0.95, 1.0])
+def test_restitution_is_the_root_of_the_stiffness_ratio_at_every_speed(restitution, radii):
+    """Wherever within a step the contact begins; the rest is the time step's and has no trend."""
+    law = sphere_law(restitution=restitution)
+    step, mass = collision_time(law) / 40, [MASS] * len(radii)
+    measured = [
+        Impacts(law, radii, mass, step, np.full(5, speed)).run(400).velocities()[:, 0] / speed
+        for speed in SPEEDS
+    ]
+    assert np.abs(np.array(measured) - restitution).max() < 1e-3
+    assert np.ptp(measured, axis=0).max() < 1e-9
+
+
+def test_restitution_error_falls_with_the_square_of_the_time_step():
+    law = sphere_law(restitution=0.7)
+    errors = []
+    for steps in (20, 80, 320):
+        gaps = np.linspace(0.05, 0.95, 10) * 40 / steps
+        options = {"steps_per_collision": steps}
+        restitutions = [
+            separation_speed(colliding_pair(law, 0.1, g, **options).run(3 * steps)) for g in gaps
+        ]
+        errors.append(np.abs(np.array(restitutions) / 0.1 - 0.7).max())
+    assert errors[0] < 2e-3
+    assert errors[0] / errors[1] > 8 and errors[1] / errors[2] > 8
+
+
+def test_reset_memory_raises_the_restitution():
+    """A contact that forgets at zero force pushes again while it opens.
+
+    Each forgotten overlap a leaves (1 - e^2) a behind, which loads afresh: the energies returned
+    form a geometric series and the restitution is 1/sqrt(2 - e^2).
+    """
+    law = sphere_law(overlap_memory="reset", tangential_exponent=1.0)
+    expected = 1 / np.sqrt(2 - 0.85**2)
+    errors = []
+    for steps in (200, 800):
+        motion = colliding_pair(law, 0.1, steps_per_collision=steps).run(3 * steps)
+        errors.append(abs(separation_speed(motion) / 0.1 - expected))
+    assert errors[1] < 2e-3 and errors[1] < errors[0]
+
+
+def oblique(law, steps: int) -> np.ndarray:
+    """Velocities after oblique impacts (8, 3) in units of the approach, for 8 phases of a step."""
+    ends = []
+    for gap in np.linspace(0.05, 0.95, 8) * 40 / steps:
+        motion = colliding_pair(law, 0.02, gap, slide=0.04, steps_per_collision=steps)
+        s = motion.run(2 * steps)
+        ends.append([*s.velocity[1, :2], RADIUS * s.spin[1, 2]])
+    return np.array(ends) / 0.02
+
+
+def test_oblique_impacts_converge_with_the_time_step():
+    """Cutting T before the slip costs an error of first order, 2 % at t_c/40; after it 0.3 %."""
+    before, after = (sphere_law(**readings) for readings in LAWS[:2])
+    exact = oblique(before, 5120).mean(axis=0)
+    errors = [np.abs(oblique(before, steps) - exact).max() for steps in (20, 40, 80)]
+    assert errors[1] < 0.025
+    assert errors[0] / errors[1] > 1.6 and errors[1] / errors[2] > 1.6
+    exact = oblique(after, 5120).mean(axis=0)
+    assert max(np.abs(oblique(after, steps) - exact).max() for steps in (20, 40, 80)) < 5e-3
+
+
+SPEED = 0.1
+FAR = 80 * RADIUS
+
+
+def gas(law, seed=3, shape=(5, 5, 2), jitter=0.03, open_sides=False, implode=0.0, **options):
+    """A polydisperse gas of spinning spheres, far above the plane, without gravity."""
+    rng = np.random.default_rng(seed)
+    spacing = 2.6 * RADIUS
+    position = lattice(shape, spacing, jitter, rng, FAR)
+    velocity = rng.normal(0, SPEED, position.shape) * [1, 1, 0.3]
+    velocity -= implode * SPEED / spacing * (position - position.mean(axis=0))
+    radius = RADIUS * rng.uniform(0.8, 1.2, len(position))
+    spin = rng.normal(0, 50, position.shape)
+    if not open_sides:
+        options["box"] = tuple(spacing * np.array(shape[:2]))
+    mass = MASS * (radius / RADIUS) ** 3
+    return SphereMotion(position, velocity, spin, law=law, radius=radius, mass=mass, **options)
+
+
+def overlaps(motion, place) -> tuple[np.ndarray, np.ndarray]:
+    """Overlaps (C,) and normals (C, 3) of the contacts of the last step, made at ``place``."""
+    i, j, reach, _ = motion.contacts()
+    apart = wrapped(place[j] - place[i], *motion.length)
+    distance = np.linalg.norm(apart, axis=1)
+    return reach - distance, apart / distance[:, None]
+
+
+def stored_energy(motion, place) -> float:
+    """Energy of the compressed elastic springs in the last step, J."""
+    overlap, _ = overlaps(motion, place)
+    return float(0.5 * motion.laws[0].loading * (overlap**2).sum())
+
+
+@pytest.mark.parametrize("readings", LAWS)
+def test_free_gas_conserves_momentum(readings):
+    motion = gas(sphere_law(**readings))
+    before = motion.momentum()
+    motion.run(4000)
+    scale = motion.mass.sum() * SPEED
+    assert np.abs(motion.momentum() - before).max() < 1e-13 * scale
+    assert motion.flow.sums[leap_frog.CONTACTS] > 1000
+
+
+def test_angular_momentum_of_a_free_gas_changes_only_by_the_overlap():
+    """Torques act at full radii and centres are closer by the overlap: overlap * k x T per step."""
+    motion = gas(sphere_law(), shape=(3, 3, 3), open_sides=True, implode=1.0)
+    start, drift = motion.angular_momentum(), np.zeros(3)
+    scale = float((motion.inertia @ np.abs(motion.spin)).max())
+    for _ in range(1500):
+        place = motion.position
+        overlap, normal = overlaps(motion.run(1), place)
+        friction = motion.contacts()[3][:3].T
+        drift += motion.time_step * np.cross(overlap[:, None] * normal, friction).sum(axis=0)
+    assert motion.angular_momentum() == pytest.approx(start + drift, abs=1e-10 * scale)
+    assert 1e-6 * scale < np.abs(drift).max() < 0.1 * scale
+
+
+def test_elastic_frictionless_gas_keeps_its_energy_to_second_order_in_the_step():
+    law = sphere_law(friction=0.0, restitution=1.0)
+    worst = []
+    for steps in (40, 160):
+        deviations = []
+        for seed in range(3):
+            motion = gas(law, seed, steps_per_collision=steps)
+            start = motion.energy()
+            for _ in range(60 * steps):
+                place, before = motion.position, motion.velocity
+                motion.run(1)
+                # Velocities half a step apart on both sides of the positions that store energy.
+                moving = 0.5 * (motion.mass[:, None] * before * motion.velocity).sum()
+                turning = 0.5 * (motion.inertia[:, None] * motion.spin**2).sum()
+                total = moving + turning + stored_energy(motion, place)
+                deviations.append(abs(total / start - 1))
+        worst.append(max(deviations))
+    assert worst[0] < 1e-3
+    assert worst[0] / worst[1] > 8
+
+
+@pytest.mark.parametrize("shape", [(4, 4, 4), (2, 2, 6)])
+def test_skin_changes_the_trajectory_by_rounding_only(shape):
+    """Rebuilt every few steps or hardly ever, over dense contacts whose memory must be kept."""
+    rng = np.random.default_rng(7)
+    position = lattice(shape, 1.97 * RADIUS, 0.03, rng, FAR)
+    velocity = rng.normal(0, SPEED, position.shape)
+    spin = rng.normal(0, 50, position.shape)
+    # The smallest box: its half must hold a diameter and the skin.
+    box = tuple(max(3.0, 0.985 * n) * 2 * RADIUS for n in shape[:2])
+    ends = []
+    for skin in (0.004 * RADIUS, 0.9 * RADIUS):
+        motion = SphereMotion(position, velocity, spin, box=box, skin=skin, room=60).run(100)
+        ends.append(motion)
+    assert wrapped(ends[0].position - ends[1].position, *box, 0.0) == pytest.approx(
+        0.0, abs=1e-10 * RADIUS
+    )
+    assert ends[0].velocity == pytest.approx(ends[1].velocity, abs=1e-10 * SPEED)
+    assert ends[0].spin == pytest.approx(ends[1].spin, abs=1e-10 * SPEED / RADIUS)
+    assert np.abs(ends[0].velocity - velocity).max() > 0.1 * SPEED
+
+
+def test_a_common_motion_rebuilds_no_list():
+    """Displacements count relative to the mean motion: a plug may cross the cell many times."""
+    rng = np.random.default_rng(7)
+    position = lattice((3, 3, 3), 2.1 * RADIUS, 0.01, rng, FAR)
+    box = (6.3 * RADIUS,) * 2
+    motion = SphereMotion(position, np.tile([0.5, 0.3, 0.2], (27, 1)), box=box)
+    for _ in range(2):
+        motion.pairs.valid[0] = False
+        motion.run(1)
+        built = motion.pairs.anchor.copy()
+        motion.run(5000)
+        assert np.array_equal(motion.pairs.anchor, built)
+    travelled = motion.spheres.position.mean(axis=1) - built.mean(axis=1)
+    assert travelled[0] > 2 * box[0]
+
+
+def test_a_list_that_grows_gives_the_same_bits_as_one_with_room():
+    rng = np.random.default_rng(8)
+    position = lattice((4, 4, 4), 1.97 * RADIUS, 0.03, rng, FAR)
+    start = position, rng.normal(0, SPEED, position.shape), rng.normal(0, 50, position.shape)
+    box = (8 * RADIUS, 8 * RADIUS)
+    ends = []
+    for room in (0, 60):
+        motion = SphereMotion(*start, box=box, room=room)
+        capacity = motion.pairs.second.size
+        ends.append(motion.run(1500))
+        grew = motion.pairs.second.size > capacity
+        assert grew == (room == 0)
+    for name in ("position", "velocity", "spin"):
+        assert np.array_equal(*(getattr(end, name) for end in ends))
+    assert np.array_equal(ends[0].flow.sums, ends[1].flow.sums)
