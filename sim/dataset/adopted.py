@@ -15,8 +15,8 @@ from sim.dataset.boundary_side import SCALARS
 from sim.engine.identity import NUMERICS
 from sim.engine.stored_run import has_enough
 from sim.parameters import Parameters, amounts, covers
-from sim.study.figure_spec import Shown
 from sim.study.load import Study
+from sim.study.plot_kinds import Shown
 
 if TYPE_CHECKING:
     from sim.dataset.rows import Rows

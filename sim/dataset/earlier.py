@@ -31,7 +31,7 @@ from sim.dataset.rows import (
 from sim.engine import identity
 from sim.parameters import Parameters, amounts
 from sim.parameters.variables import ALL, OBSERVABLE
-from sim.study.figure_spec import Shown
+from sim.study.plot_kinds import Shown
 
 #: Second name of the last dataset of a study. It stays when the workflow removes ``dataset.nc``,
 #: which happens before it makes a new one and when it fails to.

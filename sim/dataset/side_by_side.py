@@ -17,7 +17,7 @@ from sim.dataset.earlier import reader_hash
 from sim.dataset.gather import read_run
 from sim.dataset.rows import Rows, merge_rows
 from sim.parameters import Parameters, amounts
-from sim.study.figure_spec import Shown
+from sim.study.plot_kinds import Shown
 
 #: Most run files that are read before their rows are handed over.
 BATCH = 40
