@@ -21,9 +21,9 @@ from sim.engine.identity import NUMERICS
 from sim.engine.stored_run import has_enough
 from sim.parameters import Parameters, amounts, covers
 from sim.parameters.variables import ALL
-from sim.study.figure_spec import Shown
 from sim.study.load import load_study
 from sim.study.model import Study
+from sim.study.plot_kinds import Shown
 
 #: Folder of the adopted datasets of a study, beside its runs.
 FOLDER = "adopted"

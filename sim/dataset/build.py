@@ -37,8 +37,8 @@ from sim.dataset.sources import gather_rows
 from sim.engine.stored_run import current_status
 from sim.parameters import SYSTEMS, Parameters, point_id
 from sim.study.expand import point_with_membership
-from sim.study.figure_spec import Shown
 from sim.study.load import Boundary, Study, load_study
+from sim.study.plot_kinds import Shown
 from sim.study.refine import Sides
 
 #: NetCDF compression of arrays.

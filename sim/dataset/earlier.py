@@ -26,7 +26,7 @@ from sim.dataset.rows import (
     stored_particles,
 )
 from sim.parameters import Parameters, amounts
-from sim.study.figure_spec import Shown
+from sim.study.plot_kinds import Shown
 
 #: Second name of the last dataset of a study. It stays when the workflow removes ``dataset.nc``,
 #: which happens before it makes a new one and when it fails to.

@@ -1,32 +1,45 @@
-"""Helpers of animations: the choice of the point, frames, and small GIF files."""
+"""Animations: spheres on the inclined plane, or beads over one cycle and the line that shakes them.
 
-from collections.abc import Callable
-from dataclasses import dataclass, replace
-from pathlib import Path
+Option of a figure: ``point``, which of several points is shown.
+"""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
-from matplotlib.backends.backend_agg import FigureCanvasAgg
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
-from PIL import Image
+from matplotlib.patches import Circle
 
+from sim.figures.beads import OBSTACLE
+from sim.figures.caption import velocity_text
+from sim.figures.configuration import COLOURS, DARK, Scene
 from sim.figures.data import FigureData
+from sim.figures.gif import Animation, message_animation
+from sim.figures.spheres import Frame, picture, view_from
+from sim.figures.style import SHORT_DASH
+from sim.study.figure_spec import TALLEST
 
-#: Resolution of the frames of a GIF (dots per inch), and the number of colours that they share.
-DPI = 72
-PALETTE = 64
+#: Number of frames of a chute flow.
+FRAMES = 24
 
+#: How far the fastest spheres may go from frame to frame, in diameters, for the eye to follow them.
+STRIDE = 0.35
 
-@dataclass(frozen=True)
-class Animation:
-    """A moving figure with ``frames`` frames; ``show(number)`` puts it into the state of one.
+#: Pixels along the longer side of a picture of a chute, and along the belt.
+CHUTE_PIXELS, BELT_PIXELS = 330, 400
 
-    ``duration`` is how long each frame is shown, ms.
-    """
+#: A frame shows one state of so many of the path, for so long (ms).
+EVERY, DURATION = 2, 130
 
-    figure: Figure
-    frames: int
-    show: Callable[[int], None]
-    duration: int = 70
+_VIEW = view_from(0, 0)
+
+#: Beads whose paths are drawn, and distance of the marks on the belt, in mean diameters.
+_FOLLOWED, _MARKS = 8, 2.0
 
 
 def select(data: FigureData) -> FigureData:
@@ -43,38 +56,176 @@ def select(data: FigureData) -> FigureData:
     return replace(data, rows=(with_particles if len(with_particles) else rows)[:1])
 
 
-def message_animation(text: str) -> Animation:
-    """Return an animation of one frame with a message, where there is nothing to show."""
-    figure = Figure(figsize=(6.4, 3.2))
-    figure.subplots().set_axis_off()
-    figure.axes[0].text(0.5, 0.5, text, ha="center", transform=figure.axes[0].transAxes)
-    return Animation(figure, 1, lambda number: None)
+def draw(data: FigureData) -> Animation:
+    """Animate the flow of the one point."""
+    (row,) = data.rows.to_dict("records")
+    state = _path_of(data)
+    if state is None:
+        return message_animation("no motion stored")
+    return (_animate_belt if data.spec.system == "belt" else _animate_chute)(row, state)
 
 
-def save_gif(animation: Animation, path: Path) -> None:
-    """Write an endless GIF and leave the figure in the state of its last frame.
-
-    All frames share one palette, taken from a few of them, so that none flickers.
-    """
-    figure = animation.figure
-    canvas = FigureCanvasAgg(figure)
-    figure.set_dpi(DPI)
-    # All frames have the layout of the first: texts that change would move the axes.
-    animation.show(0)
-    figure.draw_without_rendering()
-    figure.set_layout_engine("none")
-    frames = []
-    for number in range(animation.frames):
-        animation.show(number)
-        canvas.draw()
-        frames.append(np.asarray(canvas.buffer_rgba())[..., :3].copy())
-    sample = Image.fromarray(np.concatenate(frames[:: max(1, len(frames) // 4)]))
-    # This method keeps colours that only a few pixels have, like those of lines.
-    coverage = Image.Quantize.MAXCOVERAGE
-    palette = sample.quantize(PALETTE, method=coverage, dither=Image.Dither.NONE)
-    images = [
-        Image.fromarray(frame).quantize(palette=palette, dither=Image.Dither.NONE)
-        for frame in frames
+def notes(data: FigureData) -> list[str]:
+    """Return what the caption says of the flow, or of the time shown of it."""
+    (row,) = data.rows.to_dict("records")
+    if data.spec.system == "belt":
+        mean = f"Transport velocity of the averaging window {velocity_text(row)} ({row['regime']})."
+        return [mean] if row["completed"] else []
+    state = _path_of(data)
+    if state is None:
+        return []
+    time, _, _ = motion(state, row["diameter"])
+    span = time[-1] / np.sqrt(row["diameter"] / row["gravity"])
+    return [
+        f"Shown are {span:.2g} √(σ/g) in slow motion after the averaging window, {FRAMES} frames; "
+        f"mean velocity of the window {row['velocity']:.3g} m/s ({row['regime']})."
     ]
-    options = {"save_all": True, "loop": 0, "duration": animation.duration}
-    images[0].save(path, format="GIF", append_images=images[1:], **options)
+
+
+def _path_of(data: FigureData) -> xr.Dataset | None:
+    """Return the particles of the one point, None without their path."""
+    state = data.results.states.get(data.rows["point"].iloc[0])
+    return None if state is None or "path" not in state else state
+
+
+def _animate_chute(row: Mapping[str, Any], state: xr.Dataset) -> Animation:
+    """Animate a chute flow: its spheres, and their velocities over the height."""
+    time, position, speed = motion(state, row["diameter"])
+    unit = np.sqrt(row["diameter"] / row["gravity"])
+    scene = Scene(row, state, position[..., 2], speed, CHUTE_PIXELS)
+    figure = Figure(figsize=(6.4, 3.4), layout="constrained")
+    ((pictures, profiles),) = figure.subfigures(1, 2, squeeze=False, width_ratios=(1.6, 1))
+    left, right = pictures.subplots(), profiles.subplots()
+    image = scene.show(left, scene.picture(position[0], speed[0]))
+    heights = position[..., 2] / row["diameter"]
+    (dots,) = right.plot([], [], "o", markersize=2.2, color=COLOURS(0.25), alpha=0.7)
+    low, high = scene.range
+    margin = 0.1 * (high - low)
+    right.set_xlim(min(0.0, low - margin), high + margin)
+    right.set_ylim(0, heights.max() + 0.5)
+    right.set_xlabel("velocity u (m/s)")
+    right.set_ylabel("height z (σ)")
+    clock = left.set_title(" ", loc="left", fontsize=8.5)
+
+    def show(number: int) -> None:
+        image.set_data(scene.picture(position[number], speed[number]))
+        dots.set_data(speed[number], heights[number])
+        mean = round(speed[number].mean(), 3) + 0.0
+        clock.set_text(f"t = {time[number] / unit:5.2f} √(σ/g), mean u = {mean:.3f} m/s")
+
+    return Animation(figure, FRAMES, show)
+
+
+def motion(state: xr.Dataset, diameter: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return times (F,), s, centres (F, N, 3), m, and velocities down the slope (F, N), m/s.
+
+    They are interpolated between the states of the path, over as much of it as lets the fastest
+    spheres go by no more than `STRIDE` from frame to frame.
+    """
+    known, path = state["path_time"].values.astype(float), state["path"].values.astype(float)
+    speed = np.gradient(path[..., 0], known, axis=0)
+    fastest = max(float(np.percentile(speed, 99)), 1e-9)
+    time = np.linspace(0, min(known[-1], (FRAMES - 1) * STRIDE * diameter / fastest), FRAMES)
+    place = np.searchsorted(known, time, side="right").clip(1, len(known) - 1)
+    share = (time - known[place - 1]) / (known[place] - known[place - 1])
+    return (
+        time,
+        _between(path[place - 1], path[place], share[:, None, None]),
+        _between(speed[place - 1], speed[place], share[:, None]),
+    )
+
+
+def _between(first: np.ndarray, second: np.ndarray, share: np.ndarray) -> np.ndarray:
+    return first + share * (second - first)
+
+
+def _animate_belt(row: Mapping[str, Any], state: xr.Dataset) -> Animation:
+    """Animate one cycle of the belt."""
+    belt = BeltScene(row, state)
+    # To scale, with room for the axes and the colours.
+    aspect = (belt.frame.top - belt.frame.bottom) / belt.width
+    width = min(4.8, 4.8 / aspect)
+    figure = Figure(figsize=(width + 1.6, width * aspect + 0.9), layout="constrained")
+    axes = figure.subplots()
+    image = axes.imshow(belt.picture(0), extent=belt.frame, interpolation="bilinear", zorder=2)
+    _draw_surroundings(axes, belt)
+    (line,) = axes.plot([], [], color=DARK, linewidth=2.2, zorder=3)
+    (marks,) = axes.plot([], [], "|", color=DARK, markersize=6, markeredgewidth=1.4, zorder=3)
+    (trails,) = axes.plot(
+        [], [], color="#d55e00", linewidth=0.9, marker=".", markersize=2, zorder=4
+    )
+    clock = axes.set_title(" ", loc="left", fontsize=8.5)
+
+    def show(frame: int) -> None:
+        number = EVERY * frame
+        image.set_data(belt.picture(number))
+        places, level = belt.line(number)
+        line.set_data([0, belt.width], [level, level])
+        marks.set_data(places, np.full(len(places), level - 0.25))
+        trails.set_data(*belt.trails(number).T)
+        share = belt.time[number] * row["frequency"]
+        clock.set_text(f"f = {row['frequency']:g} Hz, t = {share:.2f} cycles")
+
+    return Animation(figure, (len(belt.time) - 1) // EVERY, show, DURATION)
+
+
+class BeltScene:
+    """Beads and belt in mean diameters: ``path`` (S, N, 2), ``time`` (S,), ``speed`` (S, N)."""
+
+    def __init__(self, row: Mapping[str, Any], state: xr.Dataset):
+        self.row, unit = row, row["diameter"]
+        self.path = state["path"].values.astype(float) / unit
+        self.time = state["path_time"].values.astype(float)
+        self.speed = unit * np.gradient(self.path[..., 0], self.time, axis=0)
+        self.radius = state["radius"].values / unit
+        self.width, self.amplitude = row["width"], row["amplitude"]
+        self.norm = Normalize(*np.percentile(self.speed, (1, 99)))
+        top = min(float(self.path[..., 1].max()) + 1.0, TALLEST)
+        self.frame = Frame(0.0, self.width, -self.amplitude - 1.0, top)
+        self.pixel = self.width / BELT_PIXELS
+
+    def picture(self, number: int) -> np.ndarray:
+        """Return the picture of a state. Beads at one side of the cell are at the other, too."""
+        x = self.path[number, :, 0] % self.width
+        images = np.concatenate([x - self.width, x, x + self.width])
+        near = (images > -1) & (images < self.width + 1)
+        place = np.zeros((len(images), 3))
+        place[:, 0], place[:, 2] = images, np.tile(self.path[number, :, 1], 3)
+        colour = np.tile(COLOURS(self.norm(self.speed[number]))[:, :3], (3, 1))
+        radius = np.tile(self.radius, 3)
+        return picture(_VIEW, self.frame, self.pixel, place[near], radius[near], colour[near])
+
+    def line(self, number: int) -> tuple[np.ndarray, float]:
+        """Return where the marks on the belt are (M,), and its height."""
+        angle = 2 * np.pi * self.row["frequency"] * self.time[number]
+        phase = np.sin(angle + np.radians(self.row["phase"]))
+        slope = np.tan(np.radians(self.row["vibration_angle"]))
+        marks = np.arange(-2 * _MARKS, self.width + 2 * _MARKS, _MARKS)
+        return marks + self.amplitude / slope * phase, self.amplitude * phase
+
+    def trails(self, number: int) -> np.ndarray:
+        """Return the paths (P, 2) of some beads up to a state, parted by not-a-number."""
+        followed = np.argsort(self.path[0, :, 0])[:: max(1, len(self.radius) // _FOLLOWED)]
+        path = self.path[: number + 1, followed].copy()
+        path[..., 0] -= self.width * (self.path[0, followed, 0] // self.width)
+        gap = np.full((1, len(followed), 2), np.nan)
+        return np.concatenate([path, gap]).transpose(1, 0, 2).reshape(-1, 2)
+
+
+def _draw_surroundings(axes: Axes, belt: BeltScene) -> None:
+    """Draw the belt's extreme positions, an obstacle, the axes and the colours."""
+    for level in (-belt.amplitude, belt.amplitude):
+        axes.axhline(level, color="#888888", linestyle=SHORT_DASH, linewidth=0.8, zorder=1)
+    if belt.row["obstacle"]:
+        centre, radius = (belt.width / 2, belt.amplitude), belt.row["obstacle"] / 2
+        axes.add_patch(Circle(centre, radius, facecolor=OBSTACLE, edgecolor=DARK, zorder=3))
+    axes.set_xlim(belt.frame.left, belt.frame.right)
+    axes.set_ylim(belt.frame.bottom, belt.frame.top)
+    axes.grid(visible=False)
+    axes.set_xlabel("along the belt x (⟨d⟩)")
+    axes.set_ylabel("height z (⟨d⟩)")
+    bar = axes.figure.colorbar(
+        ScalarMappable(belt.norm, COLOURS), ax=axes, aspect=25, pad=0.02, shrink=0.8
+    )
+    bar.set_label("velocity $v_x$ (m/s)")
+    bar.outline.set_visible(False)

@@ -1,7 +1,7 @@
 """A profile over the height above the belt, a curve per flow, as in Gallas' Figs. 2 and 3.
 
-Options of a figure: those of `sim.figures.looks`; ``quantity``, the name of the profile in the
-dataset; ``keys``, parameters that name a flow.
+Options of a figure: those of `sim.figures.style.look_of`; ``show``, the profile; ``labels`` of the
+axes; ``curves``, parameters that name a flow.
 """
 
 from typing import Any, NamedTuple
@@ -13,43 +13,45 @@ from matplotlib.figure import Figure
 
 from sim.base.statistics import student_half_width
 from sim.figures.caption import points_text, range_text
-from sim.figures.curves import labels_and_styles
 from sim.figures.data import FigureData, parameter_columns, split_curves
-from sim.figures.kind import Kind
-from sim.figures.looks import look_of
+from sim.figures.family import labels_and_styles
 from sim.figures.style import (
     PALE_LINE,
     canvas,
+    look_of,
     name_protocols,
     place_legend,
 )
 from sim.parameters import BeltParameters
+from sim.study.plottable import profiles as observables
 
 #: Number density (1/⟨d⟩²) of the emptiest slice at the top of a profile.
 THIN = 0.01
 
 
 class Profile(NamedTuple):
-    """A profile over the height: its name in the dataset, how axis and data call it.
+    """A profile over the height: its name in the dataset, and how data call it.
 
     In their units it is ``power`` powers of ⟨d⟩ times that of the dataset.
     """
 
     name: str
-    label: str
     heading: str
     power: int
 
 
-DENSITY = Profile("number_density", "number density ρ (1/⟨d⟩²)", "number density [⟨d⟩-2]", 2)
-VELOCITY = Profile("velocity_profile", "mean velocity $v_x$ (m/s)", "mean velocity [m s-1]", 0)
+DENSITY = Profile("number_density", "number density [⟨d⟩-2]", 2)
+VELOCITY = Profile("velocity_profile", "mean velocity [m s-1]", 0)
 
-#: The profiles by the names that options give.
-PROFILES = {profile.name: profile for profile in (DENSITY, VELOCITY)}
+#: The profiles by the names that figures give.
+PROFILES = {"number_density": DENSITY, "velocity": VELOCITY}
 
 
 def _profile(data: FigureData) -> Profile:
-    return PROFILES[data.spec.options["quantity"]]
+    name = data.spec.options["show"]
+    observable = observables(data.spec.system)[name]
+    usual = Profile(observable.source, f"{observable.meaning} [{observable.unit}]", 0)
+    return PROFILES.get(name, usual)
 
 
 def draw(data: FigureData) -> Figure:
@@ -60,8 +62,9 @@ def draw(data: FigureData) -> Figure:
     _draw_flows(axes, data, table)
     axes.set_xlim(left=0)
     axes.set_ylim(*_range(table["mean"]))
-    axes.set_xlabel("height above the belt z (⟨d⟩)")
-    axes.set_ylabel(profile.label)
+    labels = data.spec.options.get("labels", {})
+    axes.set_xlabel(labels.get("x", "height above the belt z (⟨d⟩)"))
+    axes.set_ylabel(labels.get("y", profile.heading))
     place_legend(figure, axes)
     return figure
 
@@ -70,7 +73,7 @@ def _draw_flows(axes: Axes, data: FigureData, table: pd.DataFrame) -> None:
     """Draw a line and a band per flow, those of the converged protocol pale beside published."""
     shown = data.rows[data.rows["completed"] > 0]
     beside = shown["protocol"].nunique() > 1
-    keys = data.spec.options["keys"]
+    keys = data.spec.options["curves"]
     look = look_of(data.spec, keys)
     curves = split_curves(shown, "point", keys, tuple(BeltParameters.model_fields))
     labels, styles = labels_and_styles([names for names, _ in curves], look)
@@ -163,6 +166,3 @@ def notes(data: FigureData) -> list[str]:
     regimes = data.rows[completed > 0]["regime"].value_counts()
     named = ", ".join(f"{count} {regime}" for regime, count in regimes.items())
     return [*sentences, f"Regimes of the flows: {named}."] if named else sentences
-
-
-KIND = Kind(draw, table=table, notes=notes)

@@ -1,214 +1,245 @@
-"""Curves of a quantity for sets of parameters, with intervals, regimes and protocols."""
+"""Curves of an observable against a parameter or another observable, defined by a study file.
 
-from collections.abc import Sequence
-from itertools import compress, product
+Options of a figure: those of `sim.figures.plot`.
+"""
+
+from dataclasses import replace
 from typing import Any
 
 import pandas as pd
-from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.colors import to_rgb
+from matplotlib.figure import Figure
 
-from sim.figures.data import split_curves
-from sim.figures.looks import Look
-from sim.figures.quantity import Quantity
-from sim.figures.style import (
-    MARKERS,
-    PALE,
-    PALE_LINE,
-    PALE_MARKER_SIZE,
-    CurveStyle,
-    cycle_style,
-    is_undecided,
-    move_aside,
-    name_protocols,
+from sim.figures import paper_curves
+from sim.figures.axes import has_cut_bars, limit_axis, mark_cut_bars, set_log
+from sim.figures.caption import interval_sentence, point_notes, quantity_notes, regime_sentence
+from sim.figures.data import FigureData, varying_parameters
+from sim.figures.family import draw_family
+from sim.figures.foreign_data import (
+    append_foreign_data,
+    draw_foreign_data,
+    foreign_data_notes,
+    foreign_values,
+    set_run_ticks,
 )
+from sim.figures.plot import (
+    Panels,
+    curve_keys,
+    label_axes,
+    legend,
+    missing_value_note,
+    nonpositive_note,
+    observable_label,
+    observed_quantity,
+    panels,
+    parameter_label,
+    shared_look,
+    width_of,
+    write_no_data,
+)
+from sim.figures.quantity import Quantity, quantity_table
+from sim.figures.style import CurveStyle, Look
+from sim.parameters import SYSTEMS
+from sim.study.plot_words import name_in_words, parameter_phrase
+from sim.study.plottable import numbers
+
+#: Shift between neighbouring curves, points of print.
+_PITCH = 2.4
+
+#: Most ticks per inch of a horizontal axis that shows an observable.
+_TICKS_PER_INCH = 1.8
+
+#: Column of the observable on the horizontal axis.
+_OBSERVED_X = "across"
 
 
-def draw_family(
-    axes: Axes,
-    rows: pd.DataFrame,
-    quantity: Quantity,
-    along: str,
-    keys: Sequence[str],
-    parameters: Sequence[str],
-    *,
-    look: Look,
-    unjoined: pd.Series | None = None,
-    pitch: float = 0,
-    spread: pd.Series | None = None,
-) -> None:
-    """Draw one curve per set of parameters.
-
-    A curve of the converged protocol is wide and pale and lies beside the published one with the
-    same entry in the legend.
-
-    Parameters
-    ----------
-    axes : matplotlib.axes.Axes
-        Where to draw.
-    rows : pandas.DataFrame
-        Points, as `sim.figures.data.summarize` returns them.
-    quantity : Quantity
-        The quantity to draw.
-    along : str
-        Column on the horizontal axis.
-    keys, parameters : sequence of str
-        As for `sim.figures.data.split_curves`.
-    look : callable
-        Returns style and legend entry from the values that name a curve, without its protocol.
-    unjoined : pandas.Series, optional
-        True in rows where lines are interrupted.
-    pitch : float
-        Shift of each curve to the right of the previous one, in points of print. It separates
-        points that coincide.
-    spread : pandas.Series, optional
-        As for `draw_curve`.
-    """
-    if rows.empty:
-        return
-    curves = split_curves(rows, along, keys, parameters)
-    curves.sort(key=lambda curve: curve[1]["protocol"].iloc[0] != "published")
-    labels, styles = labels_and_styles([names for names, _ in curves], look)
-    shifts = {label: pitch * (n - (len(styles) - 1) / 2) for n, label in enumerate(styles)}
-    drawn_labels: set[str] = set()
-    for (_, curve), label in zip(curves, labels, strict=True):
-        options: dict[str, Any] = {
-            "pale": label in drawn_labels,
-            "shift": shifts[label],
-            "spread": spread,
-        }
-        draw_curve(axes, curve, quantity, along, styles[label], label, unjoined=unjoined, **options)
-        drawn_labels.add(label)
-    if len(drawn_labels) < len(curves):
-        name_protocols(axes, str(curves[0][1]["system"].iloc[0]))
+def select(data: FigureData) -> FigureData:
+    """Return the data with the points to draw."""
+    return paper_curves.select(data) if data.spec.paper else data
 
 
-def labels_and_styles(
-    curves: Sequence[dict[str, Any]], look: Look
-) -> tuple[list[str], dict[str, CurveStyle]]:
-    """Return the legend entry of each curve, and the style of each entry.
-
-    ``curves`` are the values that name each curve.
-    """
-    labels: list[str] = []
-    styles: dict[str, CurveStyle] = {}
-    for names in curves:
-        parameters = {name: value for name, value in names.items() if name != "protocol"}
-        style, label = look(parameters, len(styles))
-        if label not in styles and style in styles.values():
-            # These curves differ in a parameter that the paper's styles do not distinguish.
-            style = cycle_style(len(styles) + len(MARKERS) // 2)
-        styles.setdefault(label, style)
-        labels.append(label)
-    return labels, styles
-
-
-def draw_curve(
-    axes: Axes,
-    rows: pd.DataFrame,
-    quantity: Quantity,
-    along: str,
-    style: CurveStyle,
-    label: str,
-    *,
-    unjoined: pd.Series | None = None,
-    pale: bool = False,
-    shift: float = 0,
-    spread: pd.Series | None = None,
-) -> None:
-    """Draw a quantity against a parameter, with 95 % intervals.
-
-    Parameters
-    ----------
-    axes : matplotlib.axes.Axes
-        Where to draw.
-    rows : pandas.DataFrame
-        Points of the curve, as `sim.figures.data.summarize` returns them. Points without a
-        completed replicate are left out; markers of steady points are filled, those of runs too
-        short to tell are pale, and all others are open.
-    quantity : Quantity
-        The quantity to draw.
-    along : str
-        Column on the horizontal axis.
-    style : CurveStyle
-        Look of the curve.
-    label : str
-        Its entry in the legend.
-    unjoined : pandas.Series, optional
-        True in rows where the line is interrupted.
-    pale : bool
-        Draw the curve pale, without an entry: another curve of the same style has the entry.
-    shift : float
-        Shift of the curve to the right, in points of print.
-    spread : pandas.Series, optional
-        Half widths of the 95 % intervals of ``along``, where that is an observable.
-    """
-    completed = rows[rows["completed"] > 0]
-    if completed.empty:
-        return
-    artists: list[Artist] = []
-    if style.dashes != "none":
-        line = quantity.value[completed.index]
-        if unjoined is not None:
-            line = line.mask(unjoined[completed.index])
-        artists += _draw_line(axes, completed[along], line, style, pale)
-    artists += _draw_points(axes, completed, quantity, along, style, pale, spread)
-    move_aside(axes, artists, x=shift)
-    if not pale:
-        _add_entry(axes, style, label)
-
-
-def _draw_line(
-    axes: Axes, x: pd.Series, y: pd.Series, style: CurveStyle, pale: bool
-) -> Sequence[Artist]:
-    """Draw the line of a curve, interrupted where ``y`` is not a number."""
-    pale_look: dict[str, Any] = PALE_LINE if pale else {}
-    return axes.plot(x, y, color=style.colour, linestyle=style.dashes, **pale_look)
-
-
-def _add_entry(axes: Axes, style: CurveStyle, label: str) -> None:
-    """Add an entry to the legend without drawing a curve."""
-    axes.plot([], [], color=style.colour, linestyle=style.dashes, marker=style.marker, label=label)
-
-
-def _draw_points(
-    axes: Axes,
-    rows: pd.DataFrame,
-    quantity: Quantity,
-    along: str,
-    style: CurveStyle,
-    pale: bool,
-    spread: pd.Series | None = None,
-) -> list[Artist]:
-    """Draw the markers of a curve, filled, pale or open, with their error bars; return them."""
-    artists: list[Artist] = []
-    is_unjoined = pale and style.dashes == "none"
-    is_open = is_undecided(rows)
-    steady = (rows["regime"] == "steady") & ~is_open
-    faces = (
-        (steady, style.colour),
-        (is_open, (*to_rgb(style.colour), PALE)),
-        (~(steady | is_open), "white"),
+def draw(data: FigureData) -> Figure:
+    """Draw the curves; lines are interrupted at flows that accelerate."""
+    if data.spec.paper:
+        return paper_curves.draw(data)
+    spec, quantities = data.spec, _drawable_quantities(data)
+    figure, shown = panels(data)
+    for axes, rows in shown:
+        _draw_curves(data, axes, rows, quantities)
+    empty_axes = [axis for axis, quantity in quantities.items() if quantity.value.isna().all()]
+    write_no_data(shown, quantities[(*empty_axes, "y")[0]].name)
+    foreign = draw_foreign_data(data, shown)
+    _set_axes(data, shown, quantities)
+    for axes, _ in shown:
+        mark_cut_bars(axes)
+    by_name = numbers(spec.system)
+    x = (
+        parameter_label(spec.system, spec.axes[0])
+        if spec.axes
+        else observable_label(data, by_name[spec.options["second"]])
     )
-    widths = {"yerr": quantity.half_width} | ({} if spread is None else {"xerr": spread})
-    has_width = pd.DataFrame({name: width[rows.index].notna() for name, width in widths.items()})
-    # Points without an interval get no bar, instead of one of zero length.
-    for (chosen, face), *has_widths in product(faces, *[(True, False)] * len(widths)):
-        part = rows[chosen & (has_width == has_widths).all(axis=1)]
-        bars = axes.errorbar(
-            part[along],
-            quantity.value[part.index],
-            **{name: widths[name][part.index] for name in compress(widths, has_widths)},
-            linestyle="none",
-            color=style.colour,
-            marker=style.marker,
-            markerfacecolor=face,
-            markersize=PALE_MARKER_SIZE if is_unjoined else None,
-            markeredgewidth=1.0,
-            elinewidth=0.9,
-            alpha=PALE_LINE["alpha"] if pale else None,
-            zorder=3,
+    label_axes(figure, shown, x, observable_label(data, by_name[spec.options["show"]]))
+    legend(figure, shown, foreign)
+    return figure
+
+
+def _draw_curves(
+    data: FigureData, axes: Axes, rows: pd.DataFrame, quantities: dict[str, Quantity]
+) -> None:
+    """Draw the curves of a panel; curves along a parameter are shifted against each other."""
+    points = rows[_has_all_values(quantities)[rows.index]]
+    options: dict[str, Any] = {"pitch": _PITCH}
+    if "x" in quantities:
+        points = points.assign(**{_OBSERVED_X: quantities["x"].value})
+        options = {"spread": quantities["x"].half_width}
+    along = data.spec.axes[0] if data.spec.axes else _OBSERVED_X
+    accelerating = points["regime"] == "accelerating"
+    options |= {"look": _look(data), "unjoined": accelerating}
+    draw_family(axes, points, quantities["y"], along, _keys(data), (), **options)
+
+
+def _quantities(data: FigureData) -> dict[str, Quantity]:
+    """Return the observables by axis: ``y``, and ``x`` where no parameter is there."""
+    x_quantity = {"x": observed_quantity(data, "second")} if data.spec.options["second"] else {}
+    return x_quantity | {"y": observed_quantity(data)}
+
+
+def _has_all_values(quantities: dict[str, Quantity]) -> pd.Series:
+    """Return for each point whether all quantities have a value."""
+    return pd.concat([quantity.value.notna() for quantity in quantities.values()], axis=1).all(
+        axis=1
+    )
+
+
+def _drawable_quantities(data: FigureData) -> dict[str, Quantity]:
+    """Return the observables by axis, with values ≤ 0 dropped on logarithmic axes."""
+    return {
+        axis: replace(quantity, value=quantity.value.where(quantity.value > 0))
+        if axis in data.spec.options["log"]
+        else quantity
+        for axis, quantity in _quantities(data).items()
+    }
+
+
+def _keys(data: FigureData) -> list[str]:
+    """Return the parameters that name curves.
+
+    With an observable on the x axis, numerical parameters that are not requested vary along curves.
+    """
+    fields, keys = SYSTEMS[data.spec.system].model_fields, curve_keys(data)
+    if not data.spec.options["second"]:
+        return list(keys)
+    requested = data.spec.options["curves"]
+    return [
+        name for name in keys if name in requested or fields[name].annotation not in (int, float)
+    ]
+
+
+def _parameters_along(data: FigureData) -> list[str]:
+    """Return the parameters that vary along the curves of one observable against another."""
+    named = list(dict.fromkeys([*_keys(data), *data.spec.curves]))
+    curves = [curve for _, curve in data.rows.groupby(named)] if named else [data.rows]
+    others = [name for name in SYSTEMS[data.spec.system].model_fields if name not in named]
+    varied = {name for curve in curves for name in varying_parameters(curve, others)}
+    return [name for name in others if name in varied]
+
+
+def _look(data: FigureData) -> Look:
+    """Return the look of the curves; lines need exactly one parameter that varies along them."""
+    look = shared_look(data, _keys(data))
+    if data.spec.axes or len(_parameters_along(data)) == 1:
+        return look
+
+    def unjoined_look(names: dict[str, object], index: int) -> tuple[CurveStyle, str]:
+        style, label = look(names, index)
+        return replace(style, dashes="none"), label
+
+    return unjoined_look
+
+
+def _set_axes(data: FigureData, shown: Panels, quantities: dict[str, Quantity]) -> None:
+    """Set scales and limits, and put a tick at each value of the parameter that was run."""
+    log = data.spec.options["log"]
+    chosen = _has_all_values(quantities) & (data.rows["completed"] > 0)
+    for axes, _ in shown:
+        for axis in log:
+            set_log(axes, axis)
+        axes.margins(x=0.07)
+        axes.autoscale_view()
+        for axis, quantity in quantities.items():
+            if axis not in log:
+                limit_axis(
+                    axes, axis, pd.concat([quantity.value[chosen], foreign_values(data, axis)])
+                )
+        if data.spec.axes:
+            set_run_ticks(axes, data, data.spec.axes[0], width_of(shown))
+        elif "x" not in log:
+            axes.locator_params("x", nbins=round(_TICKS_PER_INCH * width_of(shown)))
+
+
+def table(data: FigureData) -> pd.DataFrame:
+    """Return the plotted data, one row per point, units in the headings."""
+    if data.spec.paper:
+        return paper_curves.table(data)
+    quantities = _quantities(data)
+    rows = quantity_table(data, list(quantities.values()))
+    # The parameter on x follows the id of the point.
+    x = quantities["x"].label if "x" in quantities else rows.columns[1]
+    return append_foreign_data(data, rows, x, quantities["y"].label)
+
+
+def notes(data: FigureData) -> list[str]:
+    """Return the sentences of the caption on error bars, lines, markers and omitted points."""
+    if data.spec.paper:
+        return point_notes(data)
+    spec, keys, quantities = data.spec, _keys(data), _drawable_quantities(data)
+    completed = data.rows[data.rows["completed"] > 0]
+    shown = completed[_has_all_values(quantities)[completed.index]]
+    with_values = int(_has_all_values(_quantities(data))[completed.index].sum())
+    omitted = with_values - len(shown)
+    shown_quantities = {
+        axis: replace(
+            quantity, value=quantity.value[shown.index], half_width=quantity.half_width[shown.index]
         )
-        artists += bars.get_children()
-    return artists
+        for axis, quantity in quantities.items()
+    }
+    log = spec.options["log"]
+    is_cut = any(
+        has_cut_bars(
+            quantity.value, quantity.half_width, foreign_values(data, axis), logarithmic=axis in log
+        )
+        for axis, quantity in shown_quantities.items()
+    )
+    along = [] if spec.axes else _parameters_along(data)
+    aside = spec.axes and keys and len(shown[keys].drop_duplicates()) > 1
+    accelerating = len(along) < 2 and (shown["regime"] == "accelerating").any()
+    return [
+        *_notes_on_bars(replace(data, rows=shown), list(shown_quantities.values())),
+        *(["Error bars that end in a caret go on beyond the axes."] if is_cut else []),
+        *(["Curves are drawn a little aside of each other."] if aside else []),
+        *_notes_on_lines([parameter_phrase(spec.system, name) for name in along]),
+        *(["Lines are interrupted at flows that accelerate."] if accelerating else []),
+        *missing_value_note(len(completed) - with_values),
+        *nonpositive_note(omitted, "points" if omitted > 1 else "point"),
+        *foreign_data_notes(data),
+    ]
+
+
+def _notes_on_bars(data: FigureData, quantities: list[Quantity]) -> list[str]:
+    """Return sentences on bars and markers; only velocities have intervals of one replicate."""
+    others = [quantity for quantity in quantities if quantity.name != "velocity"]
+    if len(others) == len(quantities):
+        return quantity_notes(data, quantities)
+    without_bar = [
+        name_in_words(quantity.name) for quantity in others if quantity.half_width.isna().any()
+    ]
+    sentences = [f"No bar of the {name} where only one replicate is known." for name in without_bar]
+    return [interval_sentence(data.rows), *sentences, regime_sentence(data.rows)]
+
+
+def _notes_on_lines(along: list[str]) -> list[str]:
+    """Return a sentence on the points that lines join, given the parameters along curves."""
+    if len(along) == 1:
+        return [f"Lines join points that differ in {along[0]} alone, in the order of x."]
+    named = " and ".join(filter(None, (", ".join(along[:-1]), *along[-1:])))
+    return [f"Points that differ in {named} are not joined."] if along else []

@@ -11,10 +11,10 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.patheffects import withStroke
 
+from sim.figures.axes import set_ticks
 from sim.figures.data import FigureData
 from sim.figures.plot import Panels
 from sim.figures.style import escape_label
-from sim.figures.ticks import set_ticks
 
 #: Column of the plotted data with the label of foreign rows; empty for rows of the study.
 FOREIGN_COLUMN = "not of this study"

@@ -15,17 +15,23 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.ticker import LogLocator, NullFormatter
 
 from sim.dataset.results import Results
 from sim.figures.caption import points_text
 from sim.figures.data import FigureData, parameter_columns, varying_parameters
-from sim.figures.looks import Look, settings
 from sim.figures.quantity import Quantity, replicate_means
-from sim.figures.style import LOOKS, CurveStyle, cycle_style, escape_label, legend_above
+from sim.figures.style import (
+    LOOKS,
+    CurveStyle,
+    Look,
+    cycle_style,
+    escape_label,
+    legend_above,
+    settings,
+)
 from sim.figures.units import label_with_unit, scale_of, unit_of
 from sim.parameters import SYSTEMS, field_info
-from sim.parameters.words import setting
+from sim.parameters.words import PROTOCOLS, setting
 from sim.study.plot_words import name_in_words, parameter_phrase
 from sim.study.plottable import Observable, numbers
 
@@ -37,9 +43,6 @@ Panels = list[tuple[Axes, pd.DataFrame]]
 
 #: Most characters in a line of an axis label.
 _LABEL_WIDTH = 44
-
-#: Ratio of the ends of a logarithmic axis from which only powers of ten have ticks.
-_DECADES_FROM = 300
 
 
 def observed_quantity(data: FigureData, option: str = "show") -> Quantity:
@@ -131,7 +134,8 @@ def panels(data: FigureData) -> tuple[Figure, Panels]:
     if not name:
         figure = Figure(figsize=SINGLE_SIZE, layout="constrained")
         return figure, [(figure.subplots(), rows)]
-    values = sorted(set(rows[name]))
+    protocols = PROTOCOLS[data.spec.system] if name == "protocol" else {}
+    values = sorted(set(rows[name]), key=list(protocols).index if protocols else None)
     down = -(-len(values) // MOST_COLUMNS)
     across = -(-len(values) // down)
     size = (PANEL_SIZE[0] * across + 0.6, PANEL_SIZE[1] * down + 0.8)
@@ -139,7 +143,8 @@ def panels(data: FigureData) -> tuple[Figure, Panels]:
     grid = figure.subplots(down, across, sharex=True, sharey=True, squeeze=False)
     shown = []
     for axes, value in zip(grid.flat, values, strict=False):
-        axes.set_title(escape_label(setting(data.spec.system, name, value)), fontsize=9)
+        title = protocols.get(value) or setting(data.spec.system, name, value)
+        axes.set_title(escape_label(title), fontsize=9)
         shown.append((axes, rows[rows[name] == value]))
     for axes in grid.flat[len(values) :]:
         axes.set_visible(False)
@@ -158,21 +163,16 @@ def label_axes(figure: Figure, shown: Panels, x: str, y: str) -> None:
         figure.supylabel(y, fontsize=10)
 
 
-def set_log(axes: Axes, axis: str) -> None:
-    """Make the axis ``"x"`` or ``"y"`` logarithmic, with plain numbers at its ticks."""
-    getattr(axes, f"set_{axis}scale")("log")
-    ticks = axes.xaxis if axis == "x" else axes.yaxis
-    ticks.set_major_locator(_Steps())
-    ticks.set_major_formatter("{x:g}")
-    ticks.set_minor_formatter(NullFormatter())
-
-
-class _Steps(LogLocator):
-    """Ticks at 1, 2 and 5 times each power of ten; over many powers at the powers alone."""
-
-    def tick_values(self, vmin: float, vmax: float) -> Sequence[float]:
-        self.set_params(subs=(1, 2, 5) if vmax < _DECADES_FROM * vmin else (1,))
-        return super().tick_values(vmin, vmax)
+def given_labels(data: FigureData) -> tuple[str, str]:
+    """Return the labels of both axes of a figure, by default names and units of what is there."""
+    spec, labels = data.spec, data.spec.options.get("labels", {})
+    observables = spec.keys.shows(spec.system)
+    usual = [parameter_label(spec.system, name) for name in spec.axes[:2]]
+    if measures := spec.options.get("quantities"):
+        usual[1:] = [measures[0]["label"]]
+    elif spec.options["show"] in observables:
+        usual[1:] = [observable_label(data, observables[spec.options["show"]])]
+    return labels.get("x", usual[0]), labels.get("y", usual[1])
 
 
 def above_zero(data: FigureData, axis: str, values: np.ndarray) -> np.ndarray:

@@ -13,13 +13,13 @@ from PIL.PngImagePlugin import PngInfo
 from sim.base.errors import InputError
 from sim.base.files import atomic_write
 from sim.dataset.results import Results, load_results, require_known_options
-from sim.figures.animation import Animation, save_gif
 from sim.figures.caption import caption
 from sim.figures.data import FigureData, figure_data
-from sim.figures.kind import Kind, load_kind
+from sim.figures.gif import Animation, save_gif
 from sim.figures.style import SETTINGS
 from sim.study.catalogue import FIGURES
 from sim.study.figure_spec import FigureSpec
+from sim.study.plot_kinds import PlotKind, find_kind
 
 #: Resolution of the first picture of an animation, dots per inch.
 POSTER = 150
@@ -116,13 +116,13 @@ def derive_texts(spec: FigureSpec, results: Results) -> tuple[str, str]:
     return _texts(*_data_and_kind(spec, results))
 
 
-def _data_and_kind(spec: FigureSpec, results: Results) -> tuple[FigureData, Kind]:
+def _data_and_kind(spec: FigureSpec, results: Results) -> tuple[FigureData, PlotKind]:
     """Return the selected data of a figure, and its kind."""
-    data, kind = figure_data(results, spec), load_kind(spec.kind)
+    data, kind = figure_data(results, spec), find_kind(spec.kind)
     return data if data.rows.empty else kind.select(data), kind
 
 
-def _texts(data: FigureData, kind: Kind) -> tuple[str, str]:
+def _texts(data: FigureData, kind: PlotKind) -> tuple[str, str]:
     """Return the plotted data as CSV, and the caption."""
     table = kind.table(data).to_csv(index=False, float_format="%.10g")
     return table, caption(data, kind.notes(data)) + "\n"

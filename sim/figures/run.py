@@ -8,10 +8,10 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from sim.dataset.run_file import RunFile
-from sim.figures.plot_time_series import average_successive
 from sim.figures.render import settle
 from sim.figures.run_particles import picture
 from sim.figures.style import COLOURS, LEVEL, SETTINGS
+from sim.figures.time_series import average_successive
 from sim.figures.units import label_with_unit
 from sim.parameters import Parameters
 from sim.parameters.variables import variables_of

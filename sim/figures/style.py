@@ -1,9 +1,9 @@
-"""Style of all figures: fonts, colours, dashes, markers and the legend."""
+"""Style of all figures: fonts, colours, dashes, markers, the legend and its entries."""
 
 import math
 import textwrap
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import pandas as pd
@@ -12,7 +12,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.transforms import offset_copy
 
-from sim.parameters.words import PROTOCOLS
+from sim.parameters.words import PROTOCOLS, setting
+from sim.study.figure_spec import FigureSpec
 
 #: Okabe and Ito's colours, told apart by colour-blind readers, darkest first.
 COLOURS = ("#000000", "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00")
@@ -165,3 +166,57 @@ def name_protocols(axes: Axes, system: str) -> None:
     words = PROTOCOLS[system]
     axes.plot([], [], color="#666666", label=words["published"])
     axes.plot([], [], color="#666666", label=words["converged"], **PALE_LINE)
+
+
+#: Returns style and legend entry of a curve from the values that name it and its index.
+Look = Callable[[dict[str, object], int], tuple[CurveStyle, str]]
+
+
+def look_of(
+    spec: FigureSpec, keys: Sequence[str], measure: Mapping[str, Any] | None = None
+) -> Look:
+    """Return a function that returns style and legend entry of each curve of a paper's figure.
+
+    Options of a figure: ``styles`` are those that the paper prescribes, by the values of the
+    parameters that name a curve (one value, or a tuple of several): colour, dashes, marker and,
+    where it is no other's, the legend entry. ``entry`` is the pattern of the other entries, by
+    default the settings.
+
+    Parameters
+    ----------
+    spec : FigureSpec
+        The figure.
+    keys : sequence of str
+        Parameters that name a curve. The legend entry ends with the settings of all other
+        parameters that distinguish curves.
+    measure : mapping, optional
+        One of several measures: its ``entry`` follows the settings, and it has a style of its own,
+        or ``dashes`` alone instead of those of the curve.
+    """
+    styles, own = spec.options.get("styles", {}), measure or {}
+
+    def look(names: dict[str, object], index: int) -> tuple[CurveStyle, str]:
+        named = {key: names[key] for key in keys}
+        value = tuple(named.values()) if len(named) != 1 else next(iter(named.values()))
+        if "colour" in own:
+            style = prescribed_style(own)
+        elif value in styles:
+            style = prescribed_style(styles[value])
+        else:
+            style = cycle_style(index + len(styles))
+        if "dashes" in own:
+            style = replace(style, dashes=PATTERNS[own["dashes"]])
+        entry = styles.get(value, {}).get("entry") or (
+            spec.options["entry"].format(**named)
+            if "entry" in spec.options
+            else settings(spec.system, named.items())
+        )
+        rest = settings(spec.system, (item for item in names.items() if item[0] not in named))
+        return style, ", ".join(filter(None, (entry, rest, own.get("entry"))))
+
+    return look
+
+
+def settings(system: str, values: Iterable[tuple[str, object]]) -> str:
+    """Write values of parameters for a legend: ``e = 0.85, K1 = 100 N/m``."""
+    return escape_label(", ".join(setting(system, name, value) for name, value in values))

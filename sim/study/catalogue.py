@@ -11,6 +11,7 @@ from sim.base.additions import on_change
 from sim.base.errors import InputError
 from sim.base.messages import input_error
 from sim.base.yaml import read_yaml
+from sim.parameters import SYSTEMS
 from sim.parameters.common import broken_rule
 from sim.study.entries import Strict
 from sim.study.figure_spec import (
@@ -23,26 +24,14 @@ from sim.study.figure_spec import (
 )
 from sim.study.papers import Paper, papers
 from sim.study.plot_file import PlotFile
+from sim.study.plot_kinds import kinds
 from sim.study.plottable import find_observable, require_parameter
 
-#: Keys of each kind of plot besides those of all kinds. Its name begins with its system.
-KEYS = {
-    "belt_acceleration": "x curves levels styles entry",
-    "belt_animation": "",
-    "belt_curves": "x curves panels axis log levels quantities styles entry",
-    "belt_map": "x y curves",
-    "belt_paths": "",
-    "belt_profiles": "x curves vary look styles entry",
-    "belt_snapshots": "",
-    "chute_animation": "point",
-    "chute_curves": "x curves axis log levels quantities",
-    "chute_map": "x y",
-    "chute_row": "",
-}
-
-#: Axis that can be logarithmic, of kinds that have one.
-_LOG_AXIS = {"belt_curves": "x", "chute_curves": "y"}
-_KEYS_OF_ALL = "name kind system about title where words lead named says"
+#: Keys of the figures of all kinds.
+KEYS_OF_ALL = (
+    *("name", "kind", "system", "about", "title", "log"),
+    *("where", "words", "lead", "named", "says"),
+)
 
 #: Limits that words in braces can name, as they are written there.
 _LIMITS = {
@@ -60,6 +49,12 @@ def _one_or_tuple(value: Any) -> Any:
     if not all(isinstance(one, bool | int | float | str) for one in values):
         raise broken_rule("", value, "a value of a parameter, or a list of values")
     return tuple(values) if isinstance(value, list) else value
+
+
+def _require_kind(kind: str) -> str:
+    if kind not in kinds():
+        raise broken_rule("", kind, f"one of {', '.join(kinds())}")
+    return kind
 
 
 _Values = Annotated[Any, AfterValidator(_one_or_tuple)]
@@ -91,14 +86,18 @@ class Measure(_Look):
 class FigureFile(PlotFile):
     """A figure of a paper. Words in braces in ``title``, ``lead`` and ``says`` are filled in."""
 
-    kind: str = Field("curves", description="kind of `KEYS`, without the system")
+    kind: Annotated[str, AfterValidator(_require_kind)] = Field(
+        "curves", description="kind of plot, see `sim.figures.kinds`"
+    )
     title: str
     about: str = Field(description="figure of the paper, or what of the paper it is about")
     vary: list[str] = Field([], description="parameters, on no axis, that the points must vary")
-    axis: str = Field("", description="label of the vertical axis")
+    labels: dict[Literal["x", "y"], str] = Field({}, description="labels of the axes")
     levels: list[float] = Field([], description="values to compare with")
     quantities: list[Measure] = []
-    look: Literal["", "damping"] = Field("", description="function of `sim.figures.looks`")
+    relative: bool = Field(
+        False, description="whether velocity and frequency of the belt become shares of its own"
+    )
     styles: list[Style] = []
     entry: str = Field("", description="pattern of the entries in the legend")
     point: Literal["", "slowest"] = Field("", description="which of several points is shown")
@@ -109,49 +108,41 @@ class FigureFile(PlotFile):
     says: str = Field(description="last sentences of the caption: what the paper says")
 
     @model_validator(mode="after")
-    def _require_keys_of_kind(self) -> Self:
-        prefix = f"{self.system}_"
-        if prefix + self.kind not in KEYS:
-            kinds = [name.removeprefix(prefix) for name in KEYS if name.startswith(prefix)]
-            raise broken_rule("kind", self.kind, f"one of {', '.join(kinds) or 'none'}")
-        keys = f"{_KEYS_OF_ALL} {KEYS[prefix + self.kind]}".split()
-        for key in type(self).model_fields:
-            if key in self.model_fields_set and key not in keys:
-                allowed = f"a key of {self.kind}: {', '.join(keys)}"
-                raise broken_rule(key, getattr(self, key), allowed)
-        for key in ("x", "y"):
-            if key in keys and getattr(self, key) is None:
-                raise broken_rule(key, None, f"a name; {self.kind} has an axis {key}")
-        if self.panels not in (None, "protocol"):
-            raise broken_rule("panels", self.panels, "protocol")
-        if self.log and self.log != [_LOG_AXIS[prefix + self.kind]]:
-            allowed = f"[{_LOG_AXIS[prefix + self.kind]}] of {self.kind}"
-            raise broken_rule("log", self.log, allowed)
+    def _require_keys_of_figures(self) -> Self:
+        systems = self.keys.systems or SYSTEMS
+        if self.system not in systems:
+            allowed = f"a kind of the {self.system}; this is one of the {', '.join(systems)}"
+            raise broken_rule("kind", self.kind, allowed)
+        for key in sorted(self.model_fields_set - {*self.keys_of_kind}):
+            allowed = f"a key of {self.kind}: {', '.join(self.keys_of_kind)}"
+            raise broken_rule(key, getattr(self, key), allowed)
         return self
 
     @model_validator(mode="after")
     def _require_parameters(self) -> Self:
-        for key in ("x", "y", "curves", "vary", "where", "named"):
+        if self.keys.observable and (key := self.keys.observable) in self.model_fields_set:
+            find_observable(self.kind, key, self.observable, self.system, broken_rule)
+        for key in (*self.keys.axes, "curves", "panels", "vary", "where", "named"):
             value = getattr(self, key) or ()
             for name in [value] if isinstance(value, str) else value:
-                if (key, self.kind) != ("x", "profiles"):
-                    require_parameter(key, name, self.system, (), broken_rule)
+                require_parameter(key, name, self.system, (), broken_rule)
         for number, measure in enumerate(self.quantities):
             key = f"quantities[{number}]"
-            find_observable("curves", f"{key}.name", measure.name, self.system, broken_rule)
+            find_observable(self.kind, f"{key}.name", measure.name, self.system, broken_rule)
             if measure.over:
                 require_parameter(f"{key}.over", measure.over, self.system, (), broken_rule)
-        if self.kind == "profiles":
-            find_observable("profiles", "x", str(self.x), self.system, broken_rule)
         return self
 
     @property
+    def keys_of_kind(self) -> tuple[str, ...]:
+        """Names of all its keys."""
+        return *KEYS_OF_ALL, *self.keys.every, *self.keys.of_papers
+
+    @property
     def options(self) -> dict[str, Any]:
-        """What the kind of plot leaves open, by the names of `sim.figures`; empty ones left out."""
+        """What the kind of plot leaves open, as plain data; empty ones of papers left out."""
         options: dict[str, Any] = {
-            "look": self.look,
-            "axis": self.axis,
-            "log": tuple(self.log),
+            "labels": self.labels,
             "levels": tuple(self.levels),
             "quantities": tuple(one.model_dump(exclude_unset=True) for one in self.quantities),
             "styles": {
@@ -160,11 +151,9 @@ class FigureFile(PlotFile):
             },
             "entry": self.entry,
             "point": self.point,
+            "relative": self.relative,
         }
-        if self.kind == "profiles":
-            profile = find_observable("profiles", "x", self.x, self.system, broken_rule)
-            options |= {"quantity": profile.source, "keys": tuple(self.curves or ())}
-        return {name: value for name, value in options.items() if value}
+        return super().options | {name: value for name, value in options.items() if value}
 
 
 class PaperFigures(Strict):
@@ -214,14 +203,13 @@ def _spec(
     """Return what the figure at ``key`` of a file is."""
     words = {**words, **figure.words, **figure.where}
     texts = _fill(figure.model_dump(include={"title", "lead", "says"}), words, source, key)
-    x = None if figure.kind == "profiles" else figure.x
     return FigureSpec(
         name=figure.name,
-        kind=f"{figure.system}_{figure.kind}",
+        kind=figure.kind,
         paper=f"{paper.quote}, {figure.about}",
         system=figure.system,
         title=texts["title"],
-        axes=(*filter(None, (x, figure.y, figure.panels)), *figure.vary),
+        axes=(*figure.axis_names, *filter(None, (figure.panels,)), *figure.vary),
         curves=tuple(name for name in figure.curves or () if name not in figure.vary),
         where=figure.where,
         lead=texts["lead"],

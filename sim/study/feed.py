@@ -92,7 +92,7 @@ def _plot_spec(contents: PlotContents, series: Sequence[str]) -> FigureSpec:
     contents.require_drawable()
     return FigureSpec(
         name=plot.name,
-        kind=f"plot_{plot.kind}",
+        kind=plot.kind,
         paper="",
         system=contents.system,
         title=plot.title or default_title(plot, observable, second),
@@ -101,20 +101,7 @@ def _plot_spec(contents: PlotContents, series: Sequence[str]) -> FigureSpec:
         lead=caption_lead(plot, observable, second, contents.system),
         named=_caption_parameters(contents.system, contents.parameters),
         series=tuple(series),
-        options={
-            "show": plot.observable,
-            "second": second.name if second else "",
-            "between": tuple(plot.between or ()),
-            "beside": tuple(
-                (data.label, tuple(map(tuple, data.points)), data.line)
-                for data in plot.beside or ()
-            ),
-            "panels": plot.panels or "",
-            "curves": tuple(plot.curves or ()),
-            "units": plot.units,
-            "log": tuple(plot.log),
-        }
-        | plugin_code(plot.kind),
+        options=plot.options | {"second": second.name if second else ""} | plugin_code(plot.kind),
     )
 
 

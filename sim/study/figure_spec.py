@@ -2,17 +2,10 @@
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
-from enum import IntEnum
 from typing import Any
 
 from sim.parameters import NUMERICAL, Parameters
-
-#: Kinds of plot that show regimes and boundaries, that move, and that show paths and last states of
-#: particles.
-_OF_REGIMES = frozenset({"chute_map", "belt_map", "plot_map"})
-_ANIMATED = frozenset({"chute_animation", "belt_animation"})
-_OF_PATHS = _ANIMATED | {"belt_paths"}
-_OF_STATES = frozenset({"chute_row", "belt_snapshots"})
+from sim.study.plot_kinds import Keys, Shown, find_kind
 
 #: Greatest depth n whose pictures show a portion of the cell: the half near the viewer.
 LARGEST_PORTION = 10
@@ -30,14 +23,6 @@ CREEP = 0.1
 TALLEST = 24.0
 
 
-class Shown(IntEnum):
-    """What is shown of the particles of a point, the later the more of them is kept."""
-
-    NOTHING = 0
-    STATE = 1
-    PATH = 2
-
-
 @dataclass(frozen=True)
 class FigureSpec:
     """A figure as plain data: numbers, texts, and tuples and mappings of them.
@@ -47,7 +32,7 @@ class FigureSpec:
     name : str
         Name in study files, targets and file names.
     kind : str
-        Kind of plot, one of `sim.figures.kind.KINDS`.
+        Kind of plot, see `sim.study.plot_kinds`.
     paper : str
         Figure of the paper it reproduces, or what it is about in it; empty for a study's own plot.
     system : str
@@ -91,21 +76,24 @@ class FigureSpec:
     options: Mapping[str, Any] = field(default_factory=dict)
 
     @property
+    def keys(self) -> Keys:
+        """The keys of its kind of plot."""
+        return find_kind(self.kind).keys
+
+    @property
     def regimes(self) -> bool:
         """Whether it shows regimes and the boundaries found between them, not velocities."""
-        return self.kind in _OF_REGIMES
+        return self.keys.is_map
 
     @property
     def particles(self) -> Shown:
         """What it shows of the particles, which the dataset then keeps."""
-        if self.kind in _OF_PATHS:
-            return Shown.PATH
-        return Shown.STATE if self.kind in _OF_STATES else Shown.NOTHING
+        return self.keys.particles
 
     @property
     def animated(self) -> bool:
         """Whether it moves: a GIF with a poster instead of a picture."""
-        return self.kind in _ANIMATED
+        return self.keys.animated
 
     @property
     def draws_curves(self) -> bool:

@@ -9,8 +9,8 @@ from typing import Any
 from sim.base.additions import Plugin
 from sim.parameters import Parameters
 from sim.study.entries import DecideFile
-from sim.study.figure_spec import FigureSpec, Shown
-from sim.study.plot_kinds import base_kind
+from sim.study.figure_spec import FigureSpec
+from sim.study.plot_kinds import Shown
 from sim.study.refine import further_rounds
 
 
@@ -165,11 +165,7 @@ class Study:
     @cached_property
     def _time_series(self) -> list[FigureSpec]:
         """Plots of that kind, and of a plug-in's kind based on it."""
-        return [
-            spec
-            for spec in self.plots.values()
-            if base_kind(spec.kind.removeprefix("plot_")) == "time_series"
-        ]
+        return [spec for spec in self.plots.values() if spec.keys.from_runs]
 
     @property
     def omission_notes(self) -> list[str]:

@@ -9,9 +9,9 @@ from sim.base.errors import InputError
 from sim.parameters import NUMERICAL, Parameters
 from sim.study.figure_spec import written
 from sim.study.model import Point
-from sim.study.plot_file import AXES, OBSERVABLE, REGIME, PlotFile
+from sim.study.plot_file import PlotFile
+from sim.study.plot_kinds import REGIME
 from sim.study.plottable import (
-    SHOWN_BY,
     Observable,
     every_name,
     find_observable,
@@ -61,9 +61,9 @@ class PlotContents:
     @cached_property
     def observable(self) -> Observable | None:
         """The observable, ``None`` on a map of regimes."""
-        if self.plot.base_kind == "map" and self.plot.observable == REGIME:
+        if self.plot.observable == REGIME == self.plot.keys.usual:
             return None
-        return self._observable(OBSERVABLE[self.plot.base_kind][0], self.plot.observable)
+        return self._observable(self.plot.keys.observable, self.plot.observable)
 
     @cached_property
     def second(self) -> Observable | None:
@@ -71,13 +71,12 @@ class PlotContents:
 
         A name of neither kind is refused later, with the parameters.
         """
-        plot, key = self.plot, self.plot.second_key
+        plot, keys, key = self.plot, self.plot.keys, self.plot.keys.second
         name = getattr(plot, key) if key else None
-        if name is None or (key in AXES[plot.base_kind] and name not in every_name()):
+        if name is None or (key in keys.axes and name not in every_name()):
             return None
         if name == plot.observable:
-            first, _ = OBSERVABLE[plot.base_kind]
-            raise self.error(key, name, f"an observable other than {first}")
+            raise self.error(key, name, f"an observable other than {keys.observable}")
         return self._observable(key, name)
 
     @property
@@ -92,24 +91,24 @@ class PlotContents:
 
     def require_drawable(self) -> None:
         """Raise ``InputError`` for what the points do not keep or vary, or what hides a point."""
-        keys: dict[str, str] = {}
+        places: dict[str, str] = {}
         named = self._parameters_by_key()
         for key, name in named:
-            shown = SHOWN_BY[self.plot.base_kind](self.system)
-            alternatives = shown if key == self.plot.second_key else ()
+            keys = self.plot.keys
+            alternatives = keys.shows(self.system) if key == keys.second else ()
             require_parameter(key, name, self.system, alternatives, self.error)
             self._require_varied(key, name)
         for key, name in named:
-            if name in keys:
-                raise self.error(key, name, f"a parameter other than {keys[name]}")
-            keys[name] = key
+            if name in places:
+                raise self.error(key, name, f"a parameter other than {places[name]}")
+            places[name] = key
         self._require_few_panels()
         self._require_logarithms()
         self._require_distinct_map_points()
 
     def _observable(self, key: str, name: str) -> Observable:
         """Return the observable that a key of the plot names, if its points keep it."""
-        observable = find_observable(self.plot.base_kind, key, name, self.system, self.error)
+        observable = find_observable(self.plot.kind, key, name, self.system, self.error)
         needed = observable.asked_by
         if needed and not all(getattr(point, needed, False) for point in self.parameters):
             allowed = f"points with {needed}: true, without which it is not kept"
@@ -156,7 +155,7 @@ class PlotContents:
         """Raise an error for a map that would draw several points at one position."""
         shown = (*self.axes, *self.groups)
         points_by_position: dict[tuple[Any, ...], Parameters] = {}
-        for point in self.parameters if self.plot.base_kind == "map" else ():
+        for point in self.parameters if self.plot.keys.is_map else ():
             position = tuple(getattr(point, name) for name in shown)
             other = points_by_position.setdefault(position, point)
             if other is not point:

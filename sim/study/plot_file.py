@@ -7,66 +7,28 @@ from pydantic import AfterValidator, BeforeValidator, Field, WithJsonSchema, mod
 from sim.base.additions import NAME as PLUGIN_NAME
 from sim.parameters.common import Real, broken_rule
 from sim.study.entries import ALLOWED_NAME, NAME, Strict, optional, require_printable
-from sim.study.plot_kinds import KINDS, base_kind, own_plots
+from sim.study.plot_kinds import REGIME, Keys, find_kind, study_kinds
 from sim.study.plottable import every_name
 
 
 def _require_known_kind(kind: str) -> str:
-    kinds = [*KINDS, *own_plots()]
+    kinds = study_kinds(own=True)
     if kind not in kinds:
         raise broken_rule("", kind, "one of " + ", ".join(kinds))
     return kind
 
 
-#: Type of a kind of plot: one of `KINDS`, or a kind of a plug-in.
+#: Type of a kind of plot, of Talus or of a plug-in.
 Kind = Annotated[
     str,
     AfterValidator(_require_known_kind),
-    WithJsonSchema({"anyOf": [{"enum": list(KINDS)}, {"type": "string", "pattern": PLUGIN_NAME}]}),
+    WithJsonSchema(
+        {"anyOf": [{"enum": study_kinds()}, {"type": "string", "pattern": PLUGIN_NAME}]}
+    ),
 ]
-
-#: Value of ``colour`` that is no observable: a map of regimes.
-REGIME = "regime"
-
-#: Key of the observable of each kind of plot, and its default.
-OBSERVABLE: dict[str, tuple[str, str]] = {
-    "curves": ("y", "velocity"),
-    "map": ("colour", REGIME),
-    "profiles": ("x", "velocity"),
-    "time_series": ("y", "velocity"),
-    "distribution": ("y", "velocity"),
-}
-
-#: Key of the second observable, for the kinds that can show one observable against another.
-SECOND_KEY = {"curves": "x", "profiles": "y"}
-
-#: Kinds that can show data beside their own.
-_KINDS_WITH_BESIDE = ("curves", "profiles", "map")
 
 #: Allowed values of ``between``, for messages.
 _ALLOWED_BETWEEN = "two heights in diameters, 0 or more, the lower one first"
-
-#: Keys of the parameters on the axes of each kind; and hints for keys that a kind does not have.
-AXES: dict[str, tuple[str, ...]] = {
-    "curves": ("x",),
-    "map": ("x", "y"),
-    "profiles": (),
-    "time_series": (),
-    "distribution": ("x",),
-}
-_MISSING_KEY_HINTS = {
-    ("map", "curves"): "no curves on a map; panels tell further parameters apart",
-    ("time_series", "x"): "nothing: x is the time",
-}
-
-#: Axes of each kind of plot that can be logarithmic.
-_LOG_AXES: dict[str, tuple[str, ...]] = {
-    "curves": ("x", "y"),
-    "map": ("x", "y", "colour"),
-    "profiles": ("x",),
-    "time_series": ("x", "y"),
-    "distribution": ("y",),
-}
 
 
 def _as_list(value: Any) -> Any:
@@ -197,35 +159,22 @@ class PlotFile(Strict):
 
     @model_validator(mode="after")
     def _require_keys_of_kind(self) -> Self:
-        observable_key, _ = OBSERVABLE[self.base_kind]
-        allowed_keys = {observable_key, self.second_key, "panels", *AXES[self.base_kind]}
-        allowed_keys |= set() if self.base_kind == "map" else {"curves"}
-        for key in ("x", "y", "colour", "curves", "panels"):
+        for key in ("x", "y", "colour", "curves", "panels", "between", "beside"):
             value = getattr(self, key)
-            if value is not None and key not in allowed_keys:
-                allowed = _MISSING_KEY_HINTS.get((self.base_kind, key), f"{key} of a map alone")
-                raise broken_rule(key, value, allowed)
-            if value is None and key in AXES[self.base_kind]:
-                alternative = ", or an observable" if SECOND_KEY.get(self.base_kind) == key else ""
+            if value is not None and key not in self.keys_of_kind:
+                allowed = f"a key of {self.kind}: {', '.join(self.keys_of_kind)}"
+                raise broken_rule(key, value[0].label if key == "beside" else value, allowed)
+            if value is None and key in self.keys.axes:
+                alternative = ", or an observable" if self.keys.second == key else ""
                 raise broken_rule(key, value, f"a parameter that the points vary{alternative}")
         for number, axis in enumerate(self.log):
-            axes = _LOG_AXES[self.base_kind] + (
-                ("y",) if self.base_kind == "profiles" and self.y else ()
-            )
-            if self.base_kind == "map" and self.observable == REGIME:
-                axes = ("x", "y")
-            if axis not in axes:
-                allowed = "one of " + ", ".join(axes)
-                raise broken_rule(f"log[{number}]", axis, allowed)
+            if axis not in self.log_axes:
+                raise broken_rule(f"log[{number}]", axis, "one of " + ", ".join(self.log_axes))
         return self
 
     @model_validator(mode="after")
     def _require_valid_heights(self) -> Self:
-        if self.between is None:
-            return self
-        if self.base_kind != "profiles":
-            raise broken_rule("between", self.between, "between of profiles alone")
-        low, high = self.between
+        low, high = self.between or (0, 1)
         if not 0 <= low < high:
             raise broken_rule("between", self.between, _ALLOWED_BETWEEN)
         return self
@@ -234,9 +183,6 @@ class PlotFile(Strict):
     def _require_drawable_beside(self) -> Self:
         labels: set[str] = set()
         for number, data in enumerate(self.beside or []):
-            if self.kind not in _KINDS_WITH_BESIDE:
-                allowed = f"no data beside, which are of {', '.join(_KINDS_WITH_BESIDE)} alone"
-                raise broken_rule("beside", data.label, allowed)
             if data.label in labels:
                 raise broken_rule(f"beside[{number}].label", data.label, "a label of its own")
             labels.add(data.label)
@@ -252,22 +198,46 @@ class PlotFile(Strict):
         return self
 
     @property
-    def base_kind(self) -> str:
-        """Kind of Talus whose keys this plot takes."""
-        return base_kind(self.kind)
+    def keys(self) -> Keys:
+        """The keys of its kind."""
+        return find_kind(self.kind).keys
+
+    @property
+    def keys_of_kind(self) -> tuple[str, ...]:
+        """Names of the keys that its kind has besides those of all kinds."""
+        return self.keys.every
+
+    @property
+    def log_axes(self) -> tuple[str, ...]:
+        """Axes that can be logarithmic: where an observable is on one, or no regime."""
+        second = [key for key in (self.keys.second,) if key and getattr(self, key)]
+        axes = dict.fromkeys((*self.keys.log, *second))
+        return tuple(axis for axis in axes if (axis, self.observable) != ("colour", REGIME))
 
     @property
     def observable(self) -> str:
         """Name of the observable that is shown, or ``regime``."""
-        key, default = OBSERVABLE[self.base_kind]
-        return getattr(self, key) or default
-
-    @property
-    def second_key(self) -> str:
-        """Key of the second observable, empty if the kind shows none."""
-        return SECOND_KEY.get(self.base_kind, "")
+        key = self.keys.observable
+        return (getattr(self, key) or self.keys.usual) if key else ""
 
     @property
     def axis_names(self) -> tuple[str, ...]:
-        """Names on the axes that show parameters; at ``second_key`` it may be an observable."""
-        return tuple(getattr(self, key) for key in AXES[self.base_kind])
+        """Names on the axes that show parameters; at a second key it may be an observable."""
+        return tuple(getattr(self, key) for key in self.keys.axes)
+
+    @property
+    def options(self) -> dict[str, Any]:
+        """What the kind of plot leaves open, as plain data."""
+        return {
+            "show": self.observable,
+            "second": "",
+            "between": tuple(self.between or ()),
+            "beside": tuple(
+                (data.label, tuple(map(tuple, data.points)), data.line)
+                for data in self.beside or ()
+            ),
+            "panels": self.panels or "",
+            "curves": tuple(self.curves or ()),
+            "units": self.units,
+            "log": tuple(self.log),
+        }

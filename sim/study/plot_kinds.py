@@ -1,42 +1,150 @@
-"""Kinds of plot of a study's own points: the kinds of Talus, and those that plug-ins declare."""
+"""Kinds of plot: what a kind is, and the call that declares one, for Talus and for plug-ins alike.
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+Those that ship stand in `sim.figures.kinds`, a file each. Nothing imports them by a statement.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from enum import IntEnum
+from functools import wraps
+from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from sim.base.additions import add, additions
+from sim.base.additions import add, additions, attribute_errors_to, shipped
 from sim.base.require import require_function, require_one_of
+from sim.base.words import printable
 
 if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.figure import Figure
 
-#: Kinds of Talus; docs/plots.md describes them.
-KINDS = ("curves", "map", "profiles", "time_series", "distribution")
+#: Kind of the additions that are kinds of plot, and package of those that ship.
+PLOT, SHIPPED = "plot", "sim.figures.kinds"
 
-#: Kind of the plug-in additions that are kinds of plot.
-PLOT = "plot"
+#: Value of the key of the observable that is none: a map of regimes.
+REGIME = "regime"
 
-#: Function: data of a figure (`sim.figures.data.FigureData`) → picture.
+#: Function of the data of a figure, `sim.figures.data.FigureData`.
+OfData = Callable[[Any], Any]
+
+#: Function: data of a figure → picture.
 Drawing = Callable[[Any], "Figure"]
 
 
-@dataclass(frozen=True)
-class OwnPlot:
-    """A kind of plot of a plug-in: see `plot_kind`."""
+class Shown(IntEnum):
+    """What is shown of the particles of a point, the later the more of them is kept."""
 
-    like: str
-    draw: Drawing
-    table: "Callable[[Any], pd.DataFrame] | None"
-    notes: Callable[[Any], Sequence[str]] | None
+    NOTHING = 0
+    STATE = 1
+    PATH = 2
+
+
+@dataclass(frozen=True)
+class Keys:
+    """The keys that a kind of plot takes, and what they name.
+
+    Attributes
+    ----------
+    axes : tuple of str
+        Keys of the parameters on its axes.
+    observable : str
+        Key of the observable; empty for a kind of papers' figures alone.
+    usual : str
+        What is shown where this key is omitted.
+    shows : callable
+        Function: system → observables that can be shown (`sim.study.plottable`), by name.
+    second : str
+        Key of a second observable, for a kind that can show one against another.
+    log : tuple of str
+        Axes that can be logarithmic.
+    others : tuple of str
+        Further keys.
+    of_papers : tuple of str
+        Further keys of papers' figures; `sim.study.catalogue` says what they mean.
+    systems : tuple of str
+        Systems that it can show, empty for all.
+    what, over : str
+        What titles make of the name of the observable, and what they say of the axes.
+    particles : Shown
+        What it shows of the particles, which the dataset then keeps.
+    animated, from_runs : bool
+        Whether it moves, and whether it reads run files.
+    """
+
+    axes: tuple[str, ...] = ()
+    observable: str = ""
+    usual: str = "velocity"
+    shows: Callable[[str], Mapping[str, Any]] = lambda system: {}
+    second: str = ""
+    log: tuple[str, ...] = ()
+    others: tuple[str, ...] = ()
+    of_papers: tuple[str, ...] = ()
+    systems: tuple[str, ...] = ()
+    what: str = "{}"
+    over: str = "against {}"
+    particles: Shown = Shown.NOTHING
+    animated: bool = False
+    from_runs: bool = False
+
+    @property
+    def every(self) -> tuple[str, ...]:
+        """All keys of a study's plot of the kind, besides those of all kinds."""
+        named = *self.axes, self.observable, self.second, *self.others
+        return tuple(dict.fromkeys(filter(None, named)))
+
+    @property
+    def is_map(self) -> bool:
+        """Whether both axes are parameters, so that each point has a place of its own."""
+        return len(self.axes) == 2
+
+
+class Later:
+    """The functions of a module, which is imported when one of them is first called.
+
+    Study files are read without what draws.
+    """
+
+    def __init__(self, module: str):
+        self.module = module
+
+    def __getattr__(self, name: str) -> OfData:
+        """Return a function that calls the one of this name."""
+        return lambda data: getattr(import_module(self.module), name)(data)
+
+
+@dataclass(frozen=True)
+class PlotKind:
+    """A kind of plot: its keys, and functions of the data of a figure, which include its entry.
+
+    Attributes
+    ----------
+    keys : Keys
+        The keys that it takes.
+    draw : callable
+        Returns the picture or the animation.
+    table : callable
+        Returns the data behind the picture, units in the headings.
+    notes : callable
+        Returns the sentences of the caption on error bars, markers and the like.
+    select : callable
+        Returns the data with the points to draw only; gets at least one point.
+    """
+
+    keys: Keys
+    draw: OfData = field(repr=False)
+    table: "Callable[[Any], pd.DataFrame]" = Later("sim.figures.quantity").point_table
+    notes: Callable[[Any], list[str]] = Later("sim.figures.caption").point_notes
+    select: OfData = lambda data: data
 
 
 def plot_kind(
     name: str,
     *,
-    like: str,
+    like: str = "",
+    keys: Keys | None = None,
     table: "Callable[[Any], pd.DataFrame] | None" = None,
     notes: Callable[[Any], Sequence[str]] | None = None,
+    select: OfData | None = None,
 ) -> Callable[[Drawing], Drawing]:
     """Declare a kind of plot; the decorated function draws it.
 
@@ -48,33 +156,72 @@ def plot_kind(
     name : str
         The ``kind`` that study files give.
     like : str
-        Kind of Talus whose keys it takes; the same checks apply.
+        Kind of Talus whose keys it takes, where it has no ``keys`` of its own; the same checks
+        apply.
+    keys : Keys, optional
+        The keys that it takes.
     table, notes : callable, optional
         Functions that return the data behind the picture, and the sentences of the caption. By
         default, those of ``like``.
+    select : callable, optional
+        Function that returns the data with the points to draw only.
     """
-    require_one_of(f"plot {name}: like", like, KINDS)
-    for role, function in (("table", table), ("notes", notes)):
-        if function is not None:
-            require_function(f"plot {name}: {role}", function, takes=1)
+    given = {"table": table, "notes": notes, "select": select}
+    functions = {role: function for role, function in given.items() if function is not None}
+    if keys is None:
+        require_one_of(f"plot {name}: like", like, study_kinds())
+        base = find_kind(like)
+        # Nothing draws data beside the plot of a plug-in.
+        others = tuple(key for key in base.keys.others if key != "beside")
+        base = replace(base, keys=replace(base.keys, others=others))
+    for role, function in functions.items():
+        require_function(f"plot {name}: {role}", function, takes=1)
+    if notes:
+        functions["notes"] = lambda data: [printable(note) for note in notes(data)]
 
     def register(draw: Drawing) -> Drawing:
         require_function(f"plot {name}", draw, takes=1)
-        add(PLOT, name, OwnPlot(like, draw, table, notes), KINDS)
+        own: dict[str, Any] = {
+            role: _attributed(name, one) for role, one in (functions | {"draw": draw}).items()
+        }
+        add(PLOT, name, replace(base, **own) if keys is None else PlotKind(keys, **own))
         return draw
 
     return register
 
 
-def own_plots() -> dict[str, OwnPlot]:
-    """Return the kinds that plug-ins have declared."""
-    return {name: addition.value for name, addition in additions(PLOT).items()}
+def _attributed(name: str, function: OfData) -> OfData:
+    """Return a function whose errors name the plug-in of a kind, and its place there."""
+
+    @wraps(function)
+    def call(data: Any) -> Any:
+        with attribute_errors_to(PLOT, name, f" {data.spec.name}"):
+            return function(data)
+
+    return call
 
 
-def base_kind(kind: str) -> str:
-    """Return the kind of Talus whose keys a kind takes; a kind of Talus is its own base."""
-    plots = own_plots()
-    return plots[kind].like if kind in plots else kind
+def kinds() -> Mapping[str, PlotKind]:
+    """Return all kinds of plot by name: those that ship, then those of plug-ins."""
+    import_module(SHIPPED)
+    return {
+        **shipped(PLOT),
+        **{name: addition.value for name, addition in additions(PLOT).items()},
+    }
+
+
+def find_kind(name: str) -> PlotKind:
+    """Return the kind of plot with a name."""
+    return kinds()[name]
+
+
+def study_kinds(*, own: bool = False) -> list[str]:
+    """Return the names of the kinds of studies' plots, with ``own`` those of plug-ins, too."""
+    return [
+        name
+        for name, kind in kinds().items()
+        if kind.keys.observable and (own or name in shipped(PLOT))
+    ]
 
 
 def plugin_code(kind: str) -> dict[str, str]:

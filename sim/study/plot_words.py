@@ -4,18 +4,15 @@ from sim.parameters import SYSTEMS, field_info
 from sim.study.plot_file import PlotFile
 from sim.study.plottable import Observable
 
-_FIXED_PHRASES = {"profiles": "over the height", "time_series": "against time"}
-
 
 def default_title(plot: PlotFile, observable: Observable | None, second: Observable | None) -> str:
     """Return the default title of a plot, such as ``Velocity against friction, by angle``."""
     vertical, horizontal = _y_then_x(plot, observable, second)
-    what = name_in_words(vertical.name) if vertical else "regimes"
+    what = plot.keys.what.format(name_in_words(vertical.name)) if vertical else "regimes"
     names = [horizontal.name] if horizontal else plot.axis_names
     over = _over_phrase(plot, list(map(name_in_words, names)), horizontal)
     groups = [*(plot.curves or []), *([plot.panels] if plot.panels else [])]
-    replicates = " of each replicate" if plot.base_kind == "distribution" else ""
-    title = f"{what}{replicates} {over}" + (
+    title = f"{what} {over}" + (
         f", by {' and '.join(map(name_in_words, groups))}" if groups else ""
     )
     return title[0].upper() + title[1:]
@@ -48,14 +45,13 @@ def _y_then_x(
     plot: PlotFile, observable: Observable | None, second: Observable | None
 ) -> tuple[Observable | None, Observable | None]:
     """Order two observables as (y, x)."""
-    return (second, observable) if second and plot.second_key == "y" else (observable, second)
+    return (second, observable) if second and plot.keys.second == "y" else (observable, second)
 
 
 def _over_phrase(plot: PlotFile, names: list[str], horizontal: Observable | None) -> str:
     """Return the part of a title that begins with "over" or "against"."""
-    if horizontal is None and plot.base_kind in _FIXED_PHRASES:
-        return _FIXED_PHRASES[plot.base_kind]
-    return ("over " if plot.base_kind == "map" else "against ") + " and ".join(names)
+    pattern = plot.keys.over if horizontal is None else "against {}"
+    return pattern.format(" and ".join(names))
 
 
 def parameter_phrase(system: str, name: str) -> str:

@@ -1,12 +1,13 @@
 """What plots can show: observables and parameters by their names, with units and meanings."""
 
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
 from sim.base.messages import did_you_mean
 from sim.parameters import SYSTEMS
 from sim.parameters.variables import Variable, observable_variables, plotted_name, variables_of
+from sim.study.plot_kinds import find_kind, study_kinds
 
 
 @dataclass(frozen=True)
@@ -66,20 +67,18 @@ def _observable(name: str, row: Variable) -> Observable:
     return Observable(name, row.name, row.unit, row.meaning, asked_by=row.asked_by)
 
 
-#: Observables that each kind of plot can show, by system.
-SHOWN_BY = {
-    "curves": numbers,
-    "map": numbers,
-    "profiles": profiles,
-    "time_series": series,
-    "distribution": numbers,
-}
+def shown_by() -> dict[str, dict[str, Mapping[str, Observable]]]:
+    """Return the observables that each kind of a study's plots can show, by kind and system."""
+    return {
+        kind: {system: find_kind(kind).keys.shows(system) for system in SYSTEMS}
+        for kind in study_kinds()
+    }
 
 
 def every_name() -> list[str]:
     """Return the names of the observables of all kinds of plot and systems."""
-    named = (SHOWN_BY[kind](system) for kind in SHOWN_BY for system in SYSTEMS)
-    return list(dict.fromkeys(name for each in named for name in each))
+    shown = (names for systems in shown_by().values() for names in systems.values())
+    return list(dict.fromkeys(name for names in shown for name in names))
 
 
 #: Function: key of a plot, its value, allowed values → error to raise.
@@ -91,18 +90,19 @@ def find_observable(
 ) -> Observable:
     """Return the observable that a key of a plot names.
 
-    ``kind`` is one of `SHOWN_BY`. Raises what ``plot_error`` makes for a name that it cannot show.
+    Raises what ``plot_error`` makes for a name that it cannot show.
     """
-    observables = SHOWN_BY[kind](system)
+    shows = find_kind(kind).keys.shows
+    observables = shows(system)
     if name in observables:
         return observables[name]
     for other in SYSTEMS:
-        if other != system and name in SHOWN_BY[kind](other):
+        if name in shows(other):
             raise plot_error(
                 key, name, f"an observable of the {system}; {name} is one of the {other}"
             )
-    for other, shown in SHOWN_BY.items():
-        if name in shown(system):
+    for other, shown in shown_by().items():
+        if name in shown[system]:
             raise plot_error(
                 key, name, f"an observable of {kind}; {name} is shown by kind: {other}"
             )

@@ -13,7 +13,7 @@ from sim.parameters import SYSTEMS, FieldRow, field_info
 from sim.study.catalogue import FIGURES
 from sim.study.entries import RANGE, RANGE_SCHEMA
 from sim.study.plot_file import BesideFile, PlotFile
-from sim.study.plottable import SHOWN_BY
+from sim.study.plottable import shown_by
 from sim.study.validate import file_models
 
 SCHEMA_NAME = "schema.json"
@@ -131,8 +131,8 @@ def _keys_table(model: type[BaseModel]) -> str:
 def _observables_table() -> str:
     entries: dict[str, dict[str, Any]] = {}
     for system in SYSTEMS:
-        for kind, observables in SHOWN_BY.items():
-            for observable in observables(system).values():
+        for kind, observables in shown_by().items():
+            for observable in observables[system].values():
                 entry = entries.setdefault(
                     observable.name, {"observable": observable, "kinds": {}, "systems": {}}
                 )

@@ -3,6 +3,7 @@
 import shutil
 import struct
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -12,13 +13,12 @@ import pytest
 from PIL import Image
 
 from sim.dataset.build import build
-from sim.figures import belt_animation, chute_animation
-from sim.figures.kind import KINDS, PLOT_PREFIX, Kind, load_kind
+from sim.figures import animation
 from sim.figures.render import find_spec, render
+from sim.study.catalogue import FIGURES
 from sim.study.figure_spec import FigureSpec
 from sim.study.load import load_study
-from sim.study.plot_kinds import KINDS as PLOT_KINDS
-from sim.study.plot_kinds import base_kind, own_plots
+from sim.study.plot_kinds import find_kind, kinds, study_kinds
 from tests import conformance  # noqa: F401  (loads the plug-ins)
 from tests.figures import made_belt, made_chute
 from tests.made.figures import make_built_regimes, make_built_study
@@ -31,9 +31,8 @@ LARGEST = 1.5e6
 
 SVG = "{http://www.w3.org/2000/svg}"
 
-OWN = (*PLOT_KINDS, *own_plots())
-
-#: Keys of a study's own plots, by the kind of Talus whose they are.
+#: Keys of a study's own plots, by the kind of Talus whose they are; and by names of figures, forms
+#: of kinds: that of a study's own plots, those of papers by system.
 KEYS = {
     "curves": "x: friction, curves: angle",
     "map": "x: friction, y: angle, colour: velocity",
@@ -46,12 +45,28 @@ KEYS = {
 STATES = {"all": None, "one": 1, "none": 0}
 
 
+def like(kind: str) -> str:
+    """Return the kind of Talus whose keys a kind takes."""
+    keys = replace(find_kind(kind).keys, others=())
+    return next(one for one in KEYS if replace(find_kind(one).keys, others=()) == keys)
+
+
+def form(spec: FigureSpec) -> str:
+    """Return the kind of a figure, with what else its picture depends on."""
+    relative = "relative" * bool(spec.options.get("relative"))
+    return " ".join(filter(None, (spec.kind, spec.system if spec.paper else "own", relative)))
+
+
+FORMS = sorted({form(spec) for spec in FIGURES.values()})
+FORMS += [f"{kind} own" for kind in study_kinds(own=True)]
+
+
 @once
 def make_own(folder: Path) -> tuple[Path, Path]:
     """Make a study with a plot of each kind of a study's own."""
     path = folder / "own.yaml"
     plots = "\n".join(
-        f"  - {{name: {kind}, kind: {kind}, {KEYS[base_kind(kind)]}}}" for kind in OWN
+        f"  - {{name: {kind}, kind: {kind}, {KEYS[like(kind)]}}}" for kind in study_kinds(own=True)
     )
     path.write_text(
         "study: own\nseries: [{name: flows, system: chute, base: {replicates: 3},\n"
@@ -75,19 +90,19 @@ MADE = (
 
 @pytest.fixture(scope="module")
 def found(tmp_path_factory) -> Callable[[str], tuple[FigureSpec, Path]]:
-    """Return a function: kind -> a figure of it, with a dataset whose points feed it."""
+    """Return a function: form -> a figure of it, with a dataset whose points feed it."""
     first: dict[str, tuple[FigureSpec, Path]] = {}
     makers = iter(MADE)
 
-    def find(kind: str) -> tuple[FigureSpec, Path]:
-        while kind not in first:
+    def find(wanted: str) -> tuple[FigureSpec, Path]:
+        while wanted not in first:
             study_path, results = next(makers)(tmp_path_factory.mktemp("made"))
             dataset = results if results.suffix else next(results.glob("*/dataset.nc"))
             study = load_study(study_path, dataset.parent.parent)
             for name in study.figures:
                 spec = find_spec(name, study.plots)
-                first.setdefault(spec.kind, (spec, dataset))
-        return first[kind]
+                first.setdefault(form(spec), (spec, dataset))
+        return first[wanted]
 
     return find
 
@@ -95,8 +110,8 @@ def found(tmp_path_factory) -> Callable[[str], tuple[FigureSpec, Path]]:
 @pytest.fixture(autouse=True)
 def small(monkeypatch) -> None:
     """Let pictures of animations, which take long, be small."""
-    monkeypatch.setattr(chute_animation, "PIXELS", 50)
-    monkeypatch.setattr(belt_animation, "WIDTH_IN_PIXELS", 50)
+    monkeypatch.setattr(animation, "CHUTE_PIXELS", 50)
+    monkeypatch.setattr(animation, "BELT_PIXELS", 50)
 
 
 def with_completed(dataset: Path, replicates: int | None) -> Path:
@@ -114,10 +129,9 @@ def with_completed(dataset: Path, replicates: int | None) -> Path:
 
 
 @pytest.mark.parametrize("state", STATES)
-@pytest.mark.parametrize("kind", [*KINDS, *(PLOT_PREFIX + kind for kind in own_plots())])
-def test_a_kind_draws_its_picture_data_and_caption(kind, state, found, tmp_path):
-    assert type(load_kind(kind)) is Kind
-    spec, dataset = found(kind)
+@pytest.mark.parametrize("wanted", FORMS)
+def test_a_kind_draws_its_picture_data_and_caption(wanted, state, found, tmp_path):
+    spec, dataset = found(wanted)
     files = render(spec, with_completed(dataset, STATES[state]), tmp_path)
     assert [file.name for file in files] == [spec.name + suffix for suffix in spec.suffixes]
     png, other, table, caption = files
@@ -141,3 +155,7 @@ def test_a_kind_draws_its_picture_data_and_caption(kind, state, found, tmp_path)
     if state == "all" and not spec.animated:
         again = render(spec, dataset, tmp_path / "again")
         assert [path.read_bytes() for path in again] == [path.read_bytes() for path in files]
+
+
+def test_every_kind_is_drawn():
+    assert {wanted.split()[0] for wanted in FORMS} == set(kinds())

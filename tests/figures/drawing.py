@@ -12,12 +12,12 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from sim.dataset.results import Results, load_results
-from sim.figures.animation import Animation
 from sim.figures.data import FigureData, figure_data
-from sim.figures.kind import load_kind
+from sim.figures.gif import Animation
 from sim.figures.render import derive_texts, find_spec, render
 from sim.figures.style import SETTINGS
 from sim.study.catalogue import FIGURES
+from sim.study.plot_kinds import find_kind
 
 _loaded = cache(load_results)
 
@@ -30,12 +30,12 @@ def data_of_figure(name: str, results: Results | Path) -> FigureData:
 def picture(data: FigureData) -> Figure | Animation:
     """Return a figure as its kind draws the points of the data."""
     with mpl.rc_context(SETTINGS):
-        return load_kind(data.spec.kind).draw(data)
+        return find_kind(data.spec.kind).draw(data)
 
 
 def drawn(name: str, results: Results | Path) -> tuple[Any, FigureData]:
     """Return a figure as its kind draws it, and its data."""
-    data = load_kind(FIGURES[name].kind).select(data_of_figure(name, results))
+    data = find_kind(FIGURES[name].kind).select(data_of_figure(name, results))
     return picture(data), data
 
 
@@ -47,7 +47,7 @@ def texts(name: str, dataset: Path) -> tuple[pd.DataFrame, str]:
 
 def table(data: FigureData) -> pd.DataFrame:
     """Return the plotted data of a figure."""
-    return load_kind(data.spec.kind).table(data)
+    return find_kind(data.spec.kind).table(data)
 
 
 def without_particles(data: FigureData) -> FigureData:

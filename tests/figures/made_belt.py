@@ -42,7 +42,7 @@ series:
   - name: starts
     system: belt
     base: {frequency: 80, damping: 10, shear_damping: 10}
-    cases: [{initial_velocity: 2.5}, {initial_velocity: 4.5, protocol: converged}]
+    cases: [{initial_velocity: 4}, {initial_velocity: 4.5, protocol: converged}]
     figures: [gallas_2c, gallas_3c]
   - name: frictionless
     system: belt

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from sim.dataset.results import load_results
-from sim.figures import belt_animation, chute_animation
+from sim.figures import animation
 from sim.study.catalogue import FIGURES
 from tests.figures.drawing import data_of_figure, drawn, picture, without_particles
 
@@ -18,8 +18,8 @@ def results(chute_dataset):
 
 @pytest.fixture(autouse=True)
 def small(monkeypatch):
-    monkeypatch.setattr(chute_animation, "PIXELS", 50)
-    monkeypatch.setattr(belt_animation, "WIDTH_IN_PIXELS", 50)
+    monkeypatch.setattr(animation, "CHUTE_PIXELS", 50)
+    monkeypatch.setattr(animation, "BELT_PIXELS", 50)
 
 
 @pytest.mark.parametrize("name", ANIMATIONS)
@@ -37,18 +37,18 @@ def test_an_animation_has_frames_that_differ(results, name):
 def test_no_sphere_goes_further_than_the_eye_follows(results):
     _, data = drawn("animation_sheared", results)
     (row,) = data.rows.to_dict("records")
-    time, position, speed = chute_animation.motion(results.particles(row["point"]), row["diameter"])
+    time, position, speed = animation.motion(results.particles(row["point"]), row["diameter"])
     steps = np.diff(position[..., 0], axis=0) / row["diameter"]
-    assert len(time) == chute_animation.FRAMES
-    assert steps.max() <= 1.01 * chute_animation.STRIDE
+    assert len(time) == animation.FRAMES
+    assert steps.max() <= 1.01 * animation.STRIDE
     assert speed == pytest.approx(np.full(speed.shape, 0.1), rel=1e-3)
 
 
 def test_a_belt_goes_once_up_and_down_along_the_angle_of_vibration(results):
     moving, data = drawn("animation_onset", results)
     (row,) = data.rows.to_dict("records")
-    belt = belt_animation.BeltScene(row, results.particles(row["point"]))
-    assert belt_animation.EVERY * moving.frames == 40
+    belt = animation.BeltScene(row, results.particles(row["point"]))
+    assert animation.EVERY * moving.frames == 40
     levels = [belt.line(number)[1] for number in range(41)]
     marks = [belt.line(number)[0][0] for number in range(41)]
     assert [levels[0], levels[10], levels[30], levels[40]] == pytest.approx([0, 1, -1, 0], abs=1e-6)
@@ -62,6 +62,6 @@ def test_the_slowest_of_the_rough_flows_is_drawn(results):
 
 def test_a_point_without_a_path_says_so(results):
     data = without_particles(data_of_figure("animation_block", results))
-    moving = picture(belt_animation.select(data))
+    moving = picture(animation.select(data))
     assert moving.frames == 1
     assert [text.get_text() for text in moving.figure.axes[0].texts] == ["no motion stored"]

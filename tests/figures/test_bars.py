@@ -2,7 +2,7 @@
 
 from matplotlib.markers import CARETDOWN, CARETLEFT, CARETRIGHT, CARETUP
 
-from sim.figures.bars import mark_cut_bars
+from sim.figures.axes import mark_cut_bars
 from sim.figures.style import canvas
 
 

@@ -11,8 +11,7 @@ from matplotlib.patches import Circle
 
 from sim.base.errors import InputError
 from sim.dataset.results import load_results
-from sim.figures.belt_cell import TALLEST, select
-from sim.figures.belt_snapshots import round_speed
+from sim.figures.beads import TALLEST, round_speed, select
 from sim.figures.render import settle
 from sim.figures.style import DOTTED
 from sim.study.catalogue import FIGURES

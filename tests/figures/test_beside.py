@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from matplotlib.lines import Line2D
 
-from sim.figures.chute_map import MARKS
 from sim.figures.foreign_data import _MARKERS
-from sim.figures.kind import load_kind
+from sim.figures.map import MARKS
 from sim.figures.style import COLOURS, MARKERS
+from sim.study.plot_kinds import find_kind
 from tests.figures.made_plots import drawn
 from tests.figures.test_plot_texts import shown_texts
 
@@ -54,7 +54,7 @@ def test_data_beside_are_in_every_panel_the_legend_the_caption_and_the_data(plot
             assert np.all((left <= at[:, 0]) & (at[:, 0] <= right))
             assert np.all((bottom <= at[:, 1]) & (at[:, 1] <= top))
     assert {"_glass $d$", "law"} <= shown_texts(figure)
-    text = " ".join(load_kind(data.spec.kind).notes(data))
+    text = " ".join(find_kind(data.spec.kind).notes(data))
     assert "not simulated here: _glass $d$ (markers); law (line)." in text
     assert len(rows) == len(study_rows) + 5 and "not of this study" not in study_rows
     beside = rows[rows["not of this study"].notna()]

@@ -8,7 +8,7 @@ import pandas as pd
 import pytest
 
 from sim.dataset.results import load_results
-from sim.figures import chute_row
+from sim.figures import row
 from sim.figures.style import DOTTED, PALE
 from tests.figures.drawing import dashes, data_of_figure, draw, drawn, picture, without_particles
 from tests.figures.made_chute import SPREAD
@@ -24,7 +24,7 @@ def results(chute_dataset):
 
 @pytest.fixture(autouse=True)
 def small(monkeypatch):
-    monkeypatch.setattr(chute_row, "PIXELS", 60)
+    monkeypatch.setattr(row, "PIXELS", 60)
 
 
 def lines(axes) -> dict[str, mpl.lines.Line2D]:
@@ -54,7 +54,7 @@ def test_instantaneous_profiles_are_solid_and_averages_dotted(results, name):
 def test_flows_of_two_stiffnesses_are_told_apart(results):
     _, data = drawn("walton_1_6", results)
     stiffer = data.rows.assign(stiffness=1000.0)
-    told = chute_row.notes(replace(data, rows=pd.concat([stiffer, data.rows], ignore_index=True)))
+    told = row.notes(replace(data, rows=pd.concat([stiffer, data.rows], ignore_index=True)))
     assert "those of the first flow, fixed length, K1 = 100 N/m" in told[0]
     assert any(text.startswith("Fixed length, K1 = 1000 N/m: mean velocity") for text in told)
 
@@ -102,7 +102,7 @@ def test_flows_of_another_cell_come_behind_and_say_so(results):
     data = data_of_figure("walton_1_3", results)
     one = data.rows[data.rows["protocol"] == "published"]
     rows = pd.concat([one.assign(cell=cell) for cell in (5.0, 10.0, 20.0)])
-    figure = chute_row.draw(replace(data, rows=rows))
+    figure = row.draw(replace(data, rows=rows))
     labels = [line.get_label() for line in figure.axes[0].get_lines()]
     assert [label.partition("fixed length, ")[2] for label in labels if "average" in label] == [
         "L = 10 σ",
@@ -113,9 +113,9 @@ def test_flows_of_another_cell_come_behind_and_say_so(results):
 
 @pytest.mark.parametrize(("name", "share"), [("walton_1_4", 0.5), ("walton_1_5", 1.0)])
 def test_deep_flows_show_the_whole_cell_and_others_a_portion(results, name, share):
-    row = data_of_figure(name, results).rows.to_dict("records")[0]
-    state = results.particles(row["point"])
-    scene = chute_row.Scene(row, state, np.array([1e-2]), np.array([0.0, 1.0]), 60)
+    flow = data_of_figure(name, results).rows.to_dict("records")[0]
+    state = results.particles(flow["point"])
+    scene = row.Scene(flow, state, np.array([1e-2]), np.array([0.0, 1.0]), 60)
     assert scene.shown_size == pytest.approx(np.array([3e-3, share * 3e-3]))
 
 

@@ -11,7 +11,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from sim.base.errors import InputError
-from sim.figures import chute_curves
+from sim.figures import paper_curves
 from sim.figures.style import DASH_DOT, PALE_MARKER_SIZE, SHORT_DASH
 from sim.study.load import load_study
 from tests.figures import drawing
@@ -128,7 +128,7 @@ def test_velocities_off_the_scale_have_room_side_by_side_or_one_above_the_other(
     axes = Figure().subplots()
     axes.set(xscale="log", xlim=(0.4, 40))
     depths = [0.5, 0.6, 0.7, 10, 20]
-    chute_curves._name_off_scale(axes, pd.DataFrame({"depth": depths, "velocity": 9.0}))
+    paper_curves._name_off_scale(axes, pd.DataFrame({"depth": depths, "velocity": 9.0}), "depth")
     heights = [text.get_position()[1] for text in axes.texts]
     low, middle, high = sorted(set(heights))
     assert heights == [low, middle, high, low, low]

@@ -4,15 +4,15 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from sim.figures.kind import load_kind
 from sim.figures.render import render
 from sim.study.load import load_study
+from sim.study.plot_kinds import find_kind
 from tests.figures.made_plots import SIZE, courses, drawn
 from tests.made.results import made_point
 
 
 def notes(data) -> str:
-    return " ".join(load_kind(data.spec.kind).notes(data))
+    return " ".join(find_kind(data.spec.kind).notes(data))
 
 
 def flows(velocities, **options):

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from sim.figures.belt_acceleration import relative_velocity
+from sim.figures.paper_curves import shown_quantities
 from sim.figures.style import LONG_DASH
 from tests.figures.drawing import dashes, drawn, table, texts
 from tests.figures.made_belt import transport
@@ -53,7 +53,7 @@ def test_onset_is_drawn_against_the_acceleration_and_relative_to_the_belt(belt_d
     speed = [transport(each) for each in rows.itertuples()]
     belt = 2 * np.pi * rows["frequency"] * vertical
     assert rows["velocity"].to_numpy() == pytest.approx(speed)
-    relative = relative_velocity(rows).value.to_numpy()
+    relative = shown_quantities(data)[0].value.to_numpy()
     assert relative == pytest.approx((speed / belt).to_numpy())
     heights = [y for line in axes.get_lines() if len(line.get_xdata()) for y in line.get_ydata()]
     assert set(relative) <= set(heights)

@@ -14,12 +14,12 @@ from matplotlib.markers import CARETDOWN, CARETUP
 from sim.base.errors import InputError
 from sim.base.plugins import load_plugins
 from sim.figures.caption import parameters_sentence
-from sim.figures.curves import _draw_points
 from sim.figures.data import figure_data
-from sim.figures.kind import load_kind
+from sim.figures.family import _draw_points
 from sim.figures.quantity import Quantity
 from sim.figures.render import derive_texts
 from sim.figures.style import SETTINGS, CurveStyle
+from sim.study.plot_kinds import find_kind
 from tests.figures.made_plots import GRID, drawn, flows, made
 from tests.made.plugins import restore_plugins
 from tests.made.processes import ROOT
@@ -118,7 +118,7 @@ def test_a_caption_tells_what_is_not_steady_where_no_marker_does(plot):
 
     def told(*points: Mapping) -> list[str]:
         spec, results = made(plot, at_frictions(*points))
-        return load_kind(spec.kind).notes(figure_data(results, spec))
+        return find_kind(spec.kind).notes(figure_data(results, spec))
 
     sentence = "Not shown to be steady, and drawn all the same: 2 points still accelerating."
     assert sentence in told(steady, speeding, speeding)

@@ -11,11 +11,11 @@ import pytest
 from sim.base.errors import InputError
 from sim.base.statistics import student_half_width
 from sim.dataset.results import load_results
-from sim.figures.kind import load_kind
+from sim.figures.axes import set_ticks
 from sim.figures.render import derive_texts, render
-from sim.figures.ticks import set_ticks
 from sim.figures.units import scale_of, unit_of
 from sim.study.load import load_study
+from sim.study.plot_kinds import find_kind
 from tests.figures.made_plots import GRID, SIZE, SPEED, courses, drawn, flows
 from tests.made.results import MadePoint, made_point
 
@@ -81,7 +81,7 @@ def test_a_cloud_of_points_is_not_joined_and_choices_tell_curves_apart():
     # Of one replicate the velocity alone has bars, which are upright.
     ends = [part.get_segments() for bars in axes.containers for part in bars.lines[2]]
     assert all(low[0] == high[0] for each in ends for low, high in each)
-    text = " ".join(load_kind(data.spec.kind).notes(data))
+    text = " ".join(find_kind(data.spec.kind).notes(data))
     assert "Points that differ in friction μ and angle θ are not joined." in text
     assert "No bar of the shear depth where only one replicate is known." in text
 
@@ -92,7 +92,7 @@ def test_what_is_not_above_zero_has_no_place_on_a_logarithmic_axis():
     figure, rows, data = drawn({"x": "shear_depth", "panels": "angle", "log": ["x"]}, points)
     assert figure.axes[0].get_xscale() == "log"
     assert [len(one) for axes in figure.axes for one in lines(axes) if len(one)] == [2, 3]
-    assert "a logarithmic axis: 1 point." in " ".join(load_kind(data.spec.kind).notes(data))
+    assert "a logarithmic axis: 1 point." in " ".join(find_kind(data.spec.kind).notes(data))
     assert len(rows) == 6
 
 
@@ -223,7 +223,7 @@ def test_profiles_against_each_other_have_a_marker_with_bars_in_every_slice():
     assert heat.iloc[0] == pytest.approx(1.1 * 4.875) and heat.iloc[12] == pytest.approx(1.875)
     half = rows.filter(regex="^half width .* packing").iloc[0, 0]
     assert half == pytest.approx(student_half_width(np.array([1, 1.1, 1.2]) * 4.875 / 10))
-    assert "Bars: Student" in (text := " ".join(load_kind(data.spec.kind).notes(data)))
+    assert "Bars: Student" in (text := " ".join(find_kind(data.spec.kind).notes(data)))
     assert "pale" not in text
 
 
@@ -234,7 +234,7 @@ def test_captions_of_profiles_count_flows_that_are_not_shown_to_be_steady(second
     told = {}
     for others in (steady, gaining):
         *_, data = drawn(plot, sliced(3, scalars=(steady, others)))
-        told[others["regime"]] = " ".join(load_kind(data.spec.kind).notes(data))
+        told[others["regime"]] = " ".join(find_kind(data.spec.kind).notes(data))
     assert "Not shown to be steady" not in told["steady"]
     assert "drawn all the same: 1 point still accelerating." in told["accelerating"]
 
@@ -246,13 +246,13 @@ def test_profiles_against_each_other_leave_out_slices_that_are_not_known_or_not_
     assert not [1 for bars in axes.containers for part in bars.lines[2] if part.get_segments()]
     single = [line for line in axes.lines if len(line.get_xdata()) == 2 * 8]
     assert len(single) == 2
-    text = " ".join(load_kind(data.spec.kind).notes(data))
+    text = " ".join(find_kind(data.spec.kind).notes(data))
     assert "Heights shown: 1 to 4 diameters above the base." in text
     assert "Of fewer than 3 replicates, each is a pale marker." in text and "Bars" not in text
     plain = {"kind": "profiles", "x": "packing", "curves": "friction", "between": [1, 4]}
     _, rows, data = drawn(plain | {"units": "natural"}, sliced(3))
     assert rows["height [σ]"].min() == 1.125 and rows["height [σ]"].max() == 3.875
-    assert "1 to 4 diameters" in " ".join(load_kind(data.spec.kind).notes(data))
+    assert "1 to 4 diameters" in " ".join(find_kind(data.spec.kind).notes(data))
 
 
 def test_slices_that_are_not_above_zero_have_no_place_on_logarithmic_axes():
@@ -261,7 +261,7 @@ def test_slices_that_are_not_above_zero_have_no_place_on_logarithmic_axes():
     assert (axes.get_xscale(), axes.get_yscale()) == ("log", "log")
     assert [len(bars.lines[0].get_xdata()) for bars in axes.containers] == [18, 18]
     lost = len(rows) - 36
-    text = " ".join(load_kind(data.spec.kind).notes(data))
+    text = " ".join(find_kind(data.spec.kind).notes(data))
     assert lost and f"not on a logarithmic axis: {lost} slices." in text
 
 

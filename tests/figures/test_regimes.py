@@ -10,7 +10,7 @@ import pandas as pd
 import pytest
 
 from sim.figures.boundaries import BOUNDARIES, boundary_sentence
-from sim.figures.chute_map import MARKS, creeping
+from sim.figures.map import MARKS, creeping
 from sim.study.catalogue import FIGURES
 from tests.figures import drawing
 from tests.figures.drawing import data_of_figure, draw, picture

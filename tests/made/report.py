@@ -157,9 +157,7 @@ def register_animation(folder: Path) -> Iterator[str]:
     )
     (folder / f"{ANIMATION}.csv").write_text("point,x [m]\na,1\na,2\n")
     (folder / f"{ANIMATION}.caption.txt").write_text("A made-up animation.\n")
-    spec = FigureSpec(
-        ANIMATION, "chute_animation", "Walton (1993), Sec. 3", "chute", "A flow that moves"
-    )
+    spec = FigureSpec(ANIMATION, "animation", "Walton (1993), Sec. 3", "chute", "A flow that moves")
     with patch.dict(FIGURES, {ANIMATION: spec}):
         yield ANIMATION
 

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sim.claims.contacts import contact_path
-from sim.engine.contact.spring_damping import spring_damping
+from sim.engine.contact.damping import spring_damping
 from sim.engine.contact.walton_braun import walton_braun
 from tests.engine_motion.helpers import CAPS, EXPONENTS, MEMORIES, SLIDINGS, disk_forces, rotation
 from tests.properties.values import SEEDS, magnitudes, norms

@@ -6,8 +6,7 @@ from sim.base.errors import InputError
 from sim.parameters import SYSTEMS
 from sim.study.figure_spec import FigureSpec
 from sim.study.load import Study, parse_study
-from sim.study.plot_file import AXES, OBSERVABLE
-from sim.study.plottable import SHOWN_BY
+from sim.study.plot_kinds import find_kind, study_kinds
 
 SERIES = {
     "name": "flows",
@@ -41,7 +40,7 @@ def error_message(parse, plot: dict, **others) -> str:
 def test_a_plot_is_an_entry_of_all_points_of_its_series(parse):
     study = parse(VALID_PLOT)
     spec = study.entries["v"]
-    assert (spec.kind, spec.system, spec.axes) == ("plot_curves", "chute", ("friction",))
+    assert (spec.kind, spec.system, spec.axes) == ("curves", "chute", ("friction",))
     assert spec.title == "Velocity against friction, by angle and law"
     assert spec.lead.startswith("Velocity: mean velocity over the averaging window, against")
     assert eval(repr(spec), {"FigureSpec": FigureSpec}) == spec
@@ -82,7 +81,7 @@ def test_y_of_profiles_is_another_profile_in_the_same_slices(parse):
         ({"between": [1]}, "between: got [1]; allowed: two heights in diameters, 0 or more"),
         ({"between": 1}, "between: got 1; allowed: two heights in diameters, 0 or more, the"),
         ({"between": [1, ".inf"]}, "between[1]: got '.inf'; allowed: two heights in diameters"),
-        ({"kind": "time_series", "between": [1, 4]}, "between: got [1, 4]; allowed: between"),
+        ({"kind": "time_series", "between": [1, 4]}, "between: got [1, 4]; allowed: a key of"),
     ],
 )
 def test_mistakes_in_profiles_are_refused_by_their_key(parse, change, message):
@@ -134,7 +133,7 @@ def test_data_beside_without_a_place_are_refused(parse):
     message = error_message(parse, VALID_PLOT | {"beside": [DATA_BESIDE, DATA_BESIDE]})
     assert message.startswith("beside[1].label: got 'Pouliquen (1999)'; allowed: a label of its")
     message = error_message(parse, VALID_PLOT | {"kind": "distribution", "beside": [DATA_BESIDE]})
-    assert message.startswith("beside: got 'Pouliquen (1999)'; allowed: no data beside, which are")
+    assert message.startswith("beside: got 'Pouliquen (1999)'; allowed: a key of distribution")
     message = error_message(
         parse, VALID_PLOT | {"beside": [DATA_BESIDE | {"label": str(n)} for n in range(7)]}
     )
@@ -163,17 +162,18 @@ def test_parts_bring_their_plots(parse, tmp_path):
         parse(VALID_PLOT | {"name": "W", "system": "chute"}, parts=["part.yaml"])
 
 
-@pytest.mark.parametrize("kind", OBSERVABLE)
+@pytest.mark.parametrize("kind", study_kinds())
 @pytest.mark.parametrize("system", SYSTEMS)
 def test_every_kind_shows_its_usual_observable_of_every_system(parse, kind, system):
     grids = {"chute": {"depth": [1, 2], "friction": [0.4, 0.5]}}
     grids["belt"] = {"frequency": [20, 50], "obstacle": [0, 1]}
     grids["conveyor"] = {"frequency": [20, 50], "friction": [0.2, 0.4]}
-    axes = dict(zip(AXES[kind], grids[system], strict=False))
+    keys = find_kind(kind).keys
+    axes = dict(zip(keys.axes, grids[system], strict=False))
     series = {"name": "a", "system": system, "grid": grids[system]}
     spec = parse({"name": "p", "kind": kind} | axes, series=(series,)).plots["p"]
     shown = spec.options["show"]
-    assert shown in SHOWN_BY[kind](system) or (kind, shown) == ("map", "regime")
+    assert shown in keys.shows(system) or (kind, shown) == ("map", "regime")
     assert spec.title[0].isupper() and spec.lead.endswith(".")
 
 
@@ -199,7 +199,10 @@ def test_every_kind_shows_its_usual_observable_of_every_system(parse, kind, syst
         ({"y": "overburden"}, "y: got 'overburden'; allowed: points with stress_profiles: true"),
         ({"series": ["flow"]}, "series[0]: got 'flow'; allowed: one of flows"),
         ({"system": "belt"}, "system: got 'belt'; allowed: a system of its series: chute"),
-        ({"colour": "velocity"}, "colour: got 'velocity'; allowed: colour of a map alone"),
+        (
+            {"colour": "velocity"},
+            "colour: got 'velocity'; allowed: a key of curves: x, y, curves, panels, beside",
+        ),
         ({"log": ["colour"]}, "log[0]: got 'colour'; allowed: one of x, y"),
         (REGIME_MAP | {"log": ["colour"]}, "log[0]: got 'colour'; allowed: one of x, y"),
         ({"curves": ["angle", 1]}, "curves[1]: got 1; allowed: a name, or a list of names"),

@@ -157,7 +157,7 @@ def test_the_paper_is_loaded_beside_those_that_ship(tmp_path):
     with restore_plugins():
         load_study(tmp_path / STUDY, None)
         assert list(papers()) == ["walton", "gallas", "silbert"]
-        assert FIGURES["silbert_slopes"].kind == "chute_curves"
+        assert FIGURES["silbert_slopes"].kind == "curves"
         assert [claim.id for claim in claims()][-1] == CLAIM
     assert list(papers()) == ["walton", "gallas"]
     assert "silbert_slopes" not in FIGURES and claims()[-1].id == "G36"

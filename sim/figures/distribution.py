@@ -10,9 +10,9 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from sim.figures.axes import set_log
 from sim.figures.caption import unsteady_sentence
 from sim.figures.data import FigureData
-from sim.figures.kind import Kind
 from sim.figures.plot import (
     above_zero,
     curve_keys,
@@ -25,7 +25,6 @@ from sim.figures.plot import (
     panels,
     parameter_label,
     replicate_values,
-    set_log,
     shared_look,
     write_no_data,
 )
@@ -40,7 +39,7 @@ _FILLED_SHARE, _SPREAD_SHARE = 0.7, 0.6
 def draw(data: FigureData) -> Figure:
     """Draw a dot per replicate and a bar at the median; x values are equally spaced."""
     spec = data.spec
-    (along,), observable = spec.axes, numbers(spec.system)[spec.options["show"]]
+    along, observable = spec.axes[0], numbers(spec.system)[spec.options["show"]]
     values = pd.Series(replicate_values(data, observable), data.rows.index)
     figure, shown = panels(data)
     places = {value: place for place, value in enumerate(sorted(set(data.rows[along])))}
@@ -118,6 +117,3 @@ def notes(data: FigureData) -> list[str]:
         *nonpositive_note(omitted, "replicates" if omitted > 1 else "replicate"),
         unsteady_sentence(data.rows),
     ]
-
-
-KIND = Kind(draw, table=table, notes=notes)

@@ -1,6 +1,6 @@
 """Profiles over the height, means over the replicates of a point: a plot that a study file defines.
 
-Options of a figure: those of `sim.figures.plot_slices`, which draws one profile against another.
+Options of a figure: those of `sim.figures.profile_pairs`, which draws one profile against another.
 """
 
 from collections.abc import Mapping
@@ -11,7 +11,8 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from sim.base.statistics import student_half_width
-from sim.figures import plot_slices
+from sim.figures import belt_profiles, profile_pairs
+from sim.figures.axes import set_log
 from sim.figures.caption import unsteady_sentence
 from sim.figures.data import FigureData
 from sim.figures.foreign_data import (
@@ -20,7 +21,6 @@ from sim.figures.foreign_data import (
     foreign_data_notes,
     foreign_values,
 )
-from sim.figures.kind import Kind
 from sim.figures.plot import (
     above_zero,
     groups,
@@ -31,20 +31,26 @@ from sim.figures.plot import (
     nonpositive_note,
     observable_label,
     panels,
-    set_log,
     write_no_data,
 )
-from sim.figures.plot_slices import MIN_REPLICATES, extent_sentence, height_range_suffix, slices
+from sim.figures.profile_pairs import MIN_REPLICATES, extent_sentence, height_range_suffix, slices
 from sim.figures.style import PALE
 from sim.figures.units import label_with_unit, unit_of
 from sim.study.plottable import profiles
 
 
+def _other_module(data: FigureData) -> Any:
+    """Return the module that draws a paper's profiles of the belt, or one against another."""
+    if data.spec.paper and data.spec.system == "belt":
+        return belt_profiles
+    return profile_pairs if data.spec.options["second"] else None
+
+
 def draw(data: FigureData) -> Figure:
     """Draw a line per point, with a band of its interval or, for few replicates, all of these."""
     spec = data.spec
-    if spec.options["second"]:
-        return plot_slices.draw(data)
+    if module := _other_module(data):
+        return module.draw(data)
     figure, shown = panels(data)
     for axes, rows in shown:
         for style, label, row in groups(data, rows):
@@ -104,8 +110,8 @@ def mask_nonpositive(data: FigureData, rows: pd.DataFrame) -> pd.DataFrame:
 
 def table(data: FigureData) -> pd.DataFrame:
     """Return the plotted data, a row per point and slice, units in the headings."""
-    if data.spec.options["second"]:
-        return plot_slices.table(data)
+    if module := _other_module(data):
+        return module.table(data)
     spec, observable = data.spec, profiles(data.spec.system)[data.spec.options["show"]]
     units = [unit_of(unit, spec.options["units"], spec.system) for unit in (observable.unit, "m")]
     completed = data.rows[data.rows["completed"] > 0]
@@ -136,8 +142,8 @@ def _profiles_of_points(data: FigureData) -> list[pd.DataFrame]:
 
 def notes(data: FigureData) -> list[str]:
     """Return the sentences of the caption on lines and bands."""
-    if data.spec.options["second"]:
-        return plot_slices.notes(data)
+    if module := _other_module(data):
+        return module.notes(data)
     completed = data.rows["completed"]
     many, few = (
         (completed >= MIN_REPLICATES).any(),
@@ -165,6 +171,3 @@ def _notes_on_logarithms(data: FigureData) -> list[str]:
         [np.zeros(0), *(rows["mean"].dropna() for rows in _profiles_of_points(data))]
     )
     return nonpositive_note(int((means <= 0).sum()), "slices")
-
-
-KIND = Kind(draw, table=table, notes=notes)

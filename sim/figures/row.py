@@ -13,7 +13,6 @@ from sim.base.errors import InputError
 from sim.figures.caption import velocity_text
 from sim.figures.configuration import Scene
 from sim.figures.data import FigureData, split_curves
-from sim.figures.kind import Kind
 from sim.figures.style import COLOURS, DOTTED, PALE, escape_label, place_legend
 from sim.parameters import SYSTEMS, default_of
 from sim.parameters.roles import start_parameters
@@ -193,6 +192,3 @@ def _headed(values: pd.DataFrame, name: str, unit: str) -> dict[str, pd.Series]:
             for index, each in enumerate(_replicates(values, name))
         },
     }
-
-
-KIND = Kind(draw, table=table, notes=notes)

@@ -13,7 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from sim.base.statistics import student_half_width
-from sim.figures.bars import has_cut_bars, limit_axis, mark_cut_bars
+from sim.figures.axes import has_cut_bars, limit_axis, mark_cut_bars, set_log
 from sim.figures.caption import unsteady_sentence
 from sim.figures.data import FigureData
 from sim.figures.foreign_data import (
@@ -33,7 +33,6 @@ from sim.figures.plot import (
     observable_label,
     panels,
     scale_of_point,
-    set_log,
     write_no_data,
 )
 from sim.figures.style import PALE, CurveStyle

@@ -14,9 +14,9 @@ from matplotlib.figure import Figure
 from sim.base.errors import InputError
 from sim.base.seals import checked_read
 from sim.dataset.run_file import RunFile
+from sim.figures.axes import set_log
 from sim.figures.caption import unsteady_sentence
 from sim.figures.data import FigureData
-from sim.figures.kind import Kind
 from sim.figures.plot import (
     above_zero,
     groups,
@@ -27,7 +27,6 @@ from sim.figures.plot import (
     observable_label,
     panels,
     scale_of_point,
-    set_log,
     write_no_data,
 )
 from sim.figures.style import LEVEL
@@ -158,6 +157,3 @@ def _notes_on_logarithms(data: FigureData) -> list[str]:
     time, value = table(data).iloc[:, -2:].to_numpy(float).T
     shown = above_zero(data, "x", time) + above_zero(data, "y", value)
     return nonpositive_note(int(np.isnan(shown).sum()), f"of {time.size:,} values")
-
-
-KIND = Kind(draw, table=table, notes=notes)

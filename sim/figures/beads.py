@@ -1,0 +1,280 @@
+"""Gallas' pictures of beads: paths over a cycle, and places and velocities at its beginning."""
+
+from collections.abc import Hashable, Mapping, Sequence
+from dataclasses import replace
+from math import floor, log10
+from typing import Any, NamedTuple
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.collections import EllipseCollection, LineCollection
+from matplotlib.figure import Figure
+from matplotlib.patches import Circle
+from matplotlib.ticker import MultipleLocator
+
+from sim.base.errors import InputError
+from sim.figures.caption import velocity_text
+from sim.figures.data import FigureData
+from sim.figures.style import DOTTED, place_legend
+from sim.parameters import NUMERICAL, BeltParameters, field_info
+
+#: Inches per ⟨d⟩ in one panel and in each of two, the room that labels and legend take, and the
+#: width that a legend needs.
+_SCALES = {1: 0.25, 2: 0.19}
+_LABELS, _ABOVE, _NARROWEST = 0.75, 1.0, 4.6
+
+#: Room (⟨d⟩) above the beads for the scale of the velocities.
+_SCALE_ROOM = 2.0
+
+OBSTACLE = "#e69f00"
+
+#: Tallest cell that is shown (⟨d⟩).
+TALLEST = 30.0
+
+
+class PointParticles(NamedTuple):
+    """A point and the particles of its first completed replicate."""
+
+    row: Mapping[Hashable, Any]
+    state: xr.Dataset
+
+
+def select(data: FigureData) -> FigureData:
+    """Narrow the points to the one of each protocol that differs from the paper the least.
+
+    That is in the fewest parameters, numerical ones aside; the published protocol comes first.
+    """
+    rows = data.rows[data.rows["completed"] > 0]
+    if rows.empty:
+        return data
+    usual = {row.name: row.default for row in field_info(BeltParameters).values()}
+    differing = sum(rows[name] != usual[name] for name in usual if name not in NUMERICAL)
+    nearest = differing.groupby(rows["protocol"]).idxmin().sort_index(ascending=False)
+    return replace(data, rows=rows.loc[nearest])
+
+
+def notes(data: FigureData) -> list[str]:
+    """Return a sentence for the caption on each run: its point, regime and mean velocity."""
+    sentences = []
+    for row in data.rows[data.rows["completed"] > 0].to_dict("records"):
+        count = row["completed"]
+        over = f"{count} replicates" if count > 1 else "this replicate"
+        sentences.append(
+            f"{row['protocol'].capitalize()} protocol: first replicate that completed of point "
+            f"{row['point']}, regime {row['regime']}; the mean velocity of {over} is "
+            f"{velocity_text(row)} (95 % interval)."
+        )
+    return sentences
+
+
+def with_particles(data: FigureData, *names: str) -> list[PointParticles]:
+    """Return the selected points with their particles, none where no replicate completed.
+
+    Raises
+    ------
+    InputError
+        When the dataset has not kept one of the arrays ``names`` of them.
+    """
+    points = []
+    for row in data.rows[data.rows["completed"] > 0].to_dict("records"):
+        state = data.results.particles(row["point"])
+        for name in names:
+            if name not in state:
+                raise InputError(f"{row['point']}: no {name} of the particles in the dataset")
+        points.append(PointParticles(row, state))
+    return points
+
+
+def cells(points: Sequence[PointParticles], top: float) -> tuple[Figure, list[Axes]]:
+    """Return axes in ⟨d⟩ to scale, one per point, of a period of the belt up to ``top`` (⟨d⟩)."""
+    if not points:
+        figure = Figure(figsize=(5.6, 3.9), layout="constrained")
+        figure.subplots().set_axis_off()
+        return figure, []
+    low, high = -max(row["amplitude"] for row, _ in points) - 0.7, min(top, TALLEST)
+    widths = [row["width"] for row, _ in points]
+    scale = _SCALES[len(points)]
+    wide = max(_NARROWEST, sum(widths) * scale + _LABELS * len(points))
+    figure = Figure(figsize=(wide, (high - low) * scale + _ABOVE), layout="compressed")
+    panels = figure.subplots(1, len(points), squeeze=False, sharey=True, width_ratios=widths)[0]
+    for axes, (row, _) in zip(panels, points, strict=True):
+        axes.set(xlim=(0, row["width"]), ylim=(low, high), aspect="equal")
+        axes.grid(visible=False)
+        for axis in (axes.xaxis, axes.yaxis):
+            axis.set_major_locator(MultipleLocator(5))
+        axes.set_xlabel("position along the belt x (⟨d⟩)")
+        if len(points) > 1:
+            axes.set_title(f"{row['protocol']}, {row['steps_per_cycle']:g} steps a cycle", size=9)
+    panels[0].set_ylabel("height z (⟨d⟩)")
+    return figure, list(panels)
+
+
+def draw_surroundings(axes: Axes, point: PointParticles) -> None:
+    """Draw the average position of the belt, and the obstacle, if any, at x = L/2, z = A_z."""
+    row = point.row
+    if row["obstacle"] > 0:
+        place = row["width"] / 2, row["amplitude"]
+        look = {"facecolor": OBSTACLE, "edgecolor": "black", "linewidth": 0.8, "zorder": 3}
+        axes.add_patch(Circle(place, row["obstacle"] / 2, **look))
+        axes.plot([], [], "o", color=OBSTACLE, markeredgecolor="black", label="obstacle")
+    axes.axhline(0, color="black", linewidth=1.3, label="average position of the belt")
+
+
+def tell_beyond(axes: Axes, lowest: np.ndarray) -> None:
+    """Write how many beads are above the picture, from the lowest height (⟨d⟩) of each."""
+    count = int((lowest > axes.get_ylim()[1]).sum())
+    if count:
+        text = f"{count} bead{'s' if count > 1 else ''} above"
+        axes.text(0.01, 0.985, text, transform=axes.transAxes, va="top", fontsize=8)
+
+
+def wrapped(x: np.ndarray, point: PointParticles) -> np.ndarray:
+    """Return positions along the belt within its period [0, L), all in ⟨d⟩."""
+    return np.mod(x, point.row["width"])
+
+
+def draw_paths(data: FigureData) -> Figure:
+    """Draw the paths; what leaves the periodic cell on one side comes back on the other."""
+    points = with_particles(data, "path", "path_time")
+    paths = [_path(point) for point in points]
+    figure, panels = cells(points, max((path[..., 1].max() for path in paths), default=0) + 0.5)
+    for axes, point, path in zip(panels, points, paths, strict=True):
+        axes.plot(
+            wrapped(path[..., 0], point).ravel(),
+            path[..., 1].ravel(),
+            ".",
+            color="black",
+            markersize=2.0,
+            markeredgewidth=0,
+            rasterized=True,
+            label="centre of a bead",
+        )
+        tell_beyond(axes, path[..., 1].min(axis=0))
+        draw_surroundings(axes, point)
+    if panels:
+        place_legend(figure, panels[0])
+    return figure
+
+
+def paths_table(data: FigureData) -> pd.DataFrame:
+    """Return the paths: a row per bead and time, positions along the belt not wrapped."""
+    parts = []
+    for point in with_particles(data, "path", "path_time"):
+        path = np.round(_path(point), 3)
+        steps, beads, _ = path.shape
+        columns = {
+            "protocol": point.row["protocol"],
+            "bead": np.tile(np.arange(beads), steps),
+            "time [s]": np.repeat(
+                np.round(point.state["path_time"].values.astype(float), 8), beads
+            ),
+            "x [⟨d⟩]": path[..., 0].ravel(),
+            "z [⟨d⟩]": path[..., 1].ravel(),
+        }
+        parts.append(pd.DataFrame(columns))
+    return pd.concat(parts) if parts else pd.DataFrame(columns=["protocol", "bead"])
+
+
+def _path(point: PointParticles) -> np.ndarray:
+    """Return the positions (S, N, 2) in ⟨d⟩."""
+    return point.state["path"].values.astype(float) / point.row["diameter"]
+
+
+def draw_snapshots(data: FigureData) -> Figure:
+    """Draw the beads; those that cross an end of the periodic cell are drawn at both ends."""
+    points = with_particles(data, "position", "particle_velocity", "radius")
+    tables = [_beads(point) for point in points]
+    tops = [(beads["z [⟨d⟩]"] + beads["diameter [⟨d⟩]"] / 2).max() for beads in tables]
+    figure, panels = cells(points, max(tops, default=0) + _SCALE_ROOM)
+    speed = round_speed(max(map(_mean_square_speed, tables), default=0))
+    for axes, point, beads in zip(panels, points, tables, strict=True):
+        _draw_beads(axes, point.row["width"], beads, speed)
+        _draw_scale(axes, speed)
+        tell_beyond(axes, (beads["z [⟨d⟩]"] - beads["diameter [⟨d⟩]"] / 2).to_numpy())
+        draw_surroundings(axes, point)
+        for sign, label in ((1, "its extreme positions"), (-1, None)):
+            height = sign * point.row["amplitude"]
+            axes.axhline(height, color="black", linewidth=1.3, linestyle=DOTTED, label=label)
+    if panels:
+        place_legend(figure, panels[0])
+    return figure
+
+
+def beads_table(data: FigureData) -> pd.DataFrame:
+    """Return the beads: a row for each, positions along the belt within the cell."""
+    points = with_particles(data, "position", "particle_velocity", "radius")
+    parts = [_beads(point) for point in points]
+    return pd.concat(parts) if parts else pd.DataFrame(columns=["protocol", "bead"])
+
+
+def round_speed(mean_square: float) -> float:
+    """Return the velocity (m/s) that one ⟨d⟩ stands for: 1, 2 or 5 times a power of ten.
+
+    It is the next one above the root of the mean square (m²/s²) of the speeds.
+
+    >>> round_speed(0.03**2)
+    0.05
+    """
+    if not mean_square > 0:
+        return 1.0
+    power = 10.0 ** floor(log10(mean_square) / 2)
+    return next(
+        float(f"{digit * power:g}") for digit in (1, 2, 5, 10) if (digit * power) ** 2 > mean_square
+    )
+
+
+def _beads(point: PointParticles) -> pd.DataFrame:
+    row, state = point
+    place = state["position"].values.astype(float) / row["diameter"]
+    velocity = state["particle_velocity"].values.astype(float)
+    columns = {
+        "protocol": row["protocol"],
+        "bead": np.arange(len(place)),
+        "diameter [⟨d⟩]": np.round(2 * state["radius"].values.astype(float) / row["diameter"], 5),
+        "x [⟨d⟩]": np.round(wrapped(place[:, 0], point), 5),
+        "z [⟨d⟩]": np.round(place[:, 1], 5),
+        "v_x [m s-1]": velocity[:, 0],
+        "v_z [m s-1]": velocity[:, 1],
+    }
+    return pd.DataFrame(columns)
+
+
+def _mean_square_speed(beads: pd.DataFrame) -> float:
+    return float((beads["v_x [m s-1]"] ** 2 + beads["v_z [m s-1]"] ** 2).mean())
+
+
+def _draw_beads(axes: Axes, width: float, beads: pd.DataFrame, speed: float) -> None:
+    """Draw circles and velocities of all beads, and of their images that reach into the cell."""
+    places = beads[["x [⟨d⟩]", "z [⟨d⟩]"]].to_numpy()
+    ends = places + beads[["v_x [m s-1]", "v_z [m s-1]"]].to_numpy() / speed
+    diameters = beads["diameter [⟨d⟩]"].to_numpy()
+    for shift in (-width, 0.0, width):
+        left = np.minimum(places[:, 0] - diameters / 2, ends[:, 0]) + shift
+        right = np.maximum(places[:, 0] + diameters / 2, ends[:, 0]) + shift
+        seen = (right > 0) & (left < width)
+        if not seen.any():
+            continue
+        axes.add_collection(
+            EllipseCollection(
+                diameters[seen],
+                diameters[seen],
+                np.zeros(seen.sum()),
+                units="xy",
+                offsets=places[seen] + (shift, 0),
+                offset_transform=axes.transData,
+                facecolor="#f0f0f0",
+                edgecolor="#666666",
+                linewidth=0.6,
+            )
+        )
+        sticks = np.stack([places, ends], axis=1)[seen] + (shift, 0)
+        axes.add_collection(LineCollection(sticks, color="#0072b2", linewidth=1.0))
+
+
+def _draw_scale(axes: Axes, speed: float) -> None:
+    """Draw at the top right how long a velocity is drawn."""
+    right, top = axes.get_xlim()[1] - 0.5, axes.get_ylim()[1] - 0.8
+    axes.plot([right - 1, right], [top, top], color="#0072b2", linewidth=1.6)
+    axes.text(right - 1.2, top, f"{speed:g} m/s", ha="right", va="center", fontsize=8)

@@ -1,0 +1,21 @@
+"""Curves of a number, with intervals, against a parameter or another number."""
+
+from sim.study.plot_kinds import Keys, Later, plot_kind
+from sim.study.plottable import numbers
+
+drawing = Later("sim.figures.curves")
+plot_kind(
+    "curves",
+    keys=Keys(
+        axes=("x",),
+        observable="y",
+        shows=numbers,
+        second="x",
+        log=("x", "y"),
+        others=("curves", "panels", "beside"),
+        of_papers=("labels", "levels", "quantities", "styles", "entry", "relative"),
+    ),
+    table=drawing.table,
+    notes=drawing.notes,
+    select=drawing.select,
+)(drawing.draw)

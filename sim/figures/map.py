@@ -1,0 +1,229 @@
+"""A map over two parameters: regimes and the boundaries between them, or an observable.
+
+Options of a figure: those of `sim.figures.plot`; ``show`` may be ``"regime"``. Maps of papers show
+boundaries, a line of theory, and the chute's flows that creep; those of the belt show no points.
+"""
+
+from collections.abc import Sequence
+from math import atan, degrees, radians, tan
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import LogNorm, Normalize
+from matplotlib.figure import Figure
+from matplotlib.ticker import NullLocator
+
+from sim.figures.axes import set_log
+from sim.figures.boundaries import BAR_PITCH, boundary_notes, draw_boundaries
+from sim.figures.caption import unsteady_sentence
+from sim.figures.configuration import COLOURS
+from sim.figures.data import FigureData, velocity_table
+from sim.figures.foreign_data import (
+    append_foreign_data,
+    draw_foreign_data,
+    foreign_data_notes,
+    set_run_ticks,
+)
+from sim.figures.plot import (
+    PANEL_SIZE,
+    SINGLE_SIZE,
+    Panels,
+    given_labels,
+    label_axes,
+    legend,
+    missing_value_note,
+    observable_label,
+    observed_quantity,
+    panels,
+    parameter_label,
+    width_of,
+)
+from sim.figures.quantity import quantity_table
+from sim.figures.style import THEORY, place_legend
+from sim.study.figure_spec import CREEP
+from sim.study.plot_kinds import REGIME
+from sim.study.plottable import numbers
+
+#: Size of a square, points.
+_MARKER_SIZE = 11.0
+
+#: Height of a paper's map of the chute, inches.
+_CHUTE_HEIGHT = 4.3
+
+CREEPING = f"creeps: |V| < {CREEP:g} √(gσ)"
+
+#: Marker, colour and whether it is filled, of regimes and creeping flows as in the legend. The
+#: later lie over the earlier where several runs are in one place.
+MARKS = {
+    "undetermined": ("D", "#666666", False),
+    "mixed": ("p", "#666666", False),
+    "steady": ("o", "#0072b2", True),
+    "accelerating": ("^", "#d55e00", True),
+    "arrested": ("s", "#000000", True),
+    CREEPING: ("v", "#000000", False),
+    "failed": ("x", "#666666", True),
+}
+
+
+def draw(data: FigureData) -> Figure:
+    """Draw a marker per point: one of its regime, or a square coloured by the observable."""
+    spec = data.spec
+    figure, shown = panels(data)
+    if spec.paper and spec.options["show"] == REGIME:
+        _draw_of_paper(data, figure, shown)
+        return figure
+    if spec.options["show"] == REGIME:
+        for axes, rows in shown:
+            _draw_regimes(axes, rows, rows["regime"], spec.axes)
+    else:
+        _draw_values(data, figure, shown)
+    foreign = draw_foreign_data(data, shown)
+    _set_axes(data, shown)
+    label_axes(figure, shown, *(parameter_label(spec.system, name) for name in spec.axes))
+    legend(figure, shown, foreign)
+    return figure
+
+
+def _draw_regimes(
+    axes: Axes, rows: pd.DataFrame, regimes: pd.Series, plane: Sequence[str], size: float = 6.0
+) -> None:
+    """Draw a marker (points of print) of its regime for each point."""
+    x, y = plane
+    for regime, (marker, colour, filled) in MARKS.items():
+        part = rows[regimes == regime]
+        face = colour if filled else "white"
+        look: dict[str, Any] = {"color": colour, "markerfacecolor": face, "markersize": size}
+        if len(part):
+            axes.plot(part[x], part[y], marker, label=regime, zorder=3, **look)
+
+
+def _draw_of_paper(data: FigureData, figure: Figure, shown: Panels) -> None:
+    """Draw the boundaries and a line of theory; on the chute a marker for each point, too."""
+    ((axes, rows),), plane = shown, data.spec.axes
+    if data.spec.system == "chute":
+        figure.set_figheight(_CHUTE_HEIGHT)
+        regimes = rows["regime"].mask(creeping(rows), CREEPING)
+        _draw_regimes(axes, rows, regimes, plane, size=4.6)
+    aside = 1.5 * BAR_PITCH if data.spec.system == "chute" else 0
+    draw_boundaries(axes, data.boundaries, plane, aside=aside)
+    if "x" in data.spec.options["log"]:
+        set_log(axes, "x")
+        axes.margins(x=0.09)
+        axes.xaxis.set_minor_locator(NullLocator())
+    if draw_theory := _THEORIES.get(plane[1]):
+        draw_theory(axes, rows)
+    label_axes(figure, shown, *given_labels(data))
+    place_legend(figure, axes)
+
+
+def creeping(rows: pd.DataFrame) -> pd.Series:
+    """Return which points of the chute move, but slower than `CREEP`, whatever their trend is."""
+    slow = rows["velocity"].abs() < CREEP * np.sqrt(rows["gravity"] * rows["diameter"])
+    return slow & ~rows["regime"].isin(("arrested", "failed"))
+
+
+def _draw_least_friction(axes: Axes, rows: pd.DataFrame) -> None:
+    for angle in sorted(set(rows["angle"])):
+        axes.axhline(tan(radians(angle)), label=f"μ = tan θ, θ = {angle:g}°", **THEORY)
+
+
+def _draw_largest_angle(axes: Axes, rows: pd.DataFrame) -> None:
+    for friction in sorted(set(rows["friction"])):
+        axes.axhline(degrees(atan(friction)), label=f"tan θ = μ = {friction:g}", **THEORY)
+
+
+def _draw_lift_off(axes: Axes, rows: pd.DataFrame) -> None:
+    smallest, largest = rows["amplitude"][rows["amplitude"] > 0].agg(["min", "max"])
+    amplitude = np.linspace(0.9 * smallest, 1.05 * largest, 200)
+    for (gravity, diameter), _ in rows.groupby(["gravity", "diameter"]):
+        frequency = np.sqrt(gravity / (amplitude * diameter)) / (2 * np.pi)
+        axes.plot(amplitude, frequency, label="$Γ = 4π^2 f^2 A_z/g$ = 1", **THEORY)
+
+
+#: Draws, by the parameter on the vertical axis, where friction just holds the weight, or where the
+#: belt's acceleration reaches that of gravity.
+_THEORIES = {
+    "friction": _draw_least_friction,
+    "angle": _draw_largest_angle,
+    "frequency": _draw_lift_off,
+}
+
+
+def _draw_values(data: FigureData, figure: Figure, shown: Panels) -> None:
+    """Draw a square per point, filled with the colour of its value; open without a value."""
+    x, y = data.spec.axes
+    values = _coloured_values(data)
+    scale = LogNorm if "colour" in data.spec.options["log"] else Normalize
+    norm = scale(values.min(), values.max()) if len(values) else Normalize()
+    for axes, rows in shown:
+        empty_points = rows[~rows.index.isin(values.index)]
+        axes.plot(
+            empty_points[x],
+            empty_points[y],
+            "s",
+            color="#888888",
+            markerfacecolor="white",
+            zorder=2,
+        )
+        part = rows[rows.index.isin(values.index)]
+        axes.scatter(
+            part[x],
+            part[y],
+            s=_MARKER_SIZE**2,
+            c=COLOURS(norm(values[part.index])),
+            marker="s",
+            edgecolors="#444444",
+            linewidths=0.5,
+            zorder=3,
+        )
+    bar = figure.colorbar(ScalarMappable(norm, COLOURS), ax=[axes for axes, _ in shown], pad=0.02)
+    bar.set_label(observable_label(data, numbers(data.spec.system)[data.spec.options["show"]]))
+    bar.outline.set_visible(False)
+
+
+def _coloured_values(data: FigureData) -> pd.Series:
+    """Return the values that have a colour, by row of the points."""
+    value = observed_quantity(data).value
+    return value[value > 0] if "colour" in data.spec.options["log"] else value.dropna()
+
+
+def _set_axes(data: FigureData, shown: Panels) -> None:
+    """Set scales, and put ticks at the values that were run."""
+    x, y = data.spec.axes
+    log = data.spec.options["log"]
+    height = SINGLE_SIZE[1] - 1.0 if len(shown) == 1 else PANEL_SIZE[1] - 0.5
+    for axes, _ in shown:
+        for axis in {"x", "y"} & set(log):
+            set_log(axes, axis)
+        axes.margins(0.1)
+        axes.autoscale_view()
+        set_run_ticks(axes, data, x, width_of(shown))
+        set_run_ticks(axes, data, y, height, "y")
+
+
+def table(data: FigureData) -> pd.DataFrame:
+    """Return the plotted data, one row per point, units in the headings."""
+    shows_regimes = data.spec.options["show"] == REGIME
+    rows = (
+        velocity_table(data) if shows_regimes else quantity_table(data, [observed_quantity(data)])
+    )
+    # Both parameters follow the id of the point.
+    _, x, y, *_ = rows.columns
+    return append_foreign_data(data, rows, x, y)
+
+
+def notes(data: FigureData) -> list[str]:
+    """Return the sentences of the caption on markers."""
+    if data.spec.options["show"] == REGIME:
+        return (
+            boundary_notes(data)
+            if data.spec.paper
+            else ["One marker per point.", *foreign_data_notes(data)]
+        )
+    missing = len(data.rows) - len(_coloured_values(data))
+    value = "a value above 0" if "colour" in data.spec.options["log"] else "a value"
+    note = missing_value_note(missing, value, "Open")
+    return ["One square per point.", *note, unsteady_sentence(data.rows), *foreign_data_notes(data)]

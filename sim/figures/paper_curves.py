@@ -1,0 +1,227 @@
+"""Curves of papers' figures: the velocity of flows, or measures of them, against a parameter.
+
+Options of a figure: those of `sim.figures.style.look_of`; ``quantities``, the measures (of the
+velocity, none); ``labels`` of the axes; ``levels`` to compare with; ``log``; ``panels``; and
+``relative``, whether velocity and frequency of the belt become shares of the belt's own.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from sim.figures.axes import mark_cut_bars, set_ticks
+from sim.figures.data import FigureData
+from sim.figures.family import draw_family
+from sim.figures.plot import given_labels, label_axes, panels
+from sim.figures.quantity import Quantity, point_table, quantities, quantity_table
+from sim.figures.style import LEVEL, look_of, place_legend
+from sim.parameters import SYSTEMS
+from sim.study.figure_spec import WIDEST_INTERVAL, FigureSpec
+
+#: Largest acceleration of the belt that is drawn (g): well within the flow.
+_LARGEST = 3.0
+
+#: Room above the highest flow that does not accelerate, and above the markers at the edge.
+_HEADROOM, _EDGE = 1.05, 1.02
+
+#: Width of a range of velocities above the axes, as a share of them.
+_TEXT_WIDTH = 0.13
+
+#: Points of print between two curves of the chute.
+_PITCH = 2.4
+
+#: Depths of the paper's figures, named on the axis wherever they are.
+_OF_PAPER = (0.5, 1.24, 2.5, 5, 10, 20, 40)
+
+#: Length of the horizontal axis, about, inches.
+_LENGTH = 4.4
+
+
+def select(data: FigureData) -> FigureData:
+    """Return the points to draw, the belt's acceleration in a column ``acceleration_ratio`` (g).
+
+    With the option ``relative`` of a figure these are the points near the onset of transport.
+    """
+    if not data.spec.options.get("relative"):
+        return data
+    rows = data.rows
+    vertical = rows["amplitude"] * rows["diameter"]
+    rate = 2 * np.pi * rows["frequency"]
+    rows = rows.assign(acceleration_ratio=rate**2 * vertical / rows["gravity"])
+    return replace(data, rows=rows[rows["acceleration_ratio"] <= _LARGEST])
+
+
+def shown_quantities(data: FigureData) -> list[Quantity]:
+    """Return the measures of a figure, or the velocity, or its share of the belt's along x."""
+    if not data.spec.options.get("relative"):
+        return quantities(data)
+    rows, along = data.rows, speed_along_x(data.rows)
+    value, half_width = rows["velocity"] / along, rows["half_width"] / along
+    label = "velocity over the belt's along x [1]"
+    return [Quantity("relative_velocity", label, value, half_width)]
+
+
+def table(data: FigureData) -> pd.DataFrame:
+    """Return the data behind the figure, one row per point, units in the headings."""
+    if not data.spec.options.get("relative"):
+        return point_table(data)
+    along = {"acceleration of the belt [g]": data.rows["acceleration_ratio"]}
+    return quantity_table(data, shown_quantities(data), along)
+
+
+def draw(data: FigureData) -> Figure:
+    """Draw the curves, and limit the axes as the system asks for."""
+    spec, shown = data.spec, shown_quantities(data)
+    figure, each = panels(data)
+    for axes, rows in each:
+        if spec.system == "belt":
+            _draw_belt(axes, rows, shown, spec)
+        elif "quantities" in spec.options:
+            _draw_measures(axes, rows, shown, spec)
+        else:
+            _draw_velocities(axes, rows, shown[0], spec)
+    label_axes(figure, each, *given_labels(data))
+    place_legend(figure, each[0][0])
+    return figure
+
+
+def _draw_families(
+    axes: Axes,
+    rows: pd.DataFrame,
+    shown: Sequence[Quantity],
+    spec: FigureSpec,
+    unjoined: Callable[[Quantity], pd.Series | None] = lambda quantity: None,
+    pitch: float = 0,
+) -> None:
+    """Draw the curves of each quantity, named by what the figure names or else by what varies."""
+    along = "acceleration_ratio" if spec.options.get("relative") else spec.axes[0]
+    names = [name for name in SYSTEMS[spec.system].model_fields if name != spec.axes[0]]
+    is_named = "styles" in spec.options or "entry" in spec.options
+    keys = [name for name in spec.curves if is_named or rows[name].nunique() > 1]
+    for quantity, measure in zip(shown, spec.options.get("quantities", ({},)), strict=True):
+        draw_family(
+            axes,
+            quantity.rows_with_value(rows),
+            quantity,
+            along,
+            keys,
+            names,
+            look=look_of(spec, keys, measure),
+            unjoined=unjoined(quantity),
+            pitch=pitch,
+        )
+
+
+def _draw_levels(axes: Axes, spec: FigureSpec) -> None:
+    for level in spec.options.get("levels", ()):
+        axes.axhline(level, **LEVEL)
+
+
+def _draw_belt(axes: Axes, rows: pd.DataFrame, shown: Sequence[Quantity], spec: FigureSpec) -> None:
+    """Draw curves of the belt, with a line at zero or at the acceleration of gravity."""
+    _draw_families(axes, rows, shown, spec)
+    along = rows[spec.axes[0]]
+    if spec.options.get("relative"):
+        axes.axvline(1, **LEVEL)
+    elif len(shown) == 1:
+        axes.axhline(0, color="#888888", linewidth=0.7, zorder=1)
+        axes.set_xlim(left=-0.02 * along.max())
+    else:
+        axes.set_ylim(bottom=0)
+    _draw_levels(axes, spec)
+    if "x" in spec.options["log"]:
+        axes.set_xscale("log")
+        axes.set_xlim(0.8 * along.min(), 1.25 * along.max())
+        set_ticks(axes, along, _LENGTH)
+
+
+def _draw_measures(
+    axes: Axes, rows: pd.DataFrame, shown: Sequence[Quantity], spec: FigureSpec
+) -> None:
+    """Draw measures; curves of one stand aside of each other, those of several do not."""
+    pitch = _PITCH if len(shown) == 1 else 0
+    _draw_families(axes, rows, shown, spec, partial(_unjoined, rows), pitch)
+    _draw_levels(axes, spec)
+    _set_x_axis(axes, rows, spec)
+    if "y" in spec.options["log"]:
+        axes.set_yscale("log")
+    else:
+        # The axis ends where intervals over two replicates may go on.
+        highest = max(quantity.value.max() for quantity in shown)
+        axes.set_ylim(0, min(axes.get_ylim()[1], 1.5 * highest) if highest > 0 else 1)
+    mark_cut_bars(axes)
+
+
+def _draw_velocities(axes: Axes, rows: pd.DataFrame, velocity: Quantity, spec: FigureSpec) -> None:
+    """Draw velocities, with natural units, too; flows beyond the scale are markers at its top."""
+    apart = _unjoined(rows, velocity)
+    ceiling = _ceiling(rows, apart)
+    above = rows["velocity"] > ceiling
+    value, half_width = velocity.value.clip(upper=ceiling), velocity.half_width.mask(above)
+    clipped = replace(velocity, value=value, half_width=half_width)
+    _draw_families(axes, rows, [clipped], spec, lambda _: apart | above, _PITCH)
+    _set_x_axis(axes, rows, spec)
+    axes.set_ylim(0, _EDGE * ceiling if above.any() else ceiling)
+    mark_cut_bars(axes)
+    _name_off_scale(axes, rows[above], spec.axes[0])
+    unit = float(np.sqrt(rows["gravity"] * rows["diameter"]).iloc[0])
+    right = axes.secondary_yaxis(
+        "right", functions=(lambda v: np.divide(v, unit), lambda v: np.multiply(v, unit))
+    )
+    right.set_ylabel("V / √(gσ)")
+    axes.spines["right"].set_visible(True)
+
+
+def _unjoined(rows: pd.DataFrame, quantity: Quantity) -> pd.Series:
+    """Return which flows no line joins: those that accelerate, and means of different flows."""
+    unknown = quantity.half_width > WIDEST_INTERVAL * quantity.value.abs()
+    return (rows["regime"] == "accelerating") | unknown
+
+
+def _set_x_axis(axes: Axes, rows: pd.DataFrame, spec: FigureSpec) -> None:
+    """Put a tick at each value that was run.
+
+    Depths for which there is no room beside the paper's, or each other, have no number.
+    """
+    if "x" in spec.options["log"]:
+        axes.set_xscale("log")
+    axes.margins(x=0.09)
+    axes.autoscale_view()
+    first = _OF_PAPER if spec.axes[0] == "depth" else ()
+    set_ticks(axes, rows[spec.axes[0]], _LENGTH, first=first)
+
+
+def _ceiling(rows: pd.DataFrame, apart: pd.Series) -> float:
+    """Return the top of the vertical axis: the flows that do not accelerate fill it."""
+    bounded = rows[~apart]
+    bounded = bounded[bounded["completed"] > 0]
+    if bounded.empty:
+        bounded = rows[rows["completed"] > 0]
+    top = (bounded["velocity"] + bounded["half_width"].fillna(0)).max()
+    return _HEADROOM * top if top > 0 else 1.0
+
+
+def _name_off_scale(axes: Axes, rows: pd.DataFrame, along: str) -> None:
+    """Write above the axes, where nothing strikes it, which velocities are off the scale."""
+    to_axes, lines = axes.transData + axes.transAxes.inverted(), list[float]()
+    for value, above in rows.groupby(along):
+        place = float(to_axes.transform((value, 0.0))[0])
+        free = (line for line, last in enumerate(lines) if place - last >= _TEXT_WIDTH)
+        line = next(free, len(lines))
+        lines[line : line + 1] = [place]
+        low, high = (f"{edge:.2g}" for edge in (above["velocity"].min(), above["velocity"].max()))
+        axes.annotate(
+            "↑ " + (low if low == high else f"{low} … {high}"),
+            (value, 1),
+            xycoords=axes.get_xaxis_transform(),
+            xytext=(0, 2 + 9 * line),
+            textcoords="offset points",
+            ha="center",
+            fontsize=7.5,
+            color="#444444",
+        )
