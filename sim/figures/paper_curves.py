@@ -20,6 +20,7 @@ from sim.figures.family import draw_family
 from sim.figures.plot import given_labels, label_axes, panels
 from sim.figures.quantity import Quantity, point_table, quantities, quantity_table
 from sim.figures.style import LEVEL, look_of, place_legend
+from sim.measures.belt import speed_along_x
 from sim.parameters import SYSTEMS
 from sim.study.figure_spec import WIDEST_INTERVAL, FigureSpec
 
