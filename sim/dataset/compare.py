@@ -231,6 +231,9 @@ def compare(first: pd.DataFrame, second: pd.DataFrame, ignored: Collection[str] 
         When the sides have no point in common, or when several points of a side are paired with
         one.
     """
+    # Either side may lack a system, and so its parameters.
+    columns = list(dict.fromkeys([*first, *second]))
+    first, second = (side.reindex(columns=columns) for side in (first, second))
     pairs: dict[int, Pair] = {}
     differing: dict[str, tuple[Any, Any]] = {}
     counts = np.zeros(2, int)

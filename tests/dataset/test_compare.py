@@ -95,6 +95,9 @@ def test_equal_values_without_any_error_do_not_differ():
 def test_points_of_one_side_alone_are_counted():
     comparison = compared(side(), side()[1:])
     assert len(comparison.pairs) == 3 and comparison.unmatched_counts == (1, 0)
+    chute = complete_values(parse_point({"system": "chute"}, "test"))
+    both = compared([*side(), (chute, belt(1.0)[1])], side())
+    assert len(both.pairs) == 4 and both.unmatched_counts == (1, 0)
     with pytest.raises(InputError, match="nothing to compare"):
         compared(side()[:2], side()[2:])
 
