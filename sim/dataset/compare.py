@@ -1,13 +1,13 @@
 """Compare two runs or two studies point by point, with the errors of their replicates."""
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-import netCDF4
 import numpy as np
+import pandas as pd
 from scipy.stats import false_discovery_control, t
 
 from sim.base.errors import InputError
@@ -28,7 +28,10 @@ _SIDE_PARAMETERS = {*AMOUNTS, "seed", "threads"}
 
 @dataclass(frozen=True)
 class Mean:
-    """A mean with its standard error and the degrees of freedom of the error."""
+    """A mean over replicates with its standard error and the degrees of freedom of the error.
+
+    Error and freedom are not-a-number where they are not known.
+    """
 
     value: float
     error: float
@@ -40,39 +43,26 @@ class Mean:
         return float(student(self.freedom) * self.error) if self.freedom > 0 else np.nan
 
 
-@dataclass(frozen=True)
-class PointValues:
-    """A quantity of one point, per completed replicate.
+def mean_of(values: np.ndarray, half_widths: np.ndarray, samples: np.ndarray) -> Mean:
+    """Return the mean of replicates.
 
-    Attributes
+    Its error is the larger of two: that from their scatter, and that from their own intervals, as
+    everywhere (`sim.base.statistics.mean_interval`).
+
+    Parameters
     ----------
-    system : str
-    parameters : mapping
-        All parameters of the point, by name.
     values : (R,) array
-        The quantity of each completed replicate.
+        The quantity of each replicate.
     half_widths, samples : (R,) array
         Half width of the 95 % interval within each replicate, and its number of samples;
         not-a-number where the replicate has none.
     """
-
-    system: str
-    parameters: Mapping[str, Any]
-    values: np.ndarray
-    half_widths: np.ndarray
-    samples: np.ndarray
-
-    @cached_property
-    def mean(self) -> Mean:
-        """Mean of the replicates. Its error is the larger of two: that from their scatter, and that
-        from their own intervals, as everywhere (`sim.base.statistics.mean_interval`)."""
-        number, value = self.values.size, float(self.values.mean())
-        half_width, _ = mean_interval(self.values, self.half_widths)
-        is_from_scatter = half_width == student_half_width(self.values)
-        freedom = number - 1 if is_from_scatter else float(self.samples.sum()) - number
-        if not freedom > 0:
-            return Mean(value, np.nan, np.nan)
-        return Mean(value, float(half_width / student(freedom)), freedom)
+    value, (half_width, _) = float(values.mean()), mean_interval(values, half_widths)
+    is_from_scatter = half_width == student_half_width(values)
+    freedom = values.size - 1 if is_from_scatter else float(samples.sum()) - values.size
+    if not freedom > 0:
+        return Mean(value, np.nan, np.nan)
+    return Mean(value, float(half_width / student(freedom)), freedom)
 
 
 @dataclass(frozen=True)
@@ -115,12 +105,11 @@ class Comparison:
 
     Attributes
     ----------
-    quantity, unit : str
+    pairs : sequence of Pair
+        In the order of the first side.
     differing_parameters : mapping
         Parameters with one value throughout the first side and another throughout the second, with
         the two values.
-    pairs : sequence of Pair
-        In the order of the first side.
     unmatched_counts : (int, int)
         Numbers of points of each side that the other does not have.
     shorter_counts : (int, int)
@@ -128,10 +117,8 @@ class Comparison:
         only in its amounts and has more replicates.
     """
 
-    quantity: str
-    unit: str
-    differing_parameters: Mapping[str, tuple[Any, Any]]
     pairs: Sequence[Pair]
+    differing_parameters: Mapping[str, tuple[Any, Any]]
     unmatched_counts: tuple[int, int]
     shorter_counts: tuple[int, int]
 
@@ -146,8 +133,8 @@ class Comparison:
         return is_real.tolist()
 
 
-def read_values(path: Path, quantity: str) -> tuple[list[PointValues], str]:
-    """Return a quantity of every completed point of a side, and its unit.
+def read_side(path: Path, quantity: str) -> tuple[pd.DataFrame, str]:
+    """Return a table of the points of a side, and the unit of a quantity.
 
     Parameters
     ----------
@@ -156,52 +143,46 @@ def read_values(path: Path, quantity: str) -> tuple[list[PointValues], str]:
     quantity : str
         Any number that the side has per replicate, such as ``velocity``.
 
+    Returns
+    -------
+    pandas.DataFrame
+        A row for each point with a known value, see `tabulate`.
+
     Raises
     ------
     InputError
         When there is no such file, or it has no such quantity, or no completed run has a value.
     """
-    is_study = path.is_dir() or path.name == "dataset.nc"
-    points, unit = (_study_values if is_study else _run_values)(path, quantity)
-    if not points:
+    names = (quantity, _HALF_WIDTH, _SAMPLES)
+    rows: list[tuple[dict[str, Any], list[np.ndarray]]] = []
+    if path.is_dir() or path.name == "dataset.nc":
+        dataset = load(path).dataset
+        require_known_options(dataset, path)
+        kinds = {str(name): (one.dims, one.dtype.kind) for name, one in dataset.items()}
+        known = [name for name, kind in kinds.items() if kind == (("point", "replicate"), "f")]
+        _require_quantity(quantity, path, known)
+        unit = dataset[quantity].attrs.get("units", "1")
+        for number, system in enumerate(dataset["system"].values):
+            row = dataset.isel(point=number)
+            parameters = {name: row[name].item() for name in SYSTEMS[system].model_fields}
+            is_done = row["status"].values == "completed"
+            rows.append((parameters, [row[name].values[is_done] for name in names]))
+    else:
+        with open_run_file(path) as file:
+            kinds = {name: (one.dimensions, one.dtype) for name, one in file.variables.items()}
+            known = [
+                name
+                for name, (dims, kind) in kinds.items()
+                if dims == ("replicate",) and kind is not str
+            ]
+            _require_quantity(quantity, path, known)
+            unit, is_done = file[quantity].units, file["status"][:] == "completed"
+            columns = [np.asarray(file[name][:], float)[is_done] for name in names]
+            rows.append((complete_values(parameters_of(file, path)), columns))
+    table = tabulate(rows, quantity)
+    if table.empty:
         raise InputError(f"{path}: no completed run knows its {quantity}: nothing to compare")
-    return points, unit
-
-
-def _run_values(path: Path, quantity: str) -> tuple[list[PointValues], str]:
-    with open_run_file(path) as file:
-        point = parameters_of(file, path)
-        names = [name for name, variable in file.variables.items() if _is_number(variable)]
-        _require_quantity(quantity, path, names)
-        done = file["status"][:] == "completed"
-        columns = [
-            np.asarray(file[name][:], float)[done] for name in (quantity, _HALF_WIDTH, _SAMPLES)
-        ]
-        unit = file[quantity].units
-    return _point_values(point.system, complete_values(point), quantity, columns), unit
-
-
-def _is_number(variable: netCDF4.Variable) -> bool:
-    return variable.dimensions == ("replicate",) and variable.dtype is not str
-
-
-def _study_values(path: Path, quantity: str) -> tuple[list[PointValues], str]:
-    dataset = load(path).dataset
-    require_known_options(dataset, path)
-    quantities = [
-        str(name)
-        for name, variable in dataset.data_vars.items()
-        if variable.dims == ("point", "replicate") and variable.dtype.kind == "f"
-    ]
-    _require_quantity(quantity, path, quantities)
-    points = []
-    for number, system in enumerate(dataset["system"].values):
-        row = dataset.isel(point=number)
-        done = row["status"].values == "completed"
-        columns = [row[name].values[done] for name in (quantity, _HALF_WIDTH, _SAMPLES)]
-        parameters = {name: row[name].item() for name in SYSTEMS[system].model_fields}
-        points += _point_values(str(system), parameters, quantity, columns)
-    return points, dataset[quantity].attrs.get("units", "1")
+    return table, unit
 
 
 def _require_quantity(quantity: str, path: Path, allowed: Collection[str]) -> None:
@@ -209,28 +190,36 @@ def _require_quantity(quantity: str, path: Path, allowed: Collection[str]) -> No
         raise InputError.of_value(str(path), "", quantity, "one of " + ", ".join(allowed))
 
 
-def _point_values(
-    system: str, parameters: Mapping[str, Any], quantity: str, columns: Sequence[np.ndarray]
-) -> list[PointValues]:
-    """Return a list with the quantity of a point, empty where no replicate has a value."""
-    values, half_widths, samples = columns
-    is_known = np.isfinite(values)
-    if not is_known.any():
-        return []
-    if quantity != "velocity":
-        half_widths = np.full_like(half_widths, np.nan)
-        samples = half_widths
-    arrays = (column[is_known] for column in (values, half_widths, samples))
-    return [PointValues(system, parameters, *arrays)]
+def tabulate(
+    rows: Iterable[tuple[Mapping[str, Any], Sequence[np.ndarray]]], quantity: str
+) -> pd.DataFrame:
+    """Return a table with a row for each point with a known value.
+
+    Parameters
+    ----------
+    rows : iterable of (mapping, (array, array, array))
+        Parameters of each point, and the arguments of `mean_of` over its completed replicates.
+    quantity : str
+        The intervals within runs are those of ``velocity`` and of no other quantity.
+
+    Returns
+    -------
+    pandas.DataFrame
+        All parameters, ``system`` among them; ``_mean``, a `Mean`; and ``_replicates``.
+    """
+    table = []
+    for parameters, columns in rows:
+        values, half_widths, samples = (column[np.isfinite(columns[0])] for column in columns)
+        if values.size:
+            if quantity != "velocity":
+                half_widths = samples = np.full(values.size, np.nan)
+            mean = mean_of(values, half_widths, samples)
+            table.append({**parameters, "_mean": mean, "_replicates": values.size})
+    # Objects compare as in Python: a dataset stores as numbers what a run file knows to be true.
+    return pd.DataFrame(table, dtype=object)
 
 
-def compare(
-    first: Sequence[PointValues],
-    second: Sequence[PointValues],
-    quantity: str,
-    unit: str,
-    ignored: Collection[str] = (),
-) -> Comparison:
+def compare(first: pd.DataFrame, second: pd.DataFrame, ignored: Collection[str] = ()) -> Comparison:
     """Return the comparison of two sides, paired by all parameters that vary within either.
 
     Parameters that are constant within each side may differ between them: they are compared.
@@ -242,78 +231,51 @@ def compare(
         When the sides have no point in common, or when several points of a side are paired with
         one.
     """
-    sides = first, second
-    systems = {point.system for side in sides for point in side}
-    varying = {system: _varying_parameters(sides, system, ignored) for system in systems}
-    keyed = [_values_by_key(side, varying) for side in sides]
-    common = [key for key in keyed[0] if key in keyed[1]]
-    if not common:
+    # Either side may lack a system, and so its parameters.
+    columns = list(dict.fromkeys([*first, *second]))
+    first, second = (side.reindex(columns=columns) for side in (first, second))
+    pairs: dict[int, Pair] = {}
+    differing: dict[str, tuple[Any, Any]] = {}
+    counts = np.zeros(2, int)
+    for system in dict.fromkeys([*first["system"], *second["system"]]):
+        names = [name for name in field_info(SYSTEMS[system]) if name not in AMOUNTS]
+        sides = [side[side["system"] == system] for side in (first, second)]
+        varying = [
+            name
+            for name in names
+            if name not in ignored and any(side[name].nunique() > 1 for side in sides)
+        ]
+        sides = [_longest(side, varying, [*set(names) & set(ignored)]) for side in sides]
+        counts += [len(side) for side in sides]
+        merged = sides[0].merge(sides[1], on=["system", *varying])
+        for row in merged.to_dict("records"):
+            key = {name: row[name] for name in varying}
+            pairs[row["_place_x"]] = Pair(system, key, row["_mean_x"], row["_mean_y"])
+        for name in names if all(len(side) for side in sides) else ():
+            values = tuple(side[name].tolist()[0] for side in sides)
+            if name not in {*varying, *_SIDE_PARAMETERS} and values[0] != values[1]:
+                differing[name] = values
+    if not pairs:
         raise InputError("no point of the one is a point of the other: nothing to compare")
-    pairs = [
-        Pair(
-            key[0],
-            dict(zip(varying[key[0]], key[1:], strict=True)),
-            keyed[0][key].mean,
-            keyed[1][key].mean,
-        )
-        for key in common
-    ]
-    unmatched_counts = len(keyed[0]) - len(common), len(keyed[1]) - len(common)
-    shorter_counts = len(first) - len(keyed[0]), len(second) - len(keyed[1])
+    unmatched, shorter = counts - len(pairs), [len(first), len(second)] - counts
     return Comparison(
-        quantity,
-        unit,
-        _differing_parameters(sides, varying),
-        pairs,
-        unmatched_counts,
-        shorter_counts,
+        [pairs[place] for place in sorted(pairs)],
+        differing,
+        (int(unmatched[0]), int(unmatched[1])),
+        (int(shorter[0]), int(shorter[1])),
     )
 
 
-def _values_by_key(
-    side: Sequence[PointValues], varying: Mapping[str, Sequence[str]]
-) -> dict[tuple[Any, ...], PointValues]:
-    """Return the points of a side by their system and their varying parameters.
+def _longest(side: pd.DataFrame, varying: Sequence[str], ignored: Sequence[str]) -> pd.DataFrame:
+    """Return the points of a side without those that another has with more replicates.
 
-    Of points that differ only in their amounts, that with most replicates is returned.
+    Column ``_place`` is the number of the first of them in the side. Points that differ in an
+    ignored parameter are refused.
     """
-    points: dict[tuple[Any, ...], PointValues] = {}
-    for point in side:
-        key = point.system, *(point.parameters[name] for name in varying[point.system])
-        other = points.setdefault(key, point)
-        differing = {
-            name for name, value in point.parameters.items() if other.parameters[name] != value
-        }
-        if differing - set(AMOUNTS):
-            names = ", ".join(sorted(differing))
-            raise InputError(f"several points of one side differ in nothing but {names}")
-        if point.values.size > other.values.size:
-            points[key] = point
-    return points
-
-
-def _varying_parameters(
-    sides: Sequence[Sequence[PointValues]], system: str, ignored: Collection[str]
-) -> list[str]:
-    """Return the parameters of a system that vary within a side."""
-    rows = [[point.parameters for point in side if point.system == system] for side in sides]
-    return [
-        name
-        for name in field_info(SYSTEMS[system])
-        if name not in {*AMOUNTS, *ignored}
-        and any(len({row[name] for row in side}) > 1 for side in rows)
-    ]
-
-
-def _differing_parameters(
-    sides: Sequence[Sequence[PointValues]], varying: Mapping[str, Collection[str]]
-) -> dict[str, tuple[Any, Any]]:
-    differing = {}
-    for system, names in varying.items():
-        rows = [[point.parameters for point in side if point.system == system] for side in sides]
-        if all(rows):
-            for name in field_info(SYSTEMS[system]):
-                values = tuple(side[0][name] for side in rows)
-                if name not in {*names, *_SIDE_PARAMETERS} and values[0] != values[1]:
-                    differing[name] = values
-    return differing
+    keys = ["system", *varying]
+    groups = side.groupby(keys, sort=False)
+    if differing := sorted(name for name in ignored if (groups[name].nunique() > 1).any()):
+        raise InputError(f"several points of one side differ in nothing but {', '.join(differing)}")
+    places = side.assign(_place=side.index).groupby(keys)["_place"].transform("min")
+    order = side.assign(_place=places).sort_values("_replicates", ascending=False, kind="stable")
+    return order.drop_duplicates(keys).sort_values("_place")

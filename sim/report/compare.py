@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from sim.base.errors import InputError
-from sim.dataset.compare import Comparison, Mean, Pair, compare, read_values
+from sim.dataset.compare import Comparison, Mean, Pair, compare, read_side
 from sim.parameters import SYSTEMS
 from sim.parameters.words import setting
 from sim.report.points import align_table
@@ -31,16 +31,15 @@ def show(first: Path, second: Path, quantity: str, ignored: Sequence[str], forma
     for name in ignored:
         if name not in parameters:
             raise InputError.of_value("--ignore", "", name, "a parameter of the chute or the belt")
-    (first_means, unit), (second_means, _) = (
-        read_values(path, quantity) for path in (first, second)
-    )
-    comparison = compare(first_means, second_means, quantity, unit, ignored)
-    return (
-        as_json(comparison) if format == "json" else as_text(comparison, (str(first), str(second)))
-    )
+    (first_side, unit), (second_side, _) = (read_side(path, quantity) for path in (first, second))
+    comparison = compare(first_side, second_side, ignored)
+    if format == "json":
+        return as_json(comparison, quantity, unit)
+    files = [f"A: {first}", f"B: {second}"]
+    return "\n".join([*files, *text_lines(comparison, f"{quantity} ({unit})")])
 
 
-def as_text(comparison: Comparison, names: tuple[str, str]) -> str:
+def text_lines(comparison: Comparison, heading: str) -> list[str]:
     """Return differing settings, a line per pair of points, and a summary."""
     usual_values = _distinguishing_parameters(comparison.pairs)
     rows: list[tuple[str, ...]] = []
@@ -58,12 +57,9 @@ def as_text(comparison: Comparison, names: tuple[str, str]) -> str:
                 "differs" if differs else "",
             )
         )
-    lines = [f"{letter}: {name}" for letter, name in zip("AB", names, strict=True)]
-    lines += [f"{name}: A {a}, B {b}" for name, (a, b) in comparison.differing_parameters.items()]
-    heading = f"{comparison.quantity} ({comparison.unit}), with 95 % intervals"
-    return "\n".join(
-        [*lines, "", heading, *align_table(_HEADINGS, rows, _RIGHT), "", *_summary(comparison)]
-    )
+    settings = [f"{name}: A {a}, B {b}" for name, (a, b) in comparison.differing_parameters.items()]
+    table = align_table(_HEADINGS, rows, _RIGHT)
+    return [*settings, "", f"{heading}, with 95 % intervals", *table, "", *_summary(comparison)]
 
 
 def _distinguishing_parameters(pairs: Sequence[Pair]) -> dict[str, Any]:
@@ -112,7 +108,7 @@ def _summary(comparison: Comparison) -> list[str]:
     return lines
 
 
-def as_json(comparison: Comparison) -> str:
+def as_json(comparison: Comparison, quantity: str, unit: str) -> str:
     """Return the comparison as JSON, with null for unknown numbers."""
     pairs = [
         {
@@ -132,8 +128,8 @@ def as_json(comparison: Comparison) -> str:
         for pair, differs in zip(comparison.pairs, comparison.is_real, strict=True)
     ]
     document = {
-        "quantity": comparison.quantity,
-        "unit": comparison.unit,
+        "quantity": quantity,
+        "unit": unit,
         "different": {
             name: list(values) for name, values in comparison.differing_parameters.items()
         },

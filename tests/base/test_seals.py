@@ -68,3 +68,14 @@ def test_a_seal_tells_one_content_from_another(path):
     path.write_bytes(b"other contents")
     seal(path)
     assert len(read_seal(path)) == 64 and read_seal(path) != first
+
+
+def test_only_a_sealed_file_is_whole(path):
+    for text in (b"", b"some", bytes(200)):
+        path.write_bytes(text)
+        assert is_damaged(path)
+        seal(path)
+        assert not is_damaged(path)
+        sealed = path.read_bytes()
+        path.write_bytes(b"x" + sealed)
+        assert is_damaged(path)

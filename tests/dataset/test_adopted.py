@@ -1,16 +1,12 @@
 """A study goes on from datasets: their points are not run, and the result is the same."""
 
 import shutil
-import signal
-import subprocess
-import sys
 from pathlib import Path
 
 import netCDF4
 import pytest
 import xarray as xr
 
-from sim.__main__ import main
 from sim.base.errors import InputError
 from sim.base.seals import DamagedError
 from sim.dataset import adopted, rows
@@ -28,7 +24,7 @@ from tests.made.folder import Folder
 from tests.made.mixed import PATHS, SHOWN, Mixed, ids
 from tests.made.netcdf import edit_file, store
 from tests.made.plugins import restore_plugins
-from tests.made.processes import ROOT
+from tests.made.processes import refusal
 from tests.made.runs import make_regimes, write_run
 
 HALF, REST = (0, 1, 4), (2, 3, 5)
@@ -274,16 +270,12 @@ def test_what_a_point_starts_from_is_run_with_it(tmp_path):
         assert found == expected
 
 
-def assert_refused(study: Mixed, dataset: Path, *words: str) -> None:
-    """Check that a dataset is refused in one line, before anything is written."""
-    with pytest.raises(InputError) as error:
-        adopt(study.path, dataset, study.results)
-    assert "\n" not in str(error.value) and str(dataset) in str(error.value)
-    assert all(word in str(error.value) for word in words), error.value
-    assert not study.results.exists()
+def test_what_cannot_be_used_is_refused(study, complete_study, tmp_path, capsys):
+    def assert_refused(study: Mixed, dataset: Path, *words: str) -> None:
+        line = refusal(capsys, "adopt", study.path, dataset, "--results", study.results)
+        assert all(word in line for word in (str(dataset), *words)), line
+        assert not study.results.exists()
 
-
-def test_what_cannot_be_used_is_refused(study, complete_study, tmp_path):
     content = complete_study.output.read_bytes()
     path = tmp_path / "bad.nc"
     assert_refused(study, path, "no such dataset")
@@ -320,17 +312,6 @@ def test_rows_of_other_numerics_are_not_taken(study, tmp_path):
     assert adopted_ids(study) == set(ids(study, 0))
 
 
-def test_the_command_ends_with_one_line_and_2(study, complete_study, capsys):
-    path = study.path.with_name("bad.nc")
-    path.write_bytes(complete_study.output.read_bytes()[:-100])
-    words = ["--results", str(study.results)]
-    assert main(["adopt", str(study.path), str(path), *words]) == 2
-    said = capsys.readouterr().err
-    assert said.startswith(f"error: {path}: damaged or not a dataset") and said.count("\n") == 1
-    assert main(["adopt", str(study.path), str(complete_study.output), *words]) == 0
-    assert "covers 6 of 6 points" in capsys.readouterr().out
-
-
 @pytest.mark.parametrize("kind", ["folder", "lost"])
 def test_what_is_no_file_is_set_aside_like_one_that_is_damaged(study, kind):
     there = study.output.parent / "adopted" / "x.nc"
@@ -352,27 +333,6 @@ def test_one_that_is_damaged_later_is_set_aside_and_its_points_are_run(study, co
     assert adopted_ids(study) == set()
     adopt(study.path, complete_study.output, study.results)
     assert there.read_bytes() == content
-
-
-KILLED = """
-import os, signal
-from pathlib import Path
-import sim.base.files
-sim.base.files._flush = lambda path: os.kill(os.getpid(), signal.SIGKILL)
-from sim.dataset.adopted import adopt
-adopt(*map(Path, {paths}))
-"""
-
-
-def test_one_that_is_killed_leaves_nothing_half(study, complete_study):
-    paths = [str(path) for path in (study.path, complete_study.output, study.results)]
-    done = subprocess.run([sys.executable, "-c", KILLED.format(paths=paths)], cwd=ROOT)
-    assert done.returncode == -signal.SIGKILL
-    folder = study.output.parent / "adopted"
-    (left,) = folder.iterdir()
-    assert left.suffix == ".part" and adopted_ids(study) == set()
-    adopt(study.path, complete_study.output, study.results)
-    assert [path.suffix for path in folder.iterdir()] == [".nc"] and len(adopted_ids(study)) == 6
 
 
 def test_points_says_what_is_adopted(study, half_dataset):

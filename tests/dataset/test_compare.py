@@ -7,30 +7,38 @@ import pytest
 
 from sim.__main__ import main
 from sim.base.errors import InputError
-from sim.dataset.compare import PointValues, compare, read_values
+from sim.dataset.compare import compare, read_side, tabulate
 from sim.parameters import complete_values, parse_point
+from tests.made.processes import refusal
 from tests.made.runs import write_run
 
 RNG = np.random.default_rng(5)
 
 
-def belt(values, half_width=np.nan, samples=np.nan, **parameters) -> PointValues:
+def belt(values, half_width=np.nan, samples=np.nan, **parameters) -> tuple:
+    """Return parameters of a bed and what its replicates measure, a row of `tabulate`."""
     point = parse_point({"system": "belt", **parameters}, "test")
     values = np.atleast_1d(np.asarray(values, float))
-    known = [np.full(values.size, each) for each in (half_width, samples)]
-    return PointValues("belt", complete_values(point), values, *known)
+    return complete_values(point), [
+        values,
+        *(np.full(values.size, x) for x in (half_width, samples)),
+    ]
 
 
-def beds(mean, **parameters) -> PointValues:
+def beds(mean, **parameters) -> tuple:
     return belt(mean + 0.01 * RNG.normal(size=8), **parameters)
 
 
-def side(mean=1.0, **parameters) -> list[PointValues]:
+def side(mean=1.0, **parameters) -> list[tuple]:
     return [beds(mean, frequency=f, **parameters) for f in (20, 30, 40, 50)]
 
 
+def compared(first, second, ignored=()):
+    return compare(*(tabulate(rows, "velocity") for rows in (first, second)), ignored)
+
+
 def test_points_are_paired_by_what_varies_and_what_is_constant_is_compared():
-    comparison = compare(side(), side(damping_mass="reduced", seed=7), "velocity", "m s-1")
+    comparison = compared(side(), side(damping_mass="reduced", seed=7))
     assert [pair.key["frequency"] for pair in comparison.pairs] == [20, 30, 40, 50]
     assert comparison.differing_parameters == {
         "damping_mass": ("own", "reduced")
@@ -40,7 +48,7 @@ def test_points_are_paired_by_what_varies_and_what_is_constant_is_compared():
 
 def test_means_that_lie_apart_are_told_from_chance():
     other = [*side(1.05)[:2], *side()[2:]]
-    comparison = compare(side(), other, "velocity", "m s-1")
+    comparison = compared(side(), other)
     assert comparison.is_real == [True, True, False, False]
     first = comparison.pairs[0]
     assert first.difference.value == pytest.approx(0.05, abs=3 * first.difference.error)
@@ -48,7 +56,7 @@ def test_means_that_lie_apart_are_told_from_chance():
 
 
 def test_equal_means_are_called_different_no_more_often_than_said():
-    false = [any(compare(side(), side(), "velocity", "m s-1").is_real) for _ in range(300)]
+    false = [any(compared(side(), side()).is_real) for _ in range(300)]
     assert np.mean(false) < 0.09
 
 
@@ -56,18 +64,16 @@ def test_the_chance_is_that_of_welchs_test():
     from scipy.stats import ttest_ind
 
     one, other = belt([1.0, 1.2, 1.1]), belt([1.3, 1.9, 1.4, 1.6])
-    (pair,) = compare([one], [other], "velocity", "m s-1").pairs
-    assert pair.chance == pytest.approx(ttest_ind(one.values, other.values, equal_var=False).pvalue)
+    (pair,) = compared([one], [other]).pairs
+    assert pair.chance == pytest.approx(ttest_ind(one[1][0], other[1][0], equal_var=False).pvalue)
 
 
 def test_a_single_replicate_knows_what_its_own_window_says():
     one, other = belt(1.0, half_width=0.01, samples=50), belt(1.1, half_width=0.02, samples=30)
-    (pair,) = compare([one], [other], "velocity", "m s-1").pairs
+    (pair,) = compared([one], [other]).pairs
     assert pair.first.half_width == pytest.approx(0.01) and pair.chance < 1e-6
-    (unknown,) = compare([one], [belt(1.1)], "velocity", "m s-1").pairs
-    assert np.isnan(unknown.chance) and not any(
-        compare([one], [belt(1.1)], "velocity", "m s-1").is_real
-    )
+    (unknown,) = compared([one], [belt(1.1)]).pairs
+    assert np.isnan(unknown.chance) and not any(compared([one], [belt(1.1)]).is_real)
 
 
 def test_replicates_that_agree_by_accident_still_have_what_each_knows_of_itself():
@@ -76,26 +82,29 @@ def test_replicates_that_agree_by_accident_still_have_what_each_knows_of_itself(
         belt([1.0, 1.001], half_width=0.2, samples=20),
         belt([1.1, 1.101], half_width=0.2, samples=20),
     )
-    (pair,) = compare([one], [other], "velocity", "m s-1").pairs
+    (pair,) = compared([one], [other]).pairs
     assert pair.first.half_width == pytest.approx(0.2 / np.sqrt(2)) and pair.first.freedom == 38
     assert pair.chance > 0.05
 
 
 def test_equal_values_without_any_error_do_not_differ():
-    (pair,) = compare([belt([1.0, 1.0])], [belt([1.0, 1.0])], "velocity", "m s-1").pairs
+    (pair,) = compared([belt([1.0, 1.0])], [belt([1.0, 1.0])]).pairs
     assert pair.chance == 1 and pair.difference.value == 0
 
 
 def test_points_of_one_side_alone_are_counted():
-    comparison = compare(side(), side()[1:], "velocity", "m s-1")
+    comparison = compared(side(), side()[1:])
     assert len(comparison.pairs) == 3 and comparison.unmatched_counts == (1, 0)
+    chute = complete_values(parse_point({"system": "chute"}, "test"))
+    both = compared([*side(), (chute, belt(1.0)[1])], side())
+    assert len(both.pairs) == 4 and both.unmatched_counts == (1, 0)
     with pytest.raises(InputError, match="nothing to compare"):
-        compare(side()[:2], side()[2:], "velocity", "m s-1")
+        compared(side()[:2], side()[2:])
 
 
 def test_points_that_were_run_for_longer_besides_are_told():
     longer = [belt(np.ones(9), frequency=f, replicates=9) for f in (20, 30)]
-    comparison = compare([*side(), *longer], side(), "velocity", "m s-1")
+    comparison = compared([*side(), *longer], side())
     assert (
         len(comparison.pairs) == 4
         and comparison.shorter_counts == (2, 0)
@@ -107,33 +116,34 @@ def test_points_that_were_run_for_longer_besides_are_told():
 def test_what_no_run_knows_is_not_compared(tmp_path):
     path = write_run(tmp_path, parse_point({"system": "chute"}, "test"), failed=[0])
     with pytest.raises(InputError, match="no completed run knows its velocity"):
-        read_values(path, "velocity")
+        read_side(path, "velocity")
 
 
 def test_what_follows_from_another_parameter_can_be_ignored():
     varied = [beds(1.0, frequency=f, transient=t) for f, t in ((20, 10), (30, 20))]
     other = [beds(1.0, frequency=f) for f in (20, 30)]
     with pytest.raises(InputError):
-        compare(varied, other, "velocity", "m s-1")
-    assert len(compare(varied, other, "velocity", "m s-1", ("transient",)).pairs) == 2
+        compared(varied, other)
+    assert len(compared(varied, other, ("transient",)).pairs) == 2
     with pytest.raises(InputError, match="differ in nothing but frequency"):
-        compare(varied, other, "velocity", "m s-1", ("transient", "frequency"))
+        compared(varied, other, ("transient", "frequency"))
 
 
 def test_run_files_are_read_with_what_each_replicate_knows(tmp_path):
     parameters = parse_point({"system": "chute", "replicates": 3}, "test")
     path = write_run(tmp_path, parameters, 0.5, failed=[1])
-    (point,), unit = read_values(path, "velocity")
-    assert unit == "m s-1" and point.values.size == 2 and point.parameters["depth"] == 5
+    table, unit = read_side(path, "velocity")
+    (point,) = table.to_dict("records")
+    assert unit == "m s-1" and point["_replicates"] == 2 and point["depth"] == 5
     with pytest.raises(InputError, match=r"got 'speed'; allowed: one of .*velocity"):
-        read_values(path, "speed")
+        read_side(path, "speed")
 
 
 def test_a_published_study_is_equal_to_itself():
     from tests.made.processes import ROOT
 
-    measured, unit = read_values(ROOT / "results" / "published" / "paper_walton", "velocity")
-    comparison = compare(measured, measured, "velocity", unit)
+    table, _ = read_side(ROOT / "results" / "published" / "paper_walton", "velocity")
+    comparison = compare(table, table)
     assert (
         len(comparison.pairs) > 200
         and not any(comparison.is_real)
@@ -178,6 +188,4 @@ def test_the_same_as_json(runs, capsys):
     ],
 )
 def test_what_is_not_known_is_refused_in_one_line(words, message, runs, capsys):
-    assert main(["compare", *runs, *words]) == 2
-    err = capsys.readouterr().err
-    assert message in err and err.count("\n") == 1
+    assert message in refusal(capsys, "compare", *runs, *words)

@@ -21,6 +21,7 @@ from tests.engine_motion.points import belt_point
 from tests.golden import CLOCK
 from tests.made.folder import Folder
 from tests.made.netcdf import edit_file
+from tests.made.processes import refusal
 from tests.made.project import snakemake
 
 STUDY = """\
@@ -69,8 +70,7 @@ def test_one_that_does_not_fit_is_refused_at_once(source, tmp_path, more, said, 
         start, more = tmp_path / more, ""
         start.write_bytes(bytes(range(256)) * 10)
     path = study(tmp_path, start, more)
-    assert main(["points", str(path)]) == 2
-    (line,) = capsys.readouterr().err.splitlines()
+    line = refusal(capsys, "points", path)
     assert line.startswith(f"error: {path}: start_from: ") and said in line
     assert start.exists()
 

@@ -131,7 +131,7 @@ KILLED = """
 import signal, sys
 from pathlib import Path
 from sim.engine import run_file
-from tests.engine.observe.test_run_file import write
+from tests.engine.test_run_file import write
 
 def stuck(*arguments):
     print("writing", flush=True)

@@ -14,6 +14,7 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from subprocess import CompletedProcess
 
+from sim.__main__ import main
 from sim.parameters import Parameters, canonical_values
 
 ROOT = Path(__file__).parents[2]
@@ -34,6 +35,15 @@ def program(*words: str, **options) -> subprocess.CompletedProcess:
     """Run ``python -m sim`` to its end; return the finished process with its output."""
     options = {"capture_output": True, "text": True, "timeout": HANG} | options
     return subprocess.run([sys.executable, "-m", "sim", *words], cwd=ROOT, **options)
+
+
+def refusal(capsys, *words: object) -> str:
+    """Run a command that must be refused with code 2; return its one line on standard error."""
+    capsys.readouterr()
+    assert main(list(map(str, words))) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith("error: ")
+    return line
 
 
 def run_command(output: Path) -> list[str]:

@@ -2,6 +2,7 @@
 
 import json
 import shutil
+from collections.abc import Sequence
 from math import inf
 from pathlib import Path
 from types import SimpleNamespace
@@ -22,6 +23,7 @@ from sim.report import decide as deciding
 from sim.study.extra_amounts import extra_amounts_file
 from sim.study.load import load_study, parse_study
 from tests.made.netcdf import edit_file
+from tests.made.processes import refusal
 from tests.made.runs import write_run
 
 STUDY = """\
@@ -150,22 +152,27 @@ def test_a_workflow_that_fails_ends_the_rounds(made, monkeypatch):
     assert folder.replicates() == [3, 3]
 
 
-def judged(name: str, **by_reading: list[Check]) -> SimpleNamespace:
+@pytest.fixture
+def judges(monkeypatch):
+    """Return a function that lets the judge give some judgements."""
+    return lambda *judgements: monkeypatch.setattr(deciding, "judge", lambda _: judgements)
+
+
+def judged(name: str, short: Sequence[str] = (), **by_reading: list[Check]) -> SimpleNamespace:
     """Return a judgement on the chute with open checks by reading, in one word."""
     return SimpleNamespace(
         claim=SimpleNamespace(id=name, system="chute"),
         headline="default",
         open_checks=lambda reading: by_reading.get(reading.rpartition(" ")[-1], []),
-        short_points=lambda reading: [],
+        short_points=lambda reading: short,
     )
 
 
-def test_open_claims_get_the_replicates_of_their_points(made, monkeypatch, capsys):
+def test_open_claims_get_the_replicates_of_their_points(made, judges, capsys):
     folder = made("budget: 10, claims: [W9]")
     first = next(iter(folder.points))
     check = Check("x", 1.5, 0.6, 1.0, 9.0, points=(first,), samples=99)
-    judgements = [judged("W8", default=[check]), judged("W9", default=[check, check])]
-    monkeypatch.setattr(deciding, "judge", lambda results: judgements)
+    judges(judged("W8", default=[check]), judged("W9", default=[check, check]))
     assert 1 < check.replicate_factor < 4
     folder.decide()
     out = capsys.readouterr().out
@@ -175,12 +182,12 @@ def test_open_claims_get_the_replicates_of_their_points(made, monkeypatch, capsy
     assert held["amounts"] == {first: {"replicates": 4.0}} and held["rounds"] == {first: 1}
 
 
-def test_each_look_of_the_judge_is_counted(made, monkeypatch):
+def test_each_look_of_the_judge_is_counted(made, judges):
     """Two rounds make three looks; points of which nothing was bought have been looked at once."""
     folder = made("budget: 10, claims: [W9]")
     first, second = folder.points
     check = Check("x", 1.5, 0.6, 1.0, 9.0, points=(first,), samples=99)
-    monkeypatch.setattr(deciding, "judge", lambda results: [judged("W9", default=[check, check])])
+    judges(judged("W9", default=[check, check]))
     for _ in range(2):
         folder.run()
         folder.decide()
@@ -229,23 +236,23 @@ def test_claims_of_the_papers_may_be_decided_and_no_others():
             decided_claims(name)
 
 
-def test_what_has_too_few_samples_to_tell_gets_some(made, monkeypatch):
+def test_what_has_too_few_samples_to_tell_gets_some(made, judges):
     folder = made("budget: 10, claims: [W9]")
     first, _ = folder.points
     check = Check("x", 1.5, inf, 1.0, 9.0, points=(first,), samples=3)
-    monkeypatch.setattr(deciding, "judge", lambda results: [judged("W9", default=[check])])
+    judges(judged("W9", default=[check]))
     folder.decide()
     assert folder.replicates() == [12, 3]
 
 
-def test_a_claim_is_decided_under_each_reading_of_the_whole_study(made, monkeypatch, capsys):
+def test_a_claim_is_decided_under_each_reading_of_the_whole_study(made, judges, capsys):
     folder = made("budget: 10, claims: [W9]")
     first, second = folder.points
     checks = {
         name: [Check("x", 1.5, 0.6, 1.0, 9.0, points=(point,), samples=99)]
         for name, point in (("after", first), ("reset", second))
     }
-    monkeypatch.setattr(deciding, "judge", lambda results: [judged("W9", **checks)])
+    judges(judged("W9", **checks))
     folder.decide()
     assert "nothing is open" in capsys.readouterr().out
     text = folder.path.read_text()
@@ -261,8 +268,7 @@ def test_a_study_that_decides_nothing_says_so(made, capsys):
     folder = made("budget: 1, precision: 0.1")
     text = folder.path.read_text()
     folder.path.write_text("\n".join(line for line in text.splitlines() if "decide" not in line))
-    assert folder.decide() == 2
-    assert "decide: got" in capsys.readouterr().err
+    assert "decide: got" in refusal(capsys, "decide", folder.path, "--results", folder.root)
 
 
 @pytest.mark.parametrize("damage", ["torn", "a digit", "unknown", "endless"])
@@ -279,18 +285,15 @@ def test_a_damaged_list_of_what_was_bought_is_set_aside(damage, made, capsys):
         "endless": to_sealed_json({"before": 0, "amounts": {point: {"average": 1e300}}}),
     }
     path.write_text(texts[damage])
-    capsys.readouterr()
-    assert folder.decide() == 2
-    assert "list of what was bought" in capsys.readouterr().err
+    line = refusal(capsys, "decide", folder.path, "--results", folder.root)
+    assert "list of what was bought" in line
     assert folder.replicates() == [3, 3]
 
 
-def test_runs_that_are_too_short_for_a_claim_get_longer(made, monkeypatch, capsys):
+def test_runs_that_are_too_short_for_a_claim_get_longer(made, judges, capsys):
     folder = made("budget: 10, claims: [W9], longer: 3")
     first, _ = folder.points
-    judgement = judged("W9")
-    judgement.short_points = lambda reading: [first]
-    monkeypatch.setattr(deciding, "judge", lambda results: [judgement])
+    judges(judged("W9", short=[first]))
 
     def average() -> list[float]:
         return [point.parameters.average for point in folder.points.values()]
@@ -305,7 +308,9 @@ def test_runs_that_are_too_short_for_a_claim_get_longer(made, monkeypatch, capsy
 
 
 @pytest.mark.parametrize("ended", ["target", "limit"])
-def test_runs_that_end_before_their_limit_get_more_beside_them(ended, tmp_path, monkeypatch):
+def test_runs_that_end_before_their_limit_get_more_beside_them(
+    ended, tmp_path, judges, monkeypatch
+):
     folder = Folder(tmp_path, "budget: 10, claims: [W9]")
     text = folder.path.read_text()
     folder.path.write_text(text.replace("replicates: 3", "replicates: 3, protocol: converged"))
@@ -320,9 +325,7 @@ def test_runs_that_end_before_their_limit_get_more_beside_them(ended, tmp_path, 
     monkeypatch.setattr("tests.report.test_decide.write_run", written)
     folder.run()
     first, _ = folder.points
-    judgement = judged("W9")
-    judgement.short_points = lambda reading: [first]
-    monkeypatch.setattr(deciding, "judge", lambda results: [judgement])
+    judges(judged("W9", short=[first]))
     limit = next(iter(folder.points.values())).parameters.limit
     folder.decide()
     grown = next(iter(folder.points.values())).parameters

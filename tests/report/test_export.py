@@ -17,6 +17,7 @@ from sim.parameters import Parameters, point_id
 from sim.parameters.variables import variables_of
 from sim.report.export import FORMATS
 from tests.engine_motion.points import belt_point, chute_point
+from tests.made.processes import refusal
 
 CHUTE = chute_point(depth=1, cell=3, bumps=1, replicates=2)
 BELT = belt_point(beads=3, width=5, replicates=2)
@@ -238,25 +239,20 @@ def test_mistakes_are_one_line_and_leave_nothing(words, message, run, monkeypatc
     Path("there.xyz").touch()
     Path("a_folder").mkdir()
     before = sorted(Path().rglob("*"))
-    assert main(["export", run.name, "--to", "extxyz", *words]) == 2
-    error = capsys.readouterr().err
-    assert message in error and error.count("\n") == 1
+    assert message in refusal(capsys, "export", run.name, "--to", "extxyz", *words)
     assert sorted(Path().rglob("*")) == before
 
 
 def test_a_missing_library_is_named(run, monkeypatch, capsys):
     monkeypatch.setitem(sys.modules, "meshio", None)
     monkeypatch.chdir(run.parent)
-    assert main(["export", run.name, "--to", "vtk"]) == 2
-    assert "pip install meshio" in capsys.readouterr().err
+    assert "pip install meshio" in refusal(capsys, "export", run.name, "--to", "vtk")
 
 
 def test_what_is_no_run_file_is_told(tmp_path, capsys):
     (tmp_path / "x.nc").write_text("no run")
-    assert main(["export", str(tmp_path / "x.nc"), "--to", "amber"]) == 2
-    assert main(["export", str(tmp_path / "y.nc"), "--to", "amber"]) == 2
-    said = capsys.readouterr().err
-    assert "damaged or not a run file" in said and "y.nc: no such run file" in said
+    for name, words in (("x.nc", "damaged or not a run file"), ("y.nc", "no such run file")):
+        assert words in refusal(capsys, "export", tmp_path / name, "--to", "amber")
 
 
 def test_a_write_that_fails_leaves_nothing(run, monkeypatch):

@@ -11,6 +11,7 @@ from sim.parameters import BeltParameters, ChuteParameters, load_point
 from sim.report.info import describe
 from tests.made.figures import make_built_study
 from tests.made.netcdf import edit_file
+from tests.made.processes import refusal
 from tests.made.runs import FAILURE, write_run
 
 POINTS = [
@@ -43,17 +44,13 @@ def test_a_file_that_is_no_run_gives_one_line(tmp_path, capsys, content):
     path = tmp_path / "odd.nc"
     if content is not None:
         path.write_bytes(content)
-    assert main(["info", str(path)]) == 2
-    error = capsys.readouterr().err
-    assert error.count("\n") == 1
-    assert "odd.nc" in error
+    assert "odd.nc" in refusal(capsys, "info", path)
 
 
 def test_a_dataset_is_called_one(tmp_path, capsys):
     path = make_built_study(tmp_path)[1] / "made" / "dataset.nc"
-    assert main(["info", str(path)]) == 2
-    error = capsys.readouterr().err
-    assert error == f"error: {path}: the dataset of study made, not a run file\n"
+    line = refusal(capsys, "info", path)
+    assert line == f"error: {path}: the dataset of study made, not a run file"
     assert path.exists()
 
 

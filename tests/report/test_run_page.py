@@ -15,6 +15,7 @@ from PIL import Image
 from sim.__main__ import main
 from sim.parameters import BeltParameters, ChuteParameters, Parameters, load_point
 from sim.report.run_page import unusual_parameters
+from tests.made.processes import refusal
 from tests.made.runs import FAILURE, HEIGHTS, write_run
 
 CHUTE = ChuteParameters(depth=1, cell=4, friction=0.3, replicates=3, orientations=False)
@@ -103,9 +104,8 @@ def test_a_page_is_made_again_where_the_run_or_the_code_has_changed(tmp_path):
 
 def test_what_is_no_run_is_refused_in_one_line(tmp_path, capsys):
     (tmp_path / "odd.nc").write_bytes(b"no netCDF")
-    assert main(["page", str(tmp_path / "odd.nc"), "-o", str(tmp_path)]) == 2
-    error = capsys.readouterr().err
-    assert error.count("\n") == 1 and "odd.nc: damaged or not a run file" in error
+    line = refusal(capsys, "page", tmp_path / "odd.nc", "-o", tmp_path)
+    assert "odd.nc: damaged or not a run file" in line
     assert not list(tmp_path.glob("*.html"))
 
 
@@ -115,12 +115,11 @@ def test_what_is_no_page_is_not_overwritten(tmp_path, capsys):
         shutil.copy(path, tmp_path / name)
     before = (tmp_path / "run.html").read_bytes()
     for run in ("run.html", "run.nc"):
-        assert main(["page", str(tmp_path / run), "-o", str(tmp_path)]) == 2
-        assert "run.html: is there already, and is no page" in capsys.readouterr().err
+        line = refusal(capsys, "page", tmp_path / run, "-o", tmp_path)
+        assert "run.html: is there already, and is no page" in line
     assert (tmp_path / "run.html").read_bytes() == before
 
 
 def test_two_runs_of_one_name_are_refused(tmp_path, capsys):
-    runs = [str(tmp_path / folder / "run.nc") for folder in "ab"]
-    assert main(["page", *runs, "-o", str(tmp_path)]) == 2
-    assert "allowed: runs of different names" in capsys.readouterr().err
+    runs = [tmp_path / folder / "run.nc" for folder in "ab"]
+    assert "runs of different names" in refusal(capsys, "page", *runs, "-o", tmp_path)

@@ -10,6 +10,7 @@ from sim.report.status import PointStatus, StudyStatus
 from sim.report.status_table import as_json, as_text
 from tests.made.folder import BOUNDED, NOW, STUDY, Folder
 from tests.made.netcdf import edit_file
+from tests.made.processes import refusal
 from tests.made.runs import FAILURE
 
 
@@ -107,9 +108,7 @@ def test_the_study_is_the_default_one_when_none_is_named(tmp_path, capsys):
     ],
 )
 def test_mistakes_give_one_line(arguments, words, capsys):
-    assert main(["status", *arguments]) == 2
-    (line,) = capsys.readouterr().err.splitlines()
-    assert line.startswith("error: ") and words in line
+    assert words in refusal(capsys, "status", *arguments)
 
 
 @pytest.mark.parametrize("content", ["[", "[1]", '{"extra": {"system": "chute", "depth": -1}}'])
@@ -118,9 +117,7 @@ def test_an_unreadable_round_gives_one_line(tmp_path, capsys, content):
     rounds = folder.results / "made" / "rounds"
     rounds.mkdir(parents=True)
     (rounds / "1.json").write_text(content)
-    assert main(["status", str(folder.file), "--results", str(folder.results)]) == 2
-    (line,) = capsys.readouterr().err.splitlines()
-    assert "1.json" in line
+    assert "1.json" in refusal(capsys, "status", folder.file, "--results", folder.results)
 
 
 @pytest.fixture
