@@ -42,6 +42,7 @@ def test_copies_of_a_run_make_a_study(tmp_path, monkeypatch):
         assert set(dataset["frequency"].values) == {20, 21}
 
 
+@pytest.mark.long
 def test_a_study_comes_from_its_first_run_to_its_report(tmp_path, monkeypatch, capsys):
     """It is killed once half of its one run is there, rounded down."""
     monkeypatch.setattr(grid, "ROW", 1)
