@@ -14,6 +14,7 @@ from sim.engine.identity import NUMERICS, source_hash
 from sim.engine.observe import estimate
 from sim.engine.run import BLOW_UP_CODE, run_point
 from sim.parameters import as_yaml, canonical_values, field_info, parse_point, point_id
+from sim.parameters.variables import recorded_by
 from tests.engine_motion.points import belt_point, chute_point
 from tests.made.netcdf import edit_file
 from tests.made.processes import ROOT
@@ -22,48 +23,6 @@ CHUTE = {"depth": 1.24, "cell": 4, "transient": 3, "average": 5, "replicates": 2
 BELT = {"beads": 12, "width": 5, "transient": 1, "average": 4, "replicates": 2}
 SOFT = {"depth": 5, "cell": 4, "stiffness": 0.2, "transient": 1, "average": 30}
 
-SHARED_SERIES = {
-    "mean_velocity": "m s-1",
-    "kinetic_energy": "J",
-    "potential_energy": "J",
-    "stored_energy": "J",
-    "normal_loss": "J",
-    "height_of_mass": "m",
-    "contact_number": "1",
-    "largest_overlap": "1",
-}
-SERIES = {
-    "chute": SHARED_SERIES
-    | {"mass_flux": "kg m-1 s-1", "rotational_energy": "J", "frictional_loss": "J"}
-    | {"base_normal_force": "N", "base_shear_force": "N"},
-    "belt": SHARED_SERIES
-    | {"mass_flux": "kg s-1", "belt_phase": "rad"}
-    | {"shear_loss": "J", "belt_work": "J"},
-}
-PROFILES = {
-    "velocity_profile": "m s-1",
-    "packing_profile": "1",
-    "granular_temperature_profile": "m2 s-2",
-    "vertical_temperature_profile": "m2 s-2",
-}
-SCALARS = {
-    "velocity": "m s-1",
-    "velocity_error": "m s-1",
-    "velocity_half_width": "m s-1",
-    "independent_samples": "1",
-    "average_start": "s",
-    "transient_end": "s",
-    "energy_residual": "1",
-    "normal_power": "W",
-    "acceleration": "m s-2",
-    "acceleration_error": "m s-2",
-    "max_overlap": "1",
-    "steps": "1",
-    "time_step_used": "s",
-    "wall_time": "s",
-    "loop_time": "s",
-    "replicate_seed": "1",
-}
 ATTRIBUTES = {"Conventions", "title", "system", "point_id", "status", "reason", "command"}
 ATTRIBUTES |= {"engine_version", "source_hash", "created", "versions", "steps", "wall_time"}
 
@@ -90,16 +49,11 @@ def read(path) -> dict[str, np.ndarray]:
 
 def test_variables_have_their_dimensions_and_units(ran):
     point, file = ran
-    for name, unit in SERIES[point.system].items():
-        assert file[name].dimensions == ("replicate", "time") and file[name].units == unit
-        assert np.isfinite(file[name][:]).all()
-    profiles = PROFILES | ({"number_density": "m-2"} if point.system == "belt" else {})
-    for name, unit in profiles.items():
-        for variable in (file[name], file[f"{name}_instantaneous"]):
-            assert variable.dimensions == ("replicate", "height") and variable.units == unit
-    base = {"base_normal": "N", "base_shear": "N"} if point.system == "chute" else {}
-    for name, unit in (SCALARS | base).items():
-        assert file[name].dimensions == ("replicate",) and file[name].units == unit
+    for name, row in recorded_by(point, "series", "profile", "scalar").items():
+        assert file[name].dimensions == row.dims, name
+        assert getattr(file[name], "units", "") == row.unit, name
+    for name in recorded_by(point, "series"):
+        assert np.isfinite(file[name][:]).all(), name
     assert (file["time"].units, file["height"].units) == ("s", "m")
     assert file["height"].positive == "up"
     for name, variable in file.variables.items():
