@@ -19,7 +19,7 @@ from sim.figures.beads import OBSTACLE
 from sim.figures.caption import velocity_text
 from sim.figures.configuration import COLOURS, DARK, Scene
 from sim.figures.data import FigureData
-from sim.figures.gif import Animation, message_animation
+from sim.figures.render import Animation, message_animation
 from sim.figures.spheres import Frame, picture, view_from
 from sim.figures.style import SHORT_DASH
 from sim.study.figure_spec import TALLEST

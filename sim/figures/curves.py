@@ -40,7 +40,7 @@ from sim.figures.plot import (
 from sim.figures.quantity import Quantity, quantity_table
 from sim.figures.style import CurveStyle, Look
 from sim.parameters import SYSTEMS
-from sim.study.plot_words import name_in_words, parameter_phrase
+from sim.study.plot_contents import name_in_words, parameter_phrase
 from sim.study.plottable import numbers
 
 #: Shift between neighbouring curves, points of print.

@@ -28,8 +28,8 @@ from sim.figures.plot import (
     shared_look,
     write_no_data,
 )
+from sim.figures.quantity import unit_of
 from sim.figures.style import PALE
-from sim.figures.units import unit_of
 from sim.study.plottable import numbers
 
 #: Share of the room of an x value that its curves fill, and share of that over which dots spread.

@@ -7,7 +7,7 @@ lists the logarithmic axes.
 """
 
 import textwrap
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -19,7 +19,7 @@ from matplotlib.lines import Line2D
 from sim.dataset.results import Results
 from sim.figures.caption import points_text
 from sim.figures.data import FigureData, parameter_columns, varying_parameters
-from sim.figures.quantity import Quantity, replicate_means
+from sim.figures.quantity import Quantity, label_with_unit, replicate_means, scale_of, unit_of
 from sim.figures.style import (
     LOOKS,
     CurveStyle,
@@ -29,10 +29,9 @@ from sim.figures.style import (
     legend_above,
     settings,
 )
-from sim.figures.units import label_with_unit, scale_of, unit_of
 from sim.parameters import SYSTEMS, field_info
 from sim.parameters.words import PROTOCOLS, setting
-from sim.study.plot_words import name_in_words, parameter_phrase
+from sim.study.plot_contents import name_in_words, parameter_phrase
 from sim.study.plottable import Observable, numbers
 
 #: Size (inches) of a plot with one panel, size of each of several, and the most panels in a row.
@@ -94,6 +93,31 @@ def named_columns(data: FigureData, rows: pd.DataFrame) -> dict[str, pd.Series]:
     spec = data.spec
     names = dict.fromkeys((*spec.axes, *spec.curves, *curve_keys(data)))
     return parameter_columns(rows, spec.system, names)
+
+
+def completed_rows(data: FigureData) -> list[dict[str, Any]]:
+    """Return the columns of each completed point by name."""
+    completed = data.rows[data.rows["completed"] > 0].to_dict("records")
+    return [{str(name): value for name, value in row.items()} for row in completed]
+
+
+def rows_of_points(
+    data: FigureData,
+    headings: Mapping[str, str],
+    values: Callable[[Mapping[str, Any]], pd.DataFrame],
+) -> pd.DataFrame:
+    """Return the rows of data that a point has several of, after the columns that identify it.
+
+    ``values`` returns those of a completed point, ``headings`` are those of its columns.
+    """
+    completed = data.rows[data.rows["completed"] > 0]
+    id_columns = named_columns(data, completed)
+    parts = [
+        pd.DataFrame({name: column[index] for name, column in id_columns.items()} | {**values(row)})
+        for index, row in zip(completed.index, completed_rows(data), strict=True)
+    ]
+    rows = pd.concat(parts) if parts else pd.DataFrame(columns=[*id_columns, *headings])
+    return rows.rename(columns=headings)
 
 
 def _means(results: Results, point: str, profile: str) -> np.ndarray:

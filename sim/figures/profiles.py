@@ -1,6 +1,8 @@
-"""Profiles over the height, means over the replicates of a point: a plot that a study file defines.
+"""Profiles of each point: a line over the height, or a marker per slice for one against another.
 
-Options of a figure: those of `sim.figures.profile_pairs`, which draws one profile against another.
+Options of a figure: those of `sim.figures.plot`: ``show`` is on the horizontal axis, ``second`` on
+the vertical one, which without it has the height; and ``between``, the lowest and highest height
+shown in diameters, or nothing.
 """
 
 from collections.abc import Mapping
@@ -8,11 +10,12 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from sim.base.statistics import student_half_width
-from sim.figures import belt_profiles, profile_pairs
-from sim.figures.axes import set_log
+from sim.figures import belt_profiles
+from sim.figures.axes import has_cut_bars, limit_axis, mark_cut_bars, set_log
 from sim.figures.caption import unsteady_sentence
 from sim.figures.data import FigureData
 from sim.figures.foreign_data import (
@@ -22,152 +25,261 @@ from sim.figures.foreign_data import (
     foreign_values,
 )
 from sim.figures.plot import (
-    above_zero,
+    Panels,
+    completed_rows,
     groups,
     label_axes,
     legend,
     missing_value_note,
-    named_columns,
     nonpositive_note,
     observable_label,
     panels,
+    rows_of_points,
+    scale_of_point,
     write_no_data,
 )
-from sim.figures.profile_pairs import MIN_REPLICATES, extent_sentence, height_range_suffix, slices
-from sim.figures.style import PALE
-from sim.figures.units import label_with_unit, unit_of
-from sim.study.plottable import profiles
+from sim.figures.quantity import label_with_unit, unit_of
+from sim.figures.style import PALE, CurveStyle
+from sim.study.figure_spec import SHARE
+from sim.study.plottable import Observable, profiles
+
+#: Fewest replicates for which the mean has an interval: that of two says little.
+MIN_REPLICATES = 3
+
+#: Sizes of the markers of means and of single replicates, points.
+_MEAN_SIZE, _REPLICATE_SIZE = 3.8, 2.2
 
 
-def _other_module(data: FigureData) -> Any:
-    """Return the module that draws a paper's profiles of the belt, or one against another."""
-    if data.spec.paper and data.spec.system == "belt":
-        return belt_profiles
-    return profile_pairs if data.spec.options["second"] else None
+def _is_of_paper(data: FigureData) -> bool:
+    """Return whether a figure is one of a paper on the belt, whose axes are the other way round."""
+    return bool(data.spec.paper) and data.spec.system == "belt"
+
+
+def observables(data: FigureData) -> dict[str, Observable]:
+    """Return the observables by axis: ``x``, and ``y`` unless the height is there."""
+    by_name, options = profiles(data.spec.system), data.spec.options
+    named = {"x": options["show"], "y": options["second"]}
+    return {axis: by_name[name] for axis, name in named.items() if name}
+
+
+def slices(data: FigureData, row: Mapping[str, Any]) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+    """Return heights (slice,) and values by axis (replicate, slice), in the units of the plot.
+
+    The slices end at the height below which the share `SHARE` of the particles lies; the option
+    ``between`` narrows them further. Of two observables, slices are left out in which no replicate
+    has both, and values are not-a-number where a replicate lacks either.
+    """
+    packing, height = data.results.profile(row["point"], "packing_profile")
+    filled = np.cumsum(np.nan_to_num(packing.mean(axis=0)))
+    chosen = np.arange(height.size) <= np.searchsorted(filled, SHARE * filled[-1])
+    if between := data.spec.options["between"]:
+        low, high = (limit * row["diameter"] for limit in between)
+        chosen &= (low <= height) & (height <= high)
+    values = {
+        axis: data.results.profile(row["point"], one.source)[0][:, chosen]
+        / scale_of_point(data, row, one.unit)
+        for axis, one in observables(data).items()
+    }
+    height = height[chosen] / scale_of_point(data, row, "m")
+    if len(values) == 1:
+        return height, values
+    is_known = np.isfinite(list(values.values())).all(axis=0)
+    is_shown = is_known.any(axis=0)
+    known = {axis: np.where(is_known, one, np.nan)[:, is_shown] for axis, one in values.items()}
+    return height[is_shown], known
+
+
+def means(data: FigureData, row: Mapping[str, Any]) -> pd.DataFrame:
+    """Return the means over the replicates of a point, a row per slice.
+
+    Columns are ``height``, and by axis ``x`` and the half width of its 95 % interval, ``x_half``.
+    Unknown values are not-a-number.
+    """
+    height, values = slices(data, row)
+    columns: dict[str, Any] = {"height": height}
+    for axis, of_replicates in values.items():
+        samples = [sample[np.isfinite(sample)] for sample in of_replicates.T]
+        columns[axis] = [sample.mean() if sample.size else np.nan for sample in samples]
+        columns[f"{axis}_half"] = [float(student_half_width(sample)) for sample in samples]
+    return pd.DataFrame(columns, dtype=float)
+
+
+def _is_drawable(data: FigureData, rows: pd.DataFrame) -> pd.Series:
+    """Return which rows of `means` are above 0 on every logarithmic axis."""
+    return (rows[[axis for axis in "xy" if axis in data.spec.options["log"]]] > 0).all(axis=1)
 
 
 def draw(data: FigureData) -> Figure:
-    """Draw a line per point, with a band of its interval or, for few replicates, all of these."""
-    spec = data.spec
-    if module := _other_module(data):
-        return module.draw(data)
+    """Draw the mean of each point, and its interval or, for few replicates, all of these."""
+    if _is_of_paper(data):
+        return belt_profiles.draw(data)
+    spec, shown_observables = data.spec, observables(data)
+    draw_point = _draw_slices if "y" in shown_observables else _draw_line
     figure, shown = panels(data)
-    for axes, rows in shown:
-        for style, label, row in groups(data, rows):
-            values = mask_nonpositive(data, point_profile(data, row))
-            if values["mean"].isna().all():
-                continue
-            mean, half, height = (values[name] for name in ("mean", "half_width", "height"))
-            axes.plot(mean, height, color=style.colour, linestyle=style.dashes, label=label)
-            band: dict[str, Any] = {"color": style.colour, "alpha": 0.15, "linewidth": 0}
-            replicates = values.filter(regex="^replicate")
-            if row["completed"] < MIN_REPLICATES:
-                axes.plot(
-                    replicates, height, color=style.colour, alpha=PALE, linewidth=0.7, zorder=1.5
-                )
-            else:
-                axes.fill_betweenx(height, mean - half, mean + half, **band)
-        if "x" in spec.options["log"]:
-            set_log(axes, "x")
-    observable = profiles(spec.system)[spec.options["show"]]
-    write_no_data(shown, observable.name + height_range_suffix(data))
+    drawn = [
+        draw_point(axes, data, row, style, label)
+        for axes, rows in shown
+        for style, label, row in groups(data, rows)
+    ]
+    names = " and ".join(one.name for one in shown_observables.values())
+    write_no_data(shown, names + _height_range_suffix(data))
     foreign = draw_foreign_data(data, shown)
-    if not spec.options["between"]:
+    for axes, _ in shown:
+        for axis in spec.options["log"]:
+            set_log(axes, axis)
+    height = label_with_unit("height z", unit_of("m", spec.options["units"], spec.system))
+    labels = [observable_label(data, one) for one in shown_observables.values()]
+    label_axes(figure, shown, *[*labels, height][:2])
+    if "y" in shown_observables:
+        _limit_axes(data, shown, pd.concat(drawn) if drawn else pd.DataFrame())
+    elif not spec.options["between"]:
         # Panels share their axes, and set limits do not follow later data.
         shown[0][0].set_ylim(bottom=min([0.0, *foreign_values(data, "y")]))
-    unit = unit_of("m", spec.options["units"], spec.system)
-    label_axes(figure, shown, observable_label(data, observable), label_with_unit("height z", unit))
     legend(figure, shown, foreign)
     return figure
 
 
-def point_profile(data: FigureData, row: Mapping[str, Any]) -> pd.DataFrame:
-    """Return the shown slices of a profile of a point, in the units of the plot.
+def _draw_line(
+    axes: Axes, data: FigureData, row: Mapping[str, Any], style: CurveStyle, label: str
+) -> pd.DataFrame:
+    """Draw a line over the height, with a band or pale lines; return what it shows."""
+    rows, (_, values) = means(data, row), slices(data, row)
+    rows["x"] = rows["x"].where(_is_drawable(data, rows))
+    if rows["x"].isna().all():
+        return rows
+    mean, half, height = rows["x"], rows["x_half"], rows["height"]
+    axes.plot(mean, height, color=style.colour, linestyle=style.dashes, label=label)
+    if row["completed"] < MIN_REPLICATES:
+        each = values["x"].T
+        each = np.where(each > 0, each, np.nan) if "x" in data.spec.options["log"] else each
+        axes.plot(each, height, color=style.colour, alpha=PALE, linewidth=0.7, zorder=1.5)
+    else:
+        band: dict[str, Any] = {"color": style.colour, "alpha": 0.15, "linewidth": 0}
+        axes.fill_betweenx(height, mean - half, mean + half, **band)
+    return rows
 
-    Columns are ``height``, ``mean`` over the replicates, ``half_width`` of its 95 % interval, and
-    ``replicate 1`` and so on. Unknown values are not-a-number.
-    """
-    observable = profiles(data.spec.system)[data.spec.options["show"]]
-    values, height = slices(data, row, observable)
-    samples = [sample[np.isfinite(sample)] for sample in values.T]
-    return pd.DataFrame(
-        {
-            "height": height,
-            "mean": [sample.mean() if sample.size else np.nan for sample in samples],
-            "half_width": [float(student_half_width(sample)) for sample in samples],
-        }
-        | {f"replicate {number}": observable for number, observable in enumerate(values, 1)}
-    )
+
+def _draw_slices(
+    axes: Axes, data: FigureData, row: Mapping[str, Any], style: CurveStyle, label: str
+) -> pd.DataFrame:
+    """Draw a marker per slice, with bars or pale markers; return what it shows."""
+    rows = means(data, row)
+    rows = rows[_is_drawable(data, rows)]
+    if rows.empty:
+        return rows
+    has_few = row["completed"] < MIN_REPLICATES
+    if has_few:
+        _, values = slices(data, row)
+        pale: dict[str, Any] = {"color": style.colour, "alpha": PALE, "zorder": 1.5}
+        axes.plot(*map(np.ravel, values.values()), style.marker, markersize=_REPLICATE_SIZE, **pale)
+    look: dict[str, Any] = {"color": style.colour, "marker": style.marker, "markersize": _MEAN_SIZE}
+    look |= {"linestyle": "none", "zorder": 3}
+    has_bar = rows["x_half"].notna() & (not has_few)
+    barred, others = rows[has_bar], rows[~has_bar]
+    ends = {f"{axis}err": barred[f"{axis}_half"] for axis in "xy"}
+    axes.errorbar(barred["x"], barred["y"], **ends, elinewidth=0.6, capsize=0, **look)
+    axes.plot(others["x"], others["y"], **look)
+    axes.plot([], [], style.marker, color=style.colour, label=label)
+    return rows
 
 
-def mask_nonpositive(data: FigureData, rows: pd.DataFrame) -> pd.DataFrame:
-    """Return a `point_profile` with not-a-number for values ≤ 0 on a logarithmic axis."""
-    masked = rows.copy()
-    for name in rows.filter(regex="^(mean|replicate)"):
-        masked[name] = above_zero(data, "x", rows[name].to_numpy())
-    return masked
+def _limit_axes(data: FigureData, shown: Panels, drawn: pd.DataFrame) -> None:
+    """Set limits, which follow the means; carets mark bars that they cut."""
+    for axes, _ in shown:
+        axes.autoscale_view()
+        for axis in {"x", "y"} - set(data.spec.options["log"]):
+            means_on_axis = drawn.get(axis, pd.Series(dtype=float))
+            limit_axis(axes, axis, pd.concat([means_on_axis, foreign_values(data, axis)]))
+    for axes, _ in shown:
+        mark_cut_bars(axes)
 
 
 def table(data: FigureData) -> pd.DataFrame:
     """Return the plotted data, a row per point and slice, units in the headings."""
-    if module := _other_module(data):
-        return module.table(data)
-    spec, observable = data.spec, profiles(data.spec.system)[data.spec.options["show"]]
-    units = [unit_of(unit, spec.options["units"], spec.system) for unit in (observable.unit, "m")]
-    completed = data.rows[data.rows["completed"] > 0]
-    id_columns = named_columns(data, completed)
-    parts = []
-    for (index, row), values in zip(completed.iterrows(), _profiles_of_points(data), strict=True):
-        point_columns = {name: column[index] for name, column in id_columns.items()}
-        columns = {
-            f"height [{units[1]}]": values["height"],
-            f"{observable.name} [{units[0] or '1'}]": values["mean"],
-            f"half width of 95 % interval [{units[0] or '1'}]": values["half_width"],
-        }
-        parts.append(
-            pd.DataFrame(point_columns | columns | {"completed replicates": row["completed"]})
-        )
-    headings = [f"height [{units[1]}]", f"{observable.name} [{units[0] or '1'}]"]
-    rows = pd.concat(parts) if parts else pd.DataFrame(columns=[*id_columns, *headings])
-    return append_foreign_data(data, rows, headings[1], headings[0])
+    if _is_of_paper(data):
+        return belt_profiles.table(data)
+    spec, shown = data.spec, observables(data)
+    headings = {"height": f"height [{unit_of('m', spec.options['units'], spec.system)}]"}
+    for axis, one in shown.items():
+        unit = unit_of(one.unit, spec.options["units"], spec.system) or "1"
+        of = f" of {one.name}" if len(shown) > 1 else ""
+        headings[axis] = f"{one.name} [{unit}]"
+        headings[f"{axis}_half"] = f"half width of 95 % interval{of} [{unit}]"
 
+    def rows(row: Mapping[str, Any]) -> pd.DataFrame:
+        return means(data, row).assign(**{"completed replicates": row["completed"]})
 
-def _profiles_of_points(data: FigureData) -> list[pd.DataFrame]:
-    """Return the `point_profile` of each completed point."""
-    completed = data.rows[data.rows["completed"] > 0].to_dict("records")
-    return [
-        point_profile(data, {str(name): value for name, value in row.items()}) for row in completed
-    ]
+    y = headings.get("y", headings["height"])
+    return append_foreign_data(data, rows_of_points(data, headings, rows), headings["x"], y)
 
 
 def notes(data: FigureData) -> list[str]:
-    """Return the sentences of the caption on lines and bands."""
-    if module := _other_module(data):
-        return module.notes(data)
-    completed = data.rows["completed"]
-    many, few = (
-        (completed >= MIN_REPLICATES).any(),
-        ((completed > 1) & (completed < MIN_REPLICATES)).any(),
-    )
-    pale = f"of fewer than {MIN_REPLICATES}, each is a pale line"
-    bands = "Bands: Student's 95 % interval of the mean over replicates"
-    ends = extent_sentence(data, "Lines")
-    missing = sum(bool(rows["mean"].isna().all()) for rows in _profiles_of_points(data))
-    omissions = [
-        *missing_value_note(missing, f"a value{height_range_suffix(data)}"),
-        *_notes_on_logarithms(data),
+    """Return the sentences of the caption on lines or markers, bands or bars, and omissions."""
+    if _is_of_paper(data):
+        return belt_profiles.notes(data)
+    of_points = [means(data, row) for row in completed_rows(data)]
+    known = [rows[rows["x"].notna()] for rows in of_points]
+    drawn = [rows[_is_drawable(data, rows)] for rows in known]
+    omitted = sum(map(len, known)) - sum(map(len, drawn))
+    missing = sum(rows.empty for rows in known)
+    return [
+        *(_notes_on_slices if "y" in observables(data) else _notes_on_lines)(data, drawn),
+        *missing_value_note(missing, f"a value{_height_range_suffix(data)}"),
+        *nonpositive_note(omitted, "slices"),
+        unsteady_sentence(data.rows),
+        *foreign_data_notes(data),
     ]
-    rest = [*omissions, unsteady_sentence(data.rows), *foreign_data_notes(data)]
-    if many:
-        return [ends, f"{bands}; {pale}." if few else f"{bands}.", *rest]
-    return [ends, *([f"Lines are means over replicates; {pale}."] if few else []), *rest]
 
 
-def _notes_on_logarithms(data: FigureData) -> list[str]:
-    """Return the caption note on the slices omitted from a logarithmic axis."""
-    if "x" not in data.spec.options["log"]:
-        return []
-    means = np.concatenate(
-        [np.zeros(0), *(rows["mean"].dropna() for rows in _profiles_of_points(data))]
+def _notes_on_lines(data: FigureData, drawn: list[pd.DataFrame]) -> list[str]:
+    many, few = _has_many_and_few(data)
+    pale = f"of fewer than {MIN_REPLICATES}, each is a pale line"
+    means_of = "Bands: Student's 95 % interval of the mean" if many else "Lines are means"
+    text = f"{means_of} over replicates{f'; {pale}' if few else ''}."
+    return [_extent_sentence(data, "Lines"), *([text] if many or few else [])]
+
+
+def _notes_on_slices(data: FigureData, drawn: list[pd.DataFrame]) -> list[str]:
+    many, few = _has_many_and_few(data)
+    bars = ["Bars: Student's 95 % interval of the mean over replicates"] if many else []
+    pale = [f"of fewer than {MIN_REPLICATES} replicates, each is a pale marker"] if few else []
+    text = "; ".join([*bars, *pale])
+    every, log = pd.concat(drawn or [pd.DataFrame()]), data.spec.options["log"]
+    is_cut = many and any(
+        has_cut_bars(
+            every[axis], every[f"{axis}_half"], foreign_values(data, axis), logarithmic=axis in log
+        )
+        for axis in "xy"
     )
-    return nonpositive_note(int((means <= 0).sum()), "slices")
+    return [
+        "A marker per slice of the height, the mean over the replicates.",
+        _extent_sentence(data, "Slices"),
+        *([f"{text[0].upper()}{text[1:]}."] if text else []),
+        *(["Bars that end in a caret go on beyond the axes."] if is_cut else []),
+    ]
+
+
+def _has_many_and_few(data: FigureData) -> tuple[bool, bool]:
+    """Return whether some point has enough replicates for an interval, and some has a few."""
+    completed = data.rows["completed"]
+    return (
+        bool((completed >= MIN_REPLICATES).any()),
+        bool(((completed > 1) & (completed < MIN_REPLICATES)).any()),
+    )
+
+
+def _height_range_suffix(data: FigureData) -> str:
+    """Return a suffix that names the height range for messages about missing data."""
+    return " at these heights" if data.spec.options["between"] else ""
+
+
+def _extent_sentence(data: FigureData, noun: str) -> str:
+    """Write where slices end and, with the option ``between``, which heights are shown.
+
+    ``noun`` is the subject: slices or lines.
+    """
+    text = f"{noun} end where {100 * SHARE:g} % of the particles are below."
+    if between := data.spec.options["between"]:
+        low, high = between
+        text += f" Heights shown: {low:g} to {high:g} diameters above the base."
+    return text

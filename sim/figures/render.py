@@ -1,11 +1,13 @@
 """Write the four files of a figure from a dataset: PNG, SVG or GIF, data and caption."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from contextlib import ExitStack
+from dataclasses import dataclass
 from pathlib import Path
 
 import matplotlib as mpl
 import numpy as np
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from PIL import Image
 from PIL.PngImagePlugin import PngInfo
@@ -15,7 +17,6 @@ from sim.base.files import atomic_write
 from sim.dataset.results import Results, load_results, require_known_options
 from sim.figures.caption import caption
 from sim.figures.data import FigureData, figure_data
-from sim.figures.gif import Animation, save_gif
 from sim.figures.style import SETTINGS
 from sim.study.catalogue import FIGURES
 from sim.study.figure_spec import FigureSpec
@@ -24,8 +25,33 @@ from sim.study.plot_kinds import PlotKind, find_kind
 #: Resolution of the first picture of an animation, dots per inch.
 POSTER = 150
 
+#: Resolution of the frames of a GIF (dots per inch), and the number of colours that they share.
+DPI = 72
+PALETTE = 64
+
 #: Most passes of the layout.
 PASSES = 6
+
+
+@dataclass(frozen=True)
+class Animation:
+    """A moving figure with ``frames`` frames; ``show(number)`` puts it into the state of one.
+
+    ``duration`` is how long each frame is shown, ms.
+    """
+
+    figure: Figure
+    frames: int
+    show: Callable[[int], None]
+    duration: int = 70
+
+
+def message_animation(text: str) -> Animation:
+    """Return an animation of one frame with a message, where there is nothing to show."""
+    figure = Figure(figsize=(6.4, 3.2))
+    figure.subplots().set_axis_off()
+    figure.axes[0].text(0.5, 0.5, text, ha="center", transform=figure.axes[0].transAxes)
+    return Animation(figure, 1, lambda number: None)
 
 
 def find_spec(name: str, plots: Mapping[str, FigureSpec] | None = None) -> FigureSpec:
@@ -87,7 +113,7 @@ def render(spec: FigureSpec, dataset_path: Path, folder: Path) -> list[Path]:
         settle(figure)
         # Without a date, the same data give the same bytes.
         if isinstance(drawn, Animation):
-            save_gif(drawn, other)
+            _save_gif(drawn, other)
         else:
             figure.savefig(other, format="svg", metadata={"Title": spec.title, "Date": None})
         figure.savefig(still, format="png", dpi=POSTER if spec.animated else None)
@@ -135,3 +161,32 @@ def _save_small(picture: Path, title: str) -> None:
     metadata = PngInfo()
     metadata.add_itxt("Title", title)
     small.save(picture, format="PNG", optimize=True, pnginfo=metadata, dpi=image.info.get("dpi"))
+
+
+def _save_gif(animation: Animation, path: Path) -> None:
+    """Write an endless GIF and leave the figure in the state of its last frame.
+
+    All frames share one palette, taken from a few of them, so that none flickers.
+    """
+    figure = animation.figure
+    canvas = FigureCanvasAgg(figure)
+    figure.set_dpi(DPI)
+    # All frames have the layout of the first: texts that change would move the axes.
+    animation.show(0)
+    figure.draw_without_rendering()
+    figure.set_layout_engine("none")
+    frames = []
+    for number in range(animation.frames):
+        animation.show(number)
+        canvas.draw()
+        frames.append(np.asarray(canvas.buffer_rgba())[..., :3].copy())
+    sample = Image.fromarray(np.concatenate(frames[:: max(1, len(frames) // 4)]))
+    # This method keeps colours that only a few pixels have, like those of lines.
+    coverage = Image.Quantize.MAXCOVERAGE
+    palette = sample.quantize(PALETTE, method=coverage, dither=Image.Dither.NONE)
+    images = [
+        Image.fromarray(frame).quantize(palette=palette, dither=Image.Dither.NONE)
+        for frame in frames
+    ]
+    options = {"save_all": True, "loop": 0, "duration": animation.duration}
+    images[0].save(path, format="GIF", append_images=images[1:], **options)

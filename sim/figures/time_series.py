@@ -4,6 +4,7 @@ Options of a figure: those of `sim.figures.plot`.
 """
 
 from collections.abc import Mapping
+from functools import partial
 from typing import Any
 
 import netCDF4
@@ -22,15 +23,15 @@ from sim.figures.plot import (
     groups,
     label_axes,
     legend,
-    named_columns,
     nonpositive_note,
     observable_label,
     panels,
+    rows_of_points,
     scale_of_point,
     write_no_data,
 )
+from sim.figures.quantity import label_with_unit, unit_of
 from sim.figures.style import LEVEL
-from sim.figures.units import label_with_unit, unit_of
 from sim.parameters import SYSTEMS, amounts
 from sim.study.plottable import series
 
@@ -128,18 +129,8 @@ def table(data: FigureData) -> pd.DataFrame:
     """Return the plotted data, a row per value, units in the headings."""
     spec, observable = data.spec, series(data.spec.system)[data.spec.options["show"]]
     units = [unit_of(unit, spec.options["units"], spec.system) for unit in (observable.unit, "s")]
-    completed = data.rows[data.rows["completed"] > 0]
-    id_columns = named_columns(data, completed)
     headings = {"time": f"time [{units[1]}]", "value": f"{observable.name} [{units[0] or '1'}]"}
-    parts = []
-    for index, row in completed.iterrows():
-        values = read_time_series(data, {str(name): value for name, value in row.items()})
-        point_columns = {name: column[index] for name, column in id_columns.items()}
-        parts.append(pd.DataFrame(point_columns | {name: values[name] for name in values}))
-    rows = (
-        pd.concat(parts) if parts else pd.DataFrame(columns=[*id_columns, "replicate", *headings])
-    )
-    return rows.rename(columns=headings)
+    return rows_of_points(data, headings, partial(read_time_series, data))
 
 
 def notes(data: FigureData) -> list[str]:

@@ -101,8 +101,7 @@ def _log_end(path: Path) -> str:
 
 def _page(run: RunFile, parameters: Parameters, log: str, report: str) -> str:
     # This import takes a second, which is saved where all pages are up to date.
-    from sim.figures.run import pictures
-    from sim.figures.run_particles import animation
+    from sim.figures.run import animation, pictures
 
     images = {
         title: _data_uri("image/svg+xml", svg.encode())

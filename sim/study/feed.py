@@ -18,9 +18,8 @@ from sim.study.catalogue import FIGURES
 from sim.study.figure_spec import FigureSpec, written
 from sim.study.file import StudyFile
 from sim.study.model import Point, Study
-from sim.study.plot_contents import PlotContents, varying_parameters
+from sim.study.plot_contents import PlotContents, caption_lead, default_title, varying_parameters
 from sim.study.plot_kinds import plugin_code
-from sim.study.plot_words import caption_lead, default_title
 
 
 def feed(study: Study, files: Sequence[tuple[Path, StudyFile]]) -> Study:

@@ -10,7 +10,8 @@ from functools import wraps
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from sim.base.additions import add, additions, attribute_errors_to, shipped
+from sim.base.additions import AdditionError, add, additions, attribute_errors_to, shipped
+from sim.base.errors import in_short
 from sim.base.require import require_function, require_one_of
 from sim.base.words import printable
 
@@ -174,6 +175,10 @@ def plot_kind(
         # Nothing draws data beside the plot of a plug-in.
         others = tuple(key for key in base.keys.others if key != "beside")
         base = replace(base, keys=replace(base.keys, others=others))
+    elif like or not isinstance(keys, Keys):
+        raise AdditionError(
+            f"plot {name}: keys is of type Keys, without like: got {in_short(keys)}"
+        )
     for role, function in functions.items():
         require_function(f"plot {name}: {role}", function, takes=1)
     if notes:

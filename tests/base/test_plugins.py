@@ -172,6 +172,7 @@ MOTION = "motion('m', make=dict, state=dict, "
         ("observable('o', system='belt', unit=1, meaning='m')", "unit is text, not empty: got 1"),
         ("observable('o', system='belt', unit='1', meaning='m')(2)", "o is a function: got 2"),
         ("plot_kind('p', like={})", "plot p: like is one of curves, "),
+        ("plot_kind('p', keys='x')", "plot p: keys is of type Keys, without like: got 'x'"),
         ("plot_kind('p', like='map', notes='n')", "plot p: notes is a function: got 'n'"),
         ("plot_kind('p', like='map')(None)", "plot p is a function: got nothing"),
     ],

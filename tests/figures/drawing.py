@@ -13,8 +13,7 @@ from matplotlib.lines import Line2D
 
 from sim.dataset.results import Results, load_results
 from sim.figures.data import FigureData, figure_data
-from sim.figures.gif import Animation
-from sim.figures.render import derive_texts, find_spec, render
+from sim.figures.render import Animation, derive_texts, find_spec, render
 from sim.figures.style import SETTINGS
 from sim.study.catalogue import FIGURES
 from sim.study.plot_kinds import find_kind

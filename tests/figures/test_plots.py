@@ -1,7 +1,6 @@
 """Plots of a study's own: every kind, from made-up points to picture, data and caption."""
 
 from collections.abc import Mapping, Sequence
-from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -11,9 +10,8 @@ import pytest
 from sim.base.errors import InputError
 from sim.base.statistics import student_half_width
 from sim.dataset.results import load_results
-from sim.figures.axes import set_ticks
+from sim.figures.quantity import scale_of, unit_of
 from sim.figures.render import derive_texts, render
-from sim.figures.units import scale_of, unit_of
 from sim.study.load import load_study
 from sim.study.plot_kinds import find_kind
 from tests.figures.made_plots import GRID, SIZE, SPEED, courses, drawn, flows
@@ -330,35 +328,3 @@ def test_time_series_are_read_from_run_files(run_study, tmp_path):
     (dataset.parent / "runs" / f"{next(iter(study.points))}.nc").unlink()
     with pytest.raises(InputError, match="no such run file"):
         derive_texts(spec, load_results(dataset))
-
-
-@pytest.mark.parametrize(
-    ("values", "named", "rotation"),
-    [
-        ([1, 2, 3], ["1", "2", "3"], 0),
-        ([0.35, 0.36, 0.4], ["0.35", "0.36", "0.4"], 0),
-        (np.arange(100, 121), [str(value) for value in range(100, 121)], 90),
-    ],
-)
-def test_tick_labels_do_not_touch(values, named, rotation):
-    figure, _, _ = drawn({"x": "friction", "curves": "angle"})
-    (axes,) = figure.axes
-    axes.set_xlim(min(values) - 0.01, max(values) + 0.01)
-    set_ticks(axes, values, 4.6)
-    figure.draw_without_rendering()
-    shown = axes.get_xticklabels()
-    assert [text.get_text() for text in shown] == named
-    assert {text.get_rotation() for text in shown} == {rotation}
-    boxes = [text.get_window_extent() for text in shown]
-    assert all(one.x1 < other.x0 for one, other in pairwise(boxes))
-
-
-def test_values_too_dense_for_numbers_keep_their_ticks():
-    figure, _, _ = drawn({"x": "friction", "curves": "angle"})
-    (axes,) = figure.axes
-    values = np.linspace(0, 1, 201)
-    axes.set_xlim(0, 1)
-    set_ticks(axes, values, 4.6)
-    places = {*axes.get_xticks(), *axes.get_xticks(minor=True)}
-    assert places == set(values)
-    assert {0.0, 1.0} <= set(axes.get_xticks()) and len(axes.get_xticks()) < 201

@@ -1,6 +1,5 @@
 """Figures of regimes: a marker per point and regime, boundaries as bars, lines of theory."""
 
-import struct
 from dataclasses import replace
 from math import atan, degrees, pi, radians, sqrt, tan
 from pathlib import Path
@@ -13,7 +12,7 @@ from sim.figures.boundaries import BOUNDARIES, boundary_sentence
 from sim.figures.map import MARKS, creeping
 from sim.study.catalogue import FIGURES
 from tests.figures import drawing
-from tests.figures.drawing import data_of_figure, draw, picture
+from tests.figures.drawing import data_of_figure, picture, texts
 from tests.made.figures import make_built_regimes
 
 NAMES = ("regimes_friction", "regimes_angle", "belt_onset")
@@ -40,15 +39,10 @@ def test_these_are_the_figures_of_regimes():
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_all_files_are_made(name, dataset_path, tmp_path):
-    png, svg, data, caption = draw(name, dataset_path, tmp_path)
-    width, _ = struct.unpack(">II", png.read_bytes()[16:24])
-    assert width >= 1000
-    assert svg.read_text().rstrip().endswith("</svg>")
-    assert ",regime," in data.read_text().splitlines()[0]
-    assert FIGURES[name].paper in caption.read_text()
-    assert "Bars: intervals that hold a boundary" in caption.read_text()
-    assert "Error bars" not in caption.read_text()
+def test_data_and_caption(name, dataset_path):
+    data, text = texts(name, dataset_path)
+    assert "regime" in data and FIGURES[name].paper in text
+    assert "Bars: intervals that hold a boundary" in text and "Error bars" not in text
 
 
 @pytest.mark.parametrize(

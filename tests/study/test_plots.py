@@ -3,10 +3,12 @@
 import pytest
 
 from sim.base.errors import InputError
+from sim.base.plugins import load_plugins
 from sim.parameters import SYSTEMS
 from sim.study.figure_spec import FigureSpec
 from sim.study.load import Study, parse_study
 from sim.study.plot_kinds import find_kind, study_kinds
+from tests.made.plugins import restore_plugins
 
 SERIES = {
     "name": "flows",
@@ -226,6 +228,24 @@ def test_an_axis_with_zero_is_not_logarithmic(parse):
     series = {"name": "a", "system": "chute", "grid": {"friction": [0, 0.4]}}
     message = error_message(parse, {"name": "v", "x": "friction", "log": ["x"]}, series=(series,))
     assert message.startswith("log[0]: got 'x with friction = 0'")
+
+
+def test_a_kind_of_a_plugin_takes_the_keys_that_it_names(parse, tmp_path):
+    path = tmp_path / "own.py"
+    path.write_text(
+        "import sim\nfrom sim.study.plot_kinds import Keys\n"
+        "from sim.study.plottable import numbers\n"
+        "keys = Keys(axes=('x',), observable='y', usual='shear_depth', shows=numbers)\n"
+        "sim.plot_kind('own', keys=keys)(print)\n"
+    )
+    series = ({"name": "a", "system": "chute", "grid": {"friction": [0.3, 0.4]}},)
+    plot = {"name": "v", "kind": "own", "x": "friction"}
+    with restore_plugins():
+        load_plugins(path)
+        spec = parse(plot, series=series).plots["v"]
+        assert spec.title == "Shear depth against friction" and len(spec.options["plugin"]) > 6
+        message = error_message(parse, plot | {"panels": "law"}, series=series)
+        assert message == "panels: got 'law'; allowed: a key of own: x, y"
 
 
 def test_points_that_would_lie_on_each_other_are_refused(parse):

@@ -1,0 +1,188 @@
+"""Papers' figures of velocities and measures against a parameter: curves, data and captions."""
+
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+import pytest
+import xarray as xr
+from matplotlib.markers import CARETDOWN, CARETUP
+
+from sim.base.errors import InputError
+from sim.base.statistics import student_half_width
+from sim.figures.paper_curves import shown_quantities
+from sim.figures.quantity import quantities
+from sim.figures.style import LONG_DASH
+from sim.study.catalogue import FIGURES
+from tests.figures.drawing import dashes, data_of_figure, draw, drawn, picture, table, texts
+from tests.figures.made_belt import transport
+from tests.figures.made_chute import SPREAD, overlap
+from tests.made.netcdf import store
+
+
+def legend(axes) -> dict[str, object]:
+    return {line.get_label(): dashes(line) for line in axes.get_lines() if "=" in line.get_label()}
+
+
+def curve(axes, colour: str, dash: object = "-") -> dict[float, float]:
+    """Return the data of the line of a colour and a dash pattern."""
+    (line,) = (
+        line
+        for line in axes.get_lines()
+        if line.get_linestyle() != "None" and len(line.get_xdata()) > 2
+        if line.get_color() == colour and dashes(line) == dash
+    )
+    return dict(zip(line.get_xdata(), line.get_ydata(), strict=True))
+
+
+def test_fig_6_has_the_papers_dashes_and_the_velocities(belt_dataset):
+    figure, _ = drawn("gallas_6", belt_dataset)
+    (axes,) = figure.axes
+    assert legend(axes) == {"f = 80 Hz": "-", "f = 20 Hz": LONG_DASH}
+    for colour, dash, frequency in (("#000000", "-", 80), ("#0072b2", LONG_DASH, 20)):
+        made = {d: 1e-3 * frequency / (1 + d) for d in (0, 0.5, 1.5)}
+        assert curve(axes, colour, dash) == pytest.approx(made)
+
+
+def test_protocols_stand_side_by_side_on_one_scale(belt_dataset):
+    figure, data = drawn("protocols_1c", belt_dataset)
+    left, right = figure.axes
+    assert [axes.get_title() for axes in (left, right)] == [
+        "published protocol",
+        "converged protocol",
+    ]
+    assert left.get_ylim() == right.get_ylim()
+    for axes in (left, right):
+        assert legend(axes) == {"f = 50 Hz": "-", "f = 20 Hz": LONG_DASH}
+        assert list(curve(axes, "#000000")) == [0, 10, 50]
+    assert len(data.rows) == 12
+    labels = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert sorted(labels) == ["f = 20 Hz", "f = 50 Hz"]
+    assert "Converged protocol (6 points)" in texts("protocols_1c", belt_dataset)[1]
+
+
+def test_overlaps_are_a_line_and_a_dashed_one_per_stiffness(chute_dataset):
+    figure, data = drawn("overlaps", chute_dataset)
+    (axes,) = figure.axes
+    assert axes.get_yscale() == "log"
+    for dash, times in ((LONG_DASH, 1), ("-", 10)):
+        found = curve(axes, "#000000", dash)
+        made = [times * overlap({"depth": depth, "stiffness": 100}) for depth in found]
+        assert list(found) == [1.24, 2.5, 5, 10, 20, 40]
+        assert list(found.values()) == pytest.approx(made)
+    assert set(legend(axes)) == {
+        f"K1 = {stiffness} N/m, {what}"
+        for stiffness in (100, 1000)
+        for what in ("median", "one of a thousand")
+    }
+    heading = "half width of 95 % interval of the median overlap [σ]"
+    columns = set(table(data))
+    assert {"median overlap [σ]", heading, "overlap that one of a thousand exceeds [σ]"} < columns
+
+
+def test_onset_is_drawn_against_the_acceleration_and_relative_to_the_belt(belt_dataset):
+    figure, data = drawn("onset_acceleration", belt_dataset)
+    (axes,) = figure.axes
+    rows = data.rows
+    assert set(rows["frequency"]) == {15, 20}, "80 Hz is far from the onset"
+    vertical = rows["amplitude"] * rows["diameter"]
+    assert rows["acceleration_ratio"].to_numpy() == pytest.approx(
+        (2 * np.pi * rows["frequency"]) ** 2 * vertical / 10
+    )
+    speed = [transport(each) for each in rows.itertuples()]
+    belt = 2 * np.pi * rows["frequency"] * vertical
+    assert rows["velocity"].to_numpy() == pytest.approx(speed)
+    relative = shown_quantities(data)[0].value.to_numpy()
+    assert relative == pytest.approx((speed / belt).to_numpy())
+    heights = [y for line in axes.get_lines() if len(line.get_xdata()) for y in line.get_ydata()]
+    assert set(relative) <= set(heights)
+    assert set(legend(axes)) == {"$A_z$ = 0.5 ⟨d⟩, α = 45°", "$A_z$ = 1 ⟨d⟩, α = 45°"}
+
+
+def test_void_is_the_share_of_beads_near_the_belt(belt_dataset):
+    figure, _ = drawn("belt_void", belt_dataset)
+    for colour in ("#000000", "#0072b2"):
+        found = curve(figure.axes[0], colour, "-" if colour == "#000000" else (0, (3, 1.5)))
+        assert found == pytest.approx({15: 1 / 15, 20: 1 / 20, 80: 1 / 80})
+
+
+def test_waves_of_the_first_cycles_stand_beside_the_later_ones(belt_dataset):
+    figure, _ = drawn("density_waves", belt_dataset)
+    early = curve(figure.axes[0], "#0072b2", LONG_DASH)
+    late = curve(figure.axes[0], "#000000")
+    assert early == pytest.approx({f: 2 * late[f] for f in late}, rel=0.15)
+
+
+def test_stiffness_is_a_curve_per_frequency(belt_dataset):
+    figure, _ = drawn("belt_stiffness", belt_dataset)
+    assert list(curve(figure.axes[0], "#000000")) == [500, 1000, 2000]
+    assert figure.axes[0].get_xscale() == "log"
+
+
+@pytest.fixture(scope="module")
+def layers(chute_dataset):
+    return data_of_figure("shear_depth", chute_dataset)
+
+
+def test_every_material_is_a_curve_over_the_depths(layers):
+    axes = picture(layers).axes[0]
+    assert set(legend(axes)) == {
+        "e = 0.7, K1 = 100 N/m",
+        "e = 0.85, K1 = 100 N/m",
+        "e = 0.85, K1 = 1000 N/m",
+    }
+    curve = max(axes.get_lines(), key=lambda line: len(line.get_xdata()))
+    assert list(curve.get_xdata()) == [1.24, 2.5, 5, 10, 20, 40]
+    assert list(curve.get_ydata()) == pytest.approx([10 / depth for depth in curve.get_xdata()])
+
+
+def test_heights_have_students_interval_over_replicates(layers):
+    (heights,) = quantities(layers)
+    assert heights.name == "shear_depth"
+    rows = layers.rows.assign(half_width=heights.half_width)
+    rows = rows.set_index(["restitution", "stiffness", "depth"])
+    several, single = rows.loc[(0.85, 100, 5)], rows.loc[(0.7, 100, 5)]
+    assert several["half_width"] == pytest.approx(student_half_width(2 * (1 + SPREAD)))
+    assert pd.isna(single["half_width"])
+
+
+def test_an_interval_wider_than_the_axes_ends_in_carets(layers):
+    dataset = layers.results.dataset.copy(deep=True)
+    deep = (dataset["depth"] == 20).values
+    dataset["shear_depth"].values[deep, :2] = 1e-3, 9e-3
+    wide = replace(layers, results=replace(layers.results, dataset=dataset))
+    axes = picture(wide).axes[0]
+    carets = [line for line in axes.get_lines() if line.get_marker() in (CARETUP, CARETDOWN)]
+    bottom, top = axes.get_ylim()
+    places = {(line.get_xdata()[0], line.get_ydata()[0]) for line in carets}
+    assert places == {(20, bottom), (20, top)}
+
+
+def test_a_dataset_without_the_measure_is_refused(chute_dataset, tmp_path):
+    with xr.open_dataset(chute_dataset) as opened:
+        store(opened.load().drop_vars("shear_depth"), tmp_path / "dataset.nc")
+    with pytest.raises(InputError, match="shear_depth"):
+        draw("shear_depth", tmp_path / "dataset.nc", tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("name", "heading"),
+    [
+        ("gallas_6", "obstacle [⟨d⟩]"),
+        ("protocols_1c", "shear_damping [g]"),
+        ("onset_acceleration", "velocity over the belt's along x [1]"),
+        ("belt_void", "beads within the belt's reach [1]"),
+        ("belt_stiffness", "mean velocity [m s-1]"),
+        ("density_waves", "power in the averaging window [1]"),
+        ("shear_depth", "height of the shearing layer [σ]"),
+    ],
+)
+def test_data_and_caption(name, heading, belt_dataset, chute_dataset):
+    of_belt = FIGURES[name].system == "belt"
+    data, text = texts(name, belt_dataset if of_belt else chute_dataset)
+    assert {heading, "protocol"} < set(data) and data[heading].notna().all()
+    assert any("half width of 95 % interval" in column for column in data)
+    assert "Error bars: Student's 95 % interval of the mean over" in text
+    assert ("γ = 50g" if of_belt else "μ = 0.4") in text
+    assert "Converged protocol" not in text or name == "protocols_1c"
+    assert text.strip().endswith(FIGURES[name].says)
