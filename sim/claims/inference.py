@@ -3,10 +3,11 @@
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from itertools import combinations
-from math import inf, nan
+from math import inf, nan, sqrt
 
 import numpy as np
 from scipy import stats
+from uncertainties import UFloat, ufloat
 
 from sim.claims.place import Place
 from sim.claims.verdict import REPRODUCED, RISK, Check, holm_p
@@ -94,6 +95,32 @@ def _trend_p(order: np.ndarray, values: np.ndarray, alternative: str) -> float:
         n_resamples=PERMUTATIONS,
         rng=np.random.default_rng(0),
     ).pvalue
+
+
+def single_rise(groups: Groups) -> UFloat:
+    """Return the probability that one value of each group, drawn at random, rises throughout.
+
+    A paper that has one run per point can say "increases monotonically" of such a draw alone. The
+    interval is that of the jackknife over the values of all groups.
+    """
+    value = _share_of_rises(groups)
+    variance = 0.0
+    for number, group in enumerate(groups):
+        others = [
+            _share_of_rises([*groups[:number], np.delete(group, left_out), *groups[number + 1 :]])
+            for left_out in range(group.size)
+        ]
+        variance += (group.size - 1) * float(np.var(others))
+    return ufloat(value, sqrt(variance))
+
+
+def _share_of_rises(groups: Groups) -> float:
+    """Return the share of all choices of one value per group that rise from group to group."""
+    below, share = np.array([-inf]), np.array([1.0])
+    for group in groups:
+        share = (share * (below < group[:, None])).sum(axis=1) / group.size
+        below = group
+    return float(share.sum())
 
 
 def outranks(

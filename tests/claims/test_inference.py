@@ -14,6 +14,7 @@ from sim.claims.inference import (
     outranks,
     share_above,
     share_interval,
+    single_rise,
     trend,
 )
 from sim.claims.verdict import INCONCLUSIVE, NOT_REPRODUCED, REPRODUCED, RISK, Check, holm_p
@@ -192,3 +193,23 @@ def test_one_of_several_tests_must_be_clearer():
     likely = Check("x", 1.0, np.nan, 0, np.inf, tested=(0.03, 0.9))
     assert likely.verdict == REPRODUCED and correct_for(3, likely).verdict == INCONCLUSIVE
     assert correct_for(3, likely).tested == (0.09, 1.0)
+
+
+def test_single_rises_are_counted_over_all_choices():
+    """Of nine choices of one value each of (1, 3, 5) and (2, 4, 6), six rise."""
+    rise = single_rise([np.array([1.0, 3.0, 5.0]), np.array([2.0, 4.0, 6.0])])
+    assert rise.nominal_value == pytest.approx(6 / 9)
+    assert single_rise([np.zeros(4), np.ones(4), np.full(4, 2.0)]).std_dev == 0
+    rng = np.random.default_rng(1)
+    groups = [rng.normal(size=20) + 0.5 * number for number in range(4)]
+    draws = np.array([rng.choice(group, 20_000) for group in groups])
+    share = (np.diff(draws, axis=0) > 0).all(axis=0).mean()
+    assert single_rise(groups).nominal_value == pytest.approx(share, abs=0.015)
+
+
+def test_the_interval_of_single_rises_holds_their_scatter_over_samples():
+    rng = np.random.default_rng(2)
+    samples = [single_rise([rng.normal(size=20), 1 + rng.normal(size=20)]) for _ in range(200)]
+    values = np.array([sample.nominal_value for sample in samples])
+    errors = np.array([sample.std_dev for sample in samples])
+    assert errors.mean() == pytest.approx(values.std(), rel=0.2)

@@ -1,6 +1,7 @@
 """Judges of Gallas' claims about the mean velocity: frequency, angle, amplitude, stiffness."""
 
 from collections.abc import Sequence
+from math import prod
 
 import numpy as np
 from uncertainties import UFloat
@@ -8,6 +9,7 @@ from uncertainties import UFloat
 from sim.claims.checks import above, remove_votes, reported, withhold, within
 from sim.claims.criterion import fill
 from sim.claims.evidence import Evidence
+from sim.claims.inference import single_rise
 from sim.claims.place import Place, quotient
 from sim.claims.verdict import Check, Untestable
 from sim.papers.gallas.judges.bed import peak_density
@@ -21,6 +23,9 @@ from sim.papers.gallas.judges.lines import (
 
 #: Frequencies (Hz) that are needed: those of the coarse grid, and those just after the jump of V.
 COARSE, FINE = (20, 30, 40, 50, 60, 80, 100), (16, 18, 20, 25, 30)
+
+#: Angles (degrees) of the three curves of Fig. 1a.
+ANGLES = (30, 45, 60)
 
 #: Frequencies (Hz) at which beds creep; in the paper no bed flows there.
 CREEP = (10, 14)
@@ -70,7 +75,34 @@ def g1(
         *withhold([velocity_trend(fine, "f (Hz)", monotone=True)], too_coarse),
         above(quantity, fit, min_r2, fast.values()),
         *creep,
+        *_single_rises(evidence),
     ]
+
+
+def _single_rises(evidence: Evidence) -> list[Check]:
+    """Report how likely one bed per frequency rises throughout, at all angles of Fig. 1a.
+
+    The paper tells of no second bed, so this is how likely it sees what it says under a reading.
+    The fall is at 25 Hz, where the paper may have no point.
+    """
+    frequencies = [f for f in sorted({*COARSE, *FINE}) if f >= MIN_FLOW_FREQUENCY]
+    lines = {}
+    for angle in ANGLES:
+        line = select_replicated(evidence.line("belt", "frequency", vibration_angle=angle))
+        if set(line) >= set(frequencies):
+            lines[angle] = line
+    checks = []
+    for which, left_out in (("", None), (" but 25 Hz", 25)):
+        rises = {
+            angle: single_rise([line[f].values("velocity") for f in frequencies if f != left_out])
+            for angle, line in lines.items()
+        }
+        quantity = f"probability that one bed per frequency{which} rises throughout"
+        places = [line[f] for line in lines.values() for f in frequencies]
+        checks += [reported(f"{quantity}, {angle}°", rise, places) for angle, rise in rises.items()]
+        if len(rises) == len(ANGLES):
+            checks.append(reported(f"{quantity}, all angles", prod(rises.values()), places))
+    return checks
 
 
 def determination(abscissa: np.ndarray, values: Sequence[UFloat]) -> UFloat:
