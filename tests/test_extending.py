@@ -18,7 +18,7 @@ from sim.claims import judge
 from sim.claims.readings import readings_of
 from sim.claims.verdict_files import build as build_claims
 from sim.dataset.build import build
-from sim.dataset.earlier import reader_hash
+from sim.dataset.rows import reader_hash
 from sim.engine.contact import Partners, law_of
 from sim.engine.identity import cache_directory
 from sim.engine.systems.start import vibration

@@ -192,7 +192,7 @@ def run_with_limit(output: Path, size: int | None) -> subprocess.CompletedProces
     return program(
         *("run", "-", "--output", str(output), "--quiet"),
         input=json.dumps(canonical_values(LONG)),
-        env=os.environ | {"TALUS_CHECKPOINT_SECONDS": "0"},
+        env=os.environ | {"TALUS_CHECKPOINT_SECONDS": "0", "PYTHONDONTWRITEBYTECODE": "1"},
         preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, limit) if size else None,
     )
 
@@ -227,6 +227,8 @@ def test_a_full_disk_is_told_with_the_name_of_the_file(study_results, command, n
     before = {file: file.read_bytes() for file in results.rglob("*") if file.is_file()}
     done = program(
         *(command, *words[command]),
+        # Compiled modules would be cut off, too, and stay so.
+        env=os.environ | {"PYTHONDONTWRITEBYTECODE": "1"},
         preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (size, size)),
     )
     assert done.returncode == 1
