@@ -109,10 +109,10 @@ def _draw_of_paper(data: FigureData, figure: Figure, shown: Panels) -> None:
         _draw_regimes(axes, rows, regimes, plane, size=4.6)
     aside = 1.5 * BAR_PITCH if data.spec.system == "chute" else 0
     draw_boundaries(axes, data.boundaries, plane, aside=aside)
-    if "x" in data.spec.options["log"]:
-        set_log(axes, "x")
-        axes.margins(x=0.09)
-        axes.xaxis.set_minor_locator(NullLocator())
+    for axis in data.spec.options["log"]:
+        set_log(axes, axis)
+        getattr(axes, f"set_{axis}margin")(0.09)
+        getattr(axes, f"{axis}axis").set_minor_locator(NullLocator())
     if draw_theory := _THEORIES.get(plane[1]):
         draw_theory(axes, rows)
     label_axes(figure, shown, *given_labels(data))

@@ -82,7 +82,7 @@ def draw(data: FigureData) -> Figure:
     for axes, rows in each:
         if spec.system == "belt":
             _draw_belt(axes, rows, shown, spec)
-        elif "quantities" in spec.options:
+        elif "quantities" in spec.options or "y" in spec.options["log"]:
             _draw_measures(axes, rows, shown, spec)
         else:
             _draw_velocities(axes, rows, shown[0], spec)
@@ -129,6 +129,8 @@ def _draw_belt(axes: Axes, rows: pd.DataFrame, shown: Sequence[Quantity], spec: 
     along = rows[spec.axes[0]]
     if spec.options.get("relative"):
         axes.axvline(1, **LEVEL)
+    elif "y" in spec.options["log"]:
+        axes.set_yscale("log")
     elif len(shown) == 1:
         axes.axhline(0, color="#888888", linewidth=0.7, zorder=1)
         axes.set_xlim(left=-0.02 * along.max())

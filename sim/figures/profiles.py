@@ -50,11 +50,6 @@ MIN_REPLICATES = 3
 _MEAN_SIZE, _REPLICATE_SIZE = 3.8, 2.2
 
 
-def _is_of_paper(data: FigureData) -> bool:
-    """Return whether a figure is one of a paper on the belt, whose axes are the other way round."""
-    return bool(data.spec.paper) and data.spec.system == "belt"
-
-
 def observables(data: FigureData) -> dict[str, Observable]:
     """Return the observables by axis: ``x``, and ``y`` unless the height is there."""
     by_name, options = profiles(data.spec.system), data.spec.options
@@ -111,7 +106,7 @@ def _is_drawable(data: FigureData, rows: pd.DataFrame) -> pd.Series:
 
 def draw(data: FigureData) -> Figure:
     """Draw the mean of each point, and its interval or, for few replicates, all of these."""
-    if _is_of_paper(data):
+    if data.spec.paper:
         return belt_profiles.draw(data)
     spec, shown_observables = data.spec, observables(data)
     draw_point = _draw_slices if "y" in shown_observables else _draw_line
@@ -196,7 +191,7 @@ def _limit_axes(data: FigureData, shown: Panels, drawn: pd.DataFrame) -> None:
 
 def table(data: FigureData) -> pd.DataFrame:
     """Return the plotted data, a row per point and slice, units in the headings."""
-    if _is_of_paper(data):
+    if data.spec.paper:
         return belt_profiles.table(data)
     spec, shown = data.spec, observables(data)
     headings = {"height": f"height [{unit_of('m', spec.options['units'], spec.system)}]"}
@@ -215,7 +210,7 @@ def table(data: FigureData) -> pd.DataFrame:
 
 def notes(data: FigureData) -> list[str]:
     """Return the sentences of the caption on lines or markers, bands or bars, and omissions."""
-    if _is_of_paper(data):
+    if data.spec.paper:
         return belt_profiles.notes(data)
     of_points = [means(data, row) for row in completed_rows(data)]
     known = [rows[rows["x"].notna()] for rows in of_points]

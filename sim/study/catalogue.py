@@ -29,7 +29,7 @@ from sim.study.plottable import find_observable, require_parameter
 
 #: Keys of the figures of all kinds.
 KEYS_OF_ALL = (
-    *("name", "kind", "system", "about", "title", "log"),
+    *("name", "kind", "system", "about", "title"),
     *("where", "words", "lead", "named", "says"),
 )
 
@@ -136,7 +136,7 @@ class FigureFile(PlotFile):
     @property
     def keys_of_kind(self) -> tuple[str, ...]:
         """Names of all its keys."""
-        return *KEYS_OF_ALL, *self.keys.every, *self.keys.of_papers
+        return *KEYS_OF_ALL, *(self.keys.of_papers or (*self.keys.every, "log"))
 
     @property
     def options(self) -> dict[str, Any]:

@@ -61,9 +61,9 @@ class Keys:
     others : tuple of str
         Further keys.
     of_papers : tuple of str
-        Further keys of papers' figures; `sim.study.catalogue` says what they mean.
+        Keys of papers' figures, where these take others; `sim.study.catalogue` says what they mean.
     systems : tuple of str
-        Systems that it can show, empty for all.
+        Systems of which papers can have figures of the kind, empty for all.
     what, over : str
         What titles make of the name of the observable, and what they say of the axes.
     particles : Shown

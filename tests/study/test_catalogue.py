@@ -153,6 +153,11 @@ def test_an_entry_becomes_what_its_figure_is(tmp_path):
             "    log: [colour]\n    where",
             "figures[0].log[0]: got 'colour'; allowed: one of x, y",
         ),
+        (
+            "    where",
+            "    y: wave_power\n    where",
+            "figures[0].y: got 'wave_power'; allowed: a key of curves: name, kind",
+        ),
         ("{obstacle:g}", "{amplitude:g}", "figures[0].lead: got 'unsupported format string"),
         ("kind: curves", "kind: curve", "figures[0].kind: got 'curve'; allowed: one of anim"),
         (

@@ -13,7 +13,11 @@ plot_kind(
         second="x",
         log=("x", "y"),
         others=("curves", "panels", "beside"),
-        of_papers=("labels", "levels", "quantities", "styles", "entry", "relative"),
+        of_papers=(
+            *("x", "curves", "panels", "log", "labels"),
+            *("levels", "quantities", "styles", "entry", "relative"),
+        ),
+        systems=("chute", "belt"),
     ),
     table=drawing.table,
     notes=drawing.notes,
