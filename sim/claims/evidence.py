@@ -1,7 +1,7 @@
 """Evidence for judges: places of a study under one protocol and one reading, with intervals."""
 
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from math import inf
 from typing import Any
 
@@ -9,9 +9,9 @@ import numpy as np
 import pandas as pd
 from uncertainties import UFloat
 
+from sim.base.statistics import student, student_half_width
 from sim.claims.place import Place, with_interval
 from sim.claims.points import Points, Rows
-from sim.claims.starts import pool_seeds
 from sim.claims.verdict import Unbounded, Untestable
 from sim.dataset.results import Results
 from sim.parameters import SYSTEMS
@@ -114,7 +114,7 @@ class Evidence:
     ) -> UFloat:
         """Return a boundary found by refinement; its interval is the bracket.
 
-        Boundaries that differ in the seed alone are pooled, see `sim.claims.starts`. With ``seeds``
+        Boundaries that differ in the seed alone are pooled, see `_pool_seeds`. With ``seeds``
         the interval is infinite unless some boundary of this kind was searched from two seeds. With
         ``any_protocol`` the boundary may be of the other protocol.
 
@@ -134,7 +134,7 @@ class Evidence:
             seed_list = ", ".join(f"{seed:g}" for seed in missing_seeds)
             boundary = f"boundary of {of} along {along} at {_describe(where)}"
             raise Unbounded(f"no {boundary} found from seed {seed_list}")
-        value, half_width, freedom = pool_seeds(rows[is_bracketed], candidates, settings)
+        value, half_width, freedom = _pool_seeds(rows[is_bracketed], candidates, settings)
         return with_interval(value, inf if seeds and not freedom else half_width)
 
     def brackets(self, system: str, of: str, along: str, **where: Any) -> pd.DataFrame:
@@ -183,3 +183,31 @@ class Evidence:
 def _describe(where: Mapping[str, Any]) -> str:
     """Write parameters for a message: ``frequency 20, amplitude 1``."""
     return ", ".join(f"{name} {value}" for name, value in where.items()) or "the paper's values"
+
+
+def _pool_seeds(
+    rows: pd.DataFrame, candidates: pd.DataFrame, settings: Sequence[str]
+) -> tuple[float, float, int]:
+    """Return the boundary with the narrowest bracket: value, half width, further seeds.
+
+    The half width is that of the 95 % interval; the last number is that of the seeds less one. The
+    seeds show how much starts differ. With a single seed the bracket is the interval, each of its
+    ends a bound of one side. The interval is never narrower than that.
+
+    Parameters
+    ----------
+    rows : pandas.DataFrame
+        All boundaries of the kind, with ``low`` and ``high`` finite.
+    candidates : pandas.DataFrame
+        The rows to choose from, at least one.
+    settings : sequence of str
+        Columns in which pooled boundaries agree: all parameters but the seed.
+    """
+    bracket = 0.5 * (rows["high"] - rows["low"]).astype(float)
+    narrowest = rows.loc[bracket[candidates.index].idxmin()]
+    starts = rows[(rows[settings] == narrowest[settings]).all(axis=1)]
+    middle = 0.5 * (starts["low"] + starts["high"]).to_numpy(float)
+    half_width = float(bracket[starts.index].mean() * student(np.inf) / student(np.inf, sides=1))
+    if middle.size > 1:
+        half_width = max(half_width, float(student_half_width(middle)))
+    return float(middle.mean()), half_width, middle.size - 1
