@@ -72,6 +72,9 @@ def _variants(
             continue
         label = reading_label(claim.system, reading, readings)
         variant = _judge_under(claim, evidence, label, readings.control_reason(reading))
+        if grid and not of_headline:
+            votes = tuple(check for check in variant.checks if check.has_vote)
+            variant = replace(variant, checks=votes)
         key = variant.protocol, tuple(map(_rounded, variant.checks))
         if reading == readings.headline or not (variant.reason or key in keys):
             yield variant

@@ -128,10 +128,14 @@ def _check(check: Check) -> dict[str, Any]:
         "verdict": check.verdict,
         "plan": plan(check),
     }
-    return {
-        name: None if isinstance(value, float) and not np.isfinite(value) else value
-        for name, value in (fields | derived).items()
-    }
+    return {name: _plain(value) for name, value in (fields | derived).items()}
+
+
+def _plain(value: Any) -> Any:
+    """Return a value for JSON: nine digits of a number, none of one that is not finite."""
+    if not isinstance(value, float):
+        return value
+    return float(f"{value:.9g}") if np.isfinite(value) else None
 
 
 def _p_of_vote(check: Check, chance: float) -> float:

@@ -170,12 +170,14 @@ def _variant(
     title = PROTOCOLS[system].get(variant["protocol"], _MODEL).capitalize()
     is_headline = variant["reading"] == claim["headline"]
     reading = "" if variant["reading"] == "default" else f", {variant['reading']}"
+    # What is reported beside the votes is shown of the headline reading; ``claims.csv`` has it all.
+    checks = [check for check in variant["checks"] if is_headline or check["verdict"] != "reported"]
     return {
         **variant,
         "title": title + reading,
         "usual": is_headline,
         "unsteady": variant.get("unsteady", ""),
-        "checks": [_check(check, numbers) for check in variant["checks"]],
+        "checks": [_check(check, numbers) for check in checks],
     }
 
 
