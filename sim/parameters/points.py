@@ -212,8 +212,11 @@ def _larger(name: str, first: float, second: float) -> float:
 def default_of(model: type[Parameters], name: str, values: Mapping[str, Any]) -> Any:
     """Return the default of a parameter, which may depend on other parameters in ``values``."""
     field = model.model_fields[name]
-    default = field.get_default(call_default_factory=True, validated_data=dict(values))
-    return canonical_number(default)
+    if field.default_factory is None:
+        return canonical_number(field.default)
+    return canonical_number(
+        field.get_default(call_default_factory=True, validated_data=dict(values))
+    )
 
 
 def defaults_of_added(system: str) -> dict[str, Any]:

@@ -1,8 +1,9 @@
 """Declarations of parameters, and the roles of parameters that follow from them."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from functools import partial
+from functools import cache, partial
+from types import MappingProxyType
 from typing import Any, Literal, cast
 
 from pydantic import BaseModel, Field
@@ -114,24 +115,31 @@ reading, numerics, amount = (
 )
 
 
-def declarations(model: type[BaseModel]) -> dict[str, Declaration]:
+# Studies of 10,000 points ask each of these for every point; a plug-in makes another model.
+@cache
+def declarations(model: type[BaseModel]) -> Mapping[str, Declaration]:
     """Return the declaration of each parameter of a system, by name."""
-    return {
-        name: cast(Declaration, field.json_schema_extra)
-        for name, field in model.model_fields.items()
-    }
+    return MappingProxyType(
+        {
+            name: cast(Declaration, field.json_schema_extra)
+            for name, field in model.model_fields.items()
+        }
+    )
 
 
+@cache
 def numerical_parameters(model: type[BaseModel]) -> frozenset[str]:
     """Return the parameters that set how a flow is computed, not which flow it is."""
     return frozenset(_names(model, lambda row: row.role in ("numerics", "amount")))
 
 
+@cache
 def amount_parameters(model: type[BaseModel]) -> tuple[str, ...]:
     """Return the parameters that set how much of a flow is run."""
     return _names(model, lambda row: row.role == "amount")
 
 
+@cache
 def reading_parameters(model: type[BaseModel]) -> tuple[str, ...]:
     """Return the parameters that distinguish readings of a paper, choices before numbers."""
     declared = declarations(model)
@@ -139,24 +147,30 @@ def reading_parameters(model: type[BaseModel]) -> tuple[str, ...]:
     return tuple(sorted(names, key=lambda name: bool(declared[name].unit)))
 
 
+@cache
 def compiled_parameters(model: type[BaseModel]) -> tuple[str, ...]:
     """Return the parameters whose values select the code to compile."""
     return _names(model, lambda row: row.compiled)
 
 
+@cache
 def added_parameters(model: type[BaseModel]) -> tuple[str, ...]:
     """Return the parameters introduced after points were published, see `declare`."""
     return _names(model, lambda row: row.added)
 
 
+@cache
 def start_parameters(model: type[BaseModel]) -> tuple[str, ...]:
     """Return the numerical parameters that change the start of flows, see `declare`."""
     return _names(model, lambda row: row.changes_start)
 
 
-def id_parts(model: type[BaseModel]) -> dict[str, str]:
+@cache
+def id_parts(model: type[BaseModel]) -> Mapping[str, str]:
     """Return the labels in the ids of all points, by parameter."""
-    return {name: row.id_part for name, row in declarations(model).items() if row.id_part}
+    return MappingProxyType(
+        {name: row.id_part for name, row in declarations(model).items() if row.id_part}
+    )
 
 
 def _names(model: type[BaseModel], has_role: Callable[[Declaration], bool]) -> tuple[str, ...]:
