@@ -162,11 +162,13 @@ class Check:
 
     @property
     def bound(self) -> float:
-        """Distance from the value to its one-sided bound at 95 %.
+        """Distance from the value to its one-sided bound at 95 %, or what its looks leave of it.
 
         Both bounds are those of two one-sided tests.
         """
-        return self.half_width * float(student(MANY, sides=1) / student(MANY))
+        if not self.looks:
+            return self.half_width * float(student(MANY, sides=1) / student(MANY))
+        return self.half_width * -float(ndtri(RISK / spent(1.0, self.looks, most=inf))) / SIGMAS
 
     @property
     def verdict(self) -> str:

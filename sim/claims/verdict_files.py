@@ -19,7 +19,7 @@ from sim.dataset.results import load_current
 from sim.study.load import load_study
 
 #: Fields of a check that judges and `decide` use and the files do not hold.
-_INTERNAL_FIELDS = {"tested", "short", "coarse", "looks"}
+_INTERNAL_FIELDS = {"tested", "short", "coarse"}
 
 
 def build(study_path: str | Path, results: str | Path = "results") -> Path:
