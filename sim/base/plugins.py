@@ -111,10 +111,21 @@ def module_names(package: str) -> tuple[str, ...]:
 
 
 def load_shipped(package: str) -> None:
-    """Import the modules of a package of Talus, which add to it by the calls that plug-ins make."""
+    """Import the modules of a package of Talus, which add to it by the calls that plug-ins make.
+
+    Raises
+    ------
+    InputError
+        For a call of a module that is refused, or lacks an argument, with its line there.
+    """
+    folder = Path(__file__).parents[2].joinpath(*package.split("."))
     with attribute_additions_to(TALUS):
         for name in module_names(package):
-            import_module(f"{package}.{name}")
+            try:
+                import_module(f"{package}.{name}")
+            except (AdditionError, TypeError) as error:
+                file = folder / f"{name}.py"
+                raise InputError(f"{file}: {error_text(error, file)}") from None
 
 
 def load_plugins(*names: str | Path) -> None:

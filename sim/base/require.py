@@ -50,6 +50,12 @@ def require_one_of(what: str, value: Any, choices: Collection[str]) -> None:
         raise AdditionError(f"{what} is one of {', '.join(choices)}: got {in_short(value)}")
 
 
+def require_names(what: str, names: Any) -> None:
+    """Raise `AdditionError` unless these are names, in a tuple or a list."""
+    if not isinstance(names, tuple | list) or not all(isinstance(name, str) for name in names):
+        raise AdditionError(f"{what} is a tuple of names: got {names!r}")
+
+
 def require_number(what: str, value: Any) -> None:
     """Refuse anything but a finite number; booleans are refused."""
     if isinstance(value, bool) or not isinstance(value, int | float) or not isfinite(value):

@@ -36,10 +36,7 @@ from sim.parameters import SYSTEMS
 from sim.parameters.common import broken_rule
 from sim.study.catalogue import FIGURES
 from sim.study.entries import JUDGE
-from sim.study.papers import PAPER, Paper, papers
-
-#: In place of a paper, for a study's own claims.
-OWN = "own"
+from sim.study.papers import OWN, PAPER, Paper, papers
 
 #: Largest number of characters of each text of a claim.
 MAX_TEXT = 2000
@@ -169,15 +166,15 @@ class Claim(BaseModel):
             parts = {check.part for check in checks if check.has_vote}
             if unknown := parts - set(self.parts or ("",)):
                 raise ValueError(f"{self.id} has no part {', '.join(sorted(unknown))}")
+            return tuple(map(_printable_check, checks))
         except Untestable as error:
             raise Untestable(printable(str(error))) from None
         except ZeroDivisionError:
             raise
-        except Exception as error:
+        except (Exception, SystemExit) as error:
             if self.id not in additions(JUDGE):
                 raise
             raise plugin_error(JUDGE, self.id, error) from None
-        return tuple(map(_printable_check, checks))
 
 
 def _printable_check(check: Check) -> Check:

@@ -5,7 +5,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar, get_args
 
-from sim.base.require import require_count
+from sim.base.require import require_count, require_names
 from sim.parameters.choices import Choice, Option
 from sim.parameters.chute import ChuteParameters
 from sim.parameters.conveyor import ConveyorParameters
@@ -102,5 +102,8 @@ def law(
     """
     require_count(f"law {name}: remembers", remembers, MOST_REMEMBERED)
     functions = force, energy, collision_time
-    added = Law(make, parameters or {}, owns, *functions, int(remembers), one_mass, max_overlap)
+    require_names(f"law {name}: owns", owns)
+    added = Law(
+        make, parameters or {}, tuple(owns), *functions, int(remembers), one_mass, max_overlap
+    )
     LAW.add(name, added)

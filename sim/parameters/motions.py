@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from sim.base.plugins import module_names
+from sim.base.require import require_names
 from sim.parameters.belt import BeltParameters
 from sim.parameters.choices import Choice, Option
 from sim.parameters.common import CHOICES
@@ -62,4 +63,5 @@ def motion(
     owns : tuple of str
         Parameters of Talus that have an effect with it alone: under other motions they are refused.
     """
-    MOTION.add(name, Motion(make, parameters or {}, owns, state))
+    require_names(f"motion {name}: owns", owns)
+    MOTION.add(name, Motion(make, parameters or {}, tuple(owns), state))

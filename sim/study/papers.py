@@ -16,6 +16,7 @@ from pydantic import Field, ValidationError
 from sim.base.additions import add, additions, shipped
 from sim.base.errors import InputError
 from sim.base.messages import input_error
+from sim.base.plugins import module_names
 from sim.base.require import require_one_of
 from sim.base.yaml import read_yaml
 from sim.parameters import SYSTEMS
@@ -24,6 +25,9 @@ from sim.study.entries import Strict
 
 #: Kind of the additions that are papers.
 PAPER = "paper"
+
+#: In place of a paper, for a study's own claims.
+OWN = "own"
 
 #: Package of the papers that ship; nothing imports it by a statement.
 SHIPPED = "sim.papers"
@@ -126,7 +130,8 @@ def paper(package: str) -> None:
     except ValidationError as error:
         raise input_error(error, Paper, str(path)) from None
     require_one_of(f"{path}: system", one.system, SYSTEMS)
-    add(PAPER, one.name, one)
+    # Papers that ship are imported after plug-ins, but their names are taken.
+    add(PAPER, one.name, one, reserved=(*module_names("sim.papers"), OWN))
 
 
 def papers() -> dict[str, Paper]:

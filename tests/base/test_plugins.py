@@ -293,3 +293,12 @@ def test_a_plugin_that_is_imported_adds_nothing(tmp_path, monkeypatch):
     import mine_alone  # type: ignore[import-not-found]
 
     assert mine_alone.answer(None) == 42 and not additions("observable")
+
+
+def test_a_wrong_call_of_a_module_that_ships_is_one_line(monkeypatch):
+    def broken(_):
+        raise TypeError("law() missing 1 required keyword-only argument: 'collision_time'")
+
+    monkeypatch.setattr(plugins, "import_module", broken)
+    with pytest.raises(InputError, match=r"laws/drag\.py: TypeError: law\(\) missing 1"):
+        plugins.load_shipped("sim.laws")
