@@ -106,8 +106,11 @@ def load_from_environment() -> None:
 
 def module_names(package: str) -> tuple[str, ...]:
     """Return the names of the modules and packages in a package of Talus, sorted."""
-    folder = Path(__file__).parents[2].joinpath(*package.split("."))
-    return tuple(sorted(module.name for module in iter_modules([str(folder)])))
+    return tuple(sorted(module.name for module in iter_modules([str(_folder_of(package))])))
+
+
+def _folder_of(package: str) -> Path:
+    return Path(__file__).parents[2].joinpath(*package.split("."))
 
 
 def load_shipped(package: str) -> None:
@@ -118,13 +121,12 @@ def load_shipped(package: str) -> None:
     InputError
         For a call of a module that is refused, or lacks an argument, with its line there.
     """
-    folder = Path(__file__).parents[2].joinpath(*package.split("."))
     with attribute_additions_to(TALUS):
         for name in module_names(package):
             try:
                 import_module(f"{package}.{name}")
             except (AdditionError, TypeError) as error:
-                file = folder / f"{name}.py"
+                file = _folder_of(package) / f"{name}.py"
                 raise InputError(f"{file}: {error_text(error, file)}") from None
 
 

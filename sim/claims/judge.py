@@ -9,7 +9,7 @@ from sim.claims.evidence import Evidence
 from sim.claims.experiments import run_experiment
 from sim.claims.judgement import MODEL, PROTOCOLS, Judgement, Variant
 from sim.claims.points import Points
-from sim.claims.readings import GRID, combined_readings, reading_label, readings_of
+from sim.claims.readings import GRID, combined_readings, is_regridded, reading_label, readings_of
 from sim.claims.verdict import Check, Untestable
 from sim.dataset.results import Results
 from sim.study.papers import Readings
@@ -62,9 +62,8 @@ def _variants(
         return
     keys, grids = set(), set()
     for reading, evidence in evidence_by_reading:
-        grid = reading.get(GRID)
-        of_headline = reading == readings.headline | ({GRID: grid} if grid else {})
-        if grid and not of_headline and grid not in grids:
+        grid, regridded = reading.get(GRID), is_regridded(reading, readings.headline)
+        if regridded and grid not in grids:
             # Where a grid changes nothing at the headline reading, the claim uses no profile.
             continue
         if claim.paper == OWN and not evidence.has_runs(claim.system):
@@ -72,7 +71,7 @@ def _variants(
             continue
         label = reading_label(claim.system, reading, readings)
         variant = _judge_under(claim, evidence, label, readings.control_reason(reading))
-        if grid and not of_headline:
+        if regridded:
             votes = tuple(check for check in variant.checks if check.has_vote)
             variant = replace(variant, checks=votes)
         key = variant.protocol, tuple(map(_rounded, variant.checks))

@@ -34,6 +34,11 @@ def reading_label(system: str, reading: Mapping[str, Any], readings: Readings) -
     return "; ".join(words) or DEFAULT
 
 
+def is_regridded(reading: Mapping[str, Any], headline: Mapping[str, Any]) -> bool:
+    """True for runs of another reading than the headline one, evaluated on another grid."""
+    return GRID in reading and reading != {**headline, GRID: reading[GRID]}
+
+
 def combined_readings(results: Results, system: str, readings: Readings) -> list[dict[str, Any]]:
     """Return the readings under which runs of a system can be judged, the headline reading first.
 

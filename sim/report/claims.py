@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 from sim.base.seals import checked_read, parse_sealed_json
-from sim.claims.readings import GRID, combined_readings, reading_label
+from sim.claims.readings import combined_readings, is_regridded, reading_label
 from sim.dataset.caveats import UNSOUND_SHARE
 from sim.dataset.results import Results
 from sim.parameters import SYSTEMS
@@ -235,8 +235,7 @@ def reading_tables(claims: Sequence[Mapping[str, Any]], results: Results) -> lis
             shown = [
                 label
                 for label in words
-                if GRID not in (reading := readings.get(label, {}))
-                or reading == paper.readings.headline | {GRID: reading[GRID]}
+                if not is_regridded(readings.get(label, {}), paper.readings.headline)
             ]
             columns = [
                 _reading(label, readings.get(label, {}), paper_claims, results, paper)
