@@ -22,6 +22,7 @@ from sim.report.claims import (
     read_claims,
     reading_tables,
 )
+from sim.report.explorer import compressed, drawing_program, explorer_data
 from sim.report.gallery import Address, data_uri, figure_entries, headline_figures
 from sim.report.numbers import template
 from sim.report.runs import (
@@ -131,6 +132,8 @@ def render(
         checks=engine_checks(rows),
         state=state_of(runs),
         runs=runs,
+        explorer=compressed(explorer_data(dataset, runs)),
+        drawing_program=drawing_program(),
         varied=varied_columns(dataset) if order["own"] else [],
         parameters=parameter_rows(dataset),
         boundaries=boundary_rows(study, results.boundaries),

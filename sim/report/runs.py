@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+import numpy as np
 import pandas as pd
 import xarray as xr
 
@@ -103,32 +104,41 @@ def varied_columns(dataset: xr.Dataset) -> list[dict[str, Any]]:
     columns: dict[str, dict[str, Any]] = {}
     for system, model in SYSTEMS.items():
         indices = (dataset["system"] == system).values.nonzero()[0]
-        values_by_name = {
-            name: dataset[name].values for name in model.model_fields if name in dataset
-        }
-        rows = [
-            {name: values[index] for name, values in values_by_name.items()} for index in indices
-        ]
-        for name in values_by_name:
-            usual = (row[name] == default_of(model, name, row) for row in rows)
-            if (
-                name in amount_parameters(model)
-                or len({row[name] for row in rows}) < 2
-                or all(usual)
-            ):
-                continue
-            declared, is_number = field_info(model)[name], values_by_name[name].dtype.kind == "f"
+        points = dataset.isel(point=indices)
+        for name, values in varied_parameters(points, system).items():
+            declared, is_number = field_info(model)[name], values.dtype.kind == "f"
             unit = declared.scale or _unit_text(declared.unit)
             heading = f"{declared.symbol or name} ({unit})" if unit else declared.symbol or name
             new_column = {
                 "heading": heading,
                 "number": is_number,
-                "texts": [""] * len(values_by_name[name]),
+                "texts": [""] * dataset.sizes["point"],
             }
             column = columns.setdefault(name, new_column)
-            for index, row in zip(indices, rows, strict=True):
-                column["texts"][index] = f"{row[name]:.6g}" if is_number else str(row[name])
+            for index, value in zip(indices, values, strict=True):
+                column["texts"][index] = f"{value:.6g}" if is_number else str(value)
     return list(columns.values())[:MOST_VARIED]
+
+
+def varied_parameters(points: xr.Dataset, system: str) -> dict[str, np.ndarray]:
+    """Return the values, one per point, of parameters that vary independently of others.
+
+    All points are of one system. Amounts are left out.
+    """
+    model = SYSTEMS[system]
+    values_by_name = {name: points[name].values for name in model.model_fields if name in points}
+    rows = [
+        {name: values[index] for name, values in values_by_name.items()}
+        for index in range(points.sizes["point"])
+    ]
+    amounts = amount_parameters(model)
+    return {
+        name: values
+        for name, values in values_by_name.items()
+        if name not in amounts
+        and len(set(values.tolist())) > 1
+        and not all(row[name] == default_of(model, name, row) for row in rows)
+    }
 
 
 def parameter_rows(dataset: xr.Dataset) -> dict[str, list[dict[str, Any]]]:

@@ -84,7 +84,7 @@ function applyFilters(form) {
   form.querySelector("output").textContent = `${shown} of ${rows.length} shown`;
 }
 
-for (const form of all("form.filters")) {
+for (const form of all("form.filters[data-table]")) {
   form.addEventListener("submit", (event) => event.preventDefault());
   form.addEventListener("input", () => applyFilters(form));
   // The fields are empty only after the event.
