@@ -5,7 +5,8 @@
   const form = section.querySelector("form");
   const picture = document.getElementById("explorer-picture");
   const output = form.querySelector("output");
-  const MOST_VALUES = 12;
+  // Longest list of values to choose from; most points whose bars can be told apart.
+  const MOST_VALUES = 12, MOST_BARS = 2000;
   const CHANNELS = ["x", "y", "colour", "size", "panels"];
   let systems, system, columns, links, view, drawing = Promise.resolve();
 
@@ -158,7 +159,7 @@
     const encoding = { x: position(x, choice.has("logx"), at(x)), y: position(y, choice.has("logy"), at(y)) };
     const colour = choice.get("colour");
     if (colour) encoding.color = channel(colour, isNumber(columns[colour]) ? { scale: { scheme: "viridis" } } : {});
-    const bars = ["x", "y"].filter((axis) => data.some((one) => `${axis}_half` in one)).map((axis) => ({
+    const bars = ["x", "y"].filter((axis) => data.length <= MOST_BARS && data.some((one) => `${axis}_half` in one)).map((axis) => ({
       mark: { type: "rule", opacity: 0.5 },
       encoding: {
         ...encoding,
