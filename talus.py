@@ -1,4 +1,4 @@
-"""Talus under its own name: ``import talus`` gives the package ``sim``, which lies beside this file.
+"""Talus under its own name: ``import talus`` gives the package ``sim`` beside this file.
 
 ``python -m talus`` is the command ``talus``.
 """
