@@ -106,6 +106,7 @@ def render(
         run["adopted"], _ = results.adopted.get(run["point"], ("", ""))
         page = Path("pages") / f"{run['point']}.html"
         run["page"] = page.as_posix() if (figures.parent / page).is_file() else ""
+    varied, settings = varied_columns(dataset)
     all_rows = claim_rows(claims, runs, study.figures)
     rows = [row for row in all_rows if row["paper"] in papers()]
     entries = figure_entries(study.entries.values(), figures, rows, address)
@@ -134,7 +135,8 @@ def render(
         runs=runs,
         explorer=compressed(explorer_data(dataset, runs)),
         drawing_program=drawing_program(),
-        varied=varied_columns(dataset) if order["own"] else [],
+        varied=varied,
+        settings=settings,
         parameters=parameter_rows(dataset),
         boundaries=boundary_rows(study, results.boundaries),
         energy_limit=CLOSED_SHARE,
@@ -173,11 +175,9 @@ def _summary(dataset: xr.Dataset, runs: list[dict[str, Any]]) -> dict[str, Any]:
         "steps": int(dataset["steps"].sum()),
         "wall_time": float(dataset["wall_time"].sum()),
         "missing_energy": float(missing_energy.where(is_sound).max()),
-        "missing_with_caveat": float(missing_energy.where(~is_sound).max()),
         "with_caveat": int((~is_sound).sum()),
         "dates": _dates(dataset.attrs["first_run"], dataset.attrs["last_run"]),
         "talus": __version__,
-        "source_hash": dataset.attrs["source_hash"],
     }
 
 

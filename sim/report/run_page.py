@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
 from functools import partial
 from multiprocessing import get_context
+from operator import itemgetter
 from pathlib import Path
 from typing import Any
 
@@ -173,9 +174,12 @@ def _replicates(run: RunFile) -> list[dict[str, Any]]:
 
 
 def _parameters(parameters: Parameters) -> list[dict[str, Any]]:
-    """Return a row per parameter: its value, unit and meaning, and whether it is the paper's."""
+    """Return a row per parameter: its value, unit and meaning, and whether it is the paper's.
+
+    Those that are not come first.
+    """
     values = complete_values(parameters)
-    return [
+    rows: list[dict[str, Any]] = [
         {
             "name": name,
             "value": f"{value:.6g}" if isinstance(value, float) else str(value),
@@ -187,3 +191,4 @@ def _parameters(parameters: Parameters) -> list[dict[str, Any]]:
         if name != "system"
         for value in [values[name]]
     ]
+    return sorted(rows, key=itemgetter("usual"))
