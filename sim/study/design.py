@@ -144,7 +144,7 @@ def axis_of(name: str, values: Iterable[Any], is_integer: bool) -> Axis:
     different = tuple(dict.fromkeys(values))
     if any(isinstance(value, (str, bool)) for value in different):
         return Axis(name, 0.0, len(different) - 1.0, choices=different)
-    low, high, middle = min(different), max(different), median(different)
+    low, high, middle = map(float, (min(different), max(different), median(different)))
     is_log = low > 0 and abs(middle - sqrt(low * high)) < abs(middle - (low + high) / 2)
     return Axis(name, low, high, "log" if is_log else "linear", is_integer=is_integer)
 
