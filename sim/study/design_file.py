@@ -247,7 +247,7 @@ class DesignFile(Strict):
     ) -> Design:
         """Return the design; see its attributes for the arguments."""
         comparisons = (parse_comparison(text) for text in self.where or [])
-        return Design(
+        design = Design(
             kind=self.kind,
             axes=self.axes,
             size=self.max_points,
@@ -257,3 +257,5 @@ class DesignFile(Strict):
             place=place,
             columns=self._values if self.kind == "zip" else {},
         )
+        # Conditions leave out pairs of lists.
+        return replace(design, size=len(design.rows(design.size))) if design.columns else design
