@@ -120,8 +120,10 @@ class FigureFile(PlotFile):
 
     @model_validator(mode="after")
     def _require_parameters(self) -> Self:
-        if self.keys.observable and (key := self.keys.observable) in self.model_fields_set:
-            find_observable(self.kind, key, self.observable, self.system, broken_rule)
+        shown = self.keys.observable
+        if shown and shown in self.model_fields_set:
+            find_observable(self.kind, shown, self.observable, self.system, broken_rule)
+        key: str
         for key in (*self.keys.axes, "curves", "panels", "vary", "where", "named"):
             value = getattr(self, key) or ()
             for name in [value] if isinstance(value, str) else value:
