@@ -168,6 +168,17 @@ def test_the_paper_is_loaded_beside_those_that_ship(tmp_path):
     [
         ("paper.yaml", "system: chute", "system: slide", "system.*'slide'"),
         ("paper.yaml", "author:", "autor:", "paper.yaml: a(utor|uthor)"),
+        *(
+            (
+                "paper.yaml",
+                f"{key}: ",
+                f'{key}: "\\e[2J\\u202e" #',
+                rf"paper.yaml: {key}: got .*; allowed: one line of at most 2000 letters",
+            )
+            for key in ("name", "author", "quote")
+        ),
+        ("paper.yaml", "[silbert_slopes]", '["\\a"]', r"paper.yaml: headline\[0\]: got"),
+        ("figures.yaml", "lead: ", 'lead: "\\u202e" #', r"figures.yaml: figures\[0\].lead: got"),
         ("paper.yaml", "name: silbert", "name: walton", "Talus has one of this name"),
         ("figures.yaml", "kind: curves", "kind: waves", r"figures.yaml: figures\[0\].kind"),
         ("figures.yaml", "x: angle", "x: angel", r"figures.yaml: figures\[0\].x: got 'angel'"),
