@@ -155,6 +155,15 @@ def test_no_empty_log_is_named(tmp_path, log, lines):
     assert lines == ["warm: job failed: refused"]
 
 
+def test_a_job_that_is_stopped_is_not_blamed_on_its_plugins(tmp_path, log, lines):
+    said = tmp_path / "dataset.log"
+    said.write_text("plug-in /a/base_slip.py (1a2b3c4d): observable base_slip\n")
+    fail(log, said)
+    said.write_text(f"error: no space\n{said.read_text()}")
+    fail(log, said)
+    assert lines == ["dataset: job failed", "dataset: job failed: error: no space"]
+
+
 def test_a_job_without_a_log_is_told_by_its_rule(log, lines):
     fail(log)
     assert lines == ["run: job failed"]
@@ -184,7 +193,21 @@ def test_a_workflow_that_is_followed_tells_failed_jobs_and_ends_with_the_status(
     watch.summarize()
     output = capsys.readouterr().err
     assert "run: job failed" in output and "Execute" not in output
-    assert "\n3 points: " in output
+    assert "\n3 points: " in output and "report" not in output
+
+
+@pytest.mark.parametrize("age", [-1, 1])
+def test_a_workflow_ends_with_the_place_of_a_report_that_is_not_older_than_the_dataset(
+    study, tmp_path, capsys, age
+):
+    folder = tmp_path / study.name
+    folder.mkdir()
+    for name, date in (("dataset.nc", 1), ("report.html", 1 + age)):
+        (folder / name).touch()
+        os.utime(folder / name, (date, date))
+    Watch(study, folder).summarize()
+    ending = f"\nreport: {folder}/report.html\n"
+    assert capsys.readouterr().err.endswith(ending) == (age > 0)
 
 
 def test_adopted_points_are_not_waited_for(study, tmp_path):
