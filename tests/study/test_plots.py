@@ -186,6 +186,11 @@ def test_every_kind_shows_its_usual_observable_of_every_system(parse, kind, syst
         ({"name": "a/b"}, "name: got 'a/b'; allowed: up to 60 letters"),
         ({"x": None}, "x: got nothing; allowed: "),
         ({"x": "fricton"}, "x: got 'fricton'; allowed: did you mean friction"),
+        (
+            {"x": "slope"},
+            "x: got 'slope'; allowed: a parameter of the chute that the points vary: friction, "
+            "friction_plane, law, angle; or an observable: loop_time, spin,",
+        ),
         ({"x": "frequency"}, "x: got 'frequency'; allowed: a parameter of the chute; this is"),
         ({"x": "law", "panels": "friction"}, "x: got 'law'; allowed: a parameter that is a number"),
         ({"x": "velocity"}, "x: got 'velocity'; allowed: an observable other than y"),
@@ -246,6 +251,30 @@ def test_a_kind_of_a_plugin_takes_the_keys_that_it_names(parse, tmp_path):
         assert spec.title == "Shear depth against friction" and len(spec.options["plugin"]) > 6
         message = error_message(parse, plot | {"panels": "law"}, series=series)
         assert message == "panels: got 'law'; allowed: a key of own: x, y"
+        message = error_message(parse, plot | {"log": ["x"]}, series=series)
+        assert message.startswith("log[0]: got 'x'; allowed: one of")
+
+
+def test_logarithmic_axes_of_a_kind_of_a_plugin_are_those_that_it_names(parse, tmp_path):
+    path = tmp_path / "own.py"
+    path.write_text(
+        "import sim\nfrom sim.study.plot_kinds import Keys\n"
+        "from sim.study.plottable import numbers\n"
+        "keys = Keys(axes=('x',), observable='y', shows=numbers, log=('y',))\n"
+        "sim.plot_kind('own', keys=keys)(print)\n"
+        "sim.plot_kind('alike', like='curves')(print)\n"
+    )
+    series = ({"name": "a", "system": "chute", "grid": {"friction": [0.3, 0.4]}},)
+    plot = {"name": "v", "kind": "own", "x": "friction"}
+    with restore_plugins():
+        load_plugins(path)
+        assert parse(plot | {"log": ["y"]}, series=series).plots["v"].options["log"] == ("y",)
+        message = error_message(parse, plot | {"log": ["x"]}, series=series)
+        assert message == "log[0]: got 'x'; allowed: one of y"
+        # Nothing would draw data beside such a plot.
+        beside = {"kind": "alike", "beside": [{"label": "data", "points": [[0.3, 1]]}]}
+        message = error_message(parse, plot | beside, series=series)
+        assert message == "beside: got 'data'; allowed: a key of alike: x, y, curves, panels"
 
 
 def test_points_that_would_lie_on_each_other_are_refused(parse):
