@@ -8,12 +8,14 @@ import pytest
 from sim.base.errors import InputError
 from sim.base.plugins import load_plugins
 from sim.claims import judge
+from sim.claims.claim import claims
 from sim.claims.verdict_files import as_mapping, as_table
 from tests.made.plugins import plugin_claims, restore_plugins
 from tests.made.processes import ROOT
 from tests.made.results import made_point, made_results
 
 STEEPER = str(ROOT / "docs" / "examples" / "steeper.py")
+PAPER = ROOT / "docs" / "examples" / "silbert"
 SHORT = {"independent_samples": 1.0}
 SPEEDING = {"acceleration": 2.0}
 
@@ -68,6 +70,22 @@ def test_texts_of_a_judge_turn_no_letters_where_they_are_shown(tmp_path):
     path.write_text(text.replace('above("V(18°)', r'above("\u202eV\x1b[2J(18°)'))
     (check,) = judged_by(path).variants[0].checks
     assert check.what.isprintable() and "V\\x1b[2J(18°)" in check.what
+
+
+@pytest.mark.parametrize(("changes", "verdict"), [({}, "reproduced"), (SHORT, "untestable")])
+def test_the_paper_of_the_examples_is_judged_by_steady_flows_alone(changes, verdict):
+    load_plugins(PAPER)
+    claims()
+    flow = {"bumps": 1, "depth": 4, "friction": 0.5, "restitution": 0.88}
+    points = [
+        made_point("chute", {"velocity": 0.02 * angle} | changes, angle=angle, **flow)
+        for angle in (25, 27, 29)
+    ]
+    judgement = judge.judge(made_results(*points))[-1]
+    assert judgement.claim.id == "silbert_steeper" and judgement.verdict == verdict
+    reason = "fewer than 3 angles with a steady flow on bumps" if changes else ""
+    reasons = {one.protocol: one.reason for one in judgement.variants}
+    assert reasons["published"] == reason
 
 
 @pytest.mark.parametrize(

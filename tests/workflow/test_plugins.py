@@ -89,8 +89,9 @@ def test_the_paper_gets_figure_verdict_table_and_report(tree):
         for one in json.loads((results / "claims.json").read_text())["claims"]
         if one["paper"] == "silbert"
     ]
-    assert claim["id"] == CLAIM and claim["verdict"] in ("reproduced", "inconclusive")
-    assert claim["criterion"] == "V rises over at least 3 angles (Jonckheere's trend test)"
+    # Runs this short are not steady.
+    assert claim["id"] == CLAIM and claim["verdict"] == "untestable"
+    assert claim["criterion"].startswith("V of steady flows rises over at least 3 angles (Jonckh")
     assert CLAIM in (results / "claims.csv").read_text()
     caption = (results / "figures" / "silbert_slopes.caption.txt").read_text()
     assert caption.startswith("Silbert et al. (2001), steady flows. Mean velocity V")
