@@ -11,6 +11,7 @@ from sim.parameters import (
     SYSTEMS,
     BeltParameters,
     ChuteParameters,
+    amounts,
     as_yaml,
     canonical_json,
     canonical_values,
@@ -24,6 +25,17 @@ from sim.parameters import (
 
 def test_a_follower_given_explicitly_is_the_same_point():
     assert point_id(ChuteParameters(friction_plane=0.4)) == point_id(ChuteParameters())
+
+
+@pytest.mark.parametrize(
+    ("protocol", "names"),
+    [
+        ("published", {"replicates", "average", "target"}),
+        ("converged", {"replicates", "average", "limit", "target"}),
+    ],
+)
+def test_amounts_are_those_that_have_an_effect(protocol, names):
+    assert amounts(ChuteParameters(protocol=protocol)).keys() == names
 
 
 def test_equal_numbers_are_one_point():
