@@ -40,6 +40,14 @@ OfData = Callable[[Any], Any]
 Drawing = Callable[[Any], "Figure"]
 
 
+#: What functions of a plug-in return: a method or attribute of it, and in words.
+_RETURNED = {
+    "draw": ("savefig", "a figure of matplotlib"),
+    "table": ("to_csv", "a pandas.DataFrame"),
+    "select": ("rows", "the data of a figure"),
+}
+
+
 class Shown(IntEnum):
     """What is shown of the particles of a point, the later the more of them is kept."""
 
@@ -197,7 +205,7 @@ def plot_kind(
     def register(draw: Drawing) -> Drawing:
         require_function(f"plot {name}", draw, takes=1)
         own: dict[str, Any] = {
-            role: _attributed(name, one) for role, one in (functions | {"draw": draw}).items()
+            role: _attributed(name, role, one) for role, one in (functions | {"draw": draw}).items()
         }
         add(PLOT, name, replace(base, **own) if keys is None else PlotKind(keys, **own))
         return draw
@@ -246,13 +254,17 @@ def _usable(what: str, keys: Keys) -> Keys:
     return keys
 
 
-def _attributed(name: str, function: OfData) -> OfData:
+def _attributed(name: str, role: str, function: OfData) -> OfData:
     """Return a function whose errors name the plug-in of a kind, and its place there."""
+    method, what = ("", "") if is_of_talus() else _RETURNED.get(role, ("", ""))
 
     @wraps(function)
     def call(data: Any) -> Any:
         with attribute_errors_to(PLOT, name, f" {data.spec.name}"):
-            return function(data)
+            answer = function(data)
+            if method and not hasattr(answer, method):
+                raise TypeError(f"{role} returns {what}: got {in_short(answer)}")
+            return answer
 
     return call
 

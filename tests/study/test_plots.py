@@ -1,5 +1,7 @@
 """Plots of a study file: entries like those of the catalogue, and refused plots."""
 
+from types import SimpleNamespace
+
 import pytest
 
 from sim.base.errors import InputError
@@ -275,6 +277,30 @@ def test_logarithmic_axes_of_a_kind_of_a_plugin_are_those_that_it_names(parse, t
         beside = {"kind": "alike", "beside": [{"label": "data", "points": [[0.3, 1]]}]}
         message = error_message(parse, plot | beside, series=series)
         assert message == "beside: got 'data'; allowed: a key of alike: x, y, curves, panels"
+
+
+@pytest.mark.parametrize(
+    ("role", "why"),
+    [
+        ("draw", "draw returns a figure of matplotlib: got nothing"),
+        ("table", "table returns a pandas.DataFrame: got nothing"),
+        ("select", "select returns the data of a figure: got nothing"),
+        ("notes", "'NoneType' object is not iterable"),
+    ],
+)
+def test_what_functions_of_a_plugin_return_is_checked(tmp_path, role, why):
+    path = tmp_path / "own.py"
+    path.write_text(
+        "import sim\n"
+        "def nothing(data): pass\n"
+        "options = {'table': nothing, 'notes': nothing, 'select': nothing}\n"
+        "sim.plot_kind('own', like='curves', **options)(nothing)\n"
+    )
+    with restore_plugins():
+        load_plugins(path)
+        function = getattr(find_kind("own"), role)
+        with pytest.raises(InputError, match=rf"plug-in own.py .*: plot own v: TypeError: {why}"):
+            function(SimpleNamespace(spec=SimpleNamespace(name="v")))
 
 
 def test_points_that_would_lie_on_each_other_are_refused(parse):
