@@ -26,9 +26,9 @@ from sim.base.additions import (
     require_name,
     shipped,
 )
-from sim.base.errors import InputError
+from sim.base.errors import InputError, in_short
 from sim.base.messages import input_error
-from sim.base.require import require_function, require_line, require_one_of
+from sim.base.require import require_function, require_line, require_one_of, with_declared_types
 from sim.base.words import printable
 from sim.claims.criterion import Bound, fill
 from sim.claims.verdict import Check, Untestable
@@ -163,10 +163,13 @@ class Claim(BaseModel):
             checks = tuple(self.judge(subject, **self.bounds_at(number)))
             if not all(isinstance(check, Check) for check in checks) or not checks:
                 raise TypeError("a judge returns checks, one at least")
+            checks = tuple(map(_usable_check, checks))
             parts = {check.part for check in checks if check.has_vote}
             if unknown := parts - set(self.parts or ("",)):
                 raise ValueError(f"{self.id} has no part {', '.join(sorted(unknown))}")
-            return tuple(map(_printable_check, checks))
+            if self.kind == "flow":
+                subject.require_points({*check.points, *check.short} for check in checks)
+            return checks
         except Untestable as error:
             raise Untestable(printable(str(error))) from None
         except ZeroDivisionError:
@@ -177,8 +180,27 @@ class Claim(BaseModel):
             raise plugin_error(JUDGE, self.id, error) from None
 
 
-def _printable_check(check: Check) -> Check:
-    """Return a check whose texts contain no control characters and no marks of direction."""
+def _usable_check(check: Check) -> Check:
+    """Return a check with plain values, whose texts have no control characters or direction marks.
+
+    Raises
+    ------
+    AdditionError
+        For a value of another type, and for numbers that no measurement gives.
+    """
+    label = f"check {in_short(check.what)}"
+    check = with_declared_types(label, check)
+    for key, allowed, holds in (
+        ("low", "a number <= high", check.low <= check.high),
+        ("half_width", "a number >= 0, or not-a-number", not check.half_width < 0),
+        ("samples", "a number >= 0", check.samples >= 0),
+        ("freedom", "a number > 0", check.freedom > 0),
+        ("tested", "two p-values in [0, 1]", all(0 <= p <= 1 for p in check.tested or ())),
+        ("looks", "a whole number >= 0", check.looks >= 0),
+    ):
+        if not holds:
+            got = in_short(getattr(check, key))
+            raise AdditionError(f"{label}.{key}: got {got}; allowed: {allowed}")
     what, unit, withheld = map(printable, (check.what, check.unit, check.withheld))
     return replace(check, what=what, unit=unit, withheld=withheld)
 

@@ -168,7 +168,7 @@ class Check:
         """
         if not self.looks:
             return self.half_width * float(student(MANY, sides=1) / student(MANY))
-        return self.half_width * -float(ndtri(RISK / spent(1.0, self.looks, most=inf))) / SIGMAS
+        return self.half_width * _clearance(self.looks) / SIGMAS
 
     @property
     def verdict(self) -> str:
@@ -193,7 +193,7 @@ class Check:
         if self.coarse:
             return inf
         # What the next look may spend of the risk.
-        needed_clear = -float(ndtri(RISK / spent(1.0, self.looks and self.looks + 1, most=inf)))
+        needed_clear = _clearance(self.looks and self.looks + 1)
         if self.tested is not None:
             clear = -float(ndtri(min(self.tested)))
         else:
@@ -216,6 +216,11 @@ def spent(p: float, looks: int, most: float = 1.0) -> float:
     (0.01, 0.04, 0.08)
     """
     return min(most, p * 2 ** (looks + 1)) if looks else p
+
+
+def _clearance(looks: int) -> float:
+    """Return how clear of a threshold a value must be at a look, in standard deviations."""
+    return -float(ndtri(RISK / spent(1.0, looks, most=inf)))
 
 
 def holm_p(p_list: Sequence[float]) -> float:

@@ -23,7 +23,7 @@ from sim.dataset.boundaries import add_rounds, find_sides, tabulate
 from sim.dataset.combine import natural_velocities, profiles, root, runs, si_parameters
 from sim.dataset.earlier import keep_dataset
 from sim.dataset.results import GROUP
-from sim.dataset.rounds import known_points
+from sim.dataset.rounds import points_of_rounds
 from sim.dataset.rows import (
     OF_PROFILES,
     PARTICLES,
@@ -97,8 +97,8 @@ def build(
     gather = partial(gather_rows, study, folder, processes=processes, scheduler=scheduler)
     blocks = gather(study.points)
     sides = find_sides(study, folder / "runs")
-    known, study = study.points, add_rounds(study, sides)
-    blocks += gather({key: point for key, point in study.points.items() if key not in known})
+    first, study = study.points, add_rounds(study, sides)
+    blocks += gather({key: point for key, point in study.points.items() if key not in first})
     with atomic_write(output) as temporary:
         for group, dataset in _groups(blocks, study, sides):
             _write(temporary, group, dataset, output)
@@ -118,7 +118,7 @@ def _select_finished(study: Study, folder: Path, output: Path) -> Study:
         )
     require_writable(output.parent, "--finished")
     points = dict(study.points)
-    for key, parameters in known_points(study, folder).items():
+    for key, parameters in points_of_rounds(study, folder).items():
         for boundary in study.boundaries if key not in study.points else ():
             if _is_along(boundary, parameters):
                 points[key] = point_with_membership(

@@ -74,7 +74,7 @@ def round_files(study: Study, folder: Path) -> list[Path]:
     return list(filter(Path.is_file, files))
 
 
-def known_points(study: Study, folder: Path) -> dict[str, Parameters]:
+def points_of_rounds(study: Study, folder: Path) -> dict[str, Parameters]:
     """Return the points of the study file and those that its finished rounds have added."""
     points = {key: point.parameters for key, point in study.points.items()}
     for path in round_files(study, folder):

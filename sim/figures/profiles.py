@@ -80,8 +80,8 @@ def slices(data: FigureData, row: Mapping[str, Any]) -> tuple[np.ndarray, dict[s
         return height, values
     is_known = np.isfinite(list(values.values())).all(axis=0)
     is_shown = is_known.any(axis=0)
-    known = {axis: np.where(is_known, one, np.nan)[:, is_shown] for axis, one in values.items()}
-    return height[is_shown], known
+    pairs = {axis: np.where(is_known, one, np.nan)[:, is_shown] for axis, one in values.items()}
+    return height[is_shown], pairs
 
 
 def means(data: FigureData, row: Mapping[str, Any]) -> pd.DataFrame:
@@ -213,10 +213,10 @@ def notes(data: FigureData) -> list[str]:
     if data.spec.paper:
         return belt_profiles.notes(data)
     of_points = [means(data, row) for row in completed_rows(data)]
-    known = [rows[rows["x"].notna()] for rows in of_points]
-    drawn = [rows[_is_drawable(data, rows)] for rows in known]
-    omitted = sum(map(len, known)) - sum(map(len, drawn))
-    missing = sum(rows.empty for rows in known)
+    slices_of_points = [rows[rows["x"].notna()] for rows in of_points]
+    drawn = [rows[_is_drawable(data, rows)] for rows in slices_of_points]
+    omitted = sum(map(len, slices_of_points)) - sum(map(len, drawn))
+    missing = sum(rows.empty for rows in slices_of_points)
     return [
         *(_notes_on_slices if "y" in observables(data) else _notes_on_lines)(data, drawn),
         *missing_value_note(missing, f"a value{_height_range_suffix(data)}"),

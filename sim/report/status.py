@@ -15,7 +15,7 @@ from sim.base.files import is_of_system
 from sim.base.seals import UNREADABLE
 from sim.dataset.adopted import AdoptedPoint, AdoptedPoints
 from sim.dataset.caveats import caveat_of_run
-from sim.dataset.rounds import known_points, round_files
+from sim.dataset.rounds import points_of_rounds, round_files
 from sim.dataset.run_file import summary_of
 from sim.engine.identity import NUMERICS, numerics_of
 from sim.engine.progress import CREDIT, Progress, may_end_early, progress_file, read_progress
@@ -170,7 +170,7 @@ def survey(study: Study, results: str | Path = "results") -> StudyStatus:
     folder = Path(results) / study.name
     extra = read_extra_amounts(folder) if study.decide else ExtraAmounts()
     study = replace(study, points=with_extra_amounts(study.points, extra))
-    parameters = known_points(study, folder)
+    parameters = points_of_rounds(study, folder)
     adopted = AdoptedPoints(study, folder).sources(parameters)
     runs = folder / "runs"
     try:

@@ -153,8 +153,8 @@ class Study:
 
     def particles_needed(self, point: str) -> Shown:
         """Return how much of a point's particles the figures need."""
-        known = self.points[point].figures if point in self.points else ()
-        return max(self._later_particles, self.particles_shown(known))
+        figures = self.points[point].figures if point in self.points else ()
+        return max(self._later_particles, self.particles_shown(figures))
 
     @cached_property
     def _later_particles(self) -> Shown:

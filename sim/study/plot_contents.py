@@ -96,7 +96,8 @@ class PlotContents:
         for key, name in named:
             keys = self.plot.keys
             alternatives = keys.shows(self.system) if key == keys.second else ()
-            require_parameter(key, name, self.system, alternatives, self.error)
+            varied = varying_parameters(self.parameters)
+            require_parameter(key, name, self.system, alternatives, self.error, varied)
             self._require_varied(key, name)
         for key, name in named:
             if name in places:

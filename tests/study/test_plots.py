@@ -1,5 +1,7 @@
 """Plots of a study file: entries like those of the catalogue, and refused plots."""
 
+from types import SimpleNamespace
+
 import pytest
 
 from sim.base.errors import InputError
@@ -186,6 +188,11 @@ def test_every_kind_shows_its_usual_observable_of_every_system(parse, kind, syst
         ({"name": "a/b"}, "name: got 'a/b'; allowed: up to 60 letters"),
         ({"x": None}, "x: got nothing; allowed: "),
         ({"x": "fricton"}, "x: got 'fricton'; allowed: did you mean friction"),
+        (
+            {"x": "slope"},
+            "x: got 'slope'; allowed: a parameter of the chute that the points vary: friction, "
+            "friction_plane, law, angle; or an observable: loop_time, spin,",
+        ),
         ({"x": "frequency"}, "x: got 'frequency'; allowed: a parameter of the chute; this is"),
         ({"x": "law", "panels": "friction"}, "x: got 'law'; allowed: a parameter that is a number"),
         ({"x": "velocity"}, "x: got 'velocity'; allowed: an observable other than y"),
@@ -246,6 +253,54 @@ def test_a_kind_of_a_plugin_takes_the_keys_that_it_names(parse, tmp_path):
         assert spec.title == "Shear depth against friction" and len(spec.options["plugin"]) > 6
         message = error_message(parse, plot | {"panels": "law"}, series=series)
         assert message == "panels: got 'law'; allowed: a key of own: x, y"
+        message = error_message(parse, plot | {"log": ["x"]}, series=series)
+        assert message.startswith("log[0]: got 'x'; allowed: one of")
+
+
+def test_logarithmic_axes_of_a_kind_of_a_plugin_are_those_that_it_names(parse, tmp_path):
+    path = tmp_path / "own.py"
+    path.write_text(
+        "import sim\nfrom sim.study.plot_kinds import Keys\n"
+        "from sim.study.plottable import numbers\n"
+        "keys = Keys(axes=('x',), observable='y', shows=numbers, log=('y',))\n"
+        "sim.plot_kind('own', keys=keys)(print)\n"
+        "sim.plot_kind('alike', like='curves')(print)\n"
+    )
+    series = ({"name": "a", "system": "chute", "grid": {"friction": [0.3, 0.4]}},)
+    plot = {"name": "v", "kind": "own", "x": "friction"}
+    with restore_plugins():
+        load_plugins(path)
+        assert parse(plot | {"log": ["y"]}, series=series).plots["v"].options["log"] == ("y",)
+        message = error_message(parse, plot | {"log": ["x"]}, series=series)
+        assert message == "log[0]: got 'x'; allowed: one of y"
+        # Nothing would draw data beside such a plot.
+        beside = {"kind": "alike", "beside": [{"label": "data", "points": [[0.3, 1]]}]}
+        message = error_message(parse, plot | beside, series=series)
+        assert message == "beside: got 'data'; allowed: a key of alike: x, y, curves, panels"
+
+
+@pytest.mark.parametrize(
+    ("role", "why"),
+    [
+        ("draw", "draw returns a figure of matplotlib: got nothing"),
+        ("table", "table returns a pandas.DataFrame: got nothing"),
+        ("select", "select returns the data of a figure: got nothing"),
+        ("notes", "'NoneType' object is not iterable"),
+    ],
+)
+def test_what_functions_of_a_plugin_return_is_checked(tmp_path, role, why):
+    path = tmp_path / "own.py"
+    path.write_text(
+        "import sim\n"
+        "def nothing(data): pass\n"
+        "options = {'table': nothing, 'notes': nothing, 'select': nothing}\n"
+        "sim.plot_kind('own', like='curves', **options)(nothing)\n"
+    )
+    with restore_plugins():
+        load_plugins(path)
+        function = getattr(find_kind("own"), role)
+        with pytest.raises(InputError, match=rf"plug-in own.py .*: plot own v: TypeError: {why}"):
+            function(SimpleNamespace(spec=SimpleNamespace(name="v")))
 
 
 def test_points_that_would_lie_on_each_other_are_refused(parse):
