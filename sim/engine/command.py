@@ -104,7 +104,10 @@ def batch(results: Path) -> int:
 def _run_with_log(parameters: Parameters, runs: Path, logs: Path) -> int:
     """Run a point with its own log file; return the exit code."""
     name = point_id(parameters)
-    handler = logging.FileHandler(logs / f"{name}.log", mode="w", encoding="utf-8")
+    path = logs / f"{name}.log"
+    # A new file, never one that a link names.
+    path.unlink(missing_ok=True)
+    handler = logging.FileHandler(path, mode="x", encoding="utf-8")
     root = logging.getLogger()
     root.addHandler(handler)
     try:

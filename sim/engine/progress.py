@@ -13,7 +13,7 @@ from time import monotonic
 from pydantic import AwareDatetime, BaseModel, ConfigDict, Field, ValidationError
 from tqdm import tqdm
 
-from sim.base.files import read_regular
+from sim.base.files import atomic_write, read_regular
 from sim.base.words import duration
 from sim.parameters import Parameters, point_id
 
@@ -164,9 +164,11 @@ def progress(
         # Terminated after a checkpoint: the file stays, so that the run counts as interrupted.
         raise
     except BaseException:
-        _remove(file)
+        with suppress(OSError):
+            file.unlink(missing_ok=True)
         raise
-    _remove(file)
+    with suppress(OSError):
+        file.unlink(missing_ok=True)
 
 
 class _Meter:
@@ -250,21 +252,10 @@ def bar(total: int, name: str, unit: str, quiet: bool = False, done: int = 0) ->
     )
 
 
-def _remove(file: Path) -> None:
-    for path in (file, _temporary(file)):
-        with suppress(OSError):
-            path.unlink(missing_ok=True)
-
-
-def _temporary(file: Path) -> Path:
-    return file.with_name(f"{file.name}.part")
-
-
 def _write(file: Path, now: Progress) -> None:
     """Replace the progress file; an error must not end a run.
 
     The file need not survive a power cut, so nothing waits for the disk.
     """
-    with suppress(OSError):
-        _temporary(file).write_text(now.model_dump_json(indent=2) + "\n")
-        _temporary(file).replace(file)
+    with suppress(OSError), atomic_write(file, durable=False) as temporary:
+        temporary.write_text(now.model_dump_json(indent=2) + "\n")

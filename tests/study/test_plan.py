@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from sim.base.errors import InputError
-from sim.base.files import YEAR_2000
+from sim.base.times import YEAR_2000
 from sim.parameters import (
     BeltParameters,
     ChuteParameters,
