@@ -93,7 +93,7 @@ def remove_leftovers(path: Path) -> None:
             shutil.rmtree(entry.path, ignore_errors=True)
         else:
             with suppress(FileNotFoundError):
-                os.unlink(entry.path)
+                Path(entry.path).unlink()
 
 
 def _shortage(folder: Path) -> int:
@@ -106,12 +106,13 @@ def _shortage(folder: Path) -> int:
     return 0
 
 
-def open_regular(path: Path) -> BinaryIO:
-    """Open a regular file for reading bytes.
+def open_regular(path: Path, follow: bool = True) -> BinaryIO:
+    """Open a regular file for reading bytes; where not to ``follow`` links, they are none.
 
     Raises ``OSError`` for anything else: a pipe or a device may never end.
     """
-    number = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
+    flags = os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC
+    number = os.open(path, flags if follow else flags | os.O_NOFOLLOW)
     if not stat.S_ISREG(os.fstat(number).st_mode):
         os.close(number)
         raise OSError(errno.EINVAL, "not a regular file", str(path))
@@ -148,15 +149,20 @@ def lock_of(path: Path) -> FileLock:
 
 
 @contextmanager
-def file_lock(path: Path) -> Iterator[bool]:
+def file_lock(path: Path, wait: bool = True) -> Iterator[bool]:
     """Lock ``path`` for one process at a time; yield True after waiting for another process.
 
+    Where it shall not ``wait``, raise ``Timeout``, an ``OSError``, while another one has the lock.
     The kernel releases the lock when the process ends. On a file system without locks nobody waits.
     """
     name = path.with_name(f".{path.name}.lock")
     lock, has_waited = lock_of(name), False
-    with suppress(OSError):
-        has_waited = _wait_for(lock)
+    try:
+        has_waited = _wait_for(lock, wait)
+    except Timeout:
+        raise
+    except OSError:
+        pass  # no locks on this file system
     try:
         yield has_waited
     finally:
@@ -165,11 +171,13 @@ def file_lock(path: Path) -> Iterator[bool]:
         lock.release()
 
 
-def _wait_for(lock: FileLock) -> bool:
+def _wait_for(lock: FileLock, wait: bool) -> bool:
     """Acquire the lock; return True if another process held it."""
     try:
         lock.acquire(blocking=False)
     except Timeout:
+        if not wait:
+            raise
         log.warning("%s: waiting for another process that makes the same file", lock.lock_file)
         lock.acquire()
         return True
