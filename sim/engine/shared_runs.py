@@ -165,9 +165,9 @@ def _files_elsewhere(runs: Path, names: set[str]) -> dict[str, list[Path]]:
             for name in present:
                 with suppress(FileNotFoundError):
                     status = os.lstat(f"{folder}/{name}")
-                    if stat.S_ISREG(status.st_mode):
-                        inode = status.st_dev, status.st_ino
-                        found.setdefault(name, {}).setdefault(inode, folder / name)
+                    inode, paths = (status.st_dev, status.st_ino), found.setdefault(name, {})
+                    if stat.S_ISREG(status.st_mode) and inode not in paths:
+                        paths[inode] = folder / name
     return {name: list(paths.values()) for name, paths in found.items()}
 
 
