@@ -29,6 +29,12 @@ def run_files(tree: Path, name: str) -> dict[str, Path]:
     return {path.stem: path for path in (tree / "results" / name / "runs").glob("*.nc")}
 
 
+def read_runs(tree: Path, name: str) -> dict[str, tuple[bytes, int]]:
+    """Return contents and times of the run files of a study."""
+    files = run_files(tree, name).items()
+    return {key: (path.read_bytes(), path.stat().st_mtime_ns) for key, path in files}
+
+
 @pytest.fixture(scope="module")
 def tree(tmp_path_factory) -> Path:
     """Return a folder with a finished study of two points."""
@@ -50,37 +56,25 @@ def test_a_copy_of_a_finished_study_runs_nothing(tree):
     first, copy = run_files(tree, "first"), run_files(tree, "copy")
     assert first.keys() == copy.keys()
     assert all(copy[key].samefile(path) for key, path in first.items())
-    one, other = (
-        xr.load_dataset(tree / "results" / name / "dataset.nc")
-        for name in (
-            "first",
-            "copy",
-        )
-    )
-    xr.testing.assert_equal(
-        *(data.drop_vars(n for n in CLOCK if n in data) for data in (one, other))
-    )
+    datasets = (xr.load_dataset(tree / f"results/{name}/dataset.nc") for name in ("first", "copy"))
+    one, other = (data.drop_vars([n for n in CLOCK if n in data]) for data in datasets)
+    xr.testing.assert_equal(one, other)
     for name in ("first", "copy"):
         assert planned_jobs(tree, "dataset", study=f"{name}.yaml") == {}
 
 
 def test_what_is_there_is_taken_and_the_rest_runs_and_both_grow_apart(tree):
     """Compiling for the new point does not rerun those that were taken."""
-    first = {
-        key: (path.read_bytes(), path.stat()) for key, path in run_files(tree, "first").items()
-    }
+    first = read_runs(tree, "first")
     study = write(tree, "larger", 4, "[20, 40]")
     process = snakemake(tree, "dataset", study=study)
     assert process.returncode == 0, process.stderr
-    assert "1 point in other studies, from which runs here grow: first (1)" in process.stderr
+    # The file of the first study is that of its copy, too.
+    assert "1 point in other studies, from which runs here grow: copy (1)" in process.stderr
     (shared,) = run_files(tree, "larger").keys() & first.keys()
     log = tree / "results" / "larger" / "logs" / "runs" / f"{shared}.log"
     assert f"{shared}.nc: grows\n" in log.read_text()
-    for key, path in run_files(tree, "first").items():
-        assert (path.read_bytes(), path.stat().st_mtime_ns) == (
-            first[key][0],
-            first[key][1].st_mtime_ns,
-        )
+    assert read_runs(tree, "first") == first
     assert planned_jobs(tree, "dataset", study="first.yaml") == {}
     # The first study grows in its turn: it takes what the other has become.
     grown = write(tree, "first", 4)
