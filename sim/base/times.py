@@ -24,8 +24,8 @@ OUTPUTS = (
     *("dataset.nc", "boundaries.csv", "claims.csv", "verdicts.csv", "claims.json", "report.html"),
 )
 
-#: Those of them that are made of run files.
-READERS = ("rounds/*.json", "pages/*.html", "dataset.nc")
+#: Those of them that are made of many run files.
+READERS = ("rounds/*.json", "dataset.nc")
 
 
 def write_start(path: Path) -> None:

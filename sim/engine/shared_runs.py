@@ -109,6 +109,8 @@ def take_runs(runs: Path, shared: Mapping[str, SharedRun]) -> set[str]:
                 with suppress(OSError):
                     if _take(run, runs / f"{key}.nc", folder):
                         taken.add(key)
+                        # It shows the file that was here before.
+                        (runs.parent / "pages" / f"{key}.html").unlink(missing_ok=True)
     if taken:
         date_back_readers(runs.parent)
     return taken
@@ -210,7 +212,7 @@ def _best(paths: Iterable[Path], own: Path, point: Parameters) -> SharedRun | No
             if not is_enough and not _saves_time(path, stages, own, held, point):
                 continue
             rank = is_enough, _holds(stages, wanted)
-            if best is None or (rank, covers(stages[0], best[1][0])) > (best[0], False):
+            if best is None or (rank, not covers(best[1][0], stages[0])) > (best[0], False):
                 best = rank, stages, path
     return SharedRun(point, best[2], best[0][0]) if best else None
 
