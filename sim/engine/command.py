@@ -104,10 +104,14 @@ def batch(results: Path) -> int:
 def _run_with_log(parameters: Parameters, runs: Path, logs: Path) -> int:
     """Run a point with its own log file; return the exit code."""
     name = point_id(parameters)
-    handler = logging.FileHandler(logs / f"{name}.log", mode="w", encoding="utf-8")
+    path = logs / f"{name}.log"
+    # A new file, never one that a link names.
+    path.unlink(missing_ok=True)
+    handler = logging.FileHandler(path, mode="x", encoding="utf-8")
     root = logging.getLogger()
     root.addHandler(handler)
     try:
+        _take_from_others(parameters, runs)
         return _run_one(parameters, runs / f"{name}.nc", quiet=False, record_failure=True)
     except SystemExit:
         print(f"{name}: terminated; the next start continues it", file=sys.stderr)
@@ -126,6 +130,15 @@ def _run_with_log(parameters: Parameters, runs: Path, logs: Path) -> int:
     finally:
         root.removeHandler(handler)
         handler.close()
+
+
+def _take_from_others(parameters: Parameters, runs: Path) -> None:
+    """Take what another study has of a point, as it may have run it since the jobs were planned."""
+    from sim.engine.shared_runs import find_runs, take_runs
+
+    shared = find_runs(runs, {point_id(parameters): parameters})
+    for name in take_runs(runs, shared):
+        log.info("%s: taken from %s", name, shared[name].path)
 
 
 def _run_one(parameters: Parameters, output: Path, quiet: bool, record_failure: bool) -> int:

@@ -6,7 +6,7 @@ if STUDY.pages:
     # All pages in one job, which skips pages of unchanged runs.
     rule pages:
         input:
-            [PLAN.run_file(point) for point in STUDY.points],
+            lambda wildcards: run_files_of(STUDY.points),
         output:
             update([f"{RESULTS}/pages/{point}.html" for point in STUDY.points]),
         log:
