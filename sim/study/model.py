@@ -12,6 +12,7 @@ from sim.study.entries import DecideFile
 from sim.study.figure_spec import FigureSpec
 from sim.study.plot_kinds import Shown
 from sim.study.refine import further_rounds
+from sim.study.surrogate import MOST_ROUNDS, SurrogateSpec
 
 
 @dataclass(frozen=True)
@@ -94,6 +95,8 @@ class Study:
         Whether each point has a page, except points of later rounds.
     plugins : tuple of Plugin
         The plug-ins that it and its parts name.
+    surrogates : tuple of SurrogateSpec
+        Its surrogates.
     """
 
     name: str
@@ -107,6 +110,7 @@ class Study:
     decide: DecideFile | None = None
     pages: bool = False
     plugins: tuple[Plugin, ...] = ()
+    surrogates: tuple[SurrogateSpec, ...] = ()
 
     @cached_property
     def figures(self) -> dict[str, tuple[str, ...]]:
@@ -137,7 +141,9 @@ class Study:
 
     @property
     def rounds(self) -> int:
-        """Maximum number of rounds of refinement after the first."""
+        """Maximum number of rounds after the first; they end with one that adds no point."""
+        if any(one.has_rounds for one in self.surrogates):
+            return MOST_ROUNDS
         return max((boundary.rounds for boundary in self.boundaries), default=0)
 
     def particles_shown(self, figures: Iterable[str]) -> Shown:
@@ -152,7 +158,8 @@ class Study:
     @cached_property
     def _later_particles(self) -> Shown:
         """What a point of a later round may need: the figures that it feeds are not known yet."""
-        return self.particles_shown(name for one in self.boundaries for name in one.figures)
+        growing = (*self.boundaries, *self.surrogates)
+        return self.particles_shown(name for one in growing for name in one.figures)
 
     def needs_run_file(self, point: str) -> bool:
         """Return whether a point needs its run file: for its page or a plot of time series."""
@@ -160,6 +167,7 @@ class Study:
             system, series = self.points[point].parameters.system, self.points[point].series
             return self.pages or any(spec.is_fed_by(system, series) for spec in self._time_series)
         names = {boundary.name for boundary in self.boundaries}
+        names |= {one.series for one in self.surrogates}
         return any(not names.isdisjoint(spec.series) for spec in self._time_series)
 
     @cached_property
