@@ -18,8 +18,9 @@ from sim.figures.data import FigureData
 from sim.parameters import SYSTEMS, field_info
 from sim.parameters.words import setting
 from sim.study.design import Axis
+from sim.surrogates.sample import unit_cube
 from sim.surrogates.storage import load
-from sim.surrogates.surrogate import Surrogate, unit_cube
+from sim.surrogates.surrogate import Surrogate
 
 #: Values along a section, and along each side of a map.
 SECTION_STEPS, MAP_STEPS = 161, 61

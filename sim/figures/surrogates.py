@@ -146,7 +146,7 @@ def _explain_marks(figure: Figure, panels: Sequence[Axes], surrogate: Surrogate)
     """Put a legend above a map: dots, and the line where another regime becomes likelier."""
     entries = {"run": Line2D([], [], **_dot(True))}
     if not surrogate.included.all():
-        entries["run that is not part of the mean"] = Line2D([], [], **_dot(False))
+        entries["run left out of the mean"] = Line2D([], [], **_dot(False))
     if any(len(axes.collections) > 1 for axes in panels):
         label = f"probability of {' or '.join(surrogate.used)} 1/2"
         entries[label] = Line2D([], [], **_BOUNDARY)

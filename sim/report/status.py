@@ -191,9 +191,16 @@ def survey(study: Study, results: str | Path = "results") -> StudyStatus:
     orphans = () if to_come else tuple(sorted(stored - points.keys()))
     time_left = _time_left(points, parameters)
     budget = _budget(study.decide.budget, points, extra) if study.decide else None
-    answers = tuple(summary_lines(study, folder))
-    names = study.name, study.title
-    return StudyStatus(*names, points, *time_left, to_come, orphans, budget, answers)
+    return StudyStatus(
+        study.name,
+        study.title,
+        points,
+        *time_left,
+        to_come,
+        orphans,
+        budget,
+        answers=tuple(summary_lines(study, folder)),
+    )
 
 
 def _budget(hours: float, points: Mapping[str, PointStatus], extra: ExtraAmounts) -> Budget:

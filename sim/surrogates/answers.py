@@ -21,9 +21,9 @@ def build(study_path: str | Path, results: str | Path = "results") -> list[str]:
     """
     # Imported here, as `summary_lines` needs none of it.
     from sim.dataset.results import load_results
+    from sim.surrogates.fitting import fit_surrogate
     from sim.surrogates.sample import sample_points
     from sim.surrogates.storage import save
-    from sim.surrogates.surrogate import fit_surrogate
 
     study = load_study(study_path, results)
     folder = Path(results) / study.name

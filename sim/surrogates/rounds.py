@@ -87,8 +87,8 @@ def further_points(
     """
     # Imported here, as rounds of boundaries need none of it.
     from sim.dataset.build import gather_results
+    from sim.surrogates.fitting import fit_surrogate
     from sim.surrogates.sample import sample_points
-    from sim.surrogates.surrogate import fit_surrogate
 
     first = {key: known[key] for key in study.series[spec.series]}
     added = spec.added(known)

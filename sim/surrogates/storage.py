@@ -13,7 +13,8 @@ from sim.base.seals import append_summary, checked_read, seal
 from sim.study.design import Axis
 from sim.surrogates.process import Process
 from sim.surrogates.regimes import Regimes
-from sim.surrogates.surrogate import Surrogate, included, unit_cube
+from sim.surrogates.sample import included, unit_cube
+from sim.surrogates.surrogate import Surrogate
 
 #: Value of the attribute ``format`` of such a file.
 FORMAT = "talus surrogate 1"

@@ -9,8 +9,8 @@ from sim.base.errors import InputError
 from sim.report.predict import predict
 from sim.study.design import Axis
 from sim.study.surrogate import SurrogateSpec
+from sim.surrogates.fitting import fit_surrogate
 from sim.surrogates.storage import save
-from sim.surrogates.surrogate import fit_surrogate
 from tests.made.processes import refusal
 from tests.made.surrogates import AXES, design, made_sample, smooth
 

@@ -5,12 +5,12 @@ import pytest
 import xarray as xr
 
 from sim.base.errors import InputError
+from sim.base.seals import read_summary
 from sim.study.design import Axis
 from sim.study.surrogate import SurrogateSpec
+from sim.surrogates.fitting import fit_surrogate
 from sim.surrogates.results import find_surrogate
-from sim.base.seals import read_summary
 from sim.surrogates.storage import load, save
-from sim.surrogates.surrogate import fit_surrogate
 from tests.made.netcdf import edit_file
 from tests.made.surrogates import AXES, design, made_sample, made_surrogate, smooth
 
