@@ -26,7 +26,10 @@ def fit_surrogate(spec: SurrogateSpec, sample: xr.Dataset) -> Surrogate:
     if chosen.sum() < FEWEST_POINTS:
         regimes = sample["regime"].values.astype(str).tolist()
         found = ", ".join(f"{regimes.count(name)} {name}" for name in sorted(set(regimes)))
-        allowed = f"{FEWEST_POINTS} or more points of regime {', '.join(spec.regimes)}"
+        allowed = (
+            f"{FEWEST_POINTS} or more points of regime {', '.join(spec.regimes)}: longer runs "
+            "settle more, and regimes may name more"
+        )
         raise InputError.of_value(
             f"surrogate {spec.name}", "series", f"{spec.series}: {found}", allowed
         )
