@@ -15,7 +15,7 @@ from sim.base.files import is_of_system
 from sim.base.seals import UNREADABLE
 from sim.dataset.adopted import AdoptedPoint, AdoptedPoints
 from sim.dataset.caveats import caveat_of_run
-from sim.dataset.rounds import points_of_rounds, round_files
+from sim.dataset.rounds import points_of_rounds, rounds_to_come
 from sim.dataset.run_file import summary_of
 from sim.engine.identity import NUMERICS, numerics_of
 from sim.engine.progress import CREDIT, Progress, may_end_early, progress_file, read_progress
@@ -25,6 +25,7 @@ from sim.parameters import Parameters, amounts
 from sim.study.cost import PROCESS_TIME, estimate
 from sim.study.extra_amounts import ExtraAmounts, read_extra_amounts, with_extra_amounts
 from sim.study.load import Study
+from sim.surrogates.answers import summary_lines
 
 STATES = ("done", "failed", "adopted", "running", "interrupted", "waiting")
 
@@ -107,12 +108,15 @@ class StudyStatus:
     at_most : bool
         Whether these times are upper bounds, because runs may end early.
     rounds_left : int
-        Rounds of refinement whose points are not known yet; these times do not include them.
+        Rounds whose points are not known yet, one where their number is open; these times do not
+        include them.
     orphans : tuple of str
         Points no longer in the study that have run files, or states of a stopped run. Empty while
         rounds are to come, as these may need any of them.
     budget : Budget, optional
         The budget of a study with a ``decide`` section.
+    answers : tuple of str
+        A line for each surrogate that is there.
     """
 
     name: str
@@ -124,6 +128,7 @@ class StudyStatus:
     rounds_left: int = 0
     orphans: tuple[str, ...] = ()
     budget: Budget | None = None
+    answers: tuple[str, ...] = ()
 
     @property
     def counts(self) -> dict[str, int]:
@@ -192,12 +197,21 @@ def survey(study: Study, results: str | Path = "results") -> StudyStatus:
     waiting = {key: parameters[key] for key in points if points[key].state in WAITING_STATES}
     for key, run in find_runs(runs, waiting).items():
         points[key] = replace(points[key], shared=run)
-    to_come = study.rounds - len(round_files(study, folder))
+    to_come = rounds_to_come(study, folder)
     stored = {match[1] or match[2] for name in present if (match := RUN_FILES.fullmatch(name))}
     orphans = () if to_come else tuple(sorted(stored - points.keys()))
     time_left = _time_left(points, parameters)
     budget = _budget(study.decide.budget, points, extra) if study.decide else None
-    return StudyStatus(study.name, study.title, points, *time_left, to_come, orphans, budget)
+    return StudyStatus(
+        study.name,
+        study.title,
+        points,
+        *time_left,
+        to_come,
+        orphans,
+        budget,
+        answers=tuple(summary_lines(study, folder)),
+    )
 
 
 def _budget(hours: float, points: Mapping[str, PointStatus], extra: ExtraAmounts) -> Budget:

@@ -29,6 +29,7 @@ from sim.study.papers import papers
 from sim.study.plot_file import PlotFile
 from sim.study.read import PART_NAME
 from sim.study.refine import MAX_ROUNDS, PARTS, further_rounds
+from sim.study.surrogate import SurrogateFile
 
 #: Maximum number of points of a study.
 MAX_POINTS = 100_000
@@ -223,6 +224,9 @@ class StudyFile(Strict):
         "boundaries between regimes, found by refinement", min_length=1
     )
 
+    surrogate: list[SurrogateFile] = optional(
+        "observables anywhere between the points of a series, with their errors", min_length=1
+    )
     plots: list[PlotFile] = optional("plots of the study's own points", min_length=1)
     pages: bool = Field(
         False, description="a page on each point, linked by the report: what came out, pictures"

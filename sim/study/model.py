@@ -3,6 +3,7 @@
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +14,7 @@ from sim.study.entries import DecideFile
 from sim.study.figure_spec import FigureSpec
 from sim.study.plot_kinds import Shown
 from sim.study.refine import further_rounds
+from sim.study.surrogate import MOST_ROUNDS, SurrogateSpec
 
 
 @dataclass(frozen=True)
@@ -99,6 +101,8 @@ class Study:
         Whether each point has a page, except points of later rounds.
     plugins : tuple of Plugin
         The plug-ins that it and its parts name.
+    surrogates : tuple of SurrogateSpec
+        Its surrogates.
     """
 
     name: str
@@ -114,6 +118,7 @@ class Study:
     decide: DecideFile | None = None
     pages: bool = False
     plugins: tuple[Plugin, ...] = ()
+    surrogates: tuple[SurrogateSpec, ...] = ()
 
     @cached_property
     def figures(self) -> dict[str, tuple[str, ...]]:
@@ -144,7 +149,9 @@ class Study:
 
     @property
     def rounds(self) -> int:
-        """Maximum number of rounds of refinement after the first."""
+        """Maximum number of rounds after the first; they end with one that adds no point."""
+        if any(one.has_rounds for one in self.surrogates):
+            return MOST_ROUNDS
         return max((boundary.rounds for boundary in self.boundaries), default=0)
 
     def particles_shown(self, figures: Iterable[str]) -> Shown:
@@ -159,7 +166,8 @@ class Study:
     @cached_property
     def _later_particles(self) -> Shown:
         """What a point of a later round may need: the figures that it feeds are not known yet."""
-        return self.particles_shown(name for one in self.boundaries for name in one.figures)
+        lists = [one.figures for one in self.boundaries] + [one.figures for one in self.surrogates]
+        return self.particles_shown(chain(*lists))
 
     def needs_run_file(self, point: str) -> bool:
         """Return whether a point needs its run file: for its page or a plot of time series."""
@@ -167,6 +175,7 @@ class Study:
             system, series = self.points[point].parameters.system, self.points[point].series
             return self.pages or any(spec.is_fed_by(system, series) for spec in self._time_series)
         names = {boundary.name for boundary in self.boundaries}
+        names |= {one.series for one in self.surrogates}
         return any(not names.isdisjoint(spec.series) for spec in self._time_series)
 
     @cached_property

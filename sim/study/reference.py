@@ -15,6 +15,7 @@ from sim.study.design_file import DesignFile, Distribution
 from sim.study.entries import RANGE, RANGE_SCHEMA
 from sim.study.plot_file import BesideFile, PlotFile
 from sim.study.plottable import shown_by
+from sim.study.surrogate import SurrogateFile
 from sim.study.validate import file_models
 
 SCHEMA_NAME = "schema.json"
@@ -67,6 +68,8 @@ def reference_text() -> str:
         _keys_table(Distribution),
         "### Keys of a boundary",
         _keys_table(entries.boundary),
+        "### Keys of a surrogate",
+        _keys_table(SurrogateFile),
         "### Keys of a plot",
         _keys_table(PlotFile),
         "### Keys of data beside a plot's own",

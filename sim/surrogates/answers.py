@@ -1,0 +1,40 @@
+"""Answer the questions of a study from its dataset: fit its surrogates and write them."""
+
+from pathlib import Path
+
+from sim.base.seals import read_summary
+from sim.study.load import Study, load_study
+
+
+def build(study_path: str | Path, results: str | Path = "results") -> list[str]:
+    """Write ``results/<study>/surrogates/<name>.nc`` for each surrogate of a study.
+
+    Returns
+    -------
+    list of str
+        A line for each: its points, its error, its core hours.
+
+    Raises
+    ------
+    InputError
+        When the dataset is missing, or has too few points for a surrogate.
+    """
+    # Imported here, as `summary_lines` needs none of it.
+    from sim.dataset.results import load_results
+    from sim.surrogates.fitting import fit_surrogate
+    from sim.surrogates.sample import sample_points
+    from sim.surrogates.storage import save
+
+    study = load_study(study_path, results)
+    folder = Path(results) / study.name
+    dataset = load_results(folder / "dataset.nc")
+    for spec in study.surrogates:
+        save(fit_surrogate(spec, sample_points(dataset, spec)), folder / spec.file)
+    return summary_lines(study, folder)
+
+
+def summary_lines(study: Study, folder: Path) -> list[str]:
+    """Return what the surrogates in the results of a study say of themselves, a line for each."""
+    files = (folder / spec.file for spec in study.surrogates)
+    summaries = (read_summary(path) for path in files if path.is_file())
+    return [str(summary["line"]) for summary in summaries if summary]
