@@ -221,8 +221,6 @@ def _usable(what: str, keys: Keys) -> Keys:
     AdditionError
         For the first of them, with the attribute of `Keys` and what is allowed.
     """
-    from sim.study.catalogue import FigureFile
-    from sim.study.plottable import Observable
 
     def require(key: str, value: Any, allowed: str, *, holds: bool) -> None:
         if not holds:
@@ -237,9 +235,8 @@ def _usable(what: str, keys: Keys) -> Keys:
     require("log", keys.log, "colour only where it is the key of the observable", holds=has_colour)
     # Nothing draws data beside the plot of a plug-in.
     require("others", keys.others, "curves, panels, between", holds="beside" not in keys.others)
-    for key, names in (("of_papers", FigureFile.model_fields), ("systems", SYSTEMS)):
-        for name in getattr(keys, key):
-            require(key, name, f"one of {', '.join(names)}", holds=name in names)
+    for name in keys.systems:
+        require("systems", name, f"one of {', '.join(SYSTEMS)}", holds=name in SYSTEMS)
     for key in ("what", "over"):
         text = getattr(keys, key)
         is_pattern = text.isprintable() and not set("{}") & set(text.replace("{}", "", 1))
@@ -247,7 +244,7 @@ def _usable(what: str, keys: Keys) -> Keys:
     for system in SYSTEMS:
         shown = keys.shows(system)
         are_observables = isinstance(shown, Mapping) and all(
-            isinstance(name, str) and isinstance(one, Observable) for name, one in shown.items()
+            isinstance(name, str) and hasattr(one, "meaning") for name, one in shown.items()
         )
         allowed = "a function: system -> observables by name, as sim.study.plottable.numbers"
         require("shows", shown, allowed, holds=are_observables)
