@@ -3,12 +3,14 @@
 ``warm`` compiles the engine before many runs start, so that no two compile the same code.
 """
 
+import hashlib
 import json
 import logging
 import signal
 import sys
 from collections.abc import Iterable
 from concurrent.futures import ProcessPoolExecutor
+from contextlib import suppress
 from multiprocessing import get_context
 from pathlib import Path
 
@@ -16,7 +18,8 @@ from sim.base.errors import InputError
 from sim.base.files import require_writable
 from sim.base.program import program
 from sim.base.yaml import read_yaml
-from sim.parameters import Parameters, parse_point, point_id
+from sim.engine.identity import cache_directory, library_versions
+from sim.parameters import Parameters, canonical_values, parse_point, point_id
 from sim.parameters.roles import compiled_parameters
 
 log = logging.getLogger("talus")
@@ -201,17 +204,33 @@ def variants(points: Iterable[Parameters]) -> list[Parameters]:
 def warm(points: Iterable[Parameters], processes: int = 1) -> None:
     """Compile everything that runs of these points will call, and store it in the cache folder.
 
-    Systems share little code: with several ``processes`` they are compiled in parallel.
+    Systems share little code: with several ``processes`` they are compiled in parallel. A mark in
+    the folder says what has been compiled there, so that the next call need not load numba.
     """
+    small = variants(points)
+    mark = cache_directory() / f"warm-{_compiled_for(small)}"
+    if mark.exists():
+        return
     systems: dict[type, list[Parameters]] = {}
-    for point in variants(points):
+    for point in small:
         systems.setdefault(type(point), []).append(point)
     if processes == 1 or len(systems) == 1:
         for group in systems.values():
             _compile(group)
-        return
-    with ProcessPoolExecutor(processes, get_context("fork")) as pool:
-        list(pool.map(_compile, systems.values()))
+    else:
+        with ProcessPoolExecutor(processes, get_context("fork")) as pool:
+            list(pool.map(_compile, systems.values()))
+    with suppress(OSError):
+        mark.touch()
+
+
+def _compiled_for(points: Iterable[Parameters]) -> str:
+    """Return a hash of points, libraries and processor: a home may be that of several machines."""
+    processor = Path("/proc/cpuinfo")
+    lines = processor.read_text("utf-8").splitlines() if processor.exists() else []
+    kind = {line for line in lines if line.startswith(("model name", "flags", "Features"))}
+    facts = [canonical_values(point) for point in points], library_versions(), sorted(kind)
+    return hashlib.sha256(repr(facts).encode()).hexdigest()[:12]
 
 
 def _compile(points: Iterable[Parameters]) -> None:
