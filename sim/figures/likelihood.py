@@ -21,6 +21,7 @@ from sim.figures.plot import (
     parameter_label,
     replicate_values,
     shared_look,
+    wrap_label,
     write_no_data,
 )
 from sim.figures.style import PALE
@@ -45,7 +46,7 @@ def draw(data: FigureData) -> Figure:
         axes.set_ylim(-0.03, 1.03)
     name = numbers(spec.system)[spec.options["show"]].name
     along = parameter_label(spec.system, spec.axes[0])
-    label_axes(figure, shown, along, "probability of a rise from here on")
+    label_axes(figure, shown, along, wrap_label("probability to rise from here on"))
     write_no_data(shown, name)
     legend(figure, shown)
     return figure
