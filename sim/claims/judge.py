@@ -80,21 +80,27 @@ def _variants(
         label = reading_label(claim.system, reading, readings)
         variant = _judge_under(claim, evidence, label, readings.control_reason(reading))
         if regridded:
-            votes = tuple(check for check in variant.checks if check.has_vote)
-            variant = replace(variant, checks=votes)
+            variant = replace(variant, checks=_votes(variant))
         key = variant.protocol, tuple(map(_rounded, variant.checks))
         if reading == readings.headline or not (variant.reason or key in keys):
             yield variant
             grids.add(grid)
         keys.add(key)
+        usual = _votes(variant)
         for words in claim.alternatives if grid is None else ():
             both = words if label == DEFAULT else f"{label}; {words}"
-            variant = _judge_under(claim, evidence, both, variant.control, words)
-            votes = tuple(check for check in variant.checks if check.has_vote)
-            key = variant.protocol, words, tuple(map(_rounded, votes))
-            if votes and key not in keys:
-                yield replace(variant, checks=votes)
+            other = _judge_under(claim, evidence, both, variant.control, words)
+            votes = _votes(other)
+            key = other.protocol, words, tuple(map(_rounded, votes))
+            # What an alternative does not change is the reading of the runs itself.
+            if votes and key not in keys and key[2] != tuple(map(_rounded, usual)):
+                yield replace(other, checks=votes)
             keys.add(key)
+
+
+def _votes(variant: Variant) -> tuple[Check, ...]:
+    """Return the checks of a variant that vote."""
+    return tuple(check for check in variant.checks if check.has_vote)
 
 
 def _rounded(check: Check) -> tuple[Any, ...]:

@@ -1,7 +1,7 @@
 """Verdicts as files: JSON with all evidence, a table of checks, and one of verdicts by reading."""
 
 import hashlib
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from math import nan
 from pathlib import Path
 from typing import Any
@@ -82,7 +82,11 @@ def as_mapping(judgements: list[Judgement], study: str) -> dict[str, Any]:
                     {
                         "value": value,
                         "verdict": verdict,
-                        "checks": [_check(check) for check in _voting_checks(judgement, value)],
+                        # Their runs are those of the headline value.
+                        "checks": [
+                            _check(replace(check, points=()))
+                            for check in _voting_checks(judgement, value)
+                        ],
                     }
                     for value, verdict in judgement.by_number.items()
                 ],

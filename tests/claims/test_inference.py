@@ -98,7 +98,7 @@ def test_the_reversal_that_decides_is_named():
     ("margin", "verdict"), [(None, REPRODUCED), (0.05, REPRODUCED), (0.001, INCONCLUSIVE)]
 )
 def test_that_no_reversal_is_seen_is_no_evidence_of_none(margin, verdict):
-    flat = [groups(1, 2, 2, 3, replicates=8)]
+    flat = [groups(1, 2, 2, 3, replicates=8, scatter=0.02)]
     assert trend("x", flat, monotone=True, margin=margin).verdict == verdict
     falling = [[group for group in flat[0][::-1]]]
     assert trend("x", falling, rising=False, monotone=True, margin=margin).verdict == verdict

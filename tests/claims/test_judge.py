@@ -235,7 +235,7 @@ def test_at_a_number_that_is_ours_a_verdict_may_depend_on_the_reading():
 
 def test_an_open_claim_is_priced_by_the_points_of_its_votes():
     """What is reported beside the votes, decided or not, is not bought."""
-    vote = replace(OPEN, points=("p",), freedom=7)
+    vote = replace(OPEN, value=2.95, points=("p",), freedom=7)
     beside = [
         replace(vote, points=("q",), votes=False),
         replace(vote, points=("r",), low=-inf, high=inf),

@@ -202,14 +202,14 @@ def test_flows_that_move_beyond_twice_the_tangent_fail():
     moving = [point for n in (1.24, 5, 10) for point in swept(arrested=(), moving=(0.65,), depth=n)]
     assert parts(w19, moving) == {"a": REPRODUCED, "b": NOT_REPRODUCED}
     (vote,) = (check for check in checks_of(w19, moving) if check.part == "b" and check.has_vote)
-    assert vote.text.startswith("0 of 18 (0 to ")
+    assert vote.text.startswith("0 of 30 (0 to ")
 
 
 def test_friction_beyond_three_times_the_tangent_is_reported():
     """The sentence begins at twice: beds that rest at more cannot stand for it."""
     moving = [*swept(arrested=(1.2,), moving=(0.65,)), *sweeps((), (1.24, 10))]
     votes = [check for check in checks_of(w19, moving) if check.part == "b" and check.has_vote]
-    assert [vote.text.split(" (")[0] for vote in votes] == ["24 of 30"]
+    assert [vote.text.split(" (")[0] for vote in votes] == ["40 of 50"]
 
 
 @pytest.mark.parametrize(

@@ -220,8 +220,10 @@ def _check_arrested_beyond(
         for start, sweep in [*by_start, (None, _sweep(evidence, n))]:
             for place in (place for mu, place in sweep.items() if mu > least):
                 reports.append(_report_arrested(place, min_rest))
+                if start is None:
+                    continue
                 reports += _report_rest_time(place)
-                if start is not None and place["friction"] <= most * tan(radians(place["angle"])):
+                if place["friction"] <= most * tan(radians(place["angle"])):
                     slow.append(place)
     if not reports:
         raise Untestable(f"no flow beyond {least:g} tan θ")
