@@ -105,7 +105,8 @@ def _votes(variant: Variant) -> tuple[Check, ...]:
 
 def _rounded(check: Check) -> tuple[Any, ...]:
     """Return what tells one check from another; equal sums may differ in their last digits."""
-    numbers = check.value, check.half_width, check.samples, *(check.tested or ())
+    numbers = check.value, check.half_width, check.low, check.high, check.samples
+    numbers += check.tested or ()
     rest = check.what, check.part, check.votes, check.withheld, check.points
     return *(f"{number:.9g}" for number in numbers), *rest
 

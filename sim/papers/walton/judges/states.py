@@ -55,7 +55,10 @@ def report_states(quantity: str, places: Sequence[Place]) -> list[Check]:
     for name, state in (("with", plugs), ("without", ~plugs)):
         if state.any():
             mean = f"{quantity}: V of the runs {name} a plug"
-            checks.append(reported(mean, replicate_mean(speeds[state]), places, "m/s"))
+            check = reported(mean, replicate_mean(speeds[state]), places, "m/s")
+            if state.sum() == 1:
+                check = replace(check, half_width=nan, text=f"{check.value:.3g} (one run)")
+            checks.append(check)
     return [*checks, *_report_lifetimes(quantity, places)]
 
 
