@@ -190,8 +190,9 @@ class Claim(BaseModel):
 
 def _printable_check(check: Check) -> Check:
     """Return a check whose texts contain no control characters and no marks of direction."""
-    texts = {name: printable(getattr(check, name)) for name in ("what", "unit", "withheld", "text")}
-    return replace(check, **texts)
+    texts = check.what, check.unit, check.withheld, check.text
+    what, unit, withheld, text = map(printable, texts)
+    return replace(check, what=what, unit=unit, withheld=withheld, text=text)
 
 
 def judge(

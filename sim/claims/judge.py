@@ -86,16 +86,16 @@ def _variants(
             yield variant
             grids.add(grid)
         keys.add(key)
-        usual = _votes(variant)
+        usual = tuple(map(_rounded, _votes(variant)))
         for words in claim.alternatives if grid is None else ():
             both = words if label == DEFAULT else f"{label}; {words}"
             other = _judge_under(claim, evidence, both, variant.control, words)
             votes = _votes(other)
-            key = other.protocol, words, tuple(map(_rounded, votes))
+            rounded = tuple(map(_rounded, votes))
             # What an alternative does not change is the reading of the runs itself.
-            if votes and key not in keys and key[2] != tuple(map(_rounded, usual)):
+            if votes and rounded != usual and (other.protocol, words, rounded) not in keys:
                 yield replace(other, checks=votes)
-            keys.add(key)
+            keys.add((other.protocol, words, rounded))
 
 
 def _votes(variant: Variant) -> tuple[Check, ...]:
@@ -105,8 +105,8 @@ def _votes(variant: Variant) -> tuple[Check, ...]:
 
 def _rounded(check: Check) -> tuple[Any, ...]:
     """Return what tells one check from another; equal sums may differ in their last digits."""
-    numbers = check.value, check.half_width, check.low, check.high, check.samples
-    numbers += check.tested or ()
+    sizes = check.value, check.half_width, check.low, check.high, check.samples
+    numbers = *sizes, *(check.tested or ())
     rest = check.what, check.part, check.votes, check.withheld, check.points
     return *(f"{number:.9g}" for number in numbers), *rest
 

@@ -87,12 +87,10 @@ def w11(
     quantity = "share of runs with a plug"
     checks = [share_above(f"{quantity}, {label}", int(plugs.sum()), plugs.size, majority, places)]
     for n in depths_run if len(depths_run) > 1 else ():
-        plugs = [
-            share > min_share
-            for place, share in zip(places, shares, strict=True)
-            if place["depth"] == n
+        of_depth = [
+            share for place, share in zip(places, shares, strict=True) if place["depth"] == n
         ]
-        ride = np.concatenate(plugs)
+        ride = np.concatenate(of_depth) > min_share
         if ride.size:
             label = f"{quantity}, n = {n:g} alone in cells of {where['cell']:g} σ"
             checks.append(reported_share(label, int(ride.sum()), ride.size))

@@ -238,7 +238,7 @@ def _check_arrested_beyond(
     quantity = f"share of beds at rest, {least:g} to {most:g} tan θ, slow starts"
     check = share_above(quantity, resting, number, majority, slow)
     later = share_above(quantity, resting + slowing, number, majority, slow)
-    return [replace(check, tested=(check.tested[0], later.tested[1])), *reports]
+    return [replace(check, tested=(check.p_holds, later.p_fails), looks=0), *reports]
 
 
 def _may_stop(place: Place) -> bool:
@@ -337,9 +337,9 @@ def _check_starts(
         if depth in STATE_DEPTHS:
             # Runs in several states have no common mean.
             speeds = [flow.values("velocity") for flow in pair]
-            check = same_by_rank(f"{quantity}, medians", speeds[0], speeds[1], margin, pair)
+            ranked = same_by_rank(f"{quantity}, medians", speeds[0], speeds[1], margin, pair)
             reasons = [*map(reason_unrankable, pair), reason_incomparable(pair)]
-            checks += withhold([check], "; ".join(dict.fromkeys(filter(None, reasons))))
+            checks += withhold([ranked], "; ".join(dict.fromkeys(filter(None, reasons))))
             continue
         ratio = quotient(place.velocity, steady.velocity)
         bounds = 1 - margin, 1 + margin
