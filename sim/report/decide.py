@@ -129,7 +129,7 @@ def _claim_offers(study: Study, results: Results, claim_ids: list[str]) -> Itera
         for reading in _readings(study, judged):
             times: dict[str, float] = {}
             for check in judged.open_checks(reading):
-                for point in check.points:
+                for point in check.open_points or check.points:
                     # Few samples give no estimate of the factor.
                     needed = check.replicate_factor if check.can_decide else MOST_FACTOR
                     times[point] = max(times.get(point, 1.0), needed)

@@ -39,6 +39,7 @@ KEYS = {
     "profiles": "x: velocity, curves: friction, panels: angle",
     "time_series": "curves: friction, panels: angle",
     "distribution": "x: friction, curves: angle",
+    "likelihood": "x: friction, curves: angle",
 }
 
 #: Replicates that have completed: all, one, none.
