@@ -28,9 +28,10 @@ from sim.figures.style import (
     escape_label,
     legend_above,
     settings,
+    with_subscript,
 )
 from sim.parameters import SYSTEMS, field_info
-from sim.parameters.words import PROTOCOLS, setting
+from sim.parameters.words import PROTOCOLS
 from sim.study.plot_contents import name_in_words, parameter_phrase
 from sim.study.plottable import Observable, numbers
 
@@ -142,9 +143,9 @@ def observable_label(data: FigureData, observable: Observable) -> str:
 def parameter_label(system: str, name: str) -> str:
     """Return the axis label of a parameter, in the unit of study files."""
     row = field_info(SYSTEMS[system])[name]
-    return wrap_label(
-        label_with_unit(parameter_phrase(system, name), row.scale or row.unit_text.strip())
-    )
+    unit = row.scale or row.unit_text.strip()
+    text = wrap_label(label_with_unit(parameter_phrase(system, name), unit))
+    return with_subscript(text, row.symbol)
 
 
 def wrap_label(text: str) -> str:
@@ -167,8 +168,8 @@ def panels(data: FigureData) -> tuple[Figure, Panels]:
     grid = figure.subplots(down, across, sharex=True, sharey=True, squeeze=False)
     shown = []
     for axes, value in zip(grid.flat, values, strict=False):
-        title = protocols.get(value) or setting(data.spec.system, name, value)
-        axes.set_title(escape_label(title), fontsize=9)
+        title = protocols.get(value) or settings(data.spec.system, [(name, value)])
+        axes.set_title(title, fontsize=9)
         shown.append((axes, rows[rows[name] == value]))
     for axes in grid.flat[len(values) :]:
         axes.set_visible(False)
